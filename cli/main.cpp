@@ -1,0 +1,126 @@
+// The program `schuler`: command line, what goes to which stream, exit status.
+#include "options.h"
+#include "progress.h"
+
+#include "schuler/app/commands.h"
+#include "schuler/core/error.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+namespace {
+
+using namespace schuler;
+
+constexpr int done = 0, computation_failed = 1, input_unusable = 2;
+
+std::string one_line(std::string text) {
+    for (char& c : text) {
+        if (c == '\n' || c == '\r') c = ' ';
+    }
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    return text;
+}
+
+void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one_line(text)); }
+
+/// Shows what a command has done: the result on standard output, everything else on standard error.
+void show(const app::Outcome& out, const cli::Options& options) {
+    if (!options.quiet) {
+        if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", out.notice);
+        for (const std::string& w : out.warnings) fmt::print(stderr, "warning: {}\n", one_line(w));
+    }
+    if (options.json) {
+        fmt::print("{}", out.json);
+        return;
+    }
+    if (options.quiet) return;
+    fmt::print("{}", out.tables);
+    const bool several = out.files.size() > 1;
+    std::string report;
+    for (const auto& file : out.files) {
+        if (file.filename() == "report.html" && several) {
+            report = file.string();
+        } else {
+            fmt::print("wrote {}\n", file.string());
+        }
+    }
+    if (!report.empty()) fmt::print("the report is {}\n", report);
+    if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", out.folder.string());
+}
+
+app::Outcome perform(const cli::Options& o) {
+    app::ProcessRequest request;
+    request.input = o.input;
+    request.output = o.output;
+    request.config = o.config;
+    request.seed = o.seed;
+    request.version = SCHULER_VERSION;
+    request.above = cli::settings_of(o);
+    cli::ProgressBar bar(!o.quiet);
+    request.progress = [&bar](double done_part) { bar.show(done_part); };
+    if (o.command == "process") return app::process_dataset(request);
+    if (o.command == "run") return app::run_scenario(request);
+    if (o.command == "demo") return app::run_demonstration(request);
+    if (o.command == "simulate") return app::simulate_to_folder(o.input, o.output, o.seed);
+    if (o.command == "evaluate") return app::evaluate_files(o.input, o.second, o.settle.value_or(0.0));
+    if (o.command == "inspect") return app::inspect_path(o.input);
+    if (o.command == "convert") return app::convert_file(o.input, o.output, o.format);
+    app::Outcome help;
+    help.tables = o.topic == "scenario" ? app::scenario_help(o.prefix) : app::settings_help(o.prefix);
+    if (help.tables.empty())
+        throw input_error(fmt::format("no key begins with \"{}\"", o.prefix), {}, "leave it out to list all keys");
+    return help;
+}
+
+/// Standard output may be a closed pipe or a full disk: the result is not there, so the status says so.
+int flushed(int status) {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+        complain("standard output cannot be written");
+        return status == done ? computation_failed : status;
+    }
+    return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    cli::Options options;
+    CLI::App parser("Integrated inertial-satellite navigation: from IMU and GNSS logs to a trajectory with honest uncertainty.",
+                    "schuler");
+    cli::add_commands(parser, options);
+    try {
+        parser.parse(argc, argv);
+    } catch (const CLI::CallForVersion&) {
+        fmt::print("schuler {}\n", SCHULER_VERSION);
+        return flushed(done);
+    } catch (const CLI::CallForHelp& e) {
+        parser.exit(e);
+        return flushed(done);
+    } catch (const CLI::CallForAllHelp& e) {
+        parser.exit(e);
+        return flushed(done);
+    } catch (const CLI::ParseError& e) {
+        complain(fmt::format("{}; see `schuler{} --help`", one_line(e.what()), cli::command_in(argc, argv, parser)));
+        return input_unusable;
+    }
+    try {
+        show(perform(options), options);
+        return flushed(done);
+    } catch (const Error& e) {
+        complain(e.what());
+        return e.kind() == ErrorKind::Input ? input_unusable : computation_failed;
+    } catch (const std::bad_alloc&) {
+        complain("out of memory; process a part of the data with --start and --stop");
+    } catch (const std::exception& e) {
+        complain(fmt::format("unexpected failure: {}", e.what()));
+    } catch (...) {
+        complain("unexpected failure");
+    }
+    return computation_failed;
+}

@@ -1,0 +1,190 @@
+#include "options.h"
+
+#include "schuler/app/config.h"
+
+#include <fmt/format.h>
+
+namespace schuler::cli {
+namespace {
+
+void add_everywhere(CLI::App& app, Options& o) {
+    app.add_flag("-q,--quiet", o.quiet, "no table, no progress bar, no warnings; errors only");
+    app.add_option("--threads", o.threads, "number of threads; results do not depend on it")->check(CLI::Range(0, 1024));
+    app.set_version_flag("--version", "schuler " SCHULER_VERSION, "print the version");
+}
+
+/// Options of process, run and demo.
+void add_processing(CLI::App& app, Options& o) {
+    app.add_option("--config", o.config, "settings over those of the data set: keys as in dataset.toml")->type_name("FILE.toml");
+    app.add_option("--scheme", o.scheme, "coupling: loose, or gnss for the receiver's own solution")->type_name("SCHEME");
+    app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
+    app.add_option("--loop", o.loop, "feedback of the estimated errors: closed")->type_name("LOOP");
+    app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");
+    app.add_option("--start", o.start, "leave out what is before; seconds after the first GNSS epoch, or abs:T")->type_name("T");
+    app.add_option("--stop", o.stop, "leave out what is after")->type_name("T");
+    app.add_option("--outage", o.outages, "withhold GNSS for T < t < T+DUR and compare there")
+        ->type_name("T:DUR[,T:DUR...]")
+        ->allow_extra_args(false);
+    app.add_option("--settle", o.settle, "count errors from here; default: alignment + 60 s")->type_name("S");
+    app.add_option("--outputs", o.outputs, "what is written: solution,summary,h5,report,kml,config (default all)")
+        ->type_name("LIST");
+    app.add_option("--output-rate", o.output_rate, "rate of the solution, default 10; 0 = every IMU epoch")->type_name("HZ");
+    app.add_option("--set", o.set, "a setting by its key; `schuler help settings` lists them")
+        ->type_name("key=value")
+        ->allow_extra_args(false);
+    // `--set a=1 b=2`: what follows the first pair arrives as arguments of no option
+    app.add_option("more_settings", o.loose_arguments)->group("");
+    app.add_flag("--json", o.json, "summary.json on standard output instead of the tables");
+}
+
+CLI::App* add_command(CLI::App& parser, Options& o, const std::string& name, const std::string& purpose,
+                      const std::string& examples) {
+    CLI::App* app = parser.add_subcommand(name, purpose);
+    app->callback([&o, name] { o.command = name; });
+    app->footer("Examples:\n" + examples);
+    add_everywhere(*app, o);
+    return app;
+}
+
+void add_data_commands(CLI::App& parser, Options& o) {
+    CLI::App* demo = add_command(parser, o, "demo", "simulate a drive, process its logs, evaluate, write a report",
+                                 "  schuler demo\n  schuler demo -o /tmp/demo");
+    demo->add_option("-o,--output", o.output, "folder to write to (default out/demo)")->type_name("DIR");
+    add_processing(*demo, o);
+
+    CLI::App* simulate = add_command(
+        parser, o, "simulate", "write the sensor logs and the truth of a scenario as a data set",
+        "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper_a.toml -o /tmp/flight --seed 7\n"
+        "`schuler help scenario` lists the keys of a scenario file.");
+    simulate->add_option("SCENARIO", o.input, "scenario file")->required();
+    simulate->add_option("-o,--output", o.output, "folder of the data set")->required()->type_name("DIR");
+    simulate->add_option("--seed", o.seed, "instead of the scenario's")->type_name("N");
+
+    CLI::App* process = add_command(
+        parser, o, "process", "from the logs of a data set to its trajectory",
+        "  schuler process drive/                                  a folder with dataset.toml, or one that is recognised\n"
+        "  schuler process drive/ --smooth --outage 50:15,100:15   withhold GNSS, see how far it drifts\n"
+        "  schuler process kf-gins.yaml --outputs solution,summary --output-rate 0\n"
+        "  schuler process drive/ --set imu.grade=mems --set gnss.lever_arm_m=[0.5,0,-1]\n"
+        "  schuler process drive/ --config out/drive/config.toml   the same settings again\n"
+        "`schuler help settings` lists the keys of dataset.toml, --config and --set.");
+    process->add_option("DATASET", o.input, "folder, dataset.toml, KF-GINS YAML file, or a log")->required();
+    process->add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
+    add_processing(*process, o);
+
+    CLI::App* run = add_command(parser, o, "run", "simulate a scenario, process and evaluate it in one go",
+                                "  schuler run examples/paper_a.toml\n  schuler run examples/demo.toml --seed 3 --smooth --json\n"
+                                "`schuler help scenario` lists the keys of a scenario file.");
+    run->add_option("SCENARIO", o.input, "scenario file")->required();
+    run->add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
+    run->add_option("--seed", o.seed, "instead of the scenario's")->type_name("N");
+    add_processing(*run, o);
+}
+
+void add_file_commands(CLI::App& parser, Options& o) {
+    CLI::App* evaluate = add_command(parser, o, "evaluate", "errors of a solution against a reference",
+                                     "  schuler evaluate out/drive/solution.csv drive/reference.csv\n  schuler evaluate "
+                                     "out/drive truth.txt --settle 300 --json");
+    evaluate->add_option("SOLUTION", o.input, "solution.csv, a folder with one, or any trajectory that can be read")->required();
+    evaluate->add_option("REFERENCE", o.second, "reference.csv, a solution, or ten columns: t lat lon h vN vE vD roll pitch yaw")
+        ->required();
+    evaluate->add_option("--settle", o.settle, "leave out the first S seconds")->type_name("S")->check(CLI::NonNegativeNumber);
+    evaluate->add_flag("--json", o.json, "one JSON document with the fields of summary.json");
+
+    CLI::App* inspect =
+        add_command(parser, o, "inspect", "what is in a file or folder, what is wrong, a dataset.toml to start from",
+                    "  schuler inspect drive/\n  schuler inspect imu.csv --json");
+    inspect->add_option("PATH", o.input, "file or folder")->required();
+    inspect->add_flag("--json", o.json, "one JSON document");
+
+    CLI::App* convert =
+        add_command(parser, o, "convert", "a solution from one format to another",
+                    "  schuler convert truth.txt reference.csv\n  schuler convert out/drive/solution.csv track.kml\n"
+                    "  schuler convert reference.csv truth.txt --to kf-gins");
+    convert->add_option("IN", o.input, "any trajectory that can be read")->required();
+    convert->add_option("OUT", o.output, "file to write")->required();
+    convert->add_option("--to", o.format, "csv, kml or kf-gins (default: by the name of OUT)")->type_name("FORMAT");
+
+    CLI::App* help = add_command(parser, o, "help", "the keys of settings and scenario files",
+                                 "  schuler help settings\n  schuler help settings imu.\n  schuler help scenario trajectory.");
+    help->add_option("TOPIC", o.topic, "settings or scenario")->required()->check(CLI::IsMember({"settings", "scenario"}));
+    help->add_option("PREFIX", o.prefix, "only keys that begin so");
+}
+
+app::Setting text_setting(const std::string& key, const std::string& text, const std::string& option) {
+    return {key, {text}, {option, 0, 0, {}}};
+}
+
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> out;
+    std::size_t begin = 0;
+    while (begin <= text.size()) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        if (end > begin) out.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return out;
+}
+
+app::Value time_value(const app::RunTime& t) {
+    return t.absolute ? app::Value{fmt::format("abs:{}", t.seconds)} : app::Value{t.seconds};
+}
+
+}  // namespace
+
+void add_commands(CLI::App& parser, Options& o) {
+    add_everywhere(parser, o);
+    parser.require_subcommand(1);
+    parser.footer(
+        "Examples:\n  schuler demo\n  schuler inspect drive/\n  schuler process drive/ --smooth\n  schuler evaluate "
+        "out/drive/solution.csv truth.csv\n"
+        "`schuler COMMAND --help` tells the options of a command.\n"
+        "Exit status: 0 done, 1 the computation failed, 2 the input or the command line is unusable.");
+    add_data_commands(parser, o);
+    add_file_commands(parser, o);
+}
+
+app::SettingList settings_of(const Options& o) {
+    app::SettingList out;
+    for (const std::string& text : o.loose_arguments) {
+        if (o.set.empty() || text.find('=') == std::string::npos)
+            throw input_error(fmt::format("unexpected argument \"{}\"", text), {},
+                              fmt::format("see `schuler {} --help`", o.command));
+    }
+    for (const std::string& text : o.set) out.push_back(app::setting_from_text(text));
+    for (const std::string& text : o.loose_arguments) out.push_back(app::setting_from_text(text));
+    if (!o.scheme.empty()) out.push_back(text_setting("filter.scheme", o.scheme, "--scheme"));
+    if (!o.mechanization.empty()) out.push_back(text_setting("filter.mechanization", o.mechanization, "--mechanization"));
+    if (!o.loop.empty()) out.push_back(text_setting("filter.loop", o.loop, "--loop"));
+    if (o.smooth) out.push_back({"filter.smooth", {true}, {"--smooth", 0, 0, {}}});
+    if (!o.start.empty())
+        out.push_back({"run.start_s", time_value(app::run_time_from_text(o.start, "--start")), {"--start", 0, 0, {}}});
+    if (!o.stop.empty())
+        out.push_back({"run.stop_s", time_value(app::run_time_from_text(o.stop, "--stop")), {"--stop", 0, 0, {}}});
+    if (o.settle) out.push_back({"run.settle_s", {*o.settle}, {"--settle", 0, 0, {}}});
+    if (o.output_rate) out.push_back({"output.rate_hz", {*o.output_rate}, {"--output-rate", 0, 0, {}}});
+    app::ValueList outages;
+    for (const std::string& text : o.outages) {
+        for (const app::OutageSpan& s : app::outages_from_text(text)) {
+            outages.push_back({app::ValueTable{{"start_s", time_value({s.start, s.absolute})}, {"duration_s", {s.duration}}}});
+        }
+    }
+    if (!outages.empty()) out.push_back({"outage", {std::move(outages)}, {"--outage", 0, 0, {}}});
+    if (!o.outputs.empty()) {
+        app::ValueList files;
+        for (const std::string& name : split(o.outputs)) files.push_back({name});
+        out.push_back({"output.files", {std::move(files)}, {"--outputs", 0, 0, {}}});
+    }
+    return out;
+}
+
+std::string command_in(int argc, char** argv, const CLI::App& parser) {
+    for (int i = 1; i < argc; ++i) {
+        for (const CLI::App* command : parser.get_subcommands([](const CLI::App*) { return true; })) {
+            if (command->get_name() == argv[i]) return " " + command->get_name();
+        }
+    }
+    return {};
+}
+
+}  // namespace schuler::cli

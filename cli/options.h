@@ -1,0 +1,37 @@
+// What the command line says, and how it becomes settings of the application.
+#pragma once
+
+#include "schuler/app/value.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::cli {
+
+struct Options {
+    std::string command;
+    std::string input, second, output, config, format;
+    std::string scheme, mechanization, loop, start, stop, outputs;
+    std::vector<std::string> outages, set, loose_arguments;
+    std::optional<double> settle, output_rate;
+    std::optional<std::uint64_t> seed;
+    std::string topic, prefix;
+    bool smooth = false, json = false, quiet = false;
+    int threads = 0;                    ///< accepted everywhere; the results do not depend on it
+};
+
+/// Declares every command with its options, help and examples.
+void add_commands(CLI::App& parser, Options& options);
+
+/// The options of process, run and demo as settings of the option table, each with its place on the command line.
+/// @throws Error(Input)
+[[nodiscard]] app::SettingList settings_of(const Options& options);
+
+/// " process" if argv names a command: for the hint of an error message.
+[[nodiscard]] std::string command_in(int argc, char** argv, const CLI::App& parser);
+
+}  // namespace schuler::cli

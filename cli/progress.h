@@ -1,0 +1,37 @@
+// A progress bar on standard error, on a terminal only.
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace schuler::cli {
+
+/// Draws while it lives, leaves an empty line behind.
+class ProgressBar {
+public:
+    explicit ProgressBar(bool wanted) : active_(wanted && isatty(STDERR_FILENO) != 0) {}
+    ~ProgressBar() {
+        if (drawn_ >= 0) std::fputs("\r\033[K", stderr);
+    }
+    ProgressBar(const ProgressBar&) = delete;
+    ProgressBar& operator=(const ProgressBar&) = delete;
+
+    /// part in [0, 1].
+    void show(double part) {
+        const int percent = part <= 0.0 ? 0 : part >= 1.0 ? 100 : static_cast<int>(100.0 * part);
+        if (!active_ || percent == drawn_) return;
+        drawn_ = percent;
+        char bar[51];
+        for (int i = 0; i < 50; ++i) bar[i] = i < percent / 2 ? '#' : '.';
+        bar[50] = '\0';
+        std::fprintf(stderr, "\r[%s] %3d %%", bar, percent);
+        std::fflush(stderr);
+    }
+
+private:
+    bool active_;
+    int drawn_ = -1;
+};
+
+}  // namespace schuler::cli

@@ -1,0 +1,53 @@
+# Language, warnings, processor and instrumentation, the same for every target of the project.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(SCHULER_CCACHE ccache)
+if(SCHULER_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${SCHULER_CCACHE}")
+endif()
+
+add_library(schuler_flags INTERFACE)
+target_compile_options(schuler_flags INTERFACE
+    -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -Wpedantic $<$<BOOL:${SCHULER_WERROR}>:-Werror>
+    -Wshadow -Wnon-virtual-dtor -Wcast-qual -Woverloaded-virtual -Wimplicit-fallthrough)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    # False alarms of this compiler at -O3: on "text" + std::string (GCC bug 105651), on moved std::variant and Eigen expressions.
+    target_compile_options(schuler_flags INTERFACE -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds)
+endif()
+
+# Eigen takes the alignment of its fixed-size types from -march. Fixed here, the layout of every public struct is the same for the
+# library and for users who compile for another processor.
+set(SCHULER_ABI_DEFINITIONS EIGEN_MAX_ALIGN_BYTES=32 EIGEN_MAX_STATIC_ALIGN_BYTES=32)
+
+set(SCHULER_MARCH "")
+if(SCHULER_ARCH STREQUAL "auto")
+    if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND EXISTS /proc/cpuinfo)
+        file(STRINGS /proc/cpuinfo cpu_flags REGEX "^flags" LIMIT_COUNT 1)
+        if(cpu_flags MATCHES " avx2( |$)" AND cpu_flags MATCHES " fma( |$)" AND cpu_flags MATCHES " bmi2( |$)")
+            set(SCHULER_MARCH "x86-64-v3")
+        endif()
+    endif()
+elseif(NOT SCHULER_ARCH STREQUAL "")
+    set(SCHULER_MARCH "${SCHULER_ARCH}")
+endif()
+if(SCHULER_MARCH)
+    target_compile_options(schuler_flags INTERFACE -march=${SCHULER_MARCH})
+endif()
+
+target_compile_options(schuler_flags INTERFACE $<$<CONFIG:Release>:-fno-math-errno>)
+
+if(SCHULER_SANITIZE)
+    target_compile_options(schuler_flags INTERFACE -fsanitize=${SCHULER_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(schuler_flags INTERFACE -fsanitize=${SCHULER_SANITIZE})
+endif()
+if(SCHULER_COVERAGE)
+    target_compile_options(schuler_flags INTERFACE --coverage -O0 -g)
+    target_link_options(schuler_flags INTERFACE --coverage)
+endif()

@@ -1,0 +1,23 @@
+# `cmake --install build --prefix X`: headers, libschuler, the find_package(schuler) files (component development), and the
+# program with its data (component program).
+include(CMakePackageConfigHelpers)
+set(config_dir "${CMAKE_INSTALL_LIBDIR}/cmake/schuler")
+
+install(TARGETS schuler EXPORT schulerTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/src/schuler" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
+        FILES_MATCHING PATTERN "*.h")
+install(EXPORT schulerTargets NAMESPACE schuler:: DESTINATION "${config_dir}" COMPONENT development)
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/schulerConfig.cmake.in" "${PROJECT_BINARY_DIR}/schulerConfig.cmake"
+                              INSTALL_DESTINATION "${config_dir}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/schulerConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/schulerConfig.cmake" "${PROJECT_BINARY_DIR}/schulerConfigVersion.cmake"
+              "${CMAKE_CURRENT_LIST_DIR}/schuler_dependencies.cmake"
+        DESTINATION "${config_dir}" COMPONENT development)
+
+if(TARGET schuler_cli)
+    install(TARGETS schuler_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
+endif()
+if(EXISTS "${PROJECT_SOURCE_DIR}/data")
+    install(DIRECTORY "${PROJECT_SOURCE_DIR}/data/" DESTINATION "${CMAKE_INSTALL_DATADIR}/schuler" COMPONENT program)
+endif()
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)

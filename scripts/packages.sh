@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# The one list of the Debian 12 packages Schuler is made of, and the command that installs those that are missing.
+#
+#   scripts/packages.sh --list [build|test|develop]      names, one a line (all sets when none is named)
+#   scripts/packages.sh --missing SET                    names that are not installed; exit status 0 when there are none
+#   scripts/packages.sh --install SET                    installs what is missing, as root or through sudo
+#
+# `test` includes `build`, `develop` includes both. Nothing is done, and apt is not called, when nothing is missing.
+set -euo pipefail
+shopt -s inherit_errexit
+
+build=(
+    build-essential cmake ninja-build ccache pkg-config
+    libeigen3-dev           # linear algebra
+    libgeographiclib-dev    # geodesy, normal gravity
+    libfmt-dev libspdlog-dev
+    libcli11-dev            # command line
+    libtomlplusplus-dev libyaml-cpp-dev nlohmann-json3-dev
+    libhdf5-dev zlib1g-dev libfast-float-dev
+    libtbb-dev              # campaigns on all cores
+    libkissfft-dev
+)
+test=(
+    libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
+    clang-16 libclang-rt-16-dev     # libFuzzer and its run-time libraries
+    rtklib                          # convbin, rnx2rtkp: oracles, never linked
+    chromium                        # opens the reports
+    python3 python3-numpy python3-scipy
+)
+develop=(clang-format-16 clang-tidy-16)
+
+fail() {
+    echo "packages: $*" >&2
+    exit 1
+}
+
+names_of() {
+    case "$1" in
+        build) printf '%s\n' "${build[@]}" ;;
+        test) printf '%s\n' "${build[@]}" "${test[@]}" ;;
+        develop | "") printf '%s\n' "${build[@]}" "${test[@]}" "${develop[@]}" ;;
+        *) fail "unknown set '$1': build, test or develop" ;;
+    esac
+}
+
+# Names of the set that dpkg does not report as installed.
+missing_of() {
+    local names
+    names=$(names_of "$1")
+    # shellcheck disable=SC2086  # one word a name
+    { dpkg-query --show --showformat='${db:Status-Status} ${Package}\n' $names 2>/dev/null || true; } |  # 1: some unknown
+        awk -v names="$names" '$1 == "installed" { have[$2] = 1 }
+            END { n = split(names, wanted, "\n"); for (i = 1; i <= n; ++i) if (!(wanted[i] in have)) print wanted[i] }'
+}
+
+install_set() {
+    if ! command -v dpkg-query >/dev/null; then
+        echo "packages: this is not a Debian system; the names of what is needed: scripts/packages.sh --list $1" >&2
+        return 0
+    fi
+    local missing
+    missing=$(missing_of "$1")
+    [ -n "$missing" ] || return 0
+    local one_line=${missing//$'\n'/ }
+    local as_root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null || fail "missing and neither root nor sudo here; as root: apt-get install $one_line"
+        as_root=(sudo)
+    fi
+    echo "packages: installing $one_line" >&2
+    local apt=(env DEBIAN_FRONTEND=noninteractive apt-get --quiet --quiet)
+    local log
+    log=$(mktemp)
+    # shellcheck disable=SC2064
+    trap "rm -f '$log'" EXIT
+    "${as_root[@]}" "${apt[@]}" update >"$log" 2>&1 ||
+        fail "apt-get update failed (no network, or no package source?): $(grep -m1 '^E:' "$log" || tail -n 1 "$log")"
+    # shellcheck disable=SC2086
+    "${as_root[@]}" "${apt[@]}" install --yes --no-install-recommends -o Dpkg::Use-Pty=0 $missing >"$log" 2>&1 ||
+        fail "apt-get install failed: $(grep -m1 '^E:' "$log" || tail -n 1 "$log")"
+}
+
+case "${1:-}" in
+    --list) names_of "${2:-}" ;;
+    --missing)
+        missing=$(missing_of "${2:?set: build, test or develop}")
+        [ -z "$missing" ] || { echo "$missing"; exit 1; }
+        ;;
+    --install) install_set "${2:?set: build, test or develop}" ;;
+    *) sed -n 's/^# \{0,1\}//; 2,8p' "$0" >&2; exit 2 ;;
+esac

@@ -1,0 +1,117 @@
+#include "schuler/analysis/consistency.h"
+
+#include "schuler/math/chi_square.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::analysis {
+
+namespace {
+
+double mean_of(std::span<const double> values) {
+    double sum = 0.0;
+    for (const double v : values) sum += v;
+    return sum / static_cast<double>(values.size());
+}
+
+/// How many independent values a correlated series is worth.
+double effective_number(std::span<const double> all) {
+    // Correlation times are seconds and more: thinning a long series keeps the answer and bounds the work.
+    constexpr std::size_t enough = 20000;
+    const std::size_t stride = (all.size() + enough - 1) / enough;
+    std::vector<double> v;
+    for (std::size_t i = 0; i < all.size(); i += stride) v.push_back(all[i]);
+    const double mean = mean_of(v);
+    for (double& x : v) x -= mean;
+    const auto covariance = [&v](std::size_t lag) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i + lag < v.size(); ++i) sum += v[i] * v[i + lag];
+        return sum;
+    };
+    const double variance = covariance(0);
+    if (!(variance > 0.0)) return 1.0;
+    double inflation = -1.0;  // sum over lags of both signs = 2 * sum of pairs - 1
+    for (std::size_t lag = 0; lag + 1 < v.size(); lag += 2) {
+        const double pair = (covariance(lag) + covariance(lag + 1)) / variance;
+        if (pair <= 0.0) break;
+        inflation += 2.0 * pair;
+    }
+    const auto n = static_cast<double>(v.size());
+    return std::clamp(n / std::max(inflation, 1e-3), 1.0, n);
+}
+
+NeesStatistics block(std::span<const ErrorRow> rows, Time settled, const Eigen::Vector3d ErrorRow::*error,
+                     const Eigen::Vector3d ErrorRow::*sigma) {
+    std::vector<double> values;
+    for (const ErrorRow& row : rows) {
+        if (row.time >= settled) values.push_back((row.*error).cwiseQuotient(row.*sigma).squaredNorm());
+    }
+    return nees_statistics(values, 3.0);
+}
+
+}  // namespace
+
+double nees(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
+    const Eigen::LLT<Eigen::Matrix3d> factor(covariance);
+    if (factor.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+    return factor.matrixL().solve(error).squaredNorm();
+}
+
+NeesStatistics nees_statistics(std::span<const double> values, double dof) {
+    std::vector<double> numbers;
+    for (const double v : values) {
+        if (std::isfinite(v)) numbers.push_back(v);
+    }
+    NeesStatistics out;
+    out.expected = dof;
+    if (numbers.empty()) return out;
+    out.mean = mean_of(numbers);
+    out.effective_samples = effective_number(numbers);
+    const double whole = dof * out.effective_samples;
+    out.low95 = math::chi_square_quantile(0.025, whole) / out.effective_samples;
+    out.high95 = math::chi_square_quantile(0.975, whole) / out.effective_samples;
+    return out;
+}
+
+ConsistencySummary consistency(std::span<const ErrorRow> rows, Time settled) {
+    return {block(rows, settled, &ErrorRow::position, &ErrorRow::std_position),
+            block(rows, settled, &ErrorRow::velocity, &ErrorRow::std_velocity),
+            block(rows, settled, &ErrorRow::rpy, &ErrorRow::std_rpy)};
+}
+
+NisStatistics nis_statistics(std::span<const InnovationSample> samples) {
+    NisStatistics out;
+    std::vector<InnovationSample> kept;
+    for (const InnovationSample& s : samples) {
+        if (s.accepted) kept.push_back(s);
+    }
+    out.accepted = kept.size();
+    out.rejected = samples.size() - kept.size();
+    if (kept.empty()) return out;
+    const auto n = static_cast<double>(kept.size());
+    double nis = 0.0, dof = 0.0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const InnovationSample& s : kept) {
+        nis += s.nis;
+        dof += s.dof;
+        mean += s.standardised / n;
+    }
+    out.mean = nis / n;
+    out.dof = dof / n;
+    double neighbours = 0.0, square = 0.0;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        const Eigen::Vector3d here = kept[i].standardised - mean;
+        for (Eigen::Index axis = 0; axis < kept[i].dof; ++axis) {
+            square += here[axis] * here[axis];
+            const bool pair = i + 1 < kept.size() && axis < kept[i + 1].dof;
+            if (pair) neighbours += here[axis] * (kept[i + 1].standardised[axis] - mean[axis]);
+        }
+    }
+    if (square > 0.0) out.lag1 = neighbours / square;
+    return out;
+}
+
+}  // namespace schuler::analysis

@@ -1,0 +1,60 @@
+// Everything one run has made: data, result, evaluation, timing; and what is written of it.
+#pragma once
+
+#include "schuler/app/dataset.h"
+#include "schuler/app/evaluate.h"
+#include "schuler/fusion/result.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+struct Timing {
+    double read_s = 0.0, filter_s = 0.0, write_s = 0.0, wall_s = 0.0;
+};
+
+struct ResultBundle {
+    std::string command;                         ///< "process", "run"
+    std::string version;
+    std::string name;
+    std::optional<std::uint64_t> seed;
+    LoadedDataset data;
+    fusion::Result result;
+    std::vector<sim::SensorTruth> sensor_truth;  ///< simulated data
+    Evaluation evaluation;
+    std::string config_toml;                     ///< every setting as used
+    std::vector<std::string> warnings;
+    Timing timing;
+
+    [[nodiscard]] bool smoothed() const { return !result.smoothed.rows.empty(); }
+    [[nodiscard]] const fusion::Trajectory& solution() const { return smoothed() ? result.smoothed : result.forward; }
+    [[nodiscard]] double relative(Time t) const { return (t - data.origin).seconds(); }
+};
+
+/// summary.json, with the fields of the interface contract; numbers that do not apply are null.
+[[nodiscard]] std::string summary_json(const ResultBundle& bundle);
+
+/// The same numbers as tables for people.
+[[nodiscard]] std::string summary_tables(const ResultBundle& bundle);
+
+/// The page of report.html. The same bundle gives the same bytes: no clock, no timing.
+[[nodiscard]] std::string report_html(const ResultBundle& bundle);
+
+/// run.h5 with solution, sensor errors, innovations, outages, and truth and errors where there is a reference.
+void write_run_h5(const std::filesystem::path& file, const ResultBundle& bundle);
+
+/// Writes a text under its name when complete.
+void write_text(const std::filesystem::path& file, const std::string& text);
+
+/// The first row in each period of the time axis, at `rate` Hz; 0 = all rows.
+[[nodiscard]] std::vector<SolutionRow> thinned(std::vector<SolutionRow> rows, double rate);
+
+/// Writes the outputs that the settings choose into a folder, each under its name only when complete, summary.json last.
+/// Returns their paths. @throws Error(Input) where the folder cannot be written.
+std::vector<std::filesystem::path> write_outputs(ResultBundle& bundle, const std::filesystem::path& folder);
+
+}  // namespace schuler::app

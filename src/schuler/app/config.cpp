@@ -1,0 +1,110 @@
+#include "schuler/app/config.h"
+
+#include "schuler/app/config_sections.h"
+#include "schuler/app/toml_file.h"
+#include "schuler/sensor/grades.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace schuler::app {
+namespace {
+
+OptionTable<Config> make_table() {
+    OptionTable<Config> table;
+    add_dataset_options(table);
+    add_imu_options(table);
+    add_gnss_options(table);
+    add_filter_options(table);
+    add_run_options(table);
+    return table;
+}
+
+bool is_imu_number(const std::string& key) { return key.starts_with("imu.gyro_") || key.starts_with("imu.accel_"); }
+
+std::optional<double> whole_number(std::string_view text) {
+    double x = 0.0;
+    const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), x);
+    if (ec != std::errc() || end != text.data() + text.size() || !(std::abs(x) < 1e10)) return std::nullopt;
+    return x;
+}
+
+}  // namespace
+
+Config::Config() { filter.imu.errors = sensor::imu_grade(grade); }
+
+const OptionTable<Config>& config_table() {
+    static const OptionTable<Config> table = make_table();
+    return table;
+}
+
+Config config_from(const SettingList& settings) {
+    Config config;
+    config_table().apply(settings, config);
+    const auto given = [&](std::string_view key) { return std::ranges::find(settings, key, &Setting::key) != settings.end(); };
+    if (!given("imu.estimate_noise")) {
+        // a grade alone is only a guess at the noise
+        config.filter.imu.estimate_noise = !given("imu.gyro_noise_deg_sqrt_h") && !given("imu.accel_noise_m_s_sqrt_h");
+    }
+    const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
+    config.nonholonomic = config.nonholonomic.value_or(wheeled);
+    config.filter.aids.nonholonomic = *config.nonholonomic;
+    return config;
+}
+
+SettingList overlaid(SettingList base, const SettingList& above) {
+    const bool grade = std::ranges::any_of(above, [](const Setting& s) { return s.key == "imu.grade"; });
+    if (grade) std::erase_if(base, [](const Setting& s) { return is_imu_number(s.key); });
+    base.insert(base.end(), above.begin(), above.end());
+    return base;
+}
+
+Setting setting_from_text(const std::string& text) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+        throw input_error(fmt::format("\"{}\" is not key=value", text), {"--set", 0, 0, {}},
+                          "write for example --set imu.grade=tactical");
+    }
+    std::string key = text.substr(0, equals);
+    while (!key.empty() && key.back() == ' ') key.pop_back();
+    // through the same flattening as a file, so that unknown keys and whole sections fail in the same words
+    ValueTable root{{key, parse_toml_value(text.substr(equals + 1))}};
+    SettingList list = config_table().read(root, "--set");
+    if (list.empty()) throw input_error("is a section", {"--set", 0, 0, key}, "name one key of it");
+    return list.front();
+}
+
+RunTime run_time_from_text(const std::string& text, const std::string& option) {
+    const bool absolute = text.starts_with("abs:");
+    const std::optional<double> x = whole_number(std::string_view(text).substr(absolute ? 4 : 0));
+    if (!x) {
+        throw input_error(fmt::format("\"{}\" is not a time", text), {option, 0, 0, {}},
+                          "give seconds after the first GNSS epoch, or abs:T on the data set's own axis");
+    }
+    return {*x, absolute};
+}
+
+std::vector<OutageSpan> outages_from_text(const std::string& text) {
+    std::vector<OutageSpan> out;
+    std::size_t begin = 0;
+    while (begin <= text.size()) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::string item = text.substr(begin, end - begin);
+        const std::size_t colon = item.rfind(':');
+        const auto bad = [&] {
+            return input_error(fmt::format("\"{}\" is not an outage", item), {"--outage", 0, 0, {}},
+                               "write T:DUR[,T:DUR...] in seconds, for example 50:15,100:15");
+        };
+        if (colon == std::string::npos || colon == 0 || item.substr(0, colon) == "abs") throw bad();
+        const std::optional<double> duration = whole_number(std::string_view(item).substr(colon + 1));
+        const bool absolute = item.starts_with("abs:");
+        const std::optional<double> start = whole_number(std::string_view(item).substr(0, colon).substr(absolute ? 4 : 0));
+        if (!duration || !start || !(*duration > 0.0)) throw bad();
+        out.push_back({*start, *duration, absolute});
+        begin = end + 1;
+    }
+    return out;
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,103 @@
+// Everything a user can set about processing one data set: what the files mean, the filter, what is written.
+#pragma once
+
+#include "schuler/app/option_table.h"
+#include "schuler/core/time.h"
+#include "schuler/fusion/settings.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+/// A file of a data set and how its columns are named.
+struct FileSource {
+    std::string file;                            ///< relative to the data set's folder, $NAME for environment variables
+    std::map<std::string, std::string> columns;  ///< canonical name = the file's name
+    std::map<std::string, double> scale;         ///< canonical name = factor to the canonical unit
+    double time_offset = 0.0;                    ///< s, added to the file's times
+};
+
+struct TimeConfig {
+    TimeScale scale = TimeScale::Gps;
+    std::optional<int> week;                     ///< GPS week of seconds of week
+    std::string date;                            ///< YYYY-MM-DD of seconds of day
+};
+
+enum class Scheme { Gnss, Loose };
+enum class Quaternion { BodyToNed, SensorToEnu };
+enum class Loop { Closed };
+
+/// An outage as a user gives it.
+struct OutageSpan {
+    double start = 0.0;                          ///< s, see RunTime::absolute
+    double duration = 0.0;                       ///< s
+    bool absolute = false;                       ///< start is on the data set's own axis
+};
+
+/// A time of the command line: seconds after the first GNSS epoch, or on the data set's own axis ("abs:T").
+struct RunTime {
+    double seconds = 0.0;
+    bool absolute = false;
+};
+
+struct RunConfig {
+    std::optional<RunTime> start, stop;
+    std::vector<OutageSpan> outages;
+    std::optional<double> settle;                ///< s after which errors are counted; not given: alignment + 60 s
+};
+
+struct OutputConfig {
+    std::vector<std::string> files{"solution", "summary", "h5", "report", "kml", "config"};
+};
+
+/// The settings of one run. fusion::Settings is filled by the bindings of config_table(), then by settled().
+struct Config {
+    std::string name;
+    TimeConfig time;
+    FileSource imu, gnss, baro, mag, reference;
+    std::string axes = "frd";                    ///< sensor axes of the IMU
+    std::string mag_axes;                        ///< of the magnetometer; empty: those of the IMU
+    std::string grade = "consumer";
+    std::map<std::string, std::string> fix_codes;
+    std::optional<double> undulation;            ///< m, geoid above ellipsoid, for heights above mean sea level
+    Quaternion quaternion = Quaternion::BodyToNed;
+    double initial_time = not_given;             ///< s on the data set's own axis
+    std::string preset = "ins15";
+    Scheme scheme = Scheme::Loose;
+    Loop loop = Loop::Closed;
+    std::optional<bool> nonholonomic;            ///< not given: on for a car
+    fusion::Settings filter;
+    RunConfig run;
+    OutputConfig output;
+
+    Config();
+};
+
+/// The table of options of dataset.toml, --config and --set.
+[[nodiscard]] const OptionTable<Config>& config_table();
+
+/// The settings applied to the defaults, with what follows from them (constraints of the vehicle kind).
+/// @throws Error(Input) naming the setting's place.
+[[nodiscard]] Config config_from(const SettingList& settings);
+
+/// Layers of settings, the later ones over the earlier ones: a later IMU grade also discards the numbers of earlier layers.
+[[nodiscard]] SettingList overlaid(SettingList base, const SettingList& above);
+
+/// "key=value" of the command line. @throws Error(Input) for a missing '=' or an unknown key.
+[[nodiscard]] Setting setting_from_text(const std::string& text);
+
+/// "T:DUR[,T:DUR...]", T may be "abs:T". @throws Error(Input).
+[[nodiscard]] std::vector<OutageSpan> outages_from_text(const std::string& text);
+/// Entries of [[outage]]. @throws Error(Input) without a place.
+[[nodiscard]] std::vector<OutageSpan> outages_from_tables(const ValueList& tables);
+/// "T" or "abs:T". @throws Error(Input); `option` names it in the message.
+[[nodiscard]] RunTime run_time_from_text(const std::string& text, const std::string& option);
+
+/// C_bs of sensor axes: "frd", "flu", "fur", ... (x, y, z of the sensor point forward/back, left/right, up/down) or
+/// "x=forward, y=left, z=up". @throws Error(Input) for axes that are missing, doubled or left-handed.
+[[nodiscard]] Eigen::Matrix3d axes_from_text(const std::string& text);
+
+}  // namespace schuler::app

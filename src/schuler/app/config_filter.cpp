@@ -1,0 +1,167 @@
+#include "schuler/app/config_sections.h"
+#include "schuler/app/option_builders.h"
+#include "schuler/core/units.h"
+
+namespace schuler::app {
+namespace {
+
+using fusion::AidSettings;
+using fusion::BaroSettings;
+using fusion::InitialSettings;
+using fusion::MagSettings;
+
+template <class T>
+auto baro(T BaroSettings::*field) {
+    return [=](auto& c) -> auto& { return c.filter.baro.*field; };
+}
+template <class T>
+auto mag(T MagSettings::*field) {
+    return [=](auto& c) -> auto& { return c.filter.mag.*field; };
+}
+template <class T>
+auto aids(T AidSettings::*field) {
+    return [=](auto& c) -> auto& { return c.filter.aids.*field; };
+}
+/// One component of a vector of the initial state.
+auto component(Eigen::Vector3d InitialSettings::*field, int axis) {
+    return [=](auto& c) -> auto& { return (c.filter.initial.*field)[axis]; };
+}
+
+void add_environment(OptionTable<Config>& table) {
+    table.add(flag<Config>("baro.use", "use the barometer", baro(&BaroSettings::use)))
+        .add(number<Config>("baro.white_m", 1.0, 1e-3, 1e4, "white noise of the barometric height", baro(&BaroSettings::std)))
+        .add(number<Config>("baro.bias_m", 1.0, 0, 1e5, "initial bias of the barometric height, one sigma",
+                            baro(&BaroSettings::bias_std)))
+        .add(number<Config>("baro.bias_walk_m", 1.0, 0, 1e3, "random walk of that bias, m in a root second",
+                            baro(&BaroSettings::bias_walk)))
+        .add(flag<Config>("mag.use", "use the magnetometer's heading", mag(&MagSettings::use)))
+        .add(number<Config>("mag.declination_deg", units::deg, -180, 180,
+                            "magnetic declination, east positive; not given: part of the heading offset",
+                            mag(&MagSettings::declination)))
+        .add(number<Config>("mag.heading_std_deg", units::deg, 1e-3, 180, "white noise of the magnetic heading",
+                            mag(&MagSettings::heading_std)))
+        .add(number<Config>("mag.heading_bias_deg", units::deg, 0, 180, "constant error of the magnetic heading, one sigma",
+                            mag(&MagSettings::bias_std)));
+}
+
+void add_initial(OptionTable<Config>& table) {
+    using I = InitialSettings;
+    constexpr double deg = units::deg;
+    table
+        .add(number<Config>("initial.time_s", 1.0, -1e11, 1e11, "time of the initial state on the data set's own axis",
+                            [](auto& c) -> auto& { return c.initial_time; }))
+        .add(number<Config>("initial.lat_deg", deg, -90, 90, "latitude of the IMU",
+                            [](auto& c) -> auto& { return c.filter.initial.position.lat; }))
+        .add(number<Config>("initial.lon_deg", deg, -360, 360, "longitude",
+                            [](auto& c) -> auto& { return c.filter.initial.position.lon; }))
+        .add(number<Config>("initial.height_m", 1.0, -1e4, 1e6, "ellipsoidal height",
+                            [](auto& c) -> auto& { return c.filter.initial.position.h; }));
+    const struct {
+        const char* name;
+        double factor, low, high;
+        const char* help;
+        Eigen::Vector3d I::*field;
+        int axis;
+    } rows[] = {{"vel_n_m_s", 1, -1e4, 1e4, "velocity north", &I::velocity_n, 0},
+                {"vel_e_m_s", 1, -1e4, 1e4, "velocity east", &I::velocity_n, 1},
+                {"vel_d_m_s", 1, -1e4, 1e4, "velocity down", &I::velocity_n, 2},
+                {"roll_deg", deg, -180, 180, "roll of the body", &I::rpy, 0},
+                {"pitch_deg", deg, -90, 90, "pitch", &I::rpy, 1},
+                {"heading_deg", deg, -360, 360, "heading clockwise from north", &I::rpy, 2},
+                {"std_n_m", 1, 0, 1e7, "one sigma of the position north", &I::std_position, 0},
+                {"std_e_m", 1, 0, 1e7, "... east", &I::std_position, 1},
+                {"std_d_m", 1, 0, 1e7, "... down", &I::std_position, 2},
+                {"std_vn_m_s", 1, 0, 1e4, "one sigma of the velocity north", &I::std_velocity, 0},
+                {"std_ve_m_s", 1, 0, 1e4, "... east", &I::std_velocity, 1},
+                {"std_vd_m_s", 1, 0, 1e4, "... down", &I::std_velocity, 2},
+                {"std_roll_deg", deg, 0, 180, "one sigma of roll", &I::std_rpy, 0},
+                {"std_pitch_deg", deg, 0, 180, "... pitch", &I::std_rpy, 1},
+                {"std_heading_deg", deg, 0, 180, "... heading", &I::std_rpy, 2}};
+    for (const auto& r : rows) {
+        table.add(number<Config>(std::string("initial.") + r.name, r.factor, r.low, r.high, r.help, component(r.field, r.axis)));
+    }
+    table
+        .add(vector3<Config>("initial.gyro_bias_deg_h", units::deg_per_hour, -1e6, 1e6, "gyro bias to start from",
+                             [](auto& c) -> auto& { return c.filter.initial.gyro_bias; }))
+        .add(vector3<Config>("initial.accel_bias_mg", units::mg, -1e4, 1e4, "accelerometer bias to start from",
+                             [](auto& c) -> auto& { return c.filter.initial.accel_bias; }));
+}
+
+/// A name that stands for several settings; those given by themselves win because they come later in the table.
+Option<Config> preset_option() {
+    OptionSpec spec = detail::spec("filter.preset", Shape::Text,
+                                   "states: ins15 = position, velocity, attitude, biases; ins21 = scale factors too");
+    spec.choices = {"ins15", "ins21"};
+    return {std::move(spec),
+            [](Config& c, const Value& v) {
+                c.preset = *v.text();
+                c.filter.scale_factors = c.preset == "ins21";
+            },
+            [](const Config& c) -> std::optional<Value> { return Value{c.preset}; }};
+}
+
+/// A choice of which only some names work in this version: the others get an honest message.
+template <class Enum, class Access>
+Option<Config> staged_choice(std::string key, std::vector<std::pair<std::string, Enum>> names, std::vector<std::string> later,
+                             std::string help, Access access) {
+    Option<Config> option = choice<Config, Enum>(std::move(key), std::move(names), std::move(help), access);
+    option.spec.form = accepted_form(option.spec);
+    const std::vector<std::string> now = option.spec.choices;
+    option.spec.choices.insert(option.spec.choices.end(), later.begin(), later.end());
+    option.set = [set = option.set, later = std::move(later), form = option.spec.form](Config& c, const Value& v) {
+        if (std::ranges::find(later, *v.text()) != later.end()) {
+            throw input_error(fmt::format("\"{}\" is not in this version", *v.text()), {}, fmt::format("use {}", form));
+        }
+        set(c, v);
+    };
+    return option;
+}
+
+}  // namespace
+
+void add_filter_options(OptionTable<Config>& table) {
+    add_environment(table);
+    add_initial(table);
+    using fusion::Mechanization;
+    table.add(preset_option())
+        .add(staged_choice<Scheme>("filter.scheme", {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}},
+                                   {"separate", "tight", "medium", "deep"}, "coupling; gnss is the receiver's own solution",
+                                   [](auto& c) -> auto& { return c.scheme; }))
+        .add(choice<Config, Mechanization>(
+            "filter.mechanization", {{"geographic", Mechanization::Geographic}, {"ecef", Mechanization::Ecef}},
+            "frame of the strapdown equations", [](auto& c) -> auto& { return c.filter.mechanization; }))
+        .add(staged_choice<Loop>("filter.loop", {{"closed", Loop::Closed}}, {"open", "mixed"}, "feedback of the estimated errors",
+                                 [](auto& c) -> auto& { return c.loop; }))
+        .add(flag<Config>("filter.smooth", "fixed-interval smoother after the filter",
+                          [](auto& c) -> auto& { return c.filter.smooth; }))
+        .add(flag<Config>("filter.scale_factors", "gyro and accelerometer scale factors as states",
+                          [](auto& c) -> auto& { return c.filter.scale_factors; }))
+        .add(flag<Config>("filter.estimate_lever_arm", "the antenna lever arm as states",
+                          [](auto& c) -> auto& { return c.filter.estimate_lever_arm; }))
+        .add(flag<Config>("filter.zero_velocity", "zero-velocity and zero-rate updates where the log shows the body still",
+                          aids(&AidSettings::zero_velocity)))
+        .add(number<Config>("filter.zero_velocity_std_m_s", 1.0, 1e-6, 100, "their velocity noise",
+                            aids(&AidSettings::zero_velocity_std)))
+        .add(number<Config>("filter.zero_rate_std_deg_s", units::deg_per_s, 0, 100, "their rate noise, added to the gyro noise",
+                            aids(&AidSettings::zero_rate_std)))
+        .add(flag<Config>("filter.nonholonomic", "wheels neither slip sideways nor leave the ground; default: on for a car",
+                          [](auto& c) -> auto& { return c.nonholonomic; }))
+        .add(flag<Config>("filter.detect_wheels", "impose the vehicle constraint once the log shows that the vehicle rolls on wheels; default: "
+                                                  "on for KF-GINS projects",
+                          aids(&AidSettings::nonholonomic_auto)))
+        .add(number<Config>("filter.nonholonomic_std_lateral_m_s", 1.0, 1e-4, 100, "sideways velocity, one sigma",
+                            aids(&AidSettings::nonholonomic_std_lateral)))
+        .add(number<Config>("filter.nonholonomic_std_vertical_m_s", 1.0, 1e-4, 100, "vertical velocity, one sigma",
+                            aids(&AidSettings::nonholonomic_std_vertical)))
+        .add(number<Config>("filter.constraint_rate_hz", 1.0, 0.01, 1000, "rate of the constraint updates",
+                            aids(&AidSettings::constraint_rate)))
+        .add(number<Config>("filter.gate_probability", 1.0, 0, 0.5,
+                            "a good measurement is rejected with this probability; 0 = no gate",
+                            aids(&AidSettings::gate_probability)))
+        .add(number<Config>("filter.recovery_time_s", 1.0, 0, 1e5, "consistent rejected fixes over this span win",
+                            aids(&AidSettings::recovery_time)))
+        .add(integer<Config>("filter.recovery_count", 1, 100000, "... if there are at least so many",
+                             aids(&AidSettings::recovery_count)));
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,94 @@
+#include "schuler/app/config_sections.h"
+#include "schuler/app/option_builders.h"
+
+namespace schuler::app {
+namespace {
+
+using fusion::GnssSettings;
+
+constexpr double latency_low = -60.0, latency_high = 60.0;
+
+Option<Config> latency_option() {
+    return special<Config>(
+        "gnss.latency_s", "a number from -60 to 60 or \"estimate\"",
+        "a fix is this much older than its stamp; \"estimate\" has every latency not given found",
+        [](Config& c, const Value& v) {
+            GnssSettings& s = c.filter.gnss;
+            if (v.text() != nullptr && *v.text() == "estimate") {
+                s.estimate_latency = true;
+                return;
+            }
+            if (!v.is_number() || !(v.number() >= latency_low && v.number() <= latency_high)) {
+                throw input_error(fmt::format("{} is not a latency", to_toml(v)), {},
+                                  "give seconds from -60 to 60, or \"estimate\"");
+            }
+            s.estimate_latency = false;
+            s.latency = v.number();
+        },
+        [](const Config& c) -> std::optional<Value> {
+            if (c.filter.gnss.estimate_latency) return Value{std::string("estimate")};
+            return Value{c.filter.gnss.latency};
+        });
+}
+
+Option<Config> fix_codes_option() {
+    static const std::vector<std::string> names{"none", "autonomous", "differential", "rtk_fixed", "rtk_float"};
+    Option<Config> option =
+        text_map<Config>("gnss.fix_codes", "code in the file = none, autonomous, differential, rtk_fixed or rtk_float",
+                         [](auto& c) -> auto& { return c.fix_codes; });
+    option.set = [set = option.set](Config& c, const Value& v) {
+        set(c, v);
+        for (const auto& [code, name] : c.fix_codes) {
+            if (std::ranges::find(names, name) == names.end()) {
+                throw input_error(fmt::format("unknown fix type \"{}\"", name), {},
+                                  "use none, autonomous, differential, rtk_fixed or rtk_float");
+            }
+        }
+    };
+    return option;
+}
+
+/// Access to a field of the GNSS settings.
+template <class T>
+auto gnss(T GnssSettings::*field) {
+    return [=](auto& c) -> auto& { return c.filter.gnss.*field; };
+}
+
+}  // namespace
+
+void add_gnss_options(OptionTable<Config>& table) {
+    using fusion::HeightKind;
+    table.add(fix_codes_option())
+        .add(vector3<Config>("gnss.lever_arm_m", 1.0, -100, 100, "IMU to antenna, body axes forward, right, down",
+                             gnss(&GnssSettings::lever_arm_b)))
+        .add(latency_option())
+        .add(number<Config>("gnss.velocity_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the velocity",
+                            gnss(&GnssSettings::velocity_latency)))
+        .add(number<Config>("gnss.height_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the height",
+                            gnss(&GnssSettings::height_latency)))
+        .add(number<Config>("gnss.velocity_down_latency_s", 1.0, latency_low, latency_high,
+                            "replaces velocity_latency_s for the down component", gnss(&GnssSettings::velocity_down_latency)))
+        .add(choice<Config, HeightKind>(
+            "gnss.height",
+            {{"ellipsoidal", HeightKind::Ellipsoidal}, {"msl", HeightKind::Msl}, {"relative", HeightKind::Relative}},
+            "what heights are counted from", gnss(&GnssSettings::height)))
+        .add(number<Config>("gnss.undulation_m", 1.0, -120, 120,
+                            "geoid above the ellipsoid, added to heights above mean sea level",
+                            [](auto& c) -> auto& { return c.undulation; }))
+        .add(vector3<Config>("gnss.default_std_m", 1.0, 1e-4, 1e5, "one sigma north, east, down where the log gives none",
+                             gnss(&GnssSettings::default_std_position)))
+        .add(vector3<Config>("gnss.default_std_velocity_m_s", 1.0, 1e-4, 1e4,
+                             "one sigma of the velocity where the log gives none", gnss(&GnssSettings::default_std_velocity)))
+        .add(vector3<Config>("gnss.std_floor_m", 1.0, 0, 1e3, "smaller standard deviations of the log are raised to this",
+                             gnss(&GnssSettings::std_floor_position)))
+        .add(flag<Config>("gnss.estimate_std",
+                          "where the log gives no standard deviations: scale the defaults until the innovations agree",
+                          gnss(&GnssSettings::estimate_std)))
+        .add(flag<Config>("gnss.use_velocity", "use the velocity of the log", gnss(&GnssSettings::use_velocity)))
+        .add(number<Config>("gnss.correlated_m", 1.0, 0, 1e4, "slowly varying position error, one sigma; 0 = not modelled",
+                            gnss(&GnssSettings::correlated_std)))
+        .add(number<Config>("gnss.correlated_time_s", 1.0, 1e-2, 1e7, "its correlation time",
+                            gnss(&GnssSettings::correlated_time)));
+}
+
+}  // namespace schuler::app

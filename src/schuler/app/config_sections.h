@@ -1,0 +1,14 @@
+// The sections of the option table, each in its own file.
+#pragma once
+
+#include "schuler/app/config.h"
+
+namespace schuler::app {
+
+void add_dataset_options(OptionTable<Config>& table);  ///< name, time, vehicle, earth, files
+void add_imu_options(OptionTable<Config>& table);
+void add_gnss_options(OptionTable<Config>& table);
+void add_filter_options(OptionTable<Config>& table);   ///< baro, mag, initial, filter
+void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
+
+}  // namespace schuler::app

@@ -1,0 +1,49 @@
+// Data sets: found by their path, described by settings, loaded into a recording.
+#pragma once
+
+#include "schuler/app/config.h"
+#include "schuler/core/log.h"
+#include "schuler/core/samples.h"
+
+#include <filesystem>
+#include <string>
+
+namespace schuler::app {
+
+/// What a path turned out to be: the settings that describe it, and where its files are.
+struct Dataset {
+    std::string name;
+    std::filesystem::path folder;        ///< relative paths start here
+    SettingList settings;
+    std::string inferred_toml;           ///< the dataset.toml that would say what was inferred; empty where nothing was
+};
+
+/// Opens a folder with dataset.toml, the path of a dataset.toml, a KF-GINS YAML file, or a folder or file whose content is
+/// recognised. @throws Error(Input) saying what is wrong and how to mend it.
+[[nodiscard]] Dataset open_dataset(const std::filesystem::path& path);
+
+/// A recording with what loading it has told about the settings.
+struct LoadedDataset {
+    Recording recording;                 ///< times on the data set's own axis
+    Config config;
+    Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch
+    bool true_reference = false;         ///< the reference is simulated truth
+    double read_seconds = 0.0;
+};
+
+/// Reads the files that the settings name and settles what depends on them (heights, start, stop, outages).
+/// @throws Error(Input) with file, line, column or key.
+[[nodiscard]] LoadedDataset load_dataset(const Dataset& dataset, const Config& config, WarningLog& warnings);
+
+/// Settles times and axes of a recording that is in memory.
+[[nodiscard]] LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings);
+
+/// $NAME and ${NAME} replaced by environment variables. @throws Error(Input) for one that is not set.
+[[nodiscard]] std::string with_environment(const std::string& path, const std::string& key);
+
+/// Truth or another program's solution: CSV with names, solution.csv, or a table of ten columns without them (time, latitude,
+/// longitude, height, velocity NED, roll, pitch, heading in degrees). @throws Error(Input).
+[[nodiscard]] std::vector<ReferenceSample> read_reference(const std::filesystem::path& file, const FileSource& source,
+                                                          const Config& config, WarningLog& warnings);
+
+}  // namespace schuler::app

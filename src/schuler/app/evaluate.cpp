@@ -1,0 +1,153 @@
+#include "schuler/app/evaluate.h"
+
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <array>
+
+namespace schuler::app {
+namespace {
+
+using fusion::AidKind;
+
+constexpr double default_settle = 60.0;  // s after alignment, from the interface contract
+
+Eigen::Vector3d enu_from_ned(const Eigen::Vector3d& ned) { return {ned.y(), ned.x(), -ned.z()}; }
+
+analysis::OutageSpan span_of(const fusion::Outage& outage, Time origin) {
+    return {origin + Duration::from_seconds(outage.start), Duration::from_seconds(outage.duration)};
+}
+
+bool has_position(const std::vector<ReferenceSample>& reference) {
+    return std::ranges::any_of(reference, [](const ReferenceSample& s) { return s.position.lat == s.position.lat; });
+}
+
+/// The outages of a trajectory against the reference, or against the withheld fixes at the antenna.
+std::vector<analysis::OutageStatistics> outages_of(const LoadedDataset& data, const std::vector<ReferenceSample>& reference,
+                                                   const fusion::Trajectory& trajectory, bool jumps) {
+    std::vector<analysis::OutageStatistics> out;
+    const bool by_reference = has_position(reference);
+    const auto& outages = data.config.filter.outages;
+    for (std::size_t k = 0; k < outages.size(); ++k) {
+        const analysis::OutageSpan span = span_of(outages[k], data.origin);
+        if (by_reference) {
+            const auto errors = analysis::outage_errors(data.config.filter.earth, trajectory.rows, reference, span, jumps);
+            out.push_back(analysis::outage_statistics(span, errors));
+            continue;
+        }
+        std::vector<analysis::OutageError> errors;
+        for (const fusion::OutageEpoch& e : trajectory.outage_epochs) {
+            if (e.outage != static_cast<int>(k)) continue;
+            errors.push_back({e.time, enu_from_ned(e.error), Eigen::Vector3d(e.sigma.y(), e.sigma.x(), e.sigma.z())});
+        }
+        out.push_back(analysis::outage_statistics(span, errors));
+    }
+    return out;
+}
+
+std::vector<AidConsistency> aids_of(const std::vector<fusion::AidRecord>& records, Time settled) {
+    std::vector<AidConsistency> out;
+    constexpr std::array kinds{AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro,        AidKind::Mag,
+                               AidKind::ZeroVelocity, AidKind::ZeroRate,     AidKind::Nonholonomic};
+    for (const AidKind kind : kinds) {
+        std::vector<analysis::InnovationSample> samples;
+        for (const fusion::AidRecord& r : records) {
+            if (r.kind != kind || r.status == fusion::AidStatus::Withheld || r.time < settled) continue;
+            Eigen::Vector3d standardised = Eigen::Vector3d::Zero();
+            for (int i = 0; i < 3; ++i) standardised[i] = r.sigma[i] > 0.0 ? r.innovation[i] / r.sigma[i] : 0.0;
+            samples.push_back({r.nis, r.dof, r.status == fusion::AidStatus::Accepted, standardised});
+        }
+        if (!samples.empty()) out.push_back({name_of(kind), analysis::nis_statistics(samples)});
+    }
+    return out;
+}
+
+/// Estimated minus true biases at the end of the run.
+void bias_errors(const fusion::Trajectory& trajectory, const std::vector<sim::SensorTruth>& truth, Evaluation& out) {
+    if (trajectory.sensor_errors.empty() || truth.empty()) return;
+    const fusion::SensorErrorRow& last = trajectory.sensor_errors.back();
+    const auto it = std::ranges::lower_bound(truth, last.time, {}, &sim::SensorTruth::time);
+    const sim::SensorTruth& t = it == truth.end() ? truth.back() : *it;
+    out.gyro_bias_error = last.gyro_bias - t.gyro_bias;
+    out.accel_bias_error = last.accel_bias - t.accel_bias;
+}
+
+/// The reference epochs to compare at: those that coincide with rows of the solution where there are enough of them, for the
+/// solution between its rows is interpolated and a vehicle may shake between them.
+std::vector<ReferenceSample> comparable(const std::vector<SolutionRow>& rows, const std::vector<ReferenceSample>& reference) {
+    constexpr std::int64_t same_instant_ns = 1'000;
+    std::vector<ReferenceSample> out;
+    std::size_t i = 0;
+    for (const ReferenceSample& s : reference) {
+        while (i < rows.size() && rows[i].time.ns < s.time.ns - same_instant_ns) ++i;
+        if (i < rows.size() && rows[i].time.ns <= s.time.ns + same_instant_ns) out.push_back(s);
+    }
+    const std::size_t smaller = std::min(rows.size(), reference.size());
+    return 2 * out.size() >= smaller ? out : reference;
+}
+
+}  // namespace
+
+std::string_view name_of(AidKind kind) {
+    switch (kind) {
+        case AidKind::GnssPosition: return "gnss_position";
+        case AidKind::GnssVelocity: return "gnss_velocity";
+        case AidKind::Baro: return "baro";
+        case AidKind::Mag: return "mag";
+        case AidKind::ZeroVelocity: return "zero_velocity";
+        case AidKind::ZeroRate: return "zero_rate";
+        case AidKind::Nonholonomic: return "nonholonomic";
+    }
+    return "other";
+}
+
+Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const std::vector<sim::SensorTruth>& truth) {
+    Evaluation out;
+    const Config& c = data.config;
+    const bool smoothed = !result.smoothed.rows.empty();
+    const fusion::Trajectory& solution = smoothed ? result.smoothed : result.forward;
+    out.settled = c.run.settle ? data.origin + Duration::from_seconds(*c.run.settle)
+                               : result.findings.aligned_at + Duration::from_seconds(default_settle);
+    const std::vector<ReferenceSample> reference = comparable(solution.rows, data.recording.reference);
+    if (!reference.empty()) {
+        out.reference = data.true_reference ? "truth" : "file";
+        out.errors = analysis::errors_against(c.filter.earth, solution.rows, reference);
+        out.summary = analysis::summarise(out.errors, out.settled);
+        out.consistency = analysis::consistency(out.errors, out.settled);
+        if (smoothed) {
+            out.errors_forward = analysis::errors_against(c.filter.earth, result.forward.rows, reference);
+            out.forward = analysis::summarise(out.errors_forward, out.settled);
+        }
+    } else if (!c.filter.outages.empty()) {
+        out.reference = "gnss";
+    }
+    out.outages = outages_of(data, reference, solution, !smoothed);
+    if (smoothed) out.outages_forward = outages_of(data, reference, result.forward, true);
+    out.aids = aids_of(result.aids, out.settled);
+    bias_errors(solution, truth, out);
+    return out;
+}
+
+Evaluation compare(const earth::Earth& earth, const std::vector<SolutionRow>& rows, const std::vector<ReferenceSample>& reference,
+                   double settle) {
+    Evaluation out;
+    out.reference = "file";
+    out.errors = analysis::errors_against(earth, rows, comparable(rows, reference));
+    if (out.errors.empty()) {
+        throw input_error(
+            "the solution and the reference have no time in common", {},
+            rows.empty() || reference.empty()
+                ? "one of them has no rows"
+                : fmt::format(
+                      "the solution spans {:.3f} to {:.3f} s, the reference {:.3f} to {:.3f} s; both must be on one time axis",
+                      rows.front().time.seconds(), rows.back().time.seconds(), reference.front().time.seconds(),
+                      reference.back().time.seconds()));
+    }
+    out.settled = out.errors.front().time + Duration::from_seconds(settle);
+    out.summary = analysis::summarise(out.errors, out.settled);
+    const bool sigmas = std::ranges::any_of(rows, [](const SolutionRow& r) { return r.std_position.allFinite(); });
+    if (sigmas) out.consistency = analysis::consistency(out.errors, out.settled);
+    return out;
+}
+
+}  // namespace schuler::app

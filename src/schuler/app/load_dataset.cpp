@@ -1,0 +1,218 @@
+#include "schuler/app/dataset.h"
+
+#include "schuler/core/units.h"
+#include "schuler/io/csv_recording.h"
+#include "schuler/io/kfgins.h"
+#include "schuler/io/nmea.h"
+#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/table.h"
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+namespace schuler::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path resolved(const fs::path& folder, const std::string& file, const std::string& key) {
+    const fs::path path = with_environment(file, key);
+    return path.is_absolute() ? path : folder / path;
+}
+
+/// A table of numbers without names, as KF-GINS writes them, that the settings do not explain column by column.
+bool is_bare_table(const io::TextInput& input, const FileSource& source, int columns) {
+    if (!source.columns.empty()) return false;
+    const io::TableLayout layout = io::inspect_table(input);
+    return layout.names.empty() && layout.data_columns == columns;
+}
+
+io::CsvOptions csv_options(const FileSource& source, const Config& config) {
+    io::CsvOptions o;
+    o.columns = source.columns;
+    o.scale = source.scale;
+    o.fix_codes = config.fix_codes;
+    o.time_offset = Duration::from_seconds(source.time_offset);
+    if (config.quaternion == Quaternion::SensorToEnu) o.quaternion = "sensor_to_enu";
+    // body to sensor: the axes, then the mounting
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(config.filter.imu.mounting_rpy) * config.filter.imu.C_bs;
+    o.C_sb = C_bs.transpose();
+    return o;
+}
+
+void read_imu(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+    Config& c = out.config;
+    if (c.imu.file.empty())
+        throw input_error("no IMU file", {{}, 0, 0, "imu.file"}, "name it in dataset.toml: [imu] file = \"imu.csv\"");
+    const io::TextInput input(resolved(folder, c.imu.file, "imu.file"));
+    if (is_bare_table(input, c.imu, 7)) {
+        out.recording.imu = io::read_kfgins_imu(input, warnings, Duration::from_seconds(c.imu.time_offset)).samples;
+        c.filter.imu.kind = ImuKind::Increments;
+        return;
+    }
+    io::ImuTable table = io::read_imu_csv(input, csv_options(c.imu, c), warnings);
+    out.recording.imu = std::move(table.samples);
+    c.filter.imu.kind = table.kind;
+}
+
+void settle_height_kind(io::HeightKind found, Config& c) {
+    const bool sea_level = found == io::HeightKind::Msl || found == io::HeightKind::Autopilot;
+    if (sea_level && c.filter.gnss.height == fusion::HeightKind::Ellipsoidal) c.filter.gnss.height = fusion::HeightKind::Msl;
+}
+
+std::vector<GnssFix> shifted(std::vector<GnssFix> fixes, Duration by) {
+    for (GnssFix& f : fixes) f.time = f.time + by;
+    return fixes;
+}
+
+/// GPS time of zero on the data set's own axis, for files that carry dates where the IMU log does not. Zero where it does.
+Duration axis_zero(const TimeConfig& time, Time first_fix, const std::vector<ImuSample>& imu) {
+    const double first = imu.front().time.seconds(), last = imu.back().time.seconds();
+    const std::int64_t utc = (first_fix.ns / 1'000'000'000) - gps_minus_utc(first_fix.ns / 1'000'000'000);
+    const Duration leap = time.scale == TimeScale::Utc ? Duration{gps_minus_utc(utc) * std::int64_t{1'000'000'000}} : Duration{};
+    constexpr double unix_of_gps_epoch = 315'964'800.0, dated = 1e8, day = 86'400.0, week = 7 * day;
+    if (time.scale == TimeScale::Utc && first > 1e9) return leap + Duration::from_seconds(-unix_of_gps_epoch);
+    if (first > dated) return leap;
+    if (time.week) return Time::from_gps(*time.week, 0.0) - Time{} + leap;
+    if (!time.date.empty()) {
+        Calendar c{0, 0, 0, 0, 0, 0.0};
+        std::sscanf(time.date.c_str(), "%d-%d-%d", &c.year, &c.month, &c.day);
+        return gps_from_calendar(c) - Time{} + leap;
+    }
+    // whole weeks lie between, or whole days where the log cannot be seconds of a week
+    const double unit = time.scale == TimeScale::Utc && last < day + 3600.0 ? day : week;
+    return Duration::from_seconds(std::floor(first_fix.seconds() / unit) * unit) + leap;
+}
+
+/// Dated fixes on the axis of the IMU log.
+std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const Config& c, const std::vector<ImuSample>& imu,
+                                 Duration offset) {
+    if (fixes.empty() || imu.empty()) return fixes;
+    const Time first = fixes.front().time;
+    return shifted(std::move(fixes), offset + -axis_zero(c.time, first, imu));
+}
+
+void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+    Config& c = out.config;
+    if (c.gnss.file.empty()) return;
+    const io::TextInput input(resolved(folder, c.gnss.file, "gnss.file"));
+    const Duration offset = Duration::from_seconds(c.gnss.time_offset);
+    if (is_bare_table(input, c.gnss, 7) || is_bare_table(input, c.gnss, 13)) {
+        out.recording.gnss = io::read_kfgins_gnss(input, warnings, offset).fixes;
+        return;
+    }
+    if (io::is_rtklib_pos(input)) {
+        io::RtklibPos pos = io::read_rtklib_pos(input, warnings);
+        out.recording.gnss = on_own_axis(std::move(pos.fixes), c, out.recording.imu, offset);
+        settle_height_kind(pos.height, c);
+        return;
+    }
+    if (io::is_nmea(input)) {
+        io::NmeaLog log = io::read_nmea(input, warnings);
+        out.recording.gnss = log.has_date ? on_own_axis(std::move(log.fixes), c, out.recording.imu, offset)
+                                          : shifted(std::move(log.fixes), offset);
+        settle_height_kind(log.height, c);
+        return;
+    }
+    io::GnssTable table = io::read_gnss_csv(input, csv_options(c.gnss, c), warnings);
+    out.recording.gnss = std::move(table.fixes);
+    settle_height_kind(table.height, c);
+}
+
+/// Heights above mean sea level become ellipsoidal where the undulation is known.
+void settle_heights(LoadedDataset& out, WarningLog& warnings) {
+    Config& c = out.config;
+    if (c.filter.gnss.height != fusion::HeightKind::Msl || out.recording.gnss.empty()) return;
+    if (c.undulation) {
+        for (GnssFix& f : out.recording.gnss) f.position.h += *c.undulation;
+        c.filter.gnss.height = fusion::HeightKind::Ellipsoidal;
+        return;
+    }
+    warnings.add("gnss.height.msl",
+                 "heights are above mean sea level and are used as they are; give gnss.undulation_m for ellipsoidal ones");
+}
+
+void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+    Config& c = out.config;
+    if (!c.baro.file.empty()) {
+        out.recording.baro =
+            io::read_baro_csv(resolved(folder, c.baro.file, "baro.file"), csv_options(c.baro, c), warnings).samples;
+    }
+    if (!c.mag.file.empty()) {
+        out.recording.mag = io::read_mag_csv(resolved(folder, c.mag.file, "mag.file"), csv_options(c.mag, c), warnings).samples;
+        if (!c.mag_axes.empty()) {
+            const Eigen::Matrix3d C_imu_mag = c.filter.imu.C_bs.transpose() * axes_from_text(c.mag_axes);
+            for (MagSample& m : out.recording.mag) m.field_b = C_imu_mag * m.field_b;
+        }
+    }
+    if (!c.reference.file.empty()) {
+        out.recording.reference = read_reference(resolved(folder, c.reference.file, "reference.file"), c.reference, c, warnings);
+    }
+}
+
+Time absolute(const RunTime& t, Time origin) {
+    const Time base = t.absolute ? Time{} : origin;
+    return base + Duration::from_seconds(t.seconds);
+}
+
+void settle_times(LoadedDataset& out) {
+    const Recording& r = out.recording;
+    if (r.imu.empty())
+        throw input_error("the IMU log has no usable row", {out.config.imu.file, 0, 0, {}},
+                          "check its columns with `schuler inspect`");
+    out.origin = r.gnss.empty() ? r.imu.front().time : r.gnss.front().time;
+    fusion::Settings& f = out.config.filter;
+    const RunConfig& run = out.config.run;
+    if (run.start) f.start = absolute(*run.start, out.origin);
+    if (run.stop) f.stop = absolute(*run.stop, out.origin);
+    if (f.start && f.stop && *f.stop <= *f.start) {
+        throw input_error("the end of the run is not after its start", {{}, 0, 0, "run.stop_s"},
+                          "give a later --stop or an earlier --start");
+    }
+    f.outages.clear();
+    for (const OutageSpan& o : run.outages) {
+        const double start = o.absolute ? (Time::from_seconds(o.start) - out.origin).seconds() : o.start;
+        f.outages.push_back({start, o.duration});
+    }
+    if (!std::isnan(out.config.initial_time)) f.initial.time = Time::from_seconds(out.config.initial_time);
+}
+
+}  // namespace
+
+std::vector<ReferenceSample> read_reference(const fs::path& file, const FileSource& source, const Config& config,
+                                            WarningLog& warnings) {
+    const io::TextInput input(file);
+    if (!is_bare_table(input, source, 10)) return io::read_reference_csv(input, csv_options(source, config), warnings).samples;
+    FileSource named = source;
+    const char* names[] = {"time_s",    "lat_deg",   "lon_deg",  "height_m",  "vel_n_m_s",
+                           "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"};
+    for (int i = 0; i < 10; ++i) named.columns[names[i]] = fmt::format("#{}", i + 1);
+    return io::read_reference_csv(input, csv_options(named, config), warnings).samples;
+}
+
+LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings) {
+    LoadedDataset out;
+    out.recording = std::move(recording);
+    out.config = config;
+    settle_heights(out, warnings);
+    settle_times(out);
+    return out;
+}
+
+LoadedDataset load_dataset(const Dataset& dataset, const Config& config, WarningLog& warnings) {
+    const auto begin = std::chrono::steady_clock::now();
+    LoadedDataset out;
+    out.config = config;
+    read_imu(dataset.folder, out, warnings);
+    read_gnss(dataset.folder, out, warnings);
+    read_others(dataset.folder, out, warnings);
+    settle_heights(out, warnings);
+    settle_times(out);
+    out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return out;
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,49 @@
+#include "schuler/app/bundle.h"
+#include "schuler/io/atomic_file.h"
+#include "schuler/io/kml.h"
+#include "schuler/io/solution_csv.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::app {
+
+std::vector<SolutionRow> thinned(std::vector<SolutionRow> rows, double rate) {
+    if (!(rate > 0.0)) return rows;
+    const Duration period = Duration::from_seconds(1.0 / rate);
+    std::int64_t last = INT64_MIN;
+    std::size_t kept = 0;
+    for (const SolutionRow& r : rows) {
+        // IMU stamps scatter about the grid by less than this; a row just before its grid point stands for it
+        constexpr std::int64_t scatter_ns = 100'000;
+        const std::int64_t ns = r.time.ns + scatter_ns;
+        const std::int64_t number = ns >= 0 ? ns / period.ns : -((-ns + period.ns - 1) / period.ns);
+        if (number == last) continue;
+        last = number;
+        rows[kept++] = r;
+    }
+    rows.resize(kept);
+    return rows;
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) { io::write_file(file, text); }
+
+std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::filesystem::path& folder) {
+    std::error_code ec;
+    std::filesystem::create_directories(folder, ec);
+    if (ec)
+        throw input_error(fmt::format("the folder cannot be made: {}", ec.message()), {folder.string(), 0, 0, {}},
+                          "give another one with -o");
+    const Config& c = b.data.config;
+    const auto wanted = [&](const char* name) { return std::ranges::find(c.output.files, name) != c.output.files.end(); };
+    std::vector<std::filesystem::path> written;
+    const auto add = [&](const char* name) -> const std::filesystem::path& { return written.emplace_back(folder / name); };
+    if (wanted("solution")) io::write_solution_csv(add("solution.csv"), b.solution().rows);
+    if (wanted("h5")) write_run_h5(add("run.h5"), b);
+    if (wanted("report")) io::write_file(add("report.html"), report_html(b));
+    if (wanted("kml")) io::write_track_kml(add("track.kml"), b.solution().rows, b.name);
+    if (wanted("config")) io::write_file(add("config.toml"), b.config_toml);
+    return written;
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,148 @@
+#include "schuler/app/commands.h"
+#include "schuler/app/gnss_only.h"
+#include "schuler/app/toml_file.h"
+#include "schuler/fusion/run_loose.h"
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace schuler::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Below so many IMU epochs the filter reports every one of them where there is a reference: nothing is interpolated then.
+constexpr std::size_t largest_full_rate = 150'000;
+/// Otherwise it reports at least at this rate, whatever is written: the evaluation interpolates between its rows.
+constexpr double least_internal_rate = 10.0;
+
+double since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+SettingList layered(const SettingList& base, const ProcessRequest& request) {
+    SettingList all = base;
+    if (!request.config.empty())
+        all = overlaid(std::move(all), config_table().read(read_toml(request.config), request.config.string()));
+    return overlaid(std::move(all), request.above);
+}
+
+fusion::Result fused(const LoadedDataset& data, WarningLog& warnings, const std::function<void(double)>& progress) {
+    if (data.config.scheme == Scheme::Gnss) return gnss_solution(data.recording, data.config.filter);
+    fusion::Settings settings = data.config.filter;
+    const bool every = !data.recording.reference.empty() && data.recording.imu.size() <= largest_full_rate;
+    if (settings.output_rate > 0.0) settings.output_rate = every ? 0.0 : std::max(settings.output_rate, least_internal_rate);
+    return fusion::run_loose(data.recording, settings, warnings, progress);
+}
+
+/// Simulated biases are in sensor axes, estimated ones in body axes.
+std::vector<sim::SensorTruth> in_body_axes(std::vector<sim::SensorTruth> truth, const fusion::ImuSettings& imu) {
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(imu.mounting_rpy) * imu.C_bs;
+    for (sim::SensorTruth& t : truth) {
+        t.gyro_bias = C_bs * t.gyro_bias;
+        t.accel_bias = C_bs * t.accel_bias;
+    }
+    return truth;
+}
+
+/// From loaded data to files: the part that process and run share.
+Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog& warnings,
+                 std::chrono::steady_clock::time_point begin) {
+    Config shown = bundle.data.config;
+    bundle.version = request.version;
+    bundle.config_toml = to_toml(config_table().used(shown), config_table().specs(), true);
+    const auto filter_begin = std::chrono::steady_clock::now();
+    bundle.result = fused(bundle.data, warnings, request.progress);
+    bundle.timing.filter_s = since(filter_begin);
+    if (bundle.result.forward.rows.empty())
+        throw computation_error("the filter gave no solution", "look at the warnings and at `schuler inspect`");
+    bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.sensor_truth);
+    bundle.result.forward.rows = thinned(std::move(bundle.result.forward.rows), bundle.data.config.filter.output_rate);
+    bundle.result.smoothed.rows = thinned(std::move(bundle.result.smoothed.rows), bundle.data.config.filter.output_rate);
+    if (!bundle.evaluation.errors.empty() && bundle.evaluation.summary.epochs == 0) {
+        warnings.add(
+            "settle",
+            fmt::format("no reference epoch is later than {:.1f} s, from where errors are counted; give a smaller --settle",
+                        bundle.relative(bundle.evaluation.settled)));
+    }
+    bundle.warnings = warnings.summary();
+
+    Outcome out;
+    out.folder = request.output.empty() ? fs::path("out") / bundle.name : request.output;
+    const auto write_begin = std::chrono::steady_clock::now();
+    // summary.json carries the time of writing the others, so it is written last
+    auto& files = bundle.data.config.output.files;
+    const bool summary = std::ranges::find(files, "summary") != files.end();
+    out.files = write_outputs(bundle, out.folder);
+    bundle.timing.write_s = since(write_begin);
+    bundle.timing.read_s = bundle.data.read_seconds;
+    bundle.timing.wall_s = since(begin);
+    out.json = summary_json(bundle);
+    if (summary) {
+        out.files.push_back(out.folder / "summary.json");
+        write_text(out.files.back(), out.json);
+    }
+    out.tables = summary_tables(bundle);
+    out.warnings = bundle.warnings;
+    return out;
+}
+
+}  // namespace
+
+Outcome process_dataset(const ProcessRequest& request) {
+    const auto begin = std::chrono::steady_clock::now();
+    const Dataset dataset = open_dataset(request.input);
+    const Config config = config_from(layered(dataset.settings, request));
+    WarningLog warnings;
+    ResultBundle bundle;
+    bundle.command = "process";
+    bundle.name = config.name.empty() ? dataset.name : config.name;
+    bundle.data = load_dataset(dataset, config, warnings);
+    Outcome out = finished(bundle, request, warnings, begin);
+    out.notice = dataset.inferred_toml;
+    return out;
+}
+
+Outcome run_scenario(const ProcessRequest& request) {
+    const auto begin = std::chrono::steady_clock::now();
+    const ScenarioConfig scenario = read_scenario(request.input, request.seed);
+    SimulatedDataset simulated = simulate_dataset(scenario);
+    const Config config = config_from(layered(simulated.settings, request));
+    WarningLog warnings;
+    ResultBundle bundle;
+    bundle.command = "run";
+    bundle.name = config.name;
+    bundle.seed = simulated.seed;
+    bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
+    bundle.data.true_reference = true;
+    bundle.data.read_seconds = since(begin);
+    bundle.sensor_truth = in_body_axes(std::move(simulated.truth.sensor_truth), bundle.data.config.filter.imu);
+    return finished(bundle, request, warnings, begin);
+}
+
+Outcome simulate_to_folder(const fs::path& scenario, const fs::path& folder, std::optional<std::uint64_t> seed) {
+    const SimulatedDataset data = simulate_dataset(read_scenario(scenario, seed));
+    write_dataset(data, folder);
+    Outcome out;
+    out.folder = folder;
+    const Recording& r = data.recording;
+    out.tables = fmt::format("{}: {} IMU samples, {} fixes, {} barometer samples, {} reference epochs, seed {}\n", data.name,
+                             r.imu.size(), r.gnss.size(), r.baro.size(), r.reference.size(), data.seed);
+    return out;
+}
+
+Outcome run_demonstration(const ProcessRequest& request) {
+    ProcessRequest inner = request;
+    const fs::path folder = request.output.empty() ? fs::path("out/demo") : request.output;
+    const SettingList settings =
+        scenario_table().read(parse_toml(built_in_scenario("demo"), "built-in demonstration"), "built-in demonstration");
+    write_dataset(simulate_dataset(scenario_from(settings)), folder / "dataset");
+    inner.input = folder / "dataset";
+    inner.output = folder;
+    Outcome out = process_dataset(inner);
+    out.files.insert(out.files.begin(), folder / "dataset");
+    return out;
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,179 @@
+#include "schuler/app/bundle.h"
+#include "schuler/core/units.h"
+#include "schuler/report/run_report.h"
+
+#include <algorithm>
+
+namespace schuler::app {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d ned_from_enu(const Vector3d& enu) { return {enu.y(), enu.x(), -enu.z()}; }
+Vector3d ned_sigma_from_enu(const Vector3d& enu) { return {enu.y(), enu.x(), enu.z()}; }
+
+std::vector<report::ErrorPoint> points_of(const std::vector<analysis::ErrorRow>& rows) {
+    std::vector<report::ErrorPoint> out;
+    out.reserve(rows.size());
+    for (const analysis::ErrorRow& r : rows) {
+        out.push_back({r.time, ned_from_enu(r.position), ned_from_enu(r.velocity), r.rpy, ned_sigma_from_enu(r.std_position),
+                       ned_sigma_from_enu(r.std_velocity), r.std_rpy});
+    }
+    return out;
+}
+
+void add_accuracy(std::vector<report::AccuracyEntry>& out, const std::string& name, const std::string& unit,
+                  const analysis::Spread& s, double si = 1.0) {
+    if (s.rms == s.rms) out.push_back({name, unit, s.rms / si, s.p95 / si, s.max / si});
+}
+
+std::vector<report::AccuracyEntry> accuracy_of(const analysis::ErrorSummary& s) {
+    std::vector<report::AccuracyEntry> out;
+    add_accuracy(out, "position east", "m", s.east);
+    add_accuracy(out, "position north", "m", s.north);
+    add_accuracy(out, "position up", "m", s.up);
+    add_accuracy(out, "position horizontal", "m", s.horizontal);
+    add_accuracy(out, "position 3-d", "m", s.three_d);
+    add_accuracy(out, "velocity east", "m/s", s.v_east);
+    add_accuracy(out, "velocity north", "m/s", s.v_north);
+    add_accuracy(out, "velocity up", "m/s", s.v_up);
+    add_accuracy(out, "roll", "deg", s.roll, units::deg);
+    add_accuracy(out, "pitch", "deg", s.pitch, units::deg);
+    add_accuracy(out, "heading", "deg", s.heading, units::deg);
+    return out;
+}
+
+report::InnovationGroup group_of(fusion::AidKind kind) {
+    using fusion::AidKind;
+    report::InnovationGroup g;
+    switch (kind) {
+        case AidKind::GnssPosition: g = {"GNSS position", "m", 1.0, {"north", "east", "down"}, {}, not_given}; break;
+        case AidKind::GnssVelocity: g = {"GNSS velocity", "m/s", 1.0, {"north", "east", "down"}, {}, not_given}; break;
+        case AidKind::Baro: g = {"barometric height", "m", 1.0, {"down"}, {}, not_given}; break;
+        case AidKind::Mag: g = {"magnetic heading", "deg", units::deg, {"heading"}, {}, not_given}; break;
+        case AidKind::ZeroVelocity: g = {"zero velocity", "m/s", 1.0, {"1", "2", "3"}, {}, not_given}; break;
+        case AidKind::ZeroRate: g = {"zero rate", "deg/s", units::deg_per_s, {"x", "y", "z"}, {}, not_given}; break;
+        case AidKind::Nonholonomic: g = {"vehicle constraint", "m/s", 1.0, {"lateral", "vertical"}, {}, not_given}; break;
+    }
+    return g;
+}
+
+std::vector<report::InnovationGroup> innovations_of(const ResultBundle& b) {
+    using fusion::AidKind;
+    std::vector<report::InnovationGroup> out;
+    for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro, AidKind::Mag, AidKind::ZeroVelocity,
+                               AidKind::ZeroRate, AidKind::Nonholonomic}) {
+        report::InnovationGroup g = group_of(kind);
+        for (const fusion::AidRecord& r : b.result.aids) {
+            if (r.kind != kind) continue;
+            const auto status = r.status == fusion::AidStatus::Accepted   ? report::InnovationStatus::Accepted
+                                : r.status == fusion::AidStatus::Rejected ? report::InnovationStatus::Rejected
+                                                                          : report::InnovationStatus::Withheld;
+            report::InnovationPoint p{r.time, status, r.dof, r.innovation, r.sigma, r.nis};
+            for (int i = 0; i < 3; ++i) {
+                if (!(r.sigma[i] > 0.0)) p.innovation[i] = p.sigma[i] = not_given;  // not a component of this record
+            }
+            g.points.push_back(p);
+        }
+        for (const AidConsistency& a : b.evaluation.aids) {
+            if (a.name == name_of(kind)) g.lag1 = a.nis.lag1;
+        }
+        if (!g.points.empty()) out.push_back(std::move(g));
+    }
+    return out;
+}
+
+std::vector<report::OutageEntry> outages_of(const ResultBundle& b) {
+    std::vector<report::OutageEntry> out;
+    for (const analysis::OutageStatistics& o : b.evaluation.outages) {
+        report::OutageEntry e;
+        e.start_s = b.relative(o.span.start);
+        e.duration_s = o.span.duration.seconds();
+        e.end_horizontal = o.end_horizontal;
+        e.max_horizontal = o.max_horizontal;
+        e.end_vertical = o.end_vertical;
+        e.max_3d = o.max_3d;
+        e.compared = o.epochs > 0;
+        e.inside_3sigma = o.inside_3sigma;
+        for (const fusion::OutageEpoch& p : b.solution().outage_epochs) {
+            if (p.outage != static_cast<int>(out.size())) continue;
+            e.into_s.push_back((p.time - o.span.start).seconds());
+            e.horizontal.push_back(p.error.head<2>().norm());
+        }
+        out.push_back(std::move(e));
+    }
+    return out;
+}
+
+void add_findings(const ResultBundle& b, report::RunReportData& data) {
+    const fusion::Findings& f = b.result.findings;
+    auto& out = data.findings;
+    if (!f.alignment.empty()) out.emplace_back("alignment", f.alignment);
+    const Vector3d m = f.mounting_rpy / units::deg;
+    if (m.norm() > 0.0)
+        out.emplace_back("mounting roll, pitch, yaw", fmt::format("{:.2f}, {:.2f}, {:.2f} deg", m.x(), m.y(), m.z()));
+    if (f.position_latency != 0.0 || f.velocity_latency != 0.0 || f.height_latency != 0.0) {
+        out.emplace_back("GNSS latency",
+                         fmt::format("position {:.3f} s, velocity {:.3f} s, height {:.3f} s, velocity down {:.3f} s",
+                                     f.position_latency, f.velocity_latency, f.height_latency, f.velocity_down_latency));
+    }
+    const Vector3d& l = f.lever_arm_b;
+    if (l.norm() > 0.0)
+        out.emplace_back("lever arm forward, right, down", fmt::format("{:.3f}, {:.3f}, {:.3f} m", l.x(), l.y(), l.z()));
+}
+
+void add_sensor_errors(const ResultBundle& b, report::RunReportData& data) {
+    for (const fusion::SensorErrorRow& r : b.solution().sensor_errors) {
+        data.sensor_errors.push_back({r.time, r.gyro_bias, r.std_gyro_bias, r.accel_bias, r.std_accel_bias, r.gyro_scale,
+                                      r.std_gyro_scale, r.accel_scale, r.std_accel_scale});
+    }
+    for (const sim::SensorTruth& t : b.sensor_truth) {
+        report::SensorErrorPoint p;
+        p.time = t.time;
+        p.gyro_bias = t.gyro_bias;
+        p.accel_bias = t.accel_bias;
+        data.sensor_truth.push_back(p);
+    }
+}
+
+}  // namespace
+
+std::string report_html(const ResultBundle& b) {
+    report::RunReportData data;
+    const Config& c = b.data.config;
+    const auto& rows = b.solution().rows;
+    data.title = b.name;
+    data.subtitle = fmt::format("{} coupling, {} frame, {}; {} IMU epochs at {:.4g} Hz, {} GNSS epochs",
+                                c.scheme == Scheme::Gnss ? "no" : "loose",
+                                c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "Earth-fixed",
+                                b.smoothed() ? "smoothed" : "forward filter", b.result.counters.imu_epochs,
+                                b.result.counters.imu_rate, b.result.counters.gnss_epochs);
+    data.version = b.version;
+    data.zero = b.data.origin;
+    data.settled_after_s = b.relative(b.evaluation.settled);
+    data.smoothed = b.smoothed();
+    data.solution = c.filter.output_rate > 0.0 ? rows : thinned(rows, 10.0);
+    data.gnss = b.data.recording.gnss;
+    data.reference = b.data.recording.reference;
+    data.reference_name = b.evaluation.reference == "truth"  ? "truth"
+                          : b.evaluation.reference == "file" ? "reference file"
+                          : b.evaluation.reference == "gnss" ? "withheld GNSS"
+                                                             : "";
+    if (!rows.empty()) {
+        data.local = [earth = c.filter.earth, from = rows.front().position](const Geodetic& p) {
+            return Ned{earth::ned_difference(earth, p, from)};
+        };
+    }
+    data.errors = points_of(b.evaluation.errors);
+    data.forward_errors = points_of(b.evaluation.errors_forward);
+    data.accuracy = accuracy_of(b.evaluation.summary);
+    data.innovations = innovations_of(b);
+    add_sensor_errors(b, data);
+    data.outages = outages_of(b);
+    add_findings(b, data);
+    data.warnings = b.warnings;
+    data.settings = b.config_toml;
+    return report::render(report::run_report(data));
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,156 @@
+#include "schuler/app/bundle.h"
+#include "schuler/core/units.h"
+#include "schuler/io/hdf5_file.h"
+
+#include <span>
+
+namespace schuler::app {
+namespace {
+
+using Eigen::Vector3d;
+
+/// One table of a group: rows of triples, or wider ones, gathered from a range.
+template <class Rows, class Fill>
+void add_table(io::Hdf5Writer& file, const std::string& path, const Rows& rows, std::size_t columns, const std::string& names,
+               const std::string& units, Fill fill) {
+    std::vector<double> values;
+    values.reserve(rows.size() * columns);
+    for (const auto& row : rows) fill(row, values);
+    file.table(path, values, columns, {{"columns", names}, {"units", units}});
+}
+
+void push(std::vector<double>& out, const Vector3d& v, double unit = 1.0) {
+    for (int i = 0; i < 3; ++i) out.push_back(v[i] / unit);
+}
+
+template <class Rows>
+void add_times(io::Hdf5Writer& file, const std::string& group, const Rows& rows) {
+    std::vector<std::int64_t> ns;
+    std::vector<double> s;
+    for (const auto& row : rows) {
+        ns.push_back(row.time.ns);
+        s.push_back(row.time.seconds());
+    }
+    file.integers(group + "/time_ns", ns, {{"units", "ns"}});
+    file.table(group + "/time_s", s, 1, {{"units", "s"}});
+}
+
+void add_solution(io::Hdf5Writer& file, const std::string& group, const std::vector<SolutionRow>& rows) {
+    if (rows.empty()) return;
+    add_times(file, group, rows);
+    add_table(file, group + "/position", rows, 3, "lat,lon,height", "deg,deg,m",
+              [](const SolutionRow& r, std::vector<double>& out) {
+                  push(out, {r.position.lat / units::deg, r.position.lon / units::deg, r.position.h});
+              });
+    add_table(file, group + "/velocity", rows, 3, "north,east,down", "m/s",
+              [](const SolutionRow& r, std::vector<double>& out) { push(out, r.v_eb_n); });
+    add_table(file, group + "/attitude", rows, 3, "roll,pitch,heading", "deg",
+              [](const SolutionRow& r, std::vector<double>& out) { push(out, r.rpy, units::deg); });
+    add_table(file, group + "/std_position", rows, 3, "north,east,down", "m",
+              [](const SolutionRow& r, std::vector<double>& out) { push(out, r.std_position); });
+    add_table(file, group + "/std_velocity", rows, 3, "north,east,down", "m/s",
+              [](const SolutionRow& r, std::vector<double>& out) { push(out, r.std_velocity); });
+    add_table(file, group + "/std_attitude", rows, 3, "roll,pitch,heading", "deg",
+              [](const SolutionRow& r, std::vector<double>& out) { push(out, r.std_rpy, units::deg); });
+}
+
+void add_sensor_errors(io::Hdf5Writer& file, const std::string& group, const std::vector<fusion::SensorErrorRow>& rows) {
+    using Row = fusion::SensorErrorRow;
+    if (rows.empty()) return;
+    add_times(file, group, rows);
+    const auto add = [&](const char* name, const char* unit, double si, Vector3d Row::*value, Vector3d Row::*sigma) {
+        add_table(file, group + "/" + name, rows, 3, "x,y,z", unit,
+                  [=](const Row& r, std::vector<double>& out) { push(out, r.*value, si); });
+        add_table(file, group + "/std_" + name, rows, 3, "x,y,z", unit,
+                  [=](const Row& r, std::vector<double>& out) { push(out, r.*sigma, si); });
+    };
+    add("gyro_bias", "deg/h", units::deg_per_hour, &Row::gyro_bias, &Row::std_gyro_bias);
+    add("accel_bias", "mg", units::mg, &Row::accel_bias, &Row::std_accel_bias);
+    add("gyro_scale_factor", "ppm", units::ppm, &Row::gyro_scale, &Row::std_gyro_scale);
+    add("accel_scale_factor", "ppm", units::ppm, &Row::accel_scale, &Row::std_accel_scale);
+}
+
+void add_innovations(io::Hdf5Writer& file, const std::vector<fusion::AidRecord>& records) {
+    using fusion::AidKind;
+    for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro, AidKind::Mag, AidKind::ZeroVelocity,
+                               AidKind::ZeroRate, AidKind::Nonholonomic}) {
+        std::vector<fusion::AidRecord> rows;
+        for (const fusion::AidRecord& r : records) {
+            if (r.kind == kind) rows.push_back(r);
+        }
+        if (rows.empty()) continue;
+        const std::string group = "/innovations/" + std::string(name_of(kind));
+        add_times(file, group, rows);
+        add_table(file, group + "/innovation", rows, 3, "north,east,down", "SI",
+                  [](const fusion::AidRecord& r, std::vector<double>& out) { push(out, r.innovation); });
+        add_table(file, group + "/sigma", rows, 3, "north,east,down", "SI",
+                  [](const fusion::AidRecord& r, std::vector<double>& out) { push(out, r.sigma); });
+        add_table(file, group + "/gate", rows, 3, "nis,dof,status (0 accepted 1 rejected 2 withheld)", "1",
+                  [](const fusion::AidRecord& r, std::vector<double>& out) {
+                      push(out, {r.nis, static_cast<double>(r.dof), static_cast<double>(r.status)});
+                  });
+    }
+}
+
+void add_errors(io::Hdf5Writer& file, const std::string& group, const std::vector<analysis::ErrorRow>& rows) {
+    using Row = analysis::ErrorRow;
+    if (rows.empty()) return;
+    add_times(file, group, rows);
+    const auto add = [&](const char* name, const char* columns, const char* unit, double si, Vector3d Row::*value,
+                         Vector3d Row::*sigma) {
+        add_table(file, group + "/" + name, rows, 3, columns, unit,
+                  [=](const Row& r, std::vector<double>& out) { push(out, r.*value, si); });
+        add_table(file, group + "/std_" + name, rows, 3, columns, unit,
+                  [=](const Row& r, std::vector<double>& out) { push(out, r.*sigma, si); });
+    };
+    add("position", "east,north,up", "m", 1.0, &Row::position, &Row::std_position);
+    add("velocity", "east,north,up", "m/s", 1.0, &Row::velocity, &Row::std_velocity);
+    add("attitude", "roll,pitch,heading", "deg", units::deg, &Row::rpy, &Row::std_rpy);
+}
+
+void add_reference(io::Hdf5Writer& file, const std::vector<ReferenceSample>& rows) {
+    if (rows.empty()) return;
+    add_times(file, "/reference", rows);
+    add_table(file, "/reference/position", rows, 3, "lat,lon,height", "deg,deg,m",
+              [](const ReferenceSample& r, std::vector<double>& out) {
+                  push(out, {r.position.lat / units::deg, r.position.lon / units::deg, r.position.h});
+              });
+    add_table(file, "/reference/velocity", rows, 3, "north,east,down", "m/s",
+              [](const ReferenceSample& r, std::vector<double>& out) { push(out, r.velocity_n); });
+    add_table(file, "/reference/attitude", rows, 3, "roll,pitch,heading", "deg",
+              [](const ReferenceSample& r, std::vector<double>& out) { push(out, r.rpy, units::deg); });
+}
+
+void add_outages(io::Hdf5Writer& file, const std::string& group, const std::vector<fusion::OutageEpoch>& rows) {
+    if (rows.empty()) return;
+    add_times(file, group, rows);
+    add_table(file, group + "/error", rows, 3, "north,east,down", "m",
+              [](const fusion::OutageEpoch& r, std::vector<double>& out) { push(out, r.error); });
+    add_table(file, group + "/sigma", rows, 3, "north,east,down", "m",
+              [](const fusion::OutageEpoch& r, std::vector<double>& out) { push(out, r.sigma); });
+    add_table(file, group + "/outage", rows, 2, "outage,end", "1", [](const fusion::OutageEpoch& r, std::vector<double>& out) {
+        out.push_back(r.outage);
+        out.push_back(r.end ? 1.0 : 0.0);
+    });
+}
+
+}  // namespace
+
+void write_run_h5(const std::filesystem::path& path, const ResultBundle& b) {
+    io::Hdf5Writer file(path);
+    add_solution(file, "/solution", b.solution().rows);
+    if (b.smoothed()) add_solution(file, "/forward", b.result.forward.rows);
+    add_sensor_errors(file, "/sensor_errors", b.solution().sensor_errors);
+    add_innovations(file, b.result.aids);
+    add_outages(file, "/outages", b.solution().outage_epochs);
+    add_reference(file, b.data.recording.reference);
+    add_errors(file, "/errors", b.evaluation.errors);
+    add_errors(file, "/errors_forward", b.evaluation.errors_forward);
+    file.attribute("/", "name", b.name);
+    file.attribute("/", "version", b.version);
+    file.attribute("/", "config", b.config_toml);
+    file.attribute("/", "origin_s", fmt::format("{}", b.data.origin.seconds()));
+    file.commit();
+}
+
+}  // namespace schuler::app

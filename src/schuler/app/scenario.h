@@ -1,0 +1,73 @@
+// Scenario files: what is simulated, and what the filter is told about it.
+#pragma once
+
+#include "schuler/app/config.h"
+#include "schuler/app/option_table.h"
+#include "schuler/sim/simulate.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace schuler::app {
+
+enum class TrajectoryType { Static, GreatCircle, PaperA, Car, Waypoints };
+
+/// Errors of the initial state given to the filter, one sigma; NaN: the filter starts by itself.
+struct InitialError {
+    double level = not_given;      ///< rad
+    double heading = not_given;    ///< rad
+    double velocity = 0.1;         ///< m/s, each component
+    double position = 1.0;         ///< m, each component
+    [[nodiscard]] bool given() const { return level == level && heading == heading; }
+};
+
+struct ScenarioConfig {
+    std::string name = "scenario";
+    sim::Scenario sim;                          ///< path is filled from the members below
+    TrajectoryType type = TrajectoryType::Car;
+    Geodetic start{0.0, 0.0, 0.0};
+    bool start_given = false;
+    Eigen::Vector3d attitude = Eigen::Vector3d::Zero();  ///< static: roll, pitch, heading, rad
+    sim::GreatCirclePath great_circle;
+    sim::PaperAPath paper_a;
+    Eigen::Vector3d periods{600.0, 600.0, 600.0};
+    sim::RoutePath route;                       ///< waypoints; of a car the coefficients only
+    std::string grade = "perfect";
+    std::string receiver;
+    std::vector<OutageSpan> outages;            ///< of GNSS, relative to the start of the scenario
+    std::optional<fusion::VehicleKind> vehicle; ///< not given: as the trajectory suggests
+    InitialError initial_error;
+    SettingList assumed;                        ///< imu.* settings that the filter is told instead of the simulated ones
+    Config processing;                          ///< its [filter] section
+};
+
+[[nodiscard]] const OptionTable<ScenarioConfig>& scenario_table();
+
+/// @throws Error(Input) naming the setting's place.
+[[nodiscard]] ScenarioConfig scenario_from(const SettingList& settings);
+[[nodiscard]] ScenarioConfig read_scenario(const std::filesystem::path& file, std::optional<std::uint64_t> seed);
+
+/// Built-in scenarios by name ("demo", ...), TOML text as in examples/. Empty for an unknown name.
+[[nodiscard]] std::string_view built_in_scenario(std::string_view name);
+
+/// A simulated data set: the recording exactly as its files carry it, the settings of its dataset.toml, and the truth that no
+/// file has.
+struct SimulatedDataset {
+    std::string name;
+    SettingList settings;
+    Recording recording;
+    sim::SimulatedData truth;
+    std::uint64_t seed = 1;
+};
+
+/// Simulates and rounds every number to the digits of the files, so that processing the files gives the same bits.
+[[nodiscard]] SimulatedDataset simulate_dataset(const ScenarioConfig& scenario);
+
+/// Writes imu.csv, gnss.csv, baro.csv, reference.csv and dataset.toml. @throws Error(Input) where the folder cannot be written.
+void write_dataset(const SimulatedDataset& data, const std::filesystem::path& folder);
+
+}  // namespace schuler::app

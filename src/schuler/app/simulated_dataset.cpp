@@ -1,0 +1,224 @@
+#include "schuler/app/option_builders.h"
+#include "schuler/app/scenario.h"
+#include "schuler/core/units.h"
+#include "schuler/io/atomic_file.h"
+#include "schuler/io/fixed_point.h"
+#include "schuler/math/random.h"
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace schuler::app {
+namespace {
+
+// Decimals of the files: increments to 1e-12 rad and m/s (a tenth of a nanoradian over an hour), positions to 1e-7 m.
+constexpr int imu_decimals = 12, angle_decimals = 12, length_decimals = 6;
+
+template <int Decimals>
+double rounded(double x) {
+    constexpr double scale = static_cast<double>(io::detail::power_of_ten(Decimals));
+    return std::nearbyint(x * scale) / scale + 0.0;  // minus zero is written as zero
+}
+
+/// Radians of a number of degrees that has been written with angle_decimals.
+double rounded_angle(double rad) { return rounded<angle_decimals>(rad / units::deg) * units::deg; }
+
+template <int Decimals>
+Eigen::Vector3d rounded(const Eigen::Vector3d& v) {
+    return {rounded<Decimals>(v.x()), rounded<Decimals>(v.y()), rounded<Decimals>(v.z())};
+}
+
+Geodetic rounded(const Geodetic& p) { return {rounded_angle(p.lat), rounded_angle(p.lon), rounded<length_decimals>(p.h)}; }
+
+void round_to_files(Recording& r) {
+    for (ImuSample& s : r.imu) {
+        s.gyro = rounded<imu_decimals>(s.gyro);
+        s.accel = rounded<imu_decimals>(s.accel);
+    }
+    for (GnssFix& f : r.gnss) {
+        f.position = rounded(f.position);
+        f.velocity_n = rounded<length_decimals>(f.velocity_n);
+        f.std_position = rounded<length_decimals>(f.std_position);
+        f.std_velocity = rounded<length_decimals>(f.std_velocity);
+        f.satellites = -1;
+    }
+    for (BaroSample& b : r.baro) b.height = rounded<length_decimals>(b.height);
+    for (ReferenceSample& s : r.reference) {
+        s.position = rounded(s.position);
+        s.velocity_n = rounded<length_decimals>(s.velocity_n);
+        s.rpy = {rounded_angle(s.rpy.x()), rounded_angle(s.rpy.y()), rounded_angle(s.rpy.z())};
+        s.movement = true;
+    }
+}
+
+/// A table as text, written column by column.
+class TextTable {
+public:
+    explicit TextTable(std::string header) : text_(std::move(header)) { text_ += '\n'; }
+
+    TextTable& time(Time t) {
+        end_ = io::put_seconds(cell_, t.ns);
+        return flush();
+    }
+    template <int Decimals>
+    TextTable& number(double x) {
+        end_ = io::put_fixed<Decimals>(cell_, x);
+        return flush();
+    }
+    template <int Decimals>
+    TextTable& vector(const Eigen::Vector3d& v) {
+        return number<Decimals>(v.x()).template number<Decimals>(v.y()).template number<Decimals>(v.z());
+    }
+    TextTable& position(const Geodetic& p) {
+        return number<angle_decimals>(p.lat / units::deg).number<angle_decimals>(p.lon / units::deg).number<length_decimals>(p.h);
+    }
+    TextTable& word(std::string_view w) {
+        text_ += w;
+        text_ += ',';
+        return *this;
+    }
+    void end_row() { text_.back() = '\n'; }
+    [[nodiscard]] const std::string& text() const { return text_; }
+
+private:
+    TextTable& flush() {
+        text_.append(cell_, end_);
+        text_ += ',';
+        return *this;
+    }
+    std::string text_;
+    char cell_[64];
+    char* end_ = cell_;
+};
+
+std::string imu_csv(const std::vector<ImuSample>& samples, ImuKind kind) {
+    TextTable out(kind == ImuKind::Increments
+                      ? "time_s,dtheta_x_rad,dtheta_y_rad,dtheta_z_rad,dv_x_m_s,dv_y_m_s,dv_z_m_s"
+                      : "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2");
+    for (const ImuSample& s : samples) out.time(s.time).vector<imu_decimals>(s.gyro).vector<imu_decimals>(s.accel).end_row();
+    return out.text();
+}
+
+std::string gnss_csv(const std::vector<GnssFix>& fixes) {
+    TextTable out(
+        "time_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,std_n_m,std_e_m,std_d_m,std_vn_m_s,std_ve_m_s,std_vd_m_s,"
+        "fix");
+    for (const GnssFix& f : fixes) {
+        out.time(f.time).position(f.position).vector<length_decimals>(f.velocity_n).vector<length_decimals>(f.std_position);
+        out.vector<length_decimals>(f.std_velocity).word(f.fix == FixType::RtkFixed ? "rtk_fixed" : "autonomous").end_row();
+    }
+    return out.text();
+}
+
+std::string baro_csv(const std::vector<BaroSample>& samples) {
+    TextTable out("time_s,height_m");
+    for (const BaroSample& s : samples) out.time(s.time).number<length_decimals>(s.height).end_row();
+    return out.text();
+}
+
+std::string reference_csv(const std::vector<ReferenceSample>& samples) {
+    TextTable out("time_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,roll_deg,pitch_deg,heading_deg");
+    for (const ReferenceSample& s : samples) {
+        out.time(s.time)
+            .position(s.position)
+            .vector<length_decimals>(s.velocity_n)
+            .vector<angle_decimals>(s.rpy / units::deg)
+            .end_row();
+    }
+    return out.text();
+}
+
+/// What the filter is told: the simulated instruments unless the scenario says otherwise.
+Config described(const ScenarioConfig& s, const Recording& recording) {
+    Config c = s.processing;
+    const sim::GnssSettings& g = s.sim.gnss;
+    c.name = s.name;
+    c.time.scale = TimeScale::Relative;
+    c.imu.file = "imu.csv";
+    if (!recording.gnss.empty()) c.gnss.file = "gnss.csv";
+    if (!recording.baro.empty()) c.baro.file = "baro.csv";
+    c.reference.file = "reference.csv";
+    c.filter.imu.kind = s.sim.imu.kind;
+    c.filter.imu.errors = s.sim.imu.errors;
+    c.filter.imu.mounting_rpy = s.sim.imu.mounting;
+    c.grade = s.grade;
+    c.filter.gnss.lever_arm_b = g.lever_arm_b;
+    c.filter.gnss.latency = g.position_latency;
+    if (g.velocity_latency != g.position_latency) c.filter.gnss.velocity_latency = g.velocity_latency;
+    c.filter.gnss.correlated_std = g.correlated_position.head<2>().mean();
+    c.filter.gnss.correlated_time = g.correlated_time;
+    c.filter.baro.std = std::max(s.sim.baro.white, 1e-3);
+    c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
+    c.filter.baro.bias_walk = s.sim.baro.bias_walk;
+    // the scenario counts from its start, the command line from the first fix: absolute times mean the same to both
+    for (const OutageSpan& o : s.outages) c.run.outages.push_back({o.start, o.duration, true});
+    return c;
+}
+
+/// The initial state of the filter: truth with errors drawn from the stated sigmas.
+void give_initial_state(Config& c, const InitialError& e, const ReferenceSample& truth, const earth::Earth& earth,
+                        std::uint64_t seed) {
+    math::Random random(seed, "filter.initial_error");
+    const Eigen::Vector3d dp = e.position * random.normal3(), dv = e.velocity * random.normal3();
+    const Eigen::Vector3d std_rpy(e.level, e.level, e.heading);
+    const Eigen::Vector3d rpy = truth.rpy + std_rpy.cwiseProduct(random.normal3());
+    fusion::InitialSettings& initial = c.filter.initial;
+    c.initial_time = truth.time.seconds();
+    initial.position = earth::moved_by_ned(earth, truth.position, dp);
+    initial.velocity_n = truth.velocity_n + dv;
+    initial.rpy = {math::wrap_pi(rpy.x()), rpy.y(), math::wrap_2pi(rpy.z())};
+    initial.std_position.setConstant(e.position);
+    initial.std_velocity.setConstant(e.velocity);
+    initial.std_rpy = std_rpy;
+}
+
+bool is_relevant(const std::string& key, const Config& c) {
+    if (key.starts_with("baro.")) return !c.baro.file.empty();
+    return !key.starts_with("mag.") && !key.starts_with("output.") && !key.ends_with(".time_offset_s") &&
+           key != "reference.quaternion";
+}
+
+}  // namespace
+
+SimulatedDataset simulate_dataset(const ScenarioConfig& scenario) {
+    SimulatedDataset out;
+    out.truth = sim::simulate(scenario.sim);
+    out.recording = std::move(out.truth.recording);
+    out.seed = scenario.sim.seed;
+    out.name = scenario.name;
+    round_to_files(out.recording);
+    Config c = described(scenario, out.recording);
+    if (scenario.initial_error.given() && !out.recording.reference.empty()) {
+        give_initial_state(c, scenario.initial_error, out.recording.reference.front(), scenario.sim.earth, out.seed);
+    }
+    for (Setting& s : config_table().used(c)) {
+        if (is_relevant(s.key, c)) out.settings.push_back(std::move(s));
+    }
+    out.settings.insert(out.settings.end(), scenario.assumed.begin(), scenario.assumed.end());
+    return out;
+}
+
+void write_dataset(const SimulatedDataset& data, const std::filesystem::path& folder) {
+    std::error_code ec;
+    std::filesystem::create_directories(folder, ec);
+    if (ec)
+        throw input_error(fmt::format("the folder cannot be made: {}", ec.message()), {folder.string(), 0, 0, {}},
+                          "give another one with -o");
+    const Recording& r = data.recording;
+    const ImuKind kind = data.truth.imu_kind;
+    io::write_file(folder / "imu.csv", imu_csv(r.imu, kind));
+    if (!r.gnss.empty()) io::write_file(folder / "gnss.csv", gnss_csv(r.gnss));
+    if (!r.baro.empty()) io::write_file(folder / "baro.csv", baro_csv(r.baro));
+    io::write_file(folder / "reference.csv", reference_csv(r.reference));
+    SettingList last;  // of each key the last setting speaks
+    for (const Setting& s : data.settings) {
+        std::erase_if(last, [&](const Setting& e) { return e.key == s.key; });
+        last.push_back(s);
+    }
+    const std::string head = fmt::format("# simulated, seed {}\n", data.seed);
+    io::write_file(folder / "dataset.toml", head + to_toml(last, config_table().specs(), true));
+}
+
+}  // namespace schuler::app

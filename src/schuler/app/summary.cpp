@@ -1,0 +1,165 @@
+#include "schuler/app/bundle.h"
+#include "schuler/app/evaluation_json.h"
+#include "schuler/core/units.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace schuler::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json of(const analysis::Spread& s, double unit = 1.0) {
+    return {{"rms", number(s.rms / unit)}, {"p95", number(s.p95 / unit)}, {"max", number(s.max / unit)}};
+}
+
+Json position_of(const analysis::ErrorSummary& s) {
+    return {{"east", of(s.east)},
+            {"north", of(s.north)},
+            {"up", of(s.up)},
+            {"horizontal", of(s.horizontal)},
+            {"three_d", of(s.three_d)}};
+}
+
+Json final_of(const std::optional<Eigen::Vector3d>& v, double unit) {
+    if (!v) return nullptr;
+    Json out;
+    for (int i = 0; i < 3; ++i) out[std::string(1, "xyz"[i])] = {{"final", number((*v)[i] / unit)}};
+    return out;
+}
+
+Json errors_of(const Evaluation& e) {
+    const analysis::ErrorSummary& s = e.summary;
+    if (s.epochs == 0) return nullptr;
+    Json out;
+    out["position_m"] = position_of(s);
+    out["velocity_m_s"] = {{"east", of(s.v_east)}, {"north", of(s.v_north)}, {"up", of(s.v_up)}};
+    out["attitude_deg"] = {
+        {"roll", of(s.roll, units::deg)}, {"pitch", of(s.pitch, units::deg)}, {"heading", of(s.heading, units::deg)}};
+    out["gyro_bias_deg_h"] = final_of(e.gyro_bias_error, units::deg_per_hour);
+    out["accel_bias_ug"] = final_of(e.accel_bias_error, units::ug);
+    out["position_m_forward"] = e.forward ? position_of(*e.forward) : Json(nullptr);
+    return out;
+}
+
+Json of(const analysis::NeesStatistics& s) {
+    return {{"mean", number(s.mean)}, {"expected", number(s.expected)}, {"low95", number(s.low95)}, {"high95", number(s.high95)}};
+}
+
+Json consistency_of(const Evaluation& e) {
+    Json out;
+    out["nees_position"] = e.consistency ? of(e.consistency->position) : Json(nullptr);
+    out["nees_velocity"] = e.consistency ? of(e.consistency->velocity) : Json(nullptr);
+    out["nees_attitude"] = e.consistency ? of(e.consistency->attitude) : Json(nullptr);
+    Json nis;
+    for (const char* name : {"gnss_position", "gnss_velocity", "baro", "pseudorange", "range_rate", "mag"}) nis[name] = nullptr;
+    for (const AidConsistency& a : e.aids) {
+        nis[std::string(a.name)] = {{"mean", number(a.nis.mean)},
+                                    {"dof", number(a.nis.dof)},
+                                    {"accepted", a.nis.accepted},
+                                    {"rejected", a.nis.rejected},
+                                    {"lag1", number(a.nis.lag1)}};
+    }
+    out["nis"] = std::move(nis);
+    return out;
+}
+
+Json of(const std::vector<analysis::OutageStatistics>& outages, Time origin) {
+    Json list = Json::array();
+    for (const analysis::OutageStatistics& o : outages) {
+        Json row;
+        row["start_s"] = (o.span.start - origin).seconds();
+        row["duration_s"] = o.span.duration.seconds();
+        row["end_horizontal_m"] = number(o.end_horizontal);
+        row["max_horizontal_m"] = number(o.max_horizontal);
+        row["end_vertical_m"] = number(o.end_vertical);
+        row["max_3d_m"] = number(o.max_3d);
+        row["inside_3sigma"] = o.epochs > 0 ? Json(o.inside_3sigma) : Json(nullptr);
+        list.push_back(std::move(row));
+    }
+    return list;
+}
+
+Json text_or_null(const std::string& s) { return s.empty() ? Json(nullptr) : Json(s); }
+
+Json head_of(const ResultBundle& b) {
+    const Config& c = b.data.config;
+    Json out;
+    out["name"] = b.name;
+    out["command"] = b.command;
+    out["scheme"] = c.scheme == Scheme::Gnss ? "gnss" : "loose";
+    out["mechanization"] = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
+    out["loop"] = "closed";
+    out["smoothed"] = b.smoothed();
+    out["seed"] = b.seed ? Json(*b.seed) : Json(nullptr);
+    out["version"] = b.version;
+    const auto& rows = b.solution().rows;
+    out["duration_s"] = rows.empty() ? 0.0 : (rows.back().time - rows.front().time).seconds();
+    const fusion::Counters& n = b.result.counters;
+    out["imu"] = {{"epochs", n.imu_epochs}, {"rate_hz", number(n.imu_rate)}, {"gaps", n.imu_gaps}};
+    out["gnss"] = {
+        {"epochs", n.gnss_epochs}, {"accepted", n.gnss_accepted}, {"rejected", n.gnss_rejected}, {"withheld", n.gnss_withheld}};
+    return out;
+}
+
+Json timing_of(const ResultBundle& b) {
+    const double epochs = static_cast<double>(b.result.counters.imu_epochs);
+    const double filter = b.result.filter_seconds;
+    return {{"read_s", b.timing.read_s},
+            {"filter_s", b.timing.filter_s},
+            {"write_s", b.timing.write_s},
+            {"wall_s", b.timing.wall_s},
+            {"imu_epochs_per_s", filter > 0.0 ? number(epochs / filter) : Json(nullptr)}};
+}
+
+Json findings_of(const ResultBundle& b) {
+    const fusion::Findings& f = b.result.findings;
+    const Eigen::Vector3d m = f.mounting_rpy / units::deg;
+    return {{"aligned_at_s", b.relative(f.aligned_at)},
+            {"alignment", text_or_null(f.alignment)},
+            {"mounting_deg", {m.x(), m.y(), m.z()}},
+            {"latency_s",
+             {{"position", f.position_latency},
+              {"velocity", f.velocity_latency},
+              {"height", f.height_latency},
+              {"velocity_down", f.velocity_down_latency}}},
+            {"lever_arm_m", {f.lever_arm_b.x(), f.lever_arm_b.y(), f.lever_arm_b.z()}}};
+}
+
+}  // namespace
+
+std::string summary_json(const ResultBundle& b) {
+    Json out = head_of(b);
+    const Evaluation& e = b.evaluation;
+    out["reference"] = text_or_null(e.reference);
+    out["errors"] = errors_of(e);
+    out["settled_after_s"] = number(b.relative(e.settled));
+    out["consistency"] = consistency_of(e);
+    out["outages"] = of(e.outages, b.data.origin);
+    out["outages_forward"] = b.smoothed() ? of(e.outages_forward, b.data.origin) : Json(nullptr);
+    out["findings"] = findings_of(b);
+    out["gravity"] = nullptr;
+    out["montecarlo"] = nullptr;
+    out["timing"] = timing_of(b);
+    out["warnings"] = b.warnings;
+    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string evaluation_json(const Evaluation& e, const std::string& solution, const std::string& reference) {
+    Json out;
+    out["command"] = "evaluate";
+    out["solution"] = solution;
+    out["reference_file"] = reference;
+    out["reference"] = "file";
+    out["epochs"] = e.summary.epochs;
+    out["errors"] = errors_of(e);
+    out["settled_after_s"] = e.errors.empty() ? Json(nullptr) : number((e.settled - e.errors.front().time).seconds());
+    out["consistency"] = consistency_of(e);
+    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,120 @@
+#include "schuler/app/bundle.h"
+#include "schuler/app/evaluation_json.h"
+#include "schuler/core/units.h"
+
+#include <cmath>
+
+namespace schuler::app {
+namespace {
+
+std::string cell(double x, double unit = 1.0) {
+    if (!std::isfinite(x)) return "-";
+    const double v = x / unit, a = std::abs(v);
+    if (a != 0.0 && (a < 1e-3 || a >= 1e5)) return fmt::format("{:.2e}", v);
+    return fmt::format("{:.{}f}", v, a < 1.0 ? 4 : a < 100.0 ? 3 : 1);
+}
+
+std::string error_line(const std::string& name, const analysis::Spread& s, double unit = 1.0) {
+    if (!std::isfinite(s.rms)) return {};
+    return fmt::format("  {:<26}{:>11}{:>11}{:>11}\n", name, cell(s.rms, unit), cell(s.p95, unit), cell(s.max, unit));
+}
+
+std::string error_table(const analysis::ErrorSummary& s, const std::string& title) {
+    if (s.epochs == 0) return {};
+    std::string out = fmt::format("{:<28}{:>11}{:>11}{:>11}\n", title, "rms", "95 %", "max");
+    out += error_line("position east, m", s.east) + error_line("position north, m", s.north) + error_line("position up, m", s.up);
+    out += error_line("position horizontal, m", s.horizontal) + error_line("position 3-d, m", s.three_d);
+    out += error_line("velocity east, m/s", s.v_east) + error_line("velocity north, m/s", s.v_north) +
+           error_line("velocity up, m/s", s.v_up);
+    out += error_line("roll, deg", s.roll, units::deg) + error_line("pitch, deg", s.pitch, units::deg) +
+           error_line("heading, deg", s.heading, units::deg);
+    return out;
+}
+
+std::string consistency_table(const Evaluation& e) {
+    std::string out;
+    const auto nees = [&](const char* name, const analysis::NeesStatistics& n) {
+        if (std::isfinite(n.mean))
+            out += fmt::format("  NEES {:<17}{:>11}{:>11}   ({} to {})\n", name, cell(n.mean), cell(n.expected), cell(n.low95),
+                               cell(n.high95));
+    };
+    if (e.consistency) {
+        nees("position", e.consistency->position);
+        nees("velocity", e.consistency->velocity);
+        nees("attitude", e.consistency->attitude);
+    }
+    if (!out.empty()) out = fmt::format("{:<24}{:>11}{:>11}   {}\n", "consistency", "mean", "expected", "95 % bounds") + out;
+    if (!e.aids.empty())
+        out += fmt::format("{:<24}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "innovations", "NIS mean", "dof", "accepted", "rejected",
+                           "lag 1");
+    for (const AidConsistency& a : e.aids) {
+        out += fmt::format("  {:<22}{:>11}{:>11}{:>11}{:>11}{:>11}\n", a.name, cell(a.nis.mean), cell(a.nis.dof), a.nis.accepted,
+                           a.nis.rejected, cell(a.nis.lag1));
+    }
+    return out;
+}
+
+std::string outage_table(const std::vector<analysis::OutageStatistics>& outages, Time origin, const std::string& title) {
+    if (outages.empty()) return {};
+    std::string out = fmt::format("{:<20}{:>10}{:>13}{:>13}{:>13}{:>10}   {}\n", title, "length, s", "end hor., m", "max hor., m",
+                                  "end vert., m", "max 3-d", "3 sigma");
+    double end2 = 0.0, max2 = 0.0;
+    std::size_t counted = 0;
+    for (const analysis::OutageStatistics& o : outages) {
+        out += fmt::format("  at {:<15}{:>10}{:>13}{:>13}{:>13}{:>10}   {}\n",
+                           fmt::format("{:.10g} s", (o.span.start - origin).seconds()),
+                           fmt::format("{:.6g}", o.span.duration.seconds()), cell(o.end_horizontal), cell(o.max_horizontal),
+                           cell(o.end_vertical), cell(o.max_3d),
+                           o.epochs == 0     ? "nothing to compare"
+                           : o.inside_3sigma ? "inside"
+                                             : "OUTSIDE");
+        if (!std::isfinite(o.max_horizontal)) continue;
+        end2 += std::isfinite(o.end_horizontal) ? o.end_horizontal * o.end_horizontal : 0.0;
+        max2 += o.max_horizontal * o.max_horizontal;
+        ++counted;
+    }
+    if (counted > 1) {
+        const double n = static_cast<double>(counted);
+        out += fmt::format("  {:<18}{:>10}{:>13}{:>13}\n", "rms", "", cell(std::sqrt(end2 / n)), cell(std::sqrt(max2 / n)));
+    }
+    return out;
+}
+
+}  // namespace
+
+std::string summary_tables(const ResultBundle& b) {
+    const fusion::Counters& n = b.result.counters;
+    const auto& rows = b.solution().rows;
+    std::string out = fmt::format(
+        "{}: {:.1f} s, {} IMU epochs at {:.4g} Hz ({} gaps), {} GNSS epochs ({} accepted, {} rejected, {} withheld){}\n", b.name,
+        rows.empty() ? 0.0 : (rows.back().time - rows.front().time).seconds(), n.imu_epochs, n.imu_rate, n.imu_gaps,
+        n.gnss_epochs, n.gnss_accepted, n.gnss_rejected, n.gnss_withheld, b.smoothed() ? ", smoothed" : "");
+    if (!b.result.findings.alignment.empty()) out += fmt::format("start: {}\n", b.result.findings.alignment);
+    const Evaluation& e = b.evaluation;
+    if (e.summary.epochs > 0) {
+        out += "\n" + error_table(e.summary, fmt::format("errors against {} from {:.1f} s",
+                                                         e.reference == "truth" ? "truth" : "reference", b.relative(e.settled)));
+        if (e.forward)
+            out += error_line("forward horizontal, m", e.forward->horizontal) + error_line("forward 3-d, m", e.forward->three_d);
+    }
+    if (!e.outages.empty()) {
+        out += "\n" + outage_table(e.outages, b.data.origin, b.smoothed() ? "outages, smoothed" : "outages");
+        out += outage_table(e.outages_forward, b.data.origin, "outages, forward");
+    }
+    const std::string consistency = consistency_table(e);
+    if (!consistency.empty()) out += "\n" + consistency;
+    out += fmt::format("\nread {:.2f} s, filter {:.2f} s ({:.3g} million IMU epochs/s forward), write {:.2f} s\n",
+                       b.timing.read_s, b.timing.filter_s,
+                       b.result.filter_seconds > 0.0 ? 1e-6 * static_cast<double>(n.imu_epochs) / b.result.filter_seconds : 0.0,
+                       b.timing.write_s);
+    return out;
+}
+
+std::string evaluation_tables(const Evaluation& e) {
+    std::string out = error_table(e.summary, fmt::format("errors at {} epochs", e.summary.epochs));
+    if (out.empty()) out = "no epoch is left after settling; give a smaller --settle\n";
+    const std::string consistency = consistency_table(e);
+    return consistency.empty() ? out : out + "\n" + consistency;
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,81 @@
+// Plain structs of what instruments deliver, in SI units and the frames of docs/conventions.md. NaN means "not given".
+#pragma once
+
+#include "schuler/core/position.h"
+#include "schuler/core/time.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace schuler {
+
+inline constexpr double not_given = std::numeric_limits<double>::quiet_NaN();
+inline Eigen::Vector3d not_given3() { return Eigen::Vector3d::Constant(not_given); }
+
+/// One row of an IMU log as logged: rates (rad/s, m/s^2) or increments (rad, m/s), see ImuKind, in sensor axes.
+struct ImuSample {
+    Time time;
+    Eigen::Vector3d gyro;
+    Eigen::Vector3d accel;
+};
+enum class ImuKind { Rates, Increments };
+enum class ImuStamp { Start, Center, End };  ///< what the time stamp of a sample marks
+
+/// Angle and velocity increments of the body over (time - dt, time], body axes (forward-right-down), rad and m/s.
+struct ImuIncrement {
+    Time time;
+    double dt;
+    Eigen::Vector3d dtheta;
+    Eigen::Vector3d dv;
+};
+
+enum class FixType : std::uint8_t { None, Autonomous, Differential, RtkFixed, RtkFloat, Unknown };
+
+/// One epoch of a GNSS receiver's solution at the antenna.
+struct GnssFix {
+    Time time;
+    Geodetic position;                           ///< NaN members where absent
+    Eigen::Vector3d velocity_n = not_given3();   ///< north, east, down, m/s
+    Eigen::Vector3d std_position = not_given3(); ///< north, east, down, m, one sigma
+    Eigen::Vector3d std_velocity = not_given3(); ///< north, east, down, m/s, one sigma
+    FixType fix = FixType::Unknown;
+    int satellites = -1;
+    double position_age = 0.0;       ///< s; the position is valid at time - position_age (0 unless the log says so)
+    double velocity_age = 0.0;       ///< s; likewise for the velocity
+};
+
+struct BaroSample {
+    Time time;
+    double height = not_given;       ///< m, barometric height (of whatever datum: its bias is a state)
+    double pressure = not_given;     ///< Pa, static pressure
+};
+
+struct MagSample {
+    Time time;
+    Eigen::Vector3d field_b;         ///< T, body axes (sensor axes until mounted)
+};
+
+/// Truth or another program's solution. NaN members are absent.
+struct ReferenceSample {
+    Time time;
+    Geodetic position{not_given, not_given, not_given};
+    Eigen::Vector3d velocity_n = not_given3();
+    Eigen::Vector3d rpy = not_given3();          ///< roll, pitch, heading, rad
+    bool movement = true;
+};
+
+/// The instruments of one data set on one time axis, as logged (sensor axes), sorted by time in each channel.
+struct Recording {
+    std::vector<ImuSample> imu;
+    std::vector<GnssFix> gnss;
+    std::vector<BaroSample> baro;
+    std::vector<MagSample> mag;
+    std::vector<ReferenceSample> reference;
+};
+
+}  // namespace schuler

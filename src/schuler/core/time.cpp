@@ -1,0 +1,108 @@
+#include "schuler/core/time.h"
+
+#include <array>
+#include <cmath>
+
+namespace schuler {
+namespace {
+
+constexpr std::int64_t ns_per_s = 1'000'000'000;
+constexpr std::int64_t s_per_day = 86'400;
+constexpr std::int64_t s_per_week = 7 * s_per_day;
+
+/// Days from 1980-01-06 (the GPS epoch) to a date of the proleptic Gregorian calendar.
+constexpr std::int64_t days_since_gps_epoch(int y, int m, int d) {
+    const std::int64_t yy = m <= 2 ? y - 1 : y;
+    const std::int64_t era = (yy >= 0 ? yy : yy - 399) / 400;
+    const std::int64_t yoe = yy - era * 400;
+    const std::int64_t doy = (153 * (m + (m > 2 ? -3 : 9)) + 2) / 5 + d - 1;
+    const std::int64_t doe = yoe * 365 + yoe / 4 - yoe / 100 + doy;
+    constexpr std::int64_t unix_to_gps_days = 3657;
+    return era * 146'097 + doe - 719'468 - unix_to_gps_days;
+}
+
+/// First UTC second (counted without leap seconds) at which GPS - UTC has the value index + 1.
+constexpr std::array<std::int64_t, 18> leap_starts = {
+    days_since_gps_epoch(1981, 7, 1) * s_per_day, days_since_gps_epoch(1982, 7, 1) * s_per_day,
+    days_since_gps_epoch(1983, 7, 1) * s_per_day, days_since_gps_epoch(1985, 7, 1) * s_per_day,
+    days_since_gps_epoch(1988, 1, 1) * s_per_day, days_since_gps_epoch(1990, 1, 1) * s_per_day,
+    days_since_gps_epoch(1991, 1, 1) * s_per_day, days_since_gps_epoch(1992, 7, 1) * s_per_day,
+    days_since_gps_epoch(1993, 7, 1) * s_per_day, days_since_gps_epoch(1994, 7, 1) * s_per_day,
+    days_since_gps_epoch(1996, 1, 1) * s_per_day, days_since_gps_epoch(1997, 7, 1) * s_per_day,
+    days_since_gps_epoch(1999, 1, 1) * s_per_day, days_since_gps_epoch(2006, 1, 1) * s_per_day,
+    days_since_gps_epoch(2009, 1, 1) * s_per_day, days_since_gps_epoch(2012, 7, 1) * s_per_day,
+    days_since_gps_epoch(2015, 7, 1) * s_per_day, days_since_gps_epoch(2017, 1, 1) * s_per_day};
+
+std::int64_t whole_minutes_in_seconds(const Calendar& c) {
+    return days_since_gps_epoch(c.year, c.month, c.day) * s_per_day + c.hour * 3600 + c.minute * 60;
+}
+
+std::int64_t to_ns(double s) {
+    const double whole = std::floor(s);
+    return static_cast<std::int64_t>(whole) * ns_per_s + std::llround((s - whole) * 1e9);
+}
+
+Calendar calendar_from_seconds(std::int64_t s, std::int64_t ns) {
+    std::int64_t days = s / s_per_day;
+    std::int64_t rest = s % s_per_day;
+    if (rest < 0) {
+        rest += s_per_day;
+        --days;
+    }
+    const std::int64_t z = days + 3657 + 719'468;
+    const std::int64_t era = (z >= 0 ? z : z - 146'096) / 146'097;
+    const std::int64_t doe = z - era * 146'097;
+    const std::int64_t yoe = (doe - doe / 1460 + doe / 36'524 - doe / 146'096) / 365;
+    const std::int64_t doy = doe - (365 * yoe + yoe / 4 - yoe / 100);
+    const std::int64_t mp = (5 * doy + 2) / 153;
+    const int day = static_cast<int>(doy - (153 * mp + 2) / 5 + 1);
+    const int month = static_cast<int>(mp < 10 ? mp + 3 : mp - 9);
+    const int year = static_cast<int>(yoe + era * 400 + (month <= 2 ? 1 : 0));
+    return {year, month, day, static_cast<int>(rest / 3600), static_cast<int>(rest % 3600 / 60),
+            static_cast<double>(rest % 60) + static_cast<double>(ns) * 1e-9};
+}
+
+}  // namespace
+
+Duration Duration::from_seconds(double s) { return {to_ns(s)}; }
+Time Time::from_seconds(double s) { return {to_ns(s)}; }
+
+Time Time::from_gps(int week, double seconds_of_week) {
+    return {static_cast<std::int64_t>(week) * s_per_week * ns_per_s + to_ns(seconds_of_week)};
+}
+
+int gps_minus_utc(std::int64_t utc_seconds_since_1980) {
+    int count = 0;
+    for (const std::int64_t start : leap_starts) count += utc_seconds_since_1980 >= start ? 1 : 0;
+    return count;
+}
+
+Time gps_from_utc(const Calendar& utc) {
+    // The minute decides the offset, so that second 60 of a leap second still has the offset of its minute.
+    const std::int64_t minutes = whole_minutes_in_seconds(utc);
+    return {(minutes + gps_minus_utc(minutes)) * ns_per_s + to_ns(utc.second)};
+}
+
+Time gps_from_calendar(const Calendar& gps) { return {whole_minutes_in_seconds(gps) * ns_per_s + to_ns(gps.second)}; }
+
+Calendar utc_from_gps(Time gps) {
+    std::int64_t s = gps.ns / ns_per_s;
+    std::int64_t ns = gps.ns % ns_per_s;
+    if (ns < 0) {
+        ns += ns_per_s;
+        --s;
+    }
+    for (std::size_t i = leap_starts.size(); i-- > 0;) {
+        const auto offset = static_cast<std::int64_t>(i) + 1;
+        const std::int64_t leap_second = leap_starts[i] + offset - 1;  // GPS second of the inserted 23:59:60
+        if (s == leap_second) {
+            Calendar c = calendar_from_seconds(leap_starts[i] - 1, ns);
+            c.second += 1.0;
+            return c;
+        }
+        if (s > leap_second) return calendar_from_seconds(s - offset, ns);
+    }
+    return calendar_from_seconds(s, ns);
+}
+
+}  // namespace schuler

@@ -1,0 +1,53 @@
+#include "schuler/earth/earth.h"
+
+#include "schuler/earth/detail/geodetic_trig.h"
+#include "schuler/math/rotation.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace schuler::earth {
+
+EarthTerms terms_at(const Earth& earth, const Geodetic& position, const Eigen::Vector3d& v_eb_n) {
+    const Ellipsoid& ell = earth.ellipsoid;
+    const double s = std::sin(position.lat), c = std::cos(position.lat);
+    const double e2 = ell.e2();
+    const double inverse_w2 = 1.0 / (1.0 - e2 * s * s);
+    const double n = ell.a * std::sqrt(inverse_w2);
+    const GravityVector g = gravity_vector(earth.gravity, s, c, position.h);
+
+    EarthTerms t;
+    t.sin_lat = s;
+    t.cos_lat = c;
+    t.tan_lat = s / c;
+    t.rm = n * (1.0 - e2) * inverse_w2 + position.h;
+    t.rn = n + position.h;
+    t.w_ie_n = {ell.w_ie * c, 0.0, -ell.w_ie * s};
+    const double east_rate = v_eb_n.y() / t.rn;
+    t.w_en_n = {east_rate, -v_eb_n.x() / t.rm, -east_rate * t.tan_lat};
+    t.g_n = {g.north, 0.0, g.down};
+    return t;
+}
+
+Eigen::Vector3d gravity_ecef(const Earth& earth, const Ecef& position) {
+    const detail::GeodeticTrig at = detail::geodetic_trig_from_ecef(earth.ellipsoid, position.r);
+    const GravityVector g = gravity_vector(earth.gravity, at.sin_lat, at.cos_lat, at.h);
+    const double outward = -g.north * at.sin_lat - g.down * at.cos_lat;  // away from the axis, in the equatorial plane
+    return {outward * at.cos_lon, outward * at.sin_lon, g.north * at.cos_lat - g.down * at.sin_lat};
+}
+
+Eigen::Vector3d ned_difference(const Earth& earth, const Geodetic& to, const Geodetic& from) {
+    const Radii r = radii(earth.ellipsoid, from.lat);
+    double dlon = to.lon - from.lon;
+    if (std::abs(dlon) > std::numbers::pi) dlon = math::wrap_pi(dlon);
+    return {(to.lat - from.lat) * (r.meridian + from.h), dlon * (r.prime_vertical + from.h) * std::cos(from.lat), from.h - to.h};
+}
+
+Geodetic moved_by_ned(const Earth& earth, const Geodetic& from, const Eigen::Vector3d& ned) {
+    const Radii r = radii(earth.ellipsoid, from.lat);
+    double lon = from.lon + ned.y() / ((r.prime_vertical + from.h) * std::cos(from.lat));
+    if (std::abs(lon) > std::numbers::pi) lon = math::wrap_pi(lon);
+    return {from.lat + ned.x() / (r.meridian + from.h), lon, from.h - ned.z()};
+}
+
+}  // namespace schuler::earth

@@ -1,0 +1,47 @@
+#include "schuler/estim/scalar_update.h"
+
+namespace schuler::estim {
+
+template <int N>
+ScalarUpdate<N> update_scalar(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P,
+                              const Eigen::Matrix<double, N, 1>& h, double innovation, double r) {
+    ScalarUpdate<N> u;
+    Eigen::Matrix<double, N, 1> ph;
+    ph.noalias() = P * h;
+    u.h = h;
+    u.s = h.dot(ph) + r;
+    u.k = ph / u.s;
+    u.innovation = innovation - h.dot(dx);
+    dx += u.k * u.innovation;
+    for (int c = 0; c < N; ++c) {
+        const double kc = u.k(c), a = ph(c) - u.s * kc;
+        // Column c of P - k ph^T - ph k^T + s k k^T.
+        P.col(c) -= u.k * a + ph * kc;
+    }
+    P = (0.5 * (P + P.transpose())).eval();
+    return u;
+}
+
+template <int N>
+void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
+    lambda -= u.h * (u.k.dot(lambda) + u.innovation / u.s);
+    Eigen::Matrix<double, N, 1> lk;
+    lk.noalias() = Lambda * u.k;
+    const double klk = u.k.dot(lk) + 1.0 / u.s;
+    for (int c = 0; c < N; ++c) {
+        const double hc = u.h(c), a = klk * hc - lk(c);
+        // Column c of (I - k h)^T Lambda (I - k h) + h h^T / s.
+        if (hc != 0.0 || a != 0.0) Lambda.col(c) += u.h * a - lk * hc;
+    }
+}
+
+#define SCHULER_INSTANTIATE(N)                                                                                           \
+    template ScalarUpdate<N> update_scalar<N>(Eigen::Matrix<double, N, 1>&, Eigen::Matrix<double, N, N>&,                \
+                                              const Eigen::Matrix<double, N, 1>&, double, double);                       \
+    template struct Adjoint<N>;
+SCHULER_INSTANTIATE(16)
+SCHULER_INSTANTIATE(24)
+SCHULER_INSTANTIATE(40)
+#undef SCHULER_INSTANTIATE
+
+}  // namespace schuler::estim

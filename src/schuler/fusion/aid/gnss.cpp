@@ -1,0 +1,61 @@
+#include "schuler/fusion/aid/gnss.h"
+
+#include "schuler/math/rotation.h"
+
+namespace schuler::fusion {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using math::skew;
+
+namespace {
+
+Vector3d lever_arm(const Estimate& e, const Vector3d& given) {
+    return e.layout.lever_arm < 0 ? given : Vector3d(e.parameters.segment<3>(e.layout.lever_arm));
+}
+
+}  // namespace
+
+LocalMeasurement gnss_position(const Estimate& e, const Geodetic& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
+                               Components use) {
+    const Vector3d l_n = e.C_nb * lever_arm(e, lever_arm_b);
+    const Vector3d difference = earth::ned_difference(e.earth, e.nav.position, measured) + l_n;
+    const Matrix3d by_attitude = skew(l_n);
+    LocalMeasurement m;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!use[axis]) continue;
+        const int i = add_component(m, difference(axis), variance(axis));
+        m.rows(Layout::position + axis, i) = 1.0;
+        m.rows.col(i).segment<3>(Layout::attitude) = by_attitude.row(axis).transpose();
+        if (e.layout.lever_arm >= 0) m.rows.col(i).segment<3>(e.layout.lever_arm) = e.C_nb.row(axis).transpose();
+        if (e.layout.gnss_position >= 0) {
+            m.innovation(i) += e.parameters(e.layout.gnss_position + axis);
+            m.rows(e.layout.gnss_position + axis, i) = 1.0;
+        }
+    }
+    return m;
+}
+
+LocalMeasurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
+                               Components use) {
+    const Vector3d l_b = lever_arm(e, lever_arm_b);
+    const Vector3d w_ie_n = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
+    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * w_ie_n;
+    const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b);
+    const Vector3d difference = e.nav.v_eb_n + s_n - measured;
+    const Matrix3d by_attitude = skew(s_n);
+    const Matrix3d by_gyro_bias = e.C_nb * skew(l_b);
+    const Matrix3d by_lever_arm = e.C_nb * skew(w_eb_b);
+    LocalMeasurement m;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!use[axis]) continue;
+        const int i = add_component(m, difference(axis), variance(axis));
+        m.rows(Layout::velocity + axis, i) = 1.0;
+        m.rows.col(i).segment<3>(Layout::attitude) = by_attitude.row(axis).transpose();
+        m.rows.col(i).segment<3>(Layout::gyro_bias) = by_gyro_bias.row(axis).transpose();
+        if (e.layout.lever_arm >= 0) m.rows.col(i).segment<3>(e.layout.lever_arm) = by_lever_arm.row(axis).transpose();
+    }
+    return m;
+}
+
+}  // namespace schuler::fusion

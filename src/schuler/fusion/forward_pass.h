@@ -1,0 +1,116 @@
+// The walk along the timeline: increments, events, constraints, outputs. One code for the forward filter, for start-up trials and
+// for the smoother's replays; who wants to know what happens observes it.
+#pragma once
+
+#include "schuler/fusion/aid/aid.h"
+#include "schuler/fusion/gate.h"
+#include "schuler/fusion/inertial_filter.h"
+#include "schuler/fusion/result.h"
+#include "schuler/fusion/settings.h"
+#include "schuler/fusion/still.h"
+#include "schuler/fusion/timeline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace schuler::fusion {
+
+/// Standard deviations used for each fix: the log's, or the defaults; resolved once, so that replays agree.
+struct FixNoise {
+    Eigen::Vector3d position;    ///< m, NED
+    Eigen::Vector3d velocity;    ///< m/s, NED
+};
+
+/// What one run has in common for all its passes; read only.
+struct RunData {
+    const Recording* recording = nullptr;
+    ImuTimeline imu;
+    std::vector<Event> events;
+    StillReport still;
+    std::vector<FixNoise> fix_noise;     ///< one per fix of the recording
+    double declination = 0.0;            ///< rad
+    GateLimits gates;
+};
+
+/// Does the body move like a wheeled vehicle? Direction of motion in body axes while GNSS keeps the velocity good.
+struct WheelEvidence {
+    enum class Verdict : std::uint8_t { Open, Wheels, NoWheels };
+    Verdict verdict = Verdict::Open;
+    int n = 0;
+    double turned = 0.0;                                    ///< rad, total turn during the observation
+    double mean_side = 0.0, mean_down = 0.0;                ///< tangents of the direction of motion
+    double m2_side = 0.0, m2_down = 0.0;                    ///< sums of squared deviations
+
+    /// Takes one direction; decides after a minute of motion with at least a quarter turn.
+    void add(const Eigen::Vector3d& v_b, double turn, double interval);
+    [[nodiscard]] double std_side() const { return std::sqrt(m2_side / std::max(1, n - 1)); }
+    [[nodiscard]] double std_down() const { return std::sqrt(m2_down / std::max(1, n - 1)); }
+};
+
+/// A place on the walk with everything needed to go on from there; plain and copyable.
+template <class Frame, int N>
+struct Walk {
+    InertialFilter<Frame, N> filter;
+    std::size_t increment = 0;           ///< next to be consumed
+    std::size_t event = 0;
+    std::size_t still = 0;
+    std::size_t bridge = 0;
+    std::size_t outputs = 0;             ///< number of outputs made
+    Time next_output{};
+    Time next_constraint{};
+    std::array<GateState, 7> gates{};    ///< by AidKind
+    WheelEvidence wheels;
+    Time last_still{INT64_MIN / 2};
+};
+
+/// Who wants to know what happens on the walk derives from this; the base does not care.
+template <class Frame, int N>
+struct PassObserver {
+    using Filter = InertialFilter<Frame, N>;
+
+    virtual ~PassObserver() = default;
+    virtual void step(const estim::Transition<N>&) {}
+    virtual void scalar(const estim::ScalarUpdate<N>&) {}
+    virtual void output(const Filter&, Time) {}
+    virtual void outage_epoch(const Filter&, const Event&, const LocalMeasurement&, const AidRecord&) {}
+    virtual void aid(const AidRecord&) {}
+};
+
+/// Rows of an aid mapped to the filter's own error states.
+template <class Frame, int N>
+[[nodiscard]] Measurement<N> to_filter(const InertialModel<N>& model, const InertialFilter<Frame, N>& filter,
+                                       const LocalMeasurement& local);
+
+template <class Frame, int N>
+[[nodiscard]] Estimate estimate_of(const InertialModel<N>& model, const InertialFilter<Frame, N>& filter);
+
+/// Walks a filter along the data of a run.
+template <class Frame, int N>
+class ForwardPass {
+public:
+    using Observer = PassObserver<Frame, N>;
+
+    ForwardPass(const InertialModel<N>& model, const RunData& data, const Settings& settings)
+        : model_(model), data_(data), settings_(settings) {}
+
+    /// Consumes increments up to and including index `last`. Throws Error(Computation) where the filter diverges.
+    void advance(Walk<Frame, N>& walk, std::size_t last, Observer& observer) const;
+
+private:
+    void step(Walk<Frame, N>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const;
+    void meet(Walk<Frame, N>& walk, const Event& event, Observer& observer) const;
+    void constrain(Walk<Frame, N>& walk, Observer& observer) const;
+    AidRecord try_update(Walk<Frame, N>& walk, AidKind kind, const LocalMeasurement& local, Time stamp, bool withheld,
+                         Observer& observer) const;
+    [[nodiscard]] LocalMeasurement measurement_of(const Walk<Frame, N>& walk, const Event& event) const;
+    void observe_wheels(Walk<Frame, N>& walk, const Estimate& e) const;
+    void recover(Walk<Frame, N>& walk, AidKind kind, const LocalMeasurement& local) const;
+
+    const InertialModel<N>& model_;
+    const RunData& data_;
+    const Settings& settings_;
+};
+
+}  // namespace schuler::fusion

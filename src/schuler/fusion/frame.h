@@ -1,0 +1,52 @@
+// The two mechanizations as policies of one filter: state, step, error dynamics and the map of errors to local level.
+#pragma once
+
+#include "schuler/core/nav_state.h"
+#include "schuler/earth/earth.h"
+#include "schuler/ins/error_model.h"
+#include "schuler/ins/state_error.h"
+#include "schuler/ins/step.h"
+#include "schuler/math/rotation.h"
+
+#include <Eigen/Core>
+
+namespace schuler::fusion {
+
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+using Vector9 = Eigen::Matrix<double, 9, 1>;
+
+/// Geographic frame: errors are in north-east-down already.
+struct GeographicFrame {
+    using State = NavState;
+
+    static State step(const earth::Earth& earth, const State& s, const ins::CompensatedIncrement& inc) {
+        return ins::step_n(earth, s, inc);
+    }
+    static const Eigen::Quaterniond& attitude(const State& s) { return s.q_nb; }
+    static ins::ErrorDynamics dynamics(const earth::Earth& earth, const State& s, const Eigen::Vector3d& f) {
+        return ins::error_n(earth, s.position, s.v_eb_n, f);
+    }
+    static State corrected(const earth::Earth& earth, const State& s, const Vector9& dx) { return ins::corrected(earth, s, dx); }
+    static NavState geographic(const earth::Earth&, const State& s) { return s; }
+    static State from_geographic(const earth::Earth&, const NavState& s) { return s; }
+    static constexpr bool errors_are_geographic = true;
+};
+
+/// Earth-fixed frame.
+struct EarthFixedFrame {
+    using State = NavStateEcef;
+
+    static State step(const earth::Earth& earth, const State& s, const ins::CompensatedIncrement& inc) {
+        return ins::step_e(earth, s, inc);
+    }
+    static const Eigen::Quaterniond& attitude(const State& s) { return s.q_eb; }
+    static ins::ErrorDynamics dynamics(const earth::Earth& earth, const State& s, const Eigen::Vector3d& f) {
+        return ins::error_e(earth, s.position, f);
+    }
+    static State corrected(const earth::Earth&, const State& s, const Vector9& dx) { return ins::corrected(s, dx); }
+    static NavState geographic(const earth::Earth& earth, const State& s) { return ins::to_geographic(earth, s); }
+    static State from_geographic(const earth::Earth& earth, const NavState& s) { return ins::to_ecef(earth, s); }
+    static constexpr bool errors_are_geographic = false;
+};
+
+}  // namespace schuler::fusion

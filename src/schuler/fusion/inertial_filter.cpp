@@ -1,0 +1,134 @@
+#include "schuler/fusion/inertial_filter.h"
+
+#include <cmath>
+
+namespace schuler::fusion {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+template <int N>
+InertialModel<N>::InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu)
+    : earth(earth_), layout(layout_), gyro_psd(imu.gyro_noise * imu.gyro_noise), accel_psd(imu.accel_noise * imu.accel_noise) {
+    const auto set = [&](int offset, double sigma, double time, bool constant_part) {
+        if (offset < 0) return;
+        for (int i = 0; i < 3; ++i) {
+            // With a turn-on part the sum does not return to zero: a random walk of the same driving noise describes it.
+            process[static_cast<std::size_t>(offset + i)] = {constant_part ? 0.0 : 1.0 / time, 2.0 * sigma * sigma / time};
+        }
+    };
+    set(Layout::gyro_bias, imu.gyro_bias, imu.gyro_bias_time, imu.gyro_turn_on_bias > 0.0);
+    set(Layout::accel_bias, imu.accel_bias, imu.accel_bias_time, imu.accel_turn_on_bias > 0.0);
+
+    sparsity.add(0, Layout::position, 6);
+    sparsity.add(1, Layout::position, 9);
+    sparsity.add(1, Layout::accel_bias, 3);
+    sparsity.add(2, Layout::position, 9);
+    sparsity.add(2, Layout::gyro_bias, 3);
+    if (layout.gyro_scale >= 0) sparsity.add(2, layout.gyro_scale, 3);
+    if (layout.accel_scale >= 0) sparsity.add(1, layout.accel_scale, 3);
+}
+
+template <class Frame, int N>
+void InertialFilter<Frame, N>::set_nav(const typename Frame::State& state) {
+    nav = state;
+    C = Frame::attitude(nav).toRotationMatrix();
+}
+
+template <class Frame, int N>
+ImuIncrement InertialFilter<Frame, N>::corrected(const InertialModel<N>& model, const ImuIncrement& raw) const {
+    ImuIncrement c = raw;
+    c.dtheta -= parameters.template segment<3>(Layout::gyro_bias) * raw.dt;
+    c.dv -= parameters.template segment<3>(Layout::accel_bias) * raw.dt;
+    if (model.layout.gyro_scale >= 0) {
+        c.dtheta = c.dtheta.cwiseQuotient(Vector3d::Ones() + parameters.template segment<3>(model.layout.gyro_scale));
+        c.dv = c.dv.cwiseQuotient(Vector3d::Ones() + parameters.template segment<3>(model.layout.accel_scale));
+    }
+    return c;
+}
+
+template <class Frame, int N>
+void InertialFilter<Frame, N>::propagate(const InertialModel<N>& model, const ImuIncrement& raw, const BridgeNoise& bridge,
+                                         estim::Transition<N>& phi) {
+    const Layout& L = model.layout;
+    const double dt = raw.dt;
+    const ImuIncrement inc = corrected(model, raw);
+    const ins::CompensatedIncrement motion = ins::compensate(previous, inc);
+    const Vector3d f = C * (motion.dv / dt);   // dv is resolved in the body axes of the start of the step
+    const ins::ErrorDynamics F = Frame::dynamics(model.earth, nav, f);
+    const Matrix3d C0 = C;
+    set_nav(Frame::step(model.earth, nav, motion));
+    previous = inc;
+    w_ib_b = inc.dtheta / dt;
+    const Matrix3d Cdt = (0.5 * dt) * (C0 + C);
+
+    auto& A = phi.rows;
+    const auto put = [&A](int row, int column, const Matrix3d& block) {
+        for (int i = 0; i < 3; ++i) A.col(row + i).template segment<3>(column) = block.row(i).transpose();
+    };
+    const Matrix3d I = Matrix3d::Identity();
+    constexpr int p = Layout::position, v = Layout::velocity, a = Layout::attitude;
+    put(p, p, I + dt * F.pp);
+    put(p, v, dt * F.pv);
+    put(v, p, dt * F.vp);
+    put(v, v, I + dt * F.vv);
+    put(v, a, dt * F.va);
+    put(a, p, dt * F.ap);
+    put(a, v, dt * F.av);
+    put(a, a, I + dt * F.aa);
+    put(a, Layout::gyro_bias, Cdt);
+    put(v, Layout::accel_bias, -Cdt);
+    if (L.gyro_scale >= 0) {
+        put(a, L.gyro_scale, Cdt * w_ib_b.asDiagonal());
+        put(v, L.accel_scale, -Cdt * (inc.dv / dt).asDiagonal());
+    }
+    if (dt != cached_dt) {
+        cached_dt = dt;
+        for (int i = 9; i < N; ++i) {
+            const StateProcess& s = model.process[static_cast<std::size_t>(i)];
+            const double m = s.decay * dt;
+            cached_diagonal(i) = m == 0.0 ? 1.0 : std::exp(-m);
+            cached_q(i) = m == 0.0 ? s.psd * dt : s.psd * -std::expm1(-2.0 * m) / (2.0 * s.decay);
+        }
+    }
+    phi.diagonal = cached_diagonal;
+    cached_q.template segment<3>(v).setConstant((model.accel_psd + bridge.accel_psd) * dt);
+    cached_q.template segment<3>(a).setConstant((model.gyro_psd + bridge.gyro_psd) * dt);
+    estim::propagate<N>(P, phi, model.sparsity, cached_q);
+    parameters.template tail<N - 9>() = parameters.template tail<N - 9>().cwiseProduct(phi.diagonal.template tail<N - 9>());
+}
+
+template <class Frame, int N>
+Matrix3d InertialFilter<Frame, N>::innovation_covariance(const Measurement<N>& m) const {
+    Eigen::Matrix<double, N, 3> PH;
+    PH.noalias() = P * m.rows;
+    Matrix3d S = m.rows.transpose() * PH;
+    S.diagonal() += m.variance;
+    return S;
+}
+
+template <class Frame, int N>
+void InertialFilter<Frame, N>::apply(const InertialModel<N>& model, const Vector& dx) {
+    set_nav(Frame::corrected(model.earth, nav, dx.template head<9>()));
+    parameters.template tail<N - 9>() -= dx.template tail<N - 9>();
+}
+
+template <class Frame, int N>
+Matrix9 InertialFilter<Frame, N>::to_local_level(const InertialModel<N>& model) const {
+    if constexpr (Frame::errors_are_geographic)
+        return Matrix9::Identity();
+    else
+        return ins::geographic_from_ecef_errors(model.earth, Frame::geographic(model.earth, nav));
+}
+
+template struct InertialModel<16>;
+template struct InertialModel<24>;
+template struct InertialModel<40>;
+template struct InertialFilter<GeographicFrame, 16>;
+template struct InertialFilter<GeographicFrame, 24>;
+template struct InertialFilter<GeographicFrame, 40>;
+template struct InertialFilter<EarthFixedFrame, 16>;
+template struct InertialFilter<EarthFixedFrame, 24>;
+template struct InertialFilter<EarthFixedFrame, 40>;
+
+}  // namespace schuler::fusion

@@ -1,0 +1,42 @@
+// One complete pass of a filter of given frame and size: forward, and backward if asked for.
+#pragma once
+
+#include "schuler/fusion/forward_pass.h"
+#include "schuler/fusion/run_loose.h"
+
+namespace schuler::fusion {
+
+/// Where and how uncertain a run starts.
+struct Start {
+    NavState nav;
+    Eigen::Vector3d std_position, std_velocity;   ///< NED
+    Eigen::Vector3d std_rpy;                      ///< rad, mapped to the attitude error by its Jacobian
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();
+    Eigen::Vector3d std_gyro_bias, std_accel_bias;
+    double std_mounting = 0.03;                   ///< rad
+    std::size_t increment = 0;                    ///< first increment to consume
+    ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+};
+
+/// Options of one pass.
+struct PassOptions {
+    bool outputs = true;          ///< collect rows and sensor errors
+    bool smooth = false;
+    std::size_t last_increment = SIZE_MAX;
+    Progress progress;
+};
+
+/// Runs it. The size of the filter is the smallest instantiated one that holds the layout.
+[[nodiscard]] Result run_pass(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options);
+
+/// Smoothed state at the start of a pass (for start-up): what the data up to `last_increment` say about it.
+struct StartEstimate {
+    NavState nav;
+    Eigen::Vector3d std_rpy;
+    Eigen::Vector3d gyro_bias, accel_bias;
+    double log_likelihood = 0.0;  ///< of the accepted GNSS innovations of the forward pass
+};
+[[nodiscard]] StartEstimate smooth_start(const RunData& data, const Settings& settings, const Start& start,
+                                         std::size_t last_increment);
+
+}  // namespace schuler::fusion

@@ -1,0 +1,85 @@
+// What fusing one data set gives: solution, innovations, sensor errors, and what was found out on the way.
+#pragma once
+
+#include "schuler/core/log.h"
+#include "schuler/core/nav_state.h"
+#include "schuler/core/samples.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace schuler::fusion {
+
+enum class AidKind { GnssPosition, GnssVelocity, Baro, Mag, ZeroVelocity, ZeroRate, Nonholonomic };
+enum class AidStatus { Accepted, Rejected, Withheld };
+
+/// One measurement epoch as the filter met it.
+struct AidRecord {
+    Time time;                       ///< validity time
+    Time stamp;                      ///< time in the log
+    AidKind kind;
+    AidStatus status;
+    int dof = 0;                     ///< how many components are used; the others have sigma 0 (GNSS: north, east, down in place)
+    Eigen::Vector3d innovation = Eigen::Vector3d::Zero();  ///< estimate minus measured (NED for GNSS), before its own update
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();       ///< predicted one sigma of the innovation
+    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero(); ///< the part of it that is the filter's own uncertainty
+    double nis = 0.0;                ///< normalised innovation squared of the dof components together
+};
+
+/// Estimated sensor errors at one time (estimate, one sigma).
+struct SensorErrorRow {
+    Time time;
+    Eigen::Vector3d gyro_bias, std_gyro_bias;      ///< rad/s
+    Eigen::Vector3d accel_bias, std_accel_bias;    ///< m/s^2
+    Eigen::Vector3d gyro_scale, std_gyro_scale;    ///< 1 (zero where not estimated)
+    Eigen::Vector3d accel_scale, std_accel_scale;  ///< 1
+};
+
+/// GNSS epochs withheld in an outage and the first one after it, compared at the antenna: north, east, down.
+struct OutageEpoch {
+    int outage = -1;                 ///< index into Settings::outages
+    Time time{};                     ///< stamp of the fix
+    bool end = false;                ///< the first fix at or after the end, before its own update
+    Eigen::Vector3d error = Eigen::Vector3d::Zero();   ///< estimate minus GNSS, m
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();   ///< predicted one sigma of that difference, m
+};
+
+/// One pass over the data, forward or smoothed.
+struct Trajectory {
+    std::vector<SolutionRow> rows;
+    std::vector<SensorErrorRow> sensor_errors;     ///< at most 1 Hz
+    std::vector<OutageEpoch> outage_epochs;
+};
+
+/// What start-up and the estimators of settings found.
+struct Findings {
+    Time aligned_at{};                        ///< heading known from here on
+    std::string alignment;                    ///< one sentence: which method, what it found
+    Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, used (given or estimated)
+    Eigen::Vector3d std_mounting_rpy = Eigen::Vector3d::Zero();
+    double position_latency = 0.0, velocity_latency = 0.0, height_latency = 0.0, velocity_down_latency = 0.0;  ///< s, used
+    Eigen::Vector3d std_position_scale = Eigen::Vector3d::Ones();  ///< factor applied to default GNSS sigmas
+    Eigen::Vector3d std_velocity_scale = Eigen::Vector3d::Ones();
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< m, used or estimated
+    double gyro_noise = 0.0, accel_noise = 0.0;   ///< rad/sqrt(s), m/s/sqrt(s), used or estimated
+};
+
+struct Counters {
+    std::size_t imu_epochs = 0, imu_gaps = 0, imu_duplicates = 0;
+    double imu_rate = 0.0;                    ///< Hz, median
+    std::size_t gnss_epochs = 0, gnss_accepted = 0, gnss_rejected = 0, gnss_withheld = 0;
+};
+
+struct Result {
+    Trajectory forward;                       ///< always filled
+    Trajectory smoothed;                      ///< empty unless Settings::smooth
+    std::vector<AidRecord> aids;              ///< of the forward pass
+    Findings findings;
+    Counters counters;
+    double filter_seconds = 0.0;              ///< wall time of the forward pass alone, for timing only
+};
+
+}  // namespace schuler::fusion

@@ -1,0 +1,145 @@
+#include "schuler/fusion/run_loose.h"
+
+#include "schuler/core/error.h"
+#include "schuler/core/units.h"
+#include "schuler/fusion/loose_run.h"
+#include "schuler/fusion/start.h"
+#include "schuler/fusion/tune.h"
+#include "schuler/math/chi_square.h"
+#include "schuler/math/rotation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Vector3d;
+
+void check_settings(const Settings& s) {
+    if (!(s.gnss.lever_arm_b.norm() < 1000.0))
+        throw input_error(fmt::format("the lever arm is {:.6g} m long", s.gnss.lever_arm_b.norm()),
+                          {.file = {}, .key = "gnss.lever_arm_m"}, "give metres from the IMU to the antenna, below 1000");
+    if (!(std::abs(s.gnss.latency) < 10.0))
+        throw input_error(fmt::format("the latency is {:.6g} s", s.gnss.latency), {.file = {}, .key = "gnss.latency_s"},
+                          "give seconds, below 10");
+    if (s.output_rate < 0.0)
+        throw input_error("the output rate is negative", {.file = {}, .key = "output_rate"}, "give hertz, or 0 for every IMU epoch");
+}
+
+/// Times of both sensors must meet.
+void check_overlap(const Recording& recording, const InitialSettings& initial, WarningLog& warnings) {
+    if (recording.imu.empty())
+        throw input_error("there are no IMU samples", {.file = {}, .key = "imu"}, "name the IMU log in [imu] file");
+    if (recording.gnss.empty()) return;
+    const double imu0 = recording.imu.front().time.seconds(), imu1 = recording.imu.back().time.seconds();
+    const double gnss0 = recording.gnss.front().time.seconds(), gnss1 = recording.gnss.back().time.seconds();
+    if (gnss0 <= imu1 && gnss1 >= imu0) return;
+    const std::string what = fmt::format("IMU and GNSS do not overlap in time: IMU {:.3f} to {:.3f} s, GNSS {:.3f} to {:.3f} s", imu0,
+                                         imu1, gnss0, gnss1);
+    // With a complete initial state the inertial unit can be mechanized alone, as a comparison of mechanizations wants it.
+    if (std::isfinite(initial.position.lat) && std::isfinite(initial.rpy.z())) {
+        warnings.add("time.overlap", what + "; inertial navigation alone from the given initial state");
+        return;
+    }
+    throw input_error(what, {.file = {}, .key = "time"}, "check the time columns and scales; `schuler inspect` shows the spans");
+}
+
+GateLimits gate_limits(const AidSettings& aids) {
+    GateLimits limits;
+    for (int dof = 1; dof <= 3; ++dof) limits.chi_square[dof] = math::chi_square_quantile(1.0 - aids.gate_probability, dof);
+    limits.recovery_time = aids.recovery_time;
+    limits.recovery_count = aids.recovery_count;
+    return limits;
+}
+
+/// Turns the body: C_new_old takes old body components to new ones.
+void turn_body(RunData& data, Settings& settings, Start& start, const Eigen::Matrix3d& C_new_old) {
+    for (ImuIncrement& inc : data.imu.increments) {
+        inc.dtheta = C_new_old * inc.dtheta;
+        inc.dv = C_new_old * inc.dv;
+    }
+    for (StillWindow& w : data.still.windows) {
+        w.mean_rate_b = C_new_old * w.mean_rate_b;
+        w.mean_force_b = C_new_old * w.mean_force_b;
+    }
+    settings.imu.mounting_rpy = math::rpy_from_dcm(C_new_old * math::dcm_from_rpy(settings.imu.mounting_rpy));
+    start.nav.q_nb = (start.nav.q_nb * Eigen::Quaterniond(C_new_old.transpose())).normalized();
+    start.gyro_bias = C_new_old * start.gyro_bias;
+    start.accel_bias = C_new_old * start.accel_bias;
+    start.previous.dtheta = C_new_old * start.previous.dtheta;
+    start.previous.dv = C_new_old * start.previous.dv;
+}
+
+std::size_t last_increment(const RunData& data, const Settings& settings) {
+    if (!settings.stop) return data.imu.increments.size() - 1;
+    const auto it = std::upper_bound(data.imu.increments.begin(), data.imu.increments.end(), *settings.stop,
+                                     [](Time t, const ImuIncrement& i) { return t < i.time; });
+    if (it == data.imu.increments.begin())
+        throw input_error("the stop time lies before the IMU log", {.file = {}, .key = "--stop"}, "give a later time");
+    return static_cast<std::size_t>(it - data.imu.increments.begin()) - 1;
+}
+
+}  // namespace
+
+Result run_loose(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress) {
+    check_settings(given);
+    check_overlap(recording, given.initial, warnings);
+    Settings settings = given;
+    RunData data;
+    data.recording = &recording;
+    data.imu = make_imu_timeline(recording.imu, settings.imu, warnings);
+    const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
+    data.gates = gate_limits(settings.aids);
+    data.declination = std::isfinite(settings.mag.declination) ? settings.mag.declination : 0.0;
+    data.events = make_events(recording, settings, origin, warnings);
+    const MissingStd missing = missing_std(recording);
+    const bool tuning = settings.gnss.estimate_latency || settings.imu.estimate_noise ||
+                        (settings.gnss.estimate_std && (missing.position || missing.velocity));
+    WarningLog later;
+    data.fix_noise = fix_noise(recording, settings.gnss, tuning ? later : warnings);
+    data.still = find_still(data.imu, recording, data.events, settings);
+
+    Findings findings;
+    Start start = find_start(data, settings, findings, warnings);
+    if (tuning) {
+        tune(data, settings, start, origin, findings, warnings);
+        start = find_start(data, settings, findings, warnings);
+    }
+    if (settings.imu.estimate_mounting) {
+        const MountingEstimate mounting = estimate_mounting(data, settings, start);
+        if (mounting.found) {
+            turn_body(data, settings, start, mounting.C_vb);
+            start.std_mounting = std::max(0.01, 2.0 * mounting.std_rpy.z());
+            findings.std_mounting_rpy = mounting.std_rpy;
+        } else {
+            warnings.add("mounting", "the mounting of the IMU cannot be found: the vehicle hardly moves; its axes are taken as the "
+                                     "vehicle's and the vehicle constraint is left out");
+            settings.aids.nonholonomic = settings.aids.nonholonomic_auto = false;
+        }
+    }
+    PassOptions options;
+    options.smooth = settings.smooth;
+    options.last_increment = last_increment(data, settings);
+    options.progress = progress;
+    Result result = run_pass(data, settings, start, options);
+
+    findings.mounting_rpy = settings.imu.mounting_rpy;
+    findings.position_latency = settings.gnss.latency;
+    findings.height_latency = settings.gnss.height_latency.value_or(settings.gnss.latency);
+    findings.velocity_latency = settings.gnss.velocity_latency.value_or(settings.gnss.latency);
+    findings.velocity_down_latency = settings.gnss.velocity_down_latency.value_or(findings.velocity_latency);
+    findings.lever_arm_b = settings.gnss.lever_arm_b;
+    findings.gyro_noise = settings.imu.errors.gyro_noise;
+    findings.accel_noise = settings.imu.errors.accel_noise;
+    result.findings = findings;
+    result.counters.imu_epochs = recording.imu.size();
+    result.counters.imu_gaps = data.imu.gaps;
+    result.counters.imu_duplicates = data.imu.duplicates;
+    result.counters.imu_rate = 1.0 / data.imu.median_dt;
+    return result;
+}
+
+}  // namespace schuler::fusion

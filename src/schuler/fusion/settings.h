@@ -1,0 +1,115 @@
+// Everything a user can set about fusing one data set, SI units and radians. Defaults here, key names and help in app/config.
+#pragma once
+
+#include "schuler/core/samples.h"
+#include "schuler/earth/earth.h"
+#include "schuler/sensor/grades.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::fusion {
+
+enum class VehicleKind { Car, Air, Ship, Hand, Static };
+enum class Mechanization { Geographic, Ecef };
+enum class HeightKind { Ellipsoidal, Msl, Relative };
+
+/// IMU: how the log's numbers become body increments, and how good the sensors are.
+struct ImuSettings {
+    ImuKind kind = ImuKind::Rates;
+    ImuStamp stamp = ImuStamp::End;
+    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes to forward-right-down, from `axes`
+    Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, roll, pitch, yaw from body to sensor (after `axes`)
+    bool estimate_mounting = false;                      ///< find the mounting by itself (needs motion)
+    sensor::ImuErrorModel errors;                        ///< what the filter believes
+    bool estimate_noise = false;                         ///< fit the white noise to the innovations (a grade is only a guess)
+    double gap_factor = 3.0;                             ///< a step longer than this times the median is a gap
+};
+
+/// GNSS: antenna, ages and noise.
+struct GnssSettings {
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, IMU to antenna, forward-right-down
+    double latency = 0.0;                     ///< s, all channels: valid at stamp - latency
+    std::optional<double> velocity_latency;   ///< s, replaces latency for the velocity
+    std::optional<double> height_latency;     ///< s, replaces latency for the height
+    std::optional<double> velocity_down_latency;  ///< s, replaces velocity_latency for the down component
+    bool estimate_latency = false;            ///< find the latencies that are not given
+    HeightKind height = HeightKind::Ellipsoidal;
+    Eigen::Vector3d default_std_position{2.5, 2.5, 5.0};   ///< m, where the log gives none or zero (an autonomous fix)
+    Eigen::Vector3d default_std_velocity{0.15, 0.15, 0.3}; ///< m/s, likewise
+    Eigen::Vector3d std_floor_position{0.005, 0.005, 0.01};///< m, smaller values of a log are raised to this
+    bool estimate_std = true;                 ///< where the log gives none: scale the defaults until the innovations agree
+    bool use_velocity = true;
+    double correlated_std = 0.0;              ///< m, first-order correlated position error (0: not modelled)
+    double correlated_time = 300.0;           ///< s
+};
+
+struct BaroSettings {
+    bool use = true;
+    double std = 1.0;                         ///< m, white
+    double bias_std = 30.0;                   ///< m, initial bias
+    double bias_walk = 0.05;                  ///< m/sqrt(s)
+};
+
+struct MagSettings {
+    bool use = true;
+    double declination = not_given;           ///< rad, east positive; not given: estimated as part of the heading offset
+    double heading_std = 0.1;                 ///< rad
+    double bias_std = 0.5;                    ///< rad, constant heading error of the magnetometer
+};
+
+/// Initial state where the user gives it; NaN members are found by the program.
+struct InitialSettings {
+    std::optional<Time> time;
+    Geodetic position{not_given, not_given, not_given};
+    Eigen::Vector3d velocity_n = not_given3();
+    Eigen::Vector3d rpy = not_given3();
+    Eigen::Vector3d std_position = not_given3();
+    Eigen::Vector3d std_velocity = not_given3();
+    Eigen::Vector3d std_rpy = not_given3();
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< rad/s
+    Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< m/s^2
+};
+
+/// Constraints and gates.
+struct AidSettings {
+    bool zero_velocity = true;                ///< zero-velocity and zero-rate updates where the log shows the body still
+    double zero_velocity_std = 0.01;          ///< m/s
+    double zero_rate_std = 1e-3;              ///< rad/s, added to the gyro noise
+    bool nonholonomic = false;                ///< wheeled vehicle: no sideways and vertical velocity (default on for a car)
+    bool nonholonomic_auto = false;           ///< unknown vehicle: impose it once the log shows that it rolls on wheels
+    double nonholonomic_std_lateral = 0.10;   ///< m/s
+    double nonholonomic_std_vertical = 0.10;  ///< m/s
+    double constraint_rate = 10.0;            ///< Hz, of the pseudo-measurements
+    double gate_probability = 1e-4;           ///< a good measurement is rejected with this probability
+    double recovery_time = 10.0;              ///< s, consistent rejected fixes over this span win
+    int recovery_count = 10;                  ///< ... if there are at least so many
+};
+
+struct Outage {
+    double start;                             ///< s after the origin of the command line's times
+    double duration;                          ///< s
+};
+
+struct Settings {
+    earth::Earth earth;
+    VehicleKind vehicle = VehicleKind::Hand;
+    Mechanization mechanization = Mechanization::Geographic;
+    bool smooth = false;
+    bool scale_factors = false;               ///< gyro and accelerometer scale factors as states (21 states)
+    bool estimate_lever_arm = false;
+    ImuSettings imu;
+    GnssSettings gnss;
+    BaroSettings baro;
+    MagSettings mag;
+    AidSettings aids;
+    InitialSettings initial;
+    std::optional<Time> start, stop;          ///< absolute, on the data set's axis
+    std::vector<Outage> outages;              ///< relative to the first GNSS epoch
+    double output_rate = 10.0;                ///< Hz of the solution; 0 = every IMU epoch
+};
+
+}  // namespace schuler::fusion

@@ -1,0 +1,398 @@
+#include "schuler/fusion/start.h"
+
+#include "schuler/core/error.h"
+#include "schuler/core/units.h"
+#include "schuler/ins/align.h"
+#include "schuler/math/rotation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The first fix to start from: not withheld, horizontal position known, inside the IMU's time.
+const Event* first_fix(const RunData& data, const Settings& settings) {
+    const ImuIncrement& front = data.imu.increments.front();
+    Time from = front.time - Duration::from_seconds(front.dt);
+    if (settings.start) from = std::max(from, *settings.start);
+    if (settings.initial.time) from = std::max(from, *settings.initial.time);
+    for (const Event& e : data.events)
+        if (e.kind == AidKind::GnssPosition && !e.withheld && (e.components & 3) == 3 && e.valid >= from &&
+            e.valid <= data.imu.increments.back().time)
+            return &e;
+    return nullptr;
+}
+
+/// Mean raw rate and specific force while still from the start on; length 0 where it does not stand.
+struct StillStart {
+    double length = 0.0;
+    Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();
+    Time end{};
+};
+
+StillStart still_at(const RunData& data, Time start) {
+    StillStart s;
+    Time last = start;
+    for (const StillWindow& w : data.still.windows) {
+        if (w.end < start) continue;
+        if ((w.end - last).seconds() > 1.0) break;
+        s.rate += w.mean_rate_b * w.length;
+        s.force += w.mean_force_b * w.length;
+        s.length += w.length;
+        last = s.end = w.end;
+        if (s.length > 60.0) break;
+    }
+    if (s.length > 0.0) {
+        s.rate /= s.length;
+        s.force /= s.length;
+    }
+    return s;
+}
+
+/// Mean specific force over a short time after an instant, body axes.
+Vector3d mean_force(const RunData& data, std::size_t first, double span) {
+    Vector3d sum = Vector3d::Zero();
+    double t = 0.0;
+    for (std::size_t i = first; i < data.imu.increments.size() && t < span; ++i) {
+        sum += data.imu.increments[i].dv;
+        t += data.imu.increments[i].dt;
+    }
+    return sum / t;
+}
+
+/// Acceleration of the vehicle (NED) from GNSS velocities around an instant; zero where there are none.
+Vector3d gnss_acceleration(const RunData& data, Time at) {
+    const GnssFix* first = nullptr;
+    Time t0{};
+    for (const Event& e : data.events) {
+        if (e.kind != AidKind::GnssVelocity || e.withheld || e.components != 7 || e.valid < at) continue;
+        const GnssFix& fix = data.recording->gnss[e.index];
+        if (first == nullptr) {
+            first = &fix;
+            t0 = e.valid;
+        } else if ((e.valid - t0).seconds() > 0.7) {
+            return (e.valid - t0).seconds() < 3.0 ? Vector3d((fix.velocity_n - first->velocity_n) / (e.valid - t0).seconds())
+                                                  : Vector3d(Vector3d::Zero());
+        }
+    }
+    return Vector3d::Zero();
+}
+
+/// When the vehicle first really moves: a second of GNSS speed above a limit that noise does not reach.
+Time first_motion(const RunData& data, Time from) {
+    int run = 0;
+    Time since{};
+    const GnssFix* anchor = nullptr;
+    for (const Event& e : data.events) {
+        if (e.valid < from || e.withheld) continue;
+        if (e.kind == AidKind::GnssVelocity && (e.components & 3) == 3) {
+            const double speed = data.recording->gnss[e.index].velocity_n.head<2>().norm();
+            const double limit = std::max(0.8, 4.0 * data.fix_noise[e.index].velocity.head<2>().maxCoeff());
+            if (speed < limit) {
+                run = 0;
+                continue;
+            }
+            if (run++ == 0) since = e.valid;
+            if (run >= 3) return since;
+        } else if (e.kind == AidKind::GnssPosition && (e.components & 3) == 3) {
+            const GnssFix& fix = data.recording->gnss[e.index];
+            if (fix.velocity_n.head<2>().allFinite()) continue;
+            if (anchor == nullptr) anchor = &fix;
+            const double far = earth::ned_difference({}, fix.position, anchor->position).head<2>().norm();
+            if (far > std::max(3.0, 6.0 * data.fix_noise[e.index].position.head<2>().maxCoeff())) return e.valid;
+        }
+    }
+    return data.imu.increments.back().time;
+}
+
+std::size_t increment_at(const RunData& data, Time t) {
+    const auto it = std::lower_bound(data.imu.increments.begin(), data.imu.increments.end(), t,
+                                     [](const ImuIncrement& i, Time x) { return i.time <= x; });
+    return std::min(static_cast<std::size_t>(it - data.imu.increments.begin()), data.imu.increments.size() - 1);
+}
+
+/// Settings of a trial: fifteen states, GNSS and standing still only.
+Settings trial_settings(const Settings& settings) {
+    Settings t = settings;
+    t.mechanization = Mechanization::Geographic;
+    t.aids.nonholonomic = t.aids.nonholonomic_auto = false;
+    t.scale_factors = t.estimate_lever_arm = false;
+    t.baro.use = t.mag.use = false;
+    t.gnss.correlated_std = 0.0;
+    t.smooth = false;
+    return t;
+}
+
+/// The data without the events that a trial has no states for.
+RunData gnss_only(const RunData& all) {
+    RunData data = all;
+    std::erase_if(data.events, [](const Event& e) { return e.kind != AidKind::GnssPosition && e.kind != AidKind::GnssVelocity; });
+    return data;
+}
+
+struct HeadingSearch {
+    StartEstimate best;
+    bool decided = false;
+    double margin = 0.0;      ///< log-likelihood over the best clearly different heading
+    Time until{};
+};
+
+/// Tries headings all around the compass and keeps the one under which the GNSS is least surprising.
+HeadingSearch search_heading(const RunData& all, const Settings& settings, Start start, const Vector3d& f_n, const Vector3d& f_b,
+                             Time motion) {
+    constexpr int hypotheses = 12;
+    const RunData data = gnss_only(all);
+    const Settings trial = trial_settings(settings);
+    start.std_rpy.z() = 0.6 * std::numbers::pi / hypotheses * 2.0;
+    HeadingSearch search;
+    double span = 15.0;
+    const Time end = data.imu.increments.back().time;
+    for (int round = 0; round < 4; ++round, span *= 2.0) {
+        const Time until = std::min(end, std::max(motion, start.nav.time) + Duration::from_seconds(span));
+        const std::size_t last = increment_at(data, until);
+        std::vector<StartEstimate> found;
+        for (int k = 0; k < hypotheses; ++k) {
+            const double heading = 2.0 * std::numbers::pi * k / hypotheses;
+            start.nav.q_nb = ins::attitude_from_specific_force(f_b, f_n, heading);
+            found.push_back(smooth_start(data, trial, start, last));
+        }
+        const auto better = [](const StartEstimate& a, const StartEstimate& b) { return a.log_likelihood < b.log_likelihood; };
+        // Once more from where the best trial ended up: its errors are small, so the linearised filter is judged where it holds.
+        Start refined = start;
+        const StartEstimate coarse = *std::max_element(found.begin(), found.end(), better);
+        refined.nav = coarse.nav;
+        refined.std_rpy = start.std_rpy;
+        refined.gyro_bias = coarse.gyro_bias;
+        StartEstimate best = smooth_start(data, trial, refined, last);
+        const double best_heading = math::rpy_from_quaternion(best.nav.q_nb).z();
+        double rival = -1e300;
+        for (const StartEstimate& e : found) {
+            const double difference = math::wrap_pi(math::rpy_from_quaternion(e.nav.q_nb).z() - best_heading);
+            if (std::abs(difference) > 30.0 * units::deg) rival = std::max(rival, e.log_likelihood);
+        }
+        search = {best, false, best.log_likelihood - rival, until};
+        search.decided = search.margin > 12.0 && best.std_rpy.z() < 10.0 * units::deg;
+        if (search.decided || until == end) return search;
+    }
+    return search;
+}
+
+void set_biases(Start& start, const Settings& settings) {
+    start.gyro_bias = settings.initial.gyro_bias;
+    start.accel_bias = settings.initial.accel_bias;
+    start.std_gyro_bias = Vector3d::Constant(settings.imu.errors.gyro_initial_bias());
+    start.std_accel_bias = Vector3d::Constant(settings.imu.errors.accel_initial_bias());
+}
+
+/// Position, velocity and time; attitude is left to the caller.
+void set_position(Start& start, const RunData& data, const Settings& settings) {
+    const InitialSettings& given = settings.initial;
+    const Event* fix_event = first_fix(data, settings);
+    const bool position_given = std::isfinite(given.position.lat) && std::isfinite(given.position.lon) && std::isfinite(given.position.h);
+    if (fix_event == nullptr && !position_given)
+        throw input_error("no GNSS fix lies inside the time of the IMU log", {.file = {}, .key = "gnss"},
+                          "check that both files use the same time axis (`schuler inspect` shows their spans), or give [initial]");
+    const ImuIncrement& front = data.imu.increments.front();
+    Time t0 = front.time - Duration::from_seconds(front.dt);
+    if (settings.start) t0 = std::max(t0, *settings.start);
+    if (given.time) t0 = std::max(t0, *given.time);
+    if (!position_given) t0 = std::max(t0, fix_event->valid);
+    start.increment = increment_at(data, t0 + Duration{100'000});
+    if (start.increment > 0) start.previous = data.imu.increments[start.increment - 1];
+    const ImuIncrement& first = data.imu.increments[start.increment];
+    start.nav.time = first.time - Duration::from_seconds(first.dt);
+
+    const auto or_given = [](const Vector3d& g, const Vector3d& found) {
+        Vector3d v;
+        for (int i = 0; i < 3; ++i) v(i) = std::isfinite(g(i)) ? g(i) : found(i);
+        return v;
+    };
+    const GnssFix* fix = fix_event != nullptr ? &data.recording->gnss[fix_event->index] : nullptr;
+    Vector3d velocity = Vector3d::Zero(), std_velocity = Vector3d::Constant(settings.vehicle == VehicleKind::Air ? 20.0 : 5.0);
+    if (fix != nullptr && settings.gnss.use_velocity)
+        for (int i = 0; i < 3; ++i)
+            if (std::isfinite(fix->velocity_n(i))) {
+                velocity(i) = fix->velocity_n(i);
+                std_velocity(i) = 2.0 * data.fix_noise[fix_event->index].velocity(i) + 0.1;
+            }
+    start.nav.v_eb_n = or_given(given.velocity_n, velocity);
+    start.std_velocity = or_given(given.std_velocity, std_velocity);
+    Vector3d std_position = Vector3d::Constant(10.0);
+    if (position_given) {
+        start.nav.position = given.position;
+    } else {
+        start.nav.position = fix->position;
+        if (!std::isfinite(start.nav.position.h)) start.nav.position.h = 0.0;
+        const double lead = (start.nav.time - fix_event->valid).seconds();
+        start.nav.position = earth::moved_by_ned(settings.earth, start.nav.position, start.nav.v_eb_n * lead);
+        std_position = data.fix_noise[fix_event->index].position +
+                       Vector3d::Constant(settings.gnss.lever_arm_b.norm()) + start.std_velocity * std::abs(lead);
+        if (!std::isfinite(fix->position.h)) std_position.z() = 1000.0;
+    }
+    start.std_position = or_given(given.std_position, std_position);
+}
+
+}  // namespace
+
+Start find_start(const RunData& data, const Settings& settings, Findings& findings, WarningLog& warnings) {
+    const InitialSettings& given = settings.initial;
+    Start start;
+    set_biases(start, settings);
+    set_position(start, data, settings);
+    const Time t0 = start.nav.time;
+
+    const StillStart still = still_at(data, t0);
+    const bool standing = still.length >= 1.0;
+    if (standing) {
+        start.nav.v_eb_n.setZero();
+        start.std_velocity.setConstant(0.1);
+    }
+    const double g = earth::gravity_down(settings.earth.gravity, start.nav.position.lat, start.nav.position.h);
+    const Vector3d acceleration = standing ? Vector3d(Vector3d::Zero()) : gnss_acceleration(data, t0);
+    const Vector3d f_n = acceleration - Vector3d(0.0, 0.0, g);
+    const Vector3d f_b = standing ? still.force : mean_force(data, start.increment, 0.5);
+    const double level_std = standing ? std::max(0.2 * units::deg, 1.5 * start.std_accel_bias.maxCoeff() / g)
+                                      : std::max(3.0 * units::deg, 1.5 * start.std_accel_bias.maxCoeff() / g);
+    findings.aligned_at = t0;
+
+    const auto finish = [&](double heading, double std_heading, const std::string& sentence) {
+        const Vector3d found = math::rpy_from_quaternion(ins::attitude_from_specific_force(f_b, f_n, heading));
+        Vector3d rpy, std(level_std, level_std, std_heading);
+        for (int i = 0; i < 3; ++i) {
+            rpy(i) = std::isfinite(given.rpy(i)) ? given.rpy(i) : found(i);
+            if (std::isfinite(given.std_rpy(i))) std(i) = given.std_rpy(i);
+        }
+        start.nav.q_nb = math::quaternion_from_rpy(rpy);
+        start.std_rpy = std;
+        findings.alignment = sentence;
+        return start;
+    };
+
+    if (std::isfinite(given.rpy.z())) return finish(given.rpy.z(), 5.0 * units::deg, "attitude given");
+
+    const double w_ie = settings.earth.ellipsoid.w_ie;
+    const double horizontal_rate = w_ie * std::cos(start.nav.position.lat);
+    if (standing && start.std_gyro_bias.maxCoeff() < 0.1 * horizontal_rate && still.length > 20.0) {
+        const double gyro_std =
+            std::hypot(start.std_gyro_bias.maxCoeff(), settings.imu.errors.gyro_noise / std::sqrt(still.length));
+        const ins::Gyrocompass compass = ins::gyrocompass(settings.earth, start.nav.position, still.force, still.rate,
+                                                          start.std_accel_bias.maxCoeff(), gyro_std);
+        const double std = 2.0 * compass.std_rpy.z();
+        return finish(compass.rpy.z(), std,
+                      fmt::format("gyrocompassing over {:.0f} s, heading to {:.2f} deg", still.length, std / units::deg));
+    }
+    if (standing && start.std_gyro_bias.maxCoeff() > w_ie) {
+        // At rest the mean rate is the bias, but for the Earth's rate.
+        start.gyro_bias = still.rate;
+        start.std_gyro_bias.setConstant(w_ie + settings.imu.errors.gyro_noise / std::sqrt(still.length) +
+                                        0.2 * settings.imu.errors.gyro_bias);
+    }
+
+    const Time motion = first_motion(data, t0);
+    if (motion < data.imu.increments.back().time - Duration::from_seconds(3.0)) {
+        Start trial = start;
+        trial.std_rpy = Vector3d::Constant(level_std);
+        // A long stand before the first motion says nothing about the heading: the trials begin shortly before the motion.
+        const double wait = (motion - t0).seconds();
+        const bool late = standing && wait > 30.0 && still.length > wait - 10.0;
+        if (late) {
+            trial.increment = increment_at(data, motion - Duration::from_seconds(10.0));
+            trial.previous = data.imu.increments[trial.increment - 1];
+            trial.nav.time = trial.previous.time;
+        }
+        const HeadingSearch search = search_heading(data, settings, trial, f_n, f_b, motion);
+        const Vector3d rpy = math::rpy_from_quaternion(search.best.nav.q_nb);
+        if (search.decided) {
+            findings.aligned_at = search.until;
+            const double std = std::max(2.0 * units::deg, 3.0 * search.best.std_rpy.z());
+            if (!standing) start.gyro_bias = search.best.gyro_bias;
+            const std::string sentence =
+                fmt::format("heading {:.1f} deg at the start found from the motion in the first {:.0f} s",
+                            rpy.z() / units::deg, (search.until - t0).seconds());
+            if (standing) return finish(rpy.z(), std, sentence);
+            start = finish(rpy.z(), std, sentence);
+            for (int i = 0; i < 2; ++i)
+                if (!std::isfinite(given.rpy(i)) && !std::isfinite(given.std_rpy(i)))
+                    start.std_rpy(i) = std::max(1.0 * units::deg, 3.0 * search.best.std_rpy(i));
+            Vector3d full = rpy;
+            for (int i = 0; i < 3; ++i)
+                if (std::isfinite(given.rpy(i))) full(i) = given.rpy(i);
+            start.nav.q_nb = math::quaternion_from_rpy(full);
+            return start;
+        }
+    }
+    // Without motion: the magnetometer if there is one, otherwise unknown.
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.imu.mounting_rpy) * settings.imu.C_bs;
+    for (const MagSample& s : data.recording->mag) {
+        if (s.time < t0 || !s.field_b.allFinite() || !settings.mag.use) continue;
+        const Eigen::Matrix3d C_level = ins::attitude_from_specific_force(f_b, f_n, 0.0).toRotationMatrix();
+        const Vector3d field = C_level * (C_bs * s.field_b);
+        const double heading = math::wrap_2pi(data.declination - std::atan2(field.y(), field.x()));
+        return finish(heading, settings.mag.bias_std,
+                      fmt::format("heading {:.0f} deg from the magnetometer, to {:.0f} deg", heading / units::deg,
+                                  settings.mag.bias_std / units::deg));
+    }
+    warnings.add("start.heading", "the heading cannot be found: the log has too little motion and no magnetometer; it starts "
+                                  "at north with 100 deg of uncertainty (give initial.heading_deg)");
+    findings.aligned_at = data.imu.increments.back().time;
+    return finish(0.0, 100.0 * units::deg, "heading unknown");
+}
+
+MountingEstimate estimate_mounting(const RunData& all, const Settings& settings, const Start& start) {
+    const RunData data = gnss_only(all);
+    Settings trial = trial_settings(settings);
+    trial.output_rate = 5.0;
+    PassOptions options;
+    options.last_increment = increment_at(data, start.nav.time + Duration::from_seconds(900.0));
+    const Result run = run_pass(data, trial, start, options);
+    std::vector<Vector3d> forward;
+    std::vector<double> weight;      // of the heading: the direction in the body is as good as the attitude
+    Vector3d down = Vector3d::Zero();
+    for (const SolutionRow& row : run.forward.rows) {
+        const Eigen::Matrix3d C_nb = math::dcm_from_rpy(row.rpy);
+        down += C_nb.row(2).transpose();
+        const double speed = row.v_eb_n.norm();
+        if (speed < 4.0 || row.std_rpy.z() > 5.0 * units::deg || row.std_velocity.maxCoeff() > 0.5) continue;
+        forward.emplace_back(C_nb.transpose() * row.v_eb_n / speed);
+        weight.push_back(1.0 / (row.std_rpy.z() * row.std_rpy.z()));
+    }
+    MountingEstimate estimate;
+    if (forward.size() < 50) return estimate;
+    // Median direction first, then the mean of what is near it: reversing and sliding do not count.
+    Vector3d axis;
+    for (int i = 0; i < 3; ++i) {
+        std::vector<double> x;
+        for (const Vector3d& f : forward) x.push_back(f(i));
+        std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2), x.end());
+        axis(i) = x[x.size() / 2];
+    }
+    axis.normalize();
+    Vector3d sum = Vector3d::Zero();
+    double n = 0.0, spread = 0.0, total = 0.0, best = 0.0;
+    for (std::size_t i = 0; i < forward.size(); ++i) {
+        if (forward[i].dot(axis) < std::cos(10.0 * units::deg)) continue;
+        sum += weight[i] * forward[i];
+        spread += weight[i] * (forward[i] - axis).squaredNorm();
+        total += weight[i];
+        best = std::max(best, weight[i]);
+        n += 1.0;
+    }
+    if (n < 0.5 * static_cast<double>(forward.size())) return estimate;
+    const Vector3d x = sum.normalized();
+    const Vector3d z = (down - down.dot(x) * x).normalized();
+    estimate.C_vb << x.transpose(), z.cross(x).transpose(), z.transpose();
+    // Attitude errors of neighbouring rows are the same error: the best of them bounds what their mean can know.
+    const double std = std::sqrt(spread / total / std::max(1.0, n / 25.0) + 1.0 / best);
+    estimate.std_rpy = Vector3d(2.0 * units::deg, std, std);
+    estimate.found = true;
+    return estimate;
+}
+
+}  // namespace schuler::fusion

@@ -1,0 +1,221 @@
+#include "schuler/fusion/tune.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Vector3d;
+
+bool usable(double sigma) { return std::isfinite(sigma) && sigma > 0.0; }
+
+/// A trial: one run over a limited span, judged by how probable its innovations were.
+class Judge {
+public:
+    Judge(RunData& data, const Start& start, Time origin)
+        : data_(data), start_(start), origin_(origin), last_(data.imu.increments.size() - 1) {
+        const Time stop = start.nav.time + Duration::from_seconds(300.0);
+        const auto it = std::lower_bound(data.imu.increments.begin(), data.imu.increments.end(), stop,
+                                         [](const ImuIncrement& i, Time t) { return i.time < t; });
+        last_ = std::min(last_, static_cast<std::size_t>(it - data.imu.increments.begin()));
+    }
+
+    /// Mean negative log-likelihood per component: of the GNSS alone, or of barometer and magnetometer too.
+    double cost(const Settings& settings, bool surroundings) {
+        WarningLog unheard;
+        data_.events = make_events(*data_.recording, settings, origin_, unheard);
+        data_.fix_noise = fix_noise(*data_.recording, settings.gnss, unheard);
+        Settings trial = settings;
+        trial.mechanization = Mechanization::Geographic;
+        trial.aids.nonholonomic = trial.aids.nonholonomic_auto = false;
+        trial.scale_factors = trial.estimate_lever_arm = trial.smooth = false;
+        if (!surroundings) trial.baro.use = trial.mag.use = false;
+        if (!surroundings) std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
+        const Result run = run_pass(data_, trial, start_, {.outputs = false, .smooth = false, .last_increment = last_, .progress = {}});
+        double sum = 0.0, n = 0.0;
+        for (const AidRecord& r : run.aids) {
+            const bool counts = r.kind == AidKind::GnssPosition || r.kind == AidKind::GnssVelocity || r.kind == AidKind::Baro ||
+                                r.kind == AidKind::Mag;
+            if (!counts || r.status == AidStatus::Withheld || (r.time - start_.nav.time).seconds() < 5.0) continue;
+            for (int i = 0; i < 3; ++i) {
+                if (!(r.sigma(i) > 0.0)) continue;
+                const double x = std::abs(r.innovation(i)) / r.sigma(i);
+                // Huber's tails: a few bad fixes must not decide.
+                sum += std::log(r.sigma(i)) + (x < 3.0 ? 0.5 * x * x : 3.0 * x - 4.5);
+                n += 1.0;
+            }
+        }
+        return n > 0.0 ? sum / n : 1e9;
+    }
+
+private:
+    RunData& data_;
+    const Start& start_;
+    Time origin_;
+    std::size_t last_;
+};
+
+/// Minimum of f on a grid, refined by a parabola and two bisections of the grid's step.
+double minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements) {
+    double step = (high - low) / (points - 1), best = low, best_cost = 1e300;
+    for (int i = 0; i < points; ++i) {
+        const double x = low + step * i, c = f(x);
+        if (c < best_cost) {
+            best = x;
+            best_cost = c;
+        }
+    }
+    for (int r = 0; r < refinements; ++r) {
+        step *= 0.5;
+        for (const double x : {best - step, best + step}) {
+            const double c = f(x);
+            if (c < best_cost) {
+                best = x;
+                best_cost = c;
+            }
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+MissingStd missing_std(const Recording& recording) {
+    MissingStd missing;
+    for (const GnssFix& fix : recording.gnss) {
+        for (int i = 0; i < 3; ++i) {
+            missing.position = missing.position || !usable(fix.std_position(i));
+            missing.velocity = missing.velocity || (std::isfinite(fix.velocity_n(i)) && !usable(fix.std_velocity(i)));
+        }
+    }
+    return missing;
+}
+
+std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& settings, WarningLog& warnings) {
+    std::vector<FixNoise> noise;
+    noise.reserve(recording.gnss.size());
+    std::size_t no_position = 0, no_velocity = 0;
+    for (const GnssFix& fix : recording.gnss) {
+        FixNoise n;
+        bool position = true, velocity = true;
+        for (int i = 0; i < 3; ++i) {
+            position = position && usable(fix.std_position(i));
+            velocity = velocity && (usable(fix.std_velocity(i)) || !std::isfinite(fix.velocity_n(i)));
+            n.position(i) = usable(fix.std_position(i)) ? std::max(fix.std_position(i), settings.std_floor_position(i))
+                                                        : settings.default_std_position(i);
+            n.velocity(i) = usable(fix.std_velocity(i)) ? std::max(fix.std_velocity(i), 0.005) : settings.default_std_velocity(i);
+        }
+        no_position += position ? 0 : 1;
+        no_velocity += velocity ? 0 : 1;
+        noise.push_back(n);
+    }
+    if (no_position > 0)
+        warnings.add("gnss.std", fmt::format("{} GNSS epochs have no usable position sigma: {:.2f}, {:.2f}, {:.2f} m (north, east, "
+                                             "down) are used",
+                                             no_position, settings.default_std_position(0), settings.default_std_position(1),
+                                             settings.default_std_position(2)));
+    if (no_velocity > 0 && settings.use_velocity)
+        warnings.add("gnss.std_velocity", fmt::format("{} GNSS epochs have no usable velocity sigma: {:.3f}, {:.3f}, {:.3f} m/s "
+                                                      "are used",
+                                                      no_velocity, settings.default_std_velocity(0),
+                                                      settings.default_std_velocity(1), settings.default_std_velocity(2)));
+    return noise;
+}
+
+namespace {
+
+/// A positive setting searched on a logarithmic scale about its value before tuning; NaN-free and remembered between rounds.
+struct LogKnob {
+    std::function<void(Settings&, double)> apply;   ///< sets the setting to its first value times exp(x)
+    double low, high;                               ///< of x, first round
+    bool surroundings = false;
+    double x = 0.0;
+};
+
+std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& recording, MissingStd missing, bool has_velocity) {
+    std::vector<LogKnob> knobs;
+    const sensor::ImuErrorModel imu = before.imu.errors;
+    const GnssSettings g = before.gnss;
+    if (before.imu.estimate_noise) {
+        knobs.push_back({[imu](Settings& s, double x) { s.imu.errors.gyro_noise = std::exp(x) * imu.gyro_noise; }, -1.4, 4.2});
+        knobs.push_back({[imu](Settings& s, double x) { s.imu.errors.accel_noise = std::exp(x) * imu.accel_noise; }, -1.4, 5.6});
+    }
+    if (g.estimate_std && missing.position) {
+        knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
+                         -4.0, 1.2});
+        knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); }, -4.0, 1.2});
+    }
+    if (g.estimate_std && missing.velocity && has_velocity) {
+        knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>(); },
+                         -2.0, 2.0});
+        knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); }, -2.0, 2.0});
+    }
+    if (before.imu.estimate_noise && before.baro.use && !recording.baro.empty()) {
+        const BaroSettings b = before.baro;
+        knobs.push_back({[b](Settings& s, double x) { s.baro.std = std::exp(x) * b.std; }, -3.0, 1.5, true});
+        knobs.push_back({[b](Settings& s, double x) { s.baro.bias_walk = std::exp(x) * b.bias_walk; }, -2.0, 3.0, true});
+    }
+    if (before.imu.estimate_noise && before.mag.use && !recording.mag.empty()) {
+        const MagSettings m = before.mag;
+        knobs.push_back({[m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true});
+    }
+    return knobs;
+}
+
+}  // namespace
+
+void tune(RunData& data, Settings& settings, const Start& start, Time origin, Findings& findings, WarningLog& warnings) {
+    Judge judge(data, start, origin);
+    const MissingStd missing = missing_std(*data.recording);
+    const Settings before = settings;
+    const bool has_velocity = settings.gnss.use_velocity &&
+                              std::any_of(data.recording->gnss.begin(), data.recording->gnss.end(),
+                                          [](const GnssFix& f) { return f.velocity_n.head<2>().allFinite(); });
+    std::vector<LogKnob> knobs = noise_knobs(before, *data.recording, missing, has_velocity);
+    const auto search = [&](const std::function<void(Settings&, double)>& apply, double low, double high, int points, int refinements,
+                            bool surroundings) {
+        const double best = minimise(
+            [&](double x) {
+                Settings s = settings;
+                apply(s, x);
+                return judge.cost(s, surroundings);
+            },
+            low, high, points, refinements);
+        apply(settings, best);
+        return best;
+    };
+    for (int round = 0; round < (knobs.empty() ? 1 : 2); ++round) {
+        for (LogKnob& k : knobs)
+            k.x = round == 0 ? search(k.apply, k.low, k.high, 5, 1, k.surroundings)
+                             : search(k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings);
+        if (!settings.gnss.estimate_latency) continue;
+        const auto all = [](Settings& s, double x) { s.gnss.latency = x; };
+        const double around = settings.gnss.latency;
+        if (round == 0)
+            search(all, -0.2, 0.5, 8, 2, false);
+        else
+            search([around](Settings& s, double x) {
+                if (!s.gnss.velocity_latency) s.gnss.velocity_latency = around;
+                s.gnss.latency = x;
+            }, around - 0.1, around + 0.1, 3, 3, false);
+        if (has_velocity && !before.gnss.velocity_latency) {
+            const double now = settings.gnss.velocity_latency.value_or(settings.gnss.latency);
+            search([](Settings& s, double x) { s.gnss.velocity_latency = x; }, now - 0.2, now + 0.2, 5, 4, false);
+        }
+        if (has_velocity && !before.gnss.velocity_down_latency) {
+            const double now = settings.gnss.velocity_down_latency.value_or(settings.gnss.velocity_latency.value_or(settings.gnss.latency));
+            search([](Settings& s, double x) { s.gnss.velocity_down_latency = x; }, now - 0.2, now + 0.2, 5, 3, false);
+        }
+    }
+    findings.std_position_scale = settings.gnss.default_std_position.cwiseQuotient(before.gnss.default_std_position);
+    findings.std_velocity_scale = settings.gnss.default_std_velocity.cwiseQuotient(before.gnss.default_std_velocity);
+    WarningLog unheard;
+    data.events = make_events(*data.recording, settings, origin, unheard);
+    data.fix_noise = fix_noise(*data.recording, settings.gnss, missing.position || missing.velocity ? warnings : unheard);
+}
+
+}  // namespace schuler::fusion

@@ -1,0 +1,147 @@
+#include "schuler/ins/increments.h"
+
+#include "schuler/core/error.h"
+#include "schuler/math/rotation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace schuler::ins {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Sums of raw increments and the second-order corrections 1/2 int(alpha x w) and 1/2 int(alpha x f + nu x w), alpha and nu
+/// being the running integrals of rate w and specific force f.
+struct Sums {
+    Vector3d alpha, nu, coning, sculling;
+};
+
+/// Sums to a step. With phi = alpha + coning the velocity increment is, in axes halfway through the rotation,
+/// u = nu + sculling + k phi x (phi x nu): k = (1 - sin(|phi|/2)/(|phi|/2))/|phi|^2 makes it exact for constant w and f, and the
+/// halfway axes make the formula even in time, so that no term of the fourth order is missing. Then u is turned by phi/2.
+CompensatedIncrement step_from(Time time, double dt, const Sums& s) {
+    const Vector3d phi = s.alpha + s.coning;
+    const double p2 = phi.squaredNorm();
+    const double k = (1.0 - p2 * (1.0 / 80 - p2 / 13440)) / 24;
+    // sin(|phi|/2)/|phi| and (1 - cos(|phi|/2))/|phi|^2
+    const double half_sine = 0.5 * (1.0 - p2 * (1.0 / 24 - p2 * (1.0 / 1920 - p2 / 322560)));
+    const double versine = 0.125 * (1.0 - p2 * (1.0 / 48 - p2 * (1.0 / 5760 - p2 / 1290240)));
+    const Vector3d u = s.nu + s.sculling + k * phi.cross(phi.cross(s.nu));
+    const Vector3d turned = phi.cross(u);
+    return {time, dt, phi, u + half_sine * turned + versine * phi.cross(turned)};
+}
+
+/// One cross product of samples i and j (0-based, i < j) with its weight.
+struct Pair {
+    int i, j;
+    double weight;
+};
+
+// Weights. Under classical coning, w = (cos, sin, 0) of angle Omega t, the product of samples at distance k is
+// 4 sin^2(lambda/2) sin(k lambda) along z for unit cone angle, whichever pair it is, and the exact correction of a step of N is
+// (N lambda - sin N lambda)/2. Matching powers of lambda up to lambda^(2N-1) fixes the sum of weights of each distance:
+// N = 2: 2/3; N = 3: 27/20, 9/20; N = 4: 214/105, 92/105, 54/105 (as Miller and Ignagni). The sums are spread symmetrically in
+// time, which removes all errors of even order in general motion. One freedom is left for N = 4, the share of the middle pair:
+// it is set so that the fifth order is right in any motion (rates cubic in time), not in coning alone.
+constexpr std::array<Pair, 1> two_sample{Pair{0, 1, 2.0 / 3}};
+constexpr std::array<Pair, 3> three_sample{Pair{0, 1, 27.0 / 40}, Pair{1, 2, 27.0 / 40}, Pair{0, 2, 9.0 / 20}};
+constexpr std::array<Pair, 6> four_sample{Pair{0, 1, 232.0 / 315}, Pair{2, 3, 232.0 / 315}, Pair{1, 2, 178.0 / 315},
+                                          Pair{0, 2, 138.0 / 315}, Pair{1, 3, 138.0 / 315}, Pair{0, 3, 162.0 / 315}};
+
+Sums sums_of(std::span<const ImuIncrement> samples, std::span<const Pair> pairs) {
+    Sums s{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+    for (const ImuIncrement& sample : samples) {
+        s.alpha += sample.dtheta;
+        s.nu += sample.dv;
+    }
+    for (const Pair& p : pairs) {
+        const ImuIncrement& a = samples[static_cast<std::size_t>(p.i)];
+        const ImuIncrement& b = samples[static_cast<std::size_t>(p.j)];
+        s.coning += p.weight * a.dtheta.cross(b.dtheta);
+        s.sculling += p.weight * (a.dtheta.cross(b.dv) + a.dv.cross(b.dtheta));
+    }
+    return s;
+}
+
+/// The step of one sample with the correction that linear rates through it and a neighbour give; the mean rates of the two are
+/// half the sum of their lengths apart. 1/12 of the cross product in the order of time for equal lengths.
+CompensatedIncrement with_neighbour(const ImuIncrement& sample, const ImuIncrement& earlier, const ImuIncrement& later) {
+    const double other = &sample == &earlier ? later.dt : earlier.dt;
+    const double weight = sample.dt * sample.dt / (6.0 * other * (earlier.dt + later.dt));
+    return step_from(sample.time, sample.dt,
+                     {sample.dtheta, sample.dv, weight * earlier.dtheta.cross(later.dtheta),
+                      weight * (earlier.dtheta.cross(later.dv) + earlier.dv.cross(later.dtheta))});
+}
+
+bool evenly_spaced(std::span<const ImuIncrement> samples) {
+    double least = samples.front().dt, most = least;
+    for (const ImuIncrement& s : samples) {
+        least = std::min(least, s.dt);
+        most = std::max(most, s.dt);
+    }
+    return most <= 1.01 * least;
+}
+
+CompensatedIncrement one_by_one(std::span<const ImuIncrement> samples) {
+    CompensatedIncrement step = with_neighbour(samples[0], samples[0], samples[1]);
+    for (std::size_t k = 1; k < samples.size(); ++k) {
+        step = combined(step, with_neighbour(samples[k], samples[k - 1], samples[k]));
+    }
+    return step;
+}
+
+std::span<const Pair> pairs_of(IncrementAlgorithm algorithm) {
+    switch (algorithm) {
+        case IncrementAlgorithm::TwoSample: return two_sample;
+        case IncrementAlgorithm::ThreeSample: return three_sample;
+        case IncrementAlgorithm::FourSample: return four_sample;
+        case IncrementAlgorithm::OneSample:
+        case IncrementAlgorithm::OneSamplePlusPrevious: break;
+    }
+    return {};
+}
+
+}  // namespace
+
+int samples_per_step(IncrementAlgorithm algorithm) {
+    switch (algorithm) {
+        case IncrementAlgorithm::TwoSample: return 2;
+        case IncrementAlgorithm::ThreeSample: return 3;
+        case IncrementAlgorithm::FourSample: return 4;
+        case IncrementAlgorithm::OneSample:
+        case IncrementAlgorithm::OneSamplePlusPrevious: break;
+    }
+    return 1;
+}
+
+CompensatedIncrement compensate(const ImuIncrement& previous, const ImuIncrement& current) {
+    if (previous.dt > 0.0) return with_neighbour(current, previous, current);
+    return step_from(current.time, current.dt, {current.dtheta, current.dv, Vector3d::Zero(), Vector3d::Zero()});
+}
+
+CompensatedIncrement compensate(std::span<const ImuIncrement> samples, IncrementAlgorithm algorithm) {
+    const bool with_previous = algorithm == IncrementAlgorithm::OneSamplePlusPrevious;
+    const std::size_t needed = with_previous ? 2 : static_cast<std::size_t>(samples_per_step(algorithm));
+    if (samples.size() != needed) {
+        throw input_error(fmt::format("this coning algorithm takes {} increments, {} were given", needed, samples.size()), {},
+                          "pass consecutive increments, as many as the algorithm takes");
+    }
+    if (with_previous) return compensate(samples[0], samples[1]);
+    if (samples.size() > 1 && !evenly_spaced(samples)) return one_by_one(samples);
+    double dt = 0.0;
+    for (const ImuIncrement& sample : samples) dt += sample.dt;
+    return step_from(samples.back().time, dt, sums_of(samples, pairs_of(algorithm)));
+}
+
+CompensatedIncrement combined(const CompensatedIncrement& first, const CompensatedIncrement& second) {
+    const Eigen::Quaterniond q = math::quaternion_from_rotation_vector(first.theta);
+    const Vector3d theta = math::rotation_vector_from_quaternion(q * math::quaternion_from_rotation_vector(second.theta));
+    const Vector3d dv = first.dv + q * second.dv;
+    return {second.time, first.dt + second.dt, theta, dv};
+}
+
+}  // namespace schuler::ins

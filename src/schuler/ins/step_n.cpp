@@ -1,0 +1,44 @@
+#include "schuler/ins/step.h"
+
+#include "schuler/ins/detail/turning_frame.h"
+#include "schuler/math/rotation.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace schuler::ins {
+
+using Eigen::Vector3d;
+
+NavState step_n(const earth::Earth& earth, const NavState& state, const CompensatedIncrement& increment) {
+    const double dt = increment.dt;
+    const Vector3d& v = state.v_eb_n;
+
+    // Position in the middle, where the Earth terms are taken once; longitude plays no part in them.
+    const earth::Radii r = earth::radii(earth.ellipsoid, state.position.lat);
+    const Geodetic middle{state.position.lat + 0.5 * dt * v.x() / (r.meridian + state.position.h), state.position.lon,
+                          state.position.h - 0.5 * dt * v.z()};
+    const earth::EarthTerms terms = earth::terms_at(earth, middle, v);
+
+    // Velocity in the middle: half of the step's change, in which the Coriolis term of the start is good enough.
+    const Vector3d zeta_start = dt * (terms.w_ie_n + terms.w_en_n);
+    const Vector3d dv_n = detail::velocity_increment_in(state.q_nb, increment, zeta_start);
+    const Vector3d v_middle =
+        v + 0.5 * (dv_n + dt * (terms.g_n - (2.0 * terms.w_ie_n + terms.w_en_n).cross(v)));
+    const double east_rate = v_middle.y() / terms.rn;
+    const Vector3d w_en_n(east_rate, -v_middle.x() / terms.rm, -east_rate * terms.tan_lat);
+
+    NavState next;
+    next.time = increment.time;
+    next.v_eb_n = v + dv_n + dt * (terms.g_n - (2.0 * terms.w_ie_n + w_en_n).cross(v_middle));
+
+    const Vector3d moved = 0.5 * dt * (v + next.v_eb_n);
+    double lon = state.position.lon + moved.y() / (terms.rn * terms.cos_lat);
+    if (std::abs(lon) > std::numbers::pi) lon = math::wrap_pi(lon);
+    next.position = {state.position.lat + moved.x() / terms.rm, lon, state.position.h - moved.z()};
+
+    next.q_nb = detail::turned(state.q_nb, increment.theta, dt * (terms.w_ie_n + w_en_n));
+    return next;
+}
+
+}  // namespace schuler::ins

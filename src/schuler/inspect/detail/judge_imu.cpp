@@ -1,0 +1,216 @@
+// The IMU section: axes and mounting, grade, and what is odd about the samples.
+#include "schuler/inspect/detail/study.h"
+
+#include "schuler/core/units.h"
+#include "schuler/sensor/grades.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::inspect::detail {
+namespace {
+
+constexpr double per_deg = 1.0 / units::deg;
+
+void judge_axes(Study& study) {
+    const Mounting& m = study.mounting;
+    if (!m.found) {
+        study.draft.set("imu", "axes", "\"frd\"", "a guess: no gravity seen in the accelerometers");
+        return;
+    }
+    std::string why = fmt::format("gravity when {} lies {:.0f} deg from the nearest sensor axis",
+                                  study.still.any() ? "still" : "averaged", m.vertical_angle * per_deg);
+    if (m.forward_from == ForwardFrom::Travel) {
+        why += fmt::format("; travel in sensor axes is [{:.3f}, {:.3f}, {:.3f}] over {} epochs (spread {:.1f} deg)",
+                           study.travel.forward_s.x(), study.travel.forward_s.y(), study.travel.forward_s.z(), m.epochs,
+                           m.forward_spread * per_deg);
+    } else if (m.forward_from == ForwardFrom::AttitudeLog) {
+        why += fmt::format("; the gyros turn as the attitude in {} does ({} steps)", study.reference_file->report.path, m.epochs);
+    } else {
+        why += "; which axis points forward does not show in these data";
+    }
+    if (std::abs(study.course.correlation) > 0.7) {
+        why += fmt::format("; course rate / gyro rate about the vertical = {:.2f} (correlation {:.2f})", study.course.slope,
+                           study.course.correlation);
+    }
+    study.found("imu.axes", m.axes, m.confidence, why);
+    const std::string forward =
+        m.forward_from == ForwardFrom::Travel
+            ? fmt::format("forward from {} epochs of travel, spread {:.1f} deg", m.epochs, m.forward_spread * per_deg)
+        : m.forward_from == ForwardFrom::AttitudeLog ? "forward from the attitude log"
+                                                     : "forward only supposed: check it";
+    study.draft.set("imu", "axes", toml_string(m.axes),
+                    fmt::format("{}: gravity {} ({:.0f} deg off), {}", how_sure(m.confidence),
+                                study.still.any() ? "at rest" : "on average", m.vertical_angle * per_deg, forward));
+    if (std::abs(study.course.correlation) > 0.7 && study.course.slope < 0.0) {
+        study.problem(
+            Level::Error,
+            fmt::format(
+                "the gyros turn against the GNSS course (slope {:.2f}): gyro signs do not belong to the accelerometers' axes",
+                study.course.slope),
+            "check the sign of the gyro columns; [imu] scale = { gyro_rad_s = -1 } turns all three round");
+    }
+}
+
+void judge_mounting(Study& study) {
+    const Mounting& m = study.mounting;
+    if (m.forward_from != ForwardFrom::Travel) return;
+    const Eigen::Vector3d rpy = m.rest_rpy * per_deg;
+    const double angle = rpy.norm();
+    const std::string text = fmt::format("roll {:.1f}, pitch {:.1f}, yaw {:.1f} deg", rpy.x(), rpy.y(), rpy.z());
+    if (study.vehicle != "car") {
+        study.found("imu.mounting_deg", text, 0.3, "beyond the axes; in the air this contains sideslip and angle of attack");
+        return;
+    }
+    const double sigma =
+        m.forward_spread * per_deg / std::sqrt(std::max(1.0, m.epochs / 20.0));  // about 20 epochs of a window share their error
+    study.found(
+        "imu.mounting_deg", text, 0.85,
+        fmt::format("beyond the axes, from travel and mean vertical; pitch and yaw within {:.1f} deg, roll within about 2 deg",
+                    std::max(0.3, sigma)));
+    if (angle > 2.0) {
+        study.draft.set("imu", "mounting_deg", "\"estimate\"",
+                        fmt::format("{} beyond the axes found here; the filter finds it again", text));
+    } else {
+        study.draft.set("imu", "mounting_deg", "[0, 0, 0]", fmt::format("likely: {} is not more than the method can tell", text));
+    }
+}
+
+// The best grade that noise and bias allow: noise within a factor two, bias within four sigma of switch-on. The noise holds
+// vibration, so that it alone does not make an instrument worse than consumer grade.
+std::string grade_for(double gyro_noise, double accel_noise, double gyro_bias) {
+    for (const char* name : {"navigation", "tactical", "mems"}) {
+        const sensor::ImuErrorModel model = sensor::imu_grade(name);
+        if (gyro_noise < 2.0 * model.gyro_noise && accel_noise < 3.0 * model.accel_noise &&
+            gyro_bias < 4.0 * model.gyro_initial_bias())
+            return name;
+    }
+    return gyro_bias < 4.0 * sensor::imu_grade("consumer").gyro_initial_bias() ? "consumer" : "adis16405";
+}
+
+void judge_grade(Study& study) {
+    const NoiseLevel noise = noise_level(study.imu);
+    const bool fitted = study.velocity_fit.windows >= 3;
+    const bool biased = study.still.any() || fitted;
+    const Eigen::Vector3d bias = study.still.any() ? study.still.w
+                                 : fitted          ? study.velocity_fit.gyro_bias
+                                                   : Eigen::Vector3d::Zero();
+    // The quietest axes: vibration adds to noise, mostly in some axes.
+    const double gyro = median({noise.gyro.x(), noise.gyro.y(), noise.gyro.z()}) / units::deg_per_sqrt_hour;
+    const double accel = median({noise.accel.x(), noise.accel.y(), noise.accel.z()}) / units::m_s_per_sqrt_hour;
+    const double bias_size = bias.cwiseAbs().maxCoeff();
+    std::string grade = grade_for(gyro * units::deg_per_sqrt_hour, accel * units::m_s_per_sqrt_hour, bias_size);
+    // Without a rest vibration and noise cannot be told apart, and a good gyro's bias may have been removed by the logger.
+    const double confidence = study.still.any() ? 0.7 : 0.5;
+    if (gyro <= 0.0 || accel <= 0.0) grade = "consumer";
+    const std::string numbers =
+        fmt::format("noise at most {:.2g} deg/sqrt(h) and {:.2g} m/s/sqrt(h) (vibration included)", gyro, accel);
+    const std::string bias_text = biased ? fmt::format(", gyro bias {:.3g} deg/s", bias_size * per_deg) : std::string();
+    study.found("imu.grade", grade, confidence, numbers + bias_text);
+    study.draft.set("imu", "grade", toml_string(grade),
+                    fmt::format("{}: noise below {:.2g} deg/sqrt(h), {:.2g} m/s/sqrt(h){}; a data sheet knows better",
+                                how_sure(confidence), gyro, accel, bias_text));
+    if (biased) {
+        study.found("imu.gyro_bias",
+                    fmt::format("[{:.3f}, {:.3f}, {:.3f}] deg/s", bias.x() * per_deg, bias.y() * per_deg, bias.z() * per_deg),
+                    study.still.any() ? 0.9 : 0.6,
+                    study.still.any() ? "median rate at rest" : "from the fit to the GNSS velocity");
+    }
+}
+
+void judge_gravity(Study& study) {
+    if (!study.still.any()) return;
+    const double excess = study.still.f_norm - study.gravity;
+    study.found("imu.gravity", fmt::format("{:+.3f} m/s2", excess), 0.9,
+                fmt::format("norm of the specific force at rest {:.3f} against local gravity {:.3f} m/s2", study.still.f_norm,
+                            study.gravity));
+    if (std::abs(excess) > 0.05) {
+        study.imu_file->problem(
+            Level::Info,
+            fmt::format("at rest the accelerometers measure {:.3f} m/s2, {:+.3f} against local gravity: bias or scale "
+                        "({:+.1f} %), mostly of the vertical one",
+                        study.still.f_norm, excess, 100.0 * excess / study.gravity),
+            "nothing to do: the bias is estimated; a six-position calibration would remove it");
+    }
+}
+
+// The longest run of equal extreme values of an axis: a clipped sensor repeats its limit.
+std::size_t clipped_samples(const std::vector<Eigen::Vector3d>& values, int axis) {
+    double low = 0.0, high = 0.0;
+    for (const Eigen::Vector3d& v : values) {
+        low = std::min(low, v(axis));
+        high = std::max(high, v(axis));
+    }
+    const auto run_at = [&](double limit) {
+        std::size_t clipped = 0, run = 0;
+        for (const Eigen::Vector3d& v : values) {
+            run = v(axis) == limit ? run + 1 : 0;
+            if (run == 3)
+                clipped += 3;
+            else if (run > 3)
+                ++clipped;
+        }
+        return clipped;
+    };
+    const double typical = std::max(std::abs(low), std::abs(high));
+    return typical > 0.0 ? std::max(low < 0.0 ? run_at(low) : 0, high > 0.0 ? run_at(high) : 0) : 0;
+}
+
+void judge_samples(Study& study) {
+    LoadedFile& file = *study.imu_file;
+    const ImuSeries& imu = study.imu;
+    std::size_t stuck = 0;
+    for (std::size_t i = 1; i < imu.size(); ++i) stuck += imu.w[i] == imu.w[i - 1] && imu.f[i] == imu.f[i - 1] ? 1 : 0;
+    if (stuck * 10 > imu.size()) {
+        file.problem(Level::Warning, fmt::format("{} of {} samples repeat the one before in all six axes", stuck, imu.size()),
+                     "the log is written faster than the sensor samples: log at the sensor's own rate");
+    }
+    static constexpr const char* names[] = {"x", "y", "z"};
+    for (int axis = 0; axis < 3; ++axis) {
+        double w = 0.0, f = 0.0;
+        for (std::size_t i = 0; i < imu.size(); ++i) {
+            w = std::max(w, std::abs(imu.w[i](axis)));
+            f = std::max(f, std::abs(imu.f[i](axis)));
+        }
+        const std::size_t gyro = w > 1.0 ? clipped_samples(imu.w, axis) : 0, accel = f > 15.0 ? clipped_samples(imu.f, axis) : 0;
+        if (gyro > 0)
+            file.problem(Level::Warning,
+                         fmt::format("gyro {} stays at its extreme {:.4g} deg/s for {} samples: saturated", names[axis],
+                                     w * per_deg, gyro),
+                         "use a larger range");
+        if (accel > 0)
+            file.problem(
+                Level::Warning,
+                fmt::format("accelerometer {} stays at its extreme {:.4g} m/s2 for {} samples: saturated", names[axis], f, accel),
+                "use a larger range or a damped mounting");
+    }
+}
+
+}  // namespace
+
+void judge_imu(Study& study) {
+    if (study.imu_file == nullptr) return;
+    study.draft.set("imu", "file", toml_string(study.imu_file->report.path),
+                    fmt::format("{:.4g} Hz", study.imu_file->report.rate_hz));
+    const bool increments = study.imu_file->has("dtheta_x_rad");
+    study.draft.set("imu", "kind", increments ? "\"increments\"" : "\"rates\"",
+                    study.imu_file->report.kind == "kfgins_imu"
+                        ? "likely: the norm of the last three columns is gravity times the step"
+                        : "");
+    if (increments) study.draft.set("imu", "stamp", "\"end\"", "usual for increments");
+    draft_columns(study, "imu", *study.imu_file, study.imu_units);
+    if (study.imu_shift != 0.0)
+        study.draft.set("imu", "time_offset_s", fmt::format("{:.1f}", study.imu_shift),
+                        "likely: whole weeks, to meet the dated GNSS times");
+    judge_axes(study);
+    judge_mounting(study);
+    judge_grade(study);
+    judge_gravity(study);
+    judge_samples(study);
+}
+
+}  // namespace schuler::inspect::detail

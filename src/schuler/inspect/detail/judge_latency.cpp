@@ -1,0 +1,152 @@
+// How late each GNSS channel is, from three comparisons: velocity with IMU, position with IMU, velocity with position.
+#include "schuler/inspect/detail/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace schuler::inspect::detail {
+namespace {
+
+/// A measured age, s.
+struct Age {
+    double value;
+    double sigma;
+    std::string from;
+};
+
+// What the jackknife does not see: interpolation, filtering in the receiver and in the IMU.
+constexpr double floor_sigma = 0.015, floor_sigma_down = 0.04;
+
+std::optional<Age> age_of(const Agreement& a, double least_contrast, double floor, const char* from) {
+    if (!a.found || a.contrast < least_contrast || a.sigma > 0.1) return std::nullopt;
+    return Age{a.at, std::hypot(a.sigma, floor), from};
+}
+
+std::optional<Age> better(const std::optional<Age>& a, const std::optional<Age>& b) {
+    if (!a) return b;
+    if (!b) return a;
+    return a->sigma <= b->sigma ? a : b;
+}
+
+std::optional<Age> sum(const std::optional<Age>& a, const std::optional<Age>& b, double sign, const char* from) {
+    if (!a || !b) return std::nullopt;
+    return Age{a->value + sign * b->value, std::hypot(a->sigma, b->sigma), from};
+}
+
+std::string text_of(const Age& age) { return fmt::format("{:.3f} +- {:.3f} s", age.value, age.sigma); }
+
+double confidence_of(const Age& age) { return age.sigma < 0.03 ? 0.95 : age.sigma < 0.06 ? 0.8 : 0.6; }
+
+bool significant(double difference, double sigma) { return std::abs(difference) > std::max(3.0 * sigma, 0.03); }
+
+struct Ages {
+    std::optional<Age> position, velocity, height, velocity_down, relative, relative_down;
+};
+
+Ages measured(const Study& study) {
+    Ages ages;
+    const std::optional<Age> v = age_of(study.velocity_fit.horizontal, 0.2, floor_sigma, "fit of the IMU to the velocity");
+    const std::optional<Age> p = age_of(study.position_fit.horizontal, 0.2, floor_sigma, "fit of the IMU to the displacement");
+    ages.relative = age_of(study.velocity_behind_position, 0.2, 0.005, "displacement against velocity");
+    ages.relative_down = age_of(study.down_velocity_behind_height, 0.2, floor_sigma, "height change against vertical velocity");
+    ages.position = better(p, sum(v, ages.relative, -1.0, "velocity against IMU and position"));
+    ages.velocity = better(v, sum(p, ages.relative, 1.0, "position against IMU and velocity"));
+    if (study.gnss.has_height)
+        ages.height = age_of(study.position_fit.down, 0.3, floor_sigma_down, "fit of the IMU to height changes");
+    ages.velocity_down = age_of(study.velocity_fit.down, 0.3, floor_sigma_down, "fit of the IMU to the vertical velocity");
+    return ages;
+}
+
+void report(Study& study, const char* key, const std::optional<Age>& age, double stated, bool is_stated) {
+    if (!age) return;
+    std::string why = age->from;
+    if (is_stated) {
+        why += fmt::format("; the log's own time of validity says {:.3f} s: {}", stated,
+                           significant(age->value - stated, age->sigma) ? "the data disagree" : "the data agree");
+    }
+    study.found(key, text_of(*age), confidence_of(*age), why);
+}
+
+std::string number(double value) { return fmt::format("{:.2f}", value == 0.0 ? 0.0 : value); }
+
+// One key of the draft: what to add to the ages that the log states, where the measured age differs from what would be used.
+double draft_latency(Study& study, const char* key, const std::optional<Age>& age, double stated, bool is_stated, double used,
+                     double ease = 1.0) {
+    if (!age) return used;
+    const std::string stated_text = is_stated ? fmt::format(", beyond the {:.2f} s that the log states", stated) : std::string();
+    if (significant(age->value - stated - used, ease * age->sigma)) {
+        study.draft.set("gnss", key, number(age->value - stated),
+                        fmt::format("{}: {} measured{}", how_sure(confidence_of(*age)), text_of(*age), stated_text));
+        return age->value - stated;
+    }
+    if (std::string_view(key) == "latency_s" && !is_stated && age->sigma > 0.003) {
+        study.draft.set("gnss", key, "\"estimate\"", fmt::format("{} measured here; the filter finds it better", text_of(*age)));
+        return used;
+    }
+    study.draft.set("gnss", key, number(used),
+                    fmt::format("{} measured{}: no reason for a change", text_of(*age),
+                                is_stated ? fmt::format(", {:.2f} s stated", stated) : std::string()),
+                    false);
+    return used;
+}
+
+}  // namespace
+
+void judge_latency(Study& study) {
+    if (study.gnss_file == nullptr) return;
+    if (study.states_position_age) {
+        study.found("gnss.stated_position_age", fmt::format("{:.3f} s", study.position_age), 1.0,
+                    "column of the time of validity; applied when reading");
+    }
+    if (study.states_velocity_age) {
+        study.found("gnss.stated_velocity_age", fmt::format("{:.3f} s", study.velocity_age), 1.0,
+                    "column of the time of validity; applied when reading");
+        study.draft.note("gnss", fmt::format("the file's own times of validity are used: position {:.2f} s, velocity {:.2f} s "
+                                             "older than the stamp; latencies add to them",
+                                             study.position_age, study.velocity_age));
+    }
+    const Ages ages = measured(study);
+    report(study, "gnss.latency_s", ages.position, study.position_age, study.states_position_age);
+    report(study, "gnss.velocity_latency_s", ages.velocity, study.velocity_age, study.states_velocity_age);
+    report(study, "gnss.velocity_behind_position_s", ages.relative, study.velocity_age - study.position_age,
+           study.states_velocity_age);
+    report(study, "gnss.height_latency_s", ages.height, study.position_age, study.states_position_age);
+    report(study, "gnss.velocity_down_latency_s", ages.velocity_down, study.velocity_age, study.states_velocity_age);
+    report(study, "gnss.down_velocity_behind_height_s", ages.relative_down, study.velocity_age - study.position_age,
+           study.states_velocity_age);
+    if (!ages.position && !ages.velocity) {
+        if (ages.relative &&
+            significant(ages.relative->value - (study.velocity_age - study.position_age), ages.relative->sigma)) {
+            study.draft.set("gnss", "velocity_latency_s",
+                            number(ages.relative->value - (study.velocity_age - study.position_age)),
+                            fmt::format("{}: {} behind the position; the position itself could not be compared with the IMU",
+                                        how_sure(confidence_of(*ages.relative)), text_of(*ages.relative)));
+        } else {
+            study.draft.set("gnss", "latency_s", "0.0",
+                            "could not be measured: too little motion or no time in common; \"estimate\" has the filter find it",
+                            false);
+        }
+        return;
+    }
+    const double used = draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
+    double used_velocity = used;
+    if (study.gnss.has_velocity()) {
+        // Against the position is the sharper comparison, where the position is where it is taken to be.
+        std::optional<Age> velocity = ages.velocity;
+        const double position = study.position_age + used;
+        if (ages.relative && ages.position && std::abs(ages.position->value - position) < 1.5 * ages.position->sigma) {
+            velocity = Age{position + ages.relative->value, ages.relative->sigma, ages.relative->from};
+        }
+        used_velocity = draft_latency(study, "velocity_latency_s", velocity, study.velocity_age, study.states_velocity_age, used);
+        // Receivers filter the vertical more than the horizontal, hardly ever less: the other way asks for more evidence.
+        const bool earlier = ages.velocity_down && ages.velocity_down->value < study.velocity_age + used_velocity;
+        draft_latency(study, "velocity_down_latency_s", ages.velocity_down, study.velocity_age, study.states_velocity_age,
+                      used_velocity, earlier ? 2.0 : 1.0);
+    }
+    draft_latency(study, "height_latency_s", ages.height, study.position_age, study.states_position_age, used);
+}
+
+}  // namespace schuler::inspect::detail

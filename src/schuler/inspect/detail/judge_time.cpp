@@ -1,0 +1,136 @@
+// Time scale, overlap of the files, and the series on one axis of seconds.
+#include "schuler/inspect/detail/study.h"
+
+#include "schuler/core/units.h"
+#include "schuler/earth/gravity.h"
+#include "schuler/io/columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::inspect::detail {
+namespace {
+
+constexpr double week = 604800.0;
+
+bool name_says(const LoadedFile& file, std::initializer_list<const char*> words) {
+    const io::ColumnMatch* match = file.plan.find("time_s");
+    if (match == nullptr) return false;
+    const std::vector<std::string> have = io::words_of_name(match->file_name);
+    return std::any_of(words.begin(), words.end(),
+                       [&](const char* w) { return std::find(have.begin(), have.end(), w) != have.end(); });
+}
+
+struct Scale {
+    std::string name;
+    double confidence;
+    std::string why;
+};
+
+Scale scale_of(const LoadedFile& file) {
+    const double t = file.report.start_s;
+    if (file.gps_time) return {"gps", 1.0, "dated GPS times"};
+    if (name_says(file, {"utc", "unix"})) return {"utc", 0.9, "the column's name"};
+    if (t > 1.55e9 && t < 4e9) return {"utc", 0.8, fmt::format("{:.0f} s counts from 1970: the clock of a computer", t)};
+    if (t > 1.0e9 && t < 4e9) return {"gps", 0.5, fmt::format("{:.0f} s could count from 1980 (GPS) or from 1970 (UTC)", t)};
+    if (name_says(file, {"gps", "tow", "itow", "sow"})) return {"gps", 0.95, "the column's name"};
+    if (t >= 5000.0 && file.report.stop_s < 1.1 * week)
+        return {"gps", 0.75, fmt::format("{:.0f} s looks like seconds of the GPS week", t)};
+    if (std::abs(t) < 5000.0) return {"relative", 0.8, "the times start near zero"};
+    return {"boot", 0.5, "neither seconds of a week nor of an epoch"};
+}
+
+std::vector<ImuSample> imu_samples(const LoadedFile& file, Duration shift) {
+    std::vector<ImuSample> samples;
+    samples.reserve(file.time_ns.size());
+    const bool increments = file.has("dtheta_x_rad");
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        const Time t = Time{file.time_ns[i]} + shift;
+        if (increments)
+            samples.push_back({t, file.vector("dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", i),
+                               file.vector("dv_x_m_s", "dv_y_m_s", "dv_z_m_s", i)});
+        else
+            samples.push_back({t, file.vector("gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", i),
+                               file.vector("accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2", i)});
+    }
+    std::stable_sort(samples.begin(), samples.end(), [](const ImuSample& a, const ImuSample& b) { return a.time < b.time; });
+    return samples;
+}
+
+std::vector<GnssFix> gnss_fixes(const LoadedFile& file) {
+    std::vector<GnssFix> fixes;
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        GnssFix fix;
+        fix.time = Time{file.time_ns[i]};
+        const Eigen::Vector3d p = file.vector("lat_deg", "lon_deg", "height_m", i);
+        if (p.x() == 0.0 && p.y() == 0.0) continue;     // what receivers write before their first fix
+        fix.position = {p.x() * units::deg, p.y() * units::deg, p.z()};
+        fix.velocity_n = file.vector("vel_n_m_s", "vel_e_m_s", "vel_d_m_s", i);
+        if (!file.fix.empty()) fix.fix = file.fix[i];
+        fixes.push_back(fix);
+    }
+    std::stable_sort(fixes.begin(), fixes.end(), [](const GnssFix& a, const GnssFix& b) { return a.time < b.time; });
+    return fixes;
+}
+
+void check_overlap(Study& study) {
+    const FileReport& imu = study.imu_file->report;
+    const FileReport& gnss = study.gnss_file->report;
+    const auto common = [&](double shift) {
+        return std::min(imu.stop_s + shift, gnss.stop_s) - std::max(imu.start_s + shift, gnss.start_s);
+    };
+    double shared = common(0.0);
+    if (shared <= 0.0 && gnss.start_s > week && std::abs(imu.start_s) < 1.1 * week) {
+        // Seconds of the week against dated times: whole weeks lie between.
+        const double weeks = std::floor(gnss.start_s / week) * week;
+        if (common(weeks) > 0.0) {
+            study.imu_shift = weeks;
+            shared = common(weeks);
+            study.found("imu.time_offset_s", fmt::format("{:.0f}", weeks), 0.85,
+                        fmt::format("the IMU counts seconds of the week, the GNSS is dated: week {:.0f}", weeks / week));
+        }
+    }
+    study.overlap = shared > 10.0;
+    if (shared <= 0.0) {
+        study.problem(Level::Error,
+                      fmt::format("IMU ({:.1f} to {:.1f} s) and GNSS ({:.1f} to {:.1f} s) have no time in common", imu.start_s,
+                                  imu.stop_s, gnss.start_s, gnss.stop_s),
+                      fmt::format("bring them to one time axis: if both logs began together, [imu] time_offset_s = {:.3f}; else "
+                                  "name other time columns",
+                                  gnss.start_s - imu.start_s));
+    } else if (shared < 0.5 * (gnss.stop_s - gnss.start_s)) {
+        study.problem(Level::Warning, fmt::format("IMU and GNSS have only {:.1f} s in common", shared),
+                      "check that the files are of the same run");
+    }
+}
+
+}  // namespace
+
+void judge_time(Study& study) {
+    const LoadedFile* main = study.gnss_file != nullptr  ? study.gnss_file
+                             : study.imu_file != nullptr ? study.imu_file
+                                                         : study.reference_file;
+    if (main == nullptr) return;
+    const Scale scale = scale_of(*main);
+    study.found("time.scale", scale.name, scale.confidence, scale.why);
+    study.draft.set("time", "scale", toml_string(scale.name), fmt::format("{}: {}", how_sure(scale.confidence), scale.why));
+    if (scale.name == "gps" && main->report.stop_s < 1.1 * week) {
+        study.draft.set("time", "week", "2300", "the files do not say the GPS week; only dates in the outputs need it", false);
+    }
+    study.origin = Time{main->cadence_origin_ns} + Duration::from_seconds(main->cadence.start);
+    if (study.imu_file != nullptr && study.gnss_file != nullptr) check_overlap(study);
+    if (study.gnss_file != nullptr) {
+        study.gnss = gnss_series(gnss_fixes(*study.gnss_file), study.origin);
+        if (!study.gnss.empty())
+            study.gravity =
+                earth::gravity_down(earth::GravityModel::Somigliana, study.gnss.lat, study.gnss.has_height ? study.gnss.h : 0.0);
+    }
+    if (study.imu_file != nullptr) {
+        const ImuKind kind = study.imu_file->has("dtheta_x_rad") ? ImuKind::Increments : ImuKind::Rates;
+        study.imu = imu_series(imu_samples(*study.imu_file, Duration::from_seconds(study.imu_shift)), kind, study.origin);
+    }
+}
+
+}  // namespace schuler::inspect::detail

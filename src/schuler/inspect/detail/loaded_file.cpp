@@ -1,0 +1,224 @@
+#include "schuler/inspect/detail/loaded_file.h"
+
+#include "schuler/core/error.h"
+#include "schuler/inspect/detail/recognise.h"
+#include "schuler/io/fix_codes.h"
+#include "schuler/io/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace schuler::inspect::detail {
+namespace {
+
+// What a plan asks the table reader for: the time first, then every other matched column.
+std::vector<io::FieldRequest> requests_of(const io::ColumnPlan& plan) {
+    std::vector<io::FieldRequest> requests;
+    const auto add = [&](const io::ColumnMatch& match) {
+        io::FieldRequest r;
+        r.column = match.column;
+        r.kind = match.canonical.find("time") != std::string::npos ? io::FieldKind::Time
+                 : match.canonical == "fix"                        ? io::FieldKind::Text
+                                                                   : io::FieldKind::Number;
+        r.factor = match.factor;
+        r.offset = match.offset;
+        r.unit = match.time_unit;
+        r.required = match.canonical == "time_s";
+        r.name = match.file_name;
+        requests.push_back(std::move(r));
+    };
+    add(*plan.find("time_s"));
+    for (const io::ColumnMatch& match : plan.matches) {
+        if (match.canonical != "time_s") add(match);
+    }
+    return requests;
+}
+
+// A column being filled; `slot` is its place among the requests.
+struct Sink {
+    std::size_t slot;
+    io::FieldKind kind;
+    std::vector<double>* values;
+};
+
+std::vector<Sink> sinks_of(LoadedFile& file, std::size_t expected) {
+    std::vector<Sink> sinks;
+    std::size_t slot = 1;
+    for (const io::ColumnMatch& match : file.plan.matches) {
+        if (match.canonical == "time_s") continue;
+        const io::FieldKind kind = match.canonical.find("time") != std::string::npos ? io::FieldKind::Time
+                                   : match.canonical == "fix"                        ? io::FieldKind::Text
+                                                                                     : io::FieldKind::Number;
+        std::vector<double>* values = nullptr;
+        if (kind != io::FieldKind::Text) {
+            values = &file.columns[match.canonical];
+            values->reserve(expected);
+        }
+        sinks.push_back({slot++, kind, values});
+    }
+    return sinks;
+}
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+void LoadedFile::problem(Level level, std::string text, std::string mend) {
+    report.problems.push_back({level, std::move(text), std::move(mend)});
+}
+
+Eigen::Vector3d LoadedFile::vector(const std::string& x, const std::string& y, const std::string& z, std::size_t row) const {
+    const auto value = [&](const std::string& name) {
+        const auto it = columns.find(name);
+        return it == columns.end() ? missing : it->second[row];
+    };
+    return {value(x), value(y), value(z)};
+}
+
+void read_table(LoadedFile& file, const io::TableLayout& layout) {
+    const io::ColumnMatch* fix = file.plan.find("fix");
+    const io::FixCodes codes = io::FixCodes::for_column(fix != nullptr ? fix->file_name : "fix", {}, file.path.string());
+    if (fix != nullptr) file.fix_table = codes.table();
+    const std::vector<Sink> sinks = sinks_of(file, layout.estimated_rows);
+    std::size_t without_time = 0, unknown_codes = 0;
+    std::string unknown_code;
+    try {
+        io::TableReader reader(io::TextInput(file.path), layout, requests_of(file.plan));
+        while (reader.next()) {
+            const std::int64_t ns = reader.time_ns(0);
+            if (!reader.row_ok() || ns == io::TableReader::no_time) {
+                ++without_time;
+                continue;
+            }
+            file.time_ns.push_back(ns);
+            for (const Sink& sink : sinks) {
+                if (sink.kind == io::FieldKind::Text) {
+                    file.fix.push_back(codes.of(reader.text(sink.slot)));
+                    if (file.fix.back() == FixType::Unknown && unknown_codes++ == 0) unknown_code = reader.text(sink.slot);
+                } else if (sink.kind == io::FieldKind::Time) {
+                    const std::int64_t t = reader.time_ns(sink.slot);
+                    sink.values->push_back(t == io::TableReader::no_time ? missing : static_cast<double>(t - ns) * 1e-9);
+                } else {
+                    sink.values->push_back(reader.number(sink.slot));
+                }
+            }
+        }
+        if (reader.last_line_dropped()) {
+            file.problem(Level::Warning, "the last line looks cut in the middle of a number and was left out",
+                         "copy the log completely");
+        }
+    } catch (const Error& e) {
+        file.problem(Level::Error, e.reason(),
+                     e.mend().empty() ? "copy the log completely, or delete the damaged line" : e.mend());
+    }
+    if (without_time > 0) {
+        file.problem(Level::Warning, fmt::format("{} rows without a usable time were left out", without_time),
+                     "look at their time column");
+    }
+    if (unknown_codes > 0) {
+        file.problem(Level::Warning,
+                     fmt::format("{} rows have a fix code that is not known (\"{}\")", unknown_codes, unknown_code),
+                     fmt::format("say what it means: [gnss] fix_codes = {{ {} = \"autonomous\" }}",
+                                 unknown_code.empty() ? "1" : unknown_code));
+    }
+}
+
+namespace {
+
+void report_cadence(LoadedFile& file) {
+    const Cadence& c = file.cadence;
+    file.report.rows = c.rows;
+    file.report.rate_hz = c.rate_hz;
+    file.report.gaps = c.gaps.size();
+    file.report.duplicates = c.duplicates;
+    const double origin = static_cast<double>(file.cadence_origin_ns) * 1e-9;
+    file.report.start_s = origin + c.start;
+    file.report.stop_s = origin + c.stop;
+    const bool sampled = file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss;
+    if (!c.gaps.empty() && sampled) {
+        const auto longest =
+            std::max_element(c.gaps.begin(), c.gaps.end(), [](const Gap& a, const Gap& b) { return a.length < b.length; });
+        file.problem(longest->length > 0.1 ? Level::Warning : Level::Info,
+                     fmt::format("{} gap{}, the longest {:.3g} s after t = {:.2f} s", c.gaps.size(),
+                                 c.gaps.size() == 1 ? "" : "s", longest->length, origin + longest->start),
+                     "nothing to do: gaps are bridged with growing uncertainty; check the logger if they were not expected");
+    }
+    const double share = static_cast<double>(c.missing) / static_cast<double>(c.missing + c.rows);
+    if (share > 0.01 && file.table == io::TableKind::Imu) {
+        file.problem(Level::Warning,
+                     fmt::format("{} of {} samples are missing ({:.0f} %) against the median step of {:.4g} s", c.missing,
+                                 c.missing + c.rows, 100.0 * share, c.step),
+                     "log with more bandwidth if you can; the motion between samples is interpolated");
+    } else if (c.irregular > 0.05 && file.table == io::TableKind::Imu) {
+        file.problem(Level::Info,
+                     fmt::format("the step is irregular: {:.0f} % of the steps differ from {:.4g} s by more than a quarter",
+                                 100.0 * c.irregular, c.step),
+                     "nothing to do: the time stamps are used as they are");
+    }
+    if (c.backwards > 0) {
+        file.problem(c.backwards * 10 > c.rows ? Level::Error : Level::Warning,
+                     fmt::format("the time goes backwards {} times", c.backwards),
+                     c.backwards * 10 > c.rows ? "name another time column: columns = { time_s = \"...\" }"
+                                               : "nothing to do: rows are sorted by time");
+    }
+    if (c.duplicates > 0) {
+        file.problem(c.duplicates * 20 > c.rows ? Level::Warning : Level::Info,
+                     fmt::format("{} rows repeat the time of the row before", c.duplicates),
+                     "nothing to do: exact repetitions are dropped");
+    }
+    if (c.rows < 2)
+        file.problem(Level::Error, fmt::format("only {} usable row{}", c.rows, c.rows == 1 ? "" : "s"),
+                     "check that the log was copied completely");
+}
+
+void report_missing_values(LoadedFile& file) {
+    for (const auto& [name, values] : file.columns) {
+        const auto n =
+            static_cast<std::size_t>(std::count_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }));
+        if (n == 0 || values.empty() || file.table == io::TableKind::Reference) continue;
+        const double share = static_cast<double>(n) / static_cast<double>(values.size());
+        file.problem(share > 0.05 ? Level::Warning : Level::Info,
+                     fmt::format("{} of {} rows have no number in {}", n, values.size(),
+                                 file.plan.find(name) != nullptr ? file.plan.find(name)->file_name : name),
+                     "nothing to do where they are few: such rows are left out");
+    }
+}
+
+}  // namespace
+
+LoadedFile load_file(const std::filesystem::path& path, const std::string& name) {
+    LoadedFile file;
+    file.path = path;
+    file.report.path = name;
+    file.report.kind = "unknown";
+    file.report.start_s = file.report.stop_s = missing;
+    try {
+        recognise_and_read(file);
+    } catch (const std::exception& e) {
+        const auto* error = dynamic_cast<const Error*>(&e);
+        file.problem(Level::Error, error != nullptr ? error->reason() : std::string(e.what()),
+                     error != nullptr ? error->mend() : "");
+        file.table.reset();
+        return file;
+    }
+    if (file.time_ns.empty()) {
+        if (file.table) {
+            file.problem(Level::Error, "there is no usable row", "check that the log was written and copied completely");
+            file.table.reset();
+        }
+        return file;
+    }
+    file.cadence_origin_ns = file.time_ns.front();
+    std::vector<double> seconds;
+    seconds.reserve(file.time_ns.size());
+    for (const std::int64_t ns : file.time_ns) seconds.push_back(static_cast<double>(ns - file.cadence_origin_ns) * 1e-9);
+    file.cadence = cadence_of(seconds);
+    report_cadence(file);
+    report_missing_values(file);
+    return file;
+}
+
+}  // namespace schuler::inspect::detail

@@ -1,0 +1,44 @@
+// A file recognised by its content and read without a dataset.toml.
+#pragma once
+
+#include "schuler/core/samples.h"
+#include "schuler/inspect/detail/cadence.h"
+#include "schuler/inspect/inspect.h"
+#include "schuler/io/columns.h"
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::inspect::detail {
+
+/// A table of numbers as logged: canonical columns in canonical units by what the names say (units not yet judged by value).
+struct LoadedFile {
+    FileReport report;
+    std::filesystem::path path;
+    std::optional<io::TableKind> table;            ///< what role in a data set it can take
+    io::ColumnPlan plan;
+    std::map<std::string, std::string> column_map; ///< to be written into dataset.toml (files without header)
+    std::vector<std::int64_t> time_ns;             ///< in the order of the file
+    std::map<std::string, std::vector<double>> columns;  ///< by canonical name, NaN where missing; same length as time_ns
+    std::vector<FixType> fix;                      ///< same length, or empty
+    std::string fix_table;                         ///< how codes of fix quality were understood
+    std::optional<io::TimeUnit> time_unit_judged;  ///< where the steps showed another unit than the name
+    bool gps_time = false;                         ///< times are GPS time since 1980 (RTKLIB, NMEA): certain
+    Cadence cadence;                               ///< times in s after `cadence_origin_ns`
+    std::int64_t cadence_origin_ns = 0;
+
+    [[nodiscard]] bool has(const std::string& canonical) const { return columns.contains(canonical); }
+    /// The values of a column; throws std::out_of_range where there is none (use has()).
+    [[nodiscard]] const std::vector<double>& operator[](const std::string& canonical) const { return columns.at(canonical); }
+    /// Three columns as a vector of one row; NaN where absent.
+    [[nodiscard]] Eigen::Vector3d vector(const std::string& x, const std::string& y, const std::string& z, std::size_t row) const;
+    void problem(Level level, std::string text, std::string mend = {});
+};
+
+/// Recognises and reads one file. Never throws on odd content.
+[[nodiscard]] LoadedFile load_file(const std::filesystem::path& path, const std::string& name);
+
+}  // namespace schuler::inspect::detail

@@ -1,0 +1,101 @@
+#include "schuler/inspect/detail/motion.h"
+
+#include "schuler/earth/earth.h"
+#include "schuler/inspect/detail/robust.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::inspect::detail {
+namespace {
+
+double median_step(const std::vector<double>& t) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
+    return steps.empty() ? 0.0 : median(std::move(steps));
+}
+
+}  // namespace
+
+double GnssSeries::speed(std::size_t k) const {
+    if (has_velocity()) return v[k].head<2>().norm();
+    const std::size_t a = k > 0 ? k - 1 : k;
+    const std::size_t b = k + 1 < size() ? k + 1 : k;
+    return b > a ? (p[b] - p[a]).head<2>().norm() / (t[b] - t[a]) : 0.0;
+}
+
+ImuSeries imu_series(const std::vector<ImuSample>& samples, ImuKind kind, Time origin) {
+    ImuSeries s;
+    s.t.reserve(samples.size());
+    s.w.reserve(samples.size());
+    s.f.reserve(samples.size());
+    for (const ImuSample& sample : samples) {
+        const double t = (sample.time - origin).seconds();
+        if (!sample.gyro.allFinite() || !sample.accel.allFinite()) continue;
+        if (!s.t.empty() && t <= s.t.back()) continue;
+        s.t.push_back(t);
+        s.w.push_back(sample.gyro);
+        s.f.push_back(sample.accel);
+    }
+    s.step = median_step(s.t);
+    if (kind == ImuKind::Increments) {
+        for (std::size_t i = s.size(); i-- > 0;) {
+            const double dt = i > 0 ? std::min(s.t[i] - s.t[i - 1], 3.0 * s.step) : s.step;
+            if (dt > 0.0) {
+                s.w[i] /= dt;
+                s.f[i] /= dt;
+            }
+        }
+    }
+    return s;
+}
+
+GnssSeries gnss_series(const std::vector<GnssFix>& fixes, Time origin) {
+    GnssSeries s;
+    const earth::Earth earth;
+    Geodetic first{};
+    for (const GnssFix& fix : fixes) {
+        const double t = (fix.time - origin).seconds();
+        Geodetic position = fix.position;
+        if (!std::isfinite(position.lat) || !std::isfinite(position.lon) || fix.fix == FixType::None) continue;
+        if (!s.t.empty() && t <= s.t.back()) continue;
+        if (!std::isfinite(position.h))
+            position.h = s.t.empty() ? 0.0 : first.h;
+        else
+            s.has_height = true;
+        if (s.t.empty()) first = position;
+        s.t.push_back(t);
+        s.p.push_back(earth::ned_difference(earth, position, first));
+        s.v.push_back(fix.velocity_n);
+    }
+    s.lat = first.lat;
+    s.h = first.h;
+    s.step = median_step(s.t);
+    const auto has = [](const Eigen::Vector3d& v) { return std::isfinite(v.x()) && std::isfinite(v.y()); };
+    const auto given = std::count_if(s.v.begin(), s.v.end(), has);
+    if (2 * given < std::ssize(s.v)) {
+        s.v.clear();
+        return s;
+    }
+    // A few epochs without velocity are left out as a whole: the studies want one time axis.
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < s.size(); ++k) {
+        if (!has(s.v[k])) continue;
+        s.t[kept] = s.t[k];
+        s.p[kept] = s.p[k];
+        s.v[kept] = s.v[k];
+        if (!std::isfinite(s.v[kept].z())) s.v[kept].z() = 0.0;
+        ++kept;
+    }
+    s.t.resize(kept);
+    s.p.resize(kept);
+    s.v.resize(kept);
+    return s;
+}
+
+std::size_t index_before(const std::vector<double>& times, double t) {
+    const auto after = std::upper_bound(times.begin(), times.end(), t);
+    return after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1;
+}
+
+}  // namespace schuler::inspect::detail

@@ -1,0 +1,266 @@
+#include "schuler/inspect/detail/recognise.h"
+
+#include "schuler/inspect/detail/robust.h"
+#include "schuler/io/kfgins.h"
+#include "schuler/io/nmea.h"
+#include "schuler/io/rtklib_pos.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+namespace schuler::inspect::detail {
+namespace {
+
+std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
+    std::ifstream in(path, std::ios::binary);
+    std::string text(count, '\0');
+    in.read(text.data(), static_cast<std::streamsize>(count));
+    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
+    return text;
+}
+
+bool contains(const std::string& text, std::string_view what) { return text.find(what) != std::string::npos; }
+
+bool is_binary(const std::string& head) { return contains(head, std::string_view("\0", 1)); }
+
+// A UBX frame with its checksum right (Fletcher over class, id, length and payload; u-blox interface description).
+bool is_ubx(const std::string& head) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(head[i])); };
+    for (std::size_t at = head.find("\xb5\x62"); at != std::string::npos && at + 8 <= head.size();
+         at = head.find("\xb5\x62", at + 1)) {
+        const std::size_t length = byte(at + 4) + 256U * byte(at + 5), end = at + 6 + length;
+        if (end + 2 > head.size()) continue;
+        unsigned a = 0, b = 0;
+        for (std::size_t i = at + 2; i < end; ++i) {
+            a = (a + byte(i)) & 0xffU;
+            b = (b + a) & 0xffU;
+        }
+        if (byte(end) == a && byte(end + 1) == b) return true;
+    }
+    return false;
+}
+
+// Numbers of the sample rows of a table without header, column by column.
+std::vector<std::vector<double>> sample_columns(const io::TableLayout& layout) {
+    std::vector<std::vector<double>> columns(static_cast<std::size_t>(std::max(0, layout.columns)));
+    for (const std::vector<std::string>& row : layout.sample) {
+        for (std::size_t i = 0; i < columns.size(); ++i)
+            columns[i].push_back(i < row.size() ? io::number_from(row[i]) : std::nan(""));
+    }
+    return columns;
+}
+
+double largest(const std::vector<double>& values) {
+    double m = 0.0;
+    for (const double v : values) m = std::max(m, std::isfinite(v) ? std::abs(v) : 1e300);
+    return m;
+}
+
+bool ascending(const std::vector<double>& values) {
+    for (std::size_t i = 1; i < values.size(); ++i) {
+        if (!(values[i] > values[i - 1])) return false;
+    }
+    return values.size() >= 2;
+}
+
+// Are these columns latitude, longitude (deg) and height of a place on Earth?
+bool is_place(const std::vector<std::vector<double>>& c, std::size_t at) {
+    const double lat = median(c[at]), lon = median(c[at + 1]), h = median(c[at + 2]);
+    const bool steady =
+        quantile(c[at], 1.0) - quantile(c[at], 0.0) < 0.5 && quantile(c[at + 1], 1.0) - quantile(c[at + 1], 0.0) < 0.5;
+    return steady && std::abs(lat) > 0.5 && std::abs(lat) <= 90.0 && std::abs(lon) <= 360.0 && h > -1000.0 && h < 60000.0;
+}
+
+void name_columns(LoadedFile& file, std::initializer_list<const char*> names) {
+    int column = 0;
+    for (const char* name : names) {
+        io::ColumnMatch match;
+        match.canonical = name;
+        match.file_name = fmt::format("#{}", column + 1);
+        match.column = column++;
+        match.unit_stated = true;   // judged by value where it matters
+        file.plan.matches.push_back(match);
+        file.column_map[name] = match.file_name;
+    }
+}
+
+// Tables of numbers without a header line: the formats of the KF-GINS program and its kind, by value.
+bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
+    const std::vector<std::vector<double>> c = sample_columns(layout);
+    if (c.size() < 7 || !ascending(c[0])) return false;
+    const bool week_first = c.size() >= 8 && largest(c[0]) < 5000.0 && std::floor(c[0][0]) == c[0][0];
+    if (!week_first && (c.size() == 7 || c.size() == 13) && is_place(c, 1)) {
+        file.report.kind = "kfgins_gnss";
+        file.table = io::TableKind::Gnss;
+        file.plan.kind = io::TableKind::Gnss;
+        if (c.size() == 7)
+            name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m", "std_e_m", "std_d_m"});
+        else {
+            name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m", "std_e_m", "std_d_m", "vel_n_m_s",
+                                "vel_e_m_s", "vel_d_m_s", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s"});
+        }
+        return true;
+    }
+    if (c.size() == 10 && is_place(c, 1)) {
+        file.report.kind = "kfgins_reference";
+        file.table = io::TableKind::Reference;
+        file.plan.kind = io::TableKind::Reference;
+        name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg",
+                            "pitch_deg", "heading_deg"});
+        return true;
+    }
+    if (c.size() >= 7 && c.size() <= 9) {
+        std::vector<double> steps, norms;
+        for (std::size_t i = 0; i < c[0].size(); ++i) {
+            if (i > 0) steps.push_back(c[0][i] - c[0][i - 1]);
+            norms.push_back(std::hypot(c[4][i], c[5][i], c[6][i]));
+        }
+        const double norm = median(norms), step = median(steps);
+        const bool increments = std::abs(norm / step / 9.8 - 1.0) < 0.3 && std::abs(norm / 9.8 - 1.0) > 0.5;
+        if (!increments && std::abs(norm / 9.8 - 1.0) > 0.3) return false;
+        file.report.kind = increments ? "kfgins_imu" : "imu";
+        file.table = io::TableKind::Imu;
+        file.plan.kind = io::TableKind::Imu;
+        if (increments)
+            name_columns(file, {"time_s", "dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"});
+        else
+            name_columns(
+                file, {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
+        if (!increments)
+            file.problem(Level::Warning, "no header line: the columns were taken for time, gyro x y z, accel x y z",
+                         "put a header line first");
+        return true;
+    }
+    return false;
+}
+
+// Which columns a kind of table would still need, for files that nearly are one.
+std::string nearly(const io::TableLayout& layout) {
+    std::string best;
+    std::size_t fewest = 4;
+    const auto judge = [&](io::TableKind kind, std::initializer_list<const char*> needed) {
+        const io::ColumnPlan plan = io::match_columns(layout, kind);
+        std::string lacking;
+        std::size_t n = 0;
+        for (const char* name : needed) {
+            if (plan.find(name) != nullptr) continue;
+            lacking += (n++ > 0 ? ", " : "") + std::string(name);
+        }
+        if (n > 0 && n < fewest && n < needed.size() - 1) {
+            fewest = n;
+            best = fmt::format(
+                "it looks like {} data but lacks {}: name the columns in dataset.toml, [{}] columns = {{ {} = \"NAME\" }}",
+                io::name_of(kind), lacking, io::name_of(kind), lacking.substr(0, lacking.find(',')));
+        }
+    };
+    judge(io::TableKind::Imu,
+          {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
+    judge(io::TableKind::Gnss, {"time_s", "lat_deg", "lon_deg", "height_m"});
+    judge(io::TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"});
+    return best;
+}
+
+void recognise_table(LoadedFile& file) {
+    const io::TextInput input(file.path);
+    io::TableLayout layout = io::inspect_table(input);
+    file.report.columns = layout.names;
+    if (layout.names.empty()) {
+        if (!recognise_without_header(file, layout)) {
+            if (layout.columns >= 2)
+                file.problem(Level::Info, fmt::format("{} columns without a header line, not recognised", layout.columns),
+                             "put a header line that names the columns first");
+            return;
+        }
+        for (const auto& match : file.plan.matches) file.report.columns.push_back(match.canonical);
+        for (int i = static_cast<int>(file.report.columns.size()); i < layout.columns; ++i)
+            file.report.columns.push_back(fmt::format("#{}", i + 1));
+        read_table(file, layout);
+        return;
+    }
+    file.table = io::guess_table_kind(layout);
+    if (!file.table) {
+        // Columns that are blank in the first rows (a marker not yet seen) count as well.
+        layout.sample.clear();
+        file.table = io::guess_table_kind(layout);
+    }
+    if (!file.table) {
+        const std::string hint = nearly(layout);
+        file.problem(hint.empty() ? Level::Info : Level::Warning,
+                     hint.empty() ? "no data that Schuler uses (a table with other columns)" : "not usable as it is", hint);
+        return;
+    }
+    file.report.kind = io::name_of(*file.table);
+    file.plan = io::match_columns(layout, *file.table);
+    read_table(file, layout);
+    judge_time_unit(file, layout);
+}
+
+}  // namespace
+
+void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
+    const auto match =
+        std::find_if(file.plan.matches.begin(), file.plan.matches.end(), [](const auto& m) { return m.canonical == "time_s"; });
+    if (match->unit_stated || file.time_ns.size() < 3 || match->time_unit != io::TimeUnit::Seconds) return;
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < std::min<std::size_t>(file.time_ns.size(), 2000); ++i) {
+        const double step = static_cast<double>(file.time_ns[i] - file.time_ns[i - 1]) * 1e-9;
+        if (step > 0.0) steps.push_back(step);
+    }
+    // Instruments sample every 0.1 ms to 2 s: a median "step" of 10 is 10 ms and one of 10000 is 10 ms in microseconds.
+    const double step = steps.empty() ? 0.0 : median(std::move(steps));
+    const bool slow = file.table == io::TableKind::Gnss || file.table == io::TableKind::Reference;
+    io::TimeUnit unit = io::TimeUnit::Seconds;
+    if (step >= (slow ? 40.0 : 2.5)) unit = io::TimeUnit::Milliseconds;
+    if (step >= (slow ? 20'000.0 : 1'200.0)) unit = io::TimeUnit::Microseconds;
+    if (step >= 1e6 * (slow ? 20.0 : 1.2)) unit = io::TimeUnit::Nanoseconds;
+    if (unit == io::TimeUnit::Seconds) return;
+    const char* name = unit == io::TimeUnit::Milliseconds   ? "milliseconds"
+                       : unit == io::TimeUnit::Microseconds ? "microseconds"
+                                                            : "nanoseconds";
+    match->time_unit = unit;
+    file.time_ns.clear();
+    file.columns.clear();
+    file.fix.clear();
+    read_table(file, layout);
+    file.time_unit_judged = unit;
+    file.problem(Level::Warning,
+                 fmt::format("column {} does not say its unit; by its steps it counts {}", match->file_name, name),
+                 fmt::format("rename it to {}_{}", match->file_name,
+                             unit == io::TimeUnit::Milliseconds   ? "ms"
+                             : unit == io::TimeUnit::Microseconds ? "us"
+                                                                  : "ns"));
+}
+
+void recognise_and_read(LoadedFile& file) {
+    const std::string head = first_bytes(file.path, 16 * 1024);
+    const std::string extension = file.path.extension().string();
+    if (head.empty()) {
+        file.problem(Level::Error, "the file is empty", "check that the log was written and copied completely");
+    } else if (contains(head.substr(0, 200), "RINEX VERSION")) {
+        file.report.kind = "rinex";
+    } else if (is_ubx(head)) {
+        file.report.kind = "ubx";
+    } else if (extension == ".yaml" || extension == ".yml") {
+        if (io::is_kfgins_project(io::TextInput(file.path)))
+            file.report.kind = "kfgins_yaml";
+        else
+            file.problem(Level::Info, "a YAML file without imupath and gnsspath", "");
+    } else if (extension == ".toml") {
+        file.report.kind = "dataset_toml";
+    } else if (io::is_rtklib_pos(io::TextInput(file.path))) {
+        file.report.kind = "rtklib_pos";
+        read_receiver_solution(file);
+    } else if (io::is_nmea(io::TextInput(file.path))) {
+        file.report.kind = "nmea";
+        read_receiver_solution(file);
+    } else if (is_binary(head) && !head.starts_with("\x1f\x8b")) {
+        file.problem(Level::Info, "a binary file of no known format", "");
+    } else {
+        recognise_table(file);
+    }
+}
+
+}  // namespace schuler::inspect::detail

@@ -1,0 +1,73 @@
+#include "schuler/inspect/detail/robust.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace schuler::inspect::detail {
+
+double quantile(std::vector<double> values, double p) {
+    std::erase_if(values, [](double v) { return !std::isfinite(v); });
+    if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+    const double rank = std::clamp(p, 0.0, 1.0) * static_cast<double>(values.size() - 1);
+    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(std::lround(rank));
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
+}
+
+double robust_sigma(const std::vector<double>& values) {
+    const double middle = median(values);
+    std::vector<double> distance;
+    distance.reserve(values.size());
+    for (const double v : values) distance.push_back(std::abs(v - middle));
+    return 1.4826 * median(std::move(distance));
+}
+
+Minimum lowest_point(double first, double step, std::span<const double> values) {
+    const auto lowest = std::min_element(values.begin(), values.end());
+    if (lowest == values.end()) return {};
+    const std::ptrdiff_t i = lowest - values.begin();
+    Minimum result{first + step * static_cast<double>(i), *lowest, false};
+    if (i == 0 || i + 1 == std::ssize(values)) return result;
+    const double left = lowest[-1], right = lowest[1];
+    const double curvature = left - 2.0 * *lowest + right;
+    result.inside = true;
+    if (curvature > 0.0) {
+        const double shift = 0.5 * (left - right) / curvature;
+        result.at += step * shift;
+        result.value -= 0.25 * (left - right) * shift;
+    }
+    return result;
+}
+
+Agreement agree(double first, double step, const std::vector<std::vector<double>>& curves) {
+    Agreement result;
+    result.stretches = static_cast<int>(curves.size());
+    if (curves.size() < 3) return result;
+    std::vector<double> total(curves.front().size(), 0.0);
+    for (const std::vector<double>& curve : curves) {
+        for (std::size_t i = 0; i < total.size(); ++i) total[i] += curve[i];
+    }
+    const Minimum all = lowest_point(first, step, total);
+    result.at = all.at;
+    result.found = all.inside;
+    double mean = 0.0;
+    for (const double v : total) mean += v / static_cast<double>(total.size());
+    result.contrast = all.value > 0.0 ? (mean - all.value) / all.value : 0.0;
+
+    std::vector<double> without(total.size());
+    std::vector<double> places;
+    double place_mean = 0.0;
+    for (const std::vector<double>& curve : curves) {
+        for (std::size_t i = 0; i < total.size(); ++i) without[i] = total[i] - curve[i];
+        places.push_back(lowest_point(first, step, without).at);
+        place_mean += places.back() / static_cast<double>(curves.size());
+    }
+    double sum = 0.0;
+    for (const double place : places) sum += (place - place_mean) * (place - place_mean);
+    const double n = static_cast<double>(curves.size());
+    result.sigma = std::sqrt(sum * (n - 1.0) / n);
+    return result;
+}
+
+}  // namespace schuler::inspect::detail

@@ -1,0 +1,35 @@
+// Order statistics that a few wild samples do not move.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace schuler::inspect::detail {
+
+/// The p-quantile (0 to 1) of the finite values, nearest rank; NaN if there are none.
+[[nodiscard]] double quantile(std::vector<double> values, double p);
+[[nodiscard]] inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+/// 1.4826 times the median distance from the median: the standard deviation of a normal distribution. NaN if there are none.
+[[nodiscard]] double robust_sigma(const std::vector<double>& values);
+
+/// The lowest point of a sampled curve by a parabola through the smallest sample and its neighbours. At an end of the curve the
+/// end itself, with `inside` false.
+struct Minimum {
+    double at = 0.0;
+    double value = 0.0;
+    bool inside = false;
+};
+[[nodiscard]] Minimum lowest_point(double first, double step, std::span<const double> values);
+
+/// Lowest point of a sum of curves, one per independent stretch of data, with the jackknife standard deviation over stretches
+/// (Efron and Stein, Ann. Statist. 9(3), 1981, eq. (1.4): leaving out one stretch at a time). Needs at least 3 stretches.
+struct Agreement {
+    double at = 0.0;
+    double sigma = 0.0;
+    double contrast = 0.0;   ///< (mean of the curve - its lowest value) / lowest value: how deep the valley is
+    int stretches = 0;
+    bool found = false;
+};
+[[nodiscard]] Agreement agree(double first, double step, const std::vector<std::vector<double>>& curves);
+
+}  // namespace schuler::inspect::detail

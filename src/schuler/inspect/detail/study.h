@@ -1,0 +1,67 @@
+// What the judges of one data set share: the files chosen, the series made of them, and what has been found so far.
+#pragma once
+
+#include "schuler/inspect/detail/draft.h"
+#include "schuler/inspect/detail/loaded_file.h"
+#include "schuler/inspect/detail/motion.h"
+#include "schuler/inspect/detail/motion_fit.h"
+#include "schuler/inspect/detail/mounting.h"
+#include "schuler/inspect/detail/still.h"
+#include "schuler/inspect/detail/units_by_value.h"
+#include "schuler/inspect/inspect.h"
+
+#include <vector>
+
+namespace schuler::inspect::detail {
+
+struct Study {
+    std::vector<LoadedFile> files;
+    LoadedFile* imu_file = nullptr;       ///< point into `files`; null where there is none
+    LoadedFile* gnss_file = nullptr;
+    LoadedFile* baro_file = nullptr;
+    LoadedFile* mag_file = nullptr;
+    LoadedFile* reference_file = nullptr;
+
+    Time origin;                          ///< of the series' seconds
+    ImuSeries imu;
+    GnssSeries gnss;
+    std::vector<ReferenceSample> reference;
+    double imu_shift = 0.0;               ///< s that were added to the IMU's times to meet the GNSS (whole weeks)
+    double gravity = 9.80665;             ///< m/s^2, local where the position is known
+    bool overlap = false;                 ///< IMU and GNSS have at least 10 s in common
+
+    StillPeriods still;
+    MotionFit velocity_fit, position_fit;
+    Agreement velocity_behind_position, down_velocity_behind_height;
+    CourseSlope course;
+    std::string vehicle;                  ///< "car", "air", "hand", "static"
+    std::vector<UnitChange> imu_units, gnss_units, baro_units, mag_units;
+    Travel travel;
+    Mounting mounting;
+    double velocity_age = 0.0, position_age = 0.0;  ///< medians of what the log's own columns state, s
+    bool states_velocity_age = false, states_position_age = false;
+
+    std::vector<Finding> findings;
+    std::vector<Problem> problems;
+    Draft draft;
+
+    void found(std::string key, std::string value, double confidence, std::string why);
+    void problem(Level level, std::string text, std::string mend = {});
+    [[nodiscard]] double confidence_in(const std::string& key) const;
+};
+
+/// Each judge reads the study, adds findings, problems and lines of the draft. Order as listed.
+void judge_time(Study& study);           ///< scale, overlap, series
+void study_motion(Study& study);         ///< gyro unit, rest, fits, travel, mounting: what the others read
+void judge_vehicle(Study& study);        ///< rest, kind
+void judge_imu(Study& study);            ///< axes, mounting, noise, saturation
+void judge_gnss(Study& study);           ///< fixes, sigmas, height, outliers
+void judge_latency(Study& study);
+void judge_baro(Study& study);
+void judge_mag(Study& study);
+void judge_reference(Study& study);
+
+/// The columns and scale lines of a section, where names or units need saying.
+void draft_columns(Study& study, const std::string& section, const LoadedFile& file, const std::vector<UnitChange>& units);
+
+}  // namespace schuler::inspect::detail

@@ -1,0 +1,150 @@
+// The common groundwork: reference samples, rest, the fits of IMU to GNSS, travel and mounting.
+#include "schuler/inspect/detail/study.h"
+
+#include "schuler/core/units.h"
+#include "schuler/math/rotation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::inspect::detail {
+namespace {
+
+constexpr double pointing_speed = 3.0;   // m/s: slower, the direction of travel is noisy
+
+// Attitude of the reference file; quaternions of the sensor itself say nothing about a mounting and are left out.
+std::vector<ReferenceSample> reference_attitude(const LoadedFile& file) {
+    std::vector<ReferenceSample> samples;
+    if (!file.has("roll_deg") || !file.has("pitch_deg") || !file.has("heading_deg")) return samples;
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        ReferenceSample s;
+        s.time = Time{file.time_ns[i]};
+        s.rpy = file.vector("roll_deg", "pitch_deg", "heading_deg", i) * units::deg;
+        samples.push_back(s);
+    }
+    return samples;
+}
+
+double median_age(const LoadedFile& file, const char* column) {
+    if (!file.has(column)) return std::nan("");
+    // A time of validity of the velocity alone says nothing about the position.
+    const io::ColumnMatch* whole = file.plan.find("time_valid_s");
+    const io::ColumnMatch* velocity = file.plan.find("vel_time_valid_s");
+    if (whole != nullptr && velocity != nullptr && whole->column == velocity->column &&
+        column == std::string_view("time_valid_s"))
+        return std::nan("");
+    return -median(file[column]);
+}
+
+Eigen::Vector3d mean_specific_force(const ImuSeries& imu) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& f : imu.f) sum += f;
+    return imu.empty() ? sum : Eigen::Vector3d(sum / static_cast<double>(imu.size()));
+}
+
+}  // namespace
+
+void study_motion(Study& study) {
+    if (study.gnss_file != nullptr) {
+        const double position = median_age(*study.gnss_file, "time_valid_s"),
+                     velocity = median_age(*study.gnss_file, "vel_time_valid_s");
+        study.states_position_age = std::isfinite(position);
+        study.states_velocity_age = std::isfinite(velocity) || study.states_position_age;
+        study.position_age = study.states_position_age ? position : 0.0;
+        study.velocity_age = std::isfinite(velocity) ? velocity : study.position_age;
+    }
+    if (study.reference_file != nullptr) study.reference = reference_attitude(*study.reference_file);
+    if (study.gnss_file != nullptr) {
+        study.velocity_behind_position = velocity_behind_position(study.gnss, false);
+        study.down_velocity_behind_height = velocity_behind_position(study.gnss, true);
+    }
+    if (study.imu_file == nullptr || study.imu.empty()) return;
+    const GnssSeries none;
+    const GnssSeries& gnss = study.overlap ? study.gnss : none;
+    for (UnitChange& change : judge_gyro_unit(*study.imu_file, study.imu, gnss)) study.imu_units.push_back(std::move(change));
+    study.still = still_periods(study.imu, gnss);
+    if (study.overlap) {
+        study.velocity_fit = fit_motion(study.imu, study.gnss, FitSource::Velocity, study.still.w, study.still.any(),
+                                        study.gravity, pointing_speed);
+        const bool biased = study.velocity_fit.windows >= 3;
+        study.position_fit =
+            fit_motion(study.imu, study.gnss, FitSource::Displacement, biased ? study.velocity_fit.gyro_bias : study.still.w,
+                       biased || study.still.any(), study.gravity, pointing_speed);
+        study.travel = travel_of(study.gnss.has_velocity() ? study.velocity_fit : study.position_fit);
+    }
+    const AttitudeAgreement attitude = attitude_agreement(study.imu, study.still.w, study.reference, study.origin);
+    const bool rest = study.still.any();
+    study.mounting = mounting_of(rest ? study.still.f : mean_specific_force(study.imu), rest, study.travel, attitude);
+    study.course = course_slope(study.imu, gnss, study.mounting.C_bs.row(2).transpose(), study.still.w);
+}
+
+namespace {
+
+struct Kind {
+    std::string name;
+    double confidence;
+    std::string why;
+};
+
+Kind kind_without_gnss(const Study& study) {
+    const double span = study.imu.empty() ? 0.0 : study.imu.t.back() - study.imu.t.front();
+    if (study.still.total > 0.9 * span && span > 0.0)
+        return {"static", 0.85, "the sensors are still throughout, there is no GNSS"};
+    return {"hand", 0.5, "it moves, there is no GNSS: the kind without constraints"};
+}
+
+Kind kind_of(const Study& study) {
+    if (study.gnss.size() < 5) return kind_without_gnss(study);
+    std::vector<double> speeds, climbs;
+    double farthest = 0.0;
+    for (std::size_t k = 0; k < study.gnss.size(); ++k) {
+        speeds.push_back(study.gnss.speed(k));
+        if (study.gnss.has_velocity()) climbs.push_back(std::abs(study.gnss.v[k].z()));
+        farthest = std::max(farthest, study.gnss.p[k].head<2>().norm());
+    }
+    const double fast = quantile(speeds, 0.99), climb = climbs.empty() ? 0.0 : quantile(climbs, 0.99);
+    const double span = study.imu.empty() ? 0.0 : study.imu.t.back() - study.imu.t.front();
+    if (study.gnss.has_velocity() ? fast < 0.6 && climb < 0.6 : farthest < 10.0) {
+        return {"static", study.still.total > 0.8 * span ? 0.95 : 0.7,
+                fmt::format("the GNSS speed stays below {:.2f} m/s", std::max(fast, climb))};
+    }
+    const Travel& t = study.travel;
+    const double deg = 1.0 / units::deg;
+    if (t.epochs >= 30 && t.spread < 6.0 * units::deg && t.tilt95 < 15.0 * units::deg && t.slope95 < 15.0 * units::deg) {
+        return {"car", 0.9,
+                fmt::format(
+                    "it travels along one sensor axis (within {:.1f} deg), tilts less than {:.0f} deg, slopes below {:.0f} deg",
+                    t.spread * deg, t.tilt95 * deg, t.slope95 * deg)};
+    }
+    if (t.epochs >= 30 && (t.tilt95 >= 15.0 * units::deg || t.slope95 >= 15.0 * units::deg || t.concentration < 0.9)) {
+        return {"air", 0.8,
+                t.concentration < 0.9 ? fmt::format("it travels in any direction of its own axes, up to {:.0f} m/s", fast)
+                                      : fmt::format("it tilts by {:.0f} deg and climbs or descends at {:.0f} deg", t.tilt95 * deg,
+                                                    t.slope95 * deg)};
+    }
+    if (climb > 0.8) return {"air", 0.7, fmt::format("it climbs or descends at up to {:.1f} m/s", climb)};
+    return {"hand", 0.4, "too little steady travel to tell: the kind without constraints"};
+}
+
+}  // namespace
+
+void judge_vehicle(Study& study) {
+    if (study.imu_file == nullptr) return;
+    const Kind kind = kind_of(study);
+    study.vehicle = kind.name;
+    study.found("vehicle.kind", kind.name, kind.confidence, kind.why);
+    study.draft.set("vehicle", "kind", toml_string(kind.name), fmt::format("{}: {}", how_sure(kind.confidence), kind.why));
+    if (study.still.any()) {
+        study.found("still", text_of(study.still.intervals, 0.0), 0.9,
+                    fmt::format("{:.0f} s of quiet sensors{}; s after the first {} epoch", study.still.total,
+                                study.overlap ? " and no GNSS speed" : "", study.gnss_file != nullptr ? "GNSS" : "IMU"));
+    } else {
+        study.found("still", "none", 0.8, "no 2 s of quiet sensors");
+        study.problem(Level::Info, "the vehicle never rests: biases and level are found in motion, which takes longer",
+                      "let it stand for 10 s or more at the start of a recording");
+    }
+}
+
+}  // namespace schuler::inspect::detail

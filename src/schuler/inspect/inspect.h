@@ -1,0 +1,60 @@
+// What is in a file or folder of logs, what is wrong with it, and the dataset.toml to start from, with how sure it is.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace schuler::inspect {
+
+enum class Level { Info, Warning, Error };
+[[nodiscard]] std::string_view name_of(Level level);  ///< "info", "warning", "error"
+
+/// Something a user should know about a file or the whole set. `mend` may be empty where there is nothing to do.
+struct Problem {
+    Level level = Level::Info;
+    std::string text;
+    std::string mend;
+};
+
+/// One file. Times are the numbers of the file in s (GPS time since 1980 for RTKLIB and NMEA logs); NaN where there are none.
+struct FileReport {
+    std::string path;                 ///< relative to the folder
+    std::string kind;  ///< imu, gnss, baro, mag, reference, rtklib_pos, nmea, kfgins_yaml, kfgins_imu, kfgins_gnss,
+        ///< kfgins_reference, dataset_toml, rinex, ubx, unknown
+    std::vector<std::string> columns;  ///< as the file names them
+    std::size_t rows = 0;
+    double rate_hz = 0.0;  ///< 1 / median step
+    std::size_t gaps = 0;  ///< steps longer than 3 times the median
+    std::size_t duplicates = 0;  ///< rows with the time of the row before
+    double start_s = 0.0, stop_s = 0.0;
+    bool chosen = false;  ///< the generated dataset.toml uses it
+    std::vector<Problem> problems;
+};
+
+/// One fact read from the data.
+struct Finding {
+    std::string key;  ///< "imu.axes", "gnss.velocity_latency_s", ...: keys of dataset.toml where there is one
+    std::string value;  ///< text, numbers with their unit and one sigma
+    double confidence = 0.0;  ///< 0 (a guess) to 1 (certain)
+    std::string why;  ///< the evidence in one sentence
+};
+
+struct InspectReport {
+    std::string path;
+    std::vector<FileReport> files;  ///< in order of their names
+    std::vector<Finding> findings;
+    std::vector<Problem> problems;  ///< of the set as a whole
+    std::string dataset_toml;  ///< commented, parsable; empty where nothing usable was found
+};
+
+/// Looks at a folder of logs (its own files, not those of subfolders) or at a single file. Never throws on odd content: what
+/// cannot be read is reported as a problem of its file.
+/// @throws Error(Input) where the path does not exist or the folder cannot be listed
+[[nodiscard]] InspectReport inspect(const std::filesystem::path& path);
+
+/// The report for people: files, findings with how sure they are, problems with their mends, the dataset.toml.
+[[nodiscard]] std::string describe(const InspectReport& report);
+
+}  // namespace schuler::inspect

@@ -1,0 +1,175 @@
+#include "schuler/io/fix_codes.h"
+
+#include "schuler/io/columns.h"
+#include "schuler/io/place.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+namespace schuler::io {
+namespace {
+
+struct Word {
+    std::string_view text;
+    FixType fix;
+};
+
+constexpr std::array words = {
+    Word{"none", FixType::None},
+    Word{"no", FixType::None},
+    Word{"nofix", FixType::None},
+    Word{"no_fix", FixType::None},
+    Word{"invalid", FixType::None},
+    Word{"no_solution", FixType::None},
+    Word{"autonomous", FixType::Autonomous},
+    Word{"single", FixType::Autonomous},
+    Word{"spp", FixType::Autonomous},
+    Word{"3d", FixType::Autonomous},
+    Word{"is3d", FixType::Autonomous},
+    Word{"2d", FixType::Autonomous},
+    Word{"is2d", FixType::Autonomous},
+    Word{"gps", FixType::Autonomous},
+    Word{"standalone", FixType::Autonomous},
+    Word{"pps", FixType::Autonomous},
+    Word{"differential", FixType::Differential},
+    Word{"dgps", FixType::Differential},
+    Word{"dgnss", FixType::Differential},
+    Word{"diff", FixType::Differential},
+    Word{"sbas", FixType::Differential},
+    Word{"ppp", FixType::Differential},
+    Word{"rtk_fixed", FixType::RtkFixed},
+    Word{"fixed", FixType::RtkFixed},
+    Word{"fix", FixType::RtkFixed},
+    Word{"rtk", FixType::RtkFixed},
+    Word{"rtk_fix", FixType::RtkFixed},
+    Word{"narrow_int", FixType::RtkFixed},
+    Word{"rtk_float", FixType::RtkFloat},
+    Word{"float", FixType::RtkFloat},
+    Word{"narrow_float", FixType::RtkFloat},
+    Word{"unknown", FixType::Unknown},
+};
+
+/// Codes written in a name: every word that has one digit in front of letters ("rtk1fix", "2float", "3is3d").
+std::map<int, FixType> codes_in_name(const std::vector<std::string>& name_words) {
+    std::map<int, FixType> codes;
+    for (const std::string& word : name_words) {
+        const std::size_t digit = word.find_first_of("0123456789");
+        if (digit == std::string::npos || digit + 1 >= word.size()) continue;
+        if (std::isdigit(static_cast<unsigned char>(word[digit + 1])) != 0) continue;
+        if (const auto fix = fix_from_word(std::string_view(word).substr(digit + 1))) codes[word[digit] - '0'] = *fix;
+    }
+    // "3 is 3d" is the scale of u-blox and PX4, whose lower codes are no fix and a two-dimensional one.
+    if (codes.size() == 1 && codes.contains(3))
+        codes.insert({{0, FixType::None},
+                      {1, FixType::None},
+                      {2, FixType::Autonomous},
+                      {4, FixType::Differential},
+                      {5, FixType::RtkFloat},
+                      {6, FixType::RtkFixed}});
+    if (!codes.empty()) codes.insert({0, FixType::None});
+    return codes;
+}
+
+std::map<int, FixType> rtklib_codes() {
+    std::map<int, FixType> codes;
+    for (int q = 0; q <= 6; ++q) codes[q] = fix_from_rtklib(q);
+    return codes;
+}
+
+std::map<int, FixType> nmea_codes() {
+    std::map<int, FixType> codes;
+    for (int q = 0; q <= 8; ++q) codes[q] = fix_from_nmea(q);
+    return codes;
+}
+
+const std::map<int, FixType> vectornav_codes = {{0, FixType::None},       {1, FixType::None},         {2, FixType::Autonomous},
+                                                {3, FixType::Autonomous}, {4, FixType::Differential}, {7, FixType::RtkFloat},
+                                                {8, FixType::RtkFixed}};
+const std::map<int, FixType> mavlink_codes = {{0, FixType::None},       {1, FixType::None},         {2, FixType::Autonomous},
+                                              {3, FixType::Autonomous}, {4, FixType::Differential}, {5, FixType::RtkFloat},
+                                              {6, FixType::RtkFixed},   {8, FixType::Differential}};
+
+}  // namespace
+
+std::optional<FixType> fix_from_word(std::string_view word) {
+    std::string lower;
+    for (const char c : trimmed(word)) {
+        const auto u = static_cast<unsigned char>(c);
+        lower += (c == '-' || c == ' ') ? '_' : static_cast<char>(std::tolower(u));
+    }
+    const auto it = std::find_if(words.begin(), words.end(), [&](const Word& w) { return w.text == lower; });
+    if (it == words.end()) return std::nullopt;
+    return it->fix;
+}
+
+std::string_view name_of(FixType fix) {
+    switch (fix) {
+        case FixType::None: return "none";
+        case FixType::Autonomous: return "autonomous";
+        case FixType::Differential: return "differential";
+        case FixType::RtkFixed: return "rtk_fixed";
+        case FixType::RtkFloat: return "rtk_float";
+        case FixType::Unknown: return "unknown";
+    }
+    return "unknown";
+}
+
+FixType fix_from_rtklib(int q) {
+    static constexpr std::array table = {FixType::None,         FixType::RtkFixed,   FixType::RtkFloat,    FixType::Differential,
+                                         FixType::Differential, FixType::Autonomous, FixType::Differential};
+    return q >= 0 && q < static_cast<int>(table.size()) ? table[static_cast<std::size_t>(q)] : FixType::Unknown;
+}
+
+FixType fix_from_nmea(int quality) {
+    static constexpr std::array table = {FixType::None,       FixType::Autonomous, FixType::Differential,
+                                         FixType::Autonomous, FixType::RtkFixed,   FixType::RtkFloat,
+                                         FixType::None,       FixType::None,       FixType::None};
+    return quality >= 0 && quality < static_cast<int>(table.size()) ? table[static_cast<std::size_t>(quality)] : FixType::Unknown;
+}
+
+FixCodes FixCodes::for_column(std::string_view column_name, const std::map<std::string, std::string>& user,
+                              const std::string& file) {
+    FixCodes result;
+    for (const auto& [code, name] : user) {
+        const auto fix = fix_from_word(name);
+        if (!fix) {
+            throw input_error(fmt::format("'{}' is no kind of fix", name), place_in(file, 0, 0, "gnss fix_codes." + code),
+                              "use none, autonomous, differential, rtk_fixed or rtk_float");
+        }
+        result.user_[code] = *fix;
+    }
+    const std::vector<std::string> name_words = words_of_name(column_name);
+    const auto has = [&](std::string_view w) { return std::find(name_words.begin(), name_words.end(), w) != name_words.end(); };
+    if (auto in_name = codes_in_name(name_words); !in_name.empty()) {
+        result.codes_ = std::move(in_name);
+        result.table_ = "codes in the column's name";
+    } else if (name_words.size() == 1 && has("q")) {
+        result.codes_ = rtklib_codes();
+        result.table_ = "RTKLIB Q";
+    } else if (has("vn")) {
+        result.codes_ = vectornav_codes;
+        result.table_ = "VectorNav";
+    } else if (has("type") || has("fixtype")) {
+        result.codes_ = mavlink_codes;
+        result.table_ = "MAVLink fix type";
+    } else {
+        result.codes_ = nmea_codes();
+        result.table_ = "NMEA quality";
+    }
+    if (!user.empty()) result.table_ = "given, else " + result.table_;
+    return result;
+}
+
+FixType FixCodes::of(std::string_view field) const {
+    if (const auto it = user_.find(field); it != user_.end()) return it->second;
+    const double number = number_from(field);
+    if (std::isnan(number)) return fix_from_word(field).value_or(FixType::Unknown);
+    const auto it = codes_.find(static_cast<int>(std::clamp(number, -1.0, 1000.0)));
+    return it == codes_.end() ? FixType::Unknown : it->second;
+}
+
+}  // namespace schuler::io

@@ -1,0 +1,16 @@
+// Where in a file something is wrong, for messages.
+#pragma once
+
+#include "schuler/core/error.h"
+
+#include <string>
+#include <utility>
+
+namespace schuler::io {
+
+/// Line and column count from 1; 0 where they do not apply.
+[[nodiscard]] inline SourcePlace place_in(std::string file, long line = 0, long column = 0, std::string key = {}) {
+    return {std::move(file), line, column, std::move(key)};
+}
+
+}  // namespace schuler::io

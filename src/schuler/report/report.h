@@ -1,0 +1,99 @@
+// One self-contained HTML page of plots and tables from plain numbers: what is drawn, and nothing of where it came from.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace schuler::report {
+
+/// Colours of Okabe and Ito (2008, "Color universal design"), told apart by colour-blind readers; Text follows the theme.
+enum class Ink { Blue, Vermillion, Green, Purple, Orange, Sky, Text, Muted };
+
+/// How a series is drawn. Squares are hollow and larger than dots: they stand out in print and without colour.
+enum class Mark { Line, Dashed, Dots, Squares };
+
+/// One curve. x and y have the same length; an entry with a value that is not finite is a gap in the line.
+struct Series {
+    std::string name;               ///< in the legend; empty: no entry there
+    std::vector<double> x, y;
+    Ink ink = Ink::Blue;
+    Mark mark = Mark::Line;
+    double width = 1.5;             ///< px, of lines
+    bool clamp = false;             ///< values beyond the y limits are drawn at the edge instead of cut off
+    std::vector<double> time{};  ///< time of each point (empty: none) on the axis of the time panels, which links their cursors
+};
+
+/// Area between lo and hi, drawn behind the series. A value that is not finite is a gap.
+struct Band {
+    std::string name;
+    std::vector<double> x, lo, hi;
+    Ink ink = Ink::Sky;
+};
+
+/// Interval of x: hatched (an outage) or plainly shaded (a start-up).
+struct Span {
+    double start = 0.0, stop = 0.0;
+    std::string label;
+    bool hatched = true;
+};
+
+/// One plot. Labels are "quantity, unit". Where nothing finite is given the panel says so.
+struct Panel {
+    std::string title, x_label, y_label;
+    std::vector<Series> series{};
+    std::vector<Band> bands{};
+    std::vector<Span> spans{};
+    bool time_axis = true;          ///< x is the common time: cursors and zoom are linked with the other panels of that kind
+    bool equal_axes = false;        ///< one unit has the same length on both axes (a map); with a scale bar
+    bool log_y = false;             ///< values that are not positive are gaps, or at the lower edge where clamped
+    std::optional<std::pair<double, double>> x_limits{};  ///< otherwise from the data; what is outside is cut off
+    std::optional<std::pair<double, double>> y_limits{};  ///< otherwise from the data, see data_range in detail/axis.h
+    double y_step = 0.0;            ///< whole distance of the y ticks (90 deg); 0: by the range
+    int height = 200;               ///< px at a width of 1100
+};
+
+/// Rows of text; a column whose cells all start like numbers is aligned to the right.
+struct TableBlock {
+    std::string title;
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::string>> rows;
+};
+
+/// A heading of the page. A group is a subheading with its panels and, under them, its tables.
+struct Group {
+    std::string title;              ///< may be empty
+    std::vector<Panel> panels{};
+    std::vector<TableBlock> tables{};
+};
+struct Section {
+    std::string title;
+    std::string intro;
+    std::vector<Group> groups{};
+};
+
+struct Card {
+    std::string label, value;
+    std::string note{};             ///< small print under the value
+};
+
+struct ReportInput {
+    std::string title, subtitle;
+    std::vector<Card> cards{};
+    std::vector<Section> sections{};
+    std::vector<std::string> warnings{};
+    std::string settings{};         ///< config.toml as used
+    std::string version{};
+};
+
+/// The page as UTF-8 HTML that is also well-formed XML; same input, same bytes. No network, complete without JavaScript (which
+/// adds cursors, zoom and hiding of series). Each series is decimated to about 2000 points, extremes kept. Bytes that are not
+/// UTF-8 and control characters of the texts become U+FFFD. Throws Error(Input) where x and y of a series differ in length.
+[[nodiscard]] std::string render(const ReportInput& input);
+
+/// v with so many significant digits, without exponent from 1e-4 to 1e7; "–" where v is not finite.
+[[nodiscard]] std::string number(double v, int significant = 4);
+
+}  // namespace schuler::report

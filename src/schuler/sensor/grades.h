@@ -1,0 +1,45 @@
+// How an inertial instrument lies, as numbers; and a table of grades and devices by name.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace schuler::sensor {
+
+/// Error model of an inertial measurement unit: three like gyros and three like accelerometers, SI units, one sigma.
+/// All zero is a perfect instrument. Simulator and filter are given the same struct unless a study says otherwise.
+///
+/// Measured = (I + S + M) true + turn-on bias + in-run bias + white noise, then rounded to the quantum, where S is diagonal
+/// with the scale errors, M has the six independent misalignments off its diagonal, the turn-on bias is constant in a run
+/// and the in-run bias is a stationary first-order Gauss-Markov process (correlation exp(-t/bias_time)).
+struct ImuErrorModel {
+    double gyro_noise = 0.0;            ///< angle random walk: root of the two-sided density of the rate noise, rad/sqrt(s)
+    double gyro_bias = 0.0;             ///< in-run bias, rad/s
+    double gyro_bias_time = 3600.0;     ///< its correlation time, s
+    double gyro_turn_on_bias = 0.0;     ///< constant bias, new at each switch-on, rad/s
+    double gyro_scale = 0.0;            ///< scale-factor error
+    double gyro_misalignment = 0.0;     ///< each of the six axis misalignments, rad
+    double gyro_quantum = 0.0;          ///< least count of the accumulated angle, rad (0: none)
+
+    double accel_noise = 0.0;           ///< velocity random walk, m/s/sqrt(s)
+    double accel_bias = 0.0;            ///< in-run bias, m/s^2
+    double accel_bias_time = 3600.0;    ///< its correlation time, s
+    double accel_turn_on_bias = 0.0;    ///< constant bias, new at each switch-on, m/s^2
+    double accel_scale = 0.0;           ///< scale-factor error
+    double accel_misalignment = 0.0;    ///< each of the six axis misalignments, rad
+    double accel_quantum = 0.0;         ///< least count of the accumulated velocity, m/s (0: none)
+
+    /// One sigma of the whole bias at switch-on (turn-on and in-run): what a filter must start with. rad/s.
+    [[nodiscard]] double gyro_initial_bias() const;
+    /// Likewise, m/s^2.
+    [[nodiscard]] double accel_initial_bias() const;
+};
+
+/// The model of a grade (consumer, mems, tactical, navigation), of a device (hg9900, ...) or of the "perfect" instrument.
+/// Case, '-' and '_' do not matter. Throws Error(Input) that lists the known names.
+[[nodiscard]] ImuErrorModel imu_grade(std::string_view name);
+
+/// The known names, worst first.
+[[nodiscard]] std::vector<std::string_view> imu_grade_names();
+
+}  // namespace schuler::sensor

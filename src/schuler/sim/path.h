@@ -1,0 +1,114 @@
+// Truth paths: position, velocity, acceleration, attitude and attitude rate as exact functions of time.
+#pragma once
+
+#include "schuler/core/nav_state.h"
+#include "schuler/core/units.h"
+#include "schuler/earth/earth.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <memory>
+#include <variant>
+#include <vector>
+
+namespace schuler::sim {
+
+/// What a truth path tells of one instant. Velocity is the exact derivative of position, and so on.
+struct Kinematics {
+    Geodetic position;               ///< of the IMU
+    Eigen::Vector3d v_eb_n;          ///< m/s
+    Eigen::Vector3d dv_eb_n;         ///< time derivative of the components of v_eb_n, m/s^2
+    Eigen::Vector3d rpy;             ///< roll, pitch, heading [0, 2 pi), rad
+    Eigen::Vector3d rpy_rate;        ///< rad/s
+};
+
+/// At rest on the Earth.
+struct StaticPath {
+    Geodetic start;
+    Eigen::Vector3d rpy = Eigen::Vector3d::Zero();   ///< rad
+};
+
+/// The normal of the ellipsoid turns at a constant rate in a plane (on a sphere: a great circle at constant speed), the height
+/// is constant, the body is level and heads along the track. Must not pass a pole.
+struct GreatCirclePath {
+    Geodetic start;
+    double heading = 0.0;            ///< at the start, rad
+    double speed = 200.0;            ///< at the start, m/s; it varies by the flattening afterwards
+};
+
+/// One coordinate of paper A's flight: start + rate t + amplitude sin(2 pi t / period + phase).
+struct Oscillation {
+    double rate = 0.0;               ///< rad/s or m/s
+    double amplitude = 0.0;          ///< rad or m
+    double period = 600.0;           ///< s
+    double phase = 0.0;              ///< rad
+};
+
+/// Paper A, (4.2.1) to (4.2.5), with its numbers as defaults. The paper writes the height as h0 - dh cos(w t + d): the phase here
+/// is its d - pi/2.
+struct PaperAPath {
+    Geodetic start{55.0 * units::deg, 30.0 * units::deg, 5000.0};  ///< phi0, lambda0, h0 (the mean height)
+    Oscillation lat{0.0, 0.004, 600.0, 0.0};
+    Oscillation lon{4e-5, 0.0, 600.0, 0.0};
+    Oscillation height{0.0, 5000.0, 600.0, -90.0 * units::deg};
+    double roll_per_accel = 0.02;    ///< K of (4.2.5), rad/(m/s^2); a coordinated turn has about 0.102
+};
+
+/// A corner of a route, in metres from the start of the path along its meridian and parallel.
+struct Waypoint {
+    double north = 0.0;              ///< m
+    double east = 0.0;               ///< m
+    double up = 0.0;                 ///< m
+    double speed = 14.0;             ///< limit on the leg that ends here, m/s
+    double stop = 0.0;               ///< s at rest here (0: no stop)
+};
+
+/// Small motion of the body on its suspension, present while the vehicle moves. Roll and pitch swing a quarter period apart at
+/// the same frequency (a coning motion), the height at 1.31 times that frequency.
+struct Vibration {
+    double frequency = 12.0;         ///< Hz
+    double angle = 0.0;              ///< amplitude of roll and pitch, rad
+    double accel = 0.0;              ///< amplitude of the vertical acceleration, m/s^2
+};
+
+/// A wheeled vehicle (or an aircraft, by its coefficients) along waypoints: straight legs, rounded corners, speeds limited by the
+/// lateral and longitudinal acceleration, stops. The x axis points along the velocity (but for dive and vibration). At rest
+/// before the first and after the last waypoint; the first leg starts at `start`, which is not in the list.
+struct RoutePath {
+    Geodetic start;
+    std::vector<Waypoint> waypoints;             ///< at least one
+    double standstill = 30.0;                    ///< s at rest at the start
+    double corner_radius = 15.0;                 ///< m
+    double lateral_accel = 2.0;                  ///< planned in corners (smoothing passes it by up to a fifth), m/s^2
+    double longitudinal_accel = 1.5;             ///< speeding up and braking, m/s^2
+    double roll_per_lateral_accel = -0.005;      ///< rad/(m/s^2): cars lean outwards (negative), a coordinated turn has 0.102
+    double pitch_per_accel = 0.003;              ///< rad/(m/s^2): the bow rises when speeding up
+    Vibration vibration;
+};
+
+using PathSettings = std::variant<StaticPath, GreatCirclePath, PaperAPath, RoutePath>;
+
+/// An analytic motion. Immutable: any number of threads may read it.
+class TruthPath {
+public:
+    TruthPath() = default;
+    TruthPath(const TruthPath&) = delete;
+    TruthPath& operator=(const TruthPath&) = delete;
+    virtual ~TruthPath() = default;
+
+    /// At t seconds from the start, t >= 0.
+    [[nodiscard]] virtual Kinematics at(double t) const = 0;
+};
+
+/// Builds a path on an ellipsoid. Throws Error(Input) naming the setting that is unusable.
+[[nodiscard]] std::unique_ptr<const TruthPath> make_path(const PathSettings& settings, const earth::Ellipsoid& ellipsoid);
+
+/// A town drive of about `duration` seconds: blocks of 80 to 400 m, right-angled and slanting corners, hills, stops at lights.
+/// The same seed gives the same route.
+[[nodiscard]] RoutePath town_route(const Geodetic& start, double duration, std::uint64_t seed);
+
+/// The truth as a navigation state.
+[[nodiscard]] NavState nav_state(const Kinematics& kinematics, Time time);
+
+}  // namespace schuler::sim

@@ -1,0 +1,94 @@
+#include "schuler/sim/receivers.h"
+
+#include "schuler/math/random.h"
+#include "schuler/math/rotation.h"
+#include "schuler/sim/imu_errors.h"
+#include "schuler/sim/inverse_imu.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::sim {
+
+namespace {
+
+bool silent(const Scenario& scenario, Channel channel, double t) {
+    return std::any_of(scenario.outages.begin(), scenario.outages.end(), [&](const SimulatedOutage& outage) {
+        return outage.channel == channel && t > outage.start && t < outage.start + outage.duration;
+    });
+}
+
+Eigen::Vector3d root_sum(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return (a.cwiseAbs2() + b.cwiseAbs2()).cwiseSqrt();
+}
+
+/// Number of epochs at k / rate, k = 0, 1, ... up to the end of the scenario.
+std::size_t epochs(double rate, double duration) {
+    return rate > 0.0 ? static_cast<std::size_t>(std::floor(duration * rate + 1e-6)) + 1 : 0;
+}
+
+}  // namespace
+
+PointMotion point_motion(const earth::Earth& earth, const Kinematics& imu, const Eigen::Vector3d& lever_arm_b) {
+    if (lever_arm_b.isZero(0.0)) return {imu.position, imu.v_eb_n};
+    const Eigen::Matrix3d C_en = earth::C_en(imu.position.lat, imu.position.lon);
+    const Eigen::Matrix3d C_nb = math::dcm_from_rpy(imu.rpy);
+    const Ecef r = earth::ecef_from_geodetic(earth.ellipsoid, imu.position);
+    const Geodetic point = earth::geodetic_from_ecef(earth.ellipsoid, Ecef{r.r + C_en * (C_nb * lever_arm_b)});
+    const Eigen::Vector3d w_en_n = earth::terms_at(earth, imu.position, imu.v_eb_n).w_en_n;
+    const Eigen::Vector3d w_eb_b = body_rate(imu.rpy, imu.rpy_rate) + C_nb.transpose() * w_en_n;
+    const Eigen::Vector3d v_e = C_en * (imu.v_eb_n + C_nb * w_eb_b.cross(lever_arm_b));
+    return {point, earth::C_en(point.lat, point.lon).transpose() * v_e};
+}
+
+std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& path) {
+    const GnssSettings& s = scenario.gnss;
+    math::Random white_position(scenario.seed, "gnss.white_position"), white_velocity(scenario.seed, "gnss.white_velocity");
+    GaussMarkov slow_position(s.correlated_position, s.correlated_time, math::Random(scenario.seed, "gnss.slow_position"));
+    GaussMarkov slow_velocity(s.correlated_velocity, s.correlated_time, math::Random(scenario.seed, "gnss.slow_velocity"));
+    std::vector<GnssFix> fixes;
+    for (std::size_t k = 0; k < epochs(s.rate, scenario.duration); ++k) {
+        const double t = static_cast<double>(k) / s.rate;
+        if (k > 0) {
+            slow_position.advance(1.0 / s.rate);
+            slow_velocity.advance(1.0 / s.rate);
+        }
+        // Drawn in outages too: withholding fixes must not change the ones that remain.
+        const Eigen::Vector3d dr = s.white_position.cwiseProduct(white_position.normal3()) + slow_position.value();
+        const Eigen::Vector3d dv = s.white_velocity.cwiseProduct(white_velocity.normal3()) + slow_velocity.value();
+        if (silent(scenario, Channel::Gnss, t)) continue;
+        const double at_position = std::max(0.0, t - s.position_latency), at_velocity = std::max(0.0, t - s.velocity_latency);
+        const PointMotion point = point_motion(scenario.earth, path.at(at_position), s.lever_arm_b);
+        const PointMotion moving =
+            at_velocity == at_position ? point : point_motion(scenario.earth, path.at(at_velocity), s.lever_arm_b);
+        GnssFix fix;
+        fix.time = scenario.origin + Duration::from_seconds(t);
+        fix.position = earth::moved_by_ned(scenario.earth, point.position, dr);
+        fix.velocity_n = moving.v_n + dv;
+        fix.std_position = root_sum(s.white_position, s.correlated_position);
+        fix.std_velocity = root_sum(s.white_velocity, s.correlated_velocity);
+        fix.fix = s.fix;
+        fixes.push_back(fix);
+    }
+    return fixes;
+}
+
+std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath& path) {
+    const BaroSettings& s = scenario.baro;
+    math::Random white(scenario.seed, "baro.white"), walk(scenario.seed, "baro.walk"), constant(scenario.seed, "baro.bias");
+    double bias = s.bias * constant.normal();
+    std::vector<BaroSample> samples;
+    for (std::size_t k = 0; k < epochs(s.rate, scenario.duration); ++k) {
+        const double t = static_cast<double>(k) / s.rate;
+        if (k > 0) bias += s.bias_walk * std::sqrt(1.0 / s.rate) * walk.normal();
+        const double error = bias + s.white * white.normal();
+        if (silent(scenario, Channel::Baro, t)) continue;
+        BaroSample sample;
+        sample.time = scenario.origin + Duration::from_seconds(t);
+        sample.height = path.at(t).position.h + error;
+        samples.push_back(sample);
+    }
+    return samples;
+}
+
+}  // namespace schuler::sim

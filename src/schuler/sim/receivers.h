@@ -1,0 +1,23 @@
+// GNSS receiver and barometric altimeter along a truth path.
+#pragma once
+
+#include "schuler/sim/path.h"
+#include "schuler/sim/simulate.h"
+
+#include <vector>
+
+namespace schuler::sim {
+
+/// Position and velocity of a point fixed to the body.
+struct PointMotion {
+    Geodetic position;
+    Eigen::Vector3d v_n;   ///< relative to the Earth, in the local level of the point, m/s
+};
+
+/// Motion of a point at a lever arm (body axes, m) from the IMU.
+[[nodiscard]] PointMotion point_motion(const earth::Earth& earth, const Kinematics& imu, const Eigen::Vector3d& lever_arm_b);
+
+[[nodiscard]] std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& path);
+[[nodiscard]] std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath& path);
+
+}  // namespace schuler::sim

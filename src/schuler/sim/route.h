@@ -1,0 +1,40 @@
+// A vehicle along waypoints: a smooth curve, a smooth motion along it, and the attitude they imply.
+#pragma once
+
+#include "schuler/sim/geodetic_jet.h"
+#include "schuler/sim/path.h"
+#include "schuler/sim/uniform_spline.h"
+
+#include <vector>
+
+namespace schuler::sim {
+
+/// Equidistant control values of the curve (north, east, up over the length u) and of the motion (u over time).
+struct RoutePlan {
+    double length_spacing;                       ///< m
+    std::vector<double> north, east, up;         ///< m, at u = -3, -2, ... spacings: see lead
+    double time_spacing;                         ///< s
+    std::vector<double> length;                  ///< m, at t = 0, 1, ... spacings
+    static constexpr int lead = 3;               ///< knots before the start, so that the start itself is on a straight line
+};
+
+/// Rounds the corners and plans speeds and stops. Throws Error(Input) naming the waypoint that cannot be driven.
+[[nodiscard]] RoutePlan plan_route(const RoutePath& settings);
+
+/// The path of a plan. Everything is smooth because the plan's values are control values of quintic splines; position is the
+/// curve at the length of the moment, so that velocity and the rest follow by differentiation.
+class Route final : public TruthPath {
+public:
+    Route(const RoutePath& settings, const earth::Ellipsoid& ellipsoid);
+    [[nodiscard]] Kinematics at(double t) const override;
+
+private:
+    Route(const RoutePath& settings, const earth::Ellipsoid& ellipsoid, const RoutePlan& plan);
+
+    RoutePath s_;
+    earth::Ellipsoid ellipsoid_;
+    double lat_per_m_, lon_per_m_, lead_;
+    UniformSpline north_, east_, up_, length_;
+};
+
+}  // namespace schuler::sim

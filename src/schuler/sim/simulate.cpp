@@ -1,0 +1,111 @@
+#include "schuler/sim/simulate.h"
+
+#include "schuler/core/error.h"
+#include "schuler/math/rotation.h"
+#include "schuler/sim/imu_errors.h"
+#include "schuler/sim/inverse_imu.h"
+#include "schuler/sim/receivers.h"
+
+#include <cmath>
+#include <string>
+
+namespace schuler::sim {
+
+namespace {
+
+void require(bool ok, const char* key, const char* what, const char* mend) {
+    if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
+}
+
+bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
+bool positive(double value) { return std::isfinite(value) && value > 0.0; }
+bool not_negative(const Eigen::Vector3d& v) { return v.allFinite() && v.minCoeff() >= 0.0; }
+
+void check(const Scenario& s) {
+    require(positive(s.duration) && s.duration <= 1e6, "duration_s", "is not a duration", "give seconds, at most 1e6");
+    require(positive(s.imu.rate) && s.imu.rate <= 1e5, "imu.rate_hz", "is not a rate", "give a positive number of Hz");
+    require(s.duration * s.imu.rate <= 1e8, "imu.rate_hz", "gives more than 1e8 samples", "lower it or the duration");
+    require(s.imu.mounting.allFinite(), "imu.mounting_deg", "is not a number", "give roll, pitch and yaw");
+    const sensor::ImuErrorModel& m = s.imu.errors;
+    for (const double sigma : {m.gyro_noise, m.gyro_bias, m.gyro_turn_on_bias, m.gyro_scale, m.gyro_misalignment, m.gyro_quantum,
+                               m.accel_noise, m.accel_bias, m.accel_turn_on_bias, m.accel_scale, m.accel_misalignment,
+                               m.accel_quantum}) {
+        require(not_negative(sigma), "imu", "an error of the instrument is negative or not a number", "errors are one sigma");
+    }
+    require(m.gyro_bias_time > 0.0 && m.accel_bias_time > 0.0, "imu", "a bias correlation time is not positive", "give seconds");
+    const GnssSettings& g = s.gnss;
+    require(not_negative(g.rate) && g.rate <= 1000.0, "gnss.rate_hz", "is not a rate", "give Hz, or 0 for no receiver");
+    require(g.lever_arm_b.allFinite() && g.lever_arm_b.norm() < 200.0, "gnss.lever_arm_m", "is not a lever arm",
+            "give metres forward, right, down");
+    require(not_negative(g.white_position) && not_negative(g.correlated_position) && not_negative(g.white_velocity) &&
+                not_negative(g.correlated_velocity),
+            "gnss", "a sigma is negative or not a number", "give one sigma north, east, down");
+    require(g.correlated_time > 0.0, "gnss.correlated_time_s", "is not positive", "give seconds");
+    require(not_negative(g.position_latency) && not_negative(g.velocity_latency), "gnss.latency_s", "is negative",
+            "give seconds");
+    const BaroSettings& b = s.baro;
+    require(not_negative(b.rate) && b.rate <= 1000.0, "baro.rate_hz", "is not a rate", "give Hz, or 0 for none");
+    require(not_negative(b.white) && not_negative(b.bias) && not_negative(b.bias_walk), "baro", "a sigma is negative",
+            "give metres");
+    require(positive(s.reference_rate) && s.reference_rate <= 1e5, "reference_rate_hz", "is not a rate", "give a positive rate");
+    for (const SimulatedOutage& outage : s.outages) {
+        require(std::isfinite(outage.start) && not_negative(outage.duration), "outage", "is not a time span",
+                "give start and duration");
+    }
+}
+
+ReferenceSample reference_at(const Kinematics& k, Time time) {
+    ReferenceSample sample;
+    sample.time = time;
+    sample.position = k.position;
+    sample.velocity_n = k.v_eb_n;
+    sample.rpy = k.rpy;
+    sample.movement = k.v_eb_n.norm() > 0.05 || k.rpy_rate.norm() > 1e-3;
+    return sample;
+}
+
+}  // namespace
+
+SimulatedData simulate(const Scenario& s) {
+    check(s);
+    const std::unique_ptr<const TruthPath> path = make_path(s.path, s.earth.ellipsoid);
+    SensorTriad gyro = gyro_triad(s.imu.errors, s.seed), accel = accel_triad(s.imu.errors, s.seed);
+    const Eigen::Matrix3d C_sb = math::dcm_from_rpy(s.imu.mounting).transpose();
+
+    SimulatedData out;
+    out.imu_kind = s.imu.kind;
+    out.gyro_gain = gyro.gain();
+    out.accel_gain = accel.gain();
+    const auto samples = static_cast<std::size_t>(std::floor(s.duration * s.imu.rate + 1e-6));
+    const auto references = static_cast<std::size_t>(std::floor(s.duration * s.reference_rate + 1e-6)) + 1;
+    out.recording.imu.reserve(samples);
+    out.recording.reference.reserve(references);
+    out.sensor_truth.reserve(references);
+
+    const auto tell_until = [&](double t) {  // reference epochs up to t with the biases of the moment
+        for (;;) {
+            const double next = static_cast<double>(out.recording.reference.size()) / s.reference_rate;
+            if (next > t + 1e-9 || out.recording.reference.size() == references) return;
+            const Time time = s.origin + Duration::from_seconds(next);
+            out.recording.reference.push_back(reference_at(path->at(next), time));
+            out.sensor_truth.push_back({time, gyro.bias(), accel.bias()});
+        }
+    };
+    tell_until(0.0);
+    const double dt = 1.0 / s.imu.rate;
+    const double unit = s.imu.kind == ImuKind::Rates ? s.imu.rate : 1.0;
+    for (std::size_t k = 1; k <= samples; ++k) {
+        const double t = static_cast<double>(k) / s.imu.rate;
+        const ExactIncrement exact = exact_increment(s.earth, *path, static_cast<double>(k - 1) / s.imu.rate, t);
+        const Eigen::Vector3d dtheta = gyro.measure(C_sb * exact.dtheta, dt);
+        const Eigen::Vector3d dv = accel.measure(C_sb * exact.dv, dt);
+        out.recording.imu.push_back({s.origin + Duration::from_seconds(t), unit * dtheta, unit * dv});
+        tell_until(t);
+    }
+    tell_until(s.duration);
+    out.recording.gnss = simulate_gnss(s, *path);
+    out.recording.baro = simulate_baro(s, *path);
+    return out;
+}
+
+}  // namespace schuler::sim

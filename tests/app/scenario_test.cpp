@@ -1,0 +1,163 @@
+#include "schuler/app/scenario.h"
+#include "schuler/app/dataset.h"
+#include "schuler/app/toml_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace schuler::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+ScenarioConfig parse(const std::string& text) {
+    return scenario_from(scenario_table().read(parse_toml(text, "s.toml"), "s.toml"));
+}
+
+std::string message_of(const std::string& text) {
+    try {
+        (void)parse(text);
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+class TemporaryFolder {
+public:
+    explicit TemporaryFolder(const std::string& name) : path_(fs::path(testing::TempDir()) / ("schuler_app_" + name)) {
+        fs::remove_all(path_);
+    }
+    ~TemporaryFolder() { fs::remove_all(path_); }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    [[nodiscard]] const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+};
+
+constexpr const char* small_drive =
+    "name = \"small\"\nseed = 5\nduration_s = 20\n[trajectory]\ntype = \"car\"\nstart = { lat_deg = -33.2, lon_deg = 151.7, "
+    "height_m = 12.5 }\nstandstill_s = 5\n"
+    "[imu]\nrate_hz = 50\ngrade = \"mems\"\nmounting_deg = [1, -2, 30]\n[gnss]\nrate_hz = 2\nreceiver = "
+    "\"autonomous\"\nlever_arm_m = [0.1, 0.2, -1]\nlatency_s = 0.1\n"
+    "[baro]\nrate_hz = 5\nbias_m = 3\n[[outage]]\nstart_s = 10\nduration_s = 4\n[[outage]]\nstart_s = 3\nduration_s = 2\nsensor "
+    "= \"baro\"\n"
+    "[filter]\nsmooth = true\nassumed = { gyro_bias_deg_h = 77 }\ninitial_error = { level_deg = 0.5, heading_deg = 2, "
+    "velocity_m_s = 0.1, position_m = 1 }\n";
+
+TEST(Scenario, FilesCarryEveryBitThatTheRunUses) {
+    const SimulatedDataset simulated = simulate_dataset(parse(small_drive));
+    const TemporaryFolder folder("scenario");
+    write_dataset(simulated, folder.path());
+    const Dataset dataset = open_dataset(folder.path());
+    EXPECT_EQ(dataset.name, "small");
+    WarningLog warnings;
+    const LoadedDataset read = load_dataset(dataset, config_from(dataset.settings), warnings);
+    const LoadedDataset held = settled_dataset(simulated.recording, config_from(simulated.settings), warnings);
+    const Recording &a = read.recording, &b = held.recording;
+    ASSERT_EQ(a.imu.size(), 1000u);
+    ASSERT_EQ(a.imu.size(), b.imu.size());
+    for (std::size_t i = 0; i < a.imu.size(); ++i) {
+        ASSERT_EQ(a.imu[i].time, b.imu[i].time);
+        ASSERT_EQ(a.imu[i].gyro, b.imu[i].gyro);
+        ASSERT_EQ(a.imu[i].accel, b.imu[i].accel);
+    }
+    ASSERT_EQ(a.gnss.size(), b.gnss.size());
+    for (std::size_t i = 0; i < a.gnss.size(); ++i) {
+        ASSERT_EQ(a.gnss[i].time, b.gnss[i].time);
+        ASSERT_EQ(a.gnss[i].position.lat, b.gnss[i].position.lat);
+        ASSERT_EQ(a.gnss[i].position.lon, b.gnss[i].position.lon);
+        ASSERT_EQ(a.gnss[i].position.h, b.gnss[i].position.h);
+        ASSERT_EQ(a.gnss[i].velocity_n, b.gnss[i].velocity_n);
+        ASSERT_EQ(a.gnss[i].std_position, b.gnss[i].std_position);
+        ASSERT_EQ(a.gnss[i].std_velocity, b.gnss[i].std_velocity);
+        ASSERT_EQ(a.gnss[i].fix, b.gnss[i].fix);
+    }
+    ASSERT_EQ(a.baro.size(), b.baro.size());
+    ASSERT_GT(a.baro.size(), 80u);
+    ASSERT_LT(a.baro.size(), 95u);  // its outage is in the log, that of GNSS is left to the processing
+    ASSERT_EQ(a.reference.size(), b.reference.size());
+    for (std::size_t i = 0; i < a.reference.size(); ++i) {
+        ASSERT_EQ(a.reference[i].position.lat, b.reference[i].position.lat);
+        ASSERT_EQ(a.reference[i].rpy, b.reference[i].rpy);
+        ASSERT_EQ(a.reference[i].velocity_n, b.reference[i].velocity_n);
+    }
+    EXPECT_EQ(to_toml(config_table().used(read.config), config_table().specs(), false),
+              to_toml(config_table().used(held.config), config_table().specs(), false));
+}
+
+TEST(Scenario, FilterIsToldWhatIsSimulatedUnlessAssumedOtherwise) {
+    const ScenarioConfig s = parse(small_drive);
+    const Config c = config_from(simulate_dataset(s).settings);
+    EXPECT_EQ(c.filter.imu.errors.accel_bias, s.sim.imu.errors.accel_bias);
+    EXPECT_NEAR(c.filter.imu.errors.gyro_bias, 77 * 4.84813681109536e-6, 1e-15);  // deg/h to rad/s
+    EXPECT_EQ(c.filter.gnss.lever_arm_b, Eigen::Vector3d(0.1, 0.2, -1));
+    EXPECT_EQ(c.filter.gnss.latency, 0.1);
+    EXPECT_EQ(c.filter.vehicle, fusion::VehicleKind::Car);
+    EXPECT_TRUE(c.filter.aids.nonholonomic);
+    EXPECT_FALSE(c.filter.imu.estimate_noise);
+    EXPECT_NEAR(c.filter.initial.std_rpy.z(), 2 * M_PI / 180, 1e-12);
+    ASSERT_EQ(c.run.outages.size(), 1u);
+    EXPECT_EQ(c.run.outages[0].start, 10.0);
+}
+
+TEST(Scenario, InitialErrorsHaveTheStatedSigma) {
+    // 400 seeds of a static scenario: the squared normalised heading error has mean 1 (five sigma: 1 +- 0.35)
+    double sum = 0.0;
+    const int runs = 400;
+    for (int seed = 1; seed <= runs; ++seed) {
+        const Config c = config_from(
+            simulate_dataset(
+                parse(fmt::format("seed = {}\nduration_s = 0.2\n[trajectory]\ntype = \"static\"\nattitude_deg = [0, 0, 90]\n"
+                                  "[filter]\ninitial_error = {{ level_deg = 1, heading_deg = 3 }}\n",
+                                  seed)))
+                .settings);
+        const double e = (c.filter.initial.rpy.z() * 180 / M_PI - 90) / 3;
+        sum += e * e;
+    }
+    EXPECT_NEAR(sum / runs, 1.0, 0.35);
+}
+
+TEST(Scenario, ErrorsNamePlaceAndMend) {
+    const struct {
+        const char* text;
+        std::vector<const char*> parts;
+    } cases[] = {
+        {"duration = 3\n", {"s.toml:1: duration: unknown key", "did you mean duration_s?"}},
+        {"[trajectory]\ntype = \"carr\"\n", {"s.toml:2", "unknown value \"carr\"", "\"car\""}},
+        {"[trajectory]\ntype = \"waypoints\"\n", {"no waypoints"}},
+        {"[trajectory]\ntype = \"waypoints\"\nwaypoints = [ { north = 3 } ]\n", {"s.toml:3", "has no \"north\"", "north_m"}},
+        {"[trajectory]\nstart = { lat_deg = 95 }\n", {"trajectory.start.lat_deg", "out of range"}},
+        {"[trajectory]\nstart = { latitude_deg = 5 }\n", {"unknown key", "trajectory.start.lat_deg"}},
+        {"duration_s = -1\n", {"out of range"}},
+        {"[imu]\nrate_hz = 0\n", {"imu.rate_hz", "out of range"}},
+        {"[[outage]]\nstart_s = 1\nduration_s = 2\nsensor = \"imu\"\n", {"sensor", "not understood"}},
+        {"[filter]\ngate = 3\n", {"unknown key"}},
+    };
+    for (const auto& c : cases) {
+        const std::string message = message_of(c.text);
+        for (const char* part : c.parts) EXPECT_NE(message.find(part), std::string::npos) << c.text << " -> " << message;
+    }
+}
+
+TEST(Scenario, ExamplesAreRead) {
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator(fs::path(SCHULER_SOURCE_DIR) / "examples")) {
+        if (entry.path().extension() != ".toml") continue;
+        EXPECT_NO_THROW((void)read_scenario(entry.path(), std::nullopt)) << entry.path();
+        ++count;
+    }
+    EXPECT_GE(count, 4);
+    std::ifstream file(fs::path(SCHULER_SOURCE_DIR) / "examples/demo.toml");
+    std::stringstream text;
+    text << file.rdbuf();
+    EXPECT_EQ(text.str(), built_in_scenario("demo"));
+}
+
+}  // namespace
+}  // namespace schuler::app

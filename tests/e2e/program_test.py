@@ -1,0 +1,267 @@
+"""Runs the program as a user would and looks at its streams, exit status and files.
+
+    program_test.py TOPIC --program PATH --source ROOT      exit status 0 passed, 1 failed, 77 skipped
+"""
+import argparse
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+FAILURES = []
+
+
+def check(condition, text):
+    if not condition:
+        FAILURES.append(text)
+        print(f"FAILED: {text}", file=sys.stderr)
+
+
+class Program:
+    def __init__(self, path, folder):
+        self.path, self.folder = path, folder
+
+    def __call__(self, *arguments, status=0, environment=None):
+        done = subprocess.run([self.path, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True, timeout=200,
+                              stdin=subprocess.DEVNULL, env={**os.environ, **(environment or {})})
+        line = " ".join(map(str, arguments))
+        check(done.returncode == status, f"`{line}`: exit status {done.returncode}, expected {status}: {done.stderr[-400:]}")
+        check("\r" not in done.stderr and "\x1b" not in done.stderr, f"`{line}`: progress bar without a terminal")
+        if status != 0:
+            check(done.stdout == "", f"`{line}`: an error leaves standard output empty")
+            errors = [text for text in done.stderr.splitlines() if text.startswith("schuler: ")]
+            check(len(errors) == 1 and done.stderr.count("\n") == 1, f"`{line}`: one line on standard error, not {done.stderr!r}")
+        return done
+
+    def fails(self, *arguments, parts=(), status=2):
+        done = self(*arguments, status=status)
+        for part in parts:
+            check(part in done.stderr, f"`{' '.join(map(str, arguments))}`: no {part!r} in {done.stderr!r}")
+
+
+DRIVE = """name = "small"
+seed = 3
+duration_s = 150
+[trajectory]
+type = "car"
+start = { lat_deg = 48.1, lon_deg = 11.5, height_m = 520.0 }
+standstill_s = 20
+[imu]
+rate_hz = 50
+grade = "tactical"
+misalignment_arcsec = 0
+[gnss]
+rate_hz = 1
+receiver = "rtk"
+[[outage]]
+start_s = 110
+duration_s = 10
+"""
+
+
+def files_of(folder):
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def commands(program, source):
+    folder = Path(program.folder)
+    done = program("--help")
+    for name in ("demo", "simulate", "process", "run", "evaluate", "inspect", "convert"):
+        check(re.search(rf"^  {name}\b", done.stdout, re.M), f"--help does not list {name}")
+        help_text = program(name, "--help").stdout
+        check("Examples:" in help_text and f"schuler {name}" in help_text, f"{name} --help has no example")
+        check(program(name, "--version").stdout == program("--version").stdout, f"{name} --version")
+    check(re.fullmatch(r"schuler \d+\.\d+\.\d+\n", program("--version").stdout), "--version is one line")
+    check("imu.gyro_noise_deg_sqrt_h" in program("help", "settings").stdout, "help settings lists the keys")
+    check("trajectory.period_s" in program("help", "scenario", "trajectory.").stdout, "help scenario lists the keys")
+
+    (folder / "small.toml").write_text(DRIVE)
+    program("simulate", "small.toml", "-o", "logs")
+    check(files_of(folder / "logs") == ["dataset.toml", "gnss.csv", "imu.csv", "reference.csv"], "files of simulate")
+    done = program("process", "logs", "-o", "res", "--smooth", "--json")
+    summary = json.loads(done.stdout)
+    check(summary == json.loads((folder / "res/summary.json").read_text()), "--json is summary.json")
+    names = ["config.toml", "report.html", "run.h5", "solution.csv", "summary.json", "track.kml"]
+    check(files_of(folder / "res") == names, f"files of process: {files_of(folder / 'res')}")
+    check(summary["smoothed"] and summary["reference"] == "file" and summary["command"] == "process", "head of the summary")
+    horizontal = summary["errors"]["position_m"]["horizontal"]
+    check(horizontal["rms"] < 0.05, f"smoothed error {horizontal}")
+    check(len(summary["outages"]) == 1 and summary["outages"][0]["duration_s"] == 10, "the scenario's outage is in the table")
+    check(summary["outages"][0]["start_s"] == 110 and summary["outages"][0]["inside_3sigma"], f"outage {summary['outages']}")
+    check(summary["gnss"]["withheld"] == 9, f"nine fixes are withheld, not {summary['gnss']}")
+    header = (folder / "res/solution.csv").read_text().splitlines()[0]
+    named = header.startswith("time_s,lat_deg,lon_deg,height_m,vel_n_m_s") and "std_heading_deg" in header
+    check(named, "columns of solution.csv")
+    check("<html" in (folder / "res/report.html").read_text()[:400], "report.html is a page")
+    check((folder / "res/run.h5").read_bytes()[:8] == b"\x89HDF\r\n\x1a\n", "run.h5 is HDF5")
+
+    judged = json.loads(program("evaluate", "res/solution.csv", "logs/reference.csv", "--settle", 90, "--json").stdout)
+    ratio = judged["errors"]["position_m"]["horizontal"]["rms"] / horizontal["rms"]
+    check(0.3 < ratio < 3.0, f"evaluate agrees with process within its other epochs: {ratio}")
+    table = program("process", "logs", "-o", "res2", "--outputs", "summary", "--outage", "80:10", "--outage", "abs:100:5,120:4",
+                    "--set", "filter.zero_velocity=false", "output.rate_hz=1").stdout
+    check("errors against" in table and "outages" in table, "tables for people")
+    check(files_of(folder / "res2") == ["summary.json"], "--outputs summary writes one file")
+    outages = json.loads((folder / "res2/summary.json").read_text())["outages"]
+    check([round(o["start_s"], 6) for o in outages] == [80, 100, 120], f"three outages: {outages}")
+    program("process", "logs", "-o", "res3", "-q", "--outputs", "solution,summary", "--output-rate", 0)
+    check(len((folder / "res3/solution.csv").read_text().splitlines()) > 7000, "--output-rate 0 is every IMU epoch")
+    gnss = json.loads(program("process", "logs", "-o", "res4", "--scheme", "gnss", "--json", "--outputs", "summary").stdout)
+    check(gnss["scheme"] == "gnss" and gnss["errors"]["position_m"]["horizontal"]["rms"] < 0.05, "--scheme gnss")
+
+    program("convert", "res/solution.csv", "track.kml")
+    program("convert", "logs/reference.csv", "truth.txt", "--to", "kf-gins")
+    again = json.loads(program("evaluate", "truth.txt", "logs/reference.csv", "--json").stdout)
+    check(again["errors"]["position_m"]["three_d"]["max"] < 1e-4, "a converted reference is itself")
+    found = json.loads(program("inspect", "logs", "--json").stdout)
+    check({f["path"] for f in found["files"]} >= {"imu.csv", "gnss.csv"} and found["dataset_toml"], "inspect --json")
+    check("imu.csv" in program("inspect", "logs").stdout, "inspect for people")
+
+    (folder / "logs/dataset.toml").rename(folder / "logs/away")
+    done = program("process", "logs", "-o", "res5", "--outputs", "summary")
+    check("[imu]" in done.stderr and "inferred" in done.stderr, "what was inferred is told on standard error")
+
+
+def bad_input(program, source):
+    folder = Path(program.folder)
+    rows = [f"{0.1 * i:.1f},0,0,0,0,0,-9.8" for i in range(300)]
+    fixes = [f"{i},50,10,100" for i in range(1, 25)]
+    header = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"
+    fix_header = "time_s,lat_deg,lon_deg,height_m"
+
+    no_accel = "\n".join(["time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s", *[r.rsplit(",", 3)[0] for r in rows]]) + "\n"
+
+    def dataset(name, imu=None, gnss=None, toml="[imu]\nfile = \"imu.csv\"\n[gnss]\nfile = \"gnss.csv\"\n"):
+        place = folder / name
+        place.mkdir()
+        (place / "imu.csv").write_text("\n".join([header, *rows]) + "\n" if imu is None else imu)
+        (place / "gnss.csv").write_text("\n".join([fix_header, *fixes]) + "\n" if gnss is None else gnss)
+        (place / "dataset.toml").write_text(toml)
+        return place
+
+    program.fails(parts=["--help"])
+    program.fails("proces", "x", parts=["--help"])
+    program.fails("process", parts=["DATASET", "process --help"])
+    program.fails("process", "none", parts=["none", "no such file"])
+    program.fails("process", "x", "--no-such-option", parts=["no-such-option"])
+    program.fails("run", "x.toml", "--seed", "abc", parts=["seed"])
+    program.fails("montecarlo", "x")
+    program.fails("inspect", "none", parts=["none"])
+    program.fails("evaluate", "none", "none2", parts=["none"])
+
+    good = dataset("good")
+    program("process", good, "-o", "good_out")
+    for arguments, parts in {
+        ("--outage", "5"): ["--outage", "T:DUR"],
+        ("--start", "soon"): ["--start", "soon"],
+        ("--start", "20", "--stop", "10"): ["--stop"],
+        ("--start", "1e6"): [],
+        ("--set", "imu.gyro_bias=3"): ["unknown key", "imu.gyro_bias_deg_h"],
+        ("--set", "imu.gyro_bias_deg_h=lots"): ["imu.gyro_bias_deg_h", "text"],
+        ("--set", "gnss.lever_arm_m=[0,0,1e6]"): ["gnss.lever_arm_m", "out of range"],
+        ("--scheme", "tight"): ["not in this version"],
+        ("--scheme", "loos"): ["loose"],
+        ("--outputs", "solution,pdf"): ["pdf", "summary"],
+        ("--config", "none.toml"): ["none.toml", "no such file"],
+        ("--output-rate", "-3"): ["output-rate"],
+        ("--threads", "-1"): ["threads"],
+        ("stray",): ["stray"],
+    }.items():
+        program.fails("process", good, "-o", "bad_out", *arguments, parts=parts)
+    (folder / "file").write_text("x")
+    program.fails("process", good, "-o", "file/below", parts=["file/below"])
+
+    broken = {
+        "empty": dict(imu=""),
+        "header_only": dict(imu=header + "\n"),
+        "no_accel": dict(imu=no_accel),
+        "cut": dict(imu="\n".join([header, *rows])[:-12]),
+        "nan": dict(imu="\n".join([header, *[re.sub(r",0,", ",nan,", r, count=1) for r in rows]]) + "\n"),
+        "backwards": dict(imu="\n".join([header, *reversed(rows)]) + "\n"),
+        "binary": dict(imu="\0\1\2" * 100),
+        "no_overlap": dict(gnss="\n".join([fix_header, *[f"{i + 90000},50,10,100" for i in range(20)]]) + "\n"),
+        "latitude": dict(gnss="\n".join([fix_header, *[f"{i},150,10,100" for i in range(20)]]) + "\n"),
+        "deg_as_rad": dict(imu="\n".join([header, *[f"{0.1 * i:.1f},20000,0,0,0,0,-9.8" for i in range(300)]]) + "\n"),
+        "key": dict(toml="[imu]\nfile = \"imu.csv\"\ngrad = \"mems\"\n"),
+        "toml": dict(toml="[imu\n"),
+        "directory": dict(toml="[imu]\nfile = \".\"\n"),
+    }
+    for name, parts in broken.items():
+        place = dataset(name, **parts)
+        before = files_of(folder)
+        program.fails("process", place, "-o", f"{name}_out")
+        check(files_of(folder) == before, f"{name}: nothing is left behind by a failed run")
+    odd = dataset("odd_line", imu="\n".join([header, rows[0], "what,is,this,line,doing,here,now", *rows[1:]]) + "\n")
+    warned = program("process", odd, "-o", "odd_out", "--outputs", "summary").stderr
+    check("imu.csv" in warned and "line 3" in warned, f"a single bad line is skipped and told: {warned!r}")
+    program.fails("process", folder / "key", parts=["dataset.toml:3: imu.grad", "imu.grade"])
+    program.fails("process", folder / "toml", parts=["dataset.toml:1"])
+    program.fails("process", folder / "empty", parts=["imu.csv"])
+    (folder / "bare").mkdir()
+    program.fails("process", folder / "bare", parts=["bare"])
+    program.fails("simulate", folder / "good/dataset.toml", "-o", "sim", parts=["dataset.toml:2: imu.file"])
+
+
+def determinism(program, source):
+    folder = Path(program.folder)
+    (folder / "small.toml").write_text(DRIVE)
+    program("simulate", "small.toml", "-o", "logs", "-q")
+    program("simulate", "small.toml", "-o", "logs_again", "-q", "--threads", 2)
+    compared = ["solution.csv", "run.h5", "report.html", "track.kml", "config.toml"]
+    for name, arguments in {"a": [], "b": ["--threads", 2], "c": ["--threads", 1, "--config", "a/config.toml"]}.items():
+        program("process", "logs", "-o", name, "--smooth", "-q", *arguments)
+    program("run", "small.toml", "-o", "d", "--smooth", "-q")
+    program("run", "small.toml", "-o", "e", "--smooth", "-q", "--seed", 4)
+
+    def same(one, other, names):
+        for name in names:
+            equal = (folder / one / name).read_bytes() == (folder / other / name).read_bytes()
+            check(equal, f"{one}/{name} and {other}/{name} differ")
+
+    same("logs", "logs_again", files_of(folder / "logs"))
+    same("a", "b", compared)
+    same("a", "c", compared)                                # its own config.toml reproduces a run
+    same("a", "d", ["solution.csv", "track.kml", "config.toml"])   # run = simulate + process
+    check((folder / "d/solution.csv").read_bytes() != (folder / "e/solution.csv").read_bytes(), "another seed gives other noise")
+
+
+def real_data(program, source):
+    data = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data"))
+    drive = data / "drive_0708"
+    if not drive.is_dir():
+        print(f"skipped: {drive} is not there (set SCHULER_DATA)")
+        sys.exit(77)
+    windows = "50:15,75:15,100:15,125:15,150:15,175:15"
+    done = program("process", drive, "-o", "drive", "--smooth", "--outage", windows, "--json", "--outputs", "summary")
+    check("[imu]" in done.stderr, "a bare folder works by inference and says what it inferred")
+    summary = json.loads(done.stdout)
+
+    def rms(rows, field):
+        return math.sqrt(sum(row[field] ** 2 for row in rows) / len(rows))
+
+    forward, smoothed = rms(summary["outages_forward"], "end_horizontal_m"), rms(summary["outages"], "max_horizontal_m")
+    print(f"drive_0708, six outages of 15 s: {forward:.2f} m at the end forward, {smoothed:.3f} m at most smoothed")
+    check(len(summary["outages"]) == 6, "six outages")
+    check(forward < 4.6, f"forward {forward:.2f} m")
+    check(all(row["inside_3sigma"] for row in summary["outages_forward"] + summary["outages"]), "inside three sigma in every outage")
+    check(smoothed < 0.25, f"smoothed {smoothed:.3f} m")
+
+
+def main():
+    topics = {"commands": commands, "bad_input": bad_input, "determinism": determinism, "real_data": real_data}
+    parser = argparse.ArgumentParser()
+    parser.add_argument("topic", choices=topics)
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--source", required=True, type=Path)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="schuler_e2e_") as folder:
+        topics[arguments.topic](Program(arguments.program, folder), arguments.source)
+    sys.exit(1 if FAILURES else 0)
+
+
+if __name__ == "__main__":
+    main()

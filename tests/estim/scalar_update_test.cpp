@@ -1,0 +1,253 @@
+// Sequential updates against the batch information form, and the adjoint smoother against Rauch-Tung-Striebel.
+#include "schuler/estim/scalar_update.h"
+#include "schuler/estim/transition.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace schuler::estim {
+namespace {
+
+constexpr int N = 16;
+using Vector = Eigen::Matrix<double, N, 1>;
+using Matrix = Eigen::Matrix<double, N, N>;
+using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+
+class Numbers {
+public:
+    explicit Numbers(std::uint64_t seed) : generator_(seed) {}
+    double normal() { return normal_(generator_); }
+    double uniform(double a, double b) { return a + (b - a) * std::generate_canonical<double, 53>(generator_); }
+    Vector vector() {
+        Vector v;
+        for (int i = 0; i < N; ++i) v(i) = normal();
+        return v;
+    }
+    /// Symmetric and positive definite with the given sigmas and random correlations.
+    Matrix covariance(const Vector& sigma) {
+        Matrix root;
+        for (int i = 0; i < N; ++i) root.col(i) = vector();
+        Matrix C = root * root.transpose() + Matrix::Identity();
+        const Vector scale = sigma.cwiseQuotient(C.diagonal().cwiseSqrt());
+        C = (scale.asDiagonal() * C * scale.asDiagonal()).eval();
+        return 0.5 * (C + C.transpose());
+    }
+
+private:
+    std::mt19937_64 generator_;
+    std::normal_distribution<double> normal_;
+};
+
+LongMatrix inverse(const LongMatrix& A) { return A.llt().solve(LongMatrix::Identity(A.rows(), A.cols())); }
+
+TEST(ScalarUpdate, SequenceEqualsTheBatchInInformationForm) {
+    Numbers numbers(11);
+    for (int trial = 0; trial < 20; ++trial) {
+        Vector sigma;
+        for (int i = 0; i < N; ++i) sigma(i) = std::pow(10.0, numbers.uniform(-2.0, 2.0));
+        Matrix P = numbers.covariance(sigma);
+        const LongMatrix prior = P.cast<long double>();
+        LongMatrix information = inverse(prior);
+        LongVector right = LongVector::Zero(N);
+        Vector dx = Vector::Zero();
+        for (int m = 0; m < 4; ++m) {
+            const Vector h = numbers.vector().cwiseQuotient(sigma);
+            const double r = std::pow(10.0, numbers.uniform(-3.0, 1.0)), innovation = 3.0 * numbers.normal();
+            const ScalarUpdate<N> u = update_scalar<N>(dx, P, h, innovation, r);
+            EXPECT_GT(u.s, r);
+            EXPECT_EQ(P, P.transpose());
+            information += h.cast<long double>() * h.cast<long double>().transpose() / static_cast<long double>(r);
+            right += h.cast<long double>() * static_cast<long double>(innovation / r);
+        }
+        const LongMatrix posterior = inverse(information);
+        const LongVector error = posterior * right;
+        for (int i = 0; i < N; ++i) {
+            const long double si = std::sqrt(posterior(i, i));
+            EXPECT_LT(std::abs(static_cast<long double>(dx(i)) - error(i)), 1e-10L * (si + std::abs(error(i)))) << i;
+            for (int j = 0; j < N; ++j)
+                EXPECT_LT(std::abs(static_cast<long double>(P(i, j)) - posterior(i, j)), 1e-9L * si * std::sqrt(posterior(j, j)));
+        }
+    }
+}
+
+TEST(ScalarUpdate, StaysPositiveOverTwelveOrdersOfMagnitude) {
+    Numbers numbers(12);
+    for (int trial = 0; trial < 10; ++trial) {
+        Vector sigma;
+        for (int i = 0; i < N; ++i) sigma(i) = std::pow(10.0, 3.0 - 6.0 * i / (N - 1));   // variances 1e6 to 1e-6
+        Matrix P = numbers.covariance(sigma);
+        double least = 1.0;
+        for (int m = 0; m < 300; ++m) {
+            Vector dx = Vector::Zero();
+            Vector h = Vector::Zero();
+            // Single states and mixtures, some measured far better than known.
+            if (m % 3 == 0) h(m / 3 % N) = 1.0;
+            else h = numbers.vector().cwiseQuotient(sigma);
+            const double r = h.dot(P * h) * std::pow(10.0, numbers.uniform(-6.0, 2.0));
+            ASSERT_GT(r, 0.0);
+            const Vector before = P.diagonal();
+            (void)update_scalar<N>(dx, P, h, 1.0, r);
+            ASSERT_EQ(P, P.transpose());
+            ASSERT_TRUE((P.diagonal().array() >= 0.0).all());
+            ASSERT_TRUE((P.diagonal().array() <= before.array() * (1.0 + 1e-12)).all());
+            // Something is forgotten, so that there is something to learn.
+            P.diagonal() += 1e-4 * sigma.cwiseAbs2();
+            const Vector scale = P.diagonal().cwiseSqrt().cwiseInverse();
+            const Matrix correlation = scale.asDiagonal() * P * scale.asDiagonal();
+            least = std::min(least, Eigen::SelfAdjointEigenSolver<Matrix>(correlation, Eigen::EigenvaluesOnly).eigenvalues()(0));
+        }
+        EXPECT_GT(least, 0.0);
+    }
+}
+
+/// A random linear system: two of the sixteen states are unused (no variance, no noise), as padding in the filters is.
+struct System {
+    static constexpr int used = 14;
+    static constexpr int steps = 40;
+    struct Scalar {
+        Vector h;
+        double z, r;
+    };
+    struct Step {
+        Transition<N> phi;
+        Vector q;
+        std::vector<Scalar> scalars;   ///< measured after the step
+    };
+    Sparsity<N> sparsity;
+    Vector mean;
+    Matrix P = Matrix::Zero();
+    std::vector<Step> step;
+
+    explicit System(std::uint64_t seed) {
+        Numbers numbers(seed);
+        for (int group = 0; group < 3; ++group) sparsity.add(group, 0, used);
+        mean = numbers.vector();
+        mean.tail(N - used).setZero();
+        P.topLeftCorner<used, used>() = numbers.covariance(Vector::Constant(2.0)).topLeftCorner<used, used>();
+        Vector truth = mean;
+        truth.head<used>() += 2.0 * numbers.vector().head<used>();
+        for (int k = 0; k < steps; ++k) {
+            Step s;
+            for (int row = 0; row < 9; ++row) {
+                for (int column = 0; column < used; ++column) s.phi.rows(column, row) = 0.15 * numbers.normal();
+                s.phi.rows(row, row) += 0.9;
+            }
+            for (int i = 9; i < used; ++i) s.phi.diagonal(i) = numbers.uniform(0.8, 1.0);
+            s.q.setZero();
+            for (int i = 0; i < used; ++i) s.q(i) = i % 4 == 3 ? 0.0 : numbers.uniform(0.001, 0.05);
+            truth = s.phi.times(truth) + s.q.cwiseSqrt().cwiseProduct(numbers.vector());
+            for (int m = 0; m < k % 4; ++m) {
+                Scalar scalar;
+                scalar.h = numbers.vector();
+                if (k % 3 == 0) scalar.h.tail(10).setZero();
+                scalar.r = numbers.uniform(0.01, 1.0);
+                scalar.z = scalar.h.head<used>().dot(truth.head<used>()) + std::sqrt(scalar.r) * numbers.normal();
+                s.scalars.push_back(scalar);
+            }
+            step.push_back(s);
+        }
+    }
+};
+
+struct Estimate {
+    LongVector mean;
+    LongMatrix P;
+};
+
+/// Textbook: batch updates by the inverse of S, then Rauch, Tung and Striebel (1965), dense, extended precision, used states.
+std::vector<Estimate> rauch_tung_striebel(const System& system) {
+    constexpr int n = System::used;
+    LongVector x = system.mean.head<n>().cast<long double>();
+    LongMatrix P = system.P.topLeftCorner<n, n>().cast<long double>();
+    std::vector<Estimate> filtered{{x, P}}, predicted{{x, P}};
+    std::vector<LongMatrix> phis{LongMatrix()};
+    for (const System::Step& s : system.step) {
+        LongMatrix phi = LongMatrix::Zero(n, n);
+        phi.topRows(9) = s.phi.rows.transpose().leftCols(n).cast<long double>();
+        for (int i = 9; i < n; ++i) phi(i, i) = static_cast<long double>(s.phi.diagonal(i));
+        x = (phi * x).eval();
+        P = (phi * P * phi.transpose()).eval();
+        P.diagonal() += s.q.head<n>().cast<long double>();
+        predicted.push_back({x, P});
+        phis.push_back(phi);
+        const auto m = static_cast<Eigen::Index>(s.scalars.size());
+        if (m > 0) {
+            LongMatrix H(m, n), R = LongMatrix::Zero(m, m);
+            LongVector z(m);
+            for (Eigen::Index i = 0; i < m; ++i) {
+                const System::Scalar& scalar = s.scalars[static_cast<std::size_t>(i)];
+                H.row(i) = scalar.h.head<n>().cast<long double>().transpose();
+                R(i, i) = static_cast<long double>(scalar.r);
+                z(i) = static_cast<long double>(scalar.z);
+            }
+            const LongMatrix S = H * P * H.transpose() + R;
+            const LongMatrix K = P * H.transpose() * inverse(S);
+            x = (x + K * (z - H * x)).eval();
+            P = (P - K * S * K.transpose()).eval();
+        }
+        filtered.push_back({x, P});
+    }
+    std::vector<Estimate> smoothed = filtered;
+    for (std::size_t k = smoothed.size() - 1; k-- > 0;) {
+        const LongMatrix G = filtered[k].P * phis[k + 1].transpose() * inverse(predicted[k + 1].P);
+        smoothed[k].mean = filtered[k].mean + G * (smoothed[k + 1].mean - predicted[k + 1].mean);
+        smoothed[k].P = filtered[k].P + G * (smoothed[k + 1].P - predicted[k + 1].P) * G.transpose();
+    }
+    return smoothed;
+}
+
+TEST(Adjoint, EqualsRauchTungStriebel) {
+    for (const std::uint64_t seed : {21u, 22u, 23u}) {
+        const System system(seed);
+        const std::vector<Estimate> expected = rauch_tung_striebel(system);
+
+        // Forward in closed loop: the mean is corrected by minus the estimated error, as the navigation filter does.
+        Vector mean = system.mean;
+        Matrix P = system.P;
+        std::vector<Vector> means{mean};
+        std::vector<Matrix> covariances{P};
+        std::vector<std::vector<ScalarUpdate<N>>> updates{{}};
+        for (const System::Step& s : system.step) {
+            mean = s.phi.times(mean);
+            propagate<N>(P, s.phi, system.sparsity, s.q);
+            Vector dx = Vector::Zero();
+            std::vector<ScalarUpdate<N>> done;
+            for (const System::Scalar& scalar : s.scalars)
+                done.push_back(update_scalar<N>(dx, P, scalar.h, scalar.h.dot(mean) - scalar.z, scalar.r));
+            mean -= dx;
+            means.push_back(mean);
+            covariances.push_back(P);
+            updates.push_back(done);
+        }
+
+        Adjoint<N> adjoint;
+        for (std::size_t k = means.size(); k-- > 0;) {
+            const Vector smoothed = means[k] + covariances[k] * adjoint.lambda;
+            const Matrix cov = covariances[k] - covariances[k] * adjoint.Lambda * covariances[k];
+            const Estimate& e = expected[k];
+            for (int i = 0; i < System::used; ++i) {
+                const long double si = std::sqrt(e.P(i, i));
+                ASSERT_LT(std::abs(static_cast<long double>(smoothed(i)) - e.mean(i)), 1e-9L * (si + std::abs(e.mean(i))))
+                    << "seed " << seed << ", step " << k << ", state " << i;
+                for (int j = 0; j < System::used; ++j)
+                    ASSERT_LT(std::abs(static_cast<long double>(cov(i, j)) - e.P(i, j)), 1e-9L * si * std::sqrt(e.P(j, j)))
+                        << "seed " << seed << ", step " << k << ", entry (" << i << ", " << j << ")";
+            }
+            EXPECT_EQ(smoothed.tail(N - System::used), system.mean.tail(N - System::used));
+            EXPECT_LT((adjoint.Lambda - adjoint.Lambda.transpose()).norm(), 1e-11 * (1.0 + adjoint.Lambda.norm()));
+            if (k == 0) break;
+            for (std::size_t m = updates[k].size(); m-- > 0;) adjoint.undo(updates[k][m]);
+            adjoint.lambda = system.step[k - 1].phi.transpose_times(adjoint.lambda);
+            propagate_adjoint<N>(adjoint.Lambda, system.step[k - 1].phi, system.sparsity);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace schuler::estim

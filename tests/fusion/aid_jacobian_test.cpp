@@ -1,0 +1,391 @@
+// Rows of every aid and of the propagation, with every optional state present, against differences of what they linearise.
+#include "schuler/core/units.h"
+#include "schuler/fusion/aid/constraint.h"
+#include "schuler/fusion/aid/environment.h"
+#include "schuler/fusion/aid/gnss.h"
+#include "schuler/fusion/forward_pass.h"
+#include "schuler/ins/state_error.h"
+#include "schuler/math/rotation.h"
+#include "support/perturbation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using schuler::test::LinearModel;
+using schuler::test::tolerance_of;
+
+constexpr int N = max_states;
+
+Layout full_layout() {
+    Layout L;
+    L.gyro_scale = 15;
+    L.accel_scale = 18;
+    L.mounting = 21;
+    L.axle = 23;
+    L.lever_arm = 24;
+    L.baro_bias = 27;
+    L.mag_bias = 28;
+    L.gnss_position = 29;
+    L.size = 32;
+    return L;
+}
+
+/// A value of each state's own size, for perturbations: m, m/s, rad, ...
+VectorXd sizes(double position, double velocity, double attitude) {
+    const Layout L = full_layout();
+    VectorXd s = VectorXd::Ones(N);
+    s.head<3>().setConstant(position);
+    s.segment<3>(3).setConstant(velocity);
+    s.segment<3>(6).setConstant(attitude);
+    s.segment<3>(Layout::gyro_bias).setConstant(1e-4);
+    s.segment<3>(Layout::accel_bias).setConstant(1e-2);
+    s.segment<3>(L.gyro_scale).setConstant(1e-3);
+    s.segment<3>(L.accel_scale).setConstant(1e-3);
+    s.segment<2>(L.mounting).setConstant(1e-3);
+    s.segment<3>(L.lever_arm).setConstant(0.1);
+    s(L.axle) = 0.1;
+    s(L.mag_bias) = 1e-3;
+    return s;
+}
+
+struct Point {
+    Estimate truth;
+    Vector3d f_b;        ///< m/s^2, while propagating
+    std::string name;
+};
+
+std::vector<Point> random_points(int count) {
+    std::mt19937_64 generator(20250301);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    const auto vector = [&](double size) { return Vector3d(size * Vector3d(unit(generator), unit(generator), unit(generator))); };
+    std::vector<Point> points;
+    for (int k = 0; k < count; ++k) {
+        Point p;
+        Estimate& e = p.truth;
+        e.layout = full_layout();
+        e.nav.position = {80.0 * units::deg * unit(generator), 3.0 * unit(generator), 4000.0 + 4500.0 * unit(generator)};
+        e.nav.v_eb_n = vector(40.0);
+        e.nav.q_nb = math::quaternion_from_rotation_vector(vector(1.8));
+        e.C_nb = e.nav.q_nb.toRotationMatrix();
+        e.w_ib_b = vector(0.3);
+        e.parameters.setZero();
+        e.parameters.segment<3>(Layout::gyro_bias) = vector(1e-3);
+        e.parameters.segment<3>(Layout::accel_bias) = vector(0.05);
+        e.parameters.segment<2>(e.layout.mounting) = vector(0.1).head<2>();
+        e.parameters(e.layout.axle) = 2.0 * unit(generator);
+        e.parameters.segment<3>(e.layout.lever_arm) = vector(2.0);
+        e.parameters(e.layout.baro_bias) = 20.0 * unit(generator);
+        e.parameters(e.layout.mag_bias) = unit(generator);
+        e.parameters.segment<3>(e.layout.gnss_position) = vector(2.0);
+        p.f_b = e.C_nb.transpose() * (Vector3d(0.0, 0.0, -9.8) + vector(5.0));
+        p.name = "point " + std::to_string(k);
+        points.push_back(p);
+    }
+    return points;
+}
+
+/// The estimate with error dx: states by their convention; the corrected rate errs by minus the error of the gyro bias.
+Estimate erring(const Estimate& truth, const VectorXd& dx) {
+    Estimate e = truth;
+    e.nav = ins::perturbed(truth.earth, truth.nav, dx.head<9>());
+    e.C_nb = e.nav.q_nb.toRotationMatrix();
+    e.w_ib_b = truth.w_ib_b - dx.segment<3>(Layout::gyro_bias);
+    e.parameters.tail<N - 9>() += dx.tail<N - 9>();
+    return e;
+}
+
+/// Models of an aid at random points. attitude_floor: what the rows leave out on purpose for an attitude error, per radian.
+template <class Aid>
+std::vector<LinearModel> models_of(Aid aid, double attitude_floor = 1e-9) {
+    std::vector<LinearModel> models;
+    for (const Point& p : random_points(12)) {
+        const Estimate& truth = p.truth;
+        const LocalMeasurement m = aid(truth);
+        EXPECT_GT(m.dof, 0);
+        const MatrixXd H = m.rows.leftCols(m.dof).transpose();
+        const auto output = [aid, truth](const VectorXd& dx) {
+            const LocalMeasurement at = aid(erring(truth, dx));
+            return VectorXd(at.innovation.head(at.dof));
+        };
+        // Metres per metre: the radii of parallels some metres apart differ by 1e-5 near the poles.
+        VectorXd column = VectorXd::Constant(N, 1e-8);
+        column.head<3>().setConstant(1e-5);
+        column.segment<3>(6).setConstant(attitude_floor);
+        models.push_back({p.name, H, output, sizes(10.0, 0.1, 1e-3), tolerance_of(H, 1e-7, VectorXd::Ones(m.dof), column)});
+    }
+    return models;
+}
+
+const Vector3d unused_arm = Vector3d::Constant(777.0);   // the lever arm is a state here
+const Vector3d variance(0.1, 0.2, 0.3);
+
+Geodetic near_to(const Estimate& e) { return earth::moved_by_ned(e.earth, e.nav.position, Vector3d(3.0, -2.0, 1.0)); }
+
+SCHULER_JACOBIAN(gnss_position, "fusion.gnss_position") {
+    std::vector<LinearModel> models;
+    for (const Components use : {Components{}, Components{true, true, false}, Components{false, false, true}}) {
+        std::vector<Geodetic> measured;
+        for (const Point& p : random_points(12)) measured.push_back(near_to(p.truth));
+        std::size_t k = 0;
+        for (const Point& p : random_points(12)) {
+            const Geodetic fix = measured[k];
+            std::vector<LinearModel> all = models_of(
+                [fix, use](const Estimate& e) { return gnss_position(e, fix, variance, unused_arm, use); });
+            models.push_back(all[k]);
+            models.back().where = p.name;
+            ++k;
+        }
+    }
+    return models;
+}
+
+// The Earth's rate turned by an attitude error is left out of the rate of the lever arm: 7e-5 rad/s times the arm (below 3.5 m).
+SCHULER_JACOBIAN(gnss_velocity, "fusion.gnss_velocity") {
+    return models_of([](const Estimate& e) { return gnss_velocity(e, Vector3d(1.0, 2.0, 3.0), variance, unused_arm, {}); },
+                     7.3e-5 * 3.5);
+}
+
+SCHULER_JACOBIAN(baro_height, "fusion.baro_height") {
+    return models_of([](const Estimate& e) { return baro_height(e, 90.0, 1.0); });
+}
+
+SCHULER_JACOBIAN(magnetic_azimuth, "fusion.magnetic_azimuth") {
+    // A field that points north and down at the truth, seen in the body.
+    std::vector<LinearModel> models;
+    const std::vector<Point> points = random_points(12);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const Vector3d field_b = points[k].truth.C_nb.transpose() * Vector3d(20.0, 3.0, 40.0);
+        models.push_back(models_of([field_b](const Estimate& e) { return magnetic_azimuth(e, field_b, 0.1, 0.01); })[k]);
+    }
+    return models;
+}
+
+SCHULER_JACOBIAN(zero_velocity, "fusion.zero_velocity") {
+    return models_of([](const Estimate& e) { return zero_velocity(e, 0.01); });
+}
+
+SCHULER_JACOBIAN(zero_rate, "fusion.zero_rate") {
+    return models_of([](const Estimate& e) { return zero_rate(e, Vector3d(1e-3, 2e-3, 3e-3), 1e-6); }, 1e-10);
+}
+
+SCHULER_JACOBIAN(nonholonomic, "fusion.nonholonomic") {   // the Earth's rate as in gnss_velocity, at the axle (below 2 m)
+    return models_of([](const Estimate& e) { return nonholonomic(e, 0.1, 0.2); }, 7.3e-5 * 2.0);
+}
+
+TEST(Aids, VariancesGoWithTheirComponents) {
+    const Estimate e = random_points(1)[0].truth;
+    EXPECT_EQ(gnss_position(e, near_to(e), variance, unused_arm, {}).variance, variance);
+    const LocalMeasurement down = gnss_position(e, near_to(e), variance, unused_arm, {false, false, true});
+    EXPECT_EQ(down.dof, 1);
+    EXPECT_EQ(down.variance(0), variance.z());
+    const LocalMeasurement wheels = nonholonomic(e, 0.1, 0.2);
+    EXPECT_EQ(wheels.dof, 2);
+    EXPECT_DOUBLE_EQ(wheels.variance(0), 0.01);
+    EXPECT_DOUBLE_EQ(wheels.variance(1), 0.04);
+    // A field that is almost vertical points nowhere.
+    EXPECT_EQ(magnetic_azimuth(e, e.C_nb.transpose() * Vector3d(1.0, 1.0, 40.0), 0.0, 0.01).dof, 0);
+}
+
+// Innovations are zero for perfect measurements, made by other formulas: in the Earth-fixed frame, with a turning antenna.
+TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
+    for (const Point& p : random_points(20)) {
+        Estimate e = p.truth;
+        e.layout.gnss_position = -1;
+        const NavStateEcef s = ins::to_ecef(e.earth, e.nav);
+        const Matrix3d C_eb = s.q_eb.toRotationMatrix();
+        const Vector3d arm = e.parameters.segment<3>(e.layout.lever_arm);
+        const Vector3d w_ie_e(0.0, 0.0, e.earth.ellipsoid.w_ie);
+        const Vector3d v_antenna = s.v_eb_e + C_eb * e.w_ib_b.cross(arm) - w_ie_e.cross(C_eb * arm);
+        const Vector3d v_n = e.C_nb * C_eb.transpose() * v_antenna;
+        NavStateEcef antenna = s;
+        antenna.position.r += C_eb * arm;
+        const Geodetic fix = ins::to_geographic(e.earth, antenna).position;
+        EXPECT_LT(gnss_position(e, fix, variance, unused_arm, {}).innovation.norm(), 2e-5) << p.name;
+        EXPECT_LT(gnss_velocity(e, v_n, variance, unused_arm, {}).innovation.norm(), 1e-9) << p.name;
+        // Without the state, the given lever arm counts.
+        e.layout.lever_arm = -1;
+        EXPECT_LT(gnss_position(e, fix, variance, arm, {}).innovation.norm(), 2e-5);
+        EXPECT_LT(gnss_velocity(e, v_n, variance, arm, {}).innovation.norm(), 1e-9);
+
+        const Vector3d w_ie_b = C_eb.transpose() * w_ie_e, gyro_bias = e.parameters.segment<3>(Layout::gyro_bias);
+        EXPECT_LT(zero_rate(e, w_ie_b + gyro_bias, 1.0).innovation.norm(), 1e-12);
+        EXPECT_NEAR(baro_height(e, e.nav.position.h + e.parameters(e.layout.baro_bias), 1.0).innovation(0), 0.0, 1e-12);
+        const double azimuth = 0.3 - e.parameters(e.layout.mag_bias);   // declination less the magnetometer's offset
+        const Vector3d field(std::cos(azimuth), std::sin(azimuth), 1.5);
+        EXPECT_NEAR(magnetic_azimuth(e, e.C_nb.transpose() * field, 0.3, 1.0).innovation(0), 0.0, 1e-12);
+
+        // A wheel rolls forward where the axle is: v of the IMU = v_axle forward + w x (axle to IMU).
+        const Matrix3d C_bv = body_from_vehicle(e.parameters(e.layout.mounting), e.parameters(e.layout.mounting + 1));
+        const Vector3d ahead(e.parameters(e.layout.axle), 0.0, 0.0);
+        e.nav.v_eb_n = e.C_nb * (C_bv * Vector3d(17.0, 0.0, 0.0) + (e.w_ib_b - w_ie_b).cross(ahead));
+        EXPECT_LT(nonholonomic(e, 1.0, 1.0).innovation.norm(), 1e-7) << p.name;
+    }
+}
+
+InertialModel<N> model_of(const Estimate& e) {
+    sensor::ImuErrorModel errors;
+    errors.gyro_noise = 1e-3, errors.accel_noise = 2e-3;
+    errors.gyro_bias = 1e-4, errors.gyro_bias_time = 300.0;      // first-order process
+    errors.accel_bias = 1e-2, errors.accel_bias_time = 100.0;    // with a turn-on part: a random walk
+    errors.accel_turn_on_bias = 0.1;
+    return {e.earth, e.layout, errors};
+}
+
+template <class Frame>
+InertialFilter<Frame, N> filter_at(const Estimate& e) {
+    InertialFilter<Frame, N> f;
+    f.set_nav(Frame::from_geographic(e.earth, e.nav));
+    f.parameters = e.parameters;
+    f.w_ib_b = e.w_ib_b;
+    return f;
+}
+
+NavState perturbed(const earth::Earth& earth, const NavState& s, const Vector9& dx) { return ins::perturbed(earth, s, dx); }
+NavStateEcef perturbed(const earth::Earth&, const NavStateEcef& s, const Vector9& dx) { return ins::perturbed(s, dx); }
+
+Vector3d attitude_error(const Eigen::Quaterniond& estimate, const Eigen::Quaterniond& truth) {
+    return -math::rotation_vector_from_quaternion(estimate * truth.conjugate());
+}
+Vector9 error_between(const earth::Earth& earth, const NavState& estimate, const NavState& truth) {
+    const Eigen::Vector3d position = -earth::ned_difference(earth, truth.position, estimate.position);
+    const Eigen::Vector3d attitude = attitude_error(estimate.q_nb, truth.q_nb);
+    Vector9 x;
+    x.segment<3>(0) = position;
+    x.segment<3>(3) = estimate.v_eb_n - truth.v_eb_n;
+    x.segment<3>(6) = attitude;
+    return x;
+}
+Vector9 error_between(const earth::Earth&, const NavStateEcef& estimate, const NavStateEcef& truth) {
+    const Eigen::Vector3d attitude = attitude_error(estimate.q_eb, truth.q_eb);
+    Vector9 x;
+    x.segment<3>(0) = estimate.position.r - truth.position.r;
+    x.segment<3>(3) = estimate.v_eb_e - truth.v_eb_e;
+    x.segment<3>(6) = attitude;
+    return x;
+}
+
+/// g(0) from g(h), g(h/2), g(h/4), error of order h^3.
+template <class Function>
+auto extrapolated(Function g) {
+    const double h = 0.2;
+    return ((8.0 * g(0.25 * h) - 6.0 * g(0.5 * h) + g(h)) / 3.0).eval();
+}
+
+/// Growth of the errors in a vanishing step, by the transition and by stepping two filters that differ by dx.
+template <class Frame>
+std::vector<LinearModel> transition_models() {
+    std::vector<LinearModel> models;
+    for (const Point& p : random_points(10)) {
+        Estimate truth = p.truth;
+        truth.w_ib_b *= 0.1;
+        const InertialModel<N> model = model_of(truth);
+        const auto raw = [p, truth](double dt) {
+            return ImuIncrement{Time::from_seconds(dt), dt, dt * (truth.w_ib_b + truth.parameters.segment<3>(Layout::gyro_bias)),
+                                dt * (p.f_b + truth.parameters.segment<3>(Layout::accel_bias))};
+        };
+        const MatrixXd F = extrapolated([&](double dt) {
+            InertialFilter<Frame, N> f = filter_at<Frame>(truth);
+            estim::Transition<N> phi;
+            f.propagate(model, raw(dt), {}, phi);
+            MatrixXd dense = phi.diagonal.asDiagonal();
+            dense.topRows(9) = phi.rows.transpose();
+            return MatrixXd((dense - MatrixXd::Identity(N, N)) / dt);
+        });
+        const auto output = [truth, model, raw](const VectorXd& dx) {
+            return VectorXd(extrapolated([&](double dt) {
+                InertialFilter<Frame, N> t = filter_at<Frame>(truth), e = t;
+                e.set_nav(perturbed(truth.earth, t.nav, dx.head<9>()));
+                e.parameters.tail(N - 9) += dx.tail(N - 9);
+                estim::Transition<N> phi;
+                t.propagate(model, raw(dt), {}, phi);
+                e.propagate(model, raw(dt), {}, phi);
+                VectorXd after(N);
+                after.head<9>() = error_between(truth.earth, e.nav, t.nav);
+                after.tail<N - 9>() = (e.parameters - t.parameters).tail(N - 9);
+                return VectorXd((after - dx) / dt);
+            }));
+        };
+        const VectorXd step = sizes(1e3, 1.0, 1e-3);
+        VectorXd row = VectorXd::Constant(N, 1e-12);
+        row.head<3>().setConstant(1e-7);
+        row.segment<3>(3).setConstant(3e-8);
+        models.push_back({p.name, F, output, step, tolerance_of(F, 3e-6, row, step.cwiseInverse())});
+    }
+    return models;
+}
+
+SCHULER_JACOBIAN(propagation_geographic, "fusion.propagation_geographic") { return transition_models<GeographicFrame>(); }
+SCHULER_JACOBIAN(propagation_ecef, "fusion.propagation_ecef") { return transition_models<EarthFixedFrame>(); }
+
+// Rows in the filter's own errors, whatever they are.
+template <class Frame, class Aid>
+std::vector<LinearModel> mapped_models(Aid aid, double attitude_floor) {
+    std::vector<LinearModel> models;
+    for (const Point& p : random_points(10)) {
+        const Estimate truth = p.truth;
+        const InertialModel<N> model = model_of(truth);
+        const InertialFilter<Frame, N> f = filter_at<Frame>(truth);
+        const Measurement<N> m = to_filter(model, f, aid(truth, estimate_of(model, f)));
+        const MatrixXd H = m.rows.leftCols(m.dof).transpose();
+        const auto output = [aid, truth, model, f](const VectorXd& dx) {
+            InertialFilter<Frame, N> e = f;
+            e.set_nav(perturbed(truth.earth, f.nav, dx.head<9>()));
+            e.parameters.tail(N - 9) += dx.tail(N - 9);
+            e.w_ib_b -= dx.segment<3>(Layout::gyro_bias);
+            const LocalMeasurement at = aid(truth, estimate_of(model, e));
+            return VectorXd(at.innovation.head(at.dof));
+        };
+        VectorXd column = VectorXd::Constant(N, 1e-8);
+        column.head<3>().setConstant(1e-5);
+        column.segment<3>(6).setConstant(attitude_floor);
+        models.push_back({p.name, H, output, sizes(10.0, 0.1, 1e-3), tolerance_of(H, 1e-6, VectorXd::Ones(m.dof), column)});
+    }
+    return models;
+}
+
+SCHULER_JACOBIAN(ecef_position, "fusion.gnss_position_ecef") {
+    return mapped_models<EarthFixedFrame>(
+        [](const Estimate& at, const Estimate& e) { return gnss_position(e, near_to(at), variance, unused_arm, {}); }, 1e-8);
+}
+SCHULER_JACOBIAN(ecef_velocity, "fusion.gnss_velocity_ecef") {
+    return mapped_models<EarthFixedFrame>(
+        [](const Estimate&, const Estimate& e) { return gnss_velocity(e, {1.0, 2.0, 3.0}, variance, unused_arm, {}); }, 3e-4);
+}
+SCHULER_JACOBIAN(ecef_nonholonomic, "fusion.nonholonomic_ecef") {
+    return mapped_models<EarthFixedFrame>([](const Estimate&, const Estimate& e) { return nonholonomic(e, 0.1, 0.2); }, 3e-4);
+}
+
+// Biases: a first-order process keeps its variance, a random walk has 2 sigma^2 / time per second; white noise per step.
+TEST(Propagation, NoiseOfTheStates) {
+    const Estimate e = random_points(1)[0].truth;
+    const InertialModel<N> model = model_of(e);
+    InertialFilter<GeographicFrame, N> f = filter_at<GeographicFrame>(e);
+    estim::Transition<N> phi;
+    const double dt = 0.02;
+    const BridgeNoise bridge{3e-6, 5e-6};
+    f.propagate(model, {Time{}, dt, Vector3d::Zero(), Vector3d::Zero()}, bridge, phi);
+    const double decay = std::exp(-2.0 * dt / 300.0);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_DOUBLE_EQ(f.P(3 + i, 3 + i), (4e-6 + 5e-6) * dt);
+        EXPECT_DOUBLE_EQ(f.P(6 + i, 6 + i), (1e-6 + 3e-6) * dt);
+        EXPECT_NEAR(f.P(9 + i, 9 + i), 1e-8 * (1.0 - decay), 1e-18);
+        EXPECT_NEAR(f.P(12 + i, 12 + i), 2.0 * 1e-4 / 100.0 * dt, 1e-18);
+        EXPECT_NEAR(phi.diagonal(9 + i), std::sqrt(decay), 1e-15);
+        EXPECT_EQ(phi.diagonal(12 + i), 1.0);
+    }
+    EXPECT_EQ(f.P.diagonal().tail<N - 15>(), VectorXd(VectorXd::Zero(N - 15)));
+}
+
+}  // namespace
+}  // namespace schuler::fusion

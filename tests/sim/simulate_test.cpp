@@ -1,0 +1,334 @@
+#include "sim/paths.h"
+
+#include "schuler/core/error.h"
+#include "schuler/math/chi_square.h"
+#include "schuler/math/rotation.h"
+#include "schuler/sim/imu_errors.h"
+#include "schuler/sim/inverse_imu.h"
+#include "schuler/sim/simulate.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace schuler::sim {
+namespace {
+
+using Eigen::Vector3d;
+using testing::deg;
+
+/// sum_of_squares of `count` standard normal numbers is what chance allows (two-sided, 1 in 10 000 of failing).
+void expect_chi_square(double sum_of_squares, double count) {
+    EXPECT_GT(sum_of_squares, math::chi_square_quantile(5e-5, count));
+    EXPECT_LT(sum_of_squares, math::chi_square_quantile(1.0 - 5e-5, count));
+}
+
+Scenario at_rest(double duration) {
+    Scenario s;
+    s.duration = duration;
+    s.path = StaticPath{{45.0 * deg, 20.0 * deg, 100.0}, Vector3d::Zero()};
+    s.imu.rate = 50.0;
+    return s;
+}
+
+bool same(const std::vector<ImuSample>& a, const std::vector<ImuSample>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ImuSample& x, const ImuSample& y) {
+        return x.time == y.time && x.gyro == y.gyro && x.accel == y.accel;
+    });
+}
+
+bool same(const std::vector<GnssFix>& a, const std::vector<GnssFix>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const GnssFix& x, const GnssFix& y) {
+        return x.time == y.time && x.position.lat == y.position.lat && x.position.lon == y.position.lon &&
+               x.position.h == y.position.h && x.velocity_n == y.velocity_n;
+    });
+}
+
+TEST(ImuErrors, WhiteNoiseHasTheStatedRandomWalk) {
+    Scenario s = at_rest(400.0);
+    const SimulatedData exact = simulate(s);
+    s.imu.errors.gyro_noise = 0.1 * units::deg_per_sqrt_hour;
+    s.imu.errors.accel_noise = 0.02 * units::m_s_per_sqrt_hour;
+    const SimulatedData noisy = simulate(s);
+    double gyro = 0.0, accel = 0.0, neighbours = 0.0;
+    Vector3d before = Vector3d::Zero(), angle = Vector3d::Zero();
+    const double sigma = s.imu.errors.gyro_noise * std::sqrt(0.02);
+    for (std::size_t k = 0; k < exact.recording.imu.size(); ++k) {
+        const Vector3d dg = noisy.recording.imu[k].gyro - exact.recording.imu[k].gyro;
+        const Vector3d da = noisy.recording.imu[k].accel - exact.recording.imu[k].accel;
+        gyro += (dg / sigma).squaredNorm();
+        accel += (da / (s.imu.errors.accel_noise * std::sqrt(0.02))).squaredNorm();
+        neighbours += dg.dot(before) / (sigma * sigma);
+        before = dg;
+        angle += dg;
+    }
+    const auto count = static_cast<double>(3 * exact.recording.imu.size());
+    EXPECT_EQ(exact.recording.imu.size(), 20000u);
+    expect_chi_square(gyro, count);
+    expect_chi_square(accel, count);
+    EXPECT_LT(std::abs(neighbours) / std::sqrt(count), 4.0);
+    // The angle walks: 0.1 deg/sqrt(h) over 400 s.
+    expect_chi_square((angle / (0.1 * deg * std::sqrt(400.0 / 3600.0))).squaredNorm(), 3.0);
+}
+
+TEST(ImuErrors, InRunBiasIsAStationaryGaussMarkovProcess) {
+    sensor::ImuErrorModel model;
+    model.gyro_bias = 3e-5;
+    model.gyro_bias_time = 20.0;
+    const int runs = 400;
+    double start = 0.0, end = 0.0, shared = 0.0;
+    for (std::uint64_t seed = 0; seed < runs; ++seed) {
+        SensorTriad gyro = gyro_triad(model, seed);
+        const Vector3d b0 = gyro.bias() / model.gyro_bias;
+        Vector3d angle = Vector3d::Zero();
+        for (int k = 0; k < 100; ++k) angle += gyro.measure(Vector3d::Zero(), 0.1);
+        const Vector3d b1 = gyro.bias() / model.gyro_bias;
+        start += b0.squaredNorm();
+        end += b1.squaredNorm();
+        // Given the start, the end has mean b0 exp(-t/T) and variance 1 - exp(-2t/T).
+        const double kept = std::exp(-10.0 / 20.0);
+        shared += (b1 - kept * b0).squaredNorm() / (1.0 - kept * kept);
+        ASSERT_LT(angle.norm(), 10.0 * 6.0 * model.gyro_bias);
+    }
+    for (const double sum : {start, end, shared}) expect_chi_square(sum, 3.0 * runs);
+}
+
+TEST(ImuErrors, ConstantsOfARunAreDrawnAsStated) {
+    sensor::ImuErrorModel model;
+    model.accel_turn_on_bias = 0.02;
+    model.accel_scale = 3e-4;
+    model.accel_misalignment = 5e-4;
+    const int runs = 400;
+    double bias = 0.0, scale = 0.0, misalignment = 0.0;
+    for (std::uint64_t seed = 0; seed < runs; ++seed) {
+        SensorTriad accel = accel_triad(model, seed);
+        const Eigen::Matrix3d error = accel.gain() - Eigen::Matrix3d::Identity();
+        bias += (accel.bias() / 0.02).squaredNorm();
+        scale += (error.diagonal() / 3e-4).squaredNorm();
+        misalignment += (error.squaredNorm() - error.diagonal().squaredNorm()) / 25e-8;
+        const Vector3d exact(0.1, -0.2, 0.3);
+        const Vector3d expected = exact + error * exact + 0.5 * accel.bias();
+        ASSERT_LT((accel.measure(exact, 0.5) - expected).norm(), 1e-15);
+    }
+    expect_chi_square(bias, 3.0 * runs);
+    expect_chi_square(scale, 3.0 * runs);
+    expect_chi_square(misalignment, 6.0 * runs);
+}
+
+TEST(ImuErrors, QuantizationLosesNothing) {
+    sensor::ImuErrorModel model;
+    model.gyro_quantum = 1e-5;
+    SensorTriad gyro = gyro_triad(model, 1);
+    Vector3d in = Vector3d::Zero(), out = Vector3d::Zero();
+    for (int k = 0; k < 1000; ++k) {
+        const Vector3d exact(3.3e-6, -1.7e-5 * std::sin(0.1 * k), 2.1e-7);
+        const Vector3d measured = gyro.measure(exact, 0.01);
+        in += exact;
+        out += measured;
+        ASSERT_LT((in - out).cwiseAbs().maxCoeff(), 0.5001e-5);
+        ASSERT_NEAR(std::remainder(measured.x(), 1e-5), 0.0, 1e-18);
+    }
+    EXPECT_GT(out.x(), 3e-3);
+}
+
+TEST(Simulate, ExactImuIsTheIntegralOfThePath) {
+    Scenario s;
+    s.path = testing::example_route();
+    s.duration = 60.0;
+    s.imu.rate = 10.0;
+    const SimulatedData increments = simulate(s);
+    s.imu.kind = ImuKind::Rates;
+    s.imu.mounting = Vector3d(0.02, -0.1, 3.0);
+    const SimulatedData rates = simulate(s);
+    const auto path = make_path(s.path, earth::wgs84);
+    const Eigen::Matrix3d C_sb = testing::body_axes(s.imu.mounting).transpose();
+    for (std::size_t k = 300; k < 600; k += 7) {
+        // Simpson's rule on a grid of its own.
+        Vector3d angle = Vector3d::Zero(), velocity = Vector3d::Zero();
+        const int n = 64;
+        const double from = 0.1 * static_cast<double>(k), h = 0.1 / n;
+        for (int j = 0; j <= n; ++j) {
+            const double weight = h / 3.0 * (j == 0 || j == n ? 1.0 : (j % 2 == 1 ? 4.0 : 2.0));
+            const InertialInput input = inertial_input(s.earth, path->at(from + h * j));
+            angle += weight * input.w_ib_b;
+            velocity += weight * input.f_b;
+        }
+        const ImuSample& sample = increments.recording.imu[k];
+        EXPECT_EQ(sample.time, Time::from_seconds(from + 0.1));
+        EXPECT_LT((sample.gyro - angle).norm(), 1e-8);
+        EXPECT_LT((sample.accel - velocity).norm(), 2e-7);
+        EXPECT_LT((0.1 * rates.recording.imu[k].gyro - C_sb * sample.gyro).norm(), 1e-14);
+        EXPECT_LT((0.1 * rates.recording.imu[k].accel - C_sb * sample.accel).norm(), 1e-14);
+    }
+}
+
+Scenario full() {
+    Scenario s;
+    s.seed = 42;
+    s.origin = Time::from_gps(2374, 1000.0);
+    s.path = testing::example_route();
+    s.duration = 120.0;
+    s.imu.errors = sensor::imu_grade("mems");
+    s.gnss.rate = 5.0;
+    s.gnss.lever_arm_b = {1.0, 0.2, -1.5};
+    s.gnss.correlated_position = {2.0, 2.0, 3.0};
+    s.baro = {10.0, 0.4, 3.0, 0.05};
+    return s;
+}
+
+TEST(Simulate, SameSeedSameNumbersAndChannelsDoNotDisturbEachOther) {
+    const SimulatedData first = simulate(full());
+    const SimulatedData again = simulate(full());
+    EXPECT_TRUE(same(first.recording.imu, again.recording.imu));
+    EXPECT_TRUE(same(first.recording.gnss, again.recording.gnss));
+
+    Scenario other = full();
+    other.seed = 43;
+    EXPECT_FALSE(same(first.recording.imu, simulate(other).recording.imu));
+
+    Scenario quiet = full();
+    quiet.baro.rate = 0.0;
+    quiet.imu.errors.gyro_noise = 0.0;
+    const SimulatedData without = simulate(quiet);
+    EXPECT_TRUE(without.recording.baro.empty());
+    EXPECT_TRUE(same(first.recording.gnss, without.recording.gnss));
+    EXPECT_EQ(first.recording.imu[777].accel, without.recording.imu[777].accel);
+    EXPECT_NE(first.recording.imu[777].gyro, without.recording.imu[777].gyro);
+}
+
+TEST(Simulate, OutagesWithholdEpochsStrictlyInsideAndLeaveTheOthers) {
+    Scenario s = full();
+    const SimulatedData all = simulate(s);
+    s.outages = {{20.0, 10.0, Channel::Gnss}, {50.0, 1.0, Channel::Baro}};
+    const SimulatedData some = simulate(s);
+    std::vector<GnssFix> expected;
+    for (const GnssFix& fix : all.recording.gnss) {
+        const double t = (fix.time - s.origin).seconds();
+        if (!(t > 20.0 && t < 30.0)) expected.push_back(fix);
+    }
+    EXPECT_EQ(all.recording.gnss.size(), 601u);
+    EXPECT_EQ(expected.size(), 601u - 49u);
+    EXPECT_TRUE(same(some.recording.gnss, expected));
+    EXPECT_EQ(some.recording.baro.size(), all.recording.baro.size() - 9u);
+    EXPECT_TRUE(same(some.recording.imu, all.recording.imu));
+}
+
+TEST(Simulate, GnssErrorsAreAsStated) {
+    Scenario s = at_rest(3000.0);
+    s.imu.rate = 1.0;
+    s.gnss.white_position = {0.5, 1.0, 2.0};
+    s.gnss.correlated_position = {3.0, 3.0, 6.0};
+    s.gnss.correlated_time = 100.0;
+    s.gnss.white_velocity = {0.03, 0.04, 0.05};
+    const SimulatedData data = simulate(s);
+    const Vector3d truth = testing::ecef(std::get<StaticPath>(s.path).start);
+    const Eigen::Matrix3d axes = testing::level_axes(std::get<StaticPath>(s.path).start);
+    // Against the one before: e1 - a e0 is white with variance w^2 (1 + a^2) + c^2 (1 - a^2) and a known neighbour correlation;
+    // differences of pairs two epochs apart are independent.
+    const double a = std::exp(-0.01);
+    double position = 0.0, velocity = 0.0;
+    Vector3d mean_square = Vector3d::Zero();
+    double pairs = 0.0;
+    const auto error = [&](std::size_t k) {
+        return Vector3d(axes.transpose() * (testing::ecef(data.recording.gnss[k].position) - truth));
+    };
+    const Vector3d w2 = s.gnss.white_position.cwiseAbs2(), c2 = s.gnss.correlated_position.cwiseAbs2();
+    for (std::size_t k = 0; k + 1 < data.recording.gnss.size(); k += 2) {
+        const Vector3d step = error(k + 1) - a * error(k);
+        position += step.cwiseAbs2().cwiseQuotient((1.0 + a * a) * w2 + (1.0 - a * a) * c2).sum();
+        velocity += data.recording.gnss[k].velocity_n.cwiseQuotient(s.gnss.white_velocity).squaredNorm();
+        mean_square += error(k).cwiseAbs2();
+        pairs += 1.0;
+    }
+    expect_chi_square(position, 3.0 * pairs);
+    expect_chi_square(velocity, 3.0 * pairs);
+    // The whole variance, with about 3000 s / (2 x 100 s) x 2 independent values of the slow part an axis.
+    const Vector3d ratio = (mean_square / pairs).cwiseQuotient(w2 + c2);
+    EXPECT_GT(ratio.minCoeff(), 0.3);
+    EXPECT_LT(ratio.maxCoeff(), 2.5);
+    EXPECT_LT((data.recording.gnss[5].std_position - (w2 + c2).cwiseSqrt()).norm(), 1e-14);
+}
+
+TEST(Simulate, LateFixesTellWhereTheAntennaWas) {
+    Scenario s = full();
+    s.gnss.white_position.setZero();
+    s.gnss.white_velocity.setZero();
+    s.gnss.correlated_position.setZero();
+    const SimulatedData prompt = simulate(s);
+    s.gnss.position_latency = 0.4;
+    s.gnss.velocity_latency = 0.2;
+    const SimulatedData late = simulate(s);
+    for (std::size_t k = 2; k < prompt.recording.gnss.size(); ++k) {
+        EXPECT_EQ(late.recording.gnss[k].time, prompt.recording.gnss[k].time);
+        const Vector3d apart =
+            testing::ecef(late.recording.gnss[k].position) - testing::ecef(prompt.recording.gnss[k - 2].position);
+        ASSERT_LT(apart.norm(), 1e-8);
+        ASSERT_LT((late.recording.gnss[k].velocity_n - prompt.recording.gnss[k - 1].velocity_n).norm(), 1e-9);
+    }
+}
+
+TEST(Simulate, BaroBiasWalks) {
+    Scenario s = at_rest(100.0);
+    s.imu.rate = 1.0;
+    s.gnss.rate = 0.0;
+    s.baro = {10.0, 0.0, 0.0, 0.2};
+    double first = 0.0, walked = 0.0;
+    const int runs = 200;
+    for (std::uint64_t seed = 0; seed < runs; ++seed) {
+        s.seed = seed;
+        s.baro.bias = 4.0;
+        const SimulatedData data = simulate(s);
+        const double start = data.recording.baro.front().height - 100.0, end = data.recording.baro.back().height - 100.0;
+        first += start * start / 16.0;
+        walked += (end - start) * (end - start) / 4.0;  // 0.2 m/sqrt(s) over 100 s
+    }
+    expect_chi_square(first, runs);
+    expect_chi_square(walked, runs);
+}
+
+TEST(Simulate, TruthIsThePathAndTheSensorErrorsOfTheMoment) {
+    Scenario s = full();
+    const SimulatedData data = simulate(s);
+    ASSERT_EQ(data.recording.reference.size(), 1201u);
+    ASSERT_EQ(data.sensor_truth.size(), 1201u);
+    const auto path = make_path(s.path, earth::wgs84);
+    const ReferenceSample& r = data.recording.reference[437];
+    EXPECT_EQ(r.time, s.origin + Duration::from_seconds(43.7));
+    EXPECT_EQ(r.position.lat, path->at(43.7).position.lat);
+    EXPECT_EQ(r.rpy, path->at(43.7).rpy);
+    EXPECT_FALSE(data.recording.reference[100].movement);
+    EXPECT_TRUE(r.movement);
+    // The mean of what a gyro at rest says too much is its bias there (20 s of 100 Hz).
+    Vector3d mean = Vector3d::Zero();
+    const Vector3d exact = inertial_input(s.earth, path->at(0.0)).w_ib_b;
+    for (std::size_t k = 0; k < 1900; ++k) mean += (data.recording.imu[k].gyro / 0.01 - exact) / 1900.0;
+    const double sigma = s.imu.errors.gyro_noise / std::sqrt(19.0) + 0.3 * s.imu.errors.gyro_bias;
+    EXPECT_LT((mean - data.sensor_truth[95].gyro_bias).cwiseAbs().maxCoeff(), 4.0 * sigma);
+    EXPECT_GT(data.sensor_truth[95].gyro_bias.norm(), 8.0 * sigma);
+}
+
+TEST(Simulate, UnusableSettingsAreNamed) {
+    const auto key_of = [](const std::function<void(Scenario&)>& spoil) {
+        Scenario s = full();
+        s.duration = 1.0;
+        spoil(s);
+        try {
+            (void)simulate(s);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::Input);
+            return error.place().key;
+        }
+        return std::string("accepted");
+    };
+    EXPECT_EQ(key_of([](Scenario&) {}), "accepted");
+    EXPECT_EQ(key_of([](Scenario& s) { s.duration = -1.0; }), "duration_s");
+    EXPECT_EQ(key_of([](Scenario& s) { s.imu.rate = 0.0; }), "imu.rate_hz");
+    EXPECT_EQ(key_of([](Scenario& s) { s.imu.errors.gyro_noise = std::nan(""); }), "imu");
+    EXPECT_EQ(key_of([](Scenario& s) { s.gnss.lever_arm_b.x() = 1e6; }), "gnss.lever_arm_m");
+    EXPECT_EQ(key_of([](Scenario& s) { s.baro.white = -1.0; }), "baro");
+    EXPECT_EQ(key_of([](Scenario& s) { s.reference_rate = 0.0; }), "reference_rate_hz");
+    EXPECT_EQ(key_of([](Scenario& s) { s.outages = {{1.0, -1.0, Channel::Gnss}}; }), "outage");
+}
+
+}  // namespace
+}  // namespace schuler::sim
