@@ -19,18 +19,35 @@ std::atomic<long> allocations{0};
 void* counted(std::size_t size, std::size_t alignment) {
     allocations.fetch_add(1, std::memory_order_relaxed);
     const std::size_t whole = (size + alignment - 1) / alignment * alignment;
-    void* p = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+    return std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+}
+
+void* counted_or_throw(std::size_t size, std::size_t alignment) {
+    void* p = counted(size, alignment);
     if (p == nullptr) throw std::bad_alloc();
     return p;
 }
 }  // namespace
 
-// The array and non-throwing forms of the standard library call these. Not inlined: the compiler would see std::free meet new.
+// Every form whose memory these forms of delete may get: the address sanitizer brings its own of those left out, and would
+// complain of the stranger. Not inlined: the compiler would see std::free meet new.
 #define SCHULER_APART __attribute__((noinline))
-SCHULER_APART void* operator new(std::size_t size) { return counted(size, alignof(std::max_align_t)); }
+SCHULER_APART void* operator new(std::size_t size) { return counted_or_throw(size, alignof(std::max_align_t)); }
 SCHULER_APART void* operator new(std::size_t size, std::align_val_t alignment) {
+    return counted_or_throw(size, static_cast<std::size_t>(alignment));
+}
+SCHULER_APART void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted(size, alignof(std::max_align_t)); }
+SCHULER_APART void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
     return counted(size, static_cast<std::size_t>(alignment));
 }
+SCHULER_APART void* operator new[](std::size_t size) { return counted_or_throw(size, alignof(std::max_align_t)); }
+SCHULER_APART void* operator new[](std::size_t size, std::align_val_t alignment) {
+    return counted_or_throw(size, static_cast<std::size_t>(alignment));
+}
+SCHULER_APART void operator delete[](void* p) noexcept { std::free(p); }
+SCHULER_APART void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+SCHULER_APART void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+SCHULER_APART void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 SCHULER_APART void operator delete(void* p) noexcept { std::free(p); }
 SCHULER_APART void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 SCHULER_APART void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
