@@ -86,7 +86,7 @@ void check_size() {
 
 TEST(Transition, PropagatesAsTheDenseProducts16) { check_size<16>(); }
 TEST(Transition, PropagatesAsTheDenseProducts24) { check_size<24>(); }
-TEST(Transition, PropagatesAsTheDenseProducts40) { check_size<40>(); }
+TEST(Transition, PropagatesAsTheDenseProducts44) { check_size<44>(); }
 
 TEST(Transition, StaysPositiveOverManySteps) {
     // A rotation of the coupled states and slow decay of the others: nothing grows but by q.

@@ -61,7 +61,7 @@ using namespace testing;
 
 template <class Frame>
 long allocations_of_a_walk() {
-    constexpr int N = 40;
+    constexpr int N = 44;
     sim::Scenario scenario = town_drive(61, 5.0, 50.0);
     scenario.baro.rate = 5.0;
     shake(scenario);

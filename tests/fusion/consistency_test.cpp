@@ -94,5 +94,31 @@ TEST(Consistency, SmoothingPays) {
     EXPECT_LT(c.smoothed_rms.heading, 0.75 * c.forward_rms.heading);
 }
 
+/// Mean attitude NEES over some drives whose gyros and accelerometers have scale errors and misaligned axes.
+double attitude_nees(bool with_states) {
+    Nees mean;
+    for (std::uint64_t seed = 300; seed < 300 + 8; ++seed) {
+        sim::Scenario scenario = town_drive(seed);
+        sensor::ImuErrorModel& imu = scenario.imu.errors;
+        imu.gyro_noise = 0.02 * units::deg_per_sqrt_hour;
+        imu.gyro_scale = imu.accel_scale = 2e-3;
+        imu.gyro_misalignment = imu.accel_misalignment = 2e-3;
+        const Recording recording = sim::simulate(scenario).recording;
+        Settings f = settings_of(scenario);
+        give_start(f, recording, seed);
+        f.aids.zero_velocity = false;
+        f.scale_factors = f.misalignments = with_states;
+        add(mean, errors(f, fuse(recording, f).forward.rows, recording));
+    }
+    return mean.attitude * seeds / 8;
+}
+
+TEST(Consistency, ScaleErrorsAndMisalignmentsAreStatesOrWouldLie) {
+    const double with = attitude_nees(true), without = attitude_nees(false);
+    EXPECT_GT(with, 1.7);
+    EXPECT_LT(with, 4.8);
+    EXPECT_GT(without, 10.0);
+}
+
 }  // namespace
 }  // namespace schuler::fusion

@@ -20,7 +20,6 @@ vibration = { frequency_hz = 12, angle_deg = 0.02, accel_m_s2 = 0.3 }
 [imu]
 rate_hz = 100
 grade = "tactical"
-misalignment_arcsec = 0      # calibrated; what is left uncalibrated shows in the consistency of the attitude
 
 [gnss]
 rate_hz = 1

@@ -50,6 +50,8 @@ Config config_from(const SettingList& settings) {
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
     config.filter.aids.nonholonomic = *config.nonholonomic;
+    config.filter.scale_factors = config.scale_factors.value_or(false);
+    config.filter.misalignments = config.misalignments.value_or(false);
     return config;
 }
 

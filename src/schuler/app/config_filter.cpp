@@ -95,7 +95,8 @@ Option<Config> preset_option() {
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.preset = *v.text();
-                c.filter.scale_factors = c.preset == "ins21";
+                c.scale_factors = c.preset == "ins21";
+                c.misalignments = false;
             },
             [](const Config& c) -> std::optional<Value> { return Value{c.preset}; }};
 }
@@ -134,8 +135,11 @@ void add_filter_options(OptionTable<Config>& table) {
                                  [](auto& c) -> auto& { return c.loop; }))
         .add(flag<Config>("filter.smooth", "fixed-interval smoother after the filter",
                           [](auto& c) -> auto& { return c.filter.smooth; }))
-        .add(flag<Config>("filter.scale_factors", "gyro and accelerometer scale factors as states",
-                          [](auto& c) -> auto& { return c.filter.scale_factors; }))
+        .add(flag<Config>("filter.scale_factors",
+                          "gyro and accelerometer scale factors as states; default: on if a simulated IMU has them",
+                          [](auto& c) -> auto& { return c.scale_factors; }))
+        .add(flag<Config>("filter.misalignments", "axis misalignments of both triads as states; default: on if a simulated IMU has them",
+                          [](auto& c) -> auto& { return c.misalignments; }))
         .add(flag<Config>("filter.estimate_lever_arm", "the antenna lever arm as states",
                           [](auto& c) -> auto& { return c.filter.estimate_lever_arm; }))
         .add(flag<Config>("filter.zero_velocity", "zero-velocity and zero-rate updates where the log shows the body still",

@@ -141,7 +141,10 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     if (!recording.baro.empty()) c.baro.file = "baro.csv";
     c.reference.file = "reference.csv";
     c.filter.imu.kind = s.sim.imu.kind;
-    c.filter.imu.errors = s.sim.imu.errors;
+    const sensor::ImuErrorModel& imu = s.sim.imu.errors;
+    c.filter.imu.errors = imu;
+    c.scale_factors = c.scale_factors.value_or(imu.gyro_scale > 0.0 || imu.accel_scale > 0.0);
+    c.misalignments = c.misalignments.value_or(imu.gyro_misalignment > 0.0 || imu.accel_misalignment > 0.0);
     c.filter.imu.mounting_rpy = s.sim.imu.mounting;
     c.grade = s.grade;
     c.filter.gnss.lever_arm_b = g.lever_arm_b;

@@ -41,7 +41,7 @@ void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
     template struct Adjoint<N>;
 SCHULER_INSTANTIATE(16)
 SCHULER_INSTANTIATE(24)
-SCHULER_INSTANTIATE(40)
+SCHULER_INSTANTIATE(44)
 #undef SCHULER_INSTANTIATE
 
 }  // namespace schuler::estim

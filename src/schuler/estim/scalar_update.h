@@ -34,6 +34,6 @@ struct Adjoint {
 
 extern template struct Adjoint<16>;
 extern template struct Adjoint<24>;
-extern template struct Adjoint<40>;
+extern template struct Adjoint<44>;
 
 }  // namespace schuler::estim

@@ -162,7 +162,7 @@ void propagate_adjoint(Eigen::Matrix<double, N, N>& L, const Transition<N>& phi,
     template void propagate_adjoint<N>(Eigen::Matrix<double, N, N>&, const Transition<N>&, const Sparsity<N>&);
 SCHULER_INSTANTIATE(16)
 SCHULER_INSTANTIATE(24)
-SCHULER_INSTANTIATE(40)
+SCHULER_INSTANTIATE(44)
 #undef SCHULER_INSTANTIATE
 
 }  // namespace schuler::estim

@@ -62,10 +62,10 @@ extern template void propagate<16>(Eigen::Matrix<double, 16, 16>&, const Transit
                                    const Eigen::Matrix<double, 16, 1>&);
 extern template void propagate<24>(Eigen::Matrix<double, 24, 24>&, const Transition<24>&, const Sparsity<24>&,
                                    const Eigen::Matrix<double, 24, 1>&);
-extern template void propagate<40>(Eigen::Matrix<double, 40, 40>&, const Transition<40>&, const Sparsity<40>&,
-                                   const Eigen::Matrix<double, 40, 1>&);
+extern template void propagate<44>(Eigen::Matrix<double, 44, 44>&, const Transition<44>&, const Sparsity<44>&,
+                                   const Eigen::Matrix<double, 44, 1>&);
 extern template void propagate_adjoint<16>(Eigen::Matrix<double, 16, 16>&, const Transition<16>&, const Sparsity<16>&);
 extern template void propagate_adjoint<24>(Eigen::Matrix<double, 24, 24>&, const Transition<24>&, const Sparsity<24>&);
-extern template void propagate_adjoint<40>(Eigen::Matrix<double, 40, 40>&, const Transition<40>&, const Sparsity<40>&);
+extern template void propagate_adjoint<44>(Eigen::Matrix<double, 44, 44>&, const Transition<44>&, const Sparsity<44>&);
 
 }  // namespace schuler::estim

@@ -276,10 +276,10 @@ void ForwardPass<Frame, N>::observe_wheels(Walk<Frame, N>& walk, const Estimate&
     template class ForwardPass<Frame, N>;
 SCHULER_INSTANTIATE(GeographicFrame, 16)
 SCHULER_INSTANTIATE(GeographicFrame, 24)
-SCHULER_INSTANTIATE(GeographicFrame, 40)
+SCHULER_INSTANTIATE(GeographicFrame, 44)
 SCHULER_INSTANTIATE(EarthFixedFrame, 16)
 SCHULER_INSTANTIATE(EarthFixedFrame, 24)
-SCHULER_INSTANTIATE(EarthFixedFrame, 40)
+SCHULER_INSTANTIATE(EarthFixedFrame, 44)
 #undef SCHULER_INSTANTIATE
 
 }  // namespace schuler::fusion

@@ -1,5 +1,7 @@
 #include "schuler/fusion/inertial_filter.h"
 
+#include <Eigen/LU>
+
 #include <cmath>
 
 namespace schuler::fusion {
@@ -27,6 +29,10 @@ InertialModel<N>::InertialModel(const earth::Earth& earth_, const Layout& layout
     sparsity.add(2, Layout::gyro_bias, 3);
     if (layout.gyro_scale >= 0) sparsity.add(2, layout.gyro_scale, 3);
     if (layout.accel_scale >= 0) sparsity.add(1, layout.accel_scale, 3);
+    if (layout.gyro_misalignment >= 0) {
+        sparsity.add(2, layout.gyro_misalignment, 6);
+        sparsity.add(1, layout.accel_misalignment, 6);
+    }
 }
 
 template <class Frame, int N>
@@ -35,14 +41,41 @@ void InertialFilter<Frame, N>::set_nav(const typename Frame::State& state) {
     C = Frame::attitude(nav).toRotationMatrix();
 }
 
+namespace {
+
+/// What misaligned axes measure of w: the matrix whose product with the six misalignments is M w.
+Eigen::Matrix<double, 3, 6> cross_axis(const Vector3d& w) {
+    Eigen::Matrix<double, 3, 6> X = Eigen::Matrix<double, 3, 6>::Zero();
+    X.row(0).segment<2>(0) << w.y(), w.z();
+    X.row(1).segment<2>(2) << w.x(), w.z();
+    X.row(2).segment<2>(4) << w.x(), w.y();
+    return X;
+}
+
+/// I + S + M of a triad.
+Matrix3d gain(const Vector3d& scale, const Eigen::Matrix<double, 6, 1>& m) {
+    Matrix3d G;
+    G << 1.0 + scale.x(), m(0), m(1), m(2), 1.0 + scale.y(), m(3), m(4), m(5), 1.0 + scale.z();
+    return G;
+}
+
+}  // namespace
+
 template <class Frame, int N>
 ImuIncrement InertialFilter<Frame, N>::corrected(const InertialModel<N>& model, const ImuIncrement& raw) const {
     ImuIncrement c = raw;
     c.dtheta -= parameters.template segment<3>(Layout::gyro_bias) * raw.dt;
     c.dv -= parameters.template segment<3>(Layout::accel_bias) * raw.dt;
-    if (model.layout.gyro_scale >= 0) {
-        c.dtheta = c.dtheta.cwiseQuotient(Vector3d::Ones() + parameters.template segment<3>(model.layout.gyro_scale));
-        c.dv = c.dv.cwiseQuotient(Vector3d::Ones() + parameters.template segment<3>(model.layout.accel_scale));
+    const Layout& L = model.layout;
+    if (L.gyro_misalignment >= 0) {
+        const auto scale = [&](int offset) -> Vector3d {
+            return offset < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(parameters.template segment<3>(offset));
+        };
+        c.dtheta = gain(scale(L.gyro_scale), parameters.template segment<6>(L.gyro_misalignment)).inverse() * c.dtheta;
+        c.dv = gain(scale(L.accel_scale), parameters.template segment<6>(L.accel_misalignment)).inverse() * c.dv;
+    } else if (L.gyro_scale >= 0) {
+        c.dtheta = c.dtheta.cwiseQuotient(Vector3d::Ones() + parameters.template segment<3>(L.gyro_scale));
+        c.dv = c.dv.cwiseQuotient(Vector3d::Ones() + parameters.template segment<3>(L.accel_scale));
     }
     return c;
 }
@@ -81,6 +114,13 @@ void InertialFilter<Frame, N>::propagate(const InertialModel<N>& model, const Im
     if (L.gyro_scale >= 0) {
         put(a, L.gyro_scale, Cdt * w_ib_b.asDiagonal());
         put(v, L.accel_scale, -Cdt * (inc.dv / dt).asDiagonal());
+    }
+    if (L.gyro_misalignment >= 0) {
+        const Eigen::Matrix<double, 3, 6> W = Cdt * cross_axis(w_ib_b), V = -Cdt * cross_axis(inc.dv / dt);
+        for (int i = 0; i < 3; ++i) {
+            A.col(a + i).template segment<6>(L.gyro_misalignment) = W.row(i).transpose();
+            A.col(v + i).template segment<6>(L.accel_misalignment) = V.row(i).transpose();
+        }
     }
     if (dt != cached_dt) {
         cached_dt = dt;
@@ -123,12 +163,12 @@ Matrix9 InertialFilter<Frame, N>::to_local_level(const InertialModel<N>& model) 
 
 template struct InertialModel<16>;
 template struct InertialModel<24>;
-template struct InertialModel<40>;
+template struct InertialModel<44>;
 template struct InertialFilter<GeographicFrame, 16>;
 template struct InertialFilter<GeographicFrame, 24>;
-template struct InertialFilter<GeographicFrame, 40>;
+template struct InertialFilter<GeographicFrame, 44>;
 template struct InertialFilter<EarthFixedFrame, 16>;
 template struct InertialFilter<EarthFixedFrame, 24>;
-template struct InertialFilter<EarthFixedFrame, 40>;
+template struct InertialFilter<EarthFixedFrame, 44>;
 
 }  // namespace schuler::fusion

@@ -14,6 +14,10 @@ Layout make_layout(const Settings& settings, bool with_baro, bool with_mag) {
         block(L.gyro_scale, 3);
         block(L.accel_scale, 3);
     }
+    if (settings.misalignments) {
+        block(L.gyro_misalignment, 6);
+        block(L.accel_misalignment, 6);
+    }
     if (settings.aids.nonholonomic || settings.aids.nonholonomic_auto) {
         block(L.mounting, 2);
         block(L.axle, 1);

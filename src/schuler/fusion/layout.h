@@ -14,6 +14,8 @@ struct Layout {
     static constexpr int accel_bias = 12;   ///< 3, m/s^2, body
     int gyro_scale = -1;                    ///< 3
     int accel_scale = -1;                   ///< 3
+    int gyro_misalignment = -1;             ///< 6, rad: what x measures of y and z, y of x and z, z of x and y
+    int accel_misalignment = -1;            ///< 6, rad, in the same order
     int mounting = -1;                      ///< 2: pitch and yaw of the vehicle's forward axis in body axes, rad
     int axle = -1;                          ///< 1, m, distance of the IMU ahead of the unsteered axle
     int lever_arm = -1;                     ///< 3, m, body

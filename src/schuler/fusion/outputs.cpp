@@ -42,7 +42,7 @@ template SensorErrorRow sensor_error_row<16>(Time, const Layout&, const Eigen::M
                                              const Eigen::Matrix<double, 16, 1>&);
 template SensorErrorRow sensor_error_row<24>(Time, const Layout&, const Eigen::Matrix<double, 24, 1>&,
                                              const Eigen::Matrix<double, 24, 1>&);
-template SensorErrorRow sensor_error_row<40>(Time, const Layout&, const Eigen::Matrix<double, 40, 1>&,
-                                             const Eigen::Matrix<double, 40, 1>&);
+template SensorErrorRow sensor_error_row<44>(Time, const Layout&, const Eigen::Matrix<double, 44, 1>&,
+                                             const Eigen::Matrix<double, 44, 1>&);
 
 }  // namespace schuler::fusion

@@ -100,6 +100,7 @@ struct Settings {
     Mechanization mechanization = Mechanization::Geographic;
     bool smooth = false;
     bool scale_factors = false;               ///< gyro and accelerometer scale factors as states (21 states)
+    bool misalignments = false;               ///< six axis misalignments of each triad as states
     bool estimate_lever_arm = false;
     ImuSettings imu;
     GnssSettings gnss;

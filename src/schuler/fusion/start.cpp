@@ -123,7 +123,7 @@ Settings trial_settings(const Settings& settings) {
     Settings t = settings;
     t.mechanization = Mechanization::Geographic;
     t.aids.nonholonomic = t.aids.nonholonomic_auto = false;
-    t.scale_factors = t.estimate_lever_arm = false;
+    t.scale_factors = t.misalignments = t.estimate_lever_arm = false;
     t.baro.use = t.mag.use = false;
     t.gnss.correlated_std = 0.0;
     t.smooth = false;

@@ -32,7 +32,7 @@ public:
         Settings trial = settings;
         trial.mechanization = Mechanization::Geographic;
         trial.aids.nonholonomic = trial.aids.nonholonomic_auto = false;
-        trial.scale_factors = trial.estimate_lever_arm = trial.smooth = false;
+        trial.scale_factors = trial.misalignments = trial.estimate_lever_arm = trial.smooth = false;
         if (!surroundings) trial.baro.use = trial.mag.use = false;
         if (!surroundings) std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
         const Result run = run_pass(data_, trial, start_, {.outputs = false, .smooth = false, .last_increment = last_, .progress = {}});

@@ -13,7 +13,7 @@
 
 namespace schuler::fusion {
 
-inline constexpr int max_states = 40;
+inline constexpr int max_states = 44;
 
 /// The estimate as aids see it.
 struct Estimate {

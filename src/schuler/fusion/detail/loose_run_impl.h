@@ -88,6 +88,10 @@ Walk<Frame, N> first_step(const InertialModel<N>& model, const RunData& data, co
     set(Layout::accel_bias, start.std_accel_bias);
     set(L.gyro_scale, Eigen::Vector3d::Constant(imu.gyro_scale));
     set(L.accel_scale, Eigen::Vector3d::Constant(imu.accel_scale));
+    if (L.gyro_misalignment >= 0) {
+        f.P.diagonal().template segment<6>(L.gyro_misalignment).setConstant(imu.gyro_misalignment * imu.gyro_misalignment);
+        f.P.diagonal().template segment<6>(L.accel_misalignment).setConstant(imu.accel_misalignment * imu.accel_misalignment);
+    }
     if (L.mounting >= 0 && settings.aids.nonholonomic) {   // otherwise known only once wheels are recognised
         f.P.diagonal().template segment<2>(L.mounting).setConstant(start.std_mounting * start.std_mounting);
         f.P(L.axle, L.axle) = 1.5 * 1.5;
@@ -203,7 +207,7 @@ Result run_pass_in(const RunData& data, const Settings& settings, const Layout& 
                    const PassOptions& options) {
     if (layout.size <= 16) return run_sized<Frame, 16>(data, settings, layout, start, options);
     if (layout.size <= 24) return run_sized<Frame, 24>(data, settings, layout, start, options);
-    return run_sized<Frame, 40>(data, settings, layout, start, options);
+    return run_sized<Frame, 44>(data, settings, layout, start, options);
 }
 
 /// Log-likelihood of the accepted and rejected GNSS innovations; far ones count as far, not infinitely far.
@@ -262,7 +266,7 @@ StartEstimate smooth_start_in(const RunData& data, const Settings& settings, con
                               std::size_t last_increment) {
     if (layout.size <= 16) return smooth_start_sized<Frame, 16>(data, settings, layout, start, last_increment);
     if (layout.size <= 24) return smooth_start_sized<Frame, 24>(data, settings, layout, start, last_increment);
-    return smooth_start_sized<Frame, 40>(data, settings, layout, start, last_increment);
+    return smooth_start_sized<Frame, 44>(data, settings, layout, start, last_increment);
 }
 
 }  // namespace schuler::fusion
