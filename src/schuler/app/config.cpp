@@ -51,7 +51,8 @@ Config config_from(const SettingList& settings) {
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
     config.filter.aids.nonholonomic = *config.nonholonomic;
     config.filter.scale_factors = config.scale_factors.value_or(false);
-    config.filter.misalignments = config.misalignments.value_or(false);
+    // turning on the road about one axis only, a cross-axis gyro looks like a tilt that grows with every bend
+    config.filter.misalignments = config.misalignments.value_or(wheeled);
     return config;
 }
 

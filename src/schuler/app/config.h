@@ -68,7 +68,7 @@ struct Config {
     std::string preset = "ins15";
     Scheme scheme = Scheme::Loose;
     Loop loop = Loop::Closed;
-    std::optional<bool> scale_factors, misalignments;  ///< not given: off, but on where a simulated IMU has such errors
+    std::optional<bool> scale_factors, misalignments;  ///< not given: on where simulated, misalignments for a car too
     std::optional<bool> nonholonomic;            ///< not given: on for a car
     fusion::Settings filter;
     RunConfig run;

@@ -138,7 +138,8 @@ void add_filter_options(OptionTable<Config>& table) {
         .add(flag<Config>("filter.scale_factors",
                           "gyro and accelerometer scale factors as states; default: on if a simulated IMU has them",
                           [](auto& c) -> auto& { return c.scale_factors; }))
-        .add(flag<Config>("filter.misalignments", "axis misalignments of both triads as states; default: on if a simulated IMU has them",
+        .add(flag<Config>("filter.misalignments",
+                          "axis misalignments of both triads as states; default: on for a car and where a simulated IMU has them",
                           [](auto& c) -> auto& { return c.misalignments; }))
         .add(flag<Config>("filter.estimate_lever_arm", "the antenna lever arm as states",
                           [](auto& c) -> auto& { return c.filter.estimate_lever_arm; }))

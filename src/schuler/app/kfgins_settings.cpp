@@ -37,6 +37,7 @@ SettingList kfgins_settings(const io::KfGinsProject& p, const std::filesystem::p
     c.filter.earth.ellipsoid.w_ie = 7.2921151467e-5;
     c.preset = "ins21";
     c.scale_factors = true;
+    c.misalignments = false;
     c.filter.imu.kind = ImuKind::Increments;
     sensor::ImuErrorModel& e = c.filter.imu.errors;
     e = {};
