@@ -41,6 +41,34 @@ protected:
     WarningLog log;
 };
 
+TEST_F(Csv, TimesMayBeCalendarText) {
+    const std::string names = "timestamp,gx,gy,gz,ax,ay,az\n", rest = ",0,0,0,0,0,-9.8\n";
+    // Noon of 2024-05-01 in Greenwich, four ways of writing it, then midnight-based times of day.
+    for (const std::string at : {"2024-05-01T12:00:00.125Z", "2024-05-01 12:00:00.125", "2024/05/01 14:00:00.125+02:00",
+                                 "\"2024-05-01T11:30:00.125-0030\""}) {
+        const ImuTable t = imu(names + at + rest + "2024-05-01T12:00:01Z" + rest);
+        ASSERT_EQ(t.samples.size(), 2U) << at;
+        EXPECT_EQ(t.samples[0].time.ns, 1714564800125000000) << at;
+        EXPECT_EQ(t.samples[1].time.ns, 1714564801000000000);
+    }
+    EXPECT_EQ(imu(names + "23:59:59.5" + rest + "23:59:59.6" + rest).samples[0].time.ns, 86399500000000);
+    for (const std::string at : {"2024-13-01T12:00:00", "2024-05-01T25:00:00", "2024-05-01", "12:00"}) {
+        std::string text = names;
+        for (int k = 0; k < 20; ++k) text += (k == 9 ? at : fmt::format("2024-05-01T12:00:{:02}Z", k)) + rest;
+        EXPECT_EQ(imu(text).rows.bad, 1U) << at;
+    }
+}
+
+TEST_F(Csv, TheScaleOfATimeIsItsUnit) {
+    const std::string text = "tick,gx,gy,gz,ax,ay,az\n1500,0,0,0,0,0,-9.8\n1510,0,0,0,0,0,-9.8\n";
+    CsvOptions options;
+    options.columns["time_s"] = "tick";
+    options.scale["time_s"] = 1e-3;
+    EXPECT_EQ(imu(text, options).samples[0].time.ns, 1500000000);
+    options.scale["time_s"] = 0.02;
+    expect_parts(message_of([&] { (void)imu(text, options); }), {"scale.time_s", "0.02", "1e-3"});
+}
+
 TEST_F(Csv, ImuIsReadInSensorAxesAndSi) {
     const ImuTable t =
         imu("t_ms; gx [deg/s]; gy [deg/s]; gz [deg/s]; ax [g]; ay [mg]; az [m/s^2]; note\n"

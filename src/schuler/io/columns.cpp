@@ -210,6 +210,17 @@ std::string without_axis(std::string name) {
     return name;
 }
 
+/// Times are read as whole nanoseconds: only powers of ten are units of them.
+TimeUnit time_unit_of(double factor, const SourcePlace& place) {
+    constexpr std::pair<double, TimeUnit> units[] = {{1.0, TimeUnit::Seconds},
+                                                     {1e-3, TimeUnit::Milliseconds},
+                                                     {1e-6, TimeUnit::Microseconds},
+                                                     {1e-9, TimeUnit::Nanoseconds}};
+    for (const auto& [size, unit] : units)
+        if (std::abs(factor / size - 1.0) < 1e-9) return unit;
+    throw input_error(fmt::format("{} s is no unit of time", factor), place, "give 1, 1e-3, 1e-6 or 1e-9 seconds");
+}
+
 void apply_scale(ColumnPlan& plan, const TableLayout& layout, const ColumnOverrides& overrides) {
     const std::vector<std::string> known = canonical_names(plan.kind);
     for (const auto& [key, factor] : overrides.scale) {
@@ -225,7 +236,10 @@ void apply_scale(ColumnPlan& plan, const TableLayout& layout, const ColumnOverri
             throw input_error(fmt::format("{} is not a usable factor", factor), place, "give a number other than zero");
         for (ColumnMatch& match : plan.matches) {
             if (match.canonical != key && without_axis(match.canonical) != key) continue;
-            match.factor = factor;
+            if (match.canonical.find("time") != std::string::npos)
+                match.time_unit = time_unit_of(factor, place);
+            else
+                match.factor = factor;
             match.offset = 0.0;
             match.unit_stated = true;
         }

@@ -1,5 +1,7 @@
 #include "schuler/io/table.h"
 
+#include "schuler/io/detail/calendar_text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -153,7 +155,10 @@ const char* TableReader::read_field(const char* p, std::size_t field) {
         numbers_[field] = value * slot.factor + slot.offset;
         if (std::isnan(value)) missing(field, text);
     } else if (!nanoseconds_from(text, slot.unit, times_[field])) {
-        missing(field, text);
+        if (const auto ns = detail::calendar_nanoseconds(text))
+            times_[field] = *ns;
+        else
+            missing(field, text);
     }
     return stop;
 }

@@ -1,5 +1,6 @@
 #include "schuler/io/table.h"
 
+#include "schuler/io/detail/calendar_text.h"
 #include "schuler/io/place.h"
 
 #include <algorithm>
@@ -44,7 +45,7 @@ FirstLines first_lines(const LineBlocks& blocks) {
 bool is_number(const std::string& field, bool decimal_comma) {
     std::string text = field;
     if (decimal_comma) std::replace(text.begin(), text.end(), ',', '.');
-    return !std::isnan(number_from(text));
+    return !std::isnan(number_from(text)) || detail::calendar_nanoseconds(trimmed(field)).has_value();
 }
 
 bool looks_numeric(const std::string& field, bool decimal_comma) {

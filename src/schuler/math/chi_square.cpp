@@ -13,6 +13,12 @@ namespace schuler::math {
 
 namespace {
 
+/// Of positive numbers. std::lgamma leaves the sign in a global variable, where threads would meet.
+double log_gamma(double x) {
+    int sign = 0;
+    return lgamma_r(x, &sign);
+}
+
 /// d - log(1 + d), without cancellation near zero; d > -1.
 double excess_over_log(double d) {
     if (std::abs(d) > 0.1) return d - std::log1p(d);
@@ -26,7 +32,7 @@ double excess_over_log(double d) {
 
 /// x^a exp(-x) / Gamma(a + 1), x > 0, by the saddle-point form where the plain one would cancel (Loader 2000).
 double gamma_prefactor(double a, double x) {
-    if (a < 15.0) return std::exp(a * std::log(x) - x - std::lgamma(a + 1.0));
+    if (a < 15.0) return std::exp(a * std::log(x) - x - log_gamma(a + 1.0));
     const double a2 = a * a;
     // log Gamma(a + 1) less Stirling's leading part; Abramowitz and Stegun 6.1.41.
     const double stirling = (1.0 / 12 - (1.0 / 360 - (1.0 / 1260 - (1.0 / 1680 - 1.0 / (1188 * a2)) / a2) / a2) / a2) / a;
@@ -88,7 +94,7 @@ double first_guess(double p, double dof) {
     const double root = 1.0 - k + (p < 0.5 ? -z : z) * std::sqrt(k);
     const double by_cube = dof * root * root * root;
     const double a = 0.5 * dof;
-    const double by_tail = 2.0 * std::exp((std::log(p) + std::lgamma(a + 1.0)) / a);
+    const double by_tail = 2.0 * std::exp((std::log(p) + log_gamma(a + 1.0)) / a);
     return root > 0.3 ? by_cube : by_tail;
 }
 

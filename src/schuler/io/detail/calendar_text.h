@@ -5,6 +5,7 @@
 #include "schuler/io/number.h"
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -47,6 +48,34 @@ struct MinuteAndRest {
     t.hour = *h;
     t.minute = *m;
     return t;
+}
+
+/// A field such as "2024-05-01T12:00:00.125Z", "2024/05/01 14:00:00+02:00" or "12:00:00.5": nanoseconds since 1970, UTC, counted
+/// without leap seconds; since midnight where there is no date.
+[[nodiscard]] inline std::optional<std::int64_t> calendar_nanoseconds(std::string_view text) {
+    std::int64_t days = 0;
+    if (text.size() > 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4] && (text[10] == 'T' || text[10] == ' ')) {
+        const auto y = small_integer(text.substr(0, 4)), m = small_integer(text.substr(5, 2)), d = small_integer(text.substr(8, 2));
+        if (!y || !m || !d || !is_date(*y, *m, *d)) return std::nullopt;
+        using namespace std::chrono;
+        days = sys_days(year{*y} / *m / *d).time_since_epoch().count();
+        text.remove_prefix(11);
+    }
+    std::int64_t offset_minutes = 0;
+    if (!text.empty() && text.back() == 'Z') {
+        text.remove_suffix(1);
+    } else if (const std::size_t sign = text.find_first_of("+-"); sign != std::string_view::npos) {
+        const std::string_view zone = text.substr(sign + 1);
+        const auto h = small_integer(zone.substr(0, 2));
+        const auto m = zone.size() > 2 ? small_integer(zone.substr(zone[2] == ':' ? 3 : 2)) : std::optional<int>(0);
+        if (!h || !m || *h > 14 || *m > 59) return std::nullopt;
+        offset_minutes = (text[sign] == '-' ? -1 : 1) * (60 * *h + *m);
+        text = text.substr(0, sign);
+    }
+    if (text.size() < 8 || text[2] != ':' || text[5] != ':') return std::nullopt;
+    const auto t = time_of_day(text.substr(0, 2), text.substr(3, 2), text.substr(6));
+    if (!t) return std::nullopt;
+    return ((days * 24 + t->hour) * 60 + t->minute - offset_minutes) * 60 * ns_per_second + t->rest_ns;
 }
 
 }  // namespace schuler::io::detail
