@@ -40,8 +40,10 @@ void add_environment(OptionTable<Config>& table) {
                             mag(&MagSettings::declination)))
         .add(number<Config>("mag.heading_std_deg", units::deg, 1e-3, 180, "white noise of the magnetic heading",
                             mag(&MagSettings::heading_std)))
-        .add(number<Config>("mag.heading_bias_deg", units::deg, 0, 180, "constant error of the magnetic heading, one sigma",
-                            mag(&MagSettings::bias_std)));
+        .add(number<Config>("mag.heading_bias_deg", units::deg, 0, 180, "error of the magnetic heading at the start, one sigma",
+                            mag(&MagSettings::bias_std)))
+        .add(number<Config>("mag.heading_bias_walk_deg", units::deg, 0, 180, "random walk of that error, deg in a root second",
+                            mag(&MagSettings::bias_walk)));
 }
 
 void add_initial(OptionTable<Config>& table) {

@@ -147,19 +147,22 @@ LocalMeasurement ForwardPass<Frame, N>::measurement_of(const Walk<Frame, N>& wal
 }
 
 template <class Frame, int N>
-void ForwardPass<Frame, N>::recover(Walk<Frame, N>& walk, AidKind kind, const LocalMeasurement& local) const {
+void ForwardPass<Frame, N>::recover(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local) const {
     // The estimate is wrong by about the innovation: say so in the covariance, isotropically, and in what may have caused it.
     const double size2 = local.innovation.squaredNorm();
     auto& P = walk.filter.P;
-    const int block = kind == AidKind::GnssVelocity ? Layout::velocity : Layout::position;
+    const int block = channel.kind == AidKind::GnssVelocity ? Layout::velocity : Layout::position;
     P.diagonal().template segment<3>(block).array() += size2;
     const double span = std::max(1.0, settings_.aids.recovery_time);
-    if (kind == AidKind::GnssPosition) P.diagonal().template segment<3>(Layout::velocity).array() += size2 / (span * span);
+    if (channel.kind == AidKind::GnssPosition)
+        P.diagonal().template segment<3>(Layout::velocity).array() +=
+            std::max(size2 / (span * span), walk.gates[channel.gate()].rate.squaredNorm());
 }
 
 template <class Frame, int N>
-AidRecord ForwardPass<Frame, N>::try_update(Walk<Frame, N>& walk, AidKind kind, const LocalMeasurement& local, Time stamp,
+AidRecord ForwardPass<Frame, N>::try_update(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local, Time stamp,
                                             bool withheld, Observer& observer) const {
+    const AidKind kind = channel.kind;
     AidRecord record;
     record.time = walk.filter.time();
     record.stamp = stamp;
@@ -181,18 +184,17 @@ AidRecord ForwardPass<Frame, N>::try_update(Walk<Frame, N>& walk, AidKind kind, 
         record.status = AidStatus::Withheld;
         return record;
     }
-    const auto k = static_cast<std::size_t>(kind);
     const double drift = std::sqrt(walk.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
                          (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
     Eigen::Vector3d used = Eigen::Vector3d::Zero();
     for (int i = 0; i < m.dof; ++i) used(i) = std::sqrt(m.variance(i));
-    const GateDecision decision = decide(walk.gates[k], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
+    const GateDecision decision = decide(walk.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
     const bool gnss = kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity || kind == AidKind::Baro;
     if (decision == GateDecision::Reject || (decision == GateDecision::Recover && !gnss)) {
         record.status = AidStatus::Rejected;
         return record;
     }
-    if (decision == GateDecision::Recover) recover(walk, kind, local);
+    if (decision == GateDecision::Recover) recover(walk, channel, local);
     record.status = AidStatus::Accepted;
     walk.filter.update(model_, m, [&](const estim::ScalarUpdate<N>& u) { observer.scalar(u); });
     return record;
@@ -210,7 +212,7 @@ void ForwardPass<Frame, N>::meet(Walk<Frame, N>& walk, const Event& event, Obser
         const LocalMeasurement all = measurement_of(walk, whole);
         observer.outage_epoch(walk.filter, event, all, try_update(walk, event.kind, all, event.stamp, true, nobody));
     }
-    AidRecord record = try_update(walk, event.kind, local, event.stamp, event.withheld, observer);
+    AidRecord record = try_update(walk, {event.kind, event.components}, local, event.stamp, event.withheld, observer);
     if (event.kind == AidKind::GnssPosition || event.kind == AidKind::GnssVelocity) unpack(record, event.components);
     observer.aid(record);
 }

@@ -60,9 +60,22 @@ struct Walk {
     std::size_t outputs = 0;             ///< number of outputs made
     Time next_output{};
     Time next_constraint{};
-    std::array<GateState, 7> gates{};    ///< by AidKind
+    std::array<GateState, 9> gates{};    ///< by Channel::gate()
     WheelEvidence wheels;
     Time last_still{INT64_MIN / 2};
+};
+
+/// A channel has a gate of its own: one a kind, and one more where a height or a vertical velocity comes with an age of its own, for
+/// a good height must not excuse a bad position.
+struct Channel {
+    AidKind kind;
+    bool vertical_only = false;
+
+    Channel(AidKind kind_, std::uint8_t components = 7) : kind(kind_), vertical_only(components == 4) {}
+    [[nodiscard]] std::size_t gate() const {
+        const auto k = static_cast<std::size_t>(kind);
+        return vertical_only && k < 2 ? 7 + k : k;
+    }
 };
 
 /// Who wants to know what happens on the walk derives from this; the base does not care.
@@ -102,11 +115,11 @@ private:
     void step(Walk<Frame, N>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const;
     void meet(Walk<Frame, N>& walk, const Event& event, Observer& observer) const;
     void constrain(Walk<Frame, N>& walk, Observer& observer) const;
-    AidRecord try_update(Walk<Frame, N>& walk, AidKind kind, const LocalMeasurement& local, Time stamp, bool withheld,
+    AidRecord try_update(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local, Time stamp, bool withheld,
                          Observer& observer) const;
     [[nodiscard]] LocalMeasurement measurement_of(const Walk<Frame, N>& walk, const Event& event) const;
     void observe_wheels(Walk<Frame, N>& walk, const Estimate& e) const;
-    void recover(Walk<Frame, N>& walk, AidKind kind, const LocalMeasurement& local) const;
+    void recover(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local) const;
 
     const InertialModel<N>& model_;
     const RunData& data_;

@@ -13,6 +13,7 @@ struct GateState {
     Time since{};                                        ///< of the first of them
     Time last{};
     Eigen::Vector3d innovation = Eigen::Vector3d::Zero();///< of the last of them
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();      ///< its change per second since the one before; zero for the first
 };
 
 enum class GateDecision { Accept, Reject, Recover };

@@ -58,7 +58,8 @@ struct MagSettings {
     bool use = true;
     double declination = not_given;           ///< rad, east positive; not given: estimated as part of the heading offset
     double heading_std = 0.1;                 ///< rad
-    double bias_std = 0.5;                    ///< rad, constant heading error of the magnetometer
+    double bias_std = 0.5;                    ///< rad, heading error of the magnetometer at the start
+    double bias_walk = 0.002;                 ///< rad/sqrt(s), by which currents and surroundings change it
 };
 
 /// Initial state where the user gives it; NaN members are found by the program.

@@ -162,6 +162,7 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     if (before.imu.estimate_noise && before.mag.use && !recording.mag.empty()) {
         const MagSettings m = before.mag;
         knobs.push_back({[m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true});
+        knobs.push_back({[m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; }, -3.0, 3.0, true});
     }
     return knobs;
 }

@@ -123,6 +123,7 @@ InertialModel<N> make_model(const Settings& settings, const Layout& layout) {
         for (int i = 0; offset >= 0 && i < count; ++i) model.process[static_cast<std::size_t>(offset + i)] = process;
     };
     set(layout.baro_bias, 1, {0.0, settings.baro.bias_walk * settings.baro.bias_walk});
+    set(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
     const double s = settings.gnss.correlated_std, tau = settings.gnss.correlated_time;
     set(layout.gnss_position, 3, {1.0 / tau, 2.0 * s * s / tau});
     return model;
