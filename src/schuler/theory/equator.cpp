@@ -148,7 +148,8 @@ EquatorFlight::EquatorFlight(double speed, double height, const PaperCEarth& ear
 
 std::array<Complex, 6> EquatorFlight::roots() const {
     const Complex north(0.0, c_.omega), first = std::sqrt(c_.rho1), second = std::sqrt(c_.rho2);
-    return {north, -north, first, -first, second, -second};
+    const Complex zero(0.0, 0.0);  // 0 - x has no negative zeros
+    return {north, zero - north, first, zero - first, second, zero - second};
 }
 
 Matrix6 EquatorFlight::dynamics() const {

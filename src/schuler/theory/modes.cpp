@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace schuler::theory {
 namespace {
@@ -29,13 +30,13 @@ struct LoopGains {
     double k1 = 0.0, k2 = 0.0, k3 = 0.0;
 };
 
-/// Gains that put every pole of s^2 + k1 s + (k2 - c) or s^3 + k1 s^2 + (k2 - c) s + k3 at -1/tau; c: instability, 1/s^2.
+/// Gains that make s^2 + k1 s + (k2 - c) or s^3 + k1 s^2 + (k2 - c) s + k3 a Butterworth polynomial of 1/tau; c: instability, 1/s^2.
 LoopGains gains(VerticalChannel channel, double tau, double c) {
     switch (channel) {
         case VerticalChannel::Fixed:
         case VerticalChannel::Free: break;
-        case VerticalChannel::SecondOrder: return {2.0 / tau, 1.0 / (tau * tau) + c, 0.0};
-        case VerticalChannel::ThirdOrder: return {3.0 / tau, 3.0 / (tau * tau) + c, 1.0 / (tau * tau * tau)};
+        case VerticalChannel::SecondOrder: return {std::numbers::sqrt2 / tau, 1.0 / (tau * tau) + c, 0.0};
+        case VerticalChannel::ThirdOrder: return {2.0 / tau, 2.0 / (tau * tau) + c, 1.0 / (tau * tau * tau)};
     }
     return {};
 }
@@ -62,12 +63,13 @@ void check(const LevelFlight& f, const Vector9& x, const ConstantErrors& c) {
         throw input_error(what, {{}, 0, 0, key}, mend);
     };
     if (!(std::abs(f.position.lat) <= 89.9 * units::deg) || !std::isfinite(f.position.lon))
-        refuse("latitude", "the local level has no north here", "give a latitude within 89.9 deg");
-    if (!(f.position.h >= -12000.0 && f.position.h <= 1e6))
-        refuse("height", "the height is out of range", "give -12 km (under the ground) to 1000 km");
-    if (!f.v_enu.allFinite() || f.v_enu.norm() > 2e4) refuse("velocity", "the velocity is out of range", "give up to 20 km/s");
+        refuse("latitude-deg", "the local level has no north here", "give a latitude within 89.9 deg");
+    if (!(f.position.h >= -500.0 && f.position.h <= 1e6))
+        refuse("height", f.position.h < 0.0 ? "under the ground, where the gravity model does not hold" : "the height is out of range",
+               "give -500 m to 1000 km");
+    if (!f.v_enu.allFinite() || f.v_enu.norm() > 2e4) refuse("ve, --vn, --vh", "the velocity is out of range", "give up to 20 km/s");
     if (!x.allFinite() || !c.gyro.allFinite() || !c.accel.allFinite() || !std::isfinite(c.baro))
-        refuse("errors", "an error is not a finite number", "give numbers");
+        refuse("", "an error is not a finite number", "give numbers");
     if (!(f.time_constant > 0.0) || !std::isfinite(f.time_constant))
         refuse("baro-time", "the time constant is not positive", "give seconds, for example 100");
     if (f.vertical == VerticalChannel::Fixed && (x(d_h) != 0.0 || x(d_vu) != 0.0 || c.accel.z() != 0.0 || c.baro != 0.0))
@@ -154,7 +156,7 @@ std::vector<Complex> LevelAnalysis::vertical_roots(VerticalChannel channel) cons
     if (channel == VerticalChannel::Free) return {std::sqrt(Complex(c)), -std::sqrt(Complex(c))};
     const LoopGains k = gains(channel, flight_.time_constant, c);
     const int n = channel == VerticalChannel::ThirdOrder ? 3 : 2;
-    const double tau = flight_.time_constant;  // in units of 1/tau: a triple root is found to 1e-5 of itself, whatever tau
+    const double tau = flight_.time_constant;  // roots in units of 1/tau
     MatrixXd companion = MatrixXd::Zero(n, n);
     companion(0, 0) = -k.k1 * tau, companion(0, 1) = -(k.k2 - c) * tau * tau;
     companion(1, 0) = 1.0;

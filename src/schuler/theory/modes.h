@@ -10,8 +10,8 @@
 
 namespace schuler::theory {
 
-/// What becomes of the height. Poles of the loops: all at -1/time_constant (the coupling to the horizontal channels moves them by
-/// 1e-4 of that). Second order: dh' = dv_u - k1 (dh - baro), dv_u' = ... - k2 (dh - baro); third order: the integral of the height
+/// What becomes of the height. The poles of the loops lie on a circle of 1/time_constant (Butterworth; the coupling to the
+/// horizontal channels moves them by 1e-4 of that). Second order: dh' = dv_u - k1 (dh - baro), dv_u' = ... - k2 (dh - baro); third order: the integral of the height
 /// difference as well, so that a constant accelerometer error leaves no height error.
 enum class VerticalChannel { Fixed, Free, SecondOrder, ThirdOrder };
 

@@ -42,7 +42,7 @@ const std::vector<Cell>& cells() {
         {0, 3, V, vh, Si, "-0.03"}, {0, 3, A, vh, Si, "1.11e-4"}, {0, 3, P, vh, Si, "pi/2"},
         {0, 3, V, ve, Si, "3.3e-3"}, {0, 3, A, ve, Si, "-1.2e-3"}, {0, 3, P, ve, Si, "0"},
         {0, 3, V, height, Si, "-16"}, {0, 3, A, height, Si, "0.09"}, {0, 3, P, height, Si, "0"},
-        {0, 3, V, lon, Si, "2.91e-7"}, {0, 3, V, lon, Deg, "1.67e-5"}, {0, 3, V, lon, Met, "1.87", "rounded twice"},
+        {0, 3, V, lon, Si, "2.91e-7"}, {0, 3, V, lon, Deg, "1.67e-5"}, {0, 3, V, lon, Met, "1.87", "the last digit"},
         {0, 3, A, lon, Si, "1.57e-7", "its degrees and metres are right"}, {0, 3, A, lon, Deg, "8.92e-6"},
         {0, 3, A, lon, Met, "0.99"}, {0, 3, P, lon, Si, "pi/2"},
         // Table 3: the ship.
