@@ -9,7 +9,8 @@ namespace schuler::cli {
 namespace {
 
 /// Three numbers of a vector, one option each.
-void add_vector(CLI::App& app, Eigen::Vector3d& target, const std::array<const char*, 3>& names, const char* what, const char* unit) {
+void add_vector(CLI::App& app, Eigen::Vector3d& target, const std::array<const char*, 3>& names, const char* what,
+                const char* unit) {
     constexpr std::array axes{"east", "north", "up"};
     for (std::size_t i = 0; i < 3; ++i)
         app.add_option(names[i], target[static_cast<Eigen::Index>(i)], std::string(what) + axes[i])->type_name(unit);
@@ -33,7 +34,8 @@ void add_equator(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     constexpr std::array what{"north velocity", "up velocity", "east velocity", "height", "latitude", "longitude"};
     constexpr std::array unit{"M_S", "M_S", "M_S", "M", "RAD", "RAD"};
     for (std::size_t i = 0; i < 6; ++i)
-        app->add_option(names[i], r.errors[static_cast<Eigen::Index>(i)], std::string("initial error of ") + what[i])->type_name(unit[i]);
+        app->add_option(names[i], r.errors[static_cast<Eigen::Index>(i)], std::string("initial error of ") + what[i])
+            ->type_name(unit[i]);
     app->add_option("--misalignment", o.misalignment, "initial attitude error about the pole, the start's meridian, east of it")
         ->expected(3)
         ->type_name("RAD");
@@ -63,9 +65,11 @@ void add_schuler(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     add_vector(*app, r.position, {"--de", "--dn", "--dh"}, "initial error of position, ", "M");
     add_vector(*app, r.velocity, {"--dve", "--dvn", "--dvh"}, "initial error of velocity, ", "M_S");
     add_vector(*app, r.attitude, {"--tilt-east", "--tilt-north", "--azimuth"}, "initial attitude error about ", "RAD");
-    add_vector(*app, r.gyro_deg_h, {"--gyro-east-deg-h", "--gyro-north-deg-h", "--gyro-up-deg-h"}, "constant drift about ", "DEG_H");
+    add_vector(*app, r.gyro_deg_h, {"--gyro-east-deg-h", "--gyro-north-deg-h", "--gyro-up-deg-h"}, "constant drift about ",
+               "DEG_H");
     add_vector(*app, r.accel_ug, {"--accel-east-ug", "--accel-north-ug", "--accel-up-ug"}, "constant accelerometer error ", "UG");
-    app->add_option("--vertical", r.vertical, "height: fixed (default), free, or a barometer loop: second, third")->type_name("KIND");
+    app->add_option("--vertical", r.vertical, "height: fixed (default), free, or a barometer loop: second, third")
+        ->type_name("KIND");
     app->add_option("--baro-time", r.baro_time, "time constant of the loop, default 100")->type_name("S");
     app->add_option("--baro", r.baro, "constant error of the barometer")->type_name("M");
     app->add_flag("--paper", r.paper, "cases of paper A, section 4.1");

@@ -1,6 +1,6 @@
-// The register of filters' error dynamics. A frame policy as fusion/frame.h has them (State, step, attitude, dynamics, corrected) is
-// judged by three oracles that do not know it: paper C's closed solution, differences of its own mechanization, and the simulator.
-// house.error_models fails for a filter that is not registered here.
+// The register of filters' error dynamics. A frame policy as fusion/frame.h has them (State, step, attitude, dynamics, corrected)
+// is judged by three oracles that do not know it: paper C's closed solution, differences of its own mechanization, and the
+// simulator. house.error_models fails for a filter that is not registered here.
 #pragma once
 
 #include "schuler/ins/state_error.h"
@@ -77,7 +77,8 @@ template <class Frame>
 void expect_closed_solution() {
     earth::Earth sphere{earth::paper_c, earth::GravityModel::PaperC};
     sphere.ellipsoid.f = 0.0;
-    for (const auto& [v, h, longitude] : {std::tuple{600.0, 10000.0, 0.7}, std::tuple{10.0, 0.0, -2.0}, std::tuple{-465.0, 3000.0, 0.1}}) {
+    for (const auto& [v, h, longitude] :
+         {std::tuple{600.0, 10000.0, 0.7}, std::tuple{10.0, 0.0, -2.0}, std::tuple{-465.0, 3000.0, 0.1}}) {
         const theory::EquatorFlight flight(v, h);
         NavState state;
         state.position = {0.0, longitude, h};
@@ -105,13 +106,14 @@ void expect_closed_solution() {
             const Eigen::Matrix<double, 9, 6> misfit = scale.cwiseInverse().asDiagonal() * (grown - closed);
             const Eigen::Matrix<double, 9, 6> whole = scale.cwiseInverse().asDiagonal() * closed;
             for (int j = 0; j < 6; ++j)
-                EXPECT_LE(misfit.col(j).cwiseAbs().maxCoeff(), 1e-8 * whole.col(j).cwiseAbs().maxCoeff()) << v << ", " << t << ", " << j;
+                EXPECT_LE(misfit.col(j).cwiseAbs().maxCoeff(), 1e-8 * whole.col(j).cwiseAbs().maxCoeff())
+                    << v << ", " << t << ", " << j;
         }
     }
 }
 
-/// (b) F is the derivative of the mechanization at random states: differences in time to the sixth order around the instant, in the
-/// error to the fourth.
+/// (b) F is the derivative of the mechanization at random states: differences in time to the sixth order around the instant, in
+/// the error to the fourth.
 template <class Frame>
 void expect_derivative_of_mechanization() {
     std::mt19937_64 generator(77);
@@ -133,7 +135,8 @@ void expect_derivative_of_mechanization() {
         const auto growth = [&](const Vector9& dx) {
             const typename Frame::State start = Frame::corrected(earth, truth, -dx);
             const auto slope = [&](double dt) {
-                const Vector9 after = error_between(earth, Frame::step(earth, start, increment(dt)), Frame::step(earth, truth, increment(dt)));
+                const Vector9 after =
+                    error_between(earth, Frame::step(earth, start, increment(dt)), Frame::step(earth, truth, increment(dt)));
                 const Vector9 before =
                     error_between(earth, Frame::step(earth, start, increment(-dt)), Frame::step(earth, truth, increment(-dt)));
                 return Vector9((after - before) / (2.0 * dt));
@@ -163,10 +166,13 @@ template <class Frame>
 void expect_growth_in_simulation() {
     const earth::Earth earth;
     const Geodetic start{50.0 * units::deg, 0.5, 3000.0};
-    for (const sim::PathSettings& settings : {sim::PathSettings(sim::PaperAPath{}), sim::PathSettings(sim::GreatCirclePath{start, 1.0, 240.0})}) {
+    for (const sim::PathSettings& settings :
+         {sim::PathSettings(sim::PaperAPath{}), sim::PathSettings(sim::GreatCirclePath{start, 1.0, 240.0})}) {
         const std::unique_ptr<const sim::TruthPath> path = sim::make_path(settings, earth.ellipsoid);
         const auto state_at = [&](double t) { return sim::nav_state(path->at(t), Time::from_seconds(t)); };
-        const auto F_at = [&](double t) { return dynamics_at<Frame>(earth, state_at(t), sim::inertial_input(earth, path->at(t)).f_b); };
+        const auto F_at = [&](double t) {
+            return dynamics_at<Frame>(earth, state_at(t), sim::inertial_input(earth, path->at(t)).f_b);
+        };
         Vector9 dx;
         dx << 0.5, -0.8, 0.3, 0.002, -0.003, 0.001, 1e-6, -2e-6, 3e-6;
         typename Frame::State right = Frame::from_geographic(earth, state_at(0.0)), wrong = Frame::corrected(earth, right, -dx);

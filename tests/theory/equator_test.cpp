@@ -68,11 +68,14 @@ TEST(Equator, ForcedSolution) {
         l << row[4], row[5], row[6], row[7], row[8], row[9], row[10], row[11], row[12];
         const Vector6 x = forced_by_misalignment(EquatorFlight(row[0], row[1]), l, row[2], row[3]);
         for (int i = 0; i < 6; ++i)
-            expect_close(x(i), row[static_cast<std::size_t>(13 + i)], 1e-10, "x" + std::to_string(i) + " at " + std::to_string(row[0]));
+            expect_close(x(i), row[static_cast<std::size_t>(13 + i)], 1e-10,
+                         "x" + std::to_string(i) + " at " + std::to_string(row[0]));
     }
     // math.md 1.7: a rotation error about the pole forces the east channel by a constant, the vertical not at all.
-    const Vector6 skew = forced_by_misalignment(EquatorFlight(600.0, 10000.0), misalignment_matrix({1e-5, 0.0, 0.0}), 0.3, 3600.0);
-    const Vector6 expected = (Vector6() << 0.0, 1.80447703896, -0.209374391931, 1046.20185016, 0.0, -8.50973944740e-06).finished();
+    const Vector6 skew =
+        forced_by_misalignment(EquatorFlight(600.0, 10000.0), misalignment_matrix({1e-5, 0.0, 0.0}), 0.3, 3600.0);
+    const Vector6 expected =
+        (Vector6() << 0.0, 1.80447703896, -0.209374391931, 1046.20185016, 0.0, -8.50973944740e-06).finished();
     for (const int i : {vh, ve, height, lon}) expect_close(skew(i), expected(i), 2e-10, "skew " + std::to_string(i));
     EXPECT_EQ(skew(vn), 0.0);
     EXPECT_EQ(skew(lat), 0.0);
@@ -92,7 +95,8 @@ TEST(Equator, ConstantsOfBothVehicles) {
 }
 
 TEST(Equator, LimitingSpeeds) {
-    const double expected[3][3] = {{0.0, 7446.95126252, 8376.89938352}, {1e5, 7379.00610557, 8323.53422657}, {1e6, 6825.32937437, 7901.07749537}};
+    const double expected[3][3] = {
+        {0.0, 7446.95126252, 8376.89938352}, {1e5, 7379.00610557, 8323.53422657}, {1e6, 6825.32937437, 7901.07749537}};
     for (const auto& [h, east, west] : expected) {
         const SpeedLimits limits = speed_limits(h);
         expect_close(limits.east, east, 1e-11, "east");
@@ -112,7 +116,8 @@ TEST(Equator, EveryRootIsOne) {
         Matrix6 D = Matrix6::Identity();  // SI units differ by 1e7: speeds in sqrt(g R), height in R
         const double R = flight.constants().R, speed = R * flight.constants().omega;
         D.diagonal() << speed, speed, speed, R, 1.0, 1.0;
-        const Eigen::Matrix<std::complex<double>, 6, 6> A = (D.inverse() * flight.dynamics() * D / flight.constants().omega).cast<std::complex<double>>();
+        const Eigen::Matrix<std::complex<double>, 6, 6> A =
+            (D.inverse() * flight.dynamics() * D / flight.constants().omega).cast<std::complex<double>>();
         for (const std::complex<double> root : flight.roots()) {
             const auto shifted = A - root / flight.constants().omega * Matrix6::Identity().cast<std::complex<double>>();
             EXPECT_LT(std::abs(shifted.eval().determinant()), 1e-12) << v << " m/s, root " << root;
@@ -148,8 +153,8 @@ TEST(Equator, OscillationsAndConstantsOfTheTables) {
     const Vector6 K = w.integration_constants(start), at = w.transition(900.0) * start;
     const EquatorFlight::Oscillation o = w.oscillation(start);
     const double b = w.constants().beta3, m = w.constants().mu, t = 900.0;
-    EXPECT_NEAR(K(2) * std::exp(b * t) + K(3) * std::exp(-b * t) + o.amplitude(height) * std::sin(m * t + o.phase(height)), at(height),
-                1e-10);
+    EXPECT_NEAR(K(2) * std::exp(b * t) + K(3) * std::exp(-b * t) + o.amplitude(height) * std::sin(m * t + o.phase(height)),
+                at(height), 1e-10);
     EXPECT_NEAR(o.amplitude(vn) * std::sin(w.constants().omega * t + o.phase(vn)), at(vn), 1e-14);
 }
 

@@ -79,11 +79,14 @@ TEST(IdealOperation, OnTheSphereTheLinearEquationsAreTheClosedForm) {
     for (const double v : {600.0, 10.0, -465.0}) {
         const double h = v == 600.0 ? 10000.0 : 0.0;
         const Vector6 start = (Vector6() << 0.0, 0.0, v, h, 0.0, 0.4).finished();
-        EXPECT_LT((error_dynamics(sphere, start, steady_force(sphere, start)) - EquatorFlight(v, h).dynamics()).cwiseAbs().maxCoeff(), 1e-14);
+        EXPECT_LT(
+            (error_dynamics(sphere, start, steady_force(sphere, start)) - EquatorFlight(v, h).dynamics()).cwiseAbs().maxCoeff(),
+            1e-14);
         const std::vector<Comparison> compared = compare_integrations(sphere, start, mixed(1.0), 7200.0, 4);
         for (const Comparison& c : compared) {
             const Vector6 closed = EquatorFlight(v, h).transition(c.t) * mixed(1.0);
-            for (int i = 0; i < 6; ++i) EXPECT_NEAR(c.linear(i), closed(i), 1e-9 * std::abs(closed(i)) + 1e-18) << v << " " << c.t << " " << i;
+            for (int i = 0; i < 6; ++i)
+                EXPECT_NEAR(c.linear(i), closed(i), 1e-9 * std::abs(closed(i)) + 1e-18) << v << " " << c.t << " " << i;
         }
     }
 }

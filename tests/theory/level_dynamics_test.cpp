@@ -50,7 +50,8 @@ TEST(LevelDynamics, TheFiltersModelIsSimilar) {
         };
         const Matrix9 F_n = ins::matrix(ins::error_n(earth, p, {v(1), v(0), -v(2)}, {f(1), f(0), -f(2)}));
         const double dt = 0.5, lat_rate = v(1) / (earth::radii(earth.ellipsoid, p.lat).meridian + p.h);
-        const Matrix9 T_rate = (T(p.lat + lat_rate * dt, p.h + v(2) * dt) - T(p.lat - lat_rate * dt, p.h - v(2) * dt)) / (2.0 * dt);
+        const Matrix9 T_rate =
+            (T(p.lat + lat_rate * dt, p.h + v(2) * dt) - T(p.lat - lat_rate * dt, p.h - v(2) * dt)) / (2.0 * dt);
         const Matrix9 here = T(p.lat, p.h), F = level_error_dynamics(earth, p, v, f);
         const Matrix9 misfit = F_n * here - here * F - T_rate;
         const Matrix9 size = F_n.cwiseAbs() * here.cwiseAbs() + here.cwiseAbs() * F.cwiseAbs() + T_rate.cwiseAbs();

@@ -7,9 +7,9 @@ equator_table.csv: speed, height, t and the 36 elements of the transition matrix
 the nine lambda_ij and the six errors that a misaligned start forces, (23).
 
 Independent of the closed form: the matrix A of (10) is built from its definition and exponentiated by scaling and a Taylor series
-in 60-digit arithmetic; the forcing of (8) is harmonic, so that an oscillator at w_n and one at 2 w_n beside A carry it. The inputs
-are the doubles that the tests use. Some speeds undo the Earth's rotation, where the printed solution divides by zero; some are
-beyond the limiting speeds.
+in 60-digit arithmetic; the forcing of (8) is harmonic, so that an oscillator at w_n and one at 2 w_n beside A carry it. The
+inputs are the doubles that the tests use. Some speeds undo the Earth's rotation, where the printed solution divides by zero;
+some are beyond the limiting speeds.
 """
 import csv
 from pathlib import Path

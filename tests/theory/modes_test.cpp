@@ -100,7 +100,8 @@ TEST(Modes, VerticalChannelAndItsLoops) {
     EXPECT_NEAR(m.at("vertical, growing").root.real(), std::sqrt(c), 0.01 * std::sqrt(c));
     EXPECT_NEAR(m.at("vertical, decaying").root.real(), -std::sqrt(c), 0.01 * std::sqrt(c));
     EXPECT_NEAR(free.vertical_roots(VerticalChannel::Free)[0].real(), m.at("vertical, growing").root.real(), 1e-5);
-    EXPECT_NEAR(free.history(3600.0, 1).back().errors(d_h) / std::cosh(3600.0 * m.at("vertical, growing").root.real()), 1.0, 0.01);
+    EXPECT_NEAR(free.history(3600.0, 1).back().errors(d_h) / std::cosh(3600.0 * m.at("vertical, growing").root.real()), 1.0,
+                0.01);
 
     // A constant accelerometer error: the second-order loop keeps a tau^2 of height error, the third-order one nothing.
     const ConstantErrors constant{Eigen::Vector3d::Zero(), {0.0, 0.0, 1e-3}, 0.0};
@@ -109,13 +110,17 @@ TEST(Modes, VerticalChannelAndItsLoops) {
     flight.vertical = VerticalChannel::ThirdOrder;
     const LevelAnalysis third(flight, x, constant);
     EXPECT_NEAR(third.history(3000.0, 1).back().errors(d_h), 0.0, 0.01);
-    for (const std::complex<double> root : third.vertical_roots(VerticalChannel::ThirdOrder)) EXPECT_NEAR(std::abs(root), 0.01, 1e-12);
+    for (const std::complex<double> root : third.vertical_roots(VerticalChannel::ThirdOrder))
+        EXPECT_NEAR(std::abs(root), 0.01, 1e-12);
     for (const Mode& mode : third.modes().modes) {
         EXPECT_LT(mode.root.real(), 1e-8) << mode.name;
         EXPECT_NEAR(mode.name.starts_with("vertical") ? std::abs(mode.root) : 0.01, 0.01, 1e-5) << mode.name;
     }
     // A wrong barometer is followed.
-    EXPECT_NEAR(LevelAnalysis(flight, Vector9::Zero(), {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 7.0}).history(3000.0, 1).back().errors(d_h),
+    EXPECT_NEAR(LevelAnalysis(flight, Vector9::Zero(), {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 7.0})
+                    .history(3000.0, 1)
+                    .back()
+                    .errors(d_h),
                 7.0, 0.01);
 }
 

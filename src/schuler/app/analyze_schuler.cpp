@@ -55,7 +55,8 @@ std::vector<std::string> titles() {
 
 std::string duration(double seconds) {
     if (!std::isfinite(seconds)) return "-";
-    return std::abs(seconds) < 7200.0 ? fmt::format("{:.2f} min", seconds / 60.0) : fmt::format("{:.3f} h", seconds / units::hour);
+    return std::abs(seconds) < 7200.0 ? fmt::format("{:.2f} min", seconds / 60.0)
+                                      : fmt::format("{:.3f} h", seconds / units::hour);
 }
 
 double period_of(const Mode& m) {
@@ -78,8 +79,8 @@ LevelFlight flight_of(const SchulerRequest& r) {
 Vector9 initial_of(const SchulerRequest& r, const LevelFlight& f) {
     const earth::Radii radii = earth::radii(f.earth.ellipsoid, f.position.lat);
     Vector9 x;
-    x << r.position.x() / ((radii.prime_vertical + r.height) * std::cos(f.position.lat)), r.position.y() / (radii.meridian + r.height),
-        r.position.z(), r.velocity, r.attitude;
+    x << r.position.x() / ((radii.prime_vertical + r.height) * std::cos(f.position.lat)),
+        r.position.y() / (radii.meridian + r.height), r.position.z(), r.velocity, r.attitude;
     return x;
 }
 
@@ -87,7 +88,8 @@ std::string roots_text(const std::vector<std::complex<double>>& roots) {
     std::string out;
     for (const std::complex<double> root : roots) {
         if (root.imag() < 0.0) continue;
-        const std::string imaginary = std::abs(root.imag()) > 1e-4 * std::abs(root) ? fmt::format(" +- {:.5g}i", root.imag()) : "";
+        const std::string imaginary =
+            std::abs(root.imag()) > 1e-4 * std::abs(root) ? fmt::format(" +- {:.5g}i", root.imag()) : "";
         out += fmt::format("{}{:.5g}{}", out.empty() ? "" : ", ", root.real(), imaginary);
     }
     return out;
@@ -101,18 +103,20 @@ std::string vertical_text(const LevelAnalysis& analysis, double tau) {
         out += fmt::format("  free: roots {} 1/s: a height error grows e-fold in {}, doubles in {}\n",
                            roots_text(analysis.vertical_roots(VerticalChannel::Free)), duration(1.0 / growth),
                            duration(std::acosh(2.0) / growth));
-    out += fmt::format("  barometer loop of second order, {:g} s: roots {} 1/s: damped; an accelerometer error of 1 mg leaves {:.4g} m, 1 m of "
-                       "the barometer {:.6g} m\n",
-                       tau, roots_text(analysis.vertical_roots(VerticalChannel::SecondOrder)), units::mg * tau * tau, 1.0 + c * tau * tau);
-    out += fmt::format("  barometer loop of third order, {:g} s: roots {} 1/s: damped; an accelerometer error leaves nothing\n", tau,
-                       roots_text(analysis.vertical_roots(VerticalChannel::ThirdOrder)));
+    out += fmt::format(
+        "  barometer loop of second order, {:g} s: roots {} 1/s: damped; an accelerometer error of 1 mg leaves {:.4g} m, 1 m of "
+        "the barometer {:.6g} m\n",
+        tau, roots_text(analysis.vertical_roots(VerticalChannel::SecondOrder)), units::mg * tau * tau, 1.0 + c * tau * tau);
+    out += fmt::format("  barometer loop of third order, {:g} s: roots {} 1/s: damped; an accelerometer error leaves nothing\n",
+                       tau, roots_text(analysis.vertical_roots(VerticalChannel::ThirdOrder)));
     return out;
 }
 
 Json vertical_json(const LevelAnalysis& analysis) {
     Json out;
-    for (const auto& [name, channel] : {std::pair{"free", VerticalChannel::Free}, std::pair{"second", VerticalChannel::SecondOrder},
-                                        std::pair{"third", VerticalChannel::ThirdOrder}}) {
+    for (const auto& [name, channel] :
+         {std::pair{"free", VerticalChannel::Free}, std::pair{"second", VerticalChannel::SecondOrder},
+          std::pair{"third", VerticalChannel::ThirdOrder}}) {
         Json roots = Json::array();
         for (const std::complex<double> root : analysis.vertical_roots(channel)) roots.push_back({root.real(), root.imag()});
         out[name] = roots;
@@ -157,30 +161,33 @@ std::vector<Case> paper_cases(const LevelFlight& f) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const auto largest = [&](const Vector9& x, const ConstantErrors& c) { return distance(f, x, c, T, true); };
     const auto after = [&](const ConstantErrors& c, double t) { return distance(f, none, c, t, false); };
-    return {{"tilt 1e-3 rad, largest (42.2 min)", "1300 m: a tenth of it", p.from_tilt(1e-3, 0.5 * T), largest(start(a_e, 1e-3), {})},
-            {"tilt 1e-4 rad, largest (42.2 min)", "", p.from_tilt(1e-4, 0.5 * T), largest(start(a_e, 1e-4), {})},
-            {"azimuth 1e-3 rad, largest in 84.4 min", "", nan, largest(start(a_u, 1e-3), {})},
-            {"horizontal gyro 0.01 deg/h, after 1 h", "1300 m, said of a vertical gyro", p.from_gyro(drift, 3600.0),
-             after(gyro(a_n, drift), 3600.0)},
-            {"vertical gyro 0.01 deg/h, after 1 h", "1300 m: true of a horizontal one", nan, after(gyro(a_u, drift), 3600.0)},
-            {"horizontal gyro 0.961 deg/h, after 10 min", "1600 m, drift not told", p.from_gyro(96.1 * drift, 600.0),
-             after(gyro(a_n, 96.1 * drift), 600.0)},
-            {"horizontal gyro 876.6 deg/h, after 1 min", "1500 m, drift not told", p.from_gyro(87660.0 * drift, 60.0),
-             after(gyro(a_n, 87660.0 * drift), 60.0)},
-            {"velocity 1 m/s, largest (21.1 min)", "bounded", p.from_velocity(1.0, 0.25 * T), largest(start(d_ve, 1.0), {})},
-            {"accelerometer 1e-4 g, largest (42.2 min)", "", p.from_accelerometer(1e-4 * p.g, 0.5 * T), largest(none, accelerometer)}};
+    return {
+        {"tilt 1e-3 rad, largest (42.2 min)", "1300 m: a tenth of it", p.from_tilt(1e-3, 0.5 * T), largest(start(a_e, 1e-3), {})},
+        {"tilt 1e-4 rad, largest (42.2 min)", "", p.from_tilt(1e-4, 0.5 * T), largest(start(a_e, 1e-4), {})},
+        {"azimuth 1e-3 rad, largest in 84.4 min", "", nan, largest(start(a_u, 1e-3), {})},
+        {"horizontal gyro 0.01 deg/h, after 1 h", "1300 m, said of a vertical gyro", p.from_gyro(drift, 3600.0),
+         after(gyro(a_n, drift), 3600.0)},
+        {"vertical gyro 0.01 deg/h, after 1 h", "1300 m: true of a horizontal one", nan, after(gyro(a_u, drift), 3600.0)},
+        {"horizontal gyro 0.961 deg/h, after 10 min", "1600 m, drift not told", p.from_gyro(96.1 * drift, 600.0),
+         after(gyro(a_n, 96.1 * drift), 600.0)},
+        {"horizontal gyro 876.6 deg/h, after 1 min", "1500 m, drift not told", p.from_gyro(87660.0 * drift, 60.0),
+         after(gyro(a_n, 87660.0 * drift), 60.0)},
+        {"velocity 1 m/s, largest (21.1 min)", "bounded", p.from_velocity(1.0, 0.25 * T), largest(start(d_ve, 1.0), {})},
+        {"accelerometer 1e-4 g, largest (42.2 min)", "", p.from_accelerometer(1e-4 * p.g, 0.5 * T),
+         largest(none, accelerometer)}};
 }
 
 void add_cases(const SchulerRequest& r, Outcome& out, Json& document) {
     SchulerRequest still = r;
     still.v_enu.setZero();
     still.vertical = "fixed";
-    std::string text = fmt::format("paper A, section 4.1, at rest, height held; whole model at latitude {:g} deg; metres\n", r.latitude_deg);
+    std::string text =
+        fmt::format("paper A, section 4.1, at rest, height held; whole model at latitude {:g} deg; metres\n", r.latitude_deg);
     text += fmt::format("  {:<44}{:>11}{:>13}   {}\n", "case", "pendulum", "whole model", "the paper");
     Json rows = Json::array();
     for (const Case& c : paper_cases(flight_of(still))) {
-        text += fmt::format("  {:<44}{:>11}{:>13.1f}   {}\n", c.what, std::isfinite(c.pendulum) ? fmt::format("{:.1f}", c.pendulum) : "-",
-                            c.whole, c.paper);
+        text += fmt::format("  {:<44}{:>11}{:>13.1f}   {}\n", c.what,
+                            std::isfinite(c.pendulum) ? fmt::format("{:.1f}", c.pendulum) : "-", c.whole, c.paper);
         rows.push_back({{"case", c.what}, {"paper", c.paper}, {"pendulum_m", number(c.pendulum)}, {"whole_model_m", c.whole}});
     }
     out.tables += text;
@@ -188,8 +195,9 @@ void add_cases(const SchulerRequest& r, Outcome& out, Json& document) {
 }
 
 void add_report(const SchulerRequest& r, const std::vector<ErrorsAt>& history, Outcome& out) {
-    report::ReportInput page{"Natural error motion of a strapdown INS",
-                             fmt::format("latitude {:g} deg, height {:g} m, vertical channel {}", r.latitude_deg, r.height, r.vertical)};
+    report::ReportInput page{
+        "Natural error motion of a strapdown INS",
+        fmt::format("latitude {:g} deg, height {:g} m, vertical channel {}", r.latitude_deg, r.height, r.vertical)};
     page.version = r.version;
     report::Section section{"Errors", "Frozen dynamics of the stated place and velocity, exact in time."};
     std::vector<double> t;
@@ -226,10 +234,11 @@ std::string modes_text(const ModalAnalysis& m) {
 
 std::string foucault_text(const ModalAnalysis& m) {
     if (!(m.foucault_expected > 1e-9)) return "Foucault: no turn of the plane of the oscillation at the equator\n";
-    return fmt::format("Foucault: half the difference of the Schuler frequencies is {:.6g} rad/s (period {}); (u + lambda') sin(lat) = {:.6g} "
-                       "rad/s (period {})\n",
-                       m.foucault, duration(2.0 * std::numbers::pi / m.foucault), m.foucault_expected,
-                       duration(2.0 * std::numbers::pi / m.foucault_expected));
+    return fmt::format(
+        "Foucault: half the difference of the Schuler frequencies is {:.6g} rad/s (period {}); (u + lambda') sin(lat) = {:.6g} "
+        "rad/s (period {})\n",
+        m.foucault, duration(2.0 * std::numbers::pi / m.foucault), m.foucault_expected,
+        duration(2.0 * std::numbers::pi / m.foucault_expected));
 }
 
 Outcome analysis(const SchulerRequest& r) {
@@ -254,20 +263,27 @@ Outcome analysis(const SchulerRequest& r) {
     if (r.v_enu.tail<2>().squaredNorm() > 0.0)
         out.warnings.push_back("north or up velocity changes the place with time; the dynamics are those of the start");
     if (!r.paper) {
-        out.tables = fmt::format("latitude {:g} deg, height {:g} m, velocity east {:g}, north {:g}, up {:g} m/s; height {}\n", r.latitude_deg,
-                                 r.height, r.v_enu.x(), r.v_enu.y(), r.v_enu.z(),
-                                 r.vertical == "fixed" ? "held" : r.vertical == "free" ? "free" : "by a barometer loop of " + r.vertical + " order");
+        out.tables = fmt::format("latitude {:g} deg, height {:g} m, velocity east {:g}, north {:g}, up {:g} m/s; height {}\n",
+                                 r.latitude_deg, r.height, r.v_enu.x(), r.v_enu.y(), r.v_enu.z(),
+                                 r.vertical == "fixed"  ? "held"
+                                 : r.vertical == "free" ? "free"
+                                                        : "by a barometer loop of " + r.vertical + " order");
         out.tables += "modes, and the amplitudes that these errors give them\n" + modes_text(m) + foucault_text(m);
         out.tables += vertical_text(analysis, r.baro_time);
         out.tables += fmt::format("errors\n  {:<51}", "") + table_line("", 0, titles(), 13);
-        out.tables += fmt::format("  {:<51}", fmt::format("at {:g} s", r.time)) + table_line("", 0, cells(history.back().errors), 13);
-        out.tables += fmt::format("  {:<51}", fmt::format("largest up to {:g} s", r.time)) + table_line("", 0, cells(largest), 13);
+        out.tables +=
+            fmt::format("  {:<51}", fmt::format("at {:g} s", r.time)) + table_line("", 0, cells(history.back().errors), 13);
+        out.tables +=
+            fmt::format("  {:<51}", fmt::format("largest up to {:g} s", r.time)) + table_line("", 0, cells(largest), 13);
         out.tables += fmt::format("  largest horizontal distance {} m\n", cell(farthest));
     }
     Json modes = Json::array();
     for (const Mode& mode : m.modes)
-        modes.push_back({{"name", mode.name}, {"root", {mode.root.real(), mode.root.imag()}}, {"period_s", number(period_of(mode))},
-                         {"e_fold_s", number(e_fold_of(mode))}, {"amplitude", object(mode.amplitude)}});
+        modes.push_back({{"name", mode.name},
+                         {"root", {mode.root.real(), mode.root.imag()}},
+                         {"period_s", number(period_of(mode))},
+                         {"e_fold_s", number(e_fold_of(mode))},
+                         {"amplitude", object(mode.amplitude)}});
     Json document{{"modes", modes},
                   {"offset", object(m.offset)},
                   {"drift_east_m_s", m.drift(d_lon)},

@@ -50,7 +50,7 @@ struct SpeedLimits {
 /// A constant flight along the equator. The Earth is a sphere here (e2 and delta play no part).
 class EquatorFlight {
 public:
-    /// speed: relative to the Earth, positive east, m/s; height in m. Any finite speed below 1e5 m/s, height from -500 m to 1e8 m.
+    /// speed: relative to the Earth, positive east, m/s; height in m. Speeds below 1e5 m/s, heights from -500 m to 1e8 m.
     /// @throws Error(Input) with key speed or height.
     EquatorFlight(double speed, double height, const PaperCEarth& earth = {});
 
@@ -64,8 +64,8 @@ public:
 
     /// A of (10), per second.
     [[nodiscard]] Matrix6 dynamics() const;
-    /// P(t) of (22): errors at t from errors at 0. Between the limiting speeds each element is within 1e-12 of itself up to 7200 s
-    /// and those that are zero by structure are exactly zero, v = -u R included. Beyond the limits the same form with complex
+    /// P(t) of (22): errors at t from errors at 0. Between the limiting speeds each element is within 1e-12 of itself up to
+    /// 7200 s and those that are zero by structure are exactly zero, v = -u R included. Beyond the limits the same form with complex
     /// roots, 1e-9. Not finite when beta3 t exceeds 700.
     [[nodiscard]] Matrix6 transition(double t) const;
 

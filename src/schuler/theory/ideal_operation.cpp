@@ -87,7 +87,8 @@ std::vector<Comparison> compare_integrations(const PaperCEarth& earth, const Vec
     // Inertial attitude is right: what the geographic frame is off by goes into kappa.
     const Eigen::Vector4d truly = geographic_frame(start(lat), start(lon)), believed = geographic_frame(wrong(lat), wrong(lon));
     Joint y;
-    y << start.tail<3>(), start, 1.0, 0.0, 0.0, 0.0, wrong, quaternion_product<double>(conjugated<double>(believed), truly), initial;
+    y << start.tail<3>(), start, 1.0, 0.0, 0.0, 0.0, wrong, quaternion_product<double>(conjugated<double>(believed), truly),
+        initial;
     std::vector<Comparison> out;
     const auto sample = [&](double t) {
         out.push_back({t, y.segment<6>(13) - y.segment<6>(3), y.tail<6>()});
@@ -99,8 +100,9 @@ std::vector<Comparison> compare_integrations(const PaperCEarth& earth, const Vec
         for (long i = 0; i < steps; ++i) y = stepped(earth, velocity, y, h);
         const double t = duration * k / count;
         if (!usable(earth, y.segment<6>(3)) || !usable(earth, y.segment<6>(13)))
-            throw computation_error(fmt::format("at {:.0f} s the flight or its perturbed solution is at a pole or has left the Earth", t),
-                                    "give a shorter time or smaller initial errors");
+            throw computation_error(
+                fmt::format("at {:.0f} s the flight or its perturbed solution is at a pole or has left the Earth", t),
+                "give a shorter time or smaller initial errors");
         sample(t);
     }
     return out;

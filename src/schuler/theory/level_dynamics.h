@@ -1,5 +1,5 @@
-// Error dynamics of a strapdown INS in the local level after paper A, corrected, and the pendulum it contains. Derived without the
-// filters' models: the other side of their tests.
+// Error dynamics of a strapdown INS in the local level after paper A, corrected, and the pendulum it contains. Derived without
+// the filters' models: the other side of their tests.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -9,8 +9,8 @@
 
 namespace schuler::theory {
 
-/// Errors (estimate minus truth) of paper A's order with angles instead of metres: longitude, latitude (rad), height (m), velocity
-/// east, north, up (m/s), attitude about east, north, up (rad): C_est = (I - [alpha x]) C.
+/// Errors (estimate minus truth) of paper A's order with angles instead of metres: longitude, latitude (rad), height (m),
+/// velocity east, north, up (m/s), attitude about east, north, up (rad): C_est = (I - [alpha x]) C.
 enum LevelError { d_lon = 0, d_lat = 1, d_h = 2, d_ve = 3, d_vn = 4, d_vu = 5, a_e = 6, a_n = 7, a_u = 8 };
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
@@ -22,7 +22,8 @@ using Matrix9 = Eigen::Matrix<double, 9, 9>;
                                            const Eigen::Vector3d& f_enu);
 
 /// Specific force (east, north, up) that keeps the velocity constant, m/s^2.
-[[nodiscard]] Eigen::Vector3d steady_level_force(const earth::Earth& earth, const Geodetic& position, const Eigen::Vector3d& v_enu);
+[[nodiscard]] Eigen::Vector3d steady_level_force(const earth::Earth& earth, const Geodetic& position,
+                                                 const Eigen::Vector3d& v_enu);
 
 /// One horizontal channel at rest on a sphere: paper A, (1.4.4) to (1.4.7). Metres.
 struct Pendulum {

@@ -30,7 +30,8 @@ struct LoopGains {
     double k1 = 0.0, k2 = 0.0, k3 = 0.0;
 };
 
-/// Gains that make s^2 + k1 s + (k2 - c) or s^3 + k1 s^2 + (k2 - c) s + k3 a Butterworth polynomial of 1/tau; c: instability, 1/s^2.
+/// Gains that make s^2 + k1 s + (k2 - c) or s^3 + k1 s^2 + (k2 - c) s + k3 a Butterworth polynomial of 1/tau; c: instability,
+/// 1/s^2.
 LoopGains gains(VerticalChannel channel, double tau, double c) {
     switch (channel) {
         case VerticalChannel::Fixed:
@@ -65,9 +66,11 @@ void check(const LevelFlight& f, const Vector9& x, const ConstantErrors& c) {
     if (!(std::abs(f.position.lat) <= 89.9 * units::deg) || !std::isfinite(f.position.lon))
         refuse("latitude-deg", "the local level has no north here", "give a latitude within 89.9 deg");
     if (!(f.position.h >= -500.0 && f.position.h <= 1e6))
-        refuse("height", f.position.h < 0.0 ? "under the ground, where the gravity model does not hold" : "the height is out of range",
+        refuse("height",
+               f.position.h < 0.0 ? "under the ground, where the gravity model does not hold" : "the height is out of range",
                "give -500 m to 1000 km");
-    if (!f.v_enu.allFinite() || f.v_enu.norm() > 2e4) refuse("ve, --vn, --vh", "the velocity is out of range", "give up to 20 km/s");
+    if (!f.v_enu.allFinite() || f.v_enu.norm() > 2e4)
+        refuse("ve, --vn, --vh", "the velocity is out of range", "give up to 20 km/s");
     if (!x.allFinite() || !c.gyro.allFinite() || !c.accel.allFinite() || !std::isfinite(c.baro))
         refuse("", "an error is not a finite number", "give numbers");
     if (!(f.time_constant > 0.0) || !std::isfinite(f.time_constant))
@@ -87,7 +90,8 @@ VerticalChannel vertical_channel_from_name(const std::string& name) {
                                                                             {"third", VerticalChannel::ThirdOrder}}};
     for (const auto& [text, value] : known)
         if (name == text) return value;
-    throw input_error(fmt::format("unknown vertical channel \"{}\"", name), {{}, 0, 0, "vertical"}, "use fixed, free, second or third");
+    throw input_error(fmt::format("unknown vertical channel \"{}\"", name), {{}, 0, 0, "vertical"},
+                      "use fixed, free, second or third");
 }
 
 LevelAnalysis::LevelAnalysis(const LevelFlight& flight, const Vector9& initial, const ConstantErrors& constant)
@@ -215,7 +219,8 @@ ModalAnalysis LevelAnalysis::modes() const {
 
     const auto spread = [&](const auto& values) {  // of the moving states, in SI
         Vector10 out = Vector10::Zero();
-        for (Eigen::Index i = 0; i < n; ++i) out(states[static_cast<std::size_t>(i)]) = std::abs(values(i)) * scale(states[static_cast<std::size_t>(i)]);
+        for (Eigen::Index i = 0; i < n; ++i)
+            out(states[static_cast<std::size_t>(i)]) = std::abs(values(i)) * scale(states[static_cast<std::size_t>(i)]);
         return out;
     };
     ModalAnalysis out;
@@ -248,7 +253,8 @@ ModalAnalysis LevelAnalysis::modes() const {
     std::ranges::reverse(out.modes);
 
     Vector10 offset = Vector10::Zero();
-    for (Eigen::Index i = 0; i < n; ++i) offset(states[static_cast<std::size_t>(i)]) = parts.constant(i) * scale(states[static_cast<std::size_t>(i)]);
+    for (Eigen::Index i = 0; i < n; ++i)
+        offset(states[static_cast<std::size_t>(i)]) = parts.constant(i) * scale(states[static_cast<std::size_t>(i)]);
     out.offset = in_metres(offset);
     out.drift = Vector9::Zero();
     out.drift(d_lon) = east_ * lon_row.dot(parts.constant);

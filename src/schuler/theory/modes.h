@@ -1,5 +1,5 @@
-// The natural motions of a strapdown INS's errors at any state: Schuler, Foucault, 24-hour and vertical modes, what excites them, and
-// what a barometer loop does to the vertical one.
+// The natural motions of a strapdown INS's errors at any state: Schuler, Foucault, 24-hour and vertical modes, what excites them,
+// and what a barometer loop does to the vertical one.
 #pragma once
 
 #include "schuler/theory/level_dynamics.h"
@@ -11,8 +11,8 @@
 namespace schuler::theory {
 
 /// What becomes of the height. The poles of the loops lie on a circle of 1/time_constant (Butterworth; the coupling to the
-/// horizontal channels moves them by 1e-4 of that). Second order: dh' = dv_u - k1 (dh - baro), dv_u' = ... - k2 (dh - baro); third order: the integral of the height
-/// difference as well, so that a constant accelerometer error leaves no height error.
+/// horizontal channels moves them by 1e-4 of that). Second order: dh' = dv_u - k1 (dh - baro), dv_u' = ... - k2 (dh - baro);
+/// third order: the integral of the height difference as well, so that a constant accelerometer error leaves no height error.
 enum class VerticalChannel { Fixed, Free, SecondOrder, ThirdOrder };
 
 /// "fixed", "free", "second", "third". @throws Error(Input) naming them.

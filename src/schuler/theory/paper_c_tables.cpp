@@ -75,7 +75,9 @@ std::string unit_of(const Cell& c) {
 
 std::string quantity_of(const Cell& c) {
     const std::string name = error_names[c.error];
-    return c.kind == V ? fmt::format("{}({:.0f} s)", name, paper_time) : c.kind == A ? "amplitude of " + name : "phase of " + name;
+    return c.kind == V   ? fmt::format("{}({:.0f} s)", name, paper_time)
+           : c.kind == A ? "amplitude of " + name
+                         : "phase of " + name;
 }
 
 double printed_phase(const char* text) { return std::string_view(text) == "0" ? 0.0 : 0.5 * std::numbers::pi; }
@@ -109,7 +111,8 @@ PaperEntry entry_of(const Cell& c, const PaperVehicle& vehicle) {
     if (is_angle(c.error) && c.unit == Met) e.right *= flight.constants().R;
     const bool by_size = c.kind == A || (is_angle(c.error) && c.unit == Met);
     const PrintedNumber n = printed_number(c.printed);
-    e.agrees = by_size ? std::abs(std::abs(n.value) - std::abs(e.right)) <= n.half_unit * (1.0 + 1e-9) : within_digits(c.printed, e.right);
+    e.agrees = by_size ? std::abs(std::abs(n.value) - std::abs(e.right)) <= n.half_unit * (1.0 + 1e-9)
+                       : within_digits(c.printed, e.right);
     if (c.kind == A && n.value < 0.0) e.remark = signed_amplitude;
     return e;
 }

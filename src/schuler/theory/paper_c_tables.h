@@ -31,11 +31,12 @@ struct PaperEntry {
     std::string remark;   ///< what is off, or how to read it
 };
 
-/// Table 1, the roots and periods, and tables 2 and 3 except their zeros and dashes (zero by structure). Amplitudes are positive on
-/// the right; the paper's negative ones with a phase shifted by pi are the same oscillation and agree.
+/// Table 1, the roots and periods, and tables 2 and 3 except their zeros and dashes (zero by structure). Amplitudes are positive
+/// on the right; the paper's negative ones with a phase shifted by pi are the same oscillation and agree.
 [[nodiscard]] std::vector<PaperEntry> paper_tables();
 
-/// Half a unit of the last printed digit of a number such as "-1.2e-3", and its value. @throws Error(Input) where it is no number.
+/// Half a unit of the last printed digit of a number such as "-1.2e-3", and its value.
+/// @throws Error(Input) where it is no number.
 struct PrintedNumber {
     double value, half_unit;
 };
