@@ -2,6 +2,7 @@
 #include "options.h"
 #include "progress.h"
 
+#include "schuler/app/analyze.h"
 #include "schuler/app/commands.h"
 #include "schuler/core/error.h"
 
@@ -54,7 +55,22 @@ void show(const app::Outcome& out, const cli::Options& options) {
     if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", out.folder.string());
 }
 
+app::Outcome analyze(const cli::Options& o) {
+    if (o.command == "analyze schuler") {
+        app::SchulerRequest request = o.schuler;
+        request.output = o.output;
+        request.version = SCHULER_VERSION;
+        return app::analyze_schuler(request);
+    }
+    app::EquatorRequest request = o.equator;
+    if (o.misalignment.size() == 3) request.misalignment = Eigen::Vector3d::Map(o.misalignment.data());
+    request.output = o.output;
+    request.version = SCHULER_VERSION;
+    return app::analyze_equator(request);
+}
+
 app::Outcome perform(const cli::Options& o) {
+    if (o.command.starts_with("analyze")) return analyze(o);
     app::ProcessRequest request;
     request.input = o.input;
     request.output = o.output;

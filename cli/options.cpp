@@ -40,7 +40,10 @@ void add_processing(CLI::App& app, Options& o) {
 CLI::App* add_command(CLI::App& parser, Options& o, const std::string& name, const std::string& purpose,
                       const std::string& examples) {
     CLI::App* app = parser.add_subcommand(name, purpose);
-    app->callback([&o, name] { o.command = name; });
+    const std::string command = parser.get_parent() == nullptr ? name : parser.get_name() + " " + name;
+    app->callback([&o, command] {
+        if (o.command.empty()) o.command = command;  // a study's callback runs before that of `analyze`
+    });
     app->footer("Examples:\n" + examples);
     add_everywhere(*app, o);
     return app;
@@ -142,6 +145,8 @@ void add_commands(CLI::App& parser, Options& o) {
         "Exit status: 0 done, 1 the computation failed, 2 the input or the command line is unusable.");
     add_data_commands(parser, o);
     add_file_commands(parser, o);
+    add_analyze_command(parser, o, [&o](CLI::App& parent, const std::string& name, const std::string& purpose,
+                                        const std::string& examples) { return add_command(parent, o, name, purpose, examples); });
 }
 
 app::SettingList settings_of(const Options& o) {
@@ -181,7 +186,11 @@ app::SettingList settings_of(const Options& o) {
 std::string command_in(int argc, char** argv, const CLI::App& parser) {
     for (int i = 1; i < argc; ++i) {
         for (const CLI::App* command : parser.get_subcommands([](const CLI::App*) { return true; })) {
-            if (command->get_name() == argv[i]) return " " + command->get_name();
+            if (command->get_name() != argv[i]) continue;
+            std::string names = " " + command->get_name();
+            for (const CLI::App* study : command->get_subcommands([](const CLI::App*) { return true; }))
+                if (i + 1 < argc && study->get_name() == argv[i + 1]) names += " " + study->get_name();
+            return names;
         }
     }
     return {};

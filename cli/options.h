@@ -1,11 +1,13 @@
 // What the command line says, and how it becomes settings of the application.
 #pragma once
 
+#include "schuler/app/analyze.h"
 #include "schuler/app/value.h"
 
 #include <CLI/CLI.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,11 +23,20 @@ struct Options {
     std::optional<std::uint64_t> seed;
     std::string topic, prefix;
     bool smooth = false, json = false, quiet = false;
+    app::EquatorRequest equator;
+    app::SchulerRequest schuler;
+    std::vector<double> misalignment;   ///< three numbers or none
     int threads = 0;                    ///< accepted everywhere; the results do not depend on it
 };
 
 /// Declares every command with its options, help and examples.
 void add_commands(CLI::App& parser, Options& options);
+
+/// How a command is declared: parent, name, purpose, examples.
+using AddCommand = std::function<CLI::App*(CLI::App&, const std::string&, const std::string&, const std::string&)>;
+
+/// `analyze` and its studies; Options::command becomes "analyze equator" and so on.
+void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& add_command);
 
 /// The options of process, run and demo as settings of the option table, each with its place on the command line.
 /// @throws Error(Input)

@@ -27,7 +27,10 @@ test=(
     chromium                        # opens the reports
     python3 python3-numpy python3-scipy
 )
-develop=(clang-format-16 clang-tidy-16)
+develop=(
+    clang-format-16 clang-tidy-16
+    python3-mpmath                  # tests/theory/make_equator_table.py
+)
 
 fail() {
     echo "packages: $*" >&2

@@ -70,7 +70,7 @@ def files_of(folder):
 def commands(program, source):
     folder = Path(program.folder)
     done = program("--help")
-    for name in ("demo", "simulate", "process", "run", "evaluate", "inspect", "convert"):
+    for name in ("demo", "simulate", "process", "run", "evaluate", "inspect", "convert", "analyze"):
         check(re.search(rf"^  {name}\b", done.stdout, re.M), f"--help does not list {name}")
         help_text = program(name, "--help").stdout
         check("Examples:" in help_text and f"schuler {name}" in help_text, f"{name} --help has no example")
@@ -206,6 +206,77 @@ def bad_input(program, source):
     program.fails("simulate", folder / "good/dataset.toml", "-o", "sim", parts=["dataset.toml:2: imu.file"])
 
 
+def analyze(program, source):
+    """The oracle as a tool: fields of the contract, the papers' tables with marks, verdicts and refusals."""
+    folder = Path(program.folder)
+    for study in ("equator", "schuler"):
+        check(f"schuler analyze {study}" in program("analyze", study, "--help").stdout, f"analyze {study} --help has examples")
+    fighter = ("analyze", "equator", "--speed", 600, "--height", 10000)
+    done = json.loads(program(*fighter, "--time", 3600, "--dh", 1, "--json").stdout)
+    fields = ["roots", "periods_s", "speed_limit_m_s", "transition", "error", "amplitude", "phase", "stable"]
+    check(all(name in done for name in fields), f"fields of analyze equator: {list(done)}")
+    for value, right in ((done["roots"]["beta3"], 0.00173228329403), (done["roots"]["omega"], 0.00123540444154),
+                         (done["roots"]["mu"], 0.00124131768527), (done["periods_s"]["mu"], 5061.70610611),
+                         (done["error"]["h"], 257.873643233), (done["error"]["lambda"], -5.1952964286e-06),
+                         (done["amplitude"]["vh"], 1.17038285816e-05), (done["phase"]["h"], -math.pi / 2)):
+        check(abs(value / right - 1) < 1e-10, f"analyze equator: {value} for {right}")
+    check(done["transition"][0][1] == 0 and done["transition"][3][3] == done["error"]["h"], "transition matrix")
+    check(done["stable"] is False and done["phase"]["phi"] is None and done["amplitude"]["phi"] == 0, "verdict and absent phase")
+    west = json.loads(program("analyze", "equator", "--speed", "-464.974", "--dve", "-0.01", "--json").stdout)
+    check(abs(west["error"]["ve"]) < 1 and west["roots"]["beta3"] > 0.0017, "no singularity where the Earth's turn is undone")
+
+    text = program("analyze", "equator", "--paper").stdout
+    marked = [line for line in text.splitlines() if line.startswith("* ")]
+    check(len(marked) == 6 and sum("ship" in line for line in marked) == 2, f"six misprints are marked: {marked}")
+    check("258" in text and "257.87364" in text and "-0.01342642" in text, "printed and right values")
+    beyond = program("analyze", "equator", "--speed", 8000)
+    check("beyond the limiting speed east (7446.95 m/s)" in beyond.stdout, "a speed beyond the limit is explained")
+    check(json.loads(program("analyze", "equator", "--speed", -9000, "--json").stdout)["roots"]["mu"] is None, "no mu beyond the limit")
+
+    text = program(*fighter, "--dh", 10, "--compare", "-o", "compared").stdout
+    check("complete" in text and "closed form" in text, "three solutions side by side")
+    page = (folder / "compared/report.html").read_text()
+    check("complete equations" in page and "closed form" in page and "<svg" in page, "plots of the comparison")
+    rows = json.loads(program(*fighter, "--dh", 10, "--compare", "-o", "compared", "--json").stdout)["compare"]
+    last = rows[-1]
+    check(abs(last["linear"]["h"] / last["analytic"]["h"] - 1) < 1e-9, "the linear equations are the closed form")
+    check(1e-6 < abs(last["nonlinear"]["h"] / last["analytic"]["h"] - 1) < 1e-2, "the complete ones nearly")
+    north = program("analyze", "equator", "--speed", 200, "--vn", 100, "--latitude-deg", 45, "--ellipsoid", "--dvn", 0.1, "--compare",
+                    "-o", "north", "--json")
+    check(json.loads(north.stdout)["compare"][-1]["analytic"] is None, "no closed form away from the equator")
+
+    tilt = json.loads(program("analyze", "schuler", "--tilt-east", "1e-3", "--time", 5064, "--json").stdout)
+    names = [mode["name"] for mode in tilt["modes"]]
+    check(names == ["Schuler, faster", "Schuler, slower", "24-hour"], f"modes {names}")
+    check(abs(tilt["largest_horizontal_m"] / 12700 - 1) < 0.002, f"a tilt of 1 mrad: {tilt['largest_horizontal_m']}")
+    check(abs(tilt["foucault"]["rad_s"] / tilt["foucault"]["expected_rad_s"] - 1) < 1e-3, "Foucault")
+    rows = json.loads(program("analyze", "schuler", "--paper", "--json").stdout)["paper"]
+    whole = [row["whole_model_m"] for row in rows]
+    for value, right in ((whole[0], 12700), (whole[3], 1353), (whole[4], 81), (whole[7], 806)):
+        check(abs(value / right - 1) < 0.002, f"paper A, section 4.1: {value} for {right}")
+    vertical = program("analyze", "schuler", "--vertical", "third", "--accel-up-ug", 50, "--ve", 250, "-o", "loop").stdout
+    check("barometer loop" in vertical and (folder / "loop/report.html").is_file(), "barometer loop, with a report")
+
+    for arguments, parts in {
+        ("equator", "--height", "-5000"): ["--height", "under the ground"],
+        ("equator", "--speed", "nan"): ["--speed", "finite"],
+        ("equator", "--dlambda", "inf"): ["--dlambda"],
+        ("equator", "--time", "1e9"): ["--time", "shorter"],
+        ("equator", "--vn", "5"): ["--compare"],
+        ("equator", "--compare"): ["--compare", "--dh"],
+        ("equator", "--misalignment", "1"): ["--misalignment", "analyze equator --help"],
+        ("schuler", "--latitude-deg", "90"): ["--latitude-deg"],
+        ("schuler", "--dh", "1"): ["--vertical", "second"],
+        ("schuler", "--vertical", "fourth"): ["--vertical", "third"],
+        ("schuler", "--gyro-up-deg-h", "nan"): ["--gyro-up-deg-h"],
+        ("pole",): ["analyze --help"],
+        (): ["analyze --help"],
+    }.items():
+        program.fails("analyze", *arguments, parts=parts)
+    program.fails(*fighter, "--dh", "-1e5", "--time", 7200, "--compare", "-o", "fall", status=1, parts=["left the Earth"])
+    check(not (folder / "fall").exists(), "a failed comparison leaves nothing")
+
+
 def determinism(program, source):
     folder = Path(program.folder)
     (folder / "small.toml").write_text(DRIVE)
@@ -252,7 +323,7 @@ def real_data(program, source):
 
 
 def main():
-    topics = {"commands": commands, "bad_input": bad_input, "determinism": determinism, "real_data": real_data}
+    topics = {"commands": commands, "bad_input": bad_input, "analyze": analyze, "determinism": determinism, "real_data": real_data}
     parser = argparse.ArgumentParser()
     parser.add_argument("topic", choices=topics)
     parser.add_argument("--program", required=True)

@@ -227,7 +227,40 @@ def jacobians(root):
     return found
 
 
-RULES = {rule.__name__: rule for rule in (rooms, third_party, silence, citations, documents, frames, length, jacobians)}
+def error_models(root):
+    """Every filter's error dynamics stand before their oracles: SCHULER_ERROR_MODEL(ID, "ROOM.MODEL.FUNCTION...", TYPE)."""
+    registered = set()
+    for path in files(root, "tests"):
+        for name in re.findall(r'\bSCHULER_ERROR_MODEL\(\s*\w+\s*,\s*"([^"]+)"', bare(path.read_text(encoding="utf-8"), strings=True)):
+            registered.update(name.split("."))
+    needed = {}
+    for path in files(root, "src/schuler", suffixes=(".h",)):
+        text = bare(path.read_text(encoding="utf-8"))
+        for match in re.finditer(r"\bErrorDynamics\s+(\w+)\s*\(", text):
+            policies = re.findall(r"\b(?:struct|class)\s+(\w+)[^;{]*\{", text[:match.start()]) if match.group(1) == "dynamics" else []
+            name = policies[-1] if policies else match.group(1)
+            needed.setdefault(name, f"{path.relative_to(root)}:{text.count(chr(10), 0, match.start()) + 1}")
+    listed = {}
+    for number, line in lines(root / "tests/house/filters.txt"):
+        words = line.split("#")[0].split()
+        if words:
+            listed[words[0]] = number
+            needed.update({model: f"tests/house/filters.txt:{number}" for model in words[1:] if model not in needed})
+    found = []
+    for path in files(root, "src/schuler"):
+        name = path.relative_to(root).as_posix()
+        if re.search(r"\bestim::propagate\b", bare(path.read_text(encoding="utf-8"))) and name not in listed:
+            found.append(f"{name}:1: propagates a covariance and is not in tests/house/filters.txt")
+    for name, number in listed.items():
+        if not (root / name).is_file():
+            found.append(f"tests/house/filters.txt:{number}: there is no {name}")
+    for name, place in sorted(needed.items()):
+        if name not in registered:
+            found.append(f"{place}: {name} is not registered with SCHULER_ERROR_MODEL in any test")
+    return found
+
+
+RULES = {rule.__name__: rule for rule in (rooms, third_party, silence, citations, documents, frames, length, jacobians, error_models)}
 
 if __name__ == "__main__":
     if len(sys.argv) != 3 or sys.argv[1] not in RULES:

@@ -21,7 +21,11 @@ GOOD = {
     "src/schuler/math/b.cpp": "#include <kissfft.hh>\nconst char* text = \"exit(1) // C_xy\"; int i = thread.exit() + on_exit(1);\n",
     "src/schuler/math/detail/c.h": "#pragma once\n",
     "cli/main.cpp": "#include \"schuler/core/a.h\"\n#include <CLI/CLI.hpp>\n#include <cstdio>\nint main() { std::printf(\"x\"); }\n",
-    "tests/house/jacobians.txt": "# comment\nresult ErrorDynamics\nfunction a\nexcept error_by_name\n",
+    "tests/house/jacobians.txt": "# comment\nresult ErrorDynamics\nfunction a\nexcept error_by_name\nexcept dynamics\n",
+    "src/schuler/math/filter.cpp": "void f() { estim::propagate<16>(P); }\n",
+    "src/schuler/math/frame.h": "struct LevelFrame {\n    static ErrorDynamics dynamics(int x);\n};\n",
+    "tests/house/filters.txt": "# comment\nsrc/schuler/math/filter.cpp LevelFrame\n",
+    "tests/math/filters_test.cpp": "SCHULER_ERROR_MODEL(A, \"math.LevelFrame.error_b.error_by_name\", LevelFrame)\n",
     "tests/math/b_test.cpp": "#include \"support/perturbation.h\"\nSCHULER_JACOBIAN(error_b, \"math.error_b\") {}\nSCHULER_JACOBIAN(other, \"a.at_rest\") {}\n",
 }
 
@@ -54,6 +58,12 @@ BAD = [
     ("jacobians", "tests/math/b_test.cpp", "math.error_b", "math.b", "error_b is not registered"),
     ("jacobians", "tests/math/b_test.cpp", "SCHULER_JACOBIAN(other", "// SCHULER_JACOBIAN(other", "a is not registered"),
     ("jacobians", "tests/house/jacobians.txt", "", "function gone\n", "gone is not in src"),
+    ("error_models", "src/schuler/math/b.h", "", "ErrorDynamics error_c(int x);\n", "error_c is not registered"),
+    ("error_models", "tests/math/filters_test.cpp", "LevelFrame.", "", "LevelFrame is not registered"),
+    ("error_models", "tests/math/filters_test.cpp", "SCHULER", "// SCHULER", "error_b is not registered"),
+    ("error_models", "src/schuler/math/b.cpp", "", "estim::propagate<24>(P);\n", "math/b.cpp:1: propagates a covariance"),
+    ("error_models", "tests/house/filters.txt", "LevelFrame", "LevelFrame OtherFrame", "OtherFrame is not registered"),
+    ("error_models", "tests/house/filters.txt", "", "src/gone.cpp A\n", "there is no src/gone.cpp"),
 ]
 
 

@@ -1,0 +1,91 @@
+// The command `analyze` with its studies.
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <array>
+
+namespace schuler::cli {
+namespace {
+
+/// Three numbers of a vector, one option each.
+void add_vector(CLI::App& app, Eigen::Vector3d& target, const std::array<const char*, 3>& names, const char* what,
+                const char* unit) {
+    constexpr std::array axes{"east", "north", "up"};
+    for (std::size_t i = 0; i < 3; ++i)
+        app.add_option(names[i], target[static_cast<Eigen::Index>(i)], std::string(what) + axes[i])->type_name(unit);
+}
+
+void add_equator(CLI::App& analyze, Options& o, const AddCommand& add_command) {
+    CLI::App* app = add_command(
+        analyze, "equator", "errors of an INS that follows the equator, in closed form (paper C, corrected)",
+        "  schuler analyze equator --speed 600 --height 10000 --time 3600 --dh 1\n"
+        "  schuler analyze equator --paper                          the paper's tables, its misprints marked\n"
+        "  schuler analyze equator --speed 600 --height 10000 --time 7200 --dvn 0.01 --dh 1 --dphi 1.57e-7 --json\n"
+        "  schuler analyze equator --speed 250 --dh 100 --compare -o out/equator     complete, linear and closed side by side\n"
+        "  schuler analyze equator --speed 200 --vn 100 --latitude-deg 45 --dvn 0.1 --compare --ellipsoid\n"
+        "  schuler analyze equator --speed 8000                     beyond the limiting speed\n"
+        "Errors are estimate minus truth. Exit status 0 also where the flight is unstable: the verdict says it.");
+    app::EquatorRequest& r = o.equator;
+    app->add_option("--speed", r.speed, "east velocity over the Earth, default 0")->type_name("M_S");
+    app->add_option("--height", r.height, "default 0")->type_name("M");
+    app->add_option("--time", r.time, "when the errors are asked for, default 3600")->type_name("S");
+    constexpr std::array names{"--dvn", "--dvh", "--dve", "--dh", "--dphi", "--dlambda"};
+    constexpr std::array what{"north velocity", "up velocity", "east velocity", "height", "latitude", "longitude"};
+    constexpr std::array unit{"M_S", "M_S", "M_S", "M", "RAD", "RAD"};
+    for (std::size_t i = 0; i < 6; ++i)
+        app->add_option(names[i], r.errors[static_cast<Eigen::Index>(i)], std::string("initial error of ") + what[i])
+            ->type_name(unit[i]);
+    app->add_option("--misalignment", o.misalignment, "initial attitude error about the pole, the start's meridian, east of it")
+        ->expected(3)
+        ->type_name("RAD");
+    app->add_flag("--paper", r.paper, "tables 1 to 3 of the paper: printed, right, marked where off");
+    app->add_flag("--compare", r.compare, "integrate the complete and the linear equations too; writes a report with plots");
+    app->add_option("--latitude-deg", r.latitude_deg, "of a comparison away from the equator")->type_name("DEG");
+    app->add_option("--vn", r.north_speed, "north velocity of a comparison")->type_name("M_S");
+    app->add_option("--vh", r.up_speed, "up velocity of a comparison")->type_name("M_S");
+    app->add_flag("--ellipsoid", r.ellipsoid, "a comparison with the paper's e^2 instead of a sphere");
+    app->add_option("-o,--output", o.output, "folder of the comparison's report (default out/equator)")->type_name("DIR");
+    app->add_flag("--json", o.json, "one JSON document");
+}
+
+void add_schuler(CLI::App& analyze, Options& o, const AddCommand& add_command) {
+    CLI::App* app = add_command(
+        analyze, "schuler", "Schuler, Foucault, 24-hour and vertical modes of an INS's errors at any place and velocity",
+        "  schuler analyze schuler --tilt-east 1e-3 --time 5064      a pendulum of 84.4 minutes\n"
+        "  schuler analyze schuler --gyro-north-deg-h 0.01 --time 3600 -o out/drift\n"
+        "  schuler analyze schuler --paper                          the cases of paper A, section 4.1, with the right numbers\n"
+        "  schuler analyze schuler --ve 250 --height 10000 --vertical third --accel-up-ug 50\n"
+        "Errors are estimate minus truth; errors of instruments are measured minus true, in east-north-up.");
+    app::SchulerRequest& r = o.schuler;
+    app->add_option("--latitude-deg", r.latitude_deg, "default 50.45")->type_name("DEG");
+    app->add_option("--height", r.height, "default 0")->type_name("M");
+    add_vector(*app, r.v_enu, {"--ve", "--vn", "--vh"}, "velocity over the Earth, ", "M_S");
+    app->add_option("--time", r.time, "errors are followed up to here, default 3600")->type_name("S");
+    add_vector(*app, r.position, {"--de", "--dn", "--dh"}, "initial error of position, ", "M");
+    add_vector(*app, r.velocity, {"--dve", "--dvn", "--dvh"}, "initial error of velocity, ", "M_S");
+    add_vector(*app, r.attitude, {"--tilt-east", "--tilt-north", "--azimuth"}, "initial attitude error about ", "RAD");
+    add_vector(*app, r.gyro_deg_h, {"--gyro-east-deg-h", "--gyro-north-deg-h", "--gyro-up-deg-h"}, "constant drift about ",
+               "DEG_H");
+    add_vector(*app, r.accel_ug, {"--accel-east-ug", "--accel-north-ug", "--accel-up-ug"}, "constant accelerometer error ", "UG");
+    app->add_option("--vertical", r.vertical, "height: fixed (default), free, or a barometer loop: second, third")
+        ->type_name("KIND");
+    app->add_option("--baro-time", r.baro_time, "time constant of the loop, default 100")->type_name("S");
+    app->add_option("--baro", r.baro, "constant error of the barometer")->type_name("M");
+    app->add_flag("--paper", r.paper, "cases of paper A, section 4.1");
+    app->add_option("-o,--output", o.output, "folder of a report with plots (default: none)")->type_name("DIR");
+    app->add_flag("--json", o.json, "one JSON document");
+}
+
+}  // namespace
+
+void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_command) {
+    CLI::App* analyze = add_command(parser, "analyze", "theory as a tool: closed error solutions and modes",
+                                    "  schuler analyze equator --paper\n  schuler analyze schuler --tilt-east 1e-3 --time 5064\n"
+                                    "`schuler analyze STUDY --help` tells the options of a study.");
+    analyze->require_subcommand(1);
+    add_equator(*analyze, o, add_command);
+    add_schuler(*analyze, o, add_command);
+}
+
+}  // namespace schuler::cli
