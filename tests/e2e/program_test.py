@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -53,7 +54,6 @@ standstill_s = 20
 [imu]
 rate_hz = 50
 grade = "tactical"
-misalignment_arcsec = 0
 [gnss]
 rate_hz = 1
 receiver = "rtk"
@@ -318,8 +318,38 @@ def real_data(program, source):
     print(f"drive_0708, six outages of 15 s: {forward:.2f} m at the end forward, {smoothed:.3f} m at most smoothed")
     check(len(summary["outages"]) == 6, "six outages")
     check(forward < 4.0, f"forward {forward:.2f} m")
-    check(all(row["inside_3sigma"] for row in summary["outages_forward"] + summary["outages"]), "inside three sigma in every outage")
+    inside = all(row["inside_3sigma"] for row in summary["outages_forward"] + summary["outages"])
+    check(inside, "inside three sigma in every outage")
     check(smoothed < 0.25, f"smoothed {smoothed:.3f} m")
+
+    for name in ("quad_apm_106", "quad_apm_flow"):
+        done = program("process", data / name, "-o", name, "--json", "--outputs", "summary")
+        summary = json.loads(done.stdout)
+        tilt = [summary["errors"]["attitude_deg"][axis]["rms"] for axis in ("roll", "pitch")]
+        print(f"{name}: roll {tilt[0]:.2f}, pitch {tilt[1]:.2f} deg RMS against the autopilot")
+        check(max(tilt) < 1.5, f"{name} tilt {tilt}")
+        for channel in ("gnss_position", "gnss_velocity", "mag"):
+            nis = summary["consistency"]["nis"][channel]
+            check(0.3 < nis["mean"] / nis["dof"] < 2.0, f"{name} {channel} NIS {nis}")
+            check(abs(nis["lag1"]) < 0.5, f"{name} {channel} innovations are correlated: {nis}")
+
+    # NaveGo's own filter on the same data, starting from the same attitude.
+    navego = {"imu1": ((1.005, 0.276, 8.73), (0.117, 0.206, 0.169)), "imu2": ((0.050, 0.097, 0.813), (0.037, 0.034, 0.075))}
+    for imu, (attitude, velocity) in navego.items():
+        folder = Path(program.folder) / f"navego_{imu}"
+        folder.mkdir()
+        shutil.copy(data / "navego_synth/gnss.csv", folder / "gnss.csv")
+        shutil.copy(data / "navego_synth/reference.csv", folder / "reference.csv")
+        shutil.copy(data / f"navego_synth/{imu}.csv", folder / "imu.csv")
+        start = {"roll": 0, "pitch": 0, "heading": -15, "std_roll": 0.1, "std_pitch": 0.1, "std_heading": 1}
+        given = [word for key, value in start.items() for word in ("--set", f"initial.{key}_deg={value}")]
+        done = program("process", folder, "-o", folder / "out", "--settle", "0", "--json", "--outputs", "summary", *given)
+        errors = json.loads(done.stdout)["errors"]
+        got = [[errors[group][axis]["rms"] for axis in axes] for group, axes in
+               (("attitude_deg", ("roll", "pitch", "heading")), ("velocity_m_s", ("north", "east", "up")))]
+        print(f"NaveGo's {imu}: {got}")
+        for ours, theirs in zip(got[0] + got[1], attitude + velocity):
+            check(ours < 1.05 * theirs, f"{imu}: {ours} where NaveGo has {theirs}")
 
 
 def main():

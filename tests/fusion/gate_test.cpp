@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace schuler::fusion {
@@ -92,6 +93,13 @@ TEST(Gate, WanderingFixesNeverRecover) {
     EXPECT_LT(first_recovery(0.0, 1.0, 3000, anywhere), 0.0);
     const auto sides = [](double t) { return Vector3d(static_cast<long>(t) % 2 == 0 ? 30.0 : -30.0, 0.0, 0.0); };
     EXPECT_LT(first_recovery(0.0, 1.0, 3000, sides), 0.0);
+}
+
+// An estimate that an outlier captured runs away with a velocity that its covariance does not know.
+TEST(Gate, ASteadyDriftAgreesWithItself) {
+    EXPECT_DOUBLE_EQ(first_recovery(0.0, 1.0, 300, [](double t) { return Vector3d(50.0 + 15.0 * t, 20.0 - 9.0 * t, 0.0); }), 10.0);
+    // ... but not one that changes its mind.
+    EXPECT_LT(first_recovery(0.0, 1.0, 300, [](double t) { return Vector3d(400.0 * std::sin(t), 400.0 * std::cos(2.2 * t), 0.0); }), 0.0);
 }
 
 TEST(Gate, DriftOfTheEstimateExcusesAChange) {

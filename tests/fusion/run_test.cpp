@@ -193,6 +193,21 @@ TEST(Run, ClusterAfterAnOutageDoesNotCaptureTheFilter) {
     }
 }
 
+// Heights with an age of their own are measurements of their own: good ones must not keep the filter from a position that is right.
+TEST(Run, AGoodHeightDoesNotExcuseABadPosition) {
+    Drive d = drive(12);
+    d.settings.gnss.height_latency = 0.02;
+    for (GnssFix& fix : d.recording.gnss) {
+        if ((fix.time - d.scenario.origin).seconds() > 100.0)
+            fix.position = earth::moved_by_ned(d.settings.earth, fix.position, Vector3d(30.0, -20.0, 0.0));
+        fix.velocity_n.setConstant(not_given);
+    }
+    const Result r = fuse(d.recording, d.settings);
+    const auto e = errors(d.settings, r.forward.rows, d.recording);
+    EXPECT_NEAR(e.back().position.head<2>().norm(), std::hypot(30.0, 20.0), 1.0);   // the shift is the receiver's truth
+    EXPECT_LT(r.counters.gnss_rejected, 15u);
+}
+
 TEST(Run, OutageTableIsAtTheAntenna) {
     Drive d = drive(8);
     d.settings.outages = {{60.0, 30.0}};

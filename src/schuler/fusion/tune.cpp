@@ -128,6 +128,8 @@ std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& 
 
 namespace {
 
+constexpr double wander_time = 60.0;   // s, of a receiver's slow position error: filters inside, ionosphere, multipath
+
 /// A positive setting searched on a logarithmic scale about its value before tuning; NaN-free and remembered between rounds.
 struct LogKnob {
     std::function<void(Settings&, double)> apply;   ///< sets the setting to its first value times exp(x)
@@ -148,6 +150,13 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
         knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
                          -4.0, 1.2});
         knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); }, -4.0, 1.2});
+    }
+    if (g.estimate_std && missing.position && g.correlated_std == 0.0) {
+        // A receiver that does not say how good it is mostly wanders: innovations that look alike tell.
+        knobs.push_back({[](Settings& s, double x) {
+                             s.gnss.correlated_std = 0.5 * std::exp(x);
+                             s.gnss.correlated_time = wander_time;
+                         }, -3.0, 0.0});
     }
     if (g.estimate_std && missing.velocity && has_velocity) {
         knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>(); },
@@ -189,7 +198,7 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
         apply(settings, best);
         return best;
     };
-    for (int round = 0; round < (knobs.empty() ? 1 : 2); ++round) {
+    for (int round = 0; round < (knobs.empty() ? 1 : 3); ++round) {
         for (LogKnob& k : knobs)
             k.x = round == 0 ? search(k.apply, k.low, k.high, 5, 1, k.surroundings)
                              : search(k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings);
