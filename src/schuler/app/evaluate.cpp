@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace schuler::app {
 namespace {
@@ -22,11 +23,28 @@ bool has_position(const std::vector<ReferenceSample>& reference) {
     return std::ranges::any_of(reference, [](const ReferenceSample& s) { return s.position.lat == s.position.lat; });
 }
 
+/// Does the reference lie where the fixes lie? An autopilot's own estimate may count its heights from elsewhere: then the withheld
+/// fixes are what an outage is judged by.
+bool among_the_fixes(const LoadedDataset& data, const std::vector<ReferenceSample>& reference) {
+    constexpr double far = 10.0;   // m, median
+    std::vector<double> distance;
+    for (const GnssFix& fix : data.recording.gnss) {
+        const auto next = std::ranges::lower_bound(reference, fix.time, {}, &ReferenceSample::time);
+        if (next == reference.end() || (next->time - fix.time).seconds() > 0.5) continue;
+        const Eigen::Vector3d d = earth::ned_difference(data.config.filter.earth, next->position, fix.position);
+        if (std::isfinite(d.z())) distance.push_back(std::abs(d.z()));
+    }
+    if (distance.empty()) return true;
+    const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
+    std::ranges::nth_element(distance, middle);
+    return *middle < far;
+}
+
 /// The outages of a trajectory against the reference, or against the withheld fixes at the antenna.
 std::vector<analysis::OutageStatistics> outages_of(const LoadedDataset& data, const std::vector<ReferenceSample>& reference,
                                                    const fusion::Trajectory& trajectory, bool jumps) {
     std::vector<analysis::OutageStatistics> out;
-    const bool by_reference = has_position(reference);
+    const bool by_reference = has_position(reference) && (data.true_reference || among_the_fixes(data, reference));
     const auto& outages = data.config.filter.outages;
     for (std::size_t k = 0; k < outages.size(); ++k) {
         const analysis::OutageSpan span = span_of(outages[k], data.origin);
