@@ -50,9 +50,11 @@ Config config_from(const SettingList& settings) {
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
     config.filter.aids.nonholonomic = *config.nonholonomic;
-    config.filter.scale_factors = config.scale_factors.value_or(false);
+    config.scale_factors = config.scale_factors.value_or(false);
+    config.filter.scale_factors = *config.scale_factors;
     // turning on the road about one axis only, a cross-axis gyro looks like a tilt that grows with every bend
-    config.filter.misalignments = config.misalignments.value_or(wheeled);
+    config.misalignments = config.misalignments.value_or(wheeled);
+    config.filter.misalignments = *config.misalignments;
     return config;
 }
 
