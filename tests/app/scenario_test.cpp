@@ -2,6 +2,8 @@
 #include "schuler/app/dataset.h"
 #include "schuler/app/toml_file.h"
 
+#include "support/temporary_folder.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -12,6 +14,7 @@ namespace schuler::app {
 namespace {
 
 namespace fs = std::filesystem;
+using test::TemporaryFolder;
 
 ScenarioConfig parse(const std::string& text) {
     return scenario_from(scenario_table().read(parse_toml(text, "s.toml"), "s.toml"));
@@ -25,20 +28,6 @@ std::string message_of(const std::string& text) {
     }
     return "no error";
 }
-
-class TemporaryFolder {
-public:
-    explicit TemporaryFolder(const std::string& name) : path_(fs::path(testing::TempDir()) / ("schuler_app_" + name)) {
-        fs::remove_all(path_);
-    }
-    ~TemporaryFolder() { fs::remove_all(path_); }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    [[nodiscard]] const fs::path& path() const { return path_; }
-
-private:
-    fs::path path_;
-};
 
 constexpr const char* small_drive =
     "name = \"small\"\nseed = 5\nduration_s = 20\n[trajectory]\ntype = \"car\"\nstart = { lat_deg = -33.2, lon_deg = 151.7, "

@@ -3,16 +3,16 @@
 
 #include "schuler/core/error.h"
 
-#include <gtest/gtest.h>
+#include "support/temporary_folder.h"
 
-#include <unistd.h>
+#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <initializer_list>
-#include <sstream>
+#include <optional>
 #include <string>
 
 namespace schuler::io::test {
@@ -21,25 +21,19 @@ class IoTest : public testing::Test {
 protected:
     void SetUp() override {
         const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = std::filesystem::temp_directory_path() /
-                  ("schuler_io_" + std::to_string(getpid()) + "_" + info->test_suite_name() + "_" + info->name());
-        std::filesystem::create_directories(folder_);
+        folder_.emplace(std::string(info->test_suite_name()) + "_" + info->name());
     }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
+    void TearDown() override { folder_.reset(); }
 
     std::filesystem::path write(const std::string& name, const std::string& content) const {
-        std::ofstream(folder_ / name, std::ios::binary) << content;
-        return folder_ / name;
+        std::ofstream(folder() / name, std::ios::binary) << content;
+        return folder() / name;
     }
-    [[nodiscard]] static std::string content_of(const std::filesystem::path& path) {
-        std::ostringstream text;
-        text << std::ifstream(path, std::ios::binary).rdbuf();
-        return text.str();
-    }
-    [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+    [[nodiscard]] static std::string content_of(const std::filesystem::path& path) { return schuler::test::content_of(path); }
+    [[nodiscard]] const std::filesystem::path& folder() const { return folder_->path(); }
 
 private:
-    std::filesystem::path folder_;
+    std::optional<schuler::test::TemporaryFolder> folder_;
 };
 
 /// The message of the Error that an action throws; a failure of the test if it throws none.

@@ -53,8 +53,12 @@ void write_text(const std::filesystem::path& file, const std::string& text);
 /// The first row in each period of the time axis, at `rate` Hz; 0 = all rows.
 [[nodiscard]] std::vector<SolutionRow> thinned(std::vector<SolutionRow> rows, double rate);
 
+/// @throws Error(Input) where it is neither there nor can be made.
+void make_folder(const std::filesystem::path& folder);
+
 /// Writes the outputs that the settings choose into a folder, each under its name only when complete, summary.json last.
+/// solution.csv only where it is not there already, `streamed` while the filter ran.
 /// Returns their paths. @throws Error(Input) where the folder cannot be written.
-std::vector<std::filesystem::path> write_outputs(ResultBundle& bundle, const std::filesystem::path& folder);
+std::vector<std::filesystem::path> write_outputs(ResultBundle& bundle, const std::filesystem::path& folder, bool streamed);
 
 }  // namespace schuler::app

@@ -28,17 +28,24 @@ std::vector<SolutionRow> thinned(std::vector<SolutionRow> rows, double rate) {
 
 void write_text(const std::filesystem::path& file, const std::string& text) { io::write_file(file, text); }
 
-std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::filesystem::path& folder) {
+void make_folder(const std::filesystem::path& folder) {
     std::error_code ec;
     std::filesystem::create_directories(folder, ec);
     if (ec)
         throw input_error(fmt::format("the folder cannot be made: {}", ec.message()), {folder.string(), 0, 0, {}},
                           "give another one with -o");
+}
+
+std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::filesystem::path& folder, bool streamed) {
+    make_folder(folder);
     const Config& c = b.data.config;
     const auto wanted = [&](const char* name) { return std::ranges::find(c.output.files, name) != c.output.files.end(); };
     std::vector<std::filesystem::path> written;
     const auto add = [&](const char* name) -> const std::filesystem::path& { return written.emplace_back(folder / name); };
-    if (wanted("solution")) io::write_solution_csv(add("solution.csv"), b.solution().rows);
+    if (wanted("solution")) {
+        const std::filesystem::path& file = add("solution.csv");
+        if (!streamed) io::write_solution_csv(file, b.solution().rows);
+    }
     if (wanted("h5")) write_run_h5(add("run.h5"), b);
     if (wanted("report")) io::write_file(add("report.html"), report_html(b));
     if (wanted("kml")) io::write_track_kml(add("track.kml"), b.solution().rows, b.name);

@@ -1,11 +1,13 @@
 #include "schuler/app/commands.h"
 #include "schuler/app/gnss_only.h"
+#include "schuler/app/solution_stream.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/fusion/run_loose.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 namespace schuler::app {
 namespace {
@@ -28,12 +30,22 @@ SettingList layered(const SettingList& base, const ProcessRequest& request) {
     return overlaid(std::move(all), request.above);
 }
 
-fusion::Result fused(const LoadedDataset& data, WarningLog& warnings, const std::function<void(double)>& progress) {
+/// Whether nothing but solution.csv needs the rows: it is then written while the filter runs.
+bool only_written(const LoadedDataset& data) {
+    const Config& c = data.config;
+    const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
+    const auto& files = c.output.files;
+    return c.scheme == Scheme::Loose && !c.filter.smooth && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
+           std::ranges::find(files, "solution") != files.end() && std::ranges::none_of(files, needs_rows);
+}
+
+fusion::Result fused(const LoadedDataset& data, WarningLog& warnings, const std::function<void(double)>& progress,
+                     const fusion::RowSink& rows) {
     if (data.config.scheme == Scheme::Gnss) return gnss_solution(data.recording, data.config.filter);
     fusion::Settings settings = data.config.filter;
     const bool every = !data.recording.reference.empty() && data.recording.imu.size() <= largest_full_rate;
     if (settings.output_rate > 0.0) settings.output_rate = every ? 0.0 : std::max(settings.output_rate, least_internal_rate);
-    return fusion::run_loose(data.recording, settings, warnings, progress);
+    return fusion::run_loose(data.recording, settings, warnings, progress, rows);
 }
 
 /// Simulated biases are in sensor axes, estimated ones in body axes.
@@ -52,8 +64,21 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     Config shown = bundle.data.config;
     bundle.version = request.version;
     bundle.config_toml = to_toml(config_table().used(shown), config_table().specs(), true);
+    Outcome out;
+    out.folder = request.output.empty() ? fs::path("out") / bundle.name : request.output;
+    std::optional<SolutionStream> stream;
+    fusion::RowSink sink;
+    if (only_written(bundle.data)) {
+        sink = [&](std::span<const SolutionRow> rows) {
+            if (!stream) {   // only now: a run that cannot start leaves no folder
+                make_folder(out.folder);
+                stream.emplace(out.folder / "solution.csv");
+            }
+            stream->append(rows);
+        };
+    }
     const auto filter_begin = std::chrono::steady_clock::now();
-    bundle.result = fused(bundle.data, warnings, request.progress);
+    bundle.result = fused(bundle.data, warnings, request.progress, sink);
     bundle.timing.filter_s = since(filter_begin);
     if (bundle.result.forward.rows.empty())
         throw computation_error("the filter gave no solution", "look at the warnings and at `schuler inspect`");
@@ -68,13 +93,12 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     }
     bundle.warnings = warnings.summary();
 
-    Outcome out;
-    out.folder = request.output.empty() ? fs::path("out") / bundle.name : request.output;
     const auto write_begin = std::chrono::steady_clock::now();
     // summary.json carries the time of writing the others, so it is written last
     auto& files = bundle.data.config.output.files;
     const bool summary = std::ranges::find(files, "summary") != files.end();
-    out.files = write_outputs(bundle, out.folder);
+    if (stream) stream->finish();
+    out.files = write_outputs(bundle, out.folder, stream.has_value());
     bundle.timing.write_s = since(write_begin);
     bundle.timing.read_s = bundle.data.read_seconds;
     bundle.timing.wall_s = since(begin);

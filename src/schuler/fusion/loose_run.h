@@ -24,6 +24,7 @@ struct PassOptions {
     bool smooth = false;
     std::size_t last_increment = SIZE_MAX;
     Progress progress;
+    RowSink rows;                 ///< takes the forward rows instead of the result
 };
 
 /// Runs it. The size of the filter is the smallest instantiated one that holds the layout.

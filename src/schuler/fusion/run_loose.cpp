@@ -84,7 +84,8 @@ std::size_t last_increment(const RunData& data, const Settings& settings) {
 
 }  // namespace
 
-Result run_loose(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress) {
+Result run_loose(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
+                 const RowSink& rows) {
     check_settings(given);
     check_overlap(recording, given.initial, warnings);
     Settings settings = given;
@@ -124,6 +125,7 @@ Result run_loose(const Recording& recording, const Settings& given, WarningLog& 
     options.smooth = settings.smooth;
     options.last_increment = last_increment(data, settings);
     options.progress = progress;
+    options.rows = rows;
     Result result = run_pass(data, settings, start, options);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;

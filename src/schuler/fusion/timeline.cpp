@@ -31,17 +31,10 @@ double median_step(const std::vector<ImuSample>& samples) {
 /// A step of increments longer than this times the median is a hole; coarse time stamps stay below it (2 and 3 ms for 2.5).
 constexpr double hole_factor = 1.75;
 
-/// Rates (rad/s, m/s^2) valid over the interval that ends at `end`.
-struct Interval {
-    Time end;
-    double dt;
-    Vector3d rate, force;
-};
-
-/// The interval that each sample stands for, by its kind and stamp.
-std::vector<Interval> intervals_of(const std::vector<ImuSample>& samples, const ImuSettings& settings, double median_dt,
-                                   std::size_t& duplicates) {
-    std::vector<Interval> intervals;
+/// The interval that each sample stands for, by its kind and stamp, as if what was measured had lasted all of it.
+std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, const ImuSettings& settings, double median_dt,
+                                       std::size_t& duplicates) {
+    std::vector<ImuIncrement> intervals;
     intervals.reserve(samples.size());
     const Eigen::Matrix3d C = math::dcm_from_rpy(settings.mounting_rpy) * settings.C_bs;
     const Duration nominal = Duration::from_seconds(median_dt);
@@ -66,41 +59,83 @@ std::vector<Interval> intervals_of(const std::vector<ImuSample>& samples, const 
                 d = std::min(samples[i + 1].time - s.time, Duration{3 * half.ns});
             end = s.time + d;
         }
-        const double dt = intervals.empty() ? median_dt : (end - intervals.back().end).seconds();
+        const double dt = intervals.empty() ? median_dt : (end - intervals.back().time).seconds();
         last = s.time;
         if (dt <= 0.0) {
             ++duplicates;
             continue;
         }
-        Interval v{end, dt, C * s.gyro, C * s.accel};
+        double factor = dt;
         if (settings.kind == ImuKind::Increments) {
             // An increment belongs to its own nominal interval: a longer step before it is a hole, not a slower motion.
-            const double own = dt <= hole_factor * median_dt ? dt : median_dt;
-            v.rate /= own;
-            v.force /= own;
+            factor = dt <= hole_factor * median_dt ? 1.0 : dt / median_dt;
         }
-        intervals.push_back(v);
+        intervals.push_back({end, dt, C * s.gyro * factor, C * s.accel * factor});
     }
     return intervals;
 }
 
 /// How much rate and specific force vary around a hole: root mean square about the mean over a second each side.
-BridgeNoise bridge_noise(const std::vector<Interval>& intervals, std::size_t i, double hole, double median_dt) {
+BridgeNoise bridge_noise(const std::vector<ImuIncrement>& intervals, std::size_t i, double hole, double median_dt) {
     const auto reach = static_cast<std::size_t>(std::clamp(1.0 / median_dt, 4.0, 2000.0));
     const std::size_t first = i > reach ? i - reach : 0, last = std::min(intervals.size() - 1, i + reach);
     Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();
     const auto n = static_cast<double>(last - first + 1);
     for (std::size_t k = first; k <= last; ++k) {
-        rate += intervals[k].rate / n;
-        force += intervals[k].force / n;
+        rate += intervals[k].dtheta / (intervals[k].dt * n);
+        force += intervals[k].dv / (intervals[k].dt * n);
     }
     double rate2 = 0.0, force2 = 0.0;
     for (std::size_t k = first; k <= last; ++k) {
-        rate2 += (intervals[k].rate - rate).squaredNorm() / (3.0 * n);
-        force2 += (intervals[k].force - force).squaredNorm() / (3.0 * n);
+        rate2 += (intervals[k].dtheta / intervals[k].dt - rate).squaredNorm() / (3.0 * n);
+        force2 += (intervals[k].dv / intervals[k].dt - force).squaredNorm() / (3.0 * n);
     }
     // The unknown part is taken as correlated over half of the hole: variance of its integral = s^2 * hole * hole / 2.
     return {0.5 * hole * rate2, 0.5 * hole * force2};
+}
+
+bool is_hole(double dt, double nominal, const ImuSettings& settings) {
+    return dt > hole_factor * nominal && (settings.kind == ImuKind::Increments || dt > settings.gap_factor * nominal);
+}
+
+/// The intervals with every hole among them filled by interpolation. Returns the longest gap, s.
+double bridge(const std::vector<ImuIncrement>& intervals, const ImuSettings& settings, ImuTimeline& timeline) {
+    const double nominal = timeline.median_dt;
+    timeline.increments.reserve(intervals.size() + intervals.size() / 16);
+    double longest = 0.0;
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+        const ImuIncrement& v = intervals[i];
+        if (i == 0 || !is_hole(v.dt, nominal, settings)) {
+            timeline.increments.push_back(v);
+            continue;
+        }
+        // The last nominal interval is what the sample measured; only the time before it is unknown.
+        const ImuIncrement& before = intervals[i - 1];
+        const Vector3d rate0 = before.dtheta / before.dt, rate1 = v.dtheta / v.dt;
+        const Vector3d force0 = before.dv / before.dt, force1 = v.dv / v.dt;
+        const double missing = v.dt - nominal;
+        const double step = std::max(nominal, missing / 400.0);
+        const auto pieces = std::max<std::int64_t>(1, std::llround(missing / step));
+        const std::size_t first = timeline.increments.size();
+        const std::int64_t missing_ns = Duration::from_seconds(missing).ns;
+        Time at = before.time;
+        for (std::int64_t k = 1; k <= pieces; ++k) {
+            const Time end{before.time.ns + missing_ns * k / pieces};
+            const double dt = (end - at).seconds();
+            const double x = (static_cast<double>(k) - 0.5) / static_cast<double>(pieces);
+            timeline.increments.push_back(
+                {end, dt, ((1.0 - x) * rate0 + x * rate1) * dt, ((1.0 - x) * force0 + x * force1) * dt});
+            at = end;
+        }
+        const double own = (v.time - at).seconds();
+        timeline.increments.push_back({v.time, own, rate1 * own, force1 * own});
+        if (v.dt > settings.gap_factor * nominal) {
+            timeline.bridges.push_back({first, timeline.increments.size() - 2, bridge_noise(intervals, i, v.dt, nominal)});
+            ++timeline.gaps;
+            longest = std::max(longest, v.dt);
+        }
+    }
+    return longest;
 }
 
 }  // namespace
@@ -110,42 +145,15 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
         throw input_error("the IMU log has fewer than two rows", {.file = {}, .key = "imu.file"}, "give a longer log");
     ImuTimeline timeline;
     timeline.median_dt = median_step(samples);
-    const double nominal = timeline.median_dt;
-    const std::vector<Interval> intervals = intervals_of(samples, settings, nominal, timeline.duplicates);
-    timeline.increments.reserve(intervals.size() + intervals.size() / 16);
-
+    std::vector<ImuIncrement> intervals = intervals_of(samples, settings, timeline.median_dt, timeline.duplicates);
+    const bool holes = std::ranges::any_of(intervals.begin() + 1, intervals.end(), [&](const ImuIncrement& v) {
+        return is_hole(v.dt, timeline.median_dt, settings);
+    });
     double longest = 0.0;
-    for (std::size_t i = 0; i < intervals.size(); ++i) {
-        const Interval& v = intervals[i];
-        const bool hole = i > 0 && v.dt > hole_factor * nominal &&
-                          (settings.kind == ImuKind::Increments || v.dt > settings.gap_factor * nominal);
-        if (!hole) {
-            timeline.increments.push_back({v.end, v.dt, v.rate * v.dt, v.force * v.dt});
-            continue;
-        }
-        // The last nominal interval is what the sample measured; only the time before it is unknown.
-        const Interval& before = intervals[i - 1];
-        const double missing = v.dt - nominal;
-        const double step = std::max(nominal, missing / 400.0);
-        const auto pieces = std::max<std::int64_t>(1, std::llround(missing / step));
-        const std::size_t first = timeline.increments.size();
-        const std::int64_t missing_ns = Duration::from_seconds(missing).ns;
-        Time at = before.end;
-        for (std::int64_t k = 1; k <= pieces; ++k) {
-            const Time end{before.end.ns + missing_ns * k / pieces};
-            const double dt = (end - at).seconds();
-            const double x = (static_cast<double>(k) - 0.5) / static_cast<double>(pieces);
-            timeline.increments.push_back(
-                {end, dt, ((1.0 - x) * before.rate + x * v.rate) * dt, ((1.0 - x) * before.force + x * v.force) * dt});
-            at = end;
-        }
-        const double own = (v.end - at).seconds();
-        timeline.increments.push_back({v.end, own, v.rate * own, v.force * own});
-        if (v.dt > settings.gap_factor * nominal) {
-            timeline.bridges.push_back({first, timeline.increments.size() - 2, bridge_noise(intervals, i, v.dt, nominal)});
-            ++timeline.gaps;
-            longest = std::max(longest, v.dt);
-        }
+    if (holes) {
+        longest = bridge(intervals, settings, timeline);
+    } else {
+        timeline.increments = std::move(intervals);   // the usual case costs no second copy
     }
     if (timeline.gaps > 0)
         warnings.add("imu.gaps", fmt::format("the IMU log has {} gap{} (longest {:.3f} s), bridged by interpolation with a larger "

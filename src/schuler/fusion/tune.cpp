@@ -35,7 +35,10 @@ public:
         trial.scale_factors = trial.misalignments = trial.estimate_lever_arm = trial.smooth = false;
         if (!surroundings) trial.baro.use = trial.mag.use = false;
         if (!surroundings) std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
-        const Result run = run_pass(data_, trial, start_, {.outputs = false, .smooth = false, .last_increment = last_, .progress = {}});
+        PassOptions options;
+        options.outputs = false;
+        options.last_increment = last_;
+        const Result run = run_pass(data_, trial, start_, options);
         double sum = 0.0, n = 0.0;
         for (const AidRecord& r : run.aids) {
             const bool counts = r.kind == AidKind::GnssPosition || r.kind == AidKind::GnssVelocity || r.kind == AidKind::Baro ||

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace schuler::fusion {
 
@@ -140,7 +141,16 @@ Result run_sized(const RunData& data, const Settings& settings, const Layout& la
     Walk<Frame, N> walk = first_step<Frame, N>(model, data, settings, start);
     Result result;
     const std::size_t end = std::min(options.last_increment, data.imu.increments.size() - 1);
-    if (options.outputs && end >= walk.increment) {
+    std::optional<SolutionRow> first_row, last_row;
+    const auto hand_over = [&] {
+        auto& rows = result.forward.rows;
+        if (rows.empty()) return;
+        if (!first_row) first_row = rows.front();
+        last_row = rows.back();
+        options.rows(rows);
+        rows.clear();
+    };
+    if (options.outputs && !options.rows && end >= walk.increment) {
         const auto n = static_cast<double>(end - walk.increment + 1);
         const double rows = settings.output_rate > 0.0 ? n * data.imu.median_dt * settings.output_rate : n;
         result.forward.rows.reserve(static_cast<std::size_t>(std::min(rows * 1.1 + 16.0, n + 16.0)));
@@ -152,9 +162,11 @@ Result run_sized(const RunData& data, const Settings& settings, const Layout& la
     for (std::size_t done = 0; walk.increment <= end; ++done) {
         if (options.smooth) checkpoints.push_back(walk);
         pass.advance(walk, std::min(end, walk.increment + stretch - 1), collector);
+        if (options.rows) hand_over();
         if (options.progress && done % 16 == 0)
             options.progress(static_cast<double>(walk.increment) / static_cast<double>(end + 1) * (options.smooth ? 0.3 : 1.0));
     }
+    if (first_row) result.forward.rows = {*first_row, *last_row};
     result.filter_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (!options.smooth) return result;
 
