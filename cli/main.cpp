@@ -122,6 +122,10 @@ int main(int argc, char** argv) {
         parser.exit(e);
         return flushed(done);
     } catch (const CLI::ParseError& e) {
+        if (const std::string unknown = cli::unknown_command(argc, argv, parser); !unknown.empty()) {
+            complain(unknown + "; see `schuler --help`");
+            return input_unusable;
+        }
         complain(fmt::format("{}; see `schuler{} --help`", one_line(e.what()), cli::command_in(argc, argv, parser)));
         return input_unusable;
     }

@@ -196,4 +196,12 @@ std::string command_in(int argc, char** argv, const CLI::App& parser) {
     return {};
 }
 
+std::string unknown_command(int argc, char** argv, const CLI::App& parser) {
+    if (argc < 2 || argv[1][0] == '-' || !command_in(argc, argv, parser).empty()) return {};
+    std::vector<std::string> known;
+    for (const CLI::App* command : parser.get_subcommands([](const CLI::App*) { return true; })) known.push_back(command->get_name());
+    const std::string near = app::nearest_key(argv[1], known);
+    return fmt::format("\"{}\" is not a command{}", argv[1], near.empty() ? std::string{} : fmt::format("; did you mean {}?", near));
+}
+
 }  // namespace schuler::cli

@@ -45,4 +45,7 @@ void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& a
 /// " process" if argv names a command: for the hint of an error message.
 [[nodiscard]] std::string command_in(int argc, char** argv, const CLI::App& parser);
 
+/// What to say where the first word is no command, with the nearest one; empty where it is one or there is none.
+[[nodiscard]] std::string unknown_command(int argc, char** argv, const CLI::App& parser);
+
 }  // namespace schuler::cli

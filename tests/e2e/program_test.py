@@ -144,7 +144,7 @@ def bad_input(program, source):
         return place
 
     program.fails(parts=["--help"])
-    program.fails("proces", "x", parts=["--help"])
+    program.fails("proces", "x", parts=["did you mean process", "--help"])
     program.fails("process", parts=["DATASET", "process --help"])
     program.fails("process", "none", parts=["none", "no such file"])
     program.fails("process", "x", "--no-such-option", parts=["no-such-option"])
@@ -186,6 +186,7 @@ def bad_input(program, source):
         "no_overlap": dict(gnss="\n".join([fix_header, *[f"{i + 90000},50,10,100" for i in range(20)]]) + "\n"),
         "latitude": dict(gnss="\n".join([fix_header, *[f"{i},150,10,100" for i in range(20)]]) + "\n"),
         "deg_as_rad": dict(imu="\n".join([header, *[f"{0.1 * i:.1f},20000,0,0,0,0,-9.8" for i in range(300)]]) + "\n"),
+        "in_g": dict(imu="\n".join([header, *[r.replace("-9.8", "-1.0") for r in rows]]) + "\n"),
         "key": dict(toml="[imu]\nfile = \"imu.csv\"\ngrad = \"mems\"\n"),
         "toml": dict(toml="[imu\n"),
         "directory": dict(toml="[imu]\nfile = \".\"\n"),
@@ -201,6 +202,21 @@ def bad_input(program, source):
     program.fails("process", folder / "key", parts=["dataset.toml:3: imu.grad", "imu.grade"])
     program.fails("process", folder / "toml", parts=["dataset.toml:1"])
     program.fails("process", folder / "empty", parts=["imu.csv"])
+    program.fails("process", folder / "in_g", parts=["imu.csv", "accel_x_m_s2", "not gravity", "accel_x_g"])
+    # without a dataset.toml: the file that is nearly a log, or empty, or a folder, is named
+    for name, imu, gnss, parts in [
+        ("nearly", "\n".join([header.replace("gyro_x_rad_s", "apples"), *rows]), None, ["imu.csv", "lacks gyro_x_rad_s"]),
+        ("no_gnss", None, "", ["gnss.csv", "empty"]),
+        ("only_header", header + "\n", None, ["imu.csv", "no usable row"]),
+    ]:
+        place = dataset("inferred_" + name, imu, gnss)
+        (place / "dataset.toml").unlink()
+        program.fails("process", place, "-o", "inferred_out", parts=parts)
+    place = dataset("inferred_folder")
+    (place / "dataset.toml").unlink()
+    (place / "imu.csv").unlink()
+    (place / "imu.csv").mkdir()
+    program.fails("process", place, "-o", "inferred_out", parts=["imu.csv", "folder"])
     (folder / "bare").mkdir()
     program.fails("process", folder / "bare", parts=["bare"])
     program.fails("simulate", folder / "good/dataset.toml", "-o", "sim", parts=["dataset.toml:2: imu.file"])

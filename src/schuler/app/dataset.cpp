@@ -40,6 +40,33 @@ Dataset from_kfgins(const fs::path& file) {
     return d;
 }
 
+/// No log of this kind was recognised: the most telling thing known about a file that might have been one.
+[[noreturn]] void throw_missing(const fs::path& path, const inspect::InspectReport& report, std::string_view kind) {
+    std::error_code ec;
+    const fs::path folder = fs::is_directory(path, ec) ? path : path.parent_path();
+    for (const inspect::FileReport& file : report.files) {
+        if (file.chosen || (file.kind != "unknown" && file.kind != kind)) continue;
+        for (const inspect::Problem& problem : file.problems) {
+            if (problem.level == inspect::Level::Info) continue;
+            throw input_error(problem.text, {(folder / file.path).string(), 0, 0, {}}, problem.mend);
+        }
+    }
+    if (fs::is_directory(folder / fmt::format("{}.csv", kind), ec)) {
+        throw input_error("this is a folder, not a file", {(folder / fmt::format("{}.csv", kind)).string(), 0, 0, {}},
+                          "put the log itself there, or name it in a dataset.toml");
+    }
+    const bool imu = kind == "imu";
+    throw input_error(fmt::format("no {} log was recognised in it", imu ? "IMU" : "GNSS"), {path.string(), 0, 0, {}},
+                      imu ? "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in a dataset.toml"
+                          : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");
+}
+
+bool recognised(const inspect::InspectReport& report, std::initializer_list<std::string_view> kinds) {
+    return std::ranges::any_of(report.files, [&](const inspect::FileReport& file) {
+        return file.chosen && std::ranges::find(kinds, std::string_view(file.kind)) != kinds.end();
+    });
+}
+
 Dataset from_inspection(const fs::path& path) {
     const inspect::InspectReport report = inspect::inspect(path);
     if (report.dataset_toml.empty()) {
@@ -52,7 +79,16 @@ Dataset from_inspection(const fs::path& path) {
         }
         throw input_error(why, {path.string(), 0, 0, {}}, mend);
     }
+    if (!recognised(report, {"imu", "kfgins_imu"})) throw_missing(path, report, "imu");
+    if (!recognised(report, {"gnss", "kfgins_gnss", "rtklib_pos", "nmea"})) throw_missing(path, report, "gnss");
     Dataset d;
+    for (const inspect::FileReport& file : report.files) {
+        if (!file.chosen) continue;
+        for (const inspect::Problem& problem : file.problems) {
+            if (problem.level == inspect::Level::Error)
+                d.doubts.push_back(fmt::format("{}: {}; taken with {}", file.path, problem.text, problem.mend));
+        }
+    }
     std::error_code ec;
     d.folder = fs::is_directory(path, ec) ? path : path.parent_path();
     const std::string origin = "dataset.toml inferred from " + path.string();

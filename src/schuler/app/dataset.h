@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace schuler::app {
 
@@ -16,6 +17,7 @@ struct Dataset {
     std::filesystem::path folder;        ///< relative paths start here
     SettingList settings;
     std::string inferred_toml;           ///< the dataset.toml that would say what was inferred; empty where nothing was
+    std::vector<std::string> doubts;     ///< what is wrong with the files that were recognised, and how it was taken
 };
 
 /// Opens a folder with dataset.toml, the path of a dataset.toml, a KF-GINS YAML file, or a folder or file whose content is

@@ -153,6 +153,33 @@ void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     }
 }
 
+/// Gravity must show in the accelerometers: a wrong unit is said before a filter makes nonsense of it.
+void check_gravity(const LoadedDataset& data) {
+    const std::vector<ImuSample>& imu = data.recording.imu;
+    if (imu.size() < 100) return;
+    std::vector<double> norms;
+    const std::size_t stride = std::max<std::size_t>(1, imu.size() / 5000);
+    for (std::size_t i = stride; i < imu.size(); i += stride) {
+        const double dt = data.config.filter.imu.kind == ImuKind::Rates ? 1.0 : (imu[i].time - imu[i - 1].time).seconds();
+        if (dt > 0.0 && imu[i].accel.allFinite()) norms.push_back(imu[i].accel.norm() / dt);
+    }
+    if (norms.empty()) return;
+    const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
+    std::nth_element(norms.begin(), middle, norms.end());
+    const double ratio = *middle / units::g0;
+    if (ratio > 0.6 && ratio < 1.7) return;
+    const bool rates = data.config.filter.imu.kind == ImuKind::Rates;
+    std::string mend = "check the unit of these columns and [imu] scale; data without gravity cannot be used";
+    const std::pair<double, const char*> slips[] = {{1.0, "g"}, {1e3, "mg"}, {100.0 * units::g0, "cm_s2"},
+                                                    {units::g0 * units::g0, "m_s2"}};
+    for (const auto& [seen, unit] : slips) {
+        if (!rates || *middle < 0.9 * seen || *middle > 1.1 * seen || !data.config.imu.scale.empty()) continue;
+        mend = fmt::format("they are probably in {}: name the columns accel_x_{}, ..., or give [imu] scale", unit, unit);
+    }
+    throw input_error(fmt::format("the accelerometers show {:.4g} m/s2 (median norm), not gravity", *middle),
+                      {data.config.imu.file, 0, 0, rates ? "accel_x_m_s2" : "dv_x_m_s"}, mend);
+}
+
 Time absolute(const RunTime& t, Time origin) {
     const Time base = t.absolute ? Time{} : origin;
     return base + Duration::from_seconds(t.seconds);
@@ -211,6 +238,8 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     read_others(dataset.folder, out, warnings);
     settle_heights(out, warnings);
     settle_times(out);
+    check_gravity(out);
+    for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
     out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return out;
 }

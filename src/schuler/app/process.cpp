@@ -3,6 +3,7 @@
 #include "schuler/app/solution_stream.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/fusion/run_loose.h"
+#include "schuler/inspect/inspect.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
@@ -58,9 +59,22 @@ std::vector<sim::SensorTruth> in_body_axes(std::vector<sim::SensorTruth> truth, 
     return truth;
 }
 
+/// A run whose inertial navigation and fixes contradict each other: what the logs themselves say is wrong, as an error, where
+/// they say it.
+void blame_the_logs(const LoadedDataset& data, const fs::path& folder) {
+    const Config& c = data.config;
+    if (folder.empty() || c.imu.file.empty() || !c.imu.scale.empty()) return;
+    const fs::path file = folder / c.imu.file;
+    for (const inspect::FileReport& report : inspect::inspect(folder).files) {
+        if (report.path != c.imu.file) continue;
+        for (const inspect::Problem& problem : report.problems)
+            if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.mend);
+    }
+}
+
 /// From loaded data to files: the part that process and run share.
 Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog& warnings,
-                 std::chrono::steady_clock::time_point begin) {
+                 const fs::path& folder, std::chrono::steady_clock::time_point begin) {
     Config shown = bundle.data.config;
     bundle.version = request.version;
     bundle.config_toml = to_toml(config_table().used(shown), config_table().specs(), true);
@@ -90,6 +104,15 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
             "settle",
             fmt::format("no reference epoch is later than {:.1f} s, from where errors are counted; give a smaller --settle",
                         bundle.relative(bundle.evaluation.settled)));
+    }
+    const fusion::Counters& n = bundle.result.counters;
+    if (n.gnss_rejected > n.gnss_accepted || !bundle.result.findings.heading_found) blame_the_logs(bundle.data, folder);
+    if (n.gnss_rejected > n.gnss_accepted) {
+        warnings.add("gnss.rejected",
+                     fmt::format("{} of {} fixes disagree with the inertial navigation and were rejected: the units, axes or times of "
+                                 "the IMU log, or the lever arm, are probably wrong; do not trust this solution (`schuler inspect` "
+                                 "measures them)",
+                                 n.gnss_rejected, n.gnss_rejected + n.gnss_accepted));
     }
     bundle.warnings = warnings.summary();
 
@@ -123,7 +146,7 @@ Outcome process_dataset(const ProcessRequest& request) {
     bundle.command = "process";
     bundle.name = config.name.empty() ? dataset.name : config.name;
     bundle.data = load_dataset(dataset, config, warnings);
-    Outcome out = finished(bundle, request, warnings, begin);
+    Outcome out = finished(bundle, request, warnings, dataset.folder, begin);
     out.notice = dataset.inferred_toml;
     return out;
 }
@@ -142,7 +165,7 @@ Outcome run_scenario(const ProcessRequest& request) {
     bundle.data.true_reference = true;
     bundle.data.read_seconds = since(begin);
     bundle.sensor_truth = in_body_axes(std::move(simulated.truth.sensor_truth), bundle.data.config.filter.imu);
-    return finished(bundle, request, warnings, begin);
+    return finished(bundle, request, warnings, {}, begin);
 }
 
 Outcome simulate_to_folder(const fs::path& scenario, const fs::path& folder, std::optional<std::uint64_t> seed) {

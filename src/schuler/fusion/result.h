@@ -57,6 +57,7 @@ struct Trajectory {
 /// What start-up and the estimators of settings found.
 struct Findings {
     Time aligned_at{};                        ///< heading known from here on
+    bool heading_found = true;                ///< false: it starts at a guess
     std::string alignment;                    ///< one sentence: which method, what it found
     Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, used (given or estimated)
     Eigen::Vector3d std_mounting_rpy = Eigen::Vector3d::Zero();

@@ -328,6 +328,9 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
             return start;
         }
     }
+    double top_speed = 0.0;
+    for (const GnssFix& fix : data.recording->gnss)
+        if (fix.velocity_n.allFinite()) top_speed = std::max(top_speed, fix.velocity_n.norm());
     // Without motion: the magnetometer if there is one, otherwise unknown.
     const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.imu.mounting_rpy) * settings.imu.C_bs;
     for (const MagSample& s : data.recording->mag) {
@@ -339,9 +342,16 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
                       fmt::format("heading {:.0f} deg from the magnetometer, to {:.0f} deg", heading / units::deg,
                                   settings.mag.bias_std / units::deg));
     }
-    warnings.add("start.heading", "the heading cannot be found: the log has too little motion and no magnetometer; it starts "
-                                  "at north with 100 deg of uncertainty (give initial.heading_deg)");
+    warnings.add("start.heading",
+                 fmt::format("the heading cannot be found: {}; it starts at north with 100 deg of uncertainty "
+                             "(give initial.heading_deg)",
+                             top_speed > 5.0
+                                 ? fmt::format("the fixes reach {:.0f} m/s, but no attitude makes the IMU follow them: check its units, "
+                                               "axes and times (`schuler inspect` measures them)",
+                                               top_speed)
+                                 : "the log has too little motion and no magnetometer"));
     findings.aligned_at = data.imu.increments.back().time;
+    findings.heading_found = false;
     return finish(0.0, 100.0 * units::deg, "heading unknown");
 }
 

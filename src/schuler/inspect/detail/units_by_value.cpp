@@ -88,8 +88,9 @@ void judge_accel(LoadedFile& file, std::vector<UnitChange>& changes) {
         return;
     }
     if (norm > 7.0 && norm < 14.0) return;
-    constexpr std::array<Candidate, 5> candidates{
-        {{"m/s2", 1.0}, {"g", units::g0}, {"mg", units::mg}, {"ug", units::ug}, {"cm/s2", 1e-2}}};
+    // the last: a column named after g that holds m/s2
+    constexpr std::array<Candidate, 6> candidates{
+        {{"m/s2", 1.0}, {"g", units::g0}, {"mg", units::mg}, {"ug", units::ug}, {"cm/s2", 1e-2}, {"m/s2", 1.0 / units::g0}}};
     const Candidate& best = nearest(candidates, norm, units::g0);
     const double size = norm * best.factor;
     if (std::abs(size / units::g0 - 1.0) > 0.1 && take_as_increments(file, norm)) return;
