@@ -17,6 +17,8 @@ struct Block {
     double doubt = 0.0;                                       ///< rad, by which samples that were left out may have turned it
     bool force_known = false;                                 ///< at least half of the accelerometer samples were usable
     double rest_time = 0.0;                                   ///< s of rest so far; 0 in motion
+    Eigen::Matrix2d P_tilt = Eigen::Matrix2d::Zero();          ///< rad^2, tilt covariance after the update, w axes
+    double tilt_kept = 1.0;                                   ///< how much of the tilt's variance the update left
     Eigen::Vector3d bias_used = Eigen::Vector3d::Zero();      ///< rad/s, gyro bias taken off within the block
 };
 

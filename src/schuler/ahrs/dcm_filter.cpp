@@ -50,7 +50,10 @@ void DcmFilter::propagate(double dt, const Eigen::Vector3d& rate_b) {
 
 void DcmFilter::accelerometer(const Eigen::Vector3d& force_b) {
     const double r = settings_.accel_std / settings_.gravity;
+    const Eigen::Vector3d east = north_.cross(up_);
+    const double before = east.dot(P_up_ * east);
     update_row(up_, P_up_, force_b / settings_.gravity, r * r);
+    leak_.tilt_step(east.dot(P_up_ * east) / before);
     up_.normalize();
 }
 
@@ -58,7 +61,11 @@ void DcmFilter::magnetometer(const Eigen::Vector3d& field_b) {
     const double r = settings_.field_std / settings_.horizontal_field;
     // the field points down by the vertical component: m = H north - Z up
     const Eigen::Vector3d measured = (field_b + settings_.vertical_field * up_) / settings_.horizontal_field;
+    const Eigen::Vector3d east = north_.cross(up_);
+    const double before = east.dot(P_north_ * east);
     update_row(north_, P_north_, measured, r * r);
+    leak_.heading_step(1.0 - east.dot(P_north_ * east) / before, settings_.vertical_field / settings_.horizontal_field,
+                       east.dot(P_up_ * east));
     north_ -= north_.dot(up_) * up_;
     if (north_.squaredNorm() < 1e-12) north_ = up_.unitOrthogonal();
     north_.normalize();
@@ -82,7 +89,8 @@ Eigen::Matrix3d DcmFilter::covariance_phi() const {
     P(0, 0) = east.dot(P_up_ * east);
     P(1, 1) = north.dot(P_up_ * north);
     P(0, 1) = P(1, 0) = -east.dot(P_up_ * north);
-    P(2, 2) = east.dot(P_north_ * east);
+    P(2, 2) = east.dot(P_north_ * east) + leak_.variance;
+    P(0, 2) = P(2, 0) = leak_.covariance;
     return P;
 }
 

@@ -3,6 +3,7 @@
 // so that nothing magnetic reaches roll and pitch. No bias state. [LakozaMeleshko2014], with the corrections E3 of math.md.
 #pragma once
 
+#include "schuler/ahrs/tilt_leak.h"
 #include "schuler/ahrs/vector_filter_settings.h"
 
 #include <Eigen/Core>
@@ -22,13 +23,14 @@ public:
     void magnetometer(const Eigen::Vector3d& field_b);
     /// C_nb for north-east-down and forward-right-down.
     [[nodiscard]] Eigen::Matrix3d C_nb() const;
-    /// Covariance of the small rotation in n, rad^2: the channels are separate, so tilt and heading are not correlated.
+    /// Covariance of the small rotation in n, rad^2, with what the tilt has put into the heading.
     [[nodiscard]] Eigen::Matrix3d covariance_phi() const;
 
 private:
     VectorFilterSettings settings_;
     Eigen::Vector3d up_ = -Eigen::Vector3d::UnitZ(), north_ = Eigen::Vector3d::UnitX();   ///< rows of C_nb, components in b
     Eigen::Matrix3d P_up_ = Eigen::Matrix3d::Identity(), P_north_ = Eigen::Matrix3d::Identity();
+    TiltLeak leak_;
 };
 
 }  // namespace schuler::ahrs

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 
 namespace schuler::ahrs {
@@ -66,11 +67,18 @@ void QuaternionFilter::update(const Eigen::Vector3d& measured_b, const Eigen::Ve
     P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
 
+double QuaternionFilter::variance_about(int axis) const {
+    const Eigen::Vector4d u = sigma_n(x_).col(axis);
+    return 4.0 * u.dot(P_ * u);
+}
+
 void QuaternionFilter::accelerometer(const Eigen::Vector3d& force_b) {
     const double norm = force_b.norm();
     if (!(norm > 0.0)) return;
     const double r = settings_.accel_std / settings_.gravity;
+    const double before = variance_about(0);
     update(force_b / norm, -Eigen::Vector3d::UnitZ(), r * r, false);
+    leak_.tilt_step(std::min(1.0, variance_about(0) / before));
 }
 
 void QuaternionFilter::magnetometer(const Eigen::Vector3d& field_b) {
@@ -86,13 +94,21 @@ void QuaternionFilter::magnetometer(const Eigen::Vector3d& field_b) {
     const Eigen::Vector3d level_b = field_b - field_b.dot(down_b) * down_b;
     const double norm = level_b.norm();
     if (!(norm > 1e-9 * field_b.norm())) return;
-    const double r = settings_.field_std / settings_.horizontal_field;
+    const double r = settings_.field_std / settings_.horizontal_field, tan_dip = field_b.dot(down_b) / norm;
+    const double before = variance_about(2);
     update(level_b / norm, Eigen::Vector3d::UnitX(), r * r, settings_.separation == Separation::Projected);
+    leak_.heading_step(1.0 - std::min(1.0, variance_about(2) / before), tan_dip, variance_about(0));
 }
 
 Eigen::Matrix3d QuaternionFilter::covariance_phi() const {
     const Sigma s = sigma_n(x_);
-    return 4.0 * s.transpose() * P_ * s;
+    Eigen::Matrix3d P = 4.0 * s.transpose() * P_ * s;
+    if (settings_.separation != Separation::None) {
+        P(2, 2) += leak_.variance;
+        P(0, 2) += leak_.covariance;
+        P(2, 0) += leak_.covariance;
+    }
+    return P;
 }
 
 }  // namespace schuler::ahrs

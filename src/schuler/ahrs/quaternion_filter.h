@@ -2,6 +2,7 @@
 // magnetometer is projected on the horizon, so that no knowledge of the field is needed. Corrected as E3 of math.md says.
 #pragma once
 
+#include "schuler/ahrs/tilt_leak.h"
 #include "schuler/ahrs/vector_filter_settings.h"
 
 #include <Eigen/Core>
@@ -26,10 +27,12 @@ public:
 
 private:
     void update(const Eigen::Vector3d& measured_b, const Eigen::Vector3d& reference_n, double variance, bool heading_only);
+    [[nodiscard]] double variance_about(int axis) const;   ///< rad^2, of the small rotation about an axis of n, by P alone
 
     VectorFilterSettings settings_;
     Eigen::Vector4d x_ = Eigen::Vector4d::UnitW();         ///< q_nb, vector part first as in the paper
     Eigen::Matrix4d P_ = Eigen::Matrix4d::Identity();
+    TiltLeak leak_;
 };
 
 }  // namespace schuler::ahrs

@@ -8,7 +8,7 @@
 namespace schuler::ahrs {
 namespace {
 
-constexpr double start_tilt_std = 0.01;          // rad
+constexpr double start_tilt_std = 0.03;          // rad
 constexpr double unknown_rate = 0.3;             // of the last known rate: how far a missing sample's rate may lie from it
 constexpr double unknown_force = 3.0;            // m/s^2, acceleration while the accelerometer is unusable
 constexpr double largest_tilt_variance = 1.0;    // rad^2
@@ -159,6 +159,7 @@ Block TiltChannel::close(TiltRecord* record) {
         rest ? 1.0 : acceleration_level_ + dt / (settings_.adaptation_time + dt) * (nis - acceleration_level_);
     r *= std::max(1.0, acceleration_level_);
 
+    const double tilt_before = P_(0, 0) + P_(1, 1);
     TiltVector dx = TiltVector::Zero();
     int count = 0;
     const auto measure = [&](int state, double computed_minus_measured, double variance) {
@@ -176,6 +177,8 @@ Block TiltChannel::close(TiltRecord* record) {
     q_before_ = q_wb_;
     tilt_correction_ = dx.head<2>();
     correct(dx);
+    block_.P_tilt = P_.topLeftCorner<2, 2>();
+    block_.tilt_kept = (P_(0, 0) + P_(1, 1)) / tilt_before;
     const Block done = block_;
     if (record) {
         record->block = done;

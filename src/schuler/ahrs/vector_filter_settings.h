@@ -13,8 +13,8 @@ enum class Separation {
 };
 
 struct VectorFilterSettings {
-    double gyro_noise = 0.01 * units::deg;       ///< rad/sqrt(s)
-    double accel_std = 0.5;                      ///< m/s^2 a sample, with the accelerations of the motion
+    double gyro_noise = 0.3 * units::deg;       ///< rad/sqrt(s)
+    double accel_std = 1.0;                      ///< m/s^2 a sample, with the accelerations of the motion
     double field_std = 2e-6;                     ///< T a sample, with the disturbances of the place
     double gravity = 9.81;                       ///< m/s^2
     double horizontal_field = 19e-6;             ///< T, known beforehand: dcm and the unseparated filter
