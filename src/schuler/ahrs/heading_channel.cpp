@@ -10,7 +10,7 @@ namespace {
 
 constexpr double start_heading_std = 0.2;        // rad
 constexpr double anew_heading_std = 0.1;         // rad, how far a disturbance may have drawn the heading before recovery
-constexpr double least_field = 1e-6;             // T, below it there is no heading in the field
+constexpr double shortest_memory = 1e-3;
 constexpr double disturbed_level = 3.0;
 
 double squared(double x) { return x * x; }
@@ -121,11 +121,13 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
         double factor = std::pow(disturbance, settings_.robustness);
         if (rest) factor *= settings_.rest_factor * std::max(1.0, block.rest_time / 5.0);
         const double r = squared(settings_.field_noise) * 2.0 * settings_.field_time / block.duration * factor;
-        const double before = P_(0, 0);
-        for (int i = 0; i < 3; ++i) measure(H.row(i).transpose(), innovation(i), r);
+        // the tilt error about north, with its memory, as white noise of the same effect on what is slower than it
         const Eigen::Vector2d north_w(c, -s);
-        leak_.tilt_step(block.tilt_kept);
-        leak_.heading_step(1.0 - P_(0, 0) / before, vertical_ / std::max(horizontal_, least_field), north_w.dot(block.P_tilt * north_w));
+        const double tilt = north_w.dot(block.P_tilt * north_w);
+        const double memory = (1.0 + block.tilt_kept) / std::max(1.0 - block.tilt_kept, shortest_memory);
+        measure(H.row(0).transpose(), innovation(0), r);
+        measure(H.row(1).transpose(), innovation(1), r + squared(vertical_) * tilt * memory);
+        measure(H.row(2).transpose(), innovation(2), r);
         const bool disturbed = disturbance > disturbed_level;
         if (disturbed) ++counters.disturbed_blocks;
         disturbed_for_ = disturbed ? disturbed_for_ + block.duration : 0.0;

@@ -9,7 +9,6 @@
 #include "schuler/ahrs/block.h"
 #include "schuler/ahrs/guard.h"
 #include "schuler/ahrs/settings.h"
-#include "schuler/ahrs/tilt_leak.h"
 #include "schuler/estim/scalar_update.h"
 
 #include <Eigen/Core>
@@ -46,8 +45,7 @@ public:
     [[nodiscard]] bool started() const { return started_; }
     /// Rotation of w about the vertical from north-east-down, rad; with the declination where one was given.
     [[nodiscard]] double heading() const { return heading_ + settings_.declination; }
-    [[nodiscard]] double variance() const { return P_(0, 0) + leak_.variance; }           ///< rad^2
-    [[nodiscard]] double covariance_with_tilt() const { return leak_.covariance; }         ///< rad^2, about down and about north
+    [[nodiscard]] double variance() const { return P_(0, 0); }                ///< rad^2
     [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return hard_iron_; }
     [[nodiscard]] double horizontal_field() const { return horizontal_; }
     [[nodiscard]] double vertical_field() const { return vertical_; }
@@ -69,7 +67,6 @@ private:
     Eigen::Vector3d field_w_ = Eigen::Vector3d::Zero(), sweep_w_ = Eigen::Vector3d::Zero();
     Eigen::Matrix3d C_wb_ = Eigen::Matrix3d::Zero();
     int samples_ = 0;
-    TiltLeak leak_;
     double level_ = 1.0, disturbed_for_ = 0.0;
 };
 

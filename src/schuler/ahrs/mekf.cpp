@@ -85,9 +85,7 @@ Eigen::Matrix3d Mekf::covariance_phi() const {
     C_nw << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
     P.topLeftCorner<2, 2>() = tilt_.covariance().topLeftCorner<2, 2>();
     P(2, 2) = heading_.variance();
-    P = (C_nw * P * C_nw.transpose()).eval();
-    P(0, 2) = P(2, 0) = heading_.covariance_with_tilt();
-    return P;
+    return C_nw * P * C_nw.transpose();
 }
 
 Eigen::Vector3d Mekf::std_phi() const { return covariance_phi().diagonal().cwiseSqrt(); }

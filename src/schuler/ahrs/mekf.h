@@ -31,7 +31,7 @@ public:
     [[nodiscard]] Eigen::Quaterniond q_nb() const;
     /// One sigma of the small rotation about north, east and down, rad.
     [[nodiscard]] Eigen::Vector3d std_phi() const;
-    /// Covariance of that rotation in n, rad^2, with what the tilt has put into the heading.
+    /// Covariance of that rotation in n, rad^2: tilt and heading apart, the heading with what the tilt puts into it.
     [[nodiscard]] Eigen::Matrix3d covariance_phi() const;
     [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return tilt_.gyro_bias(); }
     [[nodiscard]] const TiltChannel& tilt() const { return tilt_; }

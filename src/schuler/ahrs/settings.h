@@ -46,8 +46,8 @@ struct TiltSettings {
 struct HeadingSettings {
     double turn_noise = 0.005;                    ///< rad per square root of a radian turned
     double walk = 0.02 * units::deg;              ///< rad/sqrt(s)
-    double field_noise = 4e-6;                    ///< T, of the field from place to place
-    double field_time = 0.3;                      ///< s, correlation time of that while moving
+    double field_noise = 2e-6;                    ///< T, of the field from place to place
+    double field_time = 1.2;                      ///< s, correlation time of that while moving
     double hard_iron_std = 2e-6;                  ///< T, initial
     double hard_iron_walk = 1e-8;                 ///< T/sqrt(s)
     double field_std = 5e-6;                      ///< T, of the horizontal and vertical field, initial

@@ -11,6 +11,7 @@ namespace {
 constexpr double start_tilt_std = 0.03;          // rad
 constexpr double unknown_rate = 0.3;             // of the last known rate: how far a missing sample's rate may lie from it
 constexpr double unknown_force = 3.0;            // m/s^2, acceleration while the accelerometer is unusable
+constexpr double least_doubt = 1e-3;             // rad, less may have been missed at rest
 constexpr double largest_tilt_variance = 1.0;    // rad^2
 
 }  // namespace
@@ -75,7 +76,7 @@ void TiltChannel::watch_rest() {
     const Eigen::Vector3d rate = block_.rate_b - slow_rate_, force = block_.force_b - slow_force_;
     slow_rate_ += gain * rate;
     slow_force_ += gain * force;
-    const bool quiet = block_.force_known && block_.doubt == 0.0 && rate.norm() < rest_.rate_change &&
+    const bool quiet = block_.force_known && block_.doubt < least_doubt && rate.norm() < rest_.rate_change &&
                        force.norm() < rest_.force_change && slow_rate_.norm() < rest_.largest_rate;
     quiet_ = quiet ? quiet_ + block_.duration : 0.0;
     block_.rest_time = quiet_ >= rest_.after ? quiet_ : 0.0;
