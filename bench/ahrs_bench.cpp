@@ -54,7 +54,8 @@ std::vector<Trial> trials_in(const fs::path& folder) {
     for (const fs::path& path : found) {
         WarningLog unheard;
         const app::Dataset dataset = app::open_dataset(path);
-        out.push_back({path.filename().string().substr(6), app::load_dataset(dataset, app::config_from(dataset.settings), unheard)});
+        out.push_back(
+            {path.filename().string().substr(6), app::load_dataset(dataset, app::config_from(dataset.settings), unheard)});
     }
     return out;
 }

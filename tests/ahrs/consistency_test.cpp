@@ -6,10 +6,10 @@
 #include "schuler/ahrs/quaternion_filter.h"
 #include "schuler/math/chi_square.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <cmath>
 #include <utility>

@@ -114,7 +114,8 @@ TEST(AhrsOffline, TheFieldDoesNotTiltItEither) {
     s.offline = true;
     const RunResult a = run(clean.imu, clean.mag, {}, s), b = run(disturbed.imu, disturbed.mag, {}, s);
     for (std::size_t i = 0; i < a.rows.size(); ++i) {
-        const Vector3d up_a = a.rows[i].q_nb.conjugate() * Vector3d::UnitZ(), up_b = b.rows[i].q_nb.conjugate() * Vector3d::UnitZ();
+        const Vector3d up_a = a.rows[i].q_nb.conjugate() * Vector3d::UnitZ(),
+                       up_b = b.rows[i].q_nb.conjugate() * Vector3d::UnitZ();
         ASSERT_LT((up_a - up_b).norm(), 1e-12);
     }
 }
@@ -129,7 +130,8 @@ TEST(AhrsCentripetal, ASteadyTurnDoesNotBankTheHorizon) {
         for (int i = 1; i <= 12000; ++i) {
             const bool turning = i > 1000;
             if (aided && i % 20 == 0) filter.forward_speed(speed, 0.1);
-            filter.step(dt, Vector3d(0.0, 0.0, turning ? rate : 0.0) + 1e-3 * noise.normal3(), {0.0, turning ? rate * speed : 0.0, -9.81 + 1e-4 * (i % 7)});
+            filter.step(dt, Vector3d(0.0, 0.0, turning ? rate : 0.0) + 1e-3 * noise.normal3(),
+                        {0.0, turning ? rate * speed : 0.0, -9.81 + 1e-4 * (i % 7)});
             largest = std::max(largest, std::abs(math::rpy_from_quaternion(filter.q_nb()).x()));
         }
         return largest / units::deg;

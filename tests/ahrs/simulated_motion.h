@@ -58,7 +58,8 @@ inline std::vector<Instant> simulated(const Motion& m, std::uint64_t seed) {
         s.time = t;
         s.q_nb = attitude_at(m, t);
         const Eigen::Quaterniond before = attitude_at(m, t - m.dt);
-        s.gyro = math::rotation_vector_from_quaternion(before.conjugate() * s.q_nb) / m.dt + m.gyro_bias + m.gyro_std * gyro.normal3();
+        s.gyro =
+            math::rotation_vector_from_quaternion(before.conjugate() * s.q_nb) / m.dt + m.gyro_bias + m.gyro_std * gyro.normal3();
         const Eigen::Vector3d next = keep * velocity + std::sqrt(1.0 - keep * keep) * m.sway_std * sway.normal3();
         const Eigen::Vector3d sway_a = t > m.rest ? ((next - velocity) / m.dt).eval() : Eigen::Vector3d::Zero().eval();
         const Eigen::Vector3d force_n = sway_a - Eigen::Vector3d(0.0, 0.0, m.gravity);

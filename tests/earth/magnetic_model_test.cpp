@@ -27,7 +27,8 @@ TEST(MagneticModel, PublishedValuesOf2025) {
     const MagneticModel model("wmm2025", SCHULER_SOURCE_DIR "/data");
     for (const Case& c : cases) {
         const auto f = model.at(c.year, {c.lat * units::deg, c.lon * units::deg, c.height * 1e3});
-        EXPECT_LT((f.field_n * 1e9 - Eigen::Vector3d(c.north, c.east, c.down)).norm(), 0.1) << c.year << " " << c.lat << " " << c.lon;
+        EXPECT_LT((f.field_n * 1e9 - Eigen::Vector3d(c.north, c.east, c.down)).norm(), 0.1)
+            << c.year << " " << c.lat << " " << c.lon;
     }
     EXPECT_EQ(model.first_year(), 2025.0);
     EXPECT_EQ(model.last_year(), 2030.0);

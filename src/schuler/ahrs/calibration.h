@@ -23,8 +23,8 @@ struct EllipsoidFit {
 };
 
 /// Least squares for the quadric through the readings, outliers left out in a second pass. `size`: the true size of the
-/// field; not positive: the mean size of the readings less the offset is kept. Nothing where the readings cover too few directions
-/// (fewer than 12 of 26 equal parts of the sphere), or do not lie on an ellipsoid.
+/// field; not positive: the mean size of the readings less the offset is kept. Nothing where the readings cover too few
+/// directions (fewer than 12 of 26 equal parts of the sphere), or do not lie on an ellipsoid.
 [[nodiscard]] std::optional<EllipsoidFit> fit_ellipsoid(std::span<const Eigen::Vector3d> readings, double size);
 
 /// Mean specific force (m/s^2) of each stretch of 0.5 s in which neither instrument moves: readings of gravity for fit_ellipsoid.

@@ -1,6 +1,6 @@
 // Paper B's first filter: two three-state Kalman filters on rows of the direction-cosine matrix. The accelerometer corrects the
-// vertical row; the magnetometer, less the known vertical field, the north row, which is then made orthogonal to the vertical one,
-// so that nothing magnetic reaches roll and pitch. No bias state. [LakozaMeleshko2014], with the corrections E3 of math.md.
+// vertical row; the magnetometer, less the known vertical field, the north row, which is then made orthogonal to the vertical
+// one, so that nothing magnetic reaches roll and pitch. No bias state. [LakozaMeleshko2014], with the corrections E3 of math.md.
 #pragma once
 
 #include "schuler/ahrs/tilt_leak.h"
@@ -28,7 +28,7 @@ public:
 
 private:
     VectorFilterSettings settings_;
-    Eigen::Vector3d up_ = -Eigen::Vector3d::UnitZ(), north_ = Eigen::Vector3d::UnitX();   ///< rows of C_nb, components in b
+    Eigen::Vector3d up_ = -Eigen::Vector3d::UnitZ(), north_ = Eigen::Vector3d::UnitX();  ///< rows of C_nb, components in b
     Eigen::Matrix3d P_up_ = Eigen::Matrix3d::Identity(), P_north_ = Eigen::Matrix3d::Identity();
     TiltLeak leak_;
 };

@@ -58,7 +58,8 @@ void HeadingChannel::propagate(const Block& block) {
     P_(0, 0) += (squared(settings_.walk) + squared(tilt_.gyro_noise)) * dt + turn;
     const double bias = squared(tilt_.bias_walk) * dt, iron = squared(settings_.hard_iron_walk) * dt;
     const double field = squared(settings_.field_walk) * dt, delay = squared(settings_.delay_walk) * dt;
-    P_.diagonal().tail<9>() += (Eigen::Matrix<double, 9, 1>() << bias, bias, bias, iron, iron, iron, field, field, delay).finished();
+    P_.diagonal().tail<9>() +=
+        (Eigen::Matrix<double, 9, 1>() << bias, bias, bias, iron, iron, iron, field, field, delay).finished();
 }
 
 void HeadingChannel::learn_anew() {
@@ -93,8 +94,7 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
     };
     const bool rest = block.rest_time > 0.0;
     if (rest) {
-        for (int i = 0; i < 3; ++i)
-            measure(HeadingVector::Unit(1 + i), bias_(i) - block.rate_b(i), squared(tilt_.rest_rate_std));
+        for (int i = 0; i < 3; ++i) measure(HeadingVector::Unit(1 + i), bias_(i) - block.rate_b(i), squared(tilt_.rest_rate_std));
     }
     if (samples_ > 0) {
         const double c = std::cos(heading_), s = std::sin(heading_), n = samples_;

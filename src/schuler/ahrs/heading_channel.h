@@ -17,18 +17,18 @@
 
 namespace schuler::ahrs {
 
-inline constexpr int heading_states = 10;        ///< heading, gyro bias (b), hard iron (b), horizontal and vertical field, delay
+inline constexpr int heading_states = 10;  ///< heading, gyro bias (b), hard iron (b), horizontal and vertical field, delay
 using HeadingVector = Eigen::Matrix<double, heading_states, 1>;
 using HeadingMatrix = Eigen::Matrix<double, heading_states, heading_states>;
 
 /// What the smoother needs of one block.
 struct HeadingRecord {
-    Eigen::Vector3d vertical_b = Eigen::Vector3d::Zero();     ///< d(heading)/d(bias) is minus this times the duration
+    Eigen::Vector3d vertical_b = Eigen::Vector3d::Zero();  ///< d(heading)/d(bias) is minus this times the duration
     double duration = 0.0;
-    bool active = false;                                      ///< the channel had started: the transition counts
-    HeadingVector P_heading = HeadingVector::Zero();          ///< row of the covariance after the updates
-    double heading = 0.0;                                     ///< after the updates
-    double correction = 0.0;                                  ///< by which the updates changed it
+    bool active = false;  ///< the channel had started: the transition counts
+    HeadingVector P_heading = HeadingVector::Zero();  ///< row of the covariance after the updates
+    double heading = 0.0;  ///< after the updates
+    double correction = 0.0;  ///< by which the updates changed it
     std::array<estim::ScalarUpdate<heading_states>, 6> updates;
     int count = 0;
 };
@@ -45,12 +45,12 @@ public:
     [[nodiscard]] bool started() const { return started_; }
     /// Rotation of w about the vertical from north-east-down, rad; with the declination where one was given.
     [[nodiscard]] double heading() const { return heading_ + settings_.declination; }
-    [[nodiscard]] double variance() const { return P_(0, 0); }                ///< rad^2
+    [[nodiscard]] double variance() const { return P_(0, 0); }  ///< rad^2
     [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return hard_iron_; }
     [[nodiscard]] double horizontal_field() const { return horizontal_; }
     [[nodiscard]] double vertical_field() const { return vertical_; }
     [[nodiscard]] double delay() const { return delay_; }
-    [[nodiscard]] double disturbance() const { return level_; }   ///< about 1 in an undisturbed field
+    [[nodiscard]] double disturbance() const { return level_; }  ///< about 1 in an undisturbed field
 
 private:
     void start(const Eigen::Vector3d& bias);

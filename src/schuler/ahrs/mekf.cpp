@@ -35,7 +35,9 @@ void MekfSettings::check() const {
 }
 
 Mekf::Mekf(const MekfSettings& settings)
-    : settings_(settings), tilt_(settings.tilt, settings.rest), heading_(settings.heading, settings.tilt, settings.six_axis),
+    : settings_(settings),
+      tilt_(settings.tilt, settings.rest),
+      heading_(settings.heading, settings.tilt, settings.six_axis),
       gyro_guard_(settings.guard.gyro_range, settings.guard.stuck_after),
       accel_guard_(settings.guard.accel_range, settings.guard.stuck_after),
       field_guard_(settings.guard.field_range, settings.guard.stuck_after) {

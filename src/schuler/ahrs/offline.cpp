@@ -158,9 +158,10 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
         }
         const Eigen::Quaterniond q_nw(std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle));
         const double c = std::cos(angle), sn = std::sin(angle);
-        const Eigen::Vector3d std(std::hypot(c * tilt_std.x(), sn * tilt_std.y()), std::hypot(sn * tilt_std.x(), c * tilt_std.y()),
-                                  heading_std);
-        const Eigen::Vector3d& bias = f.bias.empty() ? Eigen::Vector3d::Zero().eval() : f.bias[std::min(s.block, f.bias.size() - 1)];
+        const Eigen::Vector3d std(std::hypot(c * tilt_std.x(), sn * tilt_std.y()),
+                                  std::hypot(sn * tilt_std.x(), c * tilt_std.y()), heading_std);
+        const Eigen::Vector3d& bias =
+            f.bias.empty() ? Eigen::Vector3d::Zero().eval() : f.bias[std::min(s.block, f.bias.size() - 1)];
         out.rows.push_back({imu[s.sample].time, q_nw * smoothed_q_wb(s, tilt), std, bias});
     }
     return out;

@@ -36,7 +36,8 @@ RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagS
         } else {
             q_nb = Eigen::Quaterniond(filter.C_nb());
         }
-        out.rows.push_back({imu[i].time, q_nb, filter.covariance_phi().diagonal().cwiseMax(0.0).cwiseSqrt(), Eigen::Vector3d::Zero()});
+        out.rows.push_back(
+            {imu[i].time, q_nb, filter.covariance_phi().diagonal().cwiseMax(0.0).cwiseSqrt(), Eigen::Vector3d::Zero()});
     }
     return out;
 }

@@ -59,7 +59,8 @@ struct HeadingSettings {
     double rest_factor = 30.0;                    ///< standing still repeats one place's field: variance times this
     double recovery_time = 60.0;                  ///< s of uninterrupted disturbance after which the field is learnt anew
     double declination = 0.0;                     ///< rad, east positive
-    Eigen::Vector3d known_field_n = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< T, NED, from a model
+    Eigen::Vector3d known_field_n =
+        Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< T, NED, from a model
     double known_field_std = 3e-6;                ///< T, of that model here and of the instrument's scale
 };
 

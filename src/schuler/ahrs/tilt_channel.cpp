@@ -156,8 +156,7 @@ Block TiltChannel::close(TiltRecord* record) {
 
     Eigen::Vector2d innovation = velocity_ - expected;
     const double nis = innovation.squaredNorm() / (P_(5, 5) + P_(6, 6) + 2.0 * r);
-    acceleration_level_ =
-        rest ? 1.0 : acceleration_level_ + dt / (settings_.adaptation_time + dt) * (nis - acceleration_level_);
+    acceleration_level_ = rest ? 1.0 : acceleration_level_ + dt / (settings_.adaptation_time + dt) * (nis - acceleration_level_);
     r *= std::max(1.0, acceleration_level_);
 
     const double tilt_before = P_(0, 0) + P_(1, 1);

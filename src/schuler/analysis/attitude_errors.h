@@ -24,7 +24,7 @@ struct BroadErrors {
     double inclination = std::numeric_limits<double>::quiet_NaN();
     double heading_offset = std::numeric_limits<double>::quiet_NaN();  ///< estimate minus reference, rad
     std::size_t epochs = 0;
-    std::vector<double> headings, inclinations;                        ///< epoch by epoch; headings signed, offset taken off
+    std::vector<double> headings, inclinations;  ///< epoch by epoch; headings signed, offset taken off
 };
 [[nodiscard]] BroadErrors broad_errors(std::span<const AttitudePair> pairs);
 

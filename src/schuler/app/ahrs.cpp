@@ -21,13 +21,15 @@ double since(std::chrono::steady_clock::time_point begin) {
 void tell(const ahrs::Counters& c, WarningLog& warnings) {
     const auto one = [&](const char* name, const ahrs::InstrumentCount& n) {
         if (n.rejected() == 0) return;
-        warnings.add(std::string("ahrs.") + name, fmt::format("{}: {} of {} samples left out: {} not finite, {} saturated, {} stuck", name,
-                                                              n.rejected(), n.samples, n.not_finite, n.saturated, n.stuck));
+        warnings.add(std::string("ahrs.") + name,
+                     fmt::format("{}: {} of {} samples left out: {} not finite, {} saturated, {} stuck", name, n.rejected(),
+                                 n.samples, n.not_finite, n.saturated, n.stuck));
     };
     one("gyro", c.gyro);
     one("accelerometer", c.accel);
     one("magnetometer", c.field);
-    if (c.gaps > 0) warnings.add("ahrs.gaps", fmt::format("{} gaps in the IMU log: the attitude may have turned in them", c.gaps));
+    if (c.gaps > 0)
+        warnings.add("ahrs.gaps", fmt::format("{} gaps in the IMU log: the attitude may have turned in them", c.gaps));
 }
 
 AhrsEvaluation evaluate(const std::vector<ahrs::AttitudeRow>& rows, const std::vector<ReferenceSample>& reference) {

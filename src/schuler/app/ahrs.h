@@ -17,7 +17,7 @@ struct AhrsRequest {
     std::string filter = "mekf";                 ///< dcm, quaternion, quaternion-coupled, mekf
     bool six_axis = false;
     bool offline = false;
-    bool calibrate = false;                      ///< ellipsoid fit of magnetometer and accelerometer, from this log, applied to it
+    bool calibrate = false;  ///< ellipsoid fit of magnetometer and accelerometer, from this log, applied to it
 };
 
 /// Recordings and settings as the attitude filters want them: body axes, rates, the field where position and date are known.

@@ -29,7 +29,7 @@ ahrs::FilterKind filter_from_name(const std::string& name) {
     return found->second;
 }
 
-/// Largest magnitude of a component where the log shows the instrument at its stop: the same extreme value several times in a row.
+/// Largest magnitude of a component where the instrument was at its stop: the same extreme value several times in a row.
 template <class Samples, class Get>
 double range_of(const Samples& samples, Get get, double least) {
     double range = std::numeric_limits<double>::infinity();
@@ -69,14 +69,16 @@ void field_from_model(const LoadedDataset& data, AhrsInput& out, WarningLog& war
     if (!std::isfinite(where.lat) || !std::isfinite(where.lon) || !std::isfinite(year)) return;
     const std::filesystem::path folder = magnetic_model_folder();
     if (folder.empty()) {
-        warnings.add("ahrs.model", "the World Magnetic Model's files are not installed: heading is magnetic; set SCHULER_DATA_DIR");
+        warnings.add("ahrs.model",
+                     "the World Magnetic Model's files are not installed: heading is magnetic; set SCHULER_DATA_DIR");
         return;
     }
     const earth::MagneticModel model("wmm2025", folder.string());
     if (year < model.first_year() || year > model.last_year()) {
-        warnings.add("ahrs.model.date", fmt::format("{:.1f} is outside the magnetic model's years {:.0f} to {:.0f}: heading may be off "
-                                                    "by some tenths of a degree",
-                                                    year, model.first_year(), model.last_year()));
+        warnings.add("ahrs.model.date",
+                     fmt::format("{:.1f} is outside the magnetic model's years {:.0f} to {:.0f}: heading may be off "
+                                 "by some tenths of a degree",
+                                 year, model.first_year(), model.last_year()));
     }
     const earth::MagneticField field = model.at(year, {where.lat, where.lon, std::isfinite(where.h) ? where.h : 0.0});
     out.settings.mekf.heading.known_field_n = Vector3d(field.horizontal(), 0.0, field.field_n.z());
@@ -97,7 +99,8 @@ void field_from_log(AhrsInput& out) {
     }
     for (const MagSample& s : out.mag) {
         if (s.time > end) break;
-        if (s.field_b.allFinite() && (field.isZero() || s.field_b.norm() > 0.0)) field = field.isZero() ? s.field_b : (0.9 * field + 0.1 * s.field_b).eval();
+        if (s.field_b.allFinite() && (field.isZero() || s.field_b.norm() > 0.0))
+            field = field.isZero() ? s.field_b : (0.9 * field + 0.1 * s.field_b).eval();
     }
     if (force.norm() == 0.0 || field.norm() == 0.0) return;
     const double down = -field.dot(force.normalized());
@@ -112,13 +115,15 @@ void calibrate(AhrsInput& out, WarningLog& warnings) {
     if (const auto fit = ahrs::fit_ellipsoid(field, std::isfinite(size) ? size : 0.0)) {
         for (MagSample& s : out.mag) s.field_b = fit->apply(s.field_b);
     } else if (!field.empty()) {
-        warnings.add("ahrs.calibration.mag", "the magnetometer was not turned through enough directions to calibrate it from this log");
+        warnings.add("ahrs.calibration.mag",
+                     "the magnetometer was not turned through enough directions to calibrate it from this log");
     }
     const std::vector<Vector3d> still = ahrs::still_forces(out.imu);
     if (const auto fit = ahrs::fit_ellipsoid(still, out.settings.mekf.tilt.gravity)) {
         for (ImuSample& s : out.imu) s.accel = fit->apply(s.accel);
     } else {
-        warnings.add("ahrs.calibration.accel", "the accelerometer did not rest in enough attitudes to calibrate it from this log");
+        warnings.add("ahrs.calibration.accel",
+                     "the accelerometer did not rest in enough attitudes to calibrate it from this log");
     }
 }
 
@@ -142,22 +147,29 @@ AhrsInput ahrs_input(const LoadedDataset& data, const AhrsRequest& request, Warn
         const double per = f.imu.kind == ImuKind::Rates ? 1.0 : dt > 0.0 ? 1.0 / dt : not_given;
         out.imu.push_back({s.time, C_bs * (s.gyro * per), C_bs * (s.accel * per)});
     }
-    if (out.imu.size() < 2) throw input_error("fewer than two IMU samples are in the chosen time", {}, "look at --start and --stop");
+    if (out.imu.size() < 2)
+        throw input_error("fewer than two IMU samples are in the chosen time", {}, "look at --start and --stop");
     for (const MagSample& s : r.mag) out.mag.push_back({s.time, C_bs * s.field_b});
     while (!out.mag.empty() && out.mag.back().time > out.imu.back().time) out.mag.pop_back();
-    out.mag.erase(out.mag.begin(), std::ranges::find_if(out.mag, [&](const MagSample& s) { return s.time >= out.imu.front().time; }));
+    out.mag.erase(out.mag.begin(),
+                  std::ranges::find_if(out.mag, [&](const MagSample& s) { return s.time >= out.imu.front().time; }));
     out.speed = speeds_of(r, f.vehicle);
 
     out.settings.mekf.six_axis = request.six_axis;
     if (out.mag.empty() && !request.six_axis) {
         out.settings.mekf.six_axis = true;
-        warnings.add("ahrs.six_axis", "no magnetometer: six axes only, heading starts at zero and drifts with the gyro");
+        warnings.add("ahrs.six_axis",
+                     "no magnetometer: six axes only, heading starts at zero and drifts with the gyro; a log there is but left "
+                     "out: --set mag.file=NAME");
     }
     ahrs::GuardSettings& guard = out.settings.mekf.guard;
     constexpr double least_rate = 100.0 * units::deg, least_force = 15.0, least_field = 80e-6;
-    guard.gyro_range = range_of(out.imu, [](const ImuSample& s) { return s.gyro; }, least_rate);
-    guard.accel_range = range_of(out.imu, [](const ImuSample& s) { return s.accel; }, least_force);
-    guard.field_range = range_of(out.mag, [](const MagSample& s) { return s.field_b; }, least_field);
+    guard.gyro_range = range_of(
+        out.imu, [](const ImuSample& s) { return s.gyro; }, least_rate);
+    guard.accel_range = range_of(
+        out.imu, [](const ImuSample& s) { return s.accel; }, least_force);
+    guard.field_range = range_of(
+        out.mag, [](const MagSample& s) { return s.field_b; }, least_field);
     field_from_model(data, out, warnings);
     if (!out.field_from_model) field_from_log(out);
     if (request.calibrate) calibrate(out, warnings);

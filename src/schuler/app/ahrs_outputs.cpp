@@ -17,7 +17,9 @@ using Json = nlohmann::ordered_json;
 
 Json in_degrees(double x) { return std::isfinite(x) ? Json(x / units::deg) : Json(nullptr); }
 Json rms_of(double x) { return {{"rms", in_degrees(x)}}; }
-Json spread(const analysis::Spread& s) { return {{"rms", in_degrees(s.rms)}, {"p95", in_degrees(s.p95)}, {"max", in_degrees(s.max)}}; }
+Json spread(const analysis::Spread& s) {
+    return {{"rms", in_degrees(s.rms)}, {"p95", in_degrees(s.p95)}, {"max", in_degrees(s.max)}};
+}
 
 SolutionRow solution_row(const ahrs::AttitudeRow& a) {
     SolutionRow row;
@@ -144,8 +146,9 @@ std::string ahrs_summary_tables(const AhrsBundle& b) {
                            e.broad.heading / units::deg, e.broad.inclination / units::deg);
     }
     const ahrs::Counters& c = b.result.counters;
-    out += fmt::format("left out: {} gyro, {} accelerometer, {} magnetometer samples; {} blocks at rest, {} magnetically disturbed\n",
-                       c.gyro.rejected(), c.accel.rejected(), c.field.rejected(), c.rest_blocks, c.disturbed_blocks);
+    out += fmt::format(
+        "left out: {} gyro, {} accelerometer, {} magnetometer samples; {} blocks at rest, {} magnetically disturbed\n",
+        c.gyro.rejected(), c.accel.rejected(), c.field.rejected(), c.rest_blocks, c.disturbed_blocks);
     return out;
 }
 

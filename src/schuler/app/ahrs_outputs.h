@@ -36,7 +36,8 @@ struct AhrsBundle {
 void turn_to_true_north(AhrsBundle& bundle);
 
 /// solution.csv, report.html and config.toml, those that the settings choose. summary.json is the caller's, written last.
-[[nodiscard]] std::vector<std::filesystem::path> write_ahrs_outputs(const AhrsBundle& bundle, const std::filesystem::path& folder);
+[[nodiscard]] std::vector<std::filesystem::path> write_ahrs_outputs(const AhrsBundle& bundle,
+                                                                    const std::filesystem::path& folder);
 
 /// summary.json with the fields of the interface contract; null where not applicable.
 [[nodiscard]] std::string ahrs_summary_json(const AhrsBundle& bundle);

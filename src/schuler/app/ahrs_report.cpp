@@ -71,7 +71,8 @@ report::Group error_panels(const AhrsBundle& b) {
 std::string ahrs_report_html(const AhrsBundle& b) {
     report::ReportInput page;
     page.title = b.name;
-    page.subtitle = fmt::format("attitude and heading: {}{}{}", b.filter, b.six_axis ? ", six axes" : "", b.offline ? ", offline" : "");
+    page.subtitle =
+        fmt::format("attitude and heading: {}{}{}", b.filter, b.six_axis ? ", six axes" : "", b.offline ? ", offline" : "");
     page.version = b.version;
     page.warnings = b.warnings;
     page.settings = b.config_toml;
