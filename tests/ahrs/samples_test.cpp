@@ -140,6 +140,28 @@ TEST(AhrsCentripetal, ASteadyTurnDoesNotBankTheHorizon) {
     EXPECT_GT(largest_roll(false), 1.5 * largest_roll(true));
 }
 
+/// Final difference of heading between a run with a field that changed at 20 s for good and one without; and recoveries.
+std::pair<double, std::size_t> after_a_lasting_change(const Vector3d& iron, bool place) {
+    Motion m;
+    const Log clean = log_of(m, 11);
+    if (place) {
+        m.disturbed_from = 20.0;
+        m.disturbed_to = 1e9;
+    }
+    Log changed = log_of(m, 11);
+    for (std::size_t i = 2000; i < changed.mag.size(); ++i) changed.mag[i].field_b += iron;
+    const RunResult a = run(clean.imu, clean.mag, {}, {}), b = run(changed.imu, changed.mag, {}, {});
+    return {a.rows.back().q_nb.angularDistance(b.rows.back().q_nb) / units::deg, b.counters.recoveries};
+}
+
+TEST(AhrsRecovery, ANewPlaceIsLearntAMagnetOnTheSensorIsNot) {
+    const auto place = after_a_lasting_change(Vector3d::Zero(), true);
+    EXPECT_EQ(place.second, 1u) << "the field of another place is steady";
+    const auto magnet = after_a_lasting_change(Vector3d(60e-6, -50e-6, 80e-6), false);
+    EXPECT_EQ(magnet.second, 0u) << "this one turns with the sensor";
+    EXPECT_LT(magnet.first, 3.0);
+}
+
 TEST(AhrsCalibration, EllipsoidIsUndone) {
     math::Random random(6, "calibration");
     Eigen::Matrix3d distortion;

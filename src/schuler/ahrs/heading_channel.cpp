@@ -12,13 +12,17 @@ constexpr double start_heading_std = 0.2;        // rad
 constexpr double anew_heading_std = 0.1;         // rad, how far a disturbance may have drawn the heading before recovery
 constexpr double shortest_memory = 1e-3;
 constexpr double disturbed_level = 3.0;
+constexpr double steady_time = 10.0;             // s over which a field is to be steady before it is learnt
+constexpr double steady_field = 4e-6;            // T; a magnet fixed to a sensor that turns moves the field by far more
+
+Eigen::Quaterniond about_vertical(double angle) { return {std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle)}; }
 
 double squared(double x) { return x * x; }
 
 }  // namespace
 
 HeadingChannel::HeadingChannel(const HeadingSettings& settings, const TiltSettings& tilt, bool six_axis)
-    : settings_(settings), tilt_(tilt), six_axis_(six_axis) {}
+    : settings_(settings), tilt_(tilt), six_axis_(six_axis), q_nw_(about_vertical(settings.declination)) {}
 
 void HeadingChannel::gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b) {
     field_w_.noalias() += C_wb * field_b;
@@ -39,6 +43,7 @@ void HeadingChannel::start(const Eigen::Vector3d& bias) {
         vertical_ = settings_.known_field_n.z();
         field_variance = squared(settings_.known_field_std);
     }
+    lately_ = {horizontal_, vertical_};
     bias_ = bias;
     const double b = squared(tilt_.bias_std), h = squared(settings_.hard_iron_std);
     P_ = (HeadingVector() << squared(start_heading_std), b, b, b, h, h, h, field_variance, field_variance,
@@ -61,6 +66,17 @@ void HeadingChannel::propagate(const Block& block) {
     P_.diagonal().tail<9>() +=
         (Eigen::Matrix<double, 9, 1>() << bias, bias, bias, iron, iron, iron, field, field, delay).finished();
 }
+
+void HeadingChannel::watch_steadiness(const Eigen::Vector3d& field_n, double dt) {
+    const Eigen::Vector2d now(field_n.head<2>().norm(), field_n.z());
+    const double gain = dt / (steady_time + dt);
+    const Eigen::Vector2d change = now - lately_;
+    lately_ += gain * change;
+    unsteadiness_ += gain * (change.squaredNorm() - unsteadiness_);
+}
+
+/// Whether the field, disturbed or not, belongs to the place: horizontal and vertical part stay the same while the sensor moves.
+bool HeadingChannel::steady() const { return unsteadiness_ < squared(steady_field); }
 
 void HeadingChannel::learn_anew() {
     for (int i = 4; i < 9; ++i) {
@@ -110,6 +126,7 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
         H.block<3, 3>(0, 4) = -C_nb;
         H(0, 7) = H(2, 8) = -1.0;
         H.col(9) = -sweep;
+        watch_steadiness(field, block.duration);
         // how improbable norm, dip and direction are together, now and lately
         double nis = 0.0;
         for (int i = 0; i < 3; ++i) {
@@ -138,7 +155,8 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
     horizontal_ -= dx(7);
     vertical_ -= dx(8);
     delay_ -= dx(9);
-    if (disturbed_for_ >= settings_.recovery_time && samples_ > 0 && !record) {
+    q_nw_ = about_vertical(heading());
+    if (disturbed_for_ >= settings_.recovery_time && steady() && !rest && samples_ > 0 && !record) {
         learn_anew();
         ++counters.recoveries;
     }

@@ -12,6 +12,7 @@
 #include "schuler/estim/scalar_update.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <array>
 
@@ -45,6 +46,8 @@ public:
     [[nodiscard]] bool started() const { return started_; }
     /// Rotation of w about the vertical from north-east-down, rad; with the declination where one was given.
     [[nodiscard]] double heading() const { return heading_ + settings_.declination; }
+    /// The same as a rotation; kept, since it is wanted at every sample and changes once a block.
+    [[nodiscard]] const Eigen::Quaterniond& q_nw() const { return q_nw_; }
     [[nodiscard]] double variance() const { return P_(0, 0); }  ///< rad^2
     [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return hard_iron_; }
     [[nodiscard]] double horizontal_field() const { return horizontal_; }
@@ -55,6 +58,8 @@ public:
 private:
     void start(const Eigen::Vector3d& bias);
     void propagate(const Block& block);
+    void watch_steadiness(const Eigen::Vector3d& field_n, double dt);
+    [[nodiscard]] bool steady() const;
     void learn_anew();
 
     HeadingSettings settings_;
@@ -68,6 +73,9 @@ private:
     Eigen::Matrix3d C_wb_ = Eigen::Matrix3d::Zero();
     int samples_ = 0;
     double level_ = 1.0, disturbed_for_ = 0.0;
+    Eigen::Vector2d lately_ = Eigen::Vector2d::Zero();  ///< T, running means of the horizontal and vertical field
+    double unsteadiness_ = 0.0;                         ///< T^2, and of the squared departure from them
+    Eigen::Quaterniond q_nw_ = Eigen::Quaterniond::Identity();
 };
 
 }  // namespace schuler::ahrs

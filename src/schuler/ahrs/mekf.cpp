@@ -77,8 +77,7 @@ void Mekf::magnetometer(const Eigen::Vector3d& field_b) {
 }
 
 Eigen::Quaterniond Mekf::q_nb() const {
-    const double half = 0.5 * heading_.heading();
-    return Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half)) * tilt_.q_wb();
+    return heading_.q_nw() * tilt_.q_wb();
 }
 
 Eigen::Matrix3d Mekf::covariance_phi() const {

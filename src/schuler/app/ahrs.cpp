@@ -77,7 +77,8 @@ Outcome ahrs_dataset(const AhrsRequest& request) {
     b.result = ahrs::run(input.imu, input.mag, input.speed, input.settings);
     b.timing.filter_s = since(filter_begin);
     if (b.result.rows.empty())
-        throw computation_error("the filter gave no attitude", "look at the warnings and at `schuler inspect`");
+        throw input_error("the log is too short for an attitude, or has no usable accelerometer sample", {},
+                          "give at least 0.1 s of samples; `schuler inspect` shows what is wrong with them");
     tell(b.result.counters, warnings);
     if (input.settings.filter != ahrs::FilterKind::Mekf && input.field_from_model) turn_to_true_north(b);
     b.evaluation = evaluate(b.result.rows, b.data.recording.reference);

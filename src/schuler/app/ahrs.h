@@ -32,6 +32,10 @@ struct AhrsInput {
 /// @throws Error(Input) for an unknown filter, or options that do not go together.
 [[nodiscard]] AhrsInput ahrs_input(const LoadedDataset& data, const AhrsRequest& request, WarningLog& warnings);
 
+/// What the samples themselves show: sampling too coarse, wrong units, axes of the magnetometer that are not the IMU's, a
+/// magnetometer that is missing for long. @throws Error(Input) where no attitude can come of it.
+void check_ahrs_input(const AhrsInput& input, WarningLog& warnings);
+
 /// Estimate and reference at the reference's epochs with movement, where the reference has an attitude and the estimate is not
 /// further away in time than half a sample (then it is turned to the reference's time by its neighbours).
 [[nodiscard]] std::vector<analysis::AttitudePair> attitude_pairs(const std::vector<ahrs::AttitudeRow>& rows,

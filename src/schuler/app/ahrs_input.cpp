@@ -159,8 +159,9 @@ AhrsInput ahrs_input(const LoadedDataset& data, const AhrsRequest& request, Warn
     if (out.mag.empty() && !request.six_axis) {
         out.settings.mekf.six_axis = true;
         warnings.add("ahrs.six_axis",
-                     "no magnetometer: six axes only, heading starts at zero and drifts with the gyro; a log there is but left "
-                     "out: --set mag.file=NAME");
+                     fmt::format("no magnetometer: six axes only, heading starts at zero and drifts with the gyro; {}",
+                                 r.mag.empty() ? "a log that is there but left out: --set mag.file=NAME"
+                                               : "its log has no sample within the time of the IMU's: check both time columns"));
     }
     ahrs::GuardSettings& guard = out.settings.mekf.guard;
     constexpr double least_rate = 100.0 * units::deg, least_force = 15.0, least_field = 80e-6;
@@ -170,6 +171,7 @@ AhrsInput ahrs_input(const LoadedDataset& data, const AhrsRequest& request, Warn
         out.imu, [](const ImuSample& s) { return s.accel; }, least_force);
     guard.field_range = range_of(
         out.mag, [](const MagSample& s) { return s.field_b; }, least_field);
+    check_ahrs_input(out, warnings);
     field_from_model(data, out, warnings);
     if (!out.field_from_model) field_from_log(out);
     if (request.calibrate) calibrate(out, warnings);

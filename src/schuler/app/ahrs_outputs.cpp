@@ -141,8 +141,8 @@ std::string ahrs_summary_tables(const AhrsBundle& b) {
                                   b.offline ? ", offline" : "", b.imu_epochs,
                                   (b.result.rows.back().time - b.result.rows.front().time).seconds());
     if (e.broad.epochs > 0) {
-        out += fmt::format("{:<28}{:>11}{:>11}{:>11}\n", "error in movement, deg rms", "total", "heading", "inclination");
-        out += fmt::format("  {:<26}{:>11.3f}{:>11.3f}{:>11.3f}\n", "BROAD's definitions", e.broad.total / units::deg,
+        out += fmt::format("{:<28}{:>13}{:>13}{:>13}\n", "error in movement, deg rms", "total", "heading", "inclination");
+        out += fmt::format("  {:<26}{:>13.3f}{:>13.3f}{:>13.3f}\n", "BROAD's definitions", e.broad.total / units::deg,
                            e.broad.heading / units::deg, e.broad.inclination / units::deg);
     }
     const ahrs::Counters& c = b.result.counters;
