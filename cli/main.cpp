@@ -2,6 +2,7 @@
 #include "options.h"
 #include "progress.h"
 
+#include "schuler/app/ahrs.h"
 #include "schuler/app/analyze.h"
 #include "schuler/app/commands.h"
 #include "schuler/core/error.h"
@@ -81,6 +82,7 @@ app::Outcome perform(const cli::Options& o) {
     cli::ProgressBar bar(!o.quiet);
     request.progress = [&bar](double done_part) { bar.show(done_part); };
     if (o.command == "process") return app::process_dataset(request);
+    if (o.command == "ahrs") return app::ahrs_dataset({request, o.filter, o.six_axis, o.offline, o.calibrate});
     if (o.command == "run") return app::run_scenario(request);
     if (o.command == "demo") return app::run_demonstration(request);
     if (o.command == "simulate") return app::simulate_to_folder(o.input, o.output, o.seed);

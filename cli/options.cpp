@@ -84,6 +84,34 @@ void add_data_commands(CLI::App& parser, Options& o) {
     add_processing(*run, o);
 }
 
+void add_attitude_command(CLI::App& parser, Options& o) {
+    CLI::App* ahrs = add_command(
+        parser, o, "ahrs", "attitude and heading from gyro, accelerometer and magnetometer",
+        "  schuler ahrs hand/                              the multiplicative filter, nine axes\n"
+        "  schuler ahrs hand/ --offline                    forwards and backwards\n"
+        "  schuler ahrs hand/ --six-axis --json            without the magnetometer\n"
+        "  schuler ahrs hand/ --filter quaternion-coupled  the filter whose horizon a magnet can tilt\n"
+        "  schuler ahrs flight/ --calibrate                magnetometer and accelerometer calibrated from this log\n"
+        "Heading is true where position and date are known (World Magnetic Model), magnetic otherwise.");
+    ahrs->add_option("DATASET", o.input, "folder, dataset.toml, or a log")->required();
+    ahrs->add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
+    ahrs->add_option("--filter", o.filter, "dcm, quaternion, quaternion-coupled or mekf (default)")
+        ->check(CLI::IsMember({"dcm", "quaternion", "quaternion-coupled", "mekf"}));
+    ahrs->add_flag("--six-axis", o.six_axis, "leave the magnetometer out; heading starts at zero");
+    ahrs->add_flag("--offline", o.offline, "forward filter and backward smoother (mekf)");
+    ahrs->add_flag("--calibrate", o.calibrate, "ellipsoid fit of magnetometer and accelerometer from this log first");
+    ahrs->add_option("--config", o.config, "settings over those of the data set: keys as in dataset.toml")->type_name("FILE.toml");
+    ahrs->add_option("--start", o.start, "leave out what is before; seconds after the first GNSS or IMU epoch, or abs:T")
+        ->type_name("T");
+    ahrs->add_option("--stop", o.stop, "leave out what is after")->type_name("T");
+    ahrs->add_option("--outputs", o.outputs, "what is written beside summary.json: solution,report,config (default all)")
+        ->type_name("LIST");
+    ahrs->add_option("--set", o.set, "a setting by its key; `schuler help settings` lists them")
+        ->type_name("key=value")
+        ->allow_extra_args(false);
+    ahrs->add_flag("--json", o.json, "summary.json on standard output instead of the tables");
+}
+
 void add_file_commands(CLI::App& parser, Options& o) {
     CLI::App* evaluate = add_command(parser, o, "evaluate", "errors of a solution against a reference",
                                      "  schuler evaluate out/drive/solution.csv drive/reference.csv\n  schuler evaluate "
@@ -144,6 +172,7 @@ void add_commands(CLI::App& parser, Options& o) {
         "`schuler COMMAND --help` tells the options of a command.\n"
         "Exit status: 0 done, 1 the computation failed, 2 the input or the command line is unusable.");
     add_data_commands(parser, o);
+    add_attitude_command(parser, o);
     add_file_commands(parser, o);
     add_analyze_command(parser, o, [&o](CLI::App& parent, const std::string& name, const std::string& purpose,
                                         const std::string& examples) { return add_command(parent, o, name, purpose, examples); });

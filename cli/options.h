@@ -22,6 +22,8 @@ struct Options {
     std::optional<double> settle, output_rate;
     std::optional<std::uint64_t> seed;
     std::string topic, prefix;
+    std::string filter = "mekf";       ///< of ahrs
+    bool six_axis = false, offline = false, calibrate = false;
     bool smooth = false, json = false, quiet = false;
     app::EquatorRequest equator;
     app::SchulerRequest schuler;

@@ -70,7 +70,7 @@ def files_of(folder):
 def commands(program, source):
     folder = Path(program.folder)
     done = program("--help")
-    for name in ("demo", "simulate", "process", "run", "evaluate", "inspect", "convert", "analyze"):
+    for name in ("demo", "simulate", "process", "run", "ahrs", "evaluate", "inspect", "convert", "analyze"):
         check(re.search(rf"^  {name}\b", done.stdout, re.M), f"--help does not list {name}")
         help_text = program(name, "--help").stdout
         check("Examples:" in help_text and f"schuler {name}" in help_text, f"{name} --help has no example")
@@ -368,8 +368,43 @@ def real_data(program, source):
             check(ours < 1.05 * theirs, f"{imu}: {ours} where NaveGo has {theirs}")
 
 
+def attitude(program, source):
+    data = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data"))
+    trials = sorted(data.glob("broad_*"))
+    if not trials:
+        print(f"skipped: no broad_* in {data} (set SCHULER_DATA)")
+        sys.exit(77)
+
+    def total(*options):
+        written = ["-o", "out", "--json", "--outputs", "report,solution", *options]
+        runs = [json.loads(program("ahrs", trial, *written).stdout) for trial in trials]
+        return sum(run["errors"]["broad_deg"]["total"]["rms"] for run in runs) / len(runs)
+
+    # VQF's means over the six trials: 1.88 online, 1.97 offline, 3.14 with six axes
+    online, offline, six = total(), total("--offline"), total("--six-axis")
+    print(f"BROAD, {len(trials)} trials: {online:.2f} deg online, {offline:.2f} offline, {six:.2f} six-axis")
+    check(online < 1.3 and offline < 1.3 and six < 2.5, "mean total error")
+    check(files_of(Path(program.folder) / "out") == ["report.html", "solution.csv", "summary.json"], "outputs as chosen")
+    first = (Path(program.folder) / "out/solution.csv").read_bytes()
+    program("ahrs", trials[-1], "-o", "again", "--six-axis")
+    check(first == (Path(program.folder) / "again/solution.csv").read_bytes(), "the same data give the same bytes")
+
+    folder = Path(program.folder) / "no_mag"
+    folder.mkdir()
+    rows = (trials[0] / "imu.csv").read_text().splitlines()[:4000]
+    rows[2000:2010] = [re.sub(r",[^,]*,", ",nan,", row, count=1) for row in rows[2000:2010]]
+    (folder / "imu.csv").write_text("\n".join(rows) + "\n")
+    done = program("ahrs", folder, "-o", "out2")
+    check("warning: no magnetometer" in done.stderr, "six axes with a warning where there is no magnetometer")
+    check("value is missing" in done.stderr, "rows that are not numbers are counted")
+    check(json.loads((Path(program.folder) / "out2/summary.json").read_text())["six_axis"], "summary says six axes")
+    program.fails("ahrs", folder, "--filter", "dcm", "--offline", parts=["--offline"])
+    program.fails("ahrs", folder, "--filter", "best")
+
+
 def main():
-    topics = {"commands": commands, "bad_input": bad_input, "analyze": analyze, "determinism": determinism, "real_data": real_data}
+    topics = {"commands": commands, "bad_input": bad_input, "analyze": analyze, "determinism": determinism, "real_data": real_data,
+              "attitude": attitude}
     parser = argparse.ArgumentParser()
     parser.add_argument("topic", choices=topics)
     parser.add_argument("--program", required=True)

@@ -1,6 +1,8 @@
 // The walk along the data allocates nothing: operator new is replaced in this program and counts.
+#include "ahrs/simulated_motion.h"
 #include "fusion/car_drive.h"
 
+#include "schuler/ahrs/mekf.h"
 #include "schuler/fusion/forward_pass.h"
 #include "schuler/fusion/tune.h"
 #include "schuler/math/chi_square.h"
@@ -117,6 +119,20 @@ TEST(Allocation, IsCounted) {
     const std::vector<Eigen::Matrix4d> aligned(2);
     EXPECT_EQ(allocations.load() - before, 2);
     EXPECT_EQ(some.size() + aligned.size(), 5u);
+}
+
+TEST(Allocation, NoneInTheAttitudeFilter) {
+    const ahrs::testing::Motion motion;
+    const auto data = ahrs::testing::simulated(motion, 1);
+    ahrs::Mekf filter{ahrs::MekfSettings{}};
+    const long before = allocations.load();
+    for (const ahrs::testing::Instant& i : data) {
+        filter.step(motion.dt, i.gyro, i.accel);
+        filter.magnetometer(i.field);
+    }
+    const long after = allocations.load();
+    EXPECT_EQ(after, before);
+    EXPECT_TRUE(filter.started());
 }
 
 }  // namespace

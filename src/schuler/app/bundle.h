@@ -50,6 +50,9 @@ void write_run_h5(const std::filesystem::path& file, const ResultBundle& bundle)
 /// Writes a text under its name when complete.
 void write_text(const std::filesystem::path& file, const std::string& text);
 
+/// The folder and those above it. @throws Error(Input) where it cannot be made.
+void make_folder(const std::filesystem::path& folder);
+
 /// The first row in each period of the time axis, at `rate` Hz; 0 = all rows.
 [[nodiscard]] std::vector<SolutionRow> thinned(std::vector<SolutionRow> rows, double rate);
 

@@ -39,6 +39,8 @@ void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
     template ScalarUpdate<N> update_scalar<N>(Eigen::Matrix<double, N, 1>&, Eigen::Matrix<double, N, N>&,                \
                                               const Eigen::Matrix<double, N, 1>&, double, double);                       \
     template struct Adjoint<N>;
+SCHULER_INSTANTIATE(7)
+SCHULER_INSTANTIATE(10)
 SCHULER_INSTANTIATE(16)
 SCHULER_INSTANTIATE(24)
 SCHULER_INSTANTIATE(44)

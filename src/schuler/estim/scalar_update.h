@@ -32,6 +32,8 @@ struct Adjoint {
     void undo(const ScalarUpdate<N>& u);
 };
 
+extern template struct Adjoint<7>;
+extern template struct Adjoint<10>;
 extern template struct Adjoint<16>;
 extern template struct Adjoint<24>;
 extern template struct Adjoint<44>;

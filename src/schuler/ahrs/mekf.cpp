@@ -1,0 +1,94 @@
+#include "schuler/ahrs/mekf.h"
+
+#include "schuler/core/error.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace schuler::ahrs {
+namespace {
+
+constexpr double levelling = 0.1;                // s of specific force from which the first tilt is taken
+constexpr double turn_in_gap = 0.5;              // rad/s, by which the attitude may turn unseen
+
+}  // namespace
+
+void MekfSettings::check() const {
+    const auto positive = [](double value, const char* name) {
+        if (!(value > 0.0) || !std::isfinite(value))
+            throw input_error(fmt::format("{} must be positive", name), {{}, 0, 0, name}, "give a positive number");
+    };
+    positive(block, "block");
+    positive(tilt.gyro_noise, "tilt.gyro_noise");
+    positive(tilt.bias_std, "tilt.bias_std");
+    positive(tilt.velocity_std, "tilt.velocity_std");
+    positive(tilt.velocity_time, "tilt.velocity_time");
+    positive(tilt.rest_rate_std, "tilt.rest_rate_std");
+    positive(tilt.rest_velocity_std, "tilt.rest_velocity_std");
+    positive(tilt.gravity, "tilt.gravity");
+    positive(heading.field_noise, "heading.field_noise");
+    positive(heading.field_time, "heading.field_time");
+    positive(heading.recovery_time, "heading.recovery_time");
+    positive(rest.after, "rest.after");
+    positive(guard.longest_step, "guard.longest_step");
+}
+
+Mekf::Mekf(const MekfSettings& settings)
+    : settings_(settings),
+      tilt_(settings.tilt, settings.rest),
+      heading_(settings.heading, settings.tilt, settings.six_axis),
+      gyro_guard_(settings.guard.gyro_range, settings.guard.stuck_after),
+      accel_guard_(settings.guard.accel_range, settings.guard.stuck_after),
+      field_guard_(settings.guard.field_range, settings.guard.stuck_after) {
+    settings.check();
+}
+
+bool Mekf::step(double dt, const Eigen::Vector3d& gyro_b, const Eigen::Vector3d& accel_b, TiltRecord* tilt,
+                HeadingRecord* heading) {
+    const bool rate_known = gyro_guard_.usable(gyro_b, counters_.gyro);
+    const bool force_known = accel_guard_.usable(accel_b, counters_.accel);
+    if (!(dt > 0.0)) return false;
+    if (!tilt_.started()) {
+        if (!force_known) return false;
+        start_force_ += accel_b;
+        start_time_ += dt;
+        if (start_time_ >= levelling && start_force_.norm() > 0.0) tilt_.start(start_force_);
+        return false;
+    }
+    if (dt > settings_.guard.longest_step) {
+        ++counters_.gaps;
+        tilt_.doubt(turn_in_gap * dt);
+        dt = settings_.block;  // the filter goes on from here; what happened in between is covered by the doubt
+    }
+    if (rate_known) last_rate_ = gyro_b;
+    tilt_.integrate(dt, last_rate_, rate_known, force_known ? &accel_b : nullptr);
+    // half a sample early rather than one late: blocks of equal length on a regular log
+    if (tilt_.pending() < settings_.block - 0.5 * dt) return false;
+    const Block block = tilt_.close(tilt);
+    if (block.rest_time > 0.0) ++counters_.rest_blocks;
+    heading_.close(block, tilt_.gyro_bias(), counters_, heading);
+    return true;
+}
+
+void Mekf::magnetometer(const Eigen::Vector3d& field_b) {
+    if (!field_guard_.usable(field_b, counters_.field) || !tilt_.started() || settings_.six_axis) return;
+    heading_.gather(tilt_.q_wb().toRotationMatrix(), tilt_.rate_b(), field_b);
+}
+
+Eigen::Quaterniond Mekf::q_nb() const {
+    return heading_.q_nw() * tilt_.q_wb();
+}
+
+Eigen::Matrix3d Mekf::covariance_phi() const {
+    const double c = std::cos(heading_.heading()), s = std::sin(heading_.heading());
+    Eigen::Matrix3d C_nw, P = Eigen::Matrix3d::Zero();
+    C_nw << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
+    P.topLeftCorner<2, 2>() = tilt_.covariance().topLeftCorner<2, 2>();
+    P(2, 2) = heading_.variance();
+    return C_nw * P * C_nw.transpose();
+}
+
+Eigen::Vector3d Mekf::std_phi() const { return covariance_phi().diagonal().cwiseSqrt(); }
+
+}  // namespace schuler::ahrs

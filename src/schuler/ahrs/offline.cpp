@@ -1,0 +1,170 @@
+#include "schuler/ahrs/offline.h"
+
+#include "schuler/ahrs/mekf.h"
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::ahrs {
+namespace {
+
+/// A sample of the forward pass: where the strapdown stood, in which block it fell.
+struct Strapdown {
+    std::size_t sample;                          ///< of the IMU log
+    Eigen::Quaterniond q_wb;
+    Eigen::Vector3d rate_b;
+    std::size_t block;
+    float along;                                 ///< 0 to 1 through the block
+};
+
+/// Error of a channel's estimate (estimate minus smoothed) before and after each block's updates.
+struct Smoothed2 {
+    Eigen::Vector2d before, after;
+    Eigen::Vector2d std;
+};
+struct Smoothed1 {
+    double before = 0.0, after = 0.0, std = 0.0;
+};
+
+struct Forward {
+    std::vector<Strapdown> strapdown;
+    std::vector<TiltRecord> tilt;
+    std::vector<Eigen::Vector2d> tilt_correction;
+    std::vector<Eigen::Vector3d> bias;
+    Counters counters;
+};
+
+Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample> speed, const MekfSettings& settings) {
+    Forward f;
+    MekfSettings level = settings;
+    level.six_axis = true;
+    Mekf filter(level);
+    f.strapdown.reserve(imu.size());
+    std::size_t v = 0, first = 0;
+    TiltRecord record;
+    for (std::size_t i = 1; i < imu.size(); ++i) {
+        for (; v < speed.size() && speed[v].time <= imu[i].time; ++v) filter.forward_speed(speed[v].speed, speed[v].std);
+        // the strapdown of this sample is wanted as it is before the block's updates
+        const bool closed = filter.step((imu[i].time - imu[i - 1].time).seconds(), imu[i].gyro, imu[i].accel, &record);
+        if (!filter.started()) continue;
+        const Eigen::Quaterniond q = closed ? filter.tilt().q_before() : filter.tilt().q_wb();
+        f.strapdown.push_back({i, q, filter.tilt().rate_b(), f.tilt.size(), 0.0F});
+        if (!closed) continue;
+        const auto n = static_cast<float>(f.strapdown.size() - first);
+        for (std::size_t k = first; k < f.strapdown.size(); ++k) f.strapdown[k].along = static_cast<float>(k - first + 1) / n;
+        first = f.strapdown.size();
+        f.tilt.push_back(record);
+        f.tilt_correction.push_back(filter.tilt().tilt_correction());
+        f.bias.push_back(filter.gyro_bias());
+    }
+    f.counters = filter.counters();
+    return f;
+}
+
+std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
+    std::vector<Smoothed2> out(f.tilt.size());
+    estim::Adjoint<tilt_states> adjoint;
+    for (std::size_t k = f.tilt.size(); k-- > 0;) {
+        const TiltRecord& r = f.tilt[k];
+        out[k].after = -(r.P_tilt * adjoint.lambda);
+        out[k].before = out[k].after + f.tilt_correction[k];
+        for (int i = 0; i < 2; ++i) {
+            const TiltVector p = r.P_tilt.row(i).transpose();
+            out[k].std(i) = std::sqrt(std::max(0.0, p(i) - p.dot(adjoint.Lambda * p)));
+        }
+        for (int u = r.count; u-- > 0;) adjoint.undo(r.updates[static_cast<std::size_t>(u)]);
+        const TiltTransition phi(r.block, gravity);
+        const TiltMatrix F = phi.matrix();
+        adjoint.lambda = phi.transpose_times(adjoint.lambda);
+        adjoint.Lambda = (F.transpose() * adjoint.Lambda * F).eval();
+    }
+    return out;
+}
+
+std::vector<Smoothed1> smooth_heading(const std::vector<HeadingRecord>& records) {
+    std::vector<Smoothed1> out(records.size());
+    estim::Adjoint<heading_states> adjoint;
+    for (std::size_t k = records.size(); k-- > 0;) {
+        const HeadingRecord& r = records[k];
+        if (!r.active) {
+            if (k + 1 < records.size()) out[k] = {out[k + 1].before, out[k + 1].before, out[k + 1].std};
+            continue;
+        }
+        out[k].after = -r.P_heading.dot(adjoint.lambda);
+        out[k].before = out[k].after + r.correction;
+        out[k].std = std::sqrt(std::max(0.0, r.P_heading(0) - r.P_heading.dot(adjoint.Lambda * r.P_heading)));
+        for (int u = r.count; u-- > 0;) adjoint.undo(r.updates[static_cast<std::size_t>(u)]);
+        HeadingMatrix F = HeadingMatrix::Identity();
+        F.block<1, 3>(0, 1) = -r.duration * r.vertical_b.transpose();
+        adjoint.lambda = (F.transpose() * adjoint.lambda).eval();
+        adjoint.Lambda = (F.transpose() * adjoint.Lambda * F).eval();
+    }
+    return out;
+}
+
+/// q_wb less the smoothed error, which runs linearly through the block.
+Eigen::Quaterniond smoothed_q_wb(const Strapdown& s, const std::vector<Smoothed2>& tilt) {
+    if (s.block >= tilt.size()) {
+        const Eigen::Vector2d e = tilt.empty() ? Eigen::Vector2d::Zero() : tilt.back().after;
+        return math::quaternion_from_rotation_vector({e.x(), e.y(), 0.0}) * s.q_wb;
+    }
+    const Eigen::Vector2d begin = s.block > 0 ? tilt[s.block - 1].after : tilt[0].before;
+    const Eigen::Vector2d e = begin + static_cast<double>(s.along) * (tilt[s.block].before - begin);
+    return math::quaternion_from_rotation_vector({e.x(), e.y(), 0.0}) * s.q_wb;
+}
+
+}  // namespace
+
+RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample> mag, std::span<const SpeedSample> speed,
+                      const MekfSettings& settings) {
+    const Forward f = forward_pass(imu, speed, settings);
+    const std::vector<Smoothed2> tilt = smooth_tilt(f, settings.tilt.gravity);
+
+    RunResult out;
+    out.counters = f.counters;
+    InstrumentGuard guard(settings.guard.field_range, settings.guard.stuck_after);
+    HeadingChannel heading(settings.heading, settings.tilt, settings.six_axis);
+    std::vector<HeadingRecord> records;
+    records.reserve(f.tilt.size());
+    std::size_t m = 0;
+    for (std::size_t k = 0; k < f.strapdown.size(); ++k) {
+        const Strapdown& s = f.strapdown[k];
+        const Eigen::Matrix3d C_wb = smoothed_q_wb(s, tilt).toRotationMatrix();
+        if (s.block < f.tilt.size() && s.along >= 1.0F) {
+            records.emplace_back();
+            heading.close(f.tilt[s.block].block, f.bias[s.block], out.counters, &records.back());
+        }
+        for (; m < mag.size() && mag[m].time <= imu[s.sample].time; ++m) {
+            if (guard.usable(mag[m].field_b, out.counters.field) && !settings.six_axis)
+                heading.gather(C_wb, s.rate_b, mag[m].field_b);
+        }
+    }
+    const std::vector<Smoothed1> turn = smooth_heading(records);
+    out.field = {heading.hard_iron(), heading.horizontal_field(), heading.vertical_field(), heading.delay()};
+
+    out.rows.reserve(f.strapdown.size());
+    const std::size_t blocks = records.size();
+    for (const Strapdown& s : f.strapdown) {
+        const std::size_t b = std::min(s.block, blocks > 0 ? blocks - 1 : 0);
+        double angle = 0.0, heading_std = 0.0;
+        Eigen::Vector2d tilt_std = Eigen::Vector2d::Zero();
+        if (blocks > 0) {
+            const double end = records[b].heading - turn[b].after;
+            const double begin = b > 0 ? records[b - 1].heading - turn[b - 1].after : end;
+            angle = s.block < blocks ? begin + static_cast<double>(s.along) * math::wrap_pi(end - begin) : end;
+            heading_std = turn[b].std;
+            tilt_std = tilt[b].std;
+        }
+        const Eigen::Quaterniond q_nw(std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle));
+        const double c = std::cos(angle), sn = std::sin(angle);
+        const Eigen::Vector3d std(std::hypot(c * tilt_std.x(), sn * tilt_std.y()),
+                                  std::hypot(sn * tilt_std.x(), c * tilt_std.y()), heading_std);
+        const Eigen::Vector3d& bias =
+            f.bias.empty() ? Eigen::Vector3d::Zero().eval() : f.bias[std::min(s.block, f.bias.size() - 1)];
+        out.rows.push_back({imu[s.sample].time, q_nw * smoothed_q_wb(s, tilt), std, bias});
+    }
+    return out;
+}
+
+}  // namespace schuler::ahrs

@@ -1,0 +1,78 @@
+#include "schuler/ahrs/run.h"
+
+#include "schuler/ahrs/dcm_filter.h"
+#include "schuler/ahrs/mekf.h"
+#include "schuler/ahrs/offline.h"
+#include "schuler/ahrs/quaternion_filter.h"
+#include "schuler/core/error.h"
+
+#include <algorithm>
+
+namespace schuler::ahrs {
+namespace {
+
+/// One of paper B's filters behind the same checks of the samples as the mekf's.
+template <class Filter>
+RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagSample> mag, const RunSettings& settings,
+                            Filter filter) {
+    RunResult out;
+    out.rows.reserve(imu.size());
+    const GuardSettings& g = settings.mekf.guard;
+    InstrumentGuard gyro(g.gyro_range, g.stuck_after), accel(g.accel_range, g.stuck_after), field(g.field_range, g.stuck_after);
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();
+    std::size_t m = 0;
+    for (std::size_t i = 1; i < imu.size(); ++i) {
+        const double dt = (imu[i].time - imu[i - 1].time).seconds();
+        if (gyro.usable(imu[i].gyro, out.counters.gyro)) rate = imu[i].gyro;
+        if (dt > g.longest_step) ++out.counters.gaps;
+        filter.propagate(std::min(dt, g.longest_step), rate);
+        if (accel.usable(imu[i].accel, out.counters.accel)) filter.accelerometer(imu[i].accel);
+        for (; m < mag.size() && mag[m].time <= imu[i].time; ++m) {
+            if (field.usable(mag[m].field_b, out.counters.field) && !settings.mekf.six_axis) filter.magnetometer(mag[m].field_b);
+        }
+        Eigen::Quaterniond q_nb;
+        if constexpr (requires { filter.q_nb(); }) {
+            q_nb = filter.q_nb();
+        } else {
+            q_nb = Eigen::Quaterniond(filter.C_nb());
+        }
+        out.rows.push_back(
+            {imu[i].time, q_nb, filter.covariance_phi().diagonal().cwiseMax(0.0).cwiseSqrt(), Eigen::Vector3d::Zero()});
+    }
+    return out;
+}
+
+RunResult run_mekf(std::span<const ImuSample> imu, std::span<const MagSample> mag, std::span<const SpeedSample> speed,
+                   const MekfSettings& settings) {
+    RunResult out;
+    out.rows.reserve(imu.size());
+    Mekf filter(settings);
+    std::size_t m = 0, v = 0;
+    for (std::size_t i = 1; i < imu.size(); ++i) {
+        for (; v < speed.size() && speed[v].time <= imu[i].time; ++v) filter.forward_speed(speed[v].speed, speed[v].std);
+        filter.step((imu[i].time - imu[i - 1].time).seconds(), imu[i].gyro, imu[i].accel);
+        for (; m < mag.size() && mag[m].time <= imu[i].time; ++m) filter.magnetometer(mag[m].field_b);
+        if (filter.started()) out.rows.push_back({imu[i].time, filter.q_nb(), filter.std_phi(), filter.gyro_bias()});
+    }
+    out.counters = filter.counters();
+    const HeadingChannel& h = filter.heading();
+    out.field = {h.hard_iron(), h.horizontal_field(), h.vertical_field(), h.delay()};
+    return out;
+}
+
+}  // namespace
+
+RunResult run(std::span<const ImuSample> imu, std::span<const MagSample> mag, std::span<const SpeedSample> speed,
+              const RunSettings& settings) {
+    if (imu.size() < 2) throw input_error("the IMU log has fewer than two samples", {}, "check it with `schuler inspect`");
+    VectorFilterSettings vector = settings.vector;
+    switch (settings.filter) {
+        case FilterKind::Dcm: return run_vector_filter(imu, mag, settings, DcmFilter(vector));
+        case FilterKind::QuaternionCoupled: vector.separation = Separation::None; [[fallthrough]];
+        case FilterKind::Quaternion: return run_vector_filter(imu, mag, settings, QuaternionFilter(vector));
+        case FilterKind::Mekf: break;
+    }
+    return settings.offline ? run_offline(imu, mag, speed, settings.mekf) : run_mekf(imu, mag, speed, settings.mekf);
+}
+
+}  // namespace schuler::ahrs

@@ -1,0 +1,193 @@
+#include "schuler/ahrs/tilt_channel.h"
+
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::ahrs {
+namespace {
+
+constexpr double start_tilt_std = 0.03;          // rad
+constexpr double unknown_rate = 0.3;             // of the last known rate: how far a missing sample's rate may lie from it
+constexpr double unknown_force = 3.0;            // m/s^2, acceleration while the accelerometer is unusable
+constexpr double least_doubt = 1e-3;             // rad, less may have been missed at rest
+constexpr double largest_tilt_variance = 1.0;    // rad^2
+
+}  // namespace
+
+TiltChannel::TiltChannel(const TiltSettings& settings, const RestSettings& rest) : settings_(settings), rest_(rest) {}
+
+void TiltChannel::start(const Eigen::Vector3d& force_b) {
+    q_wb_ = Eigen::Quaterniond::FromTwoVectors(force_b, Eigen::Vector3d(0.0, 0.0, -1.0)).normalized();
+    // FromTwoVectors leaves the heading to chance: take the one that points b's x axis north-like
+    const Eigen::Vector3d x_w = q_wb_ * Eigen::Vector3d::UnitX();
+    const double azimuth = x_w.head<2>().norm() > 1e-6 ? std::atan2(x_w.y(), x_w.x()) : 0.0;
+    q_wb_ = Eigen::AngleAxisd(-azimuth, Eigen::Vector3d::UnitZ()) * q_wb_;
+    const double tilt = start_tilt_std * start_tilt_std, bias = settings_.bias_std * settings_.bias_std;
+    const double velocity = settings_.velocity_std * settings_.velocity_std;
+    P_ = (TiltVector() << tilt, tilt, bias, bias, bias, velocity, velocity).finished().asDiagonal();
+    started_ = true;
+}
+
+void TiltChannel::integrate(double dt, const Eigen::Vector3d& rate_b, bool rate_known, const Eigen::Vector3d* force_b) {
+    rate_b_ = rate_b - bias_;
+    q_wb_ = q_wb_ * math::quaternion_from_rotation_vector(rate_b_ * dt);
+    q_wb_.coeffs() *= 1.5 - 0.5 * q_wb_.squaredNorm();
+    const Eigen::Matrix3d C_wb = q_wb_.toRotationMatrix();
+    const double turn = rate_b_.norm() * dt;
+    block_.C_wb += C_wb;
+    block_.rate_b += rate_b;
+    block_.turned += turn;
+    block_.duration += dt;
+    if (!rate_known) block_.doubt += unknown_rate * turn;
+    ++samples_;
+    if (force_b) {
+        block_.force_b += *force_b;
+        block_.force_w.noalias() += C_wb * *force_b;
+        ++forces_;
+    }
+}
+
+void TiltChannel::doubt(double angle) {
+    block_.doubt += angle;
+    velocity_.setZero();
+    P_.row(5).setZero();
+    P_.row(6).setZero();
+    P_.col(5).setZero();
+    P_.col(6).setZero();
+    P_(5, 5) = P_(6, 6) = settings_.velocity_std * settings_.velocity_std;
+    quiet_ = 0.0;
+}
+
+void TiltChannel::forward_speed(double speed, double std, double valid) {
+    speed_ = speed;
+    speed_std_ = std;
+    speed_valid_ = valid;
+}
+
+void TiltChannel::watch_rest() {
+    const double gain = block_.duration / (rest_.memory + block_.duration);
+    if (!watching_) {
+        slow_rate_ = block_.rate_b;
+        slow_force_ = block_.force_b;
+        watching_ = true;
+    }
+    const Eigen::Vector3d rate = block_.rate_b - slow_rate_, force = block_.force_b - slow_force_;
+    slow_rate_ += gain * rate;
+    slow_force_ += gain * force;
+    const bool quiet = block_.force_known && block_.doubt < least_doubt && rate.norm() < rest_.rate_change &&
+                       force.norm() < rest_.force_change && slow_rate_.norm() < rest_.largest_rate;
+    quiet_ = quiet ? quiet_ + block_.duration : 0.0;
+    block_.rest_time = quiet_ >= rest_.after ? quiet_ : 0.0;
+}
+
+TiltTransition::TiltTransition(const Block& block, double gravity)
+    : from_bias(block.C_wb.topRows<2>() * block.duration), g_dt(gravity * block.duration), dt(block.duration) {}
+
+TiltMatrix TiltTransition::matrix() const {
+    TiltMatrix F = TiltMatrix::Identity();
+    F.block<2, 3>(0, 2) = from_bias;
+    F(5, 1) = g_dt;
+    F(6, 0) = -g_dt;
+    F.block<1, 3>(5, 2) = 0.5 * g_dt * from_bias.row(1);
+    F.block<1, 3>(6, 2) = -0.5 * g_dt * from_bias.row(0);
+    return F;
+}
+
+TiltVector TiltTransition::transpose_times(const TiltVector& lambda) const {
+    TiltVector out = lambda;
+    out(0) -= g_dt * lambda(6);
+    out(1) += g_dt * lambda(5);
+    const Eigen::Vector2d tilt(lambda(0) - 0.5 * g_dt * lambda(6), lambda(1) + 0.5 * g_dt * lambda(5));
+    out.segment<3>(2) += from_bias.transpose() * tilt;
+    return out;
+}
+
+void TiltChannel::propagate() {
+    const TiltMatrix F = TiltTransition(block_, settings_.gravity).matrix();
+    P_ = (F * P_ * F.transpose()).eval();
+    const double dt = block_.duration, s = settings_.gyro_noise, t = settings_.turn_noise;
+    const double tilt = s * s * dt + t * t * block_.turned + block_.doubt * block_.doubt;
+    const double bias = settings_.bias_walk * settings_.bias_walk * dt;
+    double velocity = settings_.force_noise * settings_.force_noise * dt;
+    if (block_.force_known) {
+        velocity_ += block_.force_w.head<2>() * dt;
+    } else {
+        velocity += unknown_force * unknown_force * dt * dt;
+    }
+    P_.diagonal() += (TiltVector() << tilt, tilt, bias, bias, bias, velocity, velocity).finished();
+    for (int i = 0; i < 2; ++i) P_(i, i) = std::min(P_(i, i), largest_tilt_variance + P_(i, i) * 1e-9);
+}
+
+void TiltChannel::correct(const TiltVector& dx) {
+    // C_true = (I + [phi x]) C_est; the level frame's azimuth is nobody's business here
+    q_wb_ = math::quaternion_from_rotation_vector({dx(0), dx(1), 0.0}) * q_wb_;
+    bias_ -= dx.segment<3>(2);
+    velocity_ -= dx.tail<2>();
+}
+
+Block TiltChannel::close(TiltRecord* record) {
+    const double n = samples_;
+    block_.C_wb /= n;
+    block_.rate_b /= n;
+    block_.force_known = 2 * forces_ >= samples_;
+    if (forces_ > 0) {
+        block_.force_b /= forces_;
+        block_.force_w /= forces_;
+    }
+    block_.bias_used = bias_;
+    watch_rest();
+    propagate();
+
+    const double dt = block_.duration;
+    const bool rest = block_.rest_time > 0.0;
+    Eigen::Vector2d expected = Eigen::Vector2d::Zero();
+    double r = settings_.velocity_std * settings_.velocity_std * 2.0 * settings_.velocity_time / dt;
+    if (rest) {
+        r = settings_.rest_velocity_std * settings_.rest_velocity_std;
+    } else if (speed_valid_ > 0.0) {
+        expected = speed_ * block_.C_wb.col(0).head<2>();
+        r = (settings_.slip_std * settings_.slip_std + speed_std_ * speed_std_) * 2.0 * settings_.velocity_time / dt;
+        if (!speed_known_) velocity_ = expected;  // until now it was the change of velocity, not the velocity
+    }
+    speed_known_ = speed_valid_ > 0.0 && !rest;
+    speed_valid_ -= dt;
+
+    Eigen::Vector2d innovation = velocity_ - expected;
+    const double nis = innovation.squaredNorm() / (P_(5, 5) + P_(6, 6) + 2.0 * r);
+    acceleration_level_ = rest ? 1.0 : acceleration_level_ + dt / (settings_.adaptation_time + dt) * (nis - acceleration_level_);
+    r *= std::max(1.0, acceleration_level_);
+
+    const double tilt_before = P_(0, 0) + P_(1, 1);
+    TiltVector dx = TiltVector::Zero();
+    int count = 0;
+    const auto measure = [&](int state, double computed_minus_measured, double variance) {
+        TiltVector h = TiltVector::Zero();
+        h(state) = 1.0;
+        const auto update = estim::update_scalar<tilt_states>(dx, P_, h, computed_minus_measured, variance);
+        if (record) record->updates[static_cast<std::size_t>(count)] = update;
+        ++count;
+    };
+    for (int i = 0; i < 2; ++i) measure(5 + i, innovation(i), r);
+    if (rest) {
+        const double variance = settings_.rest_rate_std * settings_.rest_rate_std;
+        for (int i = 0; i < 3; ++i) measure(2 + i, bias_(i) - block_.rate_b(i), variance);
+    }
+    q_before_ = q_wb_;
+    tilt_correction_ = dx.head<2>();
+    correct(dx);
+    block_.P_tilt = P_.topLeftCorner<2, 2>();
+    block_.tilt_kept = (P_(0, 0) + P_(1, 1)) / tilt_before;
+    const Block done = block_;
+    if (record) {
+        record->block = done;
+        record->count = count;
+        record->P_tilt = P_.topRows<2>();
+    }
+    block_ = Block{};
+    samples_ = forces_ = 0;
+    return done;
+}
+
+}  // namespace schuler::ahrs

@@ -1,0 +1,95 @@
+// Tilt channel: strapdown attitude in the level frame w, gyro bias, and a velocity whose smallness tells tilt from acceleration.
+//
+// The specific force is integrated in the frame that the gyro carries along, so that accelerations which only sway cancel before
+// they reach the tilt (the idea of filtering in an almost inertial frame is [LaidigSeel2023]'s; here the filter is a velocity
+// state with its covariance). Velocity is measured as zero, loosely in motion, tightly at rest, or as the forward speed of a vehicle
+// where one is given: the centripetal correction. No magnetic quantity enters.
+#pragma once
+
+#include "schuler/ahrs/block.h"
+#include "schuler/ahrs/guard.h"
+#include "schuler/ahrs/settings.h"
+#include "schuler/estim/scalar_update.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <array>
+
+namespace schuler::ahrs {
+
+inline constexpr int tilt_states = 7;  ///< tilt north-like and east-like (w axes, rad), gyro bias (b, rad/s), velocity (m/s)
+using TiltVector = Eigen::Matrix<double, tilt_states, 1>;
+using TiltMatrix = Eigen::Matrix<double, tilt_states, tilt_states>;
+
+/// What the smoother needs of one block.
+struct TiltRecord {
+    Block block;
+    Eigen::Matrix<double, 2, tilt_states> P_tilt;  ///< rows of the covariance after the updates
+    std::array<estim::ScalarUpdate<tilt_states>, 5> updates;
+    int count = 0;
+};
+
+class TiltChannel {
+public:
+    TiltChannel(const TiltSettings& settings, const RestSettings& rest);
+
+    /// Level attitude from a mean specific force (b), heading zero.
+    void start(const Eigen::Vector3d& force_b);
+    [[nodiscard]] bool started() const { return started_; }
+
+    /// Strapdown over dt (s) with the gyro's rate; `force_b` null where unusable; `rate_known` false for an old rate.
+    void integrate(double dt, const Eigen::Vector3d& rate_b, bool rate_known, const Eigen::Vector3d* force_b);
+    /// A pause of the log: the attitude may have turned by `angle` (rad), the velocity by anything.
+    void doubt(double angle);
+    /// Forward speed along b's x axis (m/s) with its one sigma, from a satellite receiver; used for `valid` s.
+    void forward_speed(double speed, double std, double valid = 1.5);
+
+    [[nodiscard]] double pending() const { return block_.duration; }
+    /// Filter update over what was gathered. Returns the block; fills `record` where one is given.
+    Block close(TiltRecord* record = nullptr);
+
+    [[nodiscard]] const Eigen::Quaterniond& q_wb() const { return q_wb_; }
+    [[nodiscard]] const Eigen::Vector3d& rate_b() const { return rate_b_; }  ///< last rate less bias
+    [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return bias_; }
+    [[nodiscard]] const TiltMatrix& covariance() const { return P_; }
+    [[nodiscard]] const Eigen::Quaterniond& q_before() const { return q_before_; }  ///< before the last block's updates
+    [[nodiscard]] const Eigen::Vector2d& tilt_correction() const { return tilt_correction_; }  ///< what they took off, rad
+
+private:
+    void watch_rest();
+    void propagate();
+    void correct(const TiltVector& dx);
+
+    TiltSettings settings_;
+    RestSettings rest_;
+    bool started_ = false;
+    Eigen::Quaterniond q_wb_ = Eigen::Quaterniond::Identity(), q_before_ = Eigen::Quaterniond::Identity();
+    Eigen::Vector2d tilt_correction_ = Eigen::Vector2d::Zero();
+    Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
+    Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
+    TiltMatrix P_ = TiltMatrix::Zero();
+    Eigen::Vector3d rate_b_ = Eigen::Vector3d::Zero();
+    Block block_;
+    int samples_ = 0, forces_ = 0;
+    double acceleration_level_ = 1.0;
+    Eigen::Vector3d slow_rate_ = Eigen::Vector3d::Zero(), slow_force_ = Eigen::Vector3d::Zero();
+    bool watching_ = false;
+    double quiet_ = 0.0;
+    double speed_ = 0.0, speed_std_ = 0.0, speed_valid_ = 0.0;
+    bool speed_known_ = false;
+};
+
+/// Error transition of the tilt channel over a block: phi' = C_wb db, dv' = f x phi with f = (0, 0, -g). Of the row products only
+/// the entries that differ from the identity are kept.
+struct TiltTransition {
+    Eigen::Matrix<double, 2, 3> from_bias;  ///< d(tilt)/d(bias)
+    double g_dt;  ///< d(vx)/d(phi_y) = -d(vy)/d(phi_x)
+    double dt;
+
+    TiltTransition(const Block& block, double gravity);
+    [[nodiscard]] TiltMatrix matrix() const;
+    [[nodiscard]] TiltVector transpose_times(const TiltVector& lambda) const;
+};
+
+}  // namespace schuler::ahrs

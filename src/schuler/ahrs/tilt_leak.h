@@ -1,0 +1,23 @@
+// How the tilt's error gets into the heading. The dip of the field turns a tilt error about north into a heading error
+// tan(dip) times as large; the heading filter averages it. Its measurement noise cannot say that, since the tilt error has a
+// memory, so the part is kept apart: a variance to be added to the filter's own, and its covariance with the tilt. Neither is
+// used for gains: the channels stay separate.
+#pragma once
+
+namespace schuler::ahrs {
+
+struct TiltLeak {
+    double variance = 0.0;                       ///< rad^2, of the heading error that came from the tilt
+    double covariance = 0.0;                     ///< rad^2, of that with the tilt error about north (phi, both)
+
+    /// The tilt error was corrected and grew anew: `keep` of the old one remains in it.
+    void tilt_step(double keep) { covariance *= keep; }
+    /// The heading error (about down) moved by `gain` towards tan_dip times the tilt error about north, whose variance is given.
+    void heading_step(double gain, double tan_dip, double tilt_variance) {
+        const double stay = 1.0 - gain, in = gain * tan_dip;
+        variance = stay * stay * variance + 2.0 * stay * in * covariance + in * in * tilt_variance;
+        covariance = stay * covariance + in * tilt_variance;
+    }
+};
+
+}  // namespace schuler::ahrs

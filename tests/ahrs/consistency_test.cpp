@@ -1,0 +1,134 @@
+// Do the filters say truly how good they are? Normalised error of the small rotation over 100 seeds against chi-square bounds.
+#include "ahrs/simulated_motion.h"
+
+#include "schuler/ahrs/dcm_filter.h"
+#include "schuler/ahrs/mekf.h"
+#include "schuler/ahrs/quaternion_filter.h"
+#include "schuler/math/chi_square.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <cmath>
+#include <utility>
+
+namespace schuler::ahrs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using namespace testing;
+
+constexpr int seeds = 100;
+
+/// phi of C_est = (I - [phi x]) C_true.
+Vector3d phi_of(const Eigen::Quaterniond& estimate, const Eigen::Quaterniond& truth) {
+    return -math::rotation_vector_from_quaternion(estimate * truth.conjugate());
+}
+
+struct Nees {
+    double all = 0.0, heading = 0.0, tilt = 0.0;  ///< means over seeds of the last instant
+};
+
+void add(Nees& n, const Vector3d& phi, const Matrix3d& P) {
+    n.all += phi.dot(P.ldlt().solve(phi)) / seeds;
+    n.heading += phi.z() * phi.z() / P(2, 2) / seeds;
+    n.tilt += phi.head<2>().dot(P.topLeftCorner<2, 2>().inverse() * phi.head<2>()) / seeds;
+}
+
+void expect_consistent(const Nees& n) {
+    for (const auto& [value, dof] : {std::pair{n.all, 3}, {n.heading, 1}, {n.tilt, 2}}) {
+        EXPECT_GT(value, math::chi_square_quantile(0.0005, dof * seeds) / seeds) << dof;
+        EXPECT_LT(value, math::chi_square_quantile(0.9995, dof * seeds) / seeds) << dof;
+    }
+}
+
+VectorFilterSettings matched(const Motion& m, Separation separation) {
+    VectorFilterSettings s;
+    s.gyro_noise = m.gyro_std * std::sqrt(m.dt);
+    s.accel_std = m.accel_std;
+    s.field_std = m.field_std;
+    s.horizontal_field = m.horizontal;
+    s.vertical_field = m.vertical;
+    s.separation = separation;
+    return s;
+}
+
+template <class Filter>
+Nees of_vector_filter(const Motion& m, Separation separation) {
+    Nees n;
+    for (int seed = 1; seed <= seeds; ++seed) {
+        Filter filter(matched(m, separation));
+        const auto data = simulated(m, static_cast<std::uint64_t>(seed));
+        for (const Instant& s : data) {
+            filter.propagate(m.dt, s.gyro);
+            filter.accelerometer(s.accel);
+            filter.magnetometer(s.field);
+        }
+        Eigen::Quaterniond q;
+        if constexpr (std::is_same_v<Filter, DcmFilter>) {
+            q = Eigen::Quaterniond(filter.C_nb());
+        } else {
+            q = filter.q_nb();
+        }
+        add(n, phi_of(q, data.back().q_nb), filter.covariance_phi());
+    }
+    return n;
+}
+
+TEST(AhrsConsistency, DirectionCosinesWithoutGyroBias) {
+    Motion m;
+    m.duration = 20.0;
+    const Nees n = of_vector_filter<DcmFilter>(m, Separation::Projected);
+    SCOPED_TRACE(fmt::format("{:.2f} {:.2f} {:.2f}", n.all, n.heading, n.tilt));
+    expect_consistent(n);
+}
+
+TEST(AhrsConsistency, QuaternionWithoutGyroBias) {
+    Motion m;
+    m.duration = 20.0;
+    const Nees n = of_vector_filter<QuaternionFilter>(m, Separation::Projected);
+    SCOPED_TRACE(fmt::format("{:.2f} {:.2f} {:.2f}", n.all, n.heading, n.tilt));
+    expect_consistent(n);
+}
+
+TEST(AhrsConsistency, MekfWithBiasSwayAndHardIronSlow) {
+    Nees n;
+    for (int seed = 1; seed <= seeds; ++seed) {
+        math::Random truth(static_cast<std::uint64_t>(seed), "truth");
+        Motion m;
+        m.duration = 60.0;
+        MekfSettings s;
+        s.tilt.bias_std = 0.1 * units::deg_per_s;
+        m.gyro_bias = s.tilt.bias_std * truth.normal3();
+        m.sway_std = s.tilt.velocity_std;
+        m.sway_time = s.tilt.velocity_time;
+        m.hard_iron = s.heading.hard_iron_std * truth.normal3();
+        s.tilt.gyro_noise = m.gyro_std * std::sqrt(m.dt);
+        s.tilt.turn_noise = s.heading.turn_noise = 0.0;
+        s.tilt.bias_walk = 1e-7;
+        s.tilt.force_noise = m.accel_std * std::sqrt(m.dt);
+        s.heading.walk = 0.0;
+        s.heading.hard_iron_walk = 1e-11;
+        s.heading.field_walk = 1e-11;
+        s.heading.field_noise = 1e-6;
+        m.field_std = s.heading.field_noise;
+        s.heading.field_time = 0.5 * m.dt;
+        s.heading.delay_std = 1e-6;
+        s.heading.delay_walk = 1e-9;
+        Mekf filter(s);
+        const auto data = simulated(m, static_cast<std::uint64_t>(seed));
+        for (const Instant& i : data) {
+            filter.step(m.dt, i.gyro, i.accel);
+            filter.magnetometer(i.field);
+        }
+        add(n, phi_of(filter.q_nb(), data.back().q_nb), filter.covariance_phi());
+    }
+    SCOPED_TRACE(fmt::format("{:.2f} {:.2f} {:.2f}", n.all, n.heading, n.tilt));
+    expect_consistent(n);
+}
+
+}  // namespace
+}  // namespace schuler::ahrs

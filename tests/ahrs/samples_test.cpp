@@ -1,0 +1,192 @@
+// Samples that would poison a filter, logs that end in the middle, and the offline pass.
+#include "ahrs/simulated_motion.h"
+
+#include "schuler/ahrs/calibration.h"
+#include "schuler/ahrs/mekf.h"
+#include "schuler/ahrs/run.h"
+#include "schuler/core/error.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace schuler::ahrs {
+namespace {
+
+using Eigen::Vector3d;
+using namespace testing;
+
+struct Log {
+    std::vector<ImuSample> imu;
+    std::vector<MagSample> mag;
+    std::vector<Instant> truth;
+};
+
+Log log_of(const Motion& m, std::uint64_t seed) {
+    Log l;
+    l.truth = simulated(m, seed);
+    for (const Instant& i : l.truth) {
+        l.imu.push_back({Time::from_seconds(i.time), i.gyro, i.accel});
+        l.mag.push_back({Time::from_seconds(i.time), i.field});
+    }
+    return l;
+}
+
+/// Largest rotation between estimate and truth after `from`, deg; and the RMS.
+std::pair<double, double> errors_of(const RunResult& r, const Log& l, double from) {
+    double largest = 0.0, square = 0.0, n = 0.0;
+    const std::size_t lost = l.truth.size() - r.rows.size();
+    for (std::size_t i = 0; i < r.rows.size(); ++i) {
+        const Instant& t = l.truth[i + lost];
+        if (t.time < from) continue;
+        const double e = r.rows[i].q_nb.angularDistance(t.q_nb) / units::deg;
+        largest = std::max(largest, e);
+        square += e * e;
+        n += 1.0;
+    }
+    return {largest, std::sqrt(square / n)};
+}
+
+TEST(AhrsSamples, BadOnesAreBridgedAndCounted) {
+    Motion m;
+    m.gyro_bias = Vector3d(0.2, -0.1, 0.3) * units::deg_per_s;
+    Log l = log_of(m, 3);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t i = 3000; i < 3020; ++i) l.imu[i].gyro.y() = nan;
+    for (std::size_t i = 4000; i < 4050; ++i) l.imu[i].accel = Vector3d(160.0, 1e-3 * static_cast<double>(i), 0.0);
+    for (std::size_t i = 5000; i < 5200; ++i) l.imu[i].accel = l.imu[4999].accel;
+    for (std::size_t i = 6000; i < 6300; ++i) l.mag[i].field_b = l.mag[5999].field_b;
+    for (std::size_t i = 7000; i < 7100; ++i) l.mag[i].field_b.x() = nan;
+    RunSettings s;
+    s.mekf.guard.accel_range = 156.0;
+    const RunResult r = run(l.imu, l.mag, {}, s);
+    EXPECT_EQ(r.counters.gyro.not_finite, 20u);
+    EXPECT_EQ(r.counters.accel.saturated, 50u);
+    EXPECT_EQ(r.counters.accel.stuck, 200u - 24u);
+    EXPECT_EQ(r.counters.field.stuck, 300u - 24u);
+    EXPECT_EQ(r.counters.field.not_finite, 100u);
+    EXPECT_LT(errors_of(r, l, 20.0).first, 4.0);
+    for (const AttitudeRow& row : r.rows) ASSERT_TRUE(row.q_nb.coeffs().allFinite());
+}
+
+TEST(AhrsSamples, AGapIsDoubtedNotIntegrated) {
+    Motion m;
+    Log l = log_of(m, 4);
+    l.imu.erase(l.imu.begin() + 6000, l.imu.begin() + 6300);   // 3 s, in which the sensor turned
+    const RunResult r = run(l.imu, l.mag, {}, {});
+    EXPECT_EQ(r.counters.gaps, 1u);
+    const auto at = [&](double t) {
+        return *std::ranges::find_if(r.rows, [&](const AttitudeRow& row) { return row.time.seconds() >= t; });
+    };
+    EXPECT_GT(at(63.1).std_phi.x(), 10.0 * at(59.0).std_phi.x());
+    EXPECT_LT(at(119.9).q_nb.angularDistance(l.truth.back().q_nb), 5.0 * units::deg);
+}
+
+TEST(AhrsOffline, SmoothingLooksAheadAndSaysSo) {
+    Motion m;
+    m.gyro_bias = Vector3d(0.2, -0.1, 0.3) * units::deg_per_s;
+    m.rest = 0.0;
+    m.sway_std = 0.3;
+    m.field_std = 2e-6;
+    const Log l = log_of(m, 8);
+    RunSettings s;
+    const RunResult online = run(l.imu, l.mag, {}, s);
+    s.offline = true;
+    const RunResult offline = run(l.imu, l.mag, {}, s);
+    EXPECT_EQ(online.rows.size(), offline.rows.size());
+    EXPECT_LT(errors_of(offline, l, 1.0).second, 0.6 * errors_of(online, l, 1.0).second);
+    // smooth: no step between neighbouring samples beyond what the sensor turned
+    for (std::size_t i = 1; i < offline.rows.size(); ++i) {
+        const double estimated = offline.rows[i].q_nb.angularDistance(offline.rows[i - 1].q_nb);
+        ASSERT_LT(estimated, 80.0 * units::deg_per_s * m.dt) << i;
+    }
+    // at the end there is nothing to look ahead to
+    EXPECT_LT(offline.rows.back().q_nb.angularDistance(online.rows.back().q_nb), 1.0 * units::deg);
+}
+
+TEST(AhrsOffline, TheFieldDoesNotTiltItEither) {
+    Motion m;
+    const Log clean = log_of(m, 9);
+    m.disturbed_from = 40.0;
+    m.disturbed_to = 80.0;
+    const Log disturbed = log_of(m, 9);
+    RunSettings s;
+    s.offline = true;
+    const RunResult a = run(clean.imu, clean.mag, {}, s), b = run(disturbed.imu, disturbed.mag, {}, s);
+    for (std::size_t i = 0; i < a.rows.size(); ++i) {
+        const Vector3d up_a = a.rows[i].q_nb.conjugate() * Vector3d::UnitZ(),
+                       up_b = b.rows[i].q_nb.conjugate() * Vector3d::UnitZ();
+        ASSERT_LT((up_a - up_b).norm(), 1e-12);
+    }
+}
+
+TEST(AhrsCentripetal, ASteadyTurnDoesNotBankTheHorizon) {
+    // 20 m/s in a level circle at 0.2 rad/s: 4 m/s^2 to the right, for two minutes
+    const double dt = 0.01, speed = 20.0, rate = 0.2;
+    const auto largest_roll = [&](bool aided) {
+        Mekf filter{MekfSettings{}};
+        math::Random noise(2, "gyro");
+        double largest = 0.0;
+        for (int i = 1; i <= 12000; ++i) {
+            const bool turning = i > 1000;
+            if (aided && i % 20 == 0) filter.forward_speed(speed, 0.1);
+            filter.step(dt, Vector3d(0.0, 0.0, turning ? rate : 0.0) + 1e-3 * noise.normal3(),
+                        {0.0, turning ? rate * speed : 0.0, -9.81 + 1e-4 * (i % 7)});
+            largest = std::max(largest, std::abs(math::rpy_from_quaternion(filter.q_nb()).x()));
+        }
+        return largest / units::deg;
+    };
+    EXPECT_LT(largest_roll(true), 1.0);
+    EXPECT_GT(largest_roll(false), 1.5 * largest_roll(true));
+}
+
+/// Final difference of heading between a run with a field that changed at 20 s for good and one without; and recoveries.
+std::pair<double, std::size_t> after_a_lasting_change(const Vector3d& iron, bool place) {
+    Motion m;
+    const Log clean = log_of(m, 11);
+    if (place) {
+        m.disturbed_from = 20.0;
+        m.disturbed_to = 1e9;
+    }
+    Log changed = log_of(m, 11);
+    for (std::size_t i = 2000; i < changed.mag.size(); ++i) changed.mag[i].field_b += iron;
+    const RunResult a = run(clean.imu, clean.mag, {}, {}), b = run(changed.imu, changed.mag, {}, {});
+    return {a.rows.back().q_nb.angularDistance(b.rows.back().q_nb) / units::deg, b.counters.recoveries};
+}
+
+TEST(AhrsRecovery, ANewPlaceIsLearntAMagnetOnTheSensorIsNot) {
+    const auto place = after_a_lasting_change(Vector3d::Zero(), true);
+    EXPECT_EQ(place.second, 1u) << "the field of another place is steady";
+    const auto magnet = after_a_lasting_change(Vector3d(60e-6, -50e-6, 80e-6), false);
+    EXPECT_EQ(magnet.second, 0u) << "this one turns with the sensor";
+    EXPECT_LT(magnet.first, 3.0);
+}
+
+TEST(AhrsCalibration, EllipsoidIsUndone) {
+    math::Random random(6, "calibration");
+    Eigen::Matrix3d distortion;
+    distortion << 1.1, 0.05, -0.02, 0.05, 0.92, 0.03, -0.02, 0.03, 1.04;
+    const Vector3d iron(12e-6, -7e-6, 20e-6);
+    std::vector<Vector3d> readings;
+    for (int i = 0; i < 3000; ++i)
+        readings.push_back(distortion * (48e-6 * random.normal3().normalized()) + iron + 1e-7 * random.normal3());
+    readings[5] = Vector3d(9e-5, 9e-5, 9e-5);
+    const auto fit = fit_ellipsoid(readings, 48e-6);
+    ASSERT_TRUE(fit.has_value());
+    EXPECT_LT((fit->offset - iron).norm(), 5e-8);
+    EXPECT_LT((fit->gain - distortion.inverse()).norm(), 2e-3);
+    EXPECT_LT(fit->residual, 2e-7);
+    std::vector<Vector3d> flat;
+    for (const Vector3d& r : readings) flat.emplace_back(r.x(), r.y(), 1e-6 * r.z());
+    EXPECT_FALSE(fit_ellipsoid(std::span(flat).first(200), 0.0).has_value()) << "a plane is no ellipsoid";
+}
+
+TEST(AhrsSettings, UnusableOnesAreNamed) {
+    MekfSettings s;
+    s.heading.field_noise = 0.0;
+    EXPECT_THROW(Mekf{s}, Error);
+    EXPECT_THROW((void)run({}, {}, {}, {}), Error);
+}
+
+}  // namespace
+}  // namespace schuler::ahrs
