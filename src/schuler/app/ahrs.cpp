@@ -53,7 +53,7 @@ AhrsEvaluation evaluate(const std::vector<ahrs::AttitudeRow>& rows, const std::v
 
 Outcome ahrs_dataset(const AhrsRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
-    const Dataset dataset = open_dataset(request.common.input);
+    const Dataset dataset = open_dataset(request.common.input, Needs::Imu);
     SettingList settings = dataset.settings;
     if (!request.common.config.empty()) {
         settings =

@@ -67,7 +67,7 @@ bool recognised(const inspect::InspectReport& report, std::initializer_list<std:
     });
 }
 
-Dataset from_inspection(const fs::path& path) {
+Dataset from_inspection(const fs::path& path, Needs needs) {
     const inspect::InspectReport report = inspect::inspect(path);
     if (report.dataset_toml.empty()) {
         std::string why = "no IMU log was recognised in it";
@@ -80,7 +80,7 @@ Dataset from_inspection(const fs::path& path) {
         throw input_error(why, {path.string(), 0, 0, {}}, mend);
     }
     if (!recognised(report, {"imu", "kfgins_imu"})) throw_missing(path, report, "imu");
-    if (!recognised(report, {"gnss", "kfgins_gnss", "rtklib_pos", "nmea"})) throw_missing(path, report, "gnss");
+    if (needs == Needs::ImuAndGnss && !recognised(report, {"gnss", "kfgins_gnss", "rtklib_pos", "nmea"})) throw_missing(path, report, "gnss");
     Dataset d;
     for (const inspect::FileReport& file : report.files) {
         if (!file.chosen) continue;
@@ -122,18 +122,18 @@ std::string with_environment(const std::string& path, const std::string& key) {
     return out;
 }
 
-Dataset open_dataset(const fs::path& path) {
+Dataset open_dataset(const fs::path& path, Needs needs) {
     std::error_code ec;
     if (!fs::exists(path, ec)) throw input_error("no such file or folder", {path.string(), 0, 0, {}}, "check the path");
     Dataset d;
     if (fs::is_directory(path, ec)) {
-        d = fs::exists(path / "dataset.toml", ec) ? from_toml(path / "dataset.toml") : from_inspection(path);
+        d = fs::exists(path / "dataset.toml", ec) ? from_toml(path / "dataset.toml") : from_inspection(path, needs);
     } else if (path.extension() == ".toml") {
         d = from_toml(path);
     } else if (path.extension() == ".yaml" || path.extension() == ".yml") {
         d = from_kfgins(path);
     } else {
-        d = from_inspection(path);
+        d = from_inspection(path, needs);
     }
     const auto named = std::find_if(d.settings.rbegin(), d.settings.rend(), [](const Setting& s) { return s.key == "name"; });
     if (named != d.settings.rend() && named->value.text() != nullptr && !named->value.text()->empty())

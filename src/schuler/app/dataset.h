@@ -20,9 +20,12 @@ struct Dataset {
     std::vector<std::string> doubts;     ///< what is wrong with the files that were recognised, and how it was taken
 };
 
+/// What a command cannot do without.
+enum class Needs { Imu, ImuAndGnss };
+
 /// Opens a folder with dataset.toml, the path of a dataset.toml, a KF-GINS YAML file, or a folder or file whose content is
-/// recognised. @throws Error(Input) saying what is wrong and how to mend it.
-[[nodiscard]] Dataset open_dataset(const std::filesystem::path& path);
+/// recognised, as far as `needs` asks. @throws Error(Input) saying what is wrong and how to mend it.
+[[nodiscard]] Dataset open_dataset(const std::filesystem::path& path, Needs needs = Needs::ImuAndGnss);
 
 /// A recording with what loading it has told about the settings.
 struct LoadedDataset {

@@ -139,7 +139,9 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
 
 Outcome process_dataset(const ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
-    const Dataset dataset = open_dataset(request.input);
+    const bool given_start = !request.config.empty() ||
+                             std::ranges::any_of(request.above, [](const Setting& s) { return s.key == "initial.lat_deg"; });
+    const Dataset dataset = open_dataset(request.input, given_start ? Needs::Imu : Needs::ImuAndGnss);
     const Config config = config_from(layered(dataset.settings, request));
     WarningLog warnings;
     ResultBundle bundle;
