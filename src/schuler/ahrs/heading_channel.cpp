@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace schuler::ahrs {
 namespace {
 
+constexpr double squared(double x) { return x * x; }
+
 constexpr double start_heading_std = 0.2;        // rad
+constexpr double unknown_heading_variance = squared(std::numbers::pi) / 3.0;  // rad^2, uniform, until the field is seen
 constexpr double anew_heading_std = 0.1;         // rad, how far a disturbance may have drawn the heading before recovery
 constexpr double shortest_memory = 1e-3;
 constexpr double disturbed_level = 3.0;
@@ -17,12 +21,12 @@ constexpr double steady_field = 4e-6;            // T; a magnet fixed to a senso
 
 Eigen::Quaterniond about_vertical(double angle) { return {std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle)}; }
 
-double squared(double x) { return x * x; }
-
 }  // namespace
 
 HeadingChannel::HeadingChannel(const HeadingSettings& settings, const TiltSettings& tilt, bool six_axis)
-    : settings_(settings), tilt_(tilt), six_axis_(six_axis), q_nw_(about_vertical(settings.declination)) {}
+    : settings_(settings), tilt_(tilt), six_axis_(six_axis), q_nw_(about_vertical(settings.declination)) {
+    if (!six_axis) P_(0, 0) = unknown_heading_variance;
+}
 
 void HeadingChannel::gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b) {
     field_w_.noalias() += C_wb * field_b;

@@ -1,5 +1,6 @@
-// The attitude filter to use: multiplicative error states, tilt and heading in separate channels. Real time: step() takes
-// constant time but for the block update, which comes at a fixed rate and is bounded; nothing allocates or throws after construction.
+// The attitude filter to use: multiplicative error states, tilt and heading in separate channels. Real time:
+// step() takes constant time but for the block update, which comes at a fixed rate and is bounded; nothing allocates or throws
+// after construction.
 #pragma once
 
 #include "schuler/ahrs/guard.h"

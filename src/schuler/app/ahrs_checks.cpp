@@ -8,8 +8,6 @@
 namespace schuler::app {
 namespace {
 
-using Eigen::Vector3d;
-
 constexpr double enough_turned = 0.5;            // rad, below which nothing is said about units and axes
 
 template <class T>
@@ -17,15 +15,6 @@ T median(std::vector<T> x) {
     const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
     std::ranges::nth_element(x, middle);
     return *middle;
-}
-
-template <class Samples, class Get>
-double median_norm(const Samples& samples, Get get) {
-    std::vector<double> norms;
-    for (const auto& s : samples) {
-        if (get(s).allFinite()) norms.push_back(get(s).norm());
-    }
-    return norms.empty() ? not_given : median(std::move(norms));
 }
 
 void check_times(const AhrsInput& input) {
@@ -38,22 +27,11 @@ void check_times(const AhrsInput& input) {
     }
 }
 
-void check_accelerometer(const AhrsInput& input, WarningLog& warnings) {
-    const double force = median_norm(input.imu, [](const ImuSample& s) { return s.accel; });
-    if (!(force > 0.0))
-        throw input_error("the accelerometer shows nothing but zeros", {{}, 0, 0, "imu.accel_x_m_s2"}, "check the columns");
-    constexpr double least = 6.0, most = 15.0;
-    if (force < least || force > most) {
-        warnings.add("ahrs.accel.size", fmt::format("the accelerometer's median is {:.3g} m/s2 where gravity is 9.8: wrong unit? "
-                                                    "write it into the column's name, as in accel_x_g",
-                                                    force));
-    }
-}
-
 /// Rates in deg/s under a name that says rad/s make every direction turn 57 times too little.
 bool rates_in_degrees(const analysis::TurnAgreement& a) {
     constexpr double least_agreement = 0.3;
-    return a.turned > enough_turned && a.correlation > least_agreement && a.factor > 0.3 * units::deg && a.factor < 3.0 * units::deg;
+    return a.turned > enough_turned && a.correlation > least_agreement &&
+           a.factor > 0.3 * units::deg && a.factor < 3.0 * units::deg;
 }
 
 void check_gyro(const AhrsInput& input, const analysis::TurnAgreement& field, WarningLog& warnings) {
@@ -67,7 +45,11 @@ void check_gyro(const AhrsInput& input, const analysis::TurnAgreement& field, Wa
 
 void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& field, WarningLog& warnings) {
     const auto& mag = input.mag;
-    const double size = median_norm(mag, [](const MagSample& s) { return s.field_b; }) / units::microtesla;
+    std::vector<double> norms;
+    for (const MagSample& s : mag) {
+        if (s.field_b.allFinite()) norms.push_back(s.field_b.norm() / units::microtesla);
+    }
+    const double size = norms.empty() ? not_given : median(std::move(norms));
     constexpr double least = 10.0, most = 200.0;
     if (size < least || size > most) {
         warnings.add("ahrs.mag.size", fmt::format("the magnetometer's median is {:.3g} uT where the Earth's field is 20 to 70: "
@@ -85,8 +67,7 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
     const double without = std::max((mag.front().time - input.imu.front().time).seconds(),
                                     (input.imu.back().time - mag.back().time).seconds());
     if (without > longest_without) {
-        warnings.add("ahrs.mag.span", fmt::format("no magnetometer for {:.0f} s at the begin or end of the IMU log: heading drifts "
-                                                  "there with the gyro",
+        warnings.add("ahrs.mag.span", fmt::format("no magnetometer for {:.0f} s at one end of the IMU log: heading drifts there",
                                                   without));
     }
 }
@@ -95,7 +76,6 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
 
 void check_ahrs_input(const AhrsInput& input, WarningLog& warnings) {
     check_times(input);
-    check_accelerometer(input, warnings);
     const auto& mag = input.mag;
     const auto field = analysis::turn_agreement(
         input.imu, mag.size(), [&](std::size_t k) { return mag[k].time; }, [&](std::size_t k) { return mag[k].field_b; });

@@ -56,9 +56,6 @@ void make_folder(const std::filesystem::path& folder);
 /// The first row in each period of the time axis, at `rate` Hz; 0 = all rows.
 [[nodiscard]] std::vector<SolutionRow> thinned(std::vector<SolutionRow> rows, double rate);
 
-/// @throws Error(Input) where it is neither there nor can be made.
-void make_folder(const std::filesystem::path& folder);
-
 /// Writes the outputs that the settings choose into a folder, each under its name only when complete, summary.json last.
 /// solution.csv only where it is not there already, `streamed` while the filter ran.
 /// Returns their paths. @throws Error(Input) where the folder cannot be written.
