@@ -80,7 +80,8 @@ Dataset from_inspection(const fs::path& path, Needs needs) {
         throw input_error(why, {path.string(), 0, 0, {}}, mend);
     }
     if (!recognised(report, {"imu", "kfgins_imu"})) throw_missing(path, report, "imu");
-    if (needs == Needs::ImuAndGnss && !recognised(report, {"gnss", "kfgins_gnss", "rtklib_pos", "nmea"})) throw_missing(path, report, "gnss");
+    if (needs == Needs::ImuAndGnss && !recognised(report, {"gnss", "kfgins_gnss", "rtklib_pos", "nmea"}))
+        throw_missing(path, report, "gnss");
     Dataset d;
     for (const inspect::FileReport& file : report.files) {
         if (!file.chosen) continue;
