@@ -23,7 +23,7 @@ std::vector<SolutionRow> some_rows(std::size_t n) {
     return rows;
 }
 
-TEST(SolutionStream, GivesTheBytesOfTheWholeTableAtOnce) {
+TEST(SolutionStreamThreads, GivesTheBytesOfTheWholeTableAtOnce) {
     const test::TemporaryFolder folder("stream");
     const std::vector<SolutionRow> rows = some_rows(60'001);
     io::write_solution_csv(folder.path() / "whole.csv", rows);
@@ -37,7 +37,7 @@ TEST(SolutionStream, GivesTheBytesOfTheWholeTableAtOnce) {
     EXPECT_EQ(test::content_of(folder.path() / "streamed.csv"), test::content_of(folder.path() / "whole.csv"));
 }
 
-TEST(SolutionStream, LeavesNothingWithoutItsEnd) {
+TEST(SolutionStreamThreads, LeavesNothingWithoutItsEnd) {
     const test::TemporaryFolder folder("stream_left");
     {
         SolutionStream stream(folder.path() / "solution.csv");
@@ -46,7 +46,7 @@ TEST(SolutionStream, LeavesNothingWithoutItsEnd) {
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(SolutionStream, AFullDiskIsAnErrorOfTheCallerNotOfTheThread) {
+TEST(SolutionStreamThreads, AFullDiskIsAnErrorOfTheCallerNotOfTheThread) {
     if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
     const std::vector<SolutionRow> rows = some_rows(100'000);
     const auto write = [&] {
