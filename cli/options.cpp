@@ -130,11 +130,12 @@ void add_file_commands(CLI::App& parser, Options& o) {
 
     CLI::App* convert =
         add_command(parser, o, "convert", "a solution from one format to another",
+                    "  schuler convert receiver.ubx rover.obs               and receiver.ubx rover.nav: RINEX 3.04\n"
                     "  schuler convert truth.txt reference.csv\n  schuler convert out/drive/solution.csv track.kml\n"
                     "  schuler convert reference.csv truth.txt --to kf-gins");
-    convert->add_option("IN", o.input, "any trajectory that can be read")->required();
+    convert->add_option("IN", o.input, "any trajectory that can be read, or raw measurements (RINEX, UBX, RTCM 3)")->required();
     convert->add_option("OUT", o.output, "file to write")->required();
-    convert->add_option("--to", o.format, "csv, kml or kf-gins (default: by the name of OUT)")->type_name("FORMAT");
+    convert->add_option("--to", o.format, "csv, kml, kf-gins, rinex-obs or rinex-nav (default: by the name of OUT)")->type_name("FORMAT");
 
     CLI::App* help = add_command(parser, o, "help", "the keys of settings and scenario files",
                                  "  schuler help settings\n  schuler help settings imu.\n  schuler help scenario trajectory.");

@@ -53,7 +53,8 @@ struct Outcome {
 /// What is in a file or folder.
 [[nodiscard]] Outcome inspect_path(const std::filesystem::path& path);
 
-/// Solutions between formats. `format`: csv, kml or kf-gins; empty: by the name of `out`. @throws Error(Input).
+/// Solutions between formats. `format`: csv, kml or kf-gins; raw measurements (UBX, RTCM 3, RINEX) to rinex-obs or rinex-nav;
+/// empty: by the name of `out`. @throws Error(Input).
 [[nodiscard]] Outcome convert_file(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& format);
 
 /// The options of dataset.toml, --config and --set, or of scenario files, for people.

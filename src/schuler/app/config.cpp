@@ -16,6 +16,7 @@ OptionTable<Config> make_table() {
     add_dataset_options(table);
     add_imu_options(table);
     add_gnss_options(table);
+    add_raw_gnss_options(table);
     add_filter_options(table);
     add_run_options(table);
     return table;

@@ -4,6 +4,7 @@
 #include "schuler/app/option_table.h"
 #include "schuler/core/time.h"
 #include "schuler/fusion/settings.h"
+#include "schuler/gnss/single_point.h"
 
 #include <map>
 #include <optional>
@@ -24,6 +25,15 @@ struct TimeConfig {
     TimeScale scale = TimeScale::Gps;
     std::optional<int> week;                     ///< GPS week of seconds of week
     std::string date;                            ///< YYYY-MM-DD of seconds of day
+};
+
+/// Raw measurements of a receiver and how they become fixes.
+struct RawGnssConfig {
+    std::vector<std::string> observations;       ///< files; empty: there are none
+    std::vector<std::string> navigation;
+    std::string precise;
+    gnss::SinglePointSettings solver;
+    bool phase_velocity = false;                 ///< velocity from phases instead of Doppler
 };
 
 enum class Scheme { Gnss, Loose };
@@ -58,6 +68,7 @@ struct Config {
     std::string name;
     TimeConfig time;
     FileSource imu, gnss, baro, mag, reference;
+    RawGnssConfig raw;
     std::string axes = "frd";                    ///< sensor axes of the IMU
     std::string mag_axes;                        ///< of the magnetometer; empty: those of the IMU
     std::string grade = "consumer";

@@ -8,6 +8,7 @@ namespace schuler::app {
 void add_dataset_options(OptionTable<Config>& table);  ///< name, time, vehicle, earth, files
 void add_imu_options(OptionTable<Config>& table);
 void add_gnss_options(OptionTable<Config>& table);
+void add_raw_gnss_options(OptionTable<Config>& table);  ///< raw measurements
 void add_filter_options(OptionTable<Config>& table);   ///< baro, mag, initial, filter
 void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
 

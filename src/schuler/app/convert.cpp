@@ -1,4 +1,5 @@
 #include "schuler/app/commands.h"
+#include "schuler/app/convert_raw.h"
 #include "schuler/app/trajectory_file.h"
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
@@ -43,11 +44,12 @@ std::string format_of(const fs::path& file) {
 }  // namespace
 
 Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
+    if (auto raw = convert_raw(in, out, format)) return std::move(*raw);
     const std::string wanted = format.empty() ? format_of(out) : format;
     if (wanted != "csv" && wanted != "kml" && wanted != "kf-gins") {
         throw input_error(format.empty() ? fmt::format("the format of \"{}\" is not known by its name", out.string())
                                          : fmt::format("unknown format \"{}\"", format),
-                          {format.empty() ? "" : "--to", 0, 0, {}}, "use --to csv, --to kml or --to kf-gins");
+                          {format.empty() ? "" : "--to", 0, 0, {}}, "use --to csv, kml or kf-gins for solutions, rinex-obs or rinex-nav for raw measurements");
     }
     WarningLog warnings;
     const std::vector<SolutionRow> rows = read_trajectory(in, warnings);

@@ -1,12 +1,14 @@
 #include "schuler/app/dataset.h"
 
 #include "schuler/app/kfgins_settings.h"
+#include "schuler/app/raw_gnss.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/inspect/inspect.h"
 #include "schuler/io/kfgins.h"
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 
 namespace schuler::app {
 namespace {
@@ -67,8 +69,24 @@ bool recognised(const inspect::InspectReport& report, std::initializer_list<std:
     });
 }
 
+/// Raw satellite measurements without inertial data.
+std::optional<Dataset> from_raw_gnss(const fs::path& path) {
+    Dataset d;
+    d.inferred_toml = raw_dataset_toml(path);
+    if (d.inferred_toml.empty()) return std::nullopt;
+    std::error_code ec;
+    d.folder = fs::is_directory(path, ec) ? path : path.parent_path();
+    const std::string origin = "dataset.toml inferred from " + path.string();
+    d.settings = config_table().read(parse_toml(d.inferred_toml, origin), origin);
+    d.name = name_of(path);
+    return d;
+}
+
 Dataset from_inspection(const fs::path& path, Needs needs) {
     const inspect::InspectReport report = inspect::inspect(path);
+    if (needs == Needs::ImuAndGnss && !recognised(report, {"imu", "kfgins_imu"})) {
+        if (auto raw = from_raw_gnss(path)) return std::move(*raw);
+    }
     if (report.dataset_toml.empty()) {
         std::string why = "no IMU log was recognised in it";
         std::string mend = "`schuler inspect` says what was found; write a dataset.toml";

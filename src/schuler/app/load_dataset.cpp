@@ -1,5 +1,6 @@
 #include "schuler/app/dataset.h"
 
+#include "schuler/app/raw_gnss.h"
 #include "schuler/core/units.h"
 #include "schuler/io/csv_recording.h"
 #include "schuler/io/kfgins.h"
@@ -12,6 +13,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 namespace schuler::app {
 namespace {
@@ -45,8 +47,11 @@ io::CsvOptions csv_options(const FileSource& source, const Config& config) {
 
 void read_imu(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
-    if (c.imu.file.empty())
-        throw input_error("no IMU file", {{}, 0, 0, "imu.file"}, "name it in dataset.toml: [imu] file = \"imu.csv\"");
+    if (c.imu.file.empty() && c.scheme == Scheme::Gnss) return;
+    if (c.imu.file.empty()) {
+        throw input_error("no IMU file", {{}, 0, 0, "imu.file"},
+                          "name it in dataset.toml: [imu] file = \"imu.csv\", or choose --scheme gnss");
+    }
     const io::TextInput input(resolved(folder, c.imu.file, "imu.file"));
     if (is_bare_table(input, c.imu, 7)) {
         out.recording.imu = io::read_kfgins_imu(input, warnings, Duration::from_seconds(c.imu.time_offset)).samples;
@@ -68,9 +73,19 @@ std::vector<GnssFix> shifted(std::vector<GnssFix> fixes, Duration by) {
     return fixes;
 }
 
-/// GPS time of zero on the data set's own axis, for files that carry dates where the IMU log does not. Zero where it does.
-Duration axis_zero(const TimeConfig& time, Time first_fix, const std::vector<ImuSample>& imu) {
-    const double first = imu.front().time.seconds(), last = imu.back().time.seconds();
+/// First and last time of the log that says what the data set's own axis is: the IMU's, or the reference where there is none.
+struct OwnAxis {
+    double first, last;
+};
+std::optional<OwnAxis> own_axis(const Recording& r) {
+    if (!r.imu.empty()) return OwnAxis{r.imu.front().time.seconds(), r.imu.back().time.seconds()};
+    if (!r.reference.empty()) return OwnAxis{r.reference.front().time.seconds(), r.reference.back().time.seconds()};
+    return std::nullopt;
+}
+
+/// GPS time of zero on the data set's own axis, for files that carry dates where the other logs do not. Zero where they do.
+Duration axis_zero(const TimeConfig& time, Time first_fix, const OwnAxis& axis) {
+    const double first = axis.first, last = axis.last;
     const std::int64_t utc = (first_fix.ns / 1'000'000'000) - gps_minus_utc(first_fix.ns / 1'000'000'000);
     const Duration leap = time.scale == TimeScale::Utc ? Duration{gps_minus_utc(utc) * std::int64_t{1'000'000'000}} : Duration{};
     constexpr double unix_of_gps_epoch = 315'964'800.0, dated = 1e8, day = 86'400.0, week = 7 * day;
@@ -87,32 +102,36 @@ Duration axis_zero(const TimeConfig& time, Time first_fix, const std::vector<Imu
     return Duration::from_seconds(std::floor(first_fix.seconds() / unit) * unit) + leap;
 }
 
-/// Dated fixes on the axis of the IMU log.
-std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const Config& c, const std::vector<ImuSample>& imu,
-                                 Duration offset) {
-    if (fixes.empty() || imu.empty()) return fixes;
+/// Dated fixes on the data set's own axis.
+std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const Config& c, const Recording& recording, Duration offset) {
+    const auto axis = own_axis(recording);
+    if (fixes.empty() || !axis) return fixes;
     const Time first = fixes.front().time;
-    return shifted(std::move(fixes), offset + -axis_zero(c.time, first, imu));
+    return shifted(std::move(fixes), offset + -axis_zero(c.time, first, *axis));
 }
 
 void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
+    const Duration offset = Duration::from_seconds(c.gnss.time_offset);
+    if (c.gnss.file.empty() && !c.raw.observations.empty()) {
+        out.recording.gnss = on_own_axis(fixes_from_raw(folder, c.raw, warnings), c, out.recording, offset);
+        return;
+    }
     if (c.gnss.file.empty()) return;
     const io::TextInput input(resolved(folder, c.gnss.file, "gnss.file"));
-    const Duration offset = Duration::from_seconds(c.gnss.time_offset);
     if (is_bare_table(input, c.gnss, 7) || is_bare_table(input, c.gnss, 13)) {
         out.recording.gnss = io::read_kfgins_gnss(input, warnings, offset).fixes;
         return;
     }
     if (io::is_rtklib_pos(input)) {
         io::RtklibPos pos = io::read_rtklib_pos(input, warnings);
-        out.recording.gnss = on_own_axis(std::move(pos.fixes), c, out.recording.imu, offset);
+        out.recording.gnss = on_own_axis(std::move(pos.fixes), c, out.recording, offset);
         settle_height_kind(pos.height, c);
         return;
     }
     if (io::is_nmea(input)) {
         io::NmeaLog log = io::read_nmea(input, warnings);
-        out.recording.gnss = log.has_date ? on_own_axis(std::move(log.fixes), c, out.recording.imu, offset)
+        out.recording.gnss = log.has_date ? on_own_axis(std::move(log.fixes), c, out.recording, offset)
                                           : shifted(std::move(log.fixes), offset);
         settle_height_kind(log.height, c);
         return;
@@ -187,7 +206,7 @@ Time absolute(const RunTime& t, Time origin) {
 
 void settle_times(LoadedDataset& out) {
     const Recording& r = out.recording;
-    if (r.imu.empty())
+    if (r.imu.empty() && (out.config.scheme != Scheme::Gnss || r.gnss.empty()))
         throw input_error("the IMU log has no usable row", {out.config.imu.file, 0, 0, {}},
                           "check its columns with `schuler inspect`");
     out.origin = r.gnss.empty() ? r.imu.front().time : r.gnss.front().time;
@@ -234,8 +253,8 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     LoadedDataset out;
     out.config = config;
     read_imu(dataset.folder, out, warnings);
-    read_gnss(dataset.folder, out, warnings);
     read_others(dataset.folder, out, warnings);
+    read_gnss(dataset.folder, out, warnings);
     settle_heights(out, warnings);
     settle_times(out);
     check_gravity(out);

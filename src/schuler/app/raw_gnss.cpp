@@ -1,0 +1,138 @@
+#include "schuler/app/raw_gnss.h"
+
+#include "schuler/app/dataset.h"
+#include "schuler/app/raw_input.h"
+#include "schuler/earth/ellipsoid.h"
+#include "schuler/gnss/phase_velocity.h"
+#include "schuler/io/rinex.h"
+#include "schuler/io/sp3.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+namespace schuler::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path resolved(const fs::path& folder, const std::string& file, const std::string& key) {
+    const fs::path path = with_environment(file, key);
+    return path.is_absolute() ? path : folder / path;
+}
+
+GnssFix fix_from(const gnss::SinglePointSolution& s) {
+    GnssFix fix;
+    fix.time = s.time;
+    fix.position = earth::geodetic_from_ecef(earth::wgs84, s.position);
+    const Eigen::Matrix3d C_ne = earth::C_en(fix.position.lat, fix.position.lon).transpose();
+    fix.std_position = (C_ne * s.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
+    if (s.velocity.allFinite()) {
+        fix.velocity_n = C_ne * s.velocity;
+        fix.std_velocity = (C_ne * s.velocity_covariance * C_ne.transpose()).diagonal().cwiseSqrt();
+    }
+    fix.fix = FixType::Autonomous;
+    fix.satellites = s.used();
+    return fix;
+}
+
+/// Replaces the velocity of a fix by one from phases, which is that of the middle between two epochs.
+void use_phase_velocity(GnssFix& fix, const gnss::PhaseVelocity& v) {
+    const Eigen::Matrix3d C_ne = earth::C_en(fix.position.lat, fix.position.lon).transpose();
+    fix.velocity_n = C_ne * v.velocity;
+    fix.std_velocity = (C_ne * v.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
+    fix.velocity_age = 0.5 * v.interval;
+}
+
+/// Satellites of the settings: precise orbits where a file is named, else the broadcast ones.
+std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const RawGnssConfig& raw,
+                                                  const gnss::Navigation& navigation, WarningLog& warnings) {
+    if (raw.precise.empty()) return std::make_unique<gnss::BroadcastSource>(navigation);
+    return std::make_unique<gnss::PreciseSource>(io::read_sp3(resolved(folder, raw.precise, "gnss.precise"), warnings).nodes);
+}
+
+}  // namespace
+
+std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig& raw, WarningLog& warnings) {
+    gnss::Navigation navigation;
+    for (const std::string& file : raw.navigation)
+        navigation.add(read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
+    std::vector<gnss::ObservationLog> logs;
+    for (const std::string& file : raw.observations) {
+        RawInput input = read_raw_input(resolved(folder, file, "gnss.observations"), {}, warnings);
+        navigation.add(input.navigation);
+        logs.push_back(std::move(input.observations));
+    }
+    if (navigation.size() == 0 && raw.precise.empty())
+        throw input_error("raw measurements need ephemerides", {{}, 0, 0, "gnss.navigation"},
+                          "name the navigation files of the same day");
+    const auto source = satellites(folder, raw, navigation, warnings);
+    const auto klobuchar = gnss::klobuchar_of(navigation);
+    if (!klobuchar && raw.solver.ranges.ionosphere == gnss::IonosphereModel::Broadcast)
+        warnings.add("gnss.klobuchar", "the navigation files have no coefficients of the ionosphere: its delay is not corrected");
+    gnss::SinglePoint solver(*source, klobuchar, raw.solver);
+    gnss::PhaseDifferences differences(*source, raw.solver.ranges);
+    std::vector<GnssFix> fixes;
+    std::map<gnss::SinglePointStatus, std::size_t> unsolved;
+    std::size_t excluded = 0, epochs = 0;
+    for (const gnss::ObservationLog& log : logs) {
+        for (const gnss::ObservationEpoch& epoch : log.epochs) {
+            const gnss::SinglePointSolution s = solver.solve(log.of(epoch), epoch.time, log.channels);
+            ++epochs;
+            excluded += static_cast<std::size_t>(s.excluded());
+            const auto velocity =
+                raw.phase_velocity ? differences.update(log.of(epoch), epoch.time, log.channels, s) : std::nullopt;
+            if (s.status != gnss::SinglePointStatus::Solved) {
+                ++unsolved[s.status];
+                continue;
+            }
+            fixes.push_back(fix_from(s));
+            if (velocity) use_phase_velocity(fixes.back(), *velocity);
+        }
+    }
+    for (const auto& [status, count] : unsolved)
+        warnings.add(fmt::format("gnss.unsolved.{}", name_of(status)), fmt::format("epochs without a fix: {}", name_of(status)),
+                     count);
+    if (excluded > 0) warnings.add("gnss.excluded", "faulty pseudoranges left out", excluded);
+    if (fixes.empty())
+        throw input_error(fmt::format("none of the {} epochs has a fix", epochs),
+                          {raw.observations.front(), 0, 0, "gnss.observations"},
+                          "are the navigation files of the same day, and the systems right?");
+    std::ranges::stable_sort(fixes, {}, &GnssFix::time);
+    return fixes;
+}
+
+std::string raw_dataset_toml(const fs::path& path) {
+    std::error_code ec;
+    const bool folder = fs::is_directory(path, ec);
+    std::vector<std::string> observations, navigation;
+    for (const auto& entry : fs::directory_iterator(folder                       ? path
+                                                    : path.parent_path().empty() ? fs::path(".")
+                                                                                 : path.parent_path(),
+                                                    ec)) {
+        if (!entry.is_regular_file(ec)) continue;
+        const io::RinexKind kind = io::rinex_kind(io::TextInput(entry.path()));
+        const std::string name = entry.path().filename().string();
+        if (kind == io::RinexKind::Navigation) navigation.push_back(name);
+        if (kind == io::RinexKind::Observation || kind == io::RinexKind::CompactObservation) observations.push_back(name);
+    }
+    std::ranges::sort(observations);
+    std::ranges::sort(navigation);
+    if (!folder) {
+        const std::string own = path.filename().string();
+        if (std::ranges::find(observations, own) == observations.end()) return {};
+        observations = {own};
+    }
+    if (observations.empty() || navigation.empty()) return {};
+    const auto quoted = [](const std::string& name) { return to_toml(Value{name}); };
+    std::string toml = fmt::format("# Inferred from the RINEX files.\n[gnss]\nobservations = {}\n", quoted(observations.front()));
+    for (std::size_t i = 1; i < observations.size(); ++i)
+        toml += fmt::format("# or observations = {}\n", quoted(observations[i]));
+    toml += "navigation = [";
+    for (std::size_t i = 0; i < navigation.size(); ++i) toml += (i > 0 ? ", " : "") + quoted(navigation[i]);
+    return toml + "]\n[filter]\nscheme = \"gnss\"\n";
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,23 @@
+// Fixes from raw measurements: the files a data set names, solved epoch by epoch.
+#pragma once
+
+#include "schuler/app/config.h"
+#include "schuler/core/log.h"
+#include "schuler/core/samples.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+/// Single-point fixes in GPS time since 1980 from the files of config.raw, whose relative paths start at `folder`. Epochs without
+/// a solution are counted in the log by their reason. @throws Error(Input): a file that cannot be read, no fix at all.
+[[nodiscard]] std::vector<GnssFix> fixes_from_raw(const std::filesystem::path& folder, const RawGnssConfig& raw,
+                                                  WarningLog& warnings);
+
+/// The dataset.toml of a folder with observations and navigation files, or of one observation file with the navigation files beside
+/// it; empty where there are none. Of several observation files the first by name is taken, the others stand in a comment.
+[[nodiscard]] std::string raw_dataset_toml(const std::filesystem::path& path);
+
+}  // namespace schuler::app

@@ -1,0 +1,36 @@
+// Where a satellite was and what its clock showed when it sent.
+#pragma once
+
+#include "schuler/core/position.h"
+#include "schuler/gnss/ephemeris.h"
+
+#include <Eigen/Core>
+
+namespace schuler::gnss {
+
+/// Satellite at an instant of GPS time, in Earth-fixed axes of that instant.
+struct SatelliteState {
+    Ecef position;                       ///< m
+    Eigen::Vector3d velocity{0, 0, 0};   ///< m/s, relative to the Earth
+    double clock = 0;                    ///< s, satellite minus system time, relativity of the eccentricity included
+    double clock_rate = 0;               ///< s/s
+    double variance = 0;                 ///< m^2, of orbit and clock along the line of sight
+};
+
+/// Orbit and clock from Keplerian elements [ISGPS200:table 20-IV, 20.3.3.3.3.1], [GalileoICD:table 66], [BeiDouICD:5.2.4.12] with the
+/// rotated frame of BeiDou's geostationary satellites. The velocity is the exact derivative of the position.
+[[nodiscard]] SatelliteState satellite_state(const KeplerEphemeris& ephemeris, Time t);
+
+/// Orbit by Runge-Kutta integration (steps of 60 s at most) of the equations of [GLONASSICD:A.3.1.2]; 0.1 m of integration error
+/// would need hours. Positions are in the ephemeris's PZ-90.11, within 2 cm of WGS-84.
+[[nodiscard]] SatelliteState satellite_state(const GlonassEphemeris& ephemeris, Time t);
+
+/// Quadratic motion [RTCA229:A.4.4.11].
+[[nodiscard]] SatelliteState satellite_state(const SbasEphemeris& ephemeris, Time t);
+
+/// Code delay of a signal against the broadcast clock, s: what the satellite's hardware adds to the pseudorange. From T_GD, BGD
+/// [ISGPS200:20.3.3.3.3.2], [GalileoICD:5.1.5], [BeiDouICD:5.2.4.10]; zero where the message does not tell.
+[[nodiscard]] double group_delay(const KeplerEphemeris& ephemeris, Signal signal);
+[[nodiscard]] double group_delay(const GlonassEphemeris& ephemeris, Signal signal);
+
+}  // namespace schuler::gnss

@@ -1,0 +1,148 @@
+#include "schuler/gnss/satellite_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace schuler::gnss {
+namespace {
+
+std::int64_t longest_age(const KeplerEphemeris& k) {
+    constexpr std::int64_t hour = 3'600'000'000'000;
+    if (k.satellite.system == System::Galileo) return 4 * hour;
+    if (k.satellite.system == System::BeiDou) return 6 * hour;
+    return std::max(2 * hour, Duration::from_seconds(0.5 * k.fit_interval).ns);
+}
+std::int64_t longest_age(const GlonassEphemeris&) { return 1'800'000'000'000; }
+std::int64_t longest_age(const SbasEphemeris&) { return 360'000'000'000; }
+
+/// Among ephemerides of one time the later in this order is used.
+int rank(const KeplerEphemeris& k) { return k.message == NavMessage::Fnav ? 0 : 1; }
+template <class Other>
+int rank(const Other&) {
+    return 0;
+}
+
+template <class Ephemeris>
+void sort(std::vector<Ephemeris>& all) {
+    std::ranges::stable_sort(
+        all, {}, [](const Ephemeris& e) { return std::tuple(index_of(e.satellite), e.toe, rank(e), e.transmission); });
+}
+
+template <class Ephemeris>
+const Ephemeris* nearest(const std::vector<Ephemeris>& all, std::size_t first, std::size_t last, Time t) {
+    const Ephemeris* best = nullptr;
+    std::int64_t apart = 0;
+    for (std::size_t i = first; i < last; ++i) {
+        const std::int64_t d = std::abs((t - all[i].toe).ns);
+        if (d <= longest_age(all[i]) && (best == nullptr || d <= apart)) {
+            best = &all[i];
+            apart = d;
+        }
+    }
+    return best;
+}
+
+bool is_healthy(const KeplerEphemeris& k) {
+    // bit 0 of QZSS health is about signals not used here
+    return (k.satellite.system == System::Qzss ? k.health & ~1 : k.health) == 0;
+}
+
+}  // namespace
+
+BroadcastSource::BroadcastSource(Navigation navigation) : navigation_(std::move(navigation)) {
+    const auto index = [&](auto& all) {
+        sort(all);
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            Range& r = ranges_[index_of(all[i].satellite)];
+            if (r.last == 0) r.first = i;
+            r.last = i + 1;
+        }
+    };
+    index(navigation_.kepler);
+    index(navigation_.glonass);
+    index(navigation_.sbas);
+}
+
+const KeplerEphemeris* BroadcastSource::kepler(SatelliteId s, Time t) const {
+    if (s.system == System::Glonass || s.system == System::Sbas) return nullptr;
+    const Range r = ranges_[index_of(s)];
+    return nearest(navigation_.kepler, r.first, r.last, t);
+}
+
+const GlonassEphemeris* BroadcastSource::glonass(SatelliteId s, Time t) const {
+    const Range r = ranges_[index_of(s)];
+    return s.system == System::Glonass ? nearest(navigation_.glonass, r.first, r.last, t) : nullptr;
+}
+
+const SbasEphemeris* BroadcastSource::sbas(SatelliteId s, Time t) const {
+    const Range r = ranges_[index_of(s)];
+    return s.system == System::Sbas ? nearest(navigation_.sbas, r.first, r.last, t) : nullptr;
+}
+
+std::optional<Transmitter> BroadcastSource::at(SatelliteId s, Signal signal, Time t) const {
+    if (const GlonassEphemeris* g = glonass(s, t)) {
+        if (g->health != 0) return std::nullopt;
+        return Transmitter{satellite_state(*g, t), gnss::group_delay(*g, signal), g->channel};
+    }
+    if (const SbasEphemeris* g = sbas(s, t)) {
+        if ((g->health & 1) != 0) return std::nullopt;  // bit 0: ranging off
+        return Transmitter{satellite_state(*g, t), 0.0, 0};
+    }
+    const KeplerEphemeris* k = kepler(s, t);
+    if (k == nullptr || !is_healthy(*k)) return std::nullopt;
+    return Transmitter{satellite_state(*k, t), gnss::group_delay(*k, signal), 0};
+}
+
+namespace {
+
+constexpr std::size_t nodes_used = 11;
+
+/// Lagrange's polynomial through nodes whose axes are turned back to those of t.
+Eigen::Vector3d interpolated(const PreciseSource::Node* nodes, Time t) {
+    constexpr double earth_rate = 7.2921151467e-5;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < nodes_used; ++i) {
+        double weight = 1.0;
+        for (std::size_t j = 0; j < nodes_used; ++j) {
+            if (j != i) weight *= (t - nodes[j].time).seconds() / (nodes[i].time - nodes[j].time).seconds();
+        }
+        const double angle = earth_rate * (nodes[i].time - t).seconds(), s = std::sin(angle), c = std::cos(angle);
+        const Eigen::Vector3d& r = nodes[i].position;
+        sum += weight * Eigen::Vector3d(c * r.x() - s * r.y(), s * r.x() + c * r.y(), r.z());
+    }
+    return sum;
+}
+
+}  // namespace
+
+std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal, Time t) const {
+    const std::vector<Node>& nodes = nodes_[index_of(s)];
+    if (nodes.size() < nodes_used || t < nodes.front().time || t > nodes.back().time) return std::nullopt;
+    const auto after = std::ranges::upper_bound(nodes, t, {}, &Node::time);
+    const auto place = static_cast<std::size_t>(after - nodes.begin());
+    const std::size_t first = std::min(place - std::min(place, nodes_used / 2 + 1), nodes.size() - nodes_used);
+    const std::size_t left = std::min(place, nodes.size() - 1) - 1;
+    // no interpolation over a gap: its width is judged by the spacing of the file's first epochs
+    const Duration spacing = nodes[1].time - nodes[0].time;
+    if ((nodes[first + nodes_used - 1].time - nodes[first].time).ns > 2 * static_cast<std::int64_t>(nodes_used) * spacing.ns)
+        return std::nullopt;
+    const Node &a = nodes[left], &b = nodes[left + 1];
+    const double span = (b.time - a.time).seconds(), w = (t - a.time).seconds() / span;
+    SatelliteState out;
+    const Duration step{500'000'000};
+    out.position.r = interpolated(&nodes[first], t);
+    out.velocity = interpolated(&nodes[first], t + step) - interpolated(&nodes[first], t - step);  // over one second
+    out.clock = (1.0 - w) * a.clock + w * b.clock;
+    out.clock_rate = (b.clock - a.clock) / span;
+    if (!std::isfinite(out.clock)) return std::nullopt;
+    // satellite clocks of SP3 exclude the periodic relativistic effect, -2 r.v/c^2
+    const Eigen::Vector3d inertial =
+        out.velocity + 7.2921151467e-5 * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
+    out.clock -= 2.0 * out.position.r.dot(inertial) / (speed_of_light * speed_of_light);
+    constexpr double sigma = 0.05;  // m
+    out.variance = sigma * sigma;
+    return Transmitter{out, 0.0, 0};
+}
+
+}  // namespace schuler::gnss

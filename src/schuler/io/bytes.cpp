@@ -1,0 +1,52 @@
+#include "schuler/io/bytes.h"
+
+#include "schuler/io/place.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+namespace schuler::io {
+namespace {
+
+struct CloseGz {
+    void operator()(gzFile file) const { gzclose(file); }
+};
+
+}  // namespace
+
+std::string read_bytes(const TextInput& input, std::size_t limit) {
+    if (input.in_memory()) return std::string(input.content());
+    std::error_code ec;
+    if (std::filesystem::is_directory(input.name(), ec))
+        throw input_error("is a directory, not a file", place_in(input.name()), "name the file inside it");
+    if (!std::filesystem::exists(input.name(), ec))
+        throw input_error("no such file", place_in(input.name()), "check the path; relative paths start at the current folder");
+    const std::unique_ptr<gzFile_s, CloseGz> file(gzopen(input.name().c_str(), "rb"));
+    if (!file) throw input_error("cannot be opened", place_in(input.name()), "check the permissions");
+    constexpr std::size_t chunk = 1024 * 1024;
+    gzbuffer(file.get(), 256 * 1024);
+    std::string bytes;
+    const std::uintmax_t on_disk = std::filesystem::file_size(input.name(), ec);
+    if (!ec) bytes.reserve(std::min<std::uintmax_t>(on_disk, limit) + chunk);
+    for (;;) {
+        const std::size_t before = bytes.size();
+        bytes.resize(before + chunk);
+        const int n = gzread(file.get(), bytes.data() + before, static_cast<unsigned>(chunk));
+        int status = Z_OK;
+        const char* text = gzerror(file.get(), &status);
+        if (n < 0 || status == Z_BUF_ERROR || status == Z_DATA_ERROR)
+            throw input_error(
+                fmt::format("cannot be read, or the compressed file is damaged or cut ({})", text != nullptr ? text : ""),
+                place_in(input.name()), "copy or compress it again");
+        bytes.resize(before + static_cast<std::size_t>(n));
+        if (n == 0) return bytes;
+        if (bytes.size() > limit)
+            throw input_error(fmt::format("is larger than {} bytes", limit), place_in(input.name()), "is it the right file?");
+    }
+}
+
+}  // namespace schuler::io

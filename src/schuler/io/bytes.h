@@ -1,0 +1,44 @@
+// Whole files in memory: binary logs and formats that jump about in their text.
+#pragma once
+
+#include "schuler/io/text_input.h"
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace schuler::io {
+
+/// The whole input, decompressed where it is gz-compressed.
+/// @throws Error(Input): no such file, a directory, not readable, damaged or cut compression, more than `limit` bytes.
+[[nodiscard]] std::string read_bytes(const TextInput& input, std::size_t limit = std::size_t{4} << 30);
+
+/// Lines of a text in memory, without their ends (LF, CR LF); the last one needs none.
+class Lines {
+public:
+    explicit Lines(std::string_view text) : rest_(text) {}
+    [[nodiscard]] bool next() {
+        if (rest_.empty()) return false;
+        const std::size_t stop = rest_.find('\n');
+        line_ = rest_.substr(0, stop);
+        rest_.remove_prefix(stop == std::string_view::npos ? rest_.size() : stop + 1);
+        if (!line_.empty() && line_.back() == '\r') line_.remove_suffix(1);
+        ++number_;
+        return true;
+    }
+    [[nodiscard]] std::string_view line() const { return line_; }
+    [[nodiscard]] long number() const { return number_; }     ///< from 1
+    /// First byte of the line that next() would give; zero at the end.
+    [[nodiscard]] char peek() const { return rest_.empty() ? '\0' : rest_.front(); }
+
+private:
+    std::string_view rest_, line_;
+    long number_ = 0;
+};
+
+/// Columns [from, from + count) of a line, as much of them as there is.
+[[nodiscard]] inline std::string_view columns_of(std::string_view line, std::size_t from, std::size_t count) {
+    return from >= line.size() ? std::string_view{} : line.substr(from, count);
+}
+
+}  // namespace schuler::io

@@ -1,0 +1,191 @@
+#include "schuler/io/detail/broadcast_scales.h"
+#include "schuler/io/detail/ephemeris_checks.h"
+#include "schuler/io/detail/rtcm3_messages.h"
+
+#include <algorithm>
+
+namespace schuler::io::detail {
+namespace {
+
+using gnss::KeplerEphemeris;
+using gnss::System;
+
+/// Orbit elements that several messages send in the same order and scales: from crs to the rate of the node.
+double orbit(Bits& b, KeplerEphemeris& k, std::size_t toe_bits, double toe_unit) {
+    k.crs = scaled(b, 16, -5), k.delta_n = angle(b, 16, -43), k.m0 = angle(b, 32, -31);
+    k.cuc = scaled(b, 16, -29), k.e = scaled_unsigned(b, 32, -33), k.cus = scaled(b, 16, -29),
+    k.sqrt_a = scaled_unsigned(b, 32, -19);
+    const double toe = toe_unit * static_cast<double>(b.take(toe_bits));
+    k.cic = scaled(b, 16, -29), k.omega0 = angle(b, 32, -31), k.cis = scaled(b, 16, -29), k.i0 = angle(b, 32, -31);
+    k.crc = scaled(b, 16, -5), k.omega = angle(b, 32, -31), k.omega_dot = angle(b, 24, -43);
+    return toe;
+}
+
+void clock_16(Bits& b, KeplerEphemeris& k) { k.af2 = scaled(b, 8, -55), k.af1 = scaled(b, 16, -43), k.af0 = scaled(b, 22, -31); }
+
+/// Where week, toc and toe are all known.
+void date(KeplerEphemeris& k, Time week_start, double toc, double toe) {
+    const Duration lag{k.satellite.system == System::BeiDou ? std::int64_t{14'000'000'000} : 0};
+    k.toc = week_start + Duration::from_seconds(toc) + lag;
+    set_times(k, toe, toe);
+}
+
+KeplerEphemeris gps(Bits& b, Time now) {
+    KeplerEphemeris k;
+    k.satellite = {System::Gps, static_cast<std::uint8_t>(b.take(6))};
+    const int week = b.integer(10);
+    k.accuracy = gps_accuracy(b.integer(4));
+    b.skip(2);
+    k.idot = angle(b, 14, -43), k.iode = b.integer(8);
+    const double toc = scaled_unsigned(b, 16, 4);
+    clock_16(b, k);
+    k.iodc = b.integer(10);
+    const double toe = orbit(b, k, 16, 16.0);
+    k.group_delay[0] = scaled(b, 8, -31);
+    k.health = b.integer(6);
+    b.skip(1);
+    k.fit_interval = b.take(1) != 0 ? 6.0 * 3600.0 : 4.0 * 3600.0;
+    date(k, from_week_count(week, 1024, 0, 0.0, now), toc, toe);
+    return k;
+}
+
+KeplerEphemeris qzss(Bits& b, Time now) {
+    KeplerEphemeris k;
+    k.satellite = {System::Qzss, static_cast<std::uint8_t>(b.take(4))};
+    const double toc = scaled_unsigned(b, 16, 4);
+    clock_16(b, k);
+    k.iode = b.integer(8);
+    const double toe = orbit(b, k, 16, 16.0);
+    k.idot = angle(b, 14, -43);
+    b.skip(2);
+    const int week = b.integer(10);
+    k.accuracy = gps_accuracy(b.integer(4));
+    k.health = b.integer(6);
+    k.group_delay[0] = scaled(b, 8, -31);
+    k.iodc = b.integer(10);
+    date(k, from_week_count(week, 1024, 0, 0.0, now), toc, toe);
+    return k;
+}
+
+KeplerEphemeris galileo(Bits& b, Time now, bool inav) {
+    KeplerEphemeris k;
+    k.satellite = {System::Galileo, static_cast<std::uint8_t>(b.take(6))};
+    k.message = inav ? gnss::NavMessage::Inav : gnss::NavMessage::Fnav;
+    const int week = b.integer(12);
+    k.iode = b.integer(10);
+    k.accuracy = galileo_accuracy(b.integer(8));
+    k.idot = angle(b, 14, -43);
+    const double toc = 60.0 * static_cast<double>(b.take(14));
+    k.af2 = scaled(b, 6, -59), k.af1 = scaled(b, 21, -46), k.af0 = scaled(b, 31, -34);
+    const double toe = orbit(b, k, 14, 60.0);
+    k.group_delay[0] = scaled(b, 10, -32);
+    if (inav) {
+        k.group_delay[1] = scaled(b, 10, -32);
+        const int health_e5b = b.integer(2), valid_e5b = b.integer(1), health_e1 = b.integer(2), valid_e1 = b.integer(1);
+        k.health = valid_e1 | health_e1 << 1 | valid_e5b << 6 | health_e5b << 7;
+    } else {
+        const int health = b.integer(2), valid = b.integer(1);
+        k.health = valid << 3 | health << 4;
+    }
+    constexpr int week_of_galileo = 1024;
+    date(k, from_week_count(week, 4096, week_of_galileo, 0.0, now), toc, toe);
+    return k;
+}
+
+KeplerEphemeris beidou(Bits& b, Time now) {
+    KeplerEphemeris k;
+    k.satellite = {System::BeiDou, static_cast<std::uint8_t>(b.take(6))};
+    k.message = k.satellite.number <= 5 || k.satellite.number >= 59 ? gnss::NavMessage::D2 : gnss::NavMessage::D1;
+    const int week = b.integer(13);
+    k.accuracy = gps_accuracy(b.integer(4));
+    k.idot = angle(b, 14, -43), k.iode = b.integer(5);
+    const double toc = 8.0 * static_cast<double>(b.take(17));
+    k.af2 = scaled(b, 11, -66), k.af1 = scaled(b, 22, -50), k.af0 = scaled(b, 24, -33);
+    k.iodc = b.integer(5);
+    k.crs = scaled(b, 18, -6), k.delta_n = angle(b, 16, -43), k.m0 = angle(b, 32, -31);
+    k.cuc = scaled(b, 18, -31), k.e = scaled_unsigned(b, 32, -33), k.cus = scaled(b, 18, -31),
+    k.sqrt_a = scaled_unsigned(b, 32, -19);
+    const double toe = 8.0 * static_cast<double>(b.take(17));
+    k.cic = scaled(b, 18, -31), k.omega0 = angle(b, 32, -31), k.cis = scaled(b, 18, -31), k.i0 = angle(b, 32, -31);
+    k.crc = scaled(b, 18, -6), k.omega = angle(b, 32, -31), k.omega_dot = angle(b, 24, -43);
+    k.group_delay = {1e-10 * static_cast<double>(b.take_signed(10)), 1e-10 * static_cast<double>(b.take_signed(10))};
+    k.health = b.integer(1);
+    constexpr int week_of_beidou = 1356;
+    date(k, from_week_count(week, 8192, week_of_beidou, 0.0, now), toc, toe);
+    return k;
+}
+
+gnss::GlonassEphemeris glonass(Bits& b, Time now) {
+    gnss::GlonassEphemeris g;
+    g.satellite = {System::Glonass, static_cast<std::uint8_t>(b.take(6))};
+    g.channel = b.integer(5) - 7;
+    b.skip(4 + 12);
+    g.health = b.integer(1);
+    b.skip(1);
+    const std::int64_t tb = static_cast<std::int64_t>(b.take(7)) * 900'000'000'000;
+    constexpr double km = 1000.0;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+        g.velocity[i] = km * std::ldexp(static_cast<double>(b.take_sign_magnitude(24)), -20);
+        g.position[i] = km * std::ldexp(static_cast<double>(b.take_sign_magnitude(27)), -11);
+        g.acceleration[i] = km * std::ldexp(static_cast<double>(b.take_sign_magnitude(5)), -30);
+    }
+    b.skip(1);
+    g.clock_rate = std::ldexp(static_cast<double>(b.take_sign_magnitude(11)), -40);
+    b.skip(3);
+    g.clock = -std::ldexp(static_cast<double>(b.take_sign_magnitude(22)), -30);
+    g.l2_delay = std::ldexp(static_cast<double>(b.take_sign_magnitude(5)), -30);
+    g.age_days = b.integer(5);
+    constexpr std::int64_t hour = 3'600'000'000'000, day = 24 * hour;
+    const std::int64_t leap = std::int64_t{gps_minus_utc(now.ns / 1'000'000'000)} * 1'000'000'000;
+    std::int64_t apart = (tb - 3 * hour + leap - now.ns) % day;
+    if (apart > day / 2) apart -= day;
+    if (apart < -day / 2) apart += day;
+    g.toe = g.transmission = {now.ns + apart};
+    return g;
+}
+
+template <class Ephemeris>
+Decoded add(const Bits& bits, std::vector<Ephemeris>& to, const Ephemeris& e) {
+    if (!bits.ok() || e.satellite.number == 0 || !is_sound(e)) return Decoded::Damaged;
+    const bool known = std::any_of(to.begin(), to.end(), [&](const Ephemeris& o) {
+        if constexpr (std::is_same_v<Ephemeris, KeplerEphemeris>) {
+            if (o.iode != e.iode || o.message != e.message) return false;
+        }
+        return o.satellite == e.satellite && o.toe == e.toe;
+    });
+    if (!known) to.push_back(e);
+    return Decoded::Used;
+}
+
+}  // namespace
+
+Decoded rtcm3_ephemeris(std::string_view payload, int number, Time now, gnss::Navigation& n) {
+    Bits bits(payload);
+    bits.skip(12);
+    switch (number) {
+        case 1019: {
+            const KeplerEphemeris k = gps(bits, now);
+            return add(bits, n.kepler, k);
+        }
+        case 1020: {
+            const gnss::GlonassEphemeris g = glonass(bits, now);
+            return add(bits, n.glonass, g);
+        }
+        case 1042: {
+            const KeplerEphemeris k = beidou(bits, now);
+            return add(bits, n.kepler, k);
+        }
+        case 1044: {
+            const KeplerEphemeris k = qzss(bits, now);
+            return add(bits, n.kepler, k);
+        }
+        case 1045:
+        case 1046: {
+            const KeplerEphemeris k = galileo(bits, now, number == 1046);
+            return add(bits, n.kepler, k);
+        }
+        default: return Decoded::Foreign;
+    }
+}
+
+}  // namespace schuler::io::detail

@@ -1,0 +1,43 @@
+// The receiver's solution from raw measurements, as the program gives it, against the generator's truth.
+#include "schuler/app/raw_gnss.h"
+#include "schuler/app/commands.h"
+#include "schuler/app/dataset.h"
+#include "schuler/earth/earth.h"
+#include "schuler/io/rtklib_pos.h"
+
+#include "io/io_fixture.h"
+
+#include <nlohmann/json.hpp>
+
+
+namespace schuler::app {
+namespace {
+
+class RawGnss : public io::test::IoTest {};
+
+TEST_F(RawGnss, ProcessGivesTheReceiversSolution) {
+    SKIP_WITHOUT_DATA();
+    const auto data = io::test::data_folder() / "spirent_rose_noatm";
+    const auto toml = write("dataset.toml", "name = \"rose\"\n[time]\nscale = \"gps\"\nweek = 2244\n[gnss]\nobservations = \"" +
+                                                (data / "rover.obs").string() + "\"\nnavigation = [\"" +
+                                                (data / "gps.nav").string() + "\", \"" + (data / "galileo.nav").string() +
+                                                "\"]\nionosphere = \"none\"\ntroposphere = \"none\"\n[reference]\nfile = \"" +
+                                                (data / "reference.csv").string() + "\"\n[filter]\nscheme = \"gnss\"\n");
+    ProcessRequest request;
+    request.input = toml;
+    request.output = folder() / "out";
+    const Outcome outcome = process_dataset(request);
+    const auto json = nlohmann::json::parse(outcome.json);
+    EXPECT_EQ(json.at("scheme"), "gnss");
+    EXPECT_EQ(json.at("gnss").at("epochs"), 601);
+    EXPECT_LT(json.at("errors").at("position_m").at("horizontal").at("rms").get<double>(), 0.01);
+    EXPECT_LT(json.at("errors").at("position_m").at("horizontal").at("max").get<double>(), 0.01);
+    EXPECT_LT(json.at("errors").at("velocity_m_s").at("north").at("rms").get<double>(), 0.01);
+    // the same folder without a word of description: the program says what it takes it for
+    const Dataset inferred = open_dataset(io::test::data_folder() / "rtklib_geonet_pair");
+    EXPECT_NE(inferred.inferred_toml.find("observations = \"07590920.05o\""), std::string::npos) << inferred.inferred_toml;
+    EXPECT_NE(inferred.inferred_toml.find("30400920.05n"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace schuler::app

@@ -1,0 +1,245 @@
+// Single-point position and velocity on the signal generator's noise-free data, with faults put in.
+#include "schuler/gnss/single_point.h"
+#include "schuler/gnss/phase_velocity.h"
+
+#include "schuler/earth/ellipsoid.h"
+#include "schuler/io/csv_recording.h"
+#include "schuler/io/rinex.h"
+
+#include "io/io_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace schuler::gnss {
+namespace {
+
+constexpr double deg = 0.017453292519943295;
+
+/// Files of one folder of the data sets.
+struct Files {
+    ObservationLog log;
+    Navigation navigation;
+
+    Files(const std::string& folder, const std::string& observations, const std::vector<std::string>& navigation_files) {
+        WarningLog warnings;
+        const auto path = io::test::data_folder() / folder;
+        log = io::read_rinex_observations(path / observations, warnings).log;
+        for (const std::string& name : navigation_files)
+            navigation.add(io::read_rinex_navigation(path / name, warnings).navigation);
+    }
+};
+
+SinglePointSettings without_atmosphere() {
+    SinglePointSettings s;
+    s.ranges.ionosphere = IonosphereModel::None;
+    s.ranges.troposphere = TroposphereModel::None;
+    return s;
+}
+
+void use_systems(SinglePointSettings& settings, std::string_view letters) {
+    for (std::size_t i = 0; i < system_count; ++i)
+        settings.ranges.systems[i] = letters.find(letter_of(static_cast<System>(i))) != std::string_view::npos;
+}
+
+const Geodetic static_truth{30.0 * deg, 95.0 * deg, 0.0};
+
+Eigen::Vector3d ned_error(const Ecef& estimate, const Geodetic& truth) {
+    return earth::C_en(truth.lat, truth.lon).transpose() * (estimate.r - earth::ecef_from_geodetic(earth::wgs84, truth).r);
+}
+
+struct StaticFiles : Files {
+    StaticFiles()
+        : Files("spirent_static_4h", "noatm.obs", {"nav_GN.23N", "nav_EN.23L", "nav_CN.23C", "nav_JN.23J", "nav_RN.23G"}) {}
+};
+
+TEST(SinglePoint, SignalGeneratorAtRestEveryEpochToMillimetres) {
+    SKIP_WITHOUT_DATA();
+    const StaticFiles files;
+    const BroadcastSource source(files.navigation);
+    // with BeiDou come its geostationary satellites, whose ephemerides are thousands of kilometres off: they must be found out
+    for (const std::string_view systems : {"G", "GE", "GEJ", "GECJ"}) {
+        SinglePointSettings settings = without_atmosphere();
+        use_systems(settings, systems);
+        SinglePoint solver(source, std::nullopt, settings);
+        int solved = 0, excluded = 0;
+        for (const ObservationEpoch& e : files.log.epochs) {
+            const SinglePointSolution s = solver.solve(files.log.of(e), e.time, files.log.channels);
+            ASSERT_EQ(s.status, SinglePointStatus::Solved) << systems << " " << name_of(s.status);
+            ++solved;
+            excluded += s.excluded();
+            const Eigen::Vector3d error = ned_error(s.position, static_truth);
+            EXPECT_LT(error.head<2>().norm(), 0.005) << systems;
+            EXPECT_LT(std::abs(error.z()), 0.01) << systems;
+            EXPECT_LT(s.velocity.norm(), 0.005) << systems;
+        }
+        EXPECT_EQ(solved, 49);
+        EXPECT_EQ(excluded > 0, systems == "GECJ");
+    }
+}
+
+TEST(SinglePoint, DirectionsAgreeWithTheGenerator) {
+    SKIP_WITHOUT_DATA();
+    const StaticFiles files;
+    const BroadcastSource source(files.navigation);
+    SinglePoint solver(source, std::nullopt, without_atmosphere());
+    const ObservationEpoch& first = files.log.epochs.front();
+    const SinglePointSolution s = solver.solve(files.log.of(first), first.time, files.log.channels);
+    // azimuth and elevation of G01 and G07 in the generator's log at 10:00, rad
+    const std::map<SatelliteId, Direction> truth = {{{System::Gps, 1}, {2.3766, 0.6667}}};
+    int found = 0;
+    for (const SatelliteUse& use : s.satellites) {
+        const auto at = truth.find(use.satellite);
+        if (at == truth.end()) continue;
+        ++found;
+        EXPECT_NEAR(use.direction.azimuth, at->second.azimuth, 1e-4);
+        EXPECT_NEAR(use.direction.elevation, at->second.elevation, 1e-4);
+    }
+    EXPECT_EQ(found, 1);
+}
+
+TEST(SinglePoint, MovingReceiver) {
+    SKIP_WITHOUT_DATA();
+    const Files files("spirent_rose_noatm", "rover.obs", {"gps.nav", "galileo.nav"});
+    const BroadcastSource source(files.navigation);
+    WarningLog warnings;
+    const auto reference =
+        io::read_reference_csv(io::test::data_folder() / "spirent_rose_noatm" / "reference.csv", {}, warnings).samples;
+    std::map<std::int64_t, const ReferenceSample*> truth;
+    for (const ReferenceSample& r : reference) truth[r.time.ns] = &r;
+    for (const IonosphereModel ionosphere : {IonosphereModel::None, IonosphereModel::Dual}) {
+        SinglePointSettings settings = without_atmosphere();
+        settings.ranges.ionosphere = ionosphere;
+        SinglePoint solver(source, std::nullopt, settings);
+        std::size_t compared = 0;
+        double sum = 0.0, sum_velocity = 0.0;
+        for (const ObservationEpoch& e : files.log.epochs) {
+            const SinglePointSolution s = solver.solve(files.log.of(e), e.time, files.log.channels);
+            ASSERT_EQ(s.status, SinglePointStatus::Solved);
+            const auto at = truth.find((e.time - Time::from_gps(2244, 0.0)).ns);
+            if (at == truth.end()) continue;
+            const Geodetic& where = at->second->position;
+            const Eigen::Vector3d error = ned_error(s.position, where);
+            const Eigen::Vector3d velocity = earth::C_en(where.lat, where.lon).transpose() * s.velocity - at->second->velocity_n;
+            ++compared;
+            EXPECT_LT(error.norm(), ionosphere == IonosphereModel::None ? 0.01 : 0.03);
+            sum += error.squaredNorm();
+            sum_velocity += velocity.squaredNorm();
+        }
+        EXPECT_GT(compared, 590U);
+        EXPECT_LT(std::sqrt(sum / static_cast<double>(compared)), ionosphere == IonosphereModel::None ? 0.002 : 0.01);
+        EXPECT_LT(std::sqrt(sum_velocity / static_cast<double>(compared)), 0.01);
+    }
+}
+
+TEST(PhaseVelocity, MovingReceiverToAMillimetreASecondAndCycleSlips) {
+    SKIP_WITHOUT_DATA();
+    const Files files("spirent_rose_noatm", "rover.obs", {"gps.nav", "galileo.nav"});
+    const BroadcastSource source(files.navigation);
+    WarningLog warnings;
+    const auto reference =
+        io::read_reference_csv(io::test::data_folder() / "spirent_rose_noatm" / "reference.csv", {}, warnings).samples;
+    std::map<std::int64_t, Ecef> truth;
+    for (const ReferenceSample& r : reference) truth[r.time.ns] = earth::ecef_from_geodetic(earth::wgs84, r.position);
+    const SinglePointSettings settings = without_atmosphere();
+    SinglePoint solver(source, std::nullopt, settings);
+    PhaseDifferences plain(source, settings.ranges), slipping(source, settings.ranges);
+    double sum = 0.0, sum_slipping = 0.0;
+    int compared = 0, slips = 0;
+    for (const ObservationEpoch& e : files.log.epochs) {
+        const auto all = files.log.of(e);
+        const SinglePointSolution s = solver.solve(all, e.time, files.log.channels);
+        // one cycle more on every sixteenth satellite, others at each epoch: up to four phases jump by 0.19 m in a second
+        std::vector<SignalObservation> slipped(all.begin(), all.end());
+        const auto k = static_cast<std::size_t>(&e - files.log.epochs.data());
+        for (SignalObservation& o : slipped) o.phase += o.satellite.number % 16 == k % 16 ? 1.0 : 0.0;
+        const auto v = plain.update(all, e.time, files.log.channels, s),
+                   w = slipping.update(slipped, e.time, files.log.channels, s);
+        if (!v) continue;
+        ASSERT_TRUE(w);
+        slips += w->slips;
+        EXPECT_EQ(v->slips, 0);
+        const std::int64_t now = (e.time - Time::from_gps(2244, 0.0)).ns;
+        if (!truth.contains(now) || !truth.contains(now - 1'000'000'000)) continue;
+        const Eigen::Vector3d moved = truth[now].r - truth[now - 1'000'000'000].r;
+        sum += (v->velocity * v->interval - moved).squaredNorm();
+        sum_slipping += (w->velocity * w->interval - moved).squaredNorm();
+        ++compared;
+    }
+    EXPECT_GT(compared, 590);
+    EXPECT_GT(slips, 500);
+    EXPECT_LT(std::sqrt(sum / compared), 0.001);
+    EXPECT_LT(std::sqrt(sum_slipping / compared), 0.001);
+}
+
+TEST(SinglePoint, FaultsAreExcludedOrRefused) {
+    SKIP_WITHOUT_DATA();
+    const Files files("spirent_rose_noatm", "rover.obs", {"gps.nav", "galileo.nav"});
+    const BroadcastSource source(files.navigation);
+    SinglePoint solver(source, std::nullopt, without_atmosphere());
+    const ObservationEpoch& e = files.log.epochs.front();
+    const auto all = files.log.of(e);
+    const SinglePointSolution clean = solver.solve(all, e.time, files.log.channels);
+    ASSERT_EQ(clean.excluded(), 0);
+    const auto faulty = [&](std::initializer_list<std::pair<SatelliteId, double>> faults) {
+        std::vector<SignalObservation> changed(all.begin(), all.end());
+        for (SignalObservation& o : changed) {
+            for (const auto& [satellite, size] : faults) o.pseudorange += o.satellite == satellite ? size : 0.0;
+        }
+        return solver.solve(changed, e.time, files.log.channels);
+    };
+    const SatelliteId a{System::Gps, 20}, b{System::Gps, 14};
+    for (const double size : {60.0, -1e4, 3e6}) {
+        const SinglePointSolution s = faulty({{a, size}});
+        ASSERT_EQ(s.status, SinglePointStatus::Solved) << size;
+        EXPECT_EQ(s.excluded(), 1) << size;
+        EXPECT_LT((s.position.r - clean.position.r).norm(), 0.01) << size;
+        for (const SatelliteUse& use : s.satellites) EXPECT_EQ(use.excluded, use.satellite == a) << size;
+    }
+    const SinglePointSolution two = faulty({{a, 150.0}, {b, -90.0}});
+    EXPECT_EQ(two.status, SinglePointStatus::Solved);
+    EXPECT_EQ(two.excluded(), 2);
+    EXPECT_LT((two.position.r - clean.position.r).norm(), 0.01);
+    // with as many satellites as leave one redundant a fault is seen but cannot be found
+    std::vector<SignalObservation> few;
+    std::map<SatelliteId, int> kept;
+    for (const SignalObservation& o : all) {
+        const auto use = std::ranges::find(clean.satellites, o.satellite, &SatelliteUse::satellite);
+        if (use == clean.satellites.end() || !use->used || o.satellite.system != System::Gps) continue;
+        if (kept.size() == 5 && !kept.contains(o.satellite)) continue;
+        ++kept[o.satellite];
+        few.push_back(o);
+    }
+    EXPECT_EQ(solver.solve(few, e.time, files.log.channels).status, SinglePointStatus::Solved);
+    for (SignalObservation& o : few) o.pseudorange += o.satellite == few.front().satellite ? 250.0 : 0.0;
+    EXPECT_EQ(solver.solve(few, e.time, files.log.channels).status, SinglePointStatus::Inconsistent);
+    few.resize(3);
+    EXPECT_EQ(solver.solve(few, e.time, files.log.channels).status, SinglePointStatus::TooFew);
+}
+
+TEST(SinglePoint, ClockOfTheReceiverMovesTheTimeAndNotThePlace) {
+    SKIP_WITHOUT_DATA();
+    const StaticFiles files;
+    const BroadcastSource source(files.navigation);
+    SinglePointSettings settings = without_atmosphere();
+    use_systems(settings, "GE");
+    SinglePoint solver(source, std::nullopt, settings);
+    const ObservationEpoch& e = files.log.epochs.front();
+    // half a millisecond fast: tag and pseudoranges grow alike; Galileo's ranges 30 m longer besides
+    constexpr double offset = 5e-4;
+    const auto all = files.log.of(e);
+    std::vector<SignalObservation> shifted(all.begin(), all.end());
+    for (SignalObservation& o : shifted)
+        o.pseudorange += speed_of_light * offset + (o.satellite.system == System::Galileo ? 30.0 : 0.0);
+    const SinglePointSolution s = solver.solve(shifted, e.time + Duration::from_seconds(offset), files.log.channels);
+    ASSERT_EQ(s.status, SinglePointStatus::Solved);
+    EXPECT_LT(ned_error(s.position, static_truth).norm(), 0.01);
+    EXPECT_NEAR((s.time - e.time).seconds(), 0.0, 5e-9);
+    EXPECT_NEAR(s.intersystem_bias(clock_of(System::Galileo)), 30.0, 0.01);
+}
+
+}  // namespace
+}  // namespace schuler::gnss

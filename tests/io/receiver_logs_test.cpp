@@ -1,0 +1,209 @@
+// UBX and RTCM 3 against other programs' decoding of the same logs, and damaged.
+#include "schuler/io/rinex_write.h"
+#include "schuler/io/rtcm3.h"
+#include "schuler/io/ubx.h"
+
+#include "io/io_fixture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+namespace schuler::io {
+namespace {
+
+using gnss::SatelliteId;
+using gnss::SignalObservation;
+using gnss::System;
+using test::expect_parts;
+using test::message_of;
+
+class ReceiverLogs : public test::IoTest {
+protected:
+    WarningLog log;
+};
+
+/// Difference below half of the last digit of RINEX, or both missing.
+bool same(double a, double b, double tolerance = 0.00051) {
+    return (std::isnan(a) && std::isnan(b)) || std::abs(a - b) < tolerance;
+}
+
+/// Compares logs epoch by epoch; indicators of the phase too. `only` limits to one system; `later`: their times are so much later.
+void expect_same(const gnss::ObservationLog& ours, const gnss::ObservationLog& theirs, std::optional<System> only = {},
+                 Duration later = {}) {
+    ASSERT_EQ(ours.epochs.size(), theirs.epochs.size());
+    std::size_t differing = 0, indicators = 0, compared = 0;
+    // Doppler and C/N0 come as short binary fractions, whose ties (0.0005) the other programs round away from zero
+    for (std::size_t i = 0; i < ours.epochs.size(); ++i) {
+        ASSERT_EQ(ours.epochs[i].time + later, theirs.epochs[i].time) << i;
+        std::map<std::pair<SatelliteId, gnss::Signal>, SignalObservation> known;
+        for (const SignalObservation& o : ours.of(ours.epochs[i])) {
+            if (!only || o.satellite.system == *only) known[{o.satellite, o.signal}] = o;
+        }
+        for (const SignalObservation& o : theirs.of(theirs.epochs[i])) {
+            if (only && o.satellite.system != *only) continue;
+            const auto at = known.find({o.satellite, o.signal});
+            ASSERT_NE(at, known.end()) << "epoch " << i << " " << gnss::name_of(o.satellite) << o.signal.band
+                                       << o.signal.attribute;
+            const SignalObservation& x = at->second;
+            // convbin writes Doppler of the first band only
+            const bool doppler = (only && std::isnan(o.doppler)) || same(x.doppler, o.doppler, 0.00101);
+            const bool equal =
+                same(x.pseudorange, o.pseudorange) && same(x.phase, o.phase) && doppler && same(x.cn0, o.cn0, 0.00101);
+            if (!equal && differing++ < 3)
+                ADD_FAILURE() << "epoch " << i << " " << gnss::name_of(o.satellite) << " " << x.pseudorange - o.pseudorange << " "
+                              << x.phase - o.phase << " " << x.doppler - o.doppler << " " << x.cn0 - o.cn0;
+            if (std::isfinite(o.phase) && x.loss_of_lock != o.loss_of_lock && indicators++ < 3)
+                ADD_FAILURE() << "epoch " << i << " " << gnss::name_of(o.satellite) << o.signal.band << " indicator "
+                              << int{x.loss_of_lock} << " and " << int{o.loss_of_lock};
+            known.erase(at);
+            ++compared;
+        }
+        EXPECT_TRUE(known.empty()) << "epoch " << i << " " << gnss::name_of(known.begin()->first.first);
+    }
+    EXPECT_EQ(differing, 0U);
+    EXPECT_EQ(indicators, 0U);
+    EXPECT_GT(compared, 1000U);
+}
+
+TEST_F(ReceiverLogs, UbxBecomesTheReferenceConversion) {
+    SKIP_WITHOUT_DATA();
+    const auto data = test::data_folder() / "spirent_f9p_static_ubx";
+    const UbxLog ubx = read_ubx(data / "f9p.ubx", log);
+    EXPECT_EQ(ubx.empty_epochs, 713U);
+    EXPECT_EQ(ubx.observations.epochs.size(), 931U);
+    EXPECT_EQ(ubx.records.bad, 0U) << ubx.records.first_bad_line;
+    // through our own RINEX text and reader, against the other program's text
+    const std::string text = rinex_observations_text(ubx.observations);
+    const gnss::ObservationLog ours = read_rinex_observations(TextInput::memory(text, "ours.obs"), log).log;
+    expect_same(ours, read_rinex_observations(data / "f9p.obs", log).log);
+}
+
+TEST_F(ReceiverLogs, UbxSubframesBecomeTheReferenceEphemerides) {
+    SKIP_WITHOUT_DATA();
+    const auto data = test::data_folder() / "spirent_f9p_static_ubx";
+    const std::string text = rinex_navigation_text(read_ubx(data / "f9p.ubx", log).navigation);
+    const gnss::Navigation ours = read_rinex_navigation(TextInput::memory(text, "ours.nav"), log).navigation;
+    const gnss::Navigation theirs = read_rinex_navigation(data / "f9p.nav", log).navigation;
+    std::size_t found = 0, lacking = 0;
+    for (const gnss::KeplerEphemeris& t : theirs.kepler) {
+        const auto at = std::ranges::find_if(ours.kepler, [&](const gnss::KeplerEphemeris& k) {
+            return k.satellite == t.satellite && k.toe == t.toe && k.iode == t.iode && k.message == t.message;
+        });
+        if (at == ours.kepler.end()) {
+            ++lacking;
+            continue;
+        }
+        ++found;
+        const auto near = [&](double a, double b) {
+            return std::abs(a - b) <= 1e-11 * std::max(std::abs(a), std::abs(b)) + 1e-30;
+        };
+        EXPECT_TRUE(at->toc == t.toc && near(at->af0, t.af0) && near(at->af1, t.af1) && near(at->af2, t.af2))
+            << gnss::name_of(t.satellite);
+        EXPECT_TRUE(near(at->sqrt_a, t.sqrt_a) && near(at->e, t.e) && near(at->i0, t.i0) && near(at->omega0, t.omega0) &&
+                    near(at->omega, t.omega) && near(at->m0, t.m0) && near(at->delta_n, t.delta_n) &&
+                    near(at->omega_dot, t.omega_dot) && near(at->idot, t.idot))
+            << gnss::name_of(t.satellite);
+        EXPECT_TRUE(near(at->cuc, t.cuc) && near(at->cus, t.cus) && near(at->crc, t.crc) && near(at->crs, t.crs) &&
+                    near(at->cic, t.cic) && near(at->cis, t.cis))
+            << gnss::name_of(t.satellite);
+        EXPECT_TRUE(near(at->group_delay[0], t.group_delay[0]) && near(at->group_delay[1], t.group_delay[1]))
+            << gnss::name_of(t.satellite);
+        EXPECT_EQ(at->health, t.health) << gnss::name_of(t.satellite);
+    }
+    EXPECT_EQ(found, 47U);
+    EXPECT_EQ(lacking, 0U);
+    ASSERT_TRUE(ours.galileo_ionosphere && theirs.galileo_ionosphere);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(ours.galileo_ionosphere->a[i] / theirs.galileo_ionosphere->a[i], 1.0, 1e-3);
+    ASSERT_TRUE(ours.klobuchar[0] && theirs.klobuchar[0]);
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(ours.klobuchar[0]->alpha[i] / theirs.klobuchar[0]->alpha[i], 1.0, 1e-3);
+        EXPECT_NEAR(ours.klobuchar[0]->beta[i] / theirs.klobuchar[0]->beta[i], 1.0, 1e-3);
+    }
+}
+
+TEST_F(ReceiverLogs, UbxDamageIsSkippedAndPlaced) {
+    const std::string good =
+        content_of(std::filesystem::path(SCHULER_SOURCE_DIR) / "tests/fuzz/corpus/receiver_logs/ubx").substr(1);
+    const auto read = [&](const std::string& bytes) { return read_ubx(TextInput::memory(bytes, "a.ubx"), log); };
+    const UbxLog whole = read(good);
+    EXPECT_EQ(whole.observations.epochs.size(), 2U);
+    ASSERT_EQ(whole.fixes.size(), 1U);
+    EXPECT_EQ(whole.fixes[0].time, Time::from_gps(2244, 36000.0));
+    EXPECT_NEAR(whole.fixes[0].position.lat, 30.0 * 0.017453292519943295, 1e-12);
+    EXPECT_EQ(whole.fixes[0].velocity_n, Eigen::Vector3d(0.010, -0.020, 0.005));
+    EXPECT_TRUE(log.empty());
+    std::string flipped = good;
+    flipped[20] = static_cast<char>(flipped[20] ^ 1);
+    const UbxLog one = read(flipped + good.substr(0, 40));
+    EXPECT_EQ(one.observations.epochs.size(), 1U);
+    EXPECT_EQ(one.records.bad, 2U);
+    EXPECT_EQ(one.records.first_bad_line, 0);
+    expect_parts(log.summary().at(0), {"a.ubx", "damaged UBX", "byte 0"});
+    EXPECT_EQ(read(good + good).records.repeated, 2U);
+    expect_parts(message_of([&] { (void)read("$GPGGA,no ubx here"); }), {"a.ubx", "no usable UBX message"});
+}
+
+TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
+    SKIP_WITHOUT_DATA();
+    if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed";
+    const auto file = test::data_folder() / "parser_corpus/rtklib_raw/GMSD7_20121014.rtcm3";
+    const Rtcm3Log rtcm = read_rtcm3(file, gps_from_utc({2012, 10, 14, 0, 0, 0.0}), log);
+    ASSERT_EQ(rtcm.observations.epochs.size(), 257U);
+    EXPECT_GE(rtcm.records.bad, 1U);
+    EXPECT_GT(rtcm.records.first_bad_line, 261'000);
+    const std::string command = "convbin -r rtcm3 -tr 2012/10/13 23:59:00 -v 3.04 -f 5 -od -os -o " +
+                                (folder() / "g.obs").string() + " -n " + (folder() / "g.nav").string() + " " + file.string() +
+                                " > /dev/null 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    // convbin takes the sender's BeiDou messages by the letter, 14 s after the others of their epoch, and keeps those only
+    const std::string text = rinex_observations_text(rtcm.observations);
+    const gnss::ObservationLog ours = read_rinex_observations(TextInput::memory(text, "ours.obs"), log).log;
+    expect_same(ours, read_rinex_observations(folder() / "g.obs", log).log, System::BeiDou, Duration{14'000'000'000});
+    const gnss::Navigation theirs = read_rinex_navigation(folder() / "g.nav", log).navigation;
+    std::size_t found = 0;
+    for (const gnss::KeplerEphemeris& t : theirs.kepler) {
+        for (const gnss::KeplerEphemeris& k : rtcm.navigation.kepler) {
+            if (k.satellite != t.satellite || k.toe != t.toe) continue;
+            ++found;
+            EXPECT_NEAR(k.m0, t.m0, 1e-11);
+            EXPECT_NEAR(k.af0, t.af0, 1e-15);
+            EXPECT_NEAR(k.crs, t.crs, 1e-9);
+            EXPECT_EQ(k.iode, t.iode);
+            EXPECT_EQ(k.toc, t.toc);
+        }
+    }
+    EXPECT_EQ(found, theirs.kepler.size());
+    EXPECT_GT(found, 5U);
+    for (const gnss::GlonassEphemeris& t : theirs.glonass) {
+        const auto at = std::ranges::find_if(rtcm.navigation.glonass,
+                                             [&](const auto& g) { return g.satellite == t.satellite && g.toe == t.toe; });
+        ASSERT_NE(at, rtcm.navigation.glonass.end()) << gnss::name_of(t.satellite);
+        EXPECT_LT((at->position - t.position).norm(), 1e-3);
+        EXPECT_LT((at->velocity - t.velocity).norm(), 1e-6);
+        EXPECT_NEAR(at->clock, t.clock, 1e-15);
+        EXPECT_EQ(at->channel, t.channel);
+    }
+    EXPECT_GT(theirs.glonass.size(), 5U);
+}
+
+TEST_F(ReceiverLogs, ForeignFormatsAreRefused) {
+    SKIP_WITHOUT_DATA();
+    const auto raw = test::data_folder() / "parser_corpus/rtklib_raw";
+    for (const char* name : {"oemv_200911218.gps", "javad_20110115.jps", "gw10_20110121.sbas", "testglo.rtcm2"}) {
+        EXPECT_FALSE(is_ubx(raw / name)) << name;
+        EXPECT_FALSE(is_rtcm3(raw / name)) << name;
+    }
+    EXPECT_TRUE(is_rtcm3(raw / "testglo.rtcm3"));
+    EXPECT_TRUE(is_ubx(raw / "ubx_20080526.ubx"));
+    // old messages only: said, not guessed
+    expect_parts(message_of([&] { (void)read_ubx(raw / "ubx_20080526.ubx", log); }), {"no usable UBX message", "RXM-RAWX"});
+    const Rtcm3Log legacy = read_rtcm3(raw / "testglo.rtcm3", gps_from_utc({2009, 12, 18, 0, 0, 0.0}), log);
+    EXPECT_TRUE(legacy.observations.epochs.empty());
+    EXPECT_GT(legacy.navigation.glonass.size(), 3U);
+    EXPECT_GT(legacy.navigation.kepler.size(), 3U);
+}
+
+}  // namespace
+}  // namespace schuler::io
