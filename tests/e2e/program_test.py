@@ -344,7 +344,7 @@ def real_data(program, source):
         tilt = [summary["errors"]["attitude_deg"][axis]["rms"] for axis in ("roll", "pitch")]
         print(f"{name}: roll {tilt[0]:.2f}, pitch {tilt[1]:.2f} deg RMS against the autopilot")
         check(max(tilt) < 1.5, f"{name} tilt {tilt}")
-        for channel in ("gnss_position", "gnss_velocity", "mag"):
+        for channel in ("gnss_position", "gnss_velocity", "baro", "mag"):
             nis = summary["consistency"]["nis"][channel]
             check(0.3 < nis["mean"] / nis["dof"] < 2.0, f"{name} {channel} NIS {nis}")
             check(abs(nis["lag1"]) < 0.5, f"{name} {channel} innovations are correlated: {nis}")

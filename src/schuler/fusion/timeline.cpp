@@ -260,7 +260,7 @@ void withhold_before_ends(std::vector<Event>& events) {
 
 /// Loggers repeat the last value between conversions, and the errors of fast samples are not independent: one event for each new
 /// value, and at most one in these times.
-constexpr Duration baro_spacing{200'000'000}, mag_spacing{500'000'000};
+constexpr Duration baro_spacing{500'000'000}, mag_spacing{500'000'000};
 
 void add_baro_events(const Recording& recording, std::vector<Event>& events) {
     Time last{INT64_MIN / 2};
