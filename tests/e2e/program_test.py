@@ -155,6 +155,7 @@ def bad_input(program, source):
 
     good = dataset("good")
     program("process", good, "-o", "good_out")
+    program("process", good, "-o", "open_gate_out", "--set", "filter.gate_probability=0")
     for arguments, parts in {
         ("--outage", "5"): ["--outage", "T:DUR"],
         ("--start", "soon"): ["--start", "soon"],

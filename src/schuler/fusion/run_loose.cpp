@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace schuler::fusion {
 namespace {
@@ -49,7 +50,11 @@ void check_overlap(const Recording& recording, const InitialSettings& initial, W
 
 GateLimits gate_limits(const AidSettings& aids) {
     GateLimits limits;
-    for (int dof = 1; dof <= 3; ++dof) limits.chi_square[dof] = math::chi_square_quantile(1.0 - aids.gate_probability, dof);
+    const bool open = aids.gate_probability == 0.0;
+    for (int dof = 1; dof <= 3; ++dof) {
+        limits.chi_square[dof] =
+            open ? std::numeric_limits<double>::infinity() : math::chi_square_quantile(1.0 - aids.gate_probability, dof);
+    }
     limits.recovery_time = aids.recovery_time;
     limits.recovery_count = aids.recovery_count;
     return limits;
