@@ -84,6 +84,7 @@ app::Outcome perform(const cli::Options& o) {
     if (o.command == "process") return app::process_dataset(request);
     if (o.command == "ahrs") return app::ahrs_dataset({request, o.filter, o.six_axis, o.offline, o.calibrate});
     if (o.command == "run") return app::run_scenario(request);
+    if (o.command == "montecarlo") return app::run_montecarlo(request, o.runs, o.jobs > 0 ? o.jobs : o.threads);
     if (o.command == "demo") return app::run_demonstration(request);
     if (o.command == "simulate") return app::simulate_to_folder(o.input, o.output, o.seed);
     if (o.command == "evaluate") return app::evaluate_files(o.input, o.second, o.settle.value_or(0.0));

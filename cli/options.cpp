@@ -112,6 +112,20 @@ void add_attitude_command(CLI::App& parser, Options& o) {
     ahrs->add_flag("--json", o.json, "summary.json on standard output instead of the tables");
 }
 
+void add_montecarlo_command(CLI::App& parser, Options& o) {
+    CLI::App* app = add_command(parser, o, "montecarlo", "many seeds of a scenario: errors and consistency over the runs",
+                                "  schuler montecarlo examples/paper-a-flight.toml -n 100\n"
+                                "  schuler montecarlo examples/paper-a-flight.toml -n 20 --jobs 2 --set filter.loop=open\n"
+                                "Run k has the seed of the scenario plus k: `schuler run SCENARIO --seed ...` repeats it. The files do not\n"
+                                "depend on --jobs (but for the speed told in summary.json). [montecarlo] vary draws settings anew for each run.");
+    app->add_option("SCENARIO", o.input, "scenario file")->required();
+    app->add_option("-n,--runs", o.runs, "number of runs (default: the scenario's, else 100)")->type_name("RUNS")->check(CLI::Range(1, 1000000));
+    app->add_option("-j,--jobs", o.jobs, "runs at once (default: one a core)")->type_name("J")->check(CLI::Range(0, 1024));
+    app->add_option("-o,--output", o.output, "folder to write to (default out/NAME-montecarlo)")->type_name("DIR");
+    app->add_option("--seed", o.seed, "of the first run, instead of the scenario's")->type_name("N");
+    add_processing(*app, o);
+}
+
 void add_file_commands(CLI::App& parser, Options& o) {
     CLI::App* evaluate = add_command(parser, o, "evaluate", "errors of a solution against a reference",
                                      "  schuler evaluate out/drive/solution.csv drive/reference.csv\n  schuler evaluate "
@@ -174,6 +188,7 @@ void add_commands(CLI::App& parser, Options& o) {
         "Exit status: 0 done, 1 the computation failed, 2 the input or the command line is unusable.");
     add_data_commands(parser, o);
     add_attitude_command(parser, o);
+    add_montecarlo_command(parser, o);
     add_file_commands(parser, o);
     add_analyze_command(parser, o, [&o](CLI::App& parent, const std::string& name, const std::string& purpose,
                                         const std::string& examples) { return add_command(parent, o, name, purpose, examples); });

@@ -28,6 +28,8 @@ struct Options {
     app::EquatorRequest equator;
     app::SchulerRequest schuler;
     std::vector<double> misalignment;   ///< three numbers or none
+    std::optional<std::size_t> runs;
+    int jobs = 0;
     int threads = 0;                    ///< accepted everywhere; the results do not depend on it
 };
 

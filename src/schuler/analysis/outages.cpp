@@ -39,6 +39,7 @@ OutageStatistics outage_statistics(const OutageSpan& span, std::span<const Outag
     }
     const Eigen::Vector3d& end = errors.back().error;
     out.end_horizontal = std::hypot(end.x(), end.y());
+    out.growth_horizontal = (end - errors.front().error).head<2>().norm();
     out.end_vertical = std::abs(end.z());
     return out;
 }

@@ -31,6 +31,7 @@ struct OutageStatistics {
     std::size_t epochs = 0;
     double end_horizontal = std::numeric_limits<double>::quiet_NaN();
     double max_horizontal = std::numeric_limits<double>::quiet_NaN();
+    double growth_horizontal = std::numeric_limits<double>::quiet_NaN();   ///< length of the change from the first epoch to the end
     double end_vertical = std::numeric_limits<double>::quiet_NaN();   ///< absolute value
     double max_3d = std::numeric_limits<double>::quiet_NaN();
     bool inside_3sigma = false;      ///< north and east at every epoch

@@ -24,7 +24,7 @@ struct ResultBundle {
     std::optional<std::uint64_t> seed;
     LoadedDataset data;
     fusion::Result result;
-    std::vector<sim::SensorTruth> sensor_truth;  ///< simulated data
+    HiddenTruth truth;                           ///< simulated data
     Evaluation evaluation;
     std::string config_toml;                     ///< every setting as used
     std::vector<std::string> warnings;

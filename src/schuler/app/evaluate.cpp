@@ -119,7 +119,7 @@ std::string_view name_of(AidKind kind) {
     return "other";
 }
 
-Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const std::vector<sim::SensorTruth>& truth) {
+Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth) {
     Evaluation out;
     const Config& c = data.config;
     const bool smoothed = !result.smoothed.rows.empty();
@@ -142,7 +142,8 @@ Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, con
     out.outages = outages_of(data, reference, solution, !smoothed);
     if (smoothed) out.outages_forward = outages_of(data, reference, result.forward, true);
     out.aids = aids_of(result.aids, out.settled);
-    bias_errors(solution, truth, out);
+    bias_errors(solution, truth.sensors, out);
+    out.states = state_errors(result.forward.states, c.filter.earth, data.recording.reference, truth);
     return out;
 }
 

@@ -5,8 +5,8 @@
 #include "schuler/analysis/errors.h"
 #include "schuler/analysis/outages.h"
 #include "schuler/app/dataset.h"
+#include "schuler/app/state_errors.h"
 #include "schuler/fusion/result.h"
-#include "schuler/sim/simulate.h"
 
 #include <optional>
 #include <string>
@@ -35,14 +35,14 @@ struct Evaluation {
     std::vector<analysis::OutageStatistics> outages_forward;  ///< of the filter, where smoothed
     std::optional<Eigen::Vector3d> gyro_bias_error;     ///< estimate minus truth at the end, rad/s (simulated data)
     std::optional<Eigen::Vector3d> accel_bias_error;    ///< m/s^2
+    std::vector<StateErrors> states;                    ///< of the filter, once a second (simulated data)
 };
 
 [[nodiscard]] std::string_view name_of(fusion::AidKind kind);
 
 /// Judges a result by the reference of the data set, or by withheld GNSS in outages where there is none.
-/// `truth`: the simulated sensor errors in body axes, empty where the data are not simulated.
-[[nodiscard]] Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result,
-                                  const std::vector<sim::SensorTruth>& truth);
+/// `truth`: of simulated data, empty otherwise.
+[[nodiscard]] Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth);
 
 /// Errors of one trajectory against another: no filter known. `settle`: s after the first common epoch.
 [[nodiscard]] Evaluation compare(const earth::Earth& earth, const std::vector<SolutionRow>& rows,

@@ -1,10 +1,8 @@
 #include "schuler/app/commands.h"
-#include "schuler/app/gnss_only.h"
+#include "schuler/app/fuse.h"
 #include "schuler/app/solution_stream.h"
 #include "schuler/app/toml_file.h"
-#include "schuler/fusion/run_loose.h"
 #include "schuler/inspect/inspect.h"
-#include "schuler/math/rotation.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,20 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Below so many IMU epochs the filter reports every one of them where there is a reference: nothing is interpolated then.
-constexpr std::size_t largest_full_rate = 150'000;
-/// Otherwise it reports at least at this rate, whatever is written: the evaluation interpolates between its rows.
-constexpr double least_internal_rate = 10.0;
-
 double since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-SettingList layered(const SettingList& base, const ProcessRequest& request) {
-    SettingList all = base;
-    if (!request.config.empty())
-        all = overlaid(std::move(all), config_table().read(read_toml(request.config), request.config.string()));
-    return overlaid(std::move(all), request.above);
 }
 
 /// Whether nothing but solution.csv needs the rows: it is then written while the filter runs.
@@ -38,25 +24,6 @@ bool only_written(const LoadedDataset& data) {
     const auto& files = c.output.files;
     return c.scheme == Scheme::Loose && !c.filter.smooth && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
            std::ranges::find(files, "solution") != files.end() && std::ranges::none_of(files, needs_rows);
-}
-
-fusion::Result fused(const LoadedDataset& data, WarningLog& warnings, const std::function<void(double)>& progress,
-                     const fusion::RowSink& rows) {
-    if (data.config.scheme == Scheme::Gnss) return gnss_solution(data.recording, data.config.filter);
-    fusion::Settings settings = data.config.filter;
-    const bool every = !data.recording.reference.empty() && data.recording.imu.size() <= largest_full_rate;
-    if (settings.output_rate > 0.0) settings.output_rate = every ? 0.0 : std::max(settings.output_rate, least_internal_rate);
-    return fusion::run_loose(data.recording, settings, warnings, progress, rows);
-}
-
-/// Simulated biases are in sensor axes, estimated ones in body axes.
-std::vector<sim::SensorTruth> in_body_axes(std::vector<sim::SensorTruth> truth, const fusion::ImuSettings& imu) {
-    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(imu.mounting_rpy) * imu.C_bs;
-    for (sim::SensorTruth& t : truth) {
-        t.gyro_bias = C_bs * t.gyro_bias;
-        t.accel_bias = C_bs * t.accel_bias;
-    }
-    return truth;
 }
 
 /// A run whose inertial navigation and fixes contradict each other: what the logs themselves say is wrong, as an error, where
@@ -75,9 +42,8 @@ void blame_the_logs(const LoadedDataset& data, const fs::path& folder) {
 /// From loaded data to files: the part that process and run share.
 Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog& warnings,
                  const fs::path& folder, std::chrono::steady_clock::time_point begin) {
-    Config shown = bundle.data.config;
     bundle.version = request.version;
-    bundle.config_toml = to_toml(config_table().used(shown), config_table().specs(), true);
+    bundle.config_toml = to_toml(config_table().used(bundle.data.config), config_table().specs(), true);
     Outcome out;
     out.folder = request.output.empty() ? fs::path("out") / bundle.name : request.output;
     std::optional<SolutionStream> stream;
@@ -91,12 +57,7 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
             stream->append(rows);
         };
     }
-    const auto filter_begin = std::chrono::steady_clock::now();
-    bundle.result = fused(bundle.data, warnings, request.progress, sink);
-    bundle.timing.filter_s = since(filter_begin);
-    if (bundle.result.forward.rows.empty())
-        throw computation_error("the filter gave no solution", "look at the warnings and at `schuler inspect`");
-    bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.sensor_truth);
+    fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, sink);
     bundle.result.forward.rows = thinned(std::move(bundle.result.forward.rows), bundle.data.config.filter.output_rate);
     bundle.result.smoothed.rows = thinned(std::move(bundle.result.smoothed.rows), bundle.data.config.filter.output_rate);
     if (!bundle.evaluation.errors.empty() && bundle.evaluation.summary.epochs == 0) {
@@ -142,7 +103,7 @@ Outcome process_dataset(const ProcessRequest& request) {
     const bool given_start = !request.config.empty() ||
                              std::ranges::any_of(request.above, [](const Setting& s) { return s.key == "initial.lat_deg"; });
     const Dataset dataset = open_dataset(request.input, given_start ? Needs::Imu : Needs::ImuAndGnss);
-    const Config config = config_from(layered(dataset.settings, request));
+    const Config config = config_from(overlaid(dataset.settings, settings_over(request)));
     WarningLog warnings;
     ResultBundle bundle;
     bundle.command = "process";
@@ -156,17 +117,10 @@ Outcome process_dataset(const ProcessRequest& request) {
 Outcome run_scenario(const ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const ScenarioConfig scenario = read_scenario(request.input, request.seed);
-    SimulatedDataset simulated = simulate_dataset(scenario);
-    const Config config = config_from(layered(simulated.settings, request));
     WarningLog warnings;
-    ResultBundle bundle;
+    ResultBundle bundle = simulated_bundle(scenario, settings_over(request), warnings);
     bundle.command = "run";
-    bundle.name = config.name;
-    bundle.seed = simulated.seed;
-    bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
-    bundle.data.true_reference = true;
     bundle.data.read_seconds = since(begin);
-    bundle.sensor_truth = in_body_axes(std::move(simulated.truth.sensor_truth), bundle.data.config.filter.imu);
     return finished(bundle, request, warnings, {}, begin);
 }
 

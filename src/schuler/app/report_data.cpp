@@ -127,7 +127,7 @@ void add_sensor_errors(const ResultBundle& b, report::RunReportData& data) {
         data.sensor_errors.push_back({r.time, r.gyro_bias, r.std_gyro_bias, r.accel_bias, r.std_accel_bias, r.gyro_scale,
                                       r.std_gyro_scale, r.accel_scale, r.std_accel_scale});
     }
-    for (const sim::SensorTruth& t : b.sensor_truth) {
+    for (const sim::SensorTruth& t : b.truth.sensors) {
         report::SensorErrorPoint p;
         p.time = t.time;
         p.gyro_bias = t.gyro_bias;

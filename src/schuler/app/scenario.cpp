@@ -292,6 +292,36 @@ void add_filter(Table& table) {
                        error(&InitialError::position)));
 }
 
+Variation variation_of(const std::string& key, const Value& v) {
+    const auto bad = [&](const std::string& what) {
+        return input_error(fmt::format("{}: {}", key, what), {}, "write vary = { \"KEY\" = { uniform = [low, high] } } or normal = [mean, sigma]");
+    };
+    const std::vector<std::string> known = scenario_table().keys();
+    const Option<S>* option = scenario_table().find(key);
+    if (option == nullptr) throw input_error(fmt::format("unknown key \"{}\"", key), {}, fmt::format("did you mean \"{}\"?", nearest_key(key, known)));
+    if (option->spec.shape != Shape::Number) throw bad("is not a key of one number");
+    if (v.table() == nullptr || v.table()->size() != 1) throw bad("has no distribution");
+    const auto& [name, numbers] = v.table()->front();
+    if (name != "uniform" && name != "normal") throw bad(fmt::format("unknown distribution \"{}\"", name));
+    const ValueList* list = numbers.list();
+    if (list == nullptr || list->size() != 2 || !(*list)[0].is_number() || !(*list)[1].is_number()) throw bad("needs two numbers");
+    const Variation out{key, name == "normal", (*list)[0].number(), (*list)[1].number()};
+    if (out.normal ? !(out.second >= 0.0) : !(out.second >= out.first)) throw bad("the two numbers are in the wrong order or negative");
+    return out;
+}
+
+void add_montecarlo(Table& table) {
+    table.add(integer<S>("montecarlo.runs", 1, 1000000, "number of runs", [](auto& s) -> auto& { return s.montecarlo_runs; }));
+    OptionSpec spec = detail::spec("montecarlo.vary", Shape::Table,
+                                   "numbers drawn anew for each run: { \"imu.gyro_bias_deg_h\" = { uniform = [0, 5] }, ... = { normal = [mean, sigma] } }");
+    table.add(Option<S>{std::move(spec),
+                        [](S& s, const Value& v) {
+                            s.vary.clear();
+                            for (const auto& [key, distribution] : *v.table()) s.vary.push_back(variation_of(key, distribution));
+                        },
+                        [](const S&) { return std::optional<Value>(); }});
+}
+
 Table make_table() {
     Table table;
     add_general(table);
@@ -300,6 +330,7 @@ Table make_table() {
     add_receivers(table);
     table.add(outage_option());
     add_filter(table);
+    add_montecarlo(table);
     return table;
 }
 
@@ -365,12 +396,16 @@ ScenarioConfig scenario_from(const SettingList& settings) {
     return s;
 }
 
-ScenarioConfig read_scenario(const std::filesystem::path& file, std::optional<std::uint64_t> seed) {
+SettingList scenario_settings(const std::filesystem::path& file, std::optional<std::uint64_t> seed) {
     SettingList settings = scenario_table().read(read_toml(file), file.string());
     if (std::ranges::find(settings, "name", &Setting::key) == settings.end())
         settings.push_back({"name", {file.stem().string()}, {}});
     if (seed) settings.push_back({"seed", {static_cast<std::int64_t>(*seed)}, {"--seed", 0, 0, {}}});
-    return scenario_from(settings);
+    return settings;
+}
+
+ScenarioConfig read_scenario(const std::filesystem::path& file, std::optional<std::uint64_t> seed) {
+    return scenario_from(scenario_settings(file, seed));
 }
 
 }  // namespace schuler::app

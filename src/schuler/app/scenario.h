@@ -25,6 +25,13 @@ struct InitialError {
     [[nodiscard]] bool given() const { return level == level && heading == heading; }
 };
 
+/// A number that differs from run to run of a Monte Carlo campaign.
+struct Variation {
+    std::string key;
+    bool normal = false;           ///< first: mean, second: sigma; otherwise uniform from first to second; in the key's unit
+    double first = 0.0, second = 0.0;
+};
+
 struct ScenarioConfig {
     std::string name = "scenario";
     sim::Scenario sim;                          ///< path is filled from the members below
@@ -41,6 +48,8 @@ struct ScenarioConfig {
     std::vector<OutageSpan> outages;            ///< of GNSS, relative to the start of the scenario
     std::optional<fusion::VehicleKind> vehicle; ///< not given: as the trajectory suggests
     InitialError initial_error;
+    std::optional<int> montecarlo_runs;
+    std::vector<Variation> vary;
     SettingList assumed;                        ///< imu.* settings that the filter is told instead of the simulated ones
     Config processing;                          ///< its [filter] section
 };
@@ -49,6 +58,7 @@ struct ScenarioConfig {
 
 /// @throws Error(Input) naming the setting's place.
 [[nodiscard]] ScenarioConfig scenario_from(const SettingList& settings);
+[[nodiscard]] SettingList scenario_settings(const std::filesystem::path& file, std::optional<std::uint64_t> seed);
 [[nodiscard]] ScenarioConfig read_scenario(const std::filesystem::path& file, std::optional<std::uint64_t> seed);
 
 /// Built-in scenarios by name ("demo", ...), TOML text as in examples/. Empty for an unknown name.

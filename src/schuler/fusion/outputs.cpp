@@ -38,6 +38,38 @@ SensorErrorRow sensor_error_row(Time time, const Layout& layout, const Eigen::Ma
             value(layout.accel_scale), sigma(layout.accel_scale)};
 }
 
+template <int N>
+StateRow state_row(const Layout& layout, const NavState& nav, const Eigen::Matrix<double, N, 1>& parameters,
+                   const Eigen::Matrix<double, N, N>& P, const Matrix9& P_n) {
+    const auto block = [&](int offset, int dof) {
+        StateBlock b;
+        if (offset < 0) return b;
+        b.dof = dof;
+        b.value.head(dof) = parameters.segment(offset, dof);
+        b.covariance.topLeftCorner(dof, dof) = P.block(offset, offset, dof, dof);
+        return b;
+    };
+    StateRow row;
+    row.time = nav.time;
+    row.nav = nav;
+    row.P_position = P_n.block<3, 3>(Layout::position, Layout::position);
+    row.P_velocity = P_n.block<3, 3>(Layout::velocity, Layout::velocity);
+    row.P_attitude = P_n.block<3, 3>(Layout::attitude, Layout::attitude);
+    row.gyro_bias = block(Layout::gyro_bias, 3);
+    row.accel_bias = block(Layout::accel_bias, 3);
+    row.gnss_position = block(layout.gnss_position, 3);
+    row.baro_bias = block(layout.baro_bias, 1);
+    return row;
+}
+
+#define SCHULER_INSTANTIATE(N)                                                                        \
+    template StateRow state_row<N>(const Layout&, const NavState&, const Eigen::Matrix<double, N, 1>&, \
+                                   const Eigen::Matrix<double, N, N>&, const Matrix9&);
+SCHULER_INSTANTIATE(16)
+SCHULER_INSTANTIATE(24)
+SCHULER_INSTANTIATE(44)
+#undef SCHULER_INSTANTIATE
+
 template SensorErrorRow sensor_error_row<16>(Time, const Layout&, const Eigen::Matrix<double, 16, 1>&,
                                              const Eigen::Matrix<double, 16, 1>&);
 template SensorErrorRow sensor_error_row<24>(Time, const Layout&, const Eigen::Matrix<double, 24, 1>&,

@@ -14,4 +14,9 @@ template <int N>
 [[nodiscard]] SensorErrorRow sensor_error_row(Time time, const Layout& layout, const Eigen::Matrix<double, N, 1>& parameters,
                                               const Eigen::Matrix<double, N, 1>& variances);
 
+/// Every block of the state with its covariance; P_n: local-level covariance of the first nine errors.
+template <int N>
+[[nodiscard]] StateRow state_row(const Layout& layout, const NavState& nav, const Eigen::Matrix<double, N, 1>& parameters,
+                                 const Eigen::Matrix<double, N, N>& P, const Matrix9& P_n);
+
 }  // namespace schuler::fusion

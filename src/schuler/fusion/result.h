@@ -38,6 +38,23 @@ struct SensorErrorRow {
     Eigen::Vector3d accel_scale, std_accel_scale;  ///< 1
 };
 
+/// Estimate and covariance of a block of up to three states; dof 0: no states of this filter.
+struct StateBlock {
+    int dof = 0;
+    Eigen::Vector3d value = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+/// What the filter says of its states at one time, block by block, for judging it by a simulated truth.
+struct StateRow {
+    Time time;
+    NavState nav;
+    Eigen::Matrix3d P_position, P_velocity, P_attitude;   ///< of the errors north, east, down: m^2, m^2/s^2, rad^2
+    StateBlock gyro_bias, accel_bias;                     ///< body axes, rad/s, m/s^2
+    StateBlock gnss_position, gnss_velocity;              ///< correlated errors of the receiver, north, east, down, m, m/s
+    StateBlock baro_bias;                                 ///< m
+};
+
 /// GNSS epochs withheld in an outage and the first one after it, compared at the antenna: north, east, down.
 struct OutageEpoch {
     int outage = -1;                 ///< index into Settings::outages
@@ -51,6 +68,7 @@ struct OutageEpoch {
 struct Trajectory {
     std::vector<SolutionRow> rows;
     std::vector<SensorErrorRow> sensor_errors;     ///< at most 1 Hz
+    std::vector<StateRow> states;                  ///< at most 1 Hz, forward pass only, where Settings::state_rows asks for it
     std::vector<OutageEpoch> outage_epochs;
 };
 

@@ -15,6 +15,9 @@ namespace schuler::fusion {
 
 enum class VehicleKind { Car, Air, Ship, Hand, Static };
 enum class Mechanization { Geographic, Ecef };
+/// Feedback of the estimated errors: into the inertial computation after every update (Closed), never, the estimates correcting a
+/// copy (Open), or now and then, a copy in between (Mixed).
+enum class Loop { Closed, Open, Mixed };
 enum class HeightKind { Ellipsoidal, Msl, Relative };
 
 /// IMU: how the log's numbers become body increments, and how good the sensors are.
@@ -99,6 +102,7 @@ struct Settings {
     earth::Earth earth;
     VehicleKind vehicle = VehicleKind::Hand;
     Mechanization mechanization = Mechanization::Geographic;
+    Loop loop = Loop::Closed;
     bool smooth = false;
     bool scale_factors = false;               ///< gyro and accelerometer scale factors as states (21 states)
     bool misalignments = false;               ///< six axis misalignments of each triad as states
@@ -111,6 +115,7 @@ struct Settings {
     InitialSettings initial;
     std::optional<Time> start, stop;          ///< absolute, on the data set's axis
     std::vector<Outage> outages;              ///< relative to the first GNSS epoch
+    bool state_rows = false;                  ///< keep what the filter says of each block of states (Trajectory::states)
     double output_rate = 10.0;                ///< Hz of the solution; 0 = every IMU epoch
 };
 

@@ -41,7 +41,7 @@ PointMotion point_motion(const earth::Earth& earth, const Kinematics& imu, const
     return {point, earth::C_en(point.lat, point.lon).transpose() * v_e};
 }
 
-std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& path) {
+std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& path, std::vector<GnssTruth>& truth) {
     const GnssSettings& s = scenario.gnss;
     math::Random white_position(scenario.seed, "gnss.white_position"), white_velocity(scenario.seed, "gnss.white_velocity");
     GaussMarkov slow_position(s.correlated_position, s.correlated_time, math::Random(scenario.seed, "gnss.slow_position"));
@@ -69,11 +69,12 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
         fix.std_velocity = root_sum(s.white_velocity, s.correlated_velocity);
         fix.fix = s.fix;
         fixes.push_back(fix);
+        truth.push_back({fix.time, slow_position.value(), slow_velocity.value()});
     }
     return fixes;
 }
 
-std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath& path) {
+std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath& path, std::vector<BaroTruth>& truth) {
     const BaroSettings& s = scenario.baro;
     math::Random white(scenario.seed, "baro.white"), walk(scenario.seed, "baro.walk"), constant(scenario.seed, "baro.bias");
     double bias = s.bias * constant.normal();
@@ -87,6 +88,7 @@ std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath&
         sample.time = scenario.origin + Duration::from_seconds(t);
         sample.height = path.at(t).position.h + error;
         samples.push_back(sample);
+        truth.push_back({sample.time, bias});
     }
     return samples;
 }

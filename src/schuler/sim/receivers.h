@@ -17,7 +17,9 @@ struct PointMotion {
 /// Motion of a point at a lever arm (body axes, m) from the IMU.
 [[nodiscard]] PointMotion point_motion(const earth::Earth& earth, const Kinematics& imu, const Eigen::Vector3d& lever_arm_b);
 
-[[nodiscard]] std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& path);
-[[nodiscard]] std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath& path);
+/// The samples; `truth` gets the slowly varying error of each.
+[[nodiscard]] std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& path, std::vector<GnssTruth>& truth);
+[[nodiscard]] std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath& path,
+                                                    std::vector<BaroTruth>& truth);
 
 }  // namespace schuler::sim

@@ -103,8 +103,8 @@ SimulatedData simulate(const Scenario& s) {
         tell_until(t);
     }
     tell_until(s.duration);
-    out.recording.gnss = simulate_gnss(s, *path);
-    out.recording.baro = simulate_baro(s, *path);
+    out.recording.gnss = simulate_gnss(s, *path, out.gnss_truth);
+    out.recording.baro = simulate_baro(s, *path, out.baro_truth);
     return out;
 }
 

@@ -72,11 +72,24 @@ struct SensorTruth {
     Eigen::Vector3d accel_bias;      ///< m/s^2
 };
 
+/// Slowly varying errors of the receiver at the instants of its fixes, and of the barometer at those of its samples.
+struct GnssTruth {
+    Time time;
+    Eigen::Vector3d position;        ///< north, east, down, m
+    Eigen::Vector3d velocity;        ///< m/s
+};
+struct BaroTruth {
+    Time time;
+    double bias;                     ///< m
+};
+
 struct SimulatedData {
     /// imu stamped at the end of each sample, sensor axes; gnss at the antenna; reference of the IMU, from the first instant on.
     Recording recording;
     ImuKind imu_kind = ImuKind::Increments;
     std::vector<SensorTruth> sensor_truth;   ///< as many as the reference
+    std::vector<GnssTruth> gnss_truth;       ///< as many as the fixes
+    std::vector<BaroTruth> baro_truth;       ///< as many as the barometer's samples
     Eigen::Matrix3d gyro_gain = Eigen::Matrix3d::Identity();    ///< I plus scale errors and misalignments
     Eigen::Matrix3d accel_gain = Eigen::Matrix3d::Identity();
 };

@@ -25,19 +25,21 @@ inline constexpr double sensor_row_spacing = 1.0;   // s
 /// Collects what a pass reports.
 template <class Frame, int N>
 struct Collector : PassObserver<Frame, N> {
-    Collector(const InertialModel<N>& model_, Result& result_, bool outputs_) : model(model_), result(result_), outputs(outputs_) {}
+    Collector(const InertialModel<N>& model_, Result& result_, bool outputs_, bool states_, Time start)
+        : model(model_), result(result_), outputs(outputs_), states(states_), next_sensor(start) {}
 
     void output(const InertialFilter<Frame, N>& f, Time time) override {
         if (!outputs) return;
-        if constexpr (Frame::errors_are_geographic) {
-            result.forward.rows.push_back(solution_row(f.nav, f.P.template topLeftCorner<9, 9>()));
-        } else {
+        Matrix9 P = f.P.template topLeftCorner<9, 9>();
+        if constexpr (!Frame::errors_are_geographic) {
             const Matrix9 T = f.to_local_level(model);
-            result.forward.rows.push_back(solution_row(Frame::geographic(model.earth, f.nav),
-                                                       T * f.P.template topLeftCorner<9, 9>() * T.transpose()));
+            P = (T * P * T.transpose()).eval();
         }
+        const NavState nav = Frame::geographic(model.earth, f.nav);
+        result.forward.rows.push_back(solution_row(nav, P));
         if (time >= next_sensor) {
-            next_sensor = time + Duration::from_seconds(sensor_row_spacing);
+            while (next_sensor <= time) next_sensor = next_sensor + Duration::from_seconds(sensor_row_spacing);
+            if (states) result.forward.states.push_back(state_row<N>(model.layout, nav, f.parameters, f.P, P));
             result.forward.sensor_errors.push_back(sensor_error_row<N>(time, model.layout, f.parameters, f.P.diagonal()));
         }
     }
@@ -56,8 +58,8 @@ struct Collector : PassObserver<Frame, N> {
 
     const InertialModel<N>& model;
     Result& result;
-    bool outputs;
-    Time next_sensor{INT64_MIN};
+    bool outputs, states;
+    Time next_sensor;
 };
 
 /// Filter at the start: sigmas in human coordinates mapped to the error states.
@@ -155,7 +157,7 @@ Result run_sized(const RunData& data, const Settings& settings, const Layout& la
         const double rows = settings.output_rate > 0.0 ? n * data.imu.median_dt * settings.output_rate : n;
         result.forward.rows.reserve(static_cast<std::size_t>(std::min(rows * 1.1 + 16.0, n + 16.0)));
     }
-    Collector<Frame, N> collector(model, result, options.outputs);
+    Collector<Frame, N> collector(model, result, options.outputs, settings.state_rows, walk.filter.time());
     std::vector<Walk<Frame, N>> checkpoints;
 
     const auto begin = std::chrono::steady_clock::now();

@@ -1,0 +1,59 @@
+#include "schuler/app/fuse.h"
+
+#include "schuler/app/gnss_only.h"
+#include "schuler/app/toml_file.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace schuler::app {
+namespace {
+
+/// Below so many IMU epochs the filter reports every one of them where there is a reference: nothing is interpolated then.
+constexpr std::size_t largest_full_rate = 150'000;
+/// Otherwise it reports at least at this rate: the evaluation interpolates between its rows.
+constexpr double least_internal_rate = 10.0;
+
+}  // namespace
+
+SettingList settings_over(const ProcessRequest& request) {
+    if (request.config.empty()) return request.above;
+    return overlaid(config_table().read(read_toml(request.config), request.config.string()), request.above);
+}
+
+ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList& over, WarningLog& warnings) {
+    SimulatedDataset simulated = simulate_dataset(scenario);
+    const Config config = config_from(overlaid(simulated.settings, over));
+    ResultBundle bundle;
+    bundle.name = config.name;
+    bundle.seed = simulated.seed;
+    bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
+    bundle.data.true_reference = true;
+    bundle.truth = hidden_truth(simulated.truth, bundle.data.config.filter.imu);
+    return bundle;
+}
+
+double internal_rate(const LoadedDataset& data) {
+    const double rate = data.config.filter.output_rate;
+    const bool every = !data.recording.reference.empty() && data.recording.imu.size() <= largest_full_rate;
+    return every || !(rate > 0.0) ? 0.0 : std::max(rate, least_internal_rate);
+}
+
+void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output_rate, const std::function<void(double)>& progress,
+                       const fusion::RowSink& rows) {
+    const auto begin = std::chrono::steady_clock::now();
+    if (bundle.data.config.scheme == Scheme::Gnss) {
+        bundle.result = gnss_solution(bundle.data.recording, bundle.data.config.filter);
+    } else {
+        fusion::Settings settings = bundle.data.config.filter;
+        settings.output_rate = output_rate;
+        settings.state_rows = !bundle.truth.sensors.empty();
+        bundle.result = fusion::run_loose(bundle.data.recording, settings, warnings, progress, rows);
+    }
+    bundle.timing.filter_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (bundle.result.forward.rows.empty())
+        throw computation_error("the filter gave no solution", "look at the warnings and at `schuler inspect`");
+    bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.truth);
+}
+
+}  // namespace schuler::app

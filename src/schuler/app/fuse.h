@@ -1,0 +1,25 @@
+// The steps that process, run and montecarlo share: settings in layers, simulation, fusion, evaluation. Nothing is written.
+#pragma once
+
+#include "schuler/app/bundle.h"
+#include "schuler/app/commands.h"
+#include "schuler/fusion/run_loose.h"
+
+#include <functional>
+
+namespace schuler::app {
+
+/// Settings of --config with those of the command line over them.
+[[nodiscard]] SettingList settings_over(const ProcessRequest& request);
+
+/// A simulated data set with the settings `over` those it describes itself by; ready to be fused.
+[[nodiscard]] ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList& over, WarningLog& warnings);
+
+/// Rate (Hz) at which the filter reports for the evaluation, 0 = every IMU epoch, whatever is written afterwards.
+[[nodiscard]] double internal_rate(const LoadedDataset& data);
+
+/// Fills result, evaluation and the time of the filter. `rows`: see fusion::run_loose. @throws Error
+void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output_rate, const std::function<void(double)>& progress,
+                       const fusion::RowSink& rows = {});
+
+}  // namespace schuler::app

@@ -1,0 +1,97 @@
+// A campaign repeats single runs, whatever the number of threads; what varies is drawn from its distribution.
+#include "schuler/app/montecarlo.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace schuler::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* short_flight =
+    "name = \"short\"\nseed = 7\nduration_s = 40\nreference_rate_hz = 5\n[trajectory]\ntype = \"paper_a\"\nstart = { lat_deg = 55, "
+    "lon_deg = 30, height_m = 5000 }\nlat_amplitude_rad = 0.004\nlon_rate_rad_s = 4e-5\n[imu]\nrate_hz = 20\ngrade = \"tactical\"\n"
+    "[gnss]\nreceiver = \"autonomous\"\n[baro]\nrate_hz = 1\nbias_m = 3\n[[outage]]\nstart_s = 20\nduration_s = 10\n"
+    "[filter]\ninitial_error = { level_deg = 0.05, heading_deg = 0.5, velocity_m_s = 0.1, position_m = 5 }\n"
+    "[montecarlo]\nruns = 6\nvary = { \"trajectory.start.lat_deg\" = { uniform = [0, 60] }, \"baro.white_m\" = { normal = [1, 0.01] } "
+    "}\n";
+
+ProcessRequest request_of(const std::string& text, const std::string& name) {
+    const fs::path file = fs::path(testing::TempDir()) / ("schuler_montecarlo_" + name + ".toml");
+    std::ofstream(file) << text;
+    ProcessRequest request;
+    request.input = file;
+    request.above = {{"run.settle_s", {5.0}, {}}};
+    return request;
+}
+
+TEST(MonteCarloThreads, TheSameNumbersWhateverTheJobs) {
+    const ProcessRequest request = request_of(short_flight, "jobs");
+    MonteCarlo one = montecarlo(request, std::nullopt, 1), three = montecarlo(request, std::nullopt, 3);
+    ASSERT_EQ(one.runs.size(), 6u);
+    EXPECT_EQ(one.failed(), 0u);
+    EXPECT_EQ(epochs_csv(one), epochs_csv(three));
+    EXPECT_EQ(runs_csv(one), runs_csv(three));
+    one.wall_s = three.wall_s = 1.0;
+    EXPECT_EQ(summary_json(one), summary_json(three));
+    for (std::size_t k = 0; k < 6; ++k) {
+        ASSERT_EQ(one.runs[k].drawn.size(), 2u);
+        const double white = one.runs[k].drawn[0].value.number(), lat = one.runs[k].drawn[1].value.number();
+        EXPECT_TRUE(lat >= 0.0 && lat <= 60.0);
+        EXPECT_NEAR(white, 1.0, 0.05);
+        EXPECT_NE(lat, one.runs[(k + 1) % 6].drawn[1].value.number());
+    }
+}
+
+TEST(MonteCarlo, RunKIsTheRunWithItsSeed) {
+    std::string text = short_flight;
+    text.resize(text.find("vary"));
+    ProcessRequest request = request_of(text, "seed");
+    const MonteCarlo campaign = montecarlo(request, 3, 1);
+    request.seed = 9;
+    const MonteCarlo third = montecarlo(request, 1, 1);
+    EXPECT_EQ(campaign.runs[2].seed, 9u);
+    EXPECT_EQ(campaign.runs[2].summary.horizontal.rms, third.runs[0].summary.horizontal.rms);
+    EXPECT_EQ(campaign.runs[2].outages[0].growth_horizontal, third.runs[0].outages[0].growth_horizontal);
+
+    // The pooled rms is the root of the mean square; the quantiles are those of the runs.
+    const auto json = nlohmann::json::parse(summary_json(campaign));
+    double square = 0.0;
+    for (const MonteCarloRun& r : campaign.runs) square += r.summary.north.rms * r.summary.north.rms / 3.0;
+    EXPECT_NEAR(json["errors"]["position_m"]["north"]["rms"].get<double>(), std::sqrt(square), 1e-12);
+    EXPECT_EQ(json["montecarlo"]["runs"], 3);
+    EXPECT_EQ(json["montecarlo"]["failed"], 0);
+    const double median = json["errors"]["position_m"]["north"]["median"];
+    int below = 0;
+    for (const MonteCarloRun& r : campaign.runs) below += r.summary.north.rms < median - 1e-12 ? 1 : 0;
+    EXPECT_EQ(below, 1);
+    EXPECT_GT(json["consistency"]["nees_baro_bias"]["mean"].get<double>(), 0.0);
+}
+
+std::string message_of(const std::string& vary) {
+    std::string text = short_flight;
+    text.resize(text.find("vary"));
+    try {
+        (void)montecarlo(request_of(text + vary + "\n", "bad"), 1, 1);
+    } catch (const Error& e) {
+        return e.kind() == ErrorKind::Input ? e.what() : "no input error";
+    }
+    return "no error";
+}
+
+TEST(MonteCarlo, WrongVariationsAreNamedWithTheirLine) {
+    EXPECT_THAT(message_of("vary = { \"gnss.white_mm\" = { uniform = [0, 1] } }"),
+                testing::AllOf(testing::HasSubstr(":25:"), testing::HasSubstr("gnss.white_m")));
+    EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { uniform = [2, 1] } }"), testing::HasSubstr("wrong order"));
+    EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { gamma = [2, 1] } }"), testing::HasSubstr("unknown distribution"));
+    EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { normal = [-5, 0] } }"), testing::HasSubstr("baro.white_m"));
+}
+
+}  // namespace
+}  // namespace schuler::app
