@@ -18,7 +18,7 @@ void add_processing(CLI::App& app, Options& o) {
     app.add_option("--config", o.config, "settings over those of the data set: keys as in dataset.toml")->type_name("FILE.toml");
     app.add_option("--scheme", o.scheme, "coupling: loose, or gnss for the receiver's own solution")->type_name("SCHEME");
     app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
-    app.add_option("--loop", o.loop, "feedback of the estimated errors: closed")->type_name("LOOP");
+    app.add_option("--loop", o.loop, "feedback of the estimated errors: closed, open or mixed")->type_name("LOOP");
     app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");
     app.add_option("--start", o.start, "leave out what is before; seconds after the first GNSS epoch, or abs:T")->type_name("T");
     app.add_option("--stop", o.stop, "leave out what is after")->type_name("T");
@@ -57,7 +57,7 @@ void add_data_commands(CLI::App& parser, Options& o) {
 
     CLI::App* simulate = add_command(
         parser, o, "simulate", "write the sensor logs and the truth of a scenario as a data set",
-        "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper_a.toml -o /tmp/flight --seed 7\n"
+        "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper-a-flight.toml -o /tmp/flight --seed 7\n"
         "`schuler help scenario` lists the keys of a scenario file.");
     simulate->add_option("SCENARIO", o.input, "scenario file")->required();
     simulate->add_option("-o,--output", o.output, "folder of the data set")->required()->type_name("DIR");
@@ -76,7 +76,7 @@ void add_data_commands(CLI::App& parser, Options& o) {
     add_processing(*process, o);
 
     CLI::App* run = add_command(parser, o, "run", "simulate a scenario, process and evaluate it in one go",
-                                "  schuler run examples/paper_a.toml\n  schuler run examples/demo.toml --seed 3 --smooth --json\n"
+                                "  schuler run examples/paper-a-flight.toml\n  schuler run examples/demo.toml --seed 3 --smooth --json\n"
                                 "`schuler help scenario` lists the keys of a scenario file.");
     run->add_option("SCENARIO", o.input, "scenario file")->required();
     run->add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");

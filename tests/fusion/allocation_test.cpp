@@ -73,7 +73,8 @@ long allocations_of_a_walk() {
         recording.mag.push_back({recording.imu[i].time, Vector3d(2e-5, 0.0, 4e-5)});
     Settings f = settings_of(scenario);
     f.scale_factors = f.estimate_lever_arm = f.aids.nonholonomic = true;
-    f.gnss.correlated_std = 1.0;
+    f.gnss.errors.correlated_position.setOnes();
+    f.gnss.errors.correlated_distance = 1e4;
     f.gnss.latency = 0.003;   // epochs fall inside increments, which are split
 
     WarningLog warnings;

@@ -57,7 +57,7 @@ template <class Frame>
 void check() {
     Settings settings;
     settings.scale_factors = settings.misalignments = settings.estimate_lever_arm = settings.aids.nonholonomic = true;
-    settings.gnss.correlated_std = 1.0;
+    settings.gnss.errors.correlated_velocity.setOnes();
     const Layout layout = make_layout(settings, true, true);
     ASSERT_EQ(layout.size, N);
     sensor::ImuErrorModel errors = sensor::imu_grade("mems");

@@ -171,7 +171,7 @@ Scenario full() {
     s.imu.errors = sensor::imu_grade("mems");
     s.gnss.rate = 5.0;
     s.gnss.lever_arm_b = {1.0, 0.2, -1.5};
-    s.gnss.correlated_position = {2.0, 2.0, 3.0};
+    s.gnss.errors.correlated_position = {2.0, 2.0, 3.0};
     s.baro = {10.0, 0.4, 3.0, 0.05};
     return s;
 }
@@ -217,8 +217,8 @@ TEST(Simulate, GnssErrorsAreAsStated) {
     Scenario s = at_rest(3000.0);
     s.imu.rate = 1.0;
     s.gnss.white_position = {0.5, 1.0, 2.0};
-    s.gnss.correlated_position = {3.0, 3.0, 6.0};
-    s.gnss.correlated_time = 100.0;
+    s.gnss.errors.correlated_position = {3.0, 3.0, 6.0};
+    s.gnss.errors.correlated_time = 100.0;
     s.gnss.white_velocity = {0.03, 0.04, 0.05};
     const SimulatedData data = simulate(s);
     const Vector3d truth = testing::ecef(std::get<StaticPath>(s.path).start);
@@ -232,7 +232,7 @@ TEST(Simulate, GnssErrorsAreAsStated) {
     const auto error = [&](std::size_t k) {
         return Vector3d(axes.transpose() * (testing::ecef(data.recording.gnss[k].position) - truth));
     };
-    const Vector3d w2 = s.gnss.white_position.cwiseAbs2(), c2 = s.gnss.correlated_position.cwiseAbs2();
+    const Vector3d w2 = s.gnss.white_position.cwiseAbs2(), c2 = s.gnss.errors.correlated_position.cwiseAbs2();
     for (std::size_t k = 0; k + 1 < data.recording.gnss.size(); k += 2) {
         const Vector3d step = error(k + 1) - a * error(k);
         position += step.cwiseAbs2().cwiseQuotient((1.0 + a * a) * w2 + (1.0 - a * a) * c2).sum();
@@ -253,7 +253,7 @@ TEST(Simulate, LateFixesTellWhereTheAntennaWas) {
     Scenario s = full();
     s.gnss.white_position.setZero();
     s.gnss.white_velocity.setZero();
-    s.gnss.correlated_position.setZero();
+    s.gnss.errors.correlated_position.setZero();
     const SimulatedData prompt = simulate(s);
     s.gnss.position_latency = 0.4;
     s.gnss.velocity_latency = 0.2;

@@ -3,6 +3,7 @@
 
 #include "schuler/app/dataset.h"
 #include "schuler/app/evaluate.h"
+#include "schuler/app/published.h"
 #include "schuler/fusion/result.h"
 
 #include <cstdint>
@@ -26,6 +27,7 @@ struct ResultBundle {
     fusion::Result result;
     HiddenTruth truth;                           ///< simulated data
     Evaluation evaluation;
+    Published published;                         ///< for the scenario, to compare with
     std::string config_toml;                     ///< every setting as used
     std::vector<std::string> warnings;
     Timing timing;
@@ -34,6 +36,9 @@ struct ResultBundle {
     [[nodiscard]] const fusion::Trajectory& solution() const { return smoothed() ? result.smoothed : result.forward; }
     [[nodiscard]] double relative(Time t) const { return (t - data.origin).seconds(); }
 };
+
+/// As in settings and summaries.
+[[nodiscard]] std::string_view loop_name(fusion::Loop loop);
 
 /// summary.json, with the fields of the interface contract; numbers that do not apply are null.
 [[nodiscard]] std::string summary_json(const ResultBundle& bundle);

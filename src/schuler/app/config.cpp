@@ -48,6 +48,15 @@ Config config_from(const SettingList& settings) {
         // a grade alone is only a guess at the noise
         config.filter.imu.estimate_noise = !given("imu.gyro_noise_deg_sqrt_h") && !given("imu.accel_noise_m_s_sqrt_h");
     }
+    if (config.preset == "complex22") {
+        // Recommended values of the paper for a stand-alone receiver, lower ends of its ranges (after (3.2.2)).
+        sensor::GnssErrorModel& g = config.filter.gnss.errors;
+        if (!given("gnss.correlated_m")) g.correlated_position = {5.0, 5.0, 7.0};
+        if (!given("gnss.correlated_velocity_m_s")) g.correlated_velocity.setConstant(0.02);
+        if (!given("gnss.correlated_time_s")) g.correlated_time = 2000.0;
+        if (!given("gnss.correlated_distance_m")) g.correlated_distance = 250e3;
+        if (!given("gnss.correlated_velocity_time_s")) g.correlated_velocity_time = 20.0;
+    }
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
     config.filter.aids.nonholonomic = *config.nonholonomic;

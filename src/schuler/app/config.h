@@ -38,7 +38,6 @@ struct RawGnssConfig {
 
 enum class Scheme { Gnss, Loose };
 enum class Quaternion { BodyToNed, SensorToEnu };
-enum class Loop { Closed };
 
 /// An outage as a user gives it.
 struct OutageSpan {
@@ -78,7 +77,6 @@ struct Config {
     double initial_time = not_given;             ///< s on the data set's own axis
     std::string preset = "ins15";
     Scheme scheme = Scheme::Loose;
-    Loop loop = Loop::Closed;
     std::optional<bool> scale_factors, misalignments;  ///< not given: on where simulated, misalignments for a car too
     std::optional<bool> nonholonomic;            ///< not given: on for a car
     fusion::Settings filter;

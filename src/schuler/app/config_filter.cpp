@@ -8,6 +8,7 @@ namespace {
 using fusion::AidSettings;
 using fusion::BaroSettings;
 using fusion::InitialSettings;
+using fusion::Loop;
 using fusion::MagSettings;
 
 template <class T>
@@ -92,8 +93,10 @@ void add_initial(OptionTable<Config>& table) {
 /// A name that stands for several settings; those given by themselves win because they come later in the table.
 Option<Config> preset_option() {
     OptionSpec spec = detail::spec("filter.preset", Shape::Text,
-                                   "states: ins15 = position, velocity, attitude, biases; ins21 = scale factors too");
-    spec.choices = {"ins15", "ins21"};
+                                   "states: ins15 = position, velocity, attitude, biases; ins21 = scale factors too; complex22 = those of paper "
+                                   "A's complex: ins15, barometer bias, slow errors of the receiver's position and velocity (with the "
+                                   "paper's sigmas where none are given)");
+    spec.choices = {"ins15", "ins21", "complex22"};
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.preset = *v.text();
@@ -133,8 +136,15 @@ void add_filter_options(OptionTable<Config>& table) {
         .add(choice<Config, Mechanization>(
             "filter.mechanization", {{"geographic", Mechanization::Geographic}, {"ecef", Mechanization::Ecef}},
             "frame of the strapdown equations", [](auto& c) -> auto& { return c.filter.mechanization; }))
-        .add(staged_choice<Loop>("filter.loop", {{"closed", Loop::Closed}}, {"open", "mixed"}, "feedback of the estimated errors",
-                                 [](auto& c) -> auto& { return c.loop; }))
+        .add(choice<Config, Loop>("filter.loop", {{"closed", Loop::Closed}, {"open", Loop::Open}, {"mixed", Loop::Mixed}},
+                                  "estimated errors: fed back to the inertial computation after every update (closed), applied to a copy "
+                                  "(open), or fed back every so often and applied to a copy in between (mixed)",
+                                  [](auto& c) -> auto& { return c.filter.loop; }))
+        .add(number<Config>("filter.feedback_period_s", 1.0, 1e-3, 1e6,
+                            "mixed loop: time between corrections; default: until the attitude error can have grown by feedback_attitude_deg",
+                            [](auto& c) -> auto& { return c.filter.feedback_period; }))
+        .add(number<Config>("filter.feedback_attitude_deg", units::deg, 1e-6, 90, "... growth that is allowed",
+                            [](auto& c) -> auto& { return c.filter.feedback_attitude; }))
         .add(flag<Config>("filter.smooth", "fixed-interval smoother after the filter",
                           [](auto& c) -> auto& { return c.filter.smooth; }))
         .add(flag<Config>("filter.scale_factors",
@@ -165,6 +175,13 @@ void add_filter_options(OptionTable<Config>& table) {
         .add(number<Config>("filter.gate_probability", 1.0, 0, 0.5,
                             "a good measurement is rejected with this probability; 0 = no gate",
                             aids(&AidSettings::gate_probability)))
+        .add(number<Config>("filter.floor_m", 1.0, 0, 1e6, "sigmas of the position are kept above this", aids(&AidSettings::floor_position)))
+        .add(number<Config>("filter.floor_velocity_m_s", 1.0, 0, 1e6, "... of the velocity", aids(&AidSettings::floor_velocity)))
+        .add(number<Config>("filter.floor_attitude_deg", units::deg, 0, 180, "... of the attitude", aids(&AidSettings::floor_attitude)))
+        .add(number<Config>("filter.floor_gyro_bias_deg_h", units::deg_per_hour, 0, 1e6, "... of the gyro biases",
+                            aids(&AidSettings::floor_gyro_bias)))
+        .add(number<Config>("filter.floor_accel_bias_mg", units::mg, 0, 1e4, "... of the accelerometer biases",
+                            aids(&AidSettings::floor_accel_bias)))
         .add(number<Config>("filter.recovery_time_s", 1.0, 0, 1e5, "consistent rejected fixes over this span win",
                             aids(&AidSettings::recovery_time)))
         .add(integer<Config>("filter.recovery_count", 1, 100000, "... if there are at least so many",

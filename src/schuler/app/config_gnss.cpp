@@ -1,4 +1,5 @@
 #include "schuler/app/config_sections.h"
+#include "schuler/app/gnss_error_options.h"
 #include "schuler/app/option_builders.h"
 
 namespace schuler::app {
@@ -84,11 +85,19 @@ void add_gnss_options(OptionTable<Config>& table) {
         .add(flag<Config>("gnss.estimate_std",
                           "where the log gives no standard deviations: scale the defaults until the innovations agree",
                           gnss(&GnssSettings::estimate_std)))
-        .add(flag<Config>("gnss.use_velocity", "use the velocity of the log", gnss(&GnssSettings::use_velocity)))
-        .add(number<Config>("gnss.correlated_m", 1.0, 0, 1e4, "slowly varying position error, one sigma; 0 = not modelled",
-                            gnss(&GnssSettings::correlated_std)))
-        .add(number<Config>("gnss.correlated_time_s", 1.0, 1e-2, 1e7, "its correlation time",
-                            gnss(&GnssSettings::correlated_time)));
+        .add(flag<Config>("gnss.use_velocity", "use the velocity of the log", gnss(&GnssSettings::use_velocity)));
+    add_gnss_error_options(table, gnss(&GnssSettings::errors));
+    table.add(constellation_change_option<Config>(
+        "times, on the data set's own axis, at which the set of satellites changes, besides changes of their number",
+        [](const Config& c) {
+            std::vector<double> times;
+            for (const Time t : c.filter.gnss.constellation_changes) times.push_back(t.seconds());
+            return times;
+        },
+        [](Config& c, const std::vector<double>& times) {
+            c.filter.gnss.constellation_changes.clear();
+            for (const double t : times) c.filter.gnss.constellation_changes.push_back(Time::from_seconds(t));
+        }));
 }
 
 }  // namespace schuler::app

@@ -27,6 +27,7 @@ ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList&
     ResultBundle bundle;
     bundle.name = config.name;
     bundle.seed = simulated.seed;
+    bundle.published = scenario.published;
     bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
     bundle.data.true_reference = true;
     bundle.truth = hidden_truth(simulated.truth, bundle.data.config.filter.imu);

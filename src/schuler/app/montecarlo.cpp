@@ -103,6 +103,7 @@ MonteCarlo montecarlo(const ProcessRequest& request, std::optional<std::size_t> 
     MonteCarlo mc;
     mc.name = scenario.name;
     mc.version = request.version;
+    mc.published = scenario.published;
     mc.runs.resize(runs.value_or(static_cast<std::size_t>(scenario.montecarlo_runs.value_or(default_runs))));
     Time origin;
     for_each_run(

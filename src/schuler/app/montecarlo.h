@@ -36,6 +36,7 @@ struct BlockEnsemble {
 
 struct MonteCarlo {
     std::string name, version;
+    Published published;
     Config config;                                   ///< of the first run
     std::vector<MonteCarloRun> runs;
     std::vector<double> time_s;                      ///< epochs, s after the first fix

@@ -135,10 +135,6 @@ std::vector<PooledOutage> pooled_outages(const MonteCarlo& mc) {
     return out;
 }
 
-std::string_view loop_name(fusion::Loop loop) {
-    return loop == fusion::Loop::Open ? "open" : loop == fusion::Loop::Mixed ? "mixed" : "closed";
-}
-
 Json of(const Quantiles& q) { return {{"rms", number(q.rms)}, {"median", number(q.median)}, {"q05", number(q.q05)}, {"q95", number(q.q95)}}; }
 
 Json of(const analysis::EnsembleConsistency& c) {
@@ -291,6 +287,13 @@ std::string summary_tables(const MonteCarlo& mc) {
                            100.0 * o.inside_3sigma);
     }
     out += "\n" + consistency_table(mc);
+    if (!mc.published.source.empty()) {
+        BlockRms rms;
+        for (std::size_t b = 0; b < published_blocks; ++b)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                rms[b][static_cast<Eigen::Index>(axis)] = component(mc, b, axis).rms * state_block_names()[b].si;
+        out += "\n" + published_table(mc.published, rms, fmt::format("{} runs, from {:.0f} s", mc.runs.size(), first->settled_s));
+    }
     out += fmt::format("\n{:.1f} s, {:.2f} runs/s\n", mc.wall_s, static_cast<double>(mc.runs.size()) / mc.wall_s);
     return out;
 }

@@ -1,5 +1,6 @@
 #include "schuler/app/scenario.h"
 
+#include "schuler/app/gnss_error_options.h"
 #include "schuler/app/imu_error_options.h"
 #include "schuler/app/option_builders.h"
 #include "schuler/app/toml_file.h"
@@ -196,20 +197,39 @@ void add_imu(Table& table) {
     add_imu_error_options(table, "imu.", errors);
 }
 
+/// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which names no sigma of its own for the
+/// white jump of the height.
+void set_duostar1000(sim::GnssSettings& g) {
+    g.white_position = {1.0, 1.0, 1.5};
+    g.white_velocity.setConstant(0.01);
+    g.errors.correlated_position = {5.0, 5.0, 7.0};
+    g.errors.correlated_velocity.setConstant(0.02);
+    g.errors.correlated_time = 2000.0;
+    g.errors.correlated_distance = 250e3;
+    g.errors.correlated_velocity_time = 20.0;
+    g.errors.change_white_position.setConstant(1.0);
+    g.errors.change_white_velocity.setConstant(0.02);
+    g.errors.change_correlated_position = {2.0, 2.0, 3.0};
+    g.errors.change_correlated_velocity.setConstant(0.01);
+}
+
 /// Receivers by name: sigmas of (3.2.1) and (3.2.2) as used for a code-phase and a carrier-phase receiver.
 Option<S> receiver_option() {
     OptionSpec spec = detail::spec("gnss.receiver", Shape::Text,
-                                   "autonomous (1 m white, 1.5 m slowly varying) or rtk (1 cm); the numbers below refine it");
-    spec.choices = {"autonomous", "rtk"};
+                                   "autonomous (1 m white, 1.5 m slowly varying), rtk (1 cm) or duostar1000 (paper A: 1 m white, 5 m slowly "
+                                   "varying); the numbers below refine it");
+    spec.choices = {"autonomous", "rtk", "duostar1000"};
     return {std::move(spec),
             [](S& s, const Value& v) {
                 sim::GnssSettings& g = s.sim.gnss;
                 s.receiver = *v.text();
                 const bool rtk = s.receiver == "rtk";
                 g.white_position = rtk ? Eigen::Vector3d(0.01, 0.01, 0.02) : Eigen::Vector3d(1.0, 1.0, 2.0);
-                g.correlated_position = rtk ? Eigen::Vector3d::Zero() : Eigen::Vector3d(1.5, 1.5, 3.0);
+                g.errors = {};
+                g.errors.correlated_position = rtk ? Eigen::Vector3d::Zero() : Eigen::Vector3d(1.5, 1.5, 3.0);
                 g.white_velocity = rtk ? Eigen::Vector3d(0.03, 0.03, 0.05) : Eigen::Vector3d(0.05, 0.05, 0.1);
                 g.fix = rtk ? FixType::RtkFixed : FixType::Autonomous;
+                if (s.receiver == "duostar1000") set_duostar1000(g);
             },
             [](const S& s) { return s.receiver.empty() ? std::optional<Value>() : Value{s.receiver}; }};
 }
@@ -226,11 +246,7 @@ void add_receivers(Table& table) {
         .add(vector3<S>("gnss.lever_arm_m", 1.0, -100, 100, "IMU to antenna, body axes forward, right, down",
                         vector(&G::lever_arm_b)))
         .add(vector3<S>("gnss.white_m", 1.0, 0, 1e4, "white position error north, east, down", vector(&G::white_position)))
-        .add(vector3<S>("gnss.correlated_m", 1.0, 0, 1e4, "slowly varying position error", vector(&G::correlated_position)))
         .add(vector3<S>("gnss.white_velocity_m_s", 1.0, 0, 1e3, "white velocity error", vector(&G::white_velocity)))
-        .add(vector3<S>("gnss.correlated_velocity_m_s", 1.0, 0, 1e3, "slowly varying velocity error",
-                        vector(&G::correlated_velocity)))
-        .add(number<S>("gnss.correlated_time_s", 1.0, 1e-2, 1e7, "correlation time of both", scalar(&G::correlated_time)))
         .add(number<S>("gnss.latency_s", 1.0, 0, 60, "age of the position at its stamp", scalar(&G::position_latency)))
         .add(number<S>("gnss.velocity_latency_s", 1.0, 0, 60, "age of the velocity at its stamp", scalar(&G::velocity_latency)))
         .add(number<S>("baro.rate_hz", 1.0, 0, 1000, "rate of the barometer; 0 = none", baro(&sim::BaroSettings::rate)))
@@ -238,6 +254,10 @@ void add_receivers(Table& table) {
         .add(number<S>("baro.bias_m", 1.0, 0, 1e5, "constant height error, one sigma over runs", baro(&sim::BaroSettings::bias)))
         .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "its random walk, m in a root second",
                        baro(&sim::BaroSettings::bias_walk)));
+    add_gnss_error_options(table, [](auto& s) -> auto& { return s.sim.gnss.errors; });
+    table.add(constellation_change_option<S>("times, from the start, at which the set of satellites changes",
+                                             [](const S& s) { return s.sim.gnss.constellation_changes; },
+                                             [](S& s, const std::vector<double>& times) { s.sim.gnss.constellation_changes = times; }));
 }
 
 Option<S> outage_option() {
@@ -322,6 +342,23 @@ void add_montecarlo(Table& table) {
                         [](const S&) { return std::optional<Value>(); }});
 }
 
+void add_published(Table& table) {
+    table.add(text<S>("published.source", "what publishes root mean squares of this scenario, to stand beside those of a run",
+                      [](auto& s) -> auto& { return s.published.source; }));
+    const struct {
+        const char* name;
+        double factor;
+        const char* help;
+    } rows[published_blocks] = {{"position_m", 1.0, "its position errors east, north, up"},
+                                {"velocity_m_s", 1.0, "velocity errors"},
+                                {"attitude_rad", 1.0, "attitude errors about east, north, up"},
+                                {"gyro_bias_rad_s", 1.0, "errors of the gyro biases x, y, z"},
+                                {"accel_bias_ug", units::ug, "errors of the accelerometer biases"}};
+    for (std::size_t b = 0; b < published_blocks; ++b)
+        table.add(vector3<S>(std::string("published.") + rows[b].name, rows[b].factor, 0, 1e9, rows[b].help,
+                             [b](auto& s) -> auto& { return s.published.rms[b]; }));
+}
+
 Table make_table() {
     Table table;
     add_general(table);
@@ -331,6 +368,7 @@ Table make_table() {
     table.add(outage_option());
     add_filter(table);
     add_montecarlo(table);
+    add_published(table);
     return table;
 }
 

@@ -3,6 +3,7 @@
 
 #include "schuler/app/config.h"
 #include "schuler/app/option_table.h"
+#include "schuler/app/published.h"
 #include "schuler/sim/simulate.h"
 
 #include <cstdint>
@@ -50,6 +51,7 @@ struct ScenarioConfig {
     InitialError initial_error;
     std::optional<int> montecarlo_runs;
     std::vector<Variation> vary;
+    Published published;
     SettingList assumed;                        ///< imu.* settings that the filter is told instead of the simulated ones
     Config processing;                          ///< its [filter] section
 };

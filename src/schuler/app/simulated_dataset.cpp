@@ -150,8 +150,8 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     c.filter.gnss.lever_arm_b = g.lever_arm_b;
     c.filter.gnss.latency = g.position_latency;
     if (g.velocity_latency != g.position_latency) c.filter.gnss.velocity_latency = g.velocity_latency;
-    c.filter.gnss.correlated_std = g.correlated_position.head<2>().mean();
-    c.filter.gnss.correlated_time = g.correlated_time;
+    c.filter.gnss.errors = g.errors;
+    for (const double t : g.constellation_changes) c.filter.gnss.constellation_changes.push_back(Time::from_seconds(t));
     c.filter.baro.std = std::max(s.sim.baro.white, 1e-3);
     c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
     c.filter.baro.bias_walk = s.sim.baro.bias_walk;

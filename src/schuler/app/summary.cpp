@@ -93,7 +93,7 @@ Json head_of(const ResultBundle& b) {
     out["command"] = b.command;
     out["scheme"] = c.scheme == Scheme::Gnss ? "gnss" : "loose";
     out["mechanization"] = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
-    out["loop"] = "closed";
+    out["loop"] = loop_name(c.filter.loop);
     out["smoothed"] = b.smoothed();
     out["seed"] = b.seed ? Json(*b.seed) : Json(nullptr);
     out["version"] = b.version;
@@ -131,6 +131,10 @@ Json findings_of(const ResultBundle& b) {
 }
 
 }  // namespace
+
+std::string_view loop_name(fusion::Loop loop) {
+    return loop == fusion::Loop::Open ? "open" : loop == fusion::Loop::Mixed ? "mixed" : "closed";
+}
 
 std::string summary_json(const ResultBundle& b) {
     Json out = head_of(b);

@@ -33,18 +33,29 @@ Estimate estimate_of(const InertialModel<N>& model, const InertialFilter<Frame, 
     Estimate e;
     e.earth = model.earth;
     e.layout = model.layout;
-    e.nav = Frame::geographic(model.earth, filter.nav);
-    if constexpr (Frame::errors_are_geographic)
+    const bool fed_back = model.loop == Loop::Closed;
+    e.nav = Frame::geographic(model.earth, filter.estimated(model));
+    if (Frame::errors_are_geographic && fed_back)
         e.C_nb = filter.C;
     else
         e.C_nb = e.nav.q_nb.toRotationMatrix();
     e.w_ib_b = filter.w_ib_b;
+    if (!fed_back) e.w_ib_b += filter.error.template segment<3>(Layout::gyro_bias);
     e.parameters.setZero();
-    e.parameters.template head<N>() = filter.parameters;
+    e.parameters.template head<N>() = filter.estimated_parameters();
     return e;
 }
 
 namespace {
+
+/// White part of a stated sigma whose slow part is a state. What is left is kept above a tenth of the sigma, for it may be a
+/// small difference of rounded numbers; a sigma below the slow part's cannot have meant that too.
+Eigen::Vector3d white_variance(const Eigen::Vector3d& stated, const Eigen::Vector3d& correlated) {
+    Eigen::Vector3d white = stated.cwiseAbs2();
+    for (int i = 0; i < 3; ++i)
+        if (stated(i) > correlated(i)) white(i) = std::max(white(i) - correlated(i) * correlated(i), 0.01 * white(i));
+    return white;
+}
 
 /// Name of a channel for messages.
 const char* channel_name(AidKind kind) {
@@ -115,6 +126,10 @@ void ForwardPass<Frame, N>::advance(Walk<Frame, N>& walk, std::size_t last, Obse
         }
         if (inc.dt > 0.0) step(walk, inc, noise, observer);
         constrain(walk, observer);
+        if (model_.loop == Loop::Mixed && inc.time >= walk.next_feedback) {
+            walk.filter.feed_back(model_);
+            walk.next_feedback = inc.time + walk.feedback_period;
+        }
         if (inc.time >= walk.next_output) {
             observer.output(walk.filter, inc.time);
             ++walk.outputs;
@@ -128,13 +143,18 @@ template <class Frame, int N>
 LocalMeasurement ForwardPass<Frame, N>::measurement_of(const Walk<Frame, N>& walk, const Event& event) const {
     const Estimate e = estimate_of(model_, walk.filter);
     const Components use{(event.components & 1) != 0, (event.components & 2) != 0, (event.components & 4) != 0};
+    const sensor::GnssErrorModel& slow = settings_.gnss.errors;
     switch (event.kind) {
-        case AidKind::GnssPosition:
-            return gnss_position(e, data_.recording->gnss[event.index].position,
-                                 data_.fix_noise[event.index].position.cwiseAbs2(), settings_.gnss.lever_arm_b, use);
-        case AidKind::GnssVelocity:
-            return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n,
-                                 data_.fix_noise[event.index].velocity.cwiseAbs2(), settings_.gnss.lever_arm_b, use);
+        case AidKind::GnssPosition: {
+            Eigen::Vector3d variance = white_variance(data_.fix_noise[event.index].position, slow.correlated_position);
+            if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
+            return gnss_position(e, data_.recording->gnss[event.index].position, variance, settings_.gnss.lever_arm_b, use);
+        }
+        case AidKind::GnssVelocity: {
+            Eigen::Vector3d variance = white_variance(data_.fix_noise[event.index].velocity, slow.correlated_velocity);
+            if (event.constellation_change) variance += slow.change_white_velocity.cwiseAbs2();
+            return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, settings_.gnss.lever_arm_b, use);
+        }
         case AidKind::Baro:
             return baro_height(e, data_.recording->baro[event.index].height, settings_.baro.std * settings_.baro.std);
         case AidKind::Mag: {
@@ -201,7 +221,18 @@ AidRecord ForwardPass<Frame, N>::try_update(Walk<Frame, N>& walk, Channel channe
 }
 
 template <class Frame, int N>
+void ForwardPass<Frame, N>::change_constellation(Walk<Frame, N>& walk, const Event& event) const {
+    const bool position = event.kind == AidKind::GnssPosition;
+    const int offset = position ? model_.layout.gnss_position : model_.layout.gnss_velocity;
+    if (offset < 0) return;
+    const Eigen::Vector3d& jump = position ? model_.gnss.change_correlated_position : model_.gnss.change_correlated_velocity;
+    for (int axis = 0; axis < 3; ++axis)
+        if ((event.components >> axis & 1) != 0) walk.filter.P(offset + axis, offset + axis) += jump(axis) * jump(axis);
+}
+
+template <class Frame, int N>
 void ForwardPass<Frame, N>::meet(Walk<Frame, N>& walk, const Event& event, Observer& observer) const {
+    if (event.constellation_change) change_constellation(walk, event);
     const LocalMeasurement local = measurement_of(walk, event);
     if (local.dof == 0) return;
     // The table of an outage is made before the epoch's own update, with the height even where that has an age of its own.

@@ -60,6 +60,8 @@ struct Walk {
     std::size_t outputs = 0;             ///< number of outputs made
     Time next_output{};
     Time next_constraint{};
+    Time next_feedback{};                ///< of the mixed loop
+    Duration feedback_period{};
     std::array<GateState, 9> gates{};    ///< by Channel::gate()
     WheelEvidence wheels;
     Time last_still{INT64_MIN / 2};
@@ -114,6 +116,8 @@ public:
 private:
     void step(Walk<Frame, N>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const;
     void meet(Walk<Frame, N>& walk, const Event& event, Observer& observer) const;
+    /// The receiver's slow errors jump where the set of satellites changes.
+    void change_constellation(Walk<Frame, N>& walk, const Event& event) const;
     void constrain(Walk<Frame, N>& walk, Observer& observer) const;
     AidRecord try_update(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local, Time stamp, bool withheld,
                          Observer& observer) const;

@@ -29,6 +29,7 @@ struct GeographicFrame {
     static State corrected(const earth::Earth& earth, const State& s, const Vector9& dx) { return ins::corrected(earth, s, dx); }
     static NavState geographic(const earth::Earth&, const State& s) { return s; }
     static State from_geographic(const earth::Earth&, const NavState& s) { return s; }
+    static double ground_speed(const State& s) { return s.v_eb_n.head<2>().norm(); }
     static constexpr bool errors_are_geographic = true;
 };
 
@@ -46,6 +47,11 @@ struct EarthFixedFrame {
     static State corrected(const earth::Earth&, const State& s, const Vector9& dx) { return ins::corrected(s, dx); }
     static NavState geographic(const earth::Earth& earth, const State& s) { return ins::to_geographic(earth, s); }
     static State from_geographic(const earth::Earth& earth, const NavState& s) { return ins::to_ecef(earth, s); }
+    /// Up is taken as geocentric: it differs from the vertical by 3e-3 rad at most.
+    static double ground_speed(const State& s) {
+        const Eigen::Vector3d up = s.position.r.normalized();
+        return (s.v_eb_e - s.v_eb_e.dot(up) * up).norm();
+    }
     static constexpr bool errors_are_geographic = false;
 };
 

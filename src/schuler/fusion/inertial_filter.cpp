@@ -131,11 +131,17 @@ void InertialFilter<Frame, N>::propagate(const InertialModel<N>& model, const Im
             cached_q(i) = m == 0.0 ? s.psd * dt : s.psd * -std::expm1(-2.0 * m) / (2.0 * s.decay);
         }
     }
+    if (L.gnss_position >= 0 && model.gnss.correlated_distance > 0.0) {
+        const double times = model.gnss.position_decay(Frame::ground_speed(nav)) * dt;
+        cached_diagonal.template segment<3>(L.gnss_position).setConstant(std::exp(-times));
+        cached_q.template segment<3>(L.gnss_position) = -std::expm1(-2.0 * times) * model.gnss.correlated_position.cwiseAbs2();
+    }
     phi.diagonal = cached_diagonal;
     cached_q.template segment<3>(v).setConstant((model.accel_psd + bridge.accel_psd) * dt);
     cached_q.template segment<3>(a).setConstant((model.gyro_psd + bridge.gyro_psd) * dt);
     estim::propagate<N>(P, phi, model.sparsity, cached_q);
     parameters.template tail<N - 9>() = parameters.template tail<N - 9>().cwiseProduct(phi.diagonal.template tail<N - 9>());
+    if (model.loop != Loop::Closed) error = phi.times(error);
 }
 
 template <class Frame, int N>
@@ -149,8 +155,32 @@ Matrix3d InertialFilter<Frame, N>::innovation_covariance(const Measurement<N>& m
 
 template <class Frame, int N>
 void InertialFilter<Frame, N>::apply(const InertialModel<N>& model, const Vector& dx) {
+    if (model.loop != Loop::Closed) {
+        error += dx;
+        return;
+    }
     set_nav(Frame::corrected(model.earth, nav, dx.template head<9>()));
     parameters.template tail<N - 9>() -= dx.template tail<N - 9>();
+}
+
+template <class Frame, int N>
+void InertialFilter<Frame, N>::feed_back(const InertialModel<N>& model) {
+    set_nav(Frame::corrected(model.earth, nav, error.template head<9>()));
+    parameters.template tail<N - 9>() -= error.template tail<N - 9>();
+    error.setZero();
+}
+
+template <class Frame, int N>
+typename Frame::State InertialFilter<Frame, N>::estimated(const InertialModel<N>& model) const {
+    if (model.loop == Loop::Closed) return nav;
+    return Frame::corrected(model.earth, nav, error.template head<9>());
+}
+
+template <class Frame, int N>
+typename InertialFilter<Frame, N>::Vector InertialFilter<Frame, N>::estimated_parameters() const {
+    Vector estimate = parameters;
+    estimate.template tail<N - 9>() -= error.template tail<N - 9>();
+    return estimate;
 }
 
 template <class Frame, int N>
@@ -158,7 +188,7 @@ Matrix9 InertialFilter<Frame, N>::to_local_level(const InertialModel<N>& model) 
     if constexpr (Frame::errors_are_geographic)
         return Matrix9::Identity();
     else
-        return ins::geographic_from_ecef_errors(model.earth, Frame::geographic(model.earth, nav));
+        return ins::geographic_from_ecef_errors(model.earth, Frame::geographic(model.earth, estimated(model)));
 }
 
 template struct InertialModel<16>;

@@ -7,13 +7,14 @@
 #include "schuler/estim/transition.h"
 #include "schuler/fusion/frame.h"
 #include "schuler/fusion/layout.h"
+#include "schuler/fusion/settings.h"
 #include "schuler/sensor/grades.h"
 
 #include <Eigen/Core>
 
 namespace schuler::fusion {
 
-/// First-order process of one state: d' = -d/time + white, stationary sigma; time = infinity: random walk of density walk^2.
+/// First-order process of one state: d' = -decay d + white; without decay a random walk.
 struct StateProcess {
     double decay = 0.0;   ///< 1/s (0: constant or random walk)
     double psd = 0.0;     ///< unit^2/s
@@ -27,6 +28,9 @@ struct InertialModel {
     double gyro_psd = 0.0;    ///< rad^2/s
     double accel_psd = 0.0;   ///< m^2/s^3
     std::array<StateProcess, N> process{};   ///< of the states from 9 on
+    sensor::GnssErrorModel gnss;             ///< of the receiver's states, whose decay may follow the speed
+    Loop loop = Loop::Closed;
+    Eigen::Matrix<double, N, 1> floor = Eigen::Matrix<double, N, 1>::Zero();   ///< least variances after an update
     estim::Sparsity<N> sparsity;
 
     InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu);
@@ -56,6 +60,7 @@ struct InertialFilter {
 
     typename Frame::State nav;
     Vector parameters = Vector::Zero();   ///< nominal values of the states from 9 on
+    Vector error = Vector::Zero();        ///< estimated errors of nav and parameters that are not fed back yet (zero in the closed loop)
     Matrix P = Matrix::Zero();            ///< of the errors, estimate minus truth
 
     Eigen::Matrix3d C = Eigen::Matrix3d::Identity();        ///< body to frame, of nav
@@ -82,11 +87,18 @@ struct InertialFilter {
     void update(const InertialModel<N>& model, const Measurement<N>& m, Record&& record) {
         Vector dx = Vector::Zero();
         for (int i = 0; i < m.dof; ++i) record(estim::update_scalar<N>(dx, P, m.rows.col(i), m.innovation(i), m.variance(i)));
+        P.diagonal() = P.diagonal().cwiseMax(model.floor);
         apply(model, dx);
     }
 
-    /// nominal <- corrected(nominal, dx).
+    /// Corrects the estimate by dx: the nominal state in the closed loop, `error` otherwise.
     void apply(const InertialModel<N>& model, const Vector& dx);
+    /// nominal <- corrected(nominal, error): the correction of the open or mixed loop. The estimate stays as it is.
+    void feed_back(const InertialModel<N>& model);
+
+    /// The estimate: nominal state and parameters, corrected by `error`.
+    [[nodiscard]] typename Frame::State estimated(const InertialModel<N>& model) const;
+    [[nodiscard]] Vector estimated_parameters() const;
 
     /// 9 x 9 map of the filter's first nine errors to north-east-down errors (identity in the geographic frame).
     [[nodiscard]] Matrix9 to_local_level(const InertialModel<N>& model) const;

@@ -25,7 +25,8 @@ Layout make_layout(const Settings& settings, bool with_baro, bool with_mag) {
     if (settings.estimate_lever_arm) block(L.lever_arm, 3);
     if (with_baro && settings.baro.use) block(L.baro_bias, 1);
     if (with_mag && settings.mag.use) block(L.mag_bias, 1);
-    if (settings.gnss.correlated_std > 0.0) block(L.gnss_position, 3);
+    if (settings.gnss.errors.correlated_position.maxCoeff() > 0.0) block(L.gnss_position, 3);
+    if (settings.gnss.use_velocity && settings.gnss.errors.correlated_velocity.maxCoeff() > 0.0) block(L.gnss_velocity, 3);
     return L;
 }
 

@@ -22,6 +22,7 @@ struct Layout {
     int baro_bias = -1;                     ///< 1, m
     int mag_bias = -1;                      ///< 1, rad, heading offset of the magnetometer
     int gnss_position = -1;                 ///< 3, m, correlated GNSS position error, north-east-down
+    int gnss_velocity = -1;                 ///< 3, m/s, correlated GNSS velocity error, north-east-down
     int size = 15;
 };
 

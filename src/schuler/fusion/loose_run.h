@@ -13,6 +13,8 @@ struct Start {
     Eigen::Vector3d std_rpy;                      ///< rad, mapped to the attitude error by its Jacobian
     Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();
     Eigen::Vector3d std_gyro_bias, std_accel_bias;
+    /// 1 where a component (north, east, down) comes from a fix and so has the receiver's slow error in it, 0 where it does not.
+    Eigen::Vector3d position_of_fix = Eigen::Vector3d::Zero(), velocity_of_fix = Eigen::Vector3d::Zero();
     double std_mounting = 0.03;                   ///< rad
     std::size_t increment = 0;                    ///< first increment to consume
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};

@@ -58,6 +58,7 @@ StateRow state_row(const Layout& layout, const NavState& nav, const Eigen::Matri
     row.gyro_bias = block(Layout::gyro_bias, 3);
     row.accel_bias = block(Layout::accel_bias, 3);
     row.gnss_position = block(layout.gnss_position, 3);
+    row.gnss_velocity = block(layout.gnss_velocity, 3);
     row.baro_bias = block(layout.baro_bias, 1);
     return row;
 }

@@ -94,6 +94,10 @@ Result run_loose(const Recording& recording, const Settings& given, WarningLog& 
     check_settings(given);
     check_overlap(recording, given.initial, warnings);
     Settings settings = given;
+    if (const int states = make_layout(settings, !recording.baro.empty(), !recording.mag.empty()).size; states > max_states)
+        throw input_error(fmt::format("the filter would have {} states, more than {}", states, max_states),
+                          {.file = {}, .key = "filter.misalignments"},
+                          "leave out misalignments, scale factors, the lever arm or the receiver's slow errors");
     RunData data;
     data.recording = &recording;
     data.imu = make_imu_timeline(recording.imu, settings.imu, warnings);

@@ -3,6 +3,7 @@
 
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
+#include "schuler/sensor/gnss_errors.h"
 #include "schuler/sensor/grades.h"
 
 #include <Eigen/Core>
@@ -46,8 +47,10 @@ struct GnssSettings {
     Eigen::Vector3d std_floor_position{0.005, 0.005, 0.01};///< m, smaller values of a log are raised to this
     bool estimate_std = true;                 ///< where the log gives none: scale the defaults until the innovations agree
     bool use_velocity = true;
-    double correlated_std = 0.0;              ///< m, first-order correlated position error (0: not modelled)
-    double correlated_time = 300.0;           ///< s
+    /// Slowly varying errors; those above zero are states. A log states the sigma of the whole error: with such states, only what
+    /// is left of it is white noise.
+    sensor::GnssErrorModel errors;
+    std::vector<Time> constellation_changes;  ///< in order; a change of the log's number of satellites is one too
 };
 
 struct BaroSettings {
@@ -89,6 +92,12 @@ struct AidSettings {
     double nonholonomic_std_vertical = 0.10;  ///< m/s
     double constraint_rate = 10.0;            ///< Hz, of the pseudo-measurements
     double gate_probability = 1e-4;           ///< a good measurement is rejected with this probability
+    /// Variances of the estimates are kept above the squares of these (paper A, after (3.4.5)); 0: not bounded.
+    double floor_position = 0.0;              ///< m
+    double floor_velocity = 0.0;              ///< m/s
+    double floor_attitude = 0.0;              ///< rad
+    double floor_gyro_bias = 0.0;             ///< rad/s
+    double floor_accel_bias = 0.0;            ///< m/s^2
     double recovery_time = 10.0;              ///< s, consistent rejected fixes over this span win
     int recovery_count = 10;                  ///< ... if there are at least so many
 };
@@ -103,6 +112,8 @@ struct Settings {
     VehicleKind vehicle = VehicleKind::Hand;
     Mechanization mechanization = Mechanization::Geographic;
     Loop loop = Loop::Closed;
+    std::optional<double> feedback_period;    ///< s between corrections of the mixed loop; not given: by the rule of correction_period
+    double feedback_attitude = 1e-3;          ///< rad, attitude error that the rule allows to grow meanwhile
     bool smooth = false;
     bool scale_factors = false;               ///< gyro and accelerometer scale factors as states (21 states)
     bool misalignments = false;               ///< six axis misalignments of each triad as states

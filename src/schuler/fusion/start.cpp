@@ -125,7 +125,8 @@ Settings trial_settings(const Settings& settings) {
     t.aids.nonholonomic = t.aids.nonholonomic_auto = false;
     t.scale_factors = t.misalignments = t.estimate_lever_arm = false;
     t.baro.use = t.mag.use = false;
-    t.gnss.correlated_std = 0.0;
+    t.gnss.errors = {};
+    t.loop = Loop::Closed;
     t.smooth = false;
     return t;
 }
@@ -221,6 +222,7 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
             if (std::isfinite(fix->velocity_n(i))) {
                 velocity(i) = fix->velocity_n(i);
                 std_velocity(i) = 2.0 * data.fix_noise[fix_event->index].velocity(i) + 0.1;
+                if (!std::isfinite(given.velocity_n(i))) start.velocity_of_fix(i) = 1.0;
             }
     start.nav.v_eb_n = or_given(given.velocity_n, velocity);
     start.std_velocity = or_given(given.std_velocity, std_velocity);
@@ -234,7 +236,11 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
         start.nav.position = earth::moved_by_ned(settings.earth, start.nav.position, start.nav.v_eb_n * lead);
         std_position = data.fix_noise[fix_event->index].position +
                        Vector3d::Constant(settings.gnss.lever_arm_b.norm()) + start.std_velocity * std::abs(lead);
-        if (!std::isfinite(fix->position.h)) std_position.z() = 1000.0;
+        start.position_of_fix.setOnes();
+        if (!std::isfinite(fix->position.h)) {
+            std_position.z() = 1000.0;
+            start.position_of_fix.z() = 0.0;
+        }
     }
     start.std_position = or_given(given.std_position, std_position);
 }
@@ -253,6 +259,7 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
     if (standing) {
         start.nav.v_eb_n.setZero();
         start.std_velocity.setConstant(0.1);
+        start.velocity_of_fix.setZero();
     }
     const double g = earth::gravity_down(settings.earth.gravity, start.nav.position.lat, start.nav.position.h);
     const Vector3d acceleration = standing ? Vector3d(Vector3d::Zero()) : gnss_acceleration(data, t0);

@@ -196,6 +196,7 @@ void add_gnss_events(const Recording& recording, const Settings& settings, Time 
     const double down_latency = g.velocity_down_latency.value_or(velocity_latency);
     std::vector<bool> ended(settings.outages.size(), false);
     Time last{INT64_MIN};
+    auto next_change = g.constellation_changes.begin();
     const GnssFix* previous = nullptr;
     for (std::size_t i = 0; i < recording.gnss.size(); ++i) {
         const GnssFix& fix = recording.gnss[i];
@@ -207,8 +208,12 @@ void add_gnss_events(const Recording& recording, const Settings& settings, Time 
             continue;
         }
         last = fix.time;
-        previous = &fix;
         Event e;
+        e.constellation_change = previous != nullptr && previous->satellites >= 0 && fix.satellites >= 0 &&
+                                 previous->satellites != fix.satellites;
+        for (; next_change != g.constellation_changes.end() && *next_change <= fix.time + Duration{1'000}; ++next_change)
+            e.constellation_change = true;
+        previous = &fix;
         e.stamp = fix.time;
         e.index = i;
         const auto push = [&](AidKind kind, std::uint8_t components, Duration lag) {

@@ -41,6 +41,7 @@ struct Event {
     bool withheld = false;       ///< inside an outage: compared, not used
     int outage = -1;             ///< the outage whose table this epoch belongs to
     bool outage_end = false;     ///< first epoch at or after the end of that outage
+    bool constellation_change = false;   ///< GNSS: the first fix with another set of satellites
     std::size_t index = 0;       ///< into the channel of the recording
 };
 

@@ -31,6 +31,7 @@ public:
         data_.fix_noise = fix_noise(*data_.recording, settings.gnss, unheard);
         Settings trial = settings;
         trial.mechanization = Mechanization::Geographic;
+        trial.loop = Loop::Closed;
         trial.aids.nonholonomic = trial.aids.nonholonomic_auto = false;
         trial.scale_factors = trial.misalignments = trial.estimate_lever_arm = trial.smooth = false;
         if (!surroundings) trial.baro.use = trial.mag.use = false;
@@ -154,11 +155,11 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
                          -4.0, 1.2});
         knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); }, -4.0, 1.2});
     }
-    if (g.estimate_std && missing.position && g.correlated_std == 0.0) {
+    if (g.estimate_std && missing.position && g.errors.correlated_position.isZero()) {
         // A receiver that does not say how good it is mostly wanders: innovations that look alike tell.
         knobs.push_back({[](Settings& s, double x) {
-                             s.gnss.correlated_std = 0.5 * std::exp(x);
-                             s.gnss.correlated_time = wander_time;
+                             s.gnss.errors.correlated_position.setConstant(0.5 * std::exp(x));
+                             s.gnss.errors.correlated_time = wander_time;
                          }, -3.0, 0.0});
     }
     if (g.estimate_std && missing.velocity && has_velocity) {

@@ -8,9 +8,9 @@ namespace schuler::sim {
 GaussMarkov::GaussMarkov(const Eigen::Vector3d& sigma, double time, math::Random random)
     : sigma_(sigma), time_(time), random_(std::move(random)), value_(sigma.cwiseProduct(random_.normal3())) {}
 
-void GaussMarkov::advance(double dt) {
-    const double kept = std::exp(-dt / time_);
-    const double fresh = std::sqrt(-std::expm1(-2.0 * dt / time_));
+void GaussMarkov::relax(double times) {
+    const double kept = std::exp(-times);
+    const double fresh = std::sqrt(-std::expm1(-2.0 * times));
     value_ = kept * value_ + fresh * sigma_.cwiseProduct(random_.normal3());
 }
 

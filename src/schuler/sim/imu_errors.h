@@ -18,7 +18,11 @@ public:
     /// sigma: stationary, per axis; time: correlation time, s (infinite: a constant).
     GaussMarkov(const Eigen::Vector3d& sigma, double time, math::Random random);
     [[nodiscard]] const Eigen::Vector3d& value() const { return value_; }
-    void advance(double dt);
+    void advance(double dt) { relax(dt / time_); }
+    /// Advances by a number of correlation times, for a process whose correlation is not one of time alone.
+    void relax(double times);
+    /// Adds a disturbance.
+    void disturb(const Eigen::Vector3d& by) { value_ += by; }
 
 private:
     Eigen::Vector3d sigma_;

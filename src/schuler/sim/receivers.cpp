@@ -44,18 +44,32 @@ PointMotion point_motion(const earth::Earth& earth, const Kinematics& imu, const
 std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& path, std::vector<GnssTruth>& truth) {
     const GnssSettings& s = scenario.gnss;
     math::Random white_position(scenario.seed, "gnss.white_position"), white_velocity(scenario.seed, "gnss.white_velocity");
-    GaussMarkov slow_position(s.correlated_position, s.correlated_time, math::Random(scenario.seed, "gnss.slow_position"));
-    GaussMarkov slow_velocity(s.correlated_velocity, s.correlated_time, math::Random(scenario.seed, "gnss.slow_velocity"));
+    const sensor::GnssErrorModel& slow = s.errors;
+    GaussMarkov slow_position(slow.correlated_position, slow.correlated_time, math::Random(scenario.seed, "gnss.slow_position"));
+    GaussMarkov slow_velocity(slow.correlated_velocity, slow.correlated_velocity_time,
+                              math::Random(scenario.seed, "gnss.slow_velocity"));
+    math::Random change(scenario.seed, "gnss.constellation_change");
+    auto next_change = s.constellation_changes.begin();
     std::vector<GnssFix> fixes;
     for (std::size_t k = 0; k < epochs(s.rate, scenario.duration); ++k) {
         const double t = static_cast<double>(k) / s.rate;
         if (k > 0) {
-            slow_position.advance(1.0 / s.rate);
+            const double ground_speed = path.at(t).v_eb_n.head<2>().norm();
+            slow_position.relax(slow.position_decay(ground_speed) / s.rate);
             slow_velocity.advance(1.0 / s.rate);
         }
         // Drawn in outages too: withholding fixes must not change the ones that remain.
-        const Eigen::Vector3d dr = s.white_position.cwiseProduct(white_position.normal3()) + slow_position.value();
-        const Eigen::Vector3d dv = s.white_velocity.cwiseProduct(white_velocity.normal3()) + slow_velocity.value();
+        Eigen::Vector3d dr = s.white_position.cwiseProduct(white_position.normal3());
+        Eigen::Vector3d dv = s.white_velocity.cwiseProduct(white_velocity.normal3());
+        if (next_change != s.constellation_changes.end() && *next_change <= t + 1e-9) {
+            while (next_change != s.constellation_changes.end() && *next_change <= t + 1e-9) ++next_change;
+            slow_position.disturb(slow.change_correlated_position.cwiseProduct(change.normal3()));
+            slow_velocity.disturb(slow.change_correlated_velocity.cwiseProduct(change.normal3()));
+            dr += slow.change_white_position.cwiseProduct(change.normal3());
+            dv += slow.change_white_velocity.cwiseProduct(change.normal3());
+        }
+        dr += slow_position.value();
+        dv += slow_velocity.value();
         if (silent(scenario, Channel::Gnss, t)) continue;
         const double at_position = std::max(0.0, t - s.position_latency), at_velocity = std::max(0.0, t - s.velocity_latency);
         const PointMotion point = point_motion(scenario.earth, path.at(at_position), s.lever_arm_b);
@@ -65,8 +79,8 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
         fix.time = scenario.origin + Duration::from_seconds(t);
         fix.position = earth::moved_by_ned(scenario.earth, point.position, dr);
         fix.velocity_n = moving.v_n + dv;
-        fix.std_position = root_sum(s.white_position, s.correlated_position);
-        fix.std_velocity = root_sum(s.white_velocity, s.correlated_velocity);
+        fix.std_position = root_sum(s.white_position, slow.correlated_position);
+        fix.std_velocity = root_sum(s.white_velocity, slow.correlated_velocity);
         fix.fix = s.fix;
         fixes.push_back(fix);
         truth.push_back({fix.time, slow_position.value(), slow_velocity.value()});

@@ -37,10 +37,14 @@ void check(const Scenario& s) {
     require(not_negative(g.rate) && g.rate <= 1000.0, "gnss.rate_hz", "is not a rate", "give Hz, or 0 for no receiver");
     require(g.lever_arm_b.allFinite() && g.lever_arm_b.norm() < 200.0, "gnss.lever_arm_m", "is not a lever arm",
             "give metres forward, right, down");
-    require(not_negative(g.white_position) && not_negative(g.correlated_position) && not_negative(g.white_velocity) &&
-                not_negative(g.correlated_velocity),
+    require(not_negative(g.white_position) && not_negative(g.errors.correlated_position) && not_negative(g.white_velocity) &&
+                not_negative(g.errors.correlated_velocity) && not_negative(g.errors.change_white_position) &&
+                not_negative(g.errors.change_correlated_position) && not_negative(g.errors.change_white_velocity) &&
+                not_negative(g.errors.change_correlated_velocity),
             "gnss", "a sigma is negative or not a number", "give one sigma north, east, down");
-    require(g.correlated_time > 0.0, "gnss.correlated_time_s", "is not positive", "give seconds");
+    require(g.errors.correlated_time > 0.0, "gnss.correlated_time_s", "is not positive", "give seconds");
+    require(g.errors.correlated_velocity_time > 0.0, "gnss.correlated_velocity_time_s", "is not positive", "give seconds");
+    require(not_negative(g.errors.correlated_distance), "gnss.correlated_distance_m", "is negative", "give metres, or 0 for none");
     require(not_negative(g.position_latency) && not_negative(g.velocity_latency), "gnss.latency_s", "is negative",
             "give seconds");
     const BaroSettings& b = s.baro;

@@ -3,6 +3,7 @@
 
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
+#include "schuler/sensor/gnss_errors.h"
 #include "schuler/sensor/grades.h"
 #include "schuler/sim/path.h"
 
@@ -26,10 +27,9 @@ struct GnssSettings {
     double rate = 1.0;                                                         ///< Hz; 0: no receiver
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();                     ///< IMU to antenna, body axes, m
     Eigen::Vector3d white_position = Eigen::Vector3d(1.0, 1.0, 2.0);           ///< sigma, m
-    Eigen::Vector3d correlated_position = Eigen::Vector3d::Zero();             ///< sigma, m
     Eigen::Vector3d white_velocity = Eigen::Vector3d(0.05, 0.05, 0.1);         ///< sigma, m/s
-    Eigen::Vector3d correlated_velocity = Eigen::Vector3d::Zero();             ///< sigma, m/s
-    double correlated_time = 300.0;                                            ///< s
+    sensor::GnssErrorModel errors;                                             ///< the slowly varying parts
+    std::vector<double> constellation_changes;                                 ///< s, in order: the first fix at or after each
     double position_latency = 0.0;                                             ///< s: the fix stamped t holds for t - latency
     double velocity_latency = 0.0;                                             ///< s
     FixType fix = FixType::Autonomous;

@@ -54,6 +54,10 @@ LocalMeasurement gnss_velocity(const Estimate& e, const Vector3d& measured, cons
         m.rows.col(i).segment<3>(Layout::attitude) = by_attitude.row(axis).transpose();
         m.rows.col(i).segment<3>(Layout::gyro_bias) = by_gyro_bias.row(axis).transpose();
         if (e.layout.lever_arm >= 0) m.rows.col(i).segment<3>(e.layout.lever_arm) = by_lever_arm.row(axis).transpose();
+        if (e.layout.gnss_velocity >= 0) {
+            m.innovation(i) += e.parameters(e.layout.gnss_velocity + axis);
+            m.rows(e.layout.gnss_velocity + axis, i) = 1.0;
+        }
     }
     return m;
 }

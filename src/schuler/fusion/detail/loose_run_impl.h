@@ -1,6 +1,7 @@
 // run_pass for one frame; instantiated once per frame so that compile times stay bearable.
 #pragma once
 
+#include "schuler/fusion/correction_period.h"
 #include "schuler/fusion/loose_run.h"
 #include "schuler/fusion/outputs.h"
 #include "schuler/fusion/smoother.h"
@@ -35,12 +36,13 @@ struct Collector : PassObserver<Frame, N> {
             const Matrix9 T = f.to_local_level(model);
             P = (T * P * T.transpose()).eval();
         }
-        const NavState nav = Frame::geographic(model.earth, f.nav);
+        const NavState nav = Frame::geographic(model.earth, f.estimated(model));
         result.forward.rows.push_back(solution_row(nav, P));
         if (time >= next_sensor) {
             while (next_sensor <= time) next_sensor = next_sensor + Duration::from_seconds(sensor_row_spacing);
-            if (states) result.forward.states.push_back(state_row<N>(model.layout, nav, f.parameters, f.P, P));
-            result.forward.sensor_errors.push_back(sensor_error_row<N>(time, model.layout, f.parameters, f.P.diagonal()));
+            const Eigen::Matrix<double, N, 1> parameters = f.estimated_parameters();
+            if (states) result.forward.states.push_back(state_row<N>(model.layout, nav, parameters, f.P, P));
+            result.forward.sensor_errors.push_back(sensor_error_row<N>(time, model.layout, parameters, f.P.diagonal()));
         }
     }
     void outage_epoch(const InertialFilter<Frame, N>&, const Event& event, const LocalMeasurement&,
@@ -78,11 +80,14 @@ Walk<Frame, N> first_step(const InertialModel<N>& model, const RunData& data, co
     P.diagonal().segment<3>(Layout::velocity) = start.std_velocity.cwiseAbs2();
     const Eigen::Matrix3d J = math::rpy_error_from_phi(math::rpy_from_quaternion(start.nav.q_nb)).inverse();
     P.block<3, 3>(Layout::attitude, Layout::attitude) = J * start.std_rpy.cwiseAbs2().asDiagonal() * J.transpose();
-    if constexpr (!Frame::errors_are_geographic) {
-        const Matrix9 T = f.to_local_level(model).inverse();
-        P = (T * P * T.transpose()).eval();
-    }
-    f.P.template topLeftCorner<9, 9>() = P;
+    Matrix9 T = Matrix9::Identity();   // local level to the filter's own errors
+    if constexpr (!Frame::errors_are_geographic) T = f.to_local_level(model).inverse();
+    f.P.template topLeftCorner<9, 9>() = T * P * T.transpose();
+    // A state of its own whose error has the covariance `shared` with the component `state` of the local level.
+    const auto tie = [&](int own, int state, double shared) {
+        f.P.template block<9, 1>(0, own) = shared * T.col(state);
+        f.P.template block<1, 9>(own, 0) = shared * T.col(state).transpose();
+    };
     const auto set = [&f](int offset, const Eigen::Vector3d& sigma) {
         if (offset >= 0) f.P.diagonal().template segment<3>(offset) = sigma.cwiseAbs2();
     };
@@ -104,14 +109,33 @@ Walk<Frame, N> first_step(const InertialModel<N>& model, const RunData& data, co
         set(L.lever_arm, Eigen::Vector3d::Constant(1.0));
     }
     if (L.baro_bias >= 0) {
-        f.P(L.baro_bias, L.baro_bias) = settings.baro.bias_std * settings.baro.bias_std;
+        const double height_variance = P(Layout::position + 2, Layout::position + 2), prior = settings.baro.bias_std;
+        f.P(L.baro_bias, L.baro_bias) = prior * prior;
         const auto first = std::find_if(data.recording->baro.begin(), data.recording->baro.end(),
                                         [&](const BaroSample& s) { return s.time >= start.nav.time; });
-        if (first != data.recording->baro.end() && std::isfinite(first->height))
-            f.parameters(L.baro_bias) = first->height - start.nav.position.h;
+        const double offset = first == data.recording->baro.end() ? 0.0 : first->height - start.nav.position.h;
+        // A first sample that contradicts the stated bias speaks instead of it; its bias errs with the height it was taken from.
+        if (offset * offset > 9.0 * (prior * prior + height_variance)) {
+            f.parameters(L.baro_bias) = offset;
+            f.P(L.baro_bias, L.baro_bias) = height_variance + settings.baro.std * settings.baro.std;
+            tie(L.baro_bias, Layout::position + 2, height_variance);
+        }
     }
     if (L.mag_bias >= 0) f.P(L.mag_bias, L.mag_bias) = settings.mag.bias_std * settings.mag.bias_std;
-    set(L.gnss_position, Eigen::Vector3d::Constant(settings.gnss.correlated_std));
+    const auto set_slow = [&](int offset, int state, const Eigen::Vector3d& sigma, const Eigen::Vector3d& of_fix) {
+        set(offset, sigma);
+        // The start has the error of the fix in it, of which the state, zero, knows nothing yet: their errors are opposite.
+        for (int i = 0; offset >= 0 && i < 3; ++i)
+            if (of_fix(i) > 0.0) tie(offset + i, state + i, -std::min(sigma(i) * sigma(i), P(state + i, state + i)));
+    };
+    set_slow(L.gnss_position, Layout::position, settings.gnss.errors.correlated_position, start.position_of_fix);
+    set_slow(L.gnss_velocity, Layout::velocity, settings.gnss.errors.correlated_velocity, start.velocity_of_fix);
+
+    const InertialErrorBounds bounds{3.0 * start.std_rpy.head<2>().maxCoeff(), 3.0 * start.std_gyro_bias.maxCoeff(),
+                                     3.0 * start.std_accel_bias.maxCoeff()};
+    walk.feedback_period =
+        Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
+    walk.next_feedback = start.nav.time + walk.feedback_period;
 
     walk.increment = start.increment;
     walk.next_output = start.nav.time;
@@ -127,8 +151,22 @@ InertialModel<N> make_model(const Settings& settings, const Layout& layout) {
     };
     set(layout.baro_bias, 1, {0.0, settings.baro.bias_walk * settings.baro.bias_walk});
     set(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
-    const double s = settings.gnss.correlated_std, tau = settings.gnss.correlated_time;
-    set(layout.gnss_position, 3, {1.0 / tau, 2.0 * s * s / tau});
+    model.gnss = settings.gnss.errors;
+    model.loop = settings.loop;
+    for (int i = 0; i < 3; ++i) {
+        const auto slow = [](double sigma, double time) { return StateProcess{1.0 / time, 2.0 * sigma * sigma / time}; };
+        const sensor::GnssErrorModel& g = model.gnss;
+        if (layout.gnss_position >= 0)
+            set(layout.gnss_position + i, 1, slow(g.correlated_position(i), g.correlated_time));
+        if (layout.gnss_velocity >= 0)
+            set(layout.gnss_velocity + i, 1, slow(g.correlated_velocity(i), g.correlated_velocity_time));
+    }
+    const auto bound = [&model](int offset, double sigma) { model.floor.template segment<3>(offset).setConstant(sigma * sigma); };
+    bound(Layout::position, settings.aids.floor_position);
+    bound(Layout::velocity, settings.aids.floor_velocity);
+    bound(Layout::attitude, settings.aids.floor_attitude);
+    bound(Layout::gyro_bias, settings.aids.floor_gyro_bias);
+    bound(Layout::accel_bias, settings.aids.floor_accel_bias);
     return model;
 }
 
@@ -189,11 +227,11 @@ Result run_sized(const RunData& data, const Settings& settings, const Layout& la
             if (kind == Kind::Output) {
                 const Matrix9 T = f.to_local_level(model);
                 const Matrix9 P = T * f.P.template topLeftCorner<9, 9>() * T.transpose();
-                result.smoothed.rows.push_back(solution_row(Frame::geographic(model.earth, f.nav), P));
+                result.smoothed.rows.push_back(solution_row(Frame::geographic(model.earth, f.estimated(model)), P));
                 if (sensors) {
                     next_sensor = point.time - Duration::from_seconds(sensor_row_spacing);
                     result.smoothed.sensor_errors.push_back(
-                        sensor_error_row<N>(point.time, layout, f.parameters, f.P.diagonal()));
+                        sensor_error_row<N>(point.time, layout, f.estimated_parameters(), f.P.diagonal()));
                 }
                 return;
             }
