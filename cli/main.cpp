@@ -63,6 +63,16 @@ app::Outcome analyze(const cli::Options& o) {
         request.version = SCHULER_VERSION;
         return app::analyze_schuler(request);
     }
+    if (o.command == "analyze requirements") return app::analyze_requirements(o.requirements);
+    if (o.command == "analyze budget" || o.command == "analyze integrity") {
+        app::StudyRequest request = o.study;
+        request.scenario = o.input;
+        request.seed = o.seed;
+        request.above = cli::settings_of(o);
+        cli::ProgressBar bar(!o.quiet);
+        request.progress = [&bar](double done_part) { bar.show(done_part); };
+        return o.command == "analyze budget" ? app::analyze_budget(request) : app::analyze_integrity(request);
+    }
     app::EquatorRequest request = o.equator;
     if (o.misalignment.size() == 3) request.misalignment = Eigen::Vector3d::Map(o.misalignment.data());
     request.output = o.output;

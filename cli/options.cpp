@@ -16,7 +16,7 @@ void add_everywhere(CLI::App& app, Options& o) {
 /// Options of process, run and demo.
 void add_processing(CLI::App& app, Options& o) {
     app.add_option("--config", o.config, "settings over those of the data set: keys as in dataset.toml")->type_name("FILE.toml");
-    app.add_option("--scheme", o.scheme, "coupling: loose, or gnss for the receiver's own solution")->type_name("SCHEME");
+    app.add_option("--scheme", o.scheme, "coupling: loose, separate, or gnss for the receiver's own solution")->type_name("SCHEME");
     app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
     app.add_option("--loop", o.loop, "feedback of the estimated errors: closed, open or mixed")->type_name("LOOP");
     app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");

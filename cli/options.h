@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/app/analyze.h"
+#include "schuler/app/studies.h"
 #include "schuler/app/value.h"
 
 #include <CLI/CLI.hpp>
@@ -27,6 +28,8 @@ struct Options {
     bool smooth = false, json = false, quiet = false;
     app::EquatorRequest equator;
     app::SchulerRequest schuler;
+    app::RequirementsRequest requirements;
+    app::StudyRequest study;
     std::vector<double> misalignment;   ///< three numbers or none
     std::optional<std::size_t> runs;
     int jobs = 0;

@@ -77,15 +77,46 @@ void add_schuler(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     app->add_flag("--json", o.json, "one JSON document");
 }
 
+void add_studies(CLI::App& analyze, Options& o, const AddCommand& add_command) {
+    CLI::App* requirements =
+        add_command(analyze, "requirements", "sensors for a position budget over an outage, and outages for devices (paper A, 1.4)",
+                    "  schuler analyze requirements --budget 5 --outage 60\n  schuler analyze requirements --budget 5 --device hg9900 --json");
+    requirements->add_option("--budget", o.requirements.budget, "horizontal position error that is allowed, default 5")->type_name("M");
+    requirements->add_option("--outage", o.requirements.outages, "default 10 s to an hour")->delimiter(',')->type_name("S[,S...]");
+    requirements->add_option("--device", o.requirements.devices, "how long an outage may it have? default: all")->delimiter(',')->type_name("NAME");
+    requirements->add_flag("--json", o.json, "one JSON document");
+    const auto add_study = [&](const char* name, const char* purpose, const char* examples) {
+        CLI::App* app = add_command(analyze, name, purpose, examples);
+        app->add_option("SCENARIO", o.input, "scenario file")->required();
+        app->add_option("-n,--runs", o.study.runs, "runs each, default 10")->check(CLI::PositiveNumber);
+        app->add_option("--jobs", o.study.jobs, "threads, default one a core")->check(CLI::NonNegativeNumber);
+        app->add_option("--seed", o.seed, "of the first run");
+        app->add_option("--set", o.set, "settings of the filter")->type_name("key=value")->allow_extra_args(false);
+        app->add_flag("--json", o.json, "one JSON document");
+        return app;
+    };
+    add_study("budget", "errors by source: one at a time, the filter believing in all",
+              "  schuler analyze budget examples/paper-a-flight.toml\n  schuler analyze budget examples/airliner-hg9900.toml -n 20 --json");
+    CLI::App* integrity = add_study("integrity", "faults of the receiver: detection, time to alert, false alarms",
+                                    "  schuler analyze integrity examples/paper-a-flight.toml\n"
+                                    "  schuler analyze integrity examples/paper-a-flight.toml --kind ramp --size 0.1,0.5 -n 50");
+    integrity->add_option("--kind", o.study.kinds, "step, ramp (position alone), drift (with its velocity), velocity, noise, freeze")
+        ->delimiter(',')->type_name("KIND");
+    integrity->add_option("--size", o.study.sizes, "m, or m/s")->delimiter(',')->type_name("SIZE");
+    integrity->add_option("--start", o.study.start, "default: half of the scenario")->type_name("S");
+    integrity->add_option("--duration", o.study.duration, "default 100")->type_name("S");
+}
+
 }  // namespace
 
 void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_command) {
-    CLI::App* analyze = add_command(parser, "analyze", "theory as a tool: closed error solutions and modes",
+    CLI::App* analyze = add_command(parser, "analyze", "theory and studies: error solutions, modes, requirements, budgets, integrity",
                                     "  schuler analyze equator --paper\n  schuler analyze schuler --tilt-east 1e-3 --time 5064\n"
                                     "`schuler analyze STUDY --help` tells the options of a study.");
     analyze->require_subcommand(1);
     add_equator(*analyze, o, add_command);
     add_schuler(*analyze, o, add_command);
+    add_studies(*analyze, o, add_command);
 }
 
 }  // namespace schuler::cli

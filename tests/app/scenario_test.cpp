@@ -120,6 +120,18 @@ TEST(Scenario, ErrorsNamePlaceAndMend) {
         {"duration = 3\n", {"s.toml:1: duration: unknown key", "did you mean duration_s?"}},
         {"[trajectory]\ntype = \"carr\"\n", {"s.toml:2", "unknown value \"carr\"", "\"car\""}},
         {"[trajectory]\ntype = \"waypoints\"\n", {"no waypoints"}},
+        {"[trajectory]\ntype = \"paper_a\"\nstart = { lat_deg = 55, lon_deg = 30, height_m = 4000 }\n",
+         {"s.toml:2", "below the ground", "trajectory.ground_height_m"}},
+        {"[trajectory]\ntype = \"waypoints\"\nwaypoints = [ { north_m = 100 }, { north_m = 0 } ]\n",
+         {"s.toml:3", "trajectory.waypoints[0]", "sharper than 160"}},
+        {"[trajectory]\ntype = \"takeoff\"\nspeed_m_s = 5\n", {"s.toml:3", "trajectory.speed_m_s", "not the speed of an aircraft"}},
+        {"[trajectory]\ntype = \"table\"\n", {"trajectory.moves", "no moves"}},
+        {"[trajectory]\ntype = \"table\"\nmoves = [ { yaw_deg = 3 } ]\n", {"s.toml:3", "has no \"yaw_deg\""}},
+        {"[trajectory]\ntype = \"file\"\n", {"trajectory.file", "no trajectory"}},
+        {"[imu]\ngyro_bias_deg_h = -1\n", {"s.toml:2", "imu.gyro_bias_deg_h", "out of range"}},
+        {"[gnss]\nrate_hz = 1\ncorrelated_m = [1, -1, 1]\n", {"s.toml:3", "gnss.correlated_m", "out of range"}},
+        {"[[fault]]\nstart_s = 1\nkind = \"melt\"\n", {"fault", "melt", "step, ramp, drift"}},
+        {"[compare]\nschemes = [\"tight\"]\n", {"s.toml:2", "tight", "separate"}},
         {"[trajectory]\ntype = \"waypoints\"\nwaypoints = [ { north = 3 } ]\n", {"s.toml:3", "has no \"north\"", "north_m"}},
         {"[trajectory]\nstart = { lat_deg = 95 }\n", {"trajectory.start.lat_deg", "out of range"}},
         {"[trajectory]\nstart = { latitude_deg = 5 }\n", {"unknown key", "trajectory.start.lat_deg"}},
@@ -132,6 +144,45 @@ TEST(Scenario, ErrorsNamePlaceAndMend) {
         const std::string message = message_of(c.text);
         for (const char* part : c.parts) EXPECT_NE(message.find(part), std::string::npos) << c.text << " -> " << message;
     }
+}
+
+// A trajectory that was flown, written, and flown again stays near itself; the file may lie beside the scenario.
+TEST(Scenario, RecordedTrajectoryIsFlownAgain) {
+    const TemporaryFolder folder("flown");
+    write_dataset(simulate_dataset(parse("name = \"first\"\nduration_s = 120\n[trajectory]\ntype = \"figure8\"\nstart = { lat_deg = 50, "
+                                         "lon_deg = 30, height_m = 500 }\nfigure_s = 60\n[imu]\nrate_hz = 10\n")),
+                  folder.path());
+    const std::string again = "duration_s = 119\n[trajectory]\ntype = \"file\"\nsmoothing_s = 0.5\nfile = \"" +
+                              (folder.path() / "reference.csv").string() + "\"\n[imu]\nrate_hz = 10\n";
+    const SimulatedDataset flown = simulate_dataset(parse(again));
+    const SimulatedDataset first = simulate_dataset(parse("duration_s = 120\n[trajectory]\ntype = \"figure8\"\nstart = { lat_deg = 50, lon_deg "
+                                                          "= 30, height_m = 500 }\nfigure_s = 60\n[imu]\nrate_hz = 10\n"));
+    for (std::size_t k = 50; k < 1100; k += 100) {
+        const Eigen::Vector3d apart =
+            earth::ned_difference(earth::Earth{}, flown.recording.reference[k].position, first.recording.reference[k].position);
+        EXPECT_LT(apart.norm(), 1.0) << k;
+        EXPECT_LT(std::abs(flown.recording.reference[k].rpy.x() - first.recording.reference[k].rpy.x()), 0.02);
+    }
+    EXPECT_NE(message_of("duration_s = 500\n" + again.substr(again.find('\n') + 1)).find("lasts 120.0 s"), std::string::npos);
+}
+
+// The barometer's log has pressures; its reader makes heights of them. The filter finds what the day's air adds.
+TEST(Scenario, PressuresAndMagnetometerPassTheirReaders) {
+    const SimulatedDataset simulated = simulate_dataset(
+        parse("name = \"air\"\nduration_s = 20\n[trajectory]\ntype = \"static\"\nstart = { height_m = 300 }\n[imu]\nrate_hz = 10\n[baro]\nrate_hz = "
+              "1\npressure = true\nsea_level_pressure_pa = 100000\n[mag]\nrate_hz = 2\nwhite_ut = 0.1\nhard_iron_ut = 1\n"));
+    const TemporaryFolder folder("air");
+    write_dataset(simulated, folder.path());
+    const Dataset dataset = open_dataset(folder.path());
+    WarningLog warnings;
+    const LoadedDataset read = load_dataset(dataset, config_from(dataset.settings), warnings);
+    const LoadedDataset held = settled_dataset(simulated.recording, config_from(simulated.settings), warnings);
+    ASSERT_EQ(read.recording.baro.size(), 21u);
+    ASSERT_EQ(read.recording.mag.size(), 41u);
+    for (std::size_t k = 0; k < 21; ++k) ASSERT_EQ(read.recording.baro[k].height, held.recording.baro[k].height);
+    for (std::size_t k = 0; k < 41; ++k) ASSERT_EQ(read.recording.mag[k].field_b, held.recording.mag[k].field_b);
+    EXPECT_NEAR(read.recording.baro[5].height, 300.0 + simulated.truth.baro_truth[5].bias, 2.0);
+    EXPECT_GT(simulated.truth.baro_truth[5].bias, 100.0);
 }
 
 TEST(Scenario, ExamplesAreRead) {

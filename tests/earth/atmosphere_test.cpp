@@ -49,6 +49,24 @@ TEST(Atmosphere, HeightOfPressureIsTheInverse) {
     EXPECT_NEAR(geometric_from_geopotential(11000.0), 11019.07, 0.01);
 }
 
+TEST(Atmosphere, PressureOfTheDayIsHydrostaticAndStandardWhereTheDayIs) {
+    for (const double h : {-400.0, 0.0, 3000.0, 11000.0, 15000.0, 25000.0})
+        EXPECT_NEAR(static_pressure(h, 101325.0, 0.0) / standard_air(h).pressure, 1.0, 1e-13) << h;
+    // dp/dH = -g0 p / (R (T + dT)), integrated from sea level by Simpson's rule in ln p.
+    for (const double offset : {-30.0, 20.0}) {
+        for (const double top : {8000.0, 11000.0, 18000.0}) {
+            const int n = 1800;   // the tropopause is a point of the grid
+            double sum = 0.0;
+            for (int i = 0; i <= n; ++i)
+                sum += (i == 0 || i == n ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) / (standard_air(top * i / n).temperature + offset);
+            const double expected = 98000.0 * std::exp(-9.80665 / 287.05287 * sum * top / n / 3.0);
+            EXPECT_NEAR(static_pressure(top, 98000.0, offset) / expected, 1.0, 1e-9) << top << " " << offset;
+        }
+    }
+    EXPECT_THROW((void)static_pressure(0.0, 0.0, 0.0), Error);
+    EXPECT_THROW((void)static_pressure(0.0, 101325.0, 400.0), Error);
+}
+
 TEST(Atmosphere, OutsideIsAnErrorNotANumber) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const double p : {0.0, -1.0, nan, 1013.25e3}) EXPECT_THROW((void)geopotential_height_from_pressure(p), Error) << p;

@@ -46,6 +46,21 @@ private:
 
 LongMatrix inverse(const LongMatrix& A) { return A.llt().solve(LongMatrix::Identity(A.rows(), A.cols())); }
 
+TEST(ScalarUpdate, CovarianceOfAnyGainIsJosephs) {
+    Numbers numbers(17);
+    for (int trial = 0; trial < 20; ++trial) {
+        Matrix P = numbers.covariance(Vector::Constant(2.0));
+        const Matrix before = P, I = Matrix::Identity();
+        const Vector h = numbers.vector(), k = 0.2 * numbers.vector(), start = numbers.vector();
+        Vector dx = start;
+        const double r = numbers.uniform(0.1, 3.0), z = numbers.normal();
+        (void)update_with_gain<N>(dx, P, h, z, r, k);
+        const Matrix expected = (I - k * h.transpose()) * before * (I - k * h.transpose()).transpose() + r * k * k.transpose();
+        EXPECT_LT((P - expected).cwiseAbs().maxCoeff(), 1e-12 * expected.cwiseAbs().maxCoeff());
+        EXPECT_LT((dx - start - k * (z - h.dot(start))).norm(), 1e-12);
+    }
+}
+
 TEST(ScalarUpdate, SequenceEqualsTheBatchInInformationForm) {
     Numbers numbers(11);
     for (int trial = 0; trial < 20; ++trial) {

@@ -37,7 +37,8 @@ Layout full_layout() {
     L.baro_bias = 27;
     L.mag_bias = 28;
     L.gnss_position = 29;
-    L.size = 32;
+    L.gnss_velocity = 32;
+    L.size = 35;
     return L;
 }
 
@@ -88,6 +89,7 @@ std::vector<Point> random_points(int count) {
         e.parameters(e.layout.baro_bias) = 20.0 * unit(generator);
         e.parameters(e.layout.mag_bias) = unit(generator);
         e.parameters.segment<3>(e.layout.gnss_position) = vector(2.0);
+        e.parameters.segment<3>(e.layout.gnss_velocity) = vector(0.1);
         p.f_b = e.C_nb.transpose() * (Vector3d(0.0, 0.0, -9.8) + vector(5.0));
         p.name = "point " + std::to_string(k);
         points.push_back(p);

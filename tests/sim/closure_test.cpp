@@ -83,6 +83,15 @@ TEST(Closure, HourOfTownDrive) {
     expect_within(close_loop(drive, 200.0, 3600.0, {}), 0.02, 0.02, 1e-6 * deg);
 }
 
+// Every other kind of path for as long as it is described; the rates are those of the instruments used on them.
+TEST(Closure, MotionsOfEveryKind) {
+    for (const testing::NamedPath& p : testing::all_paths()) {
+        if (p.name == "static" || p.name == "great_circle" || p.name == "paper_a" || p.name.ends_with("route")) continue;
+        SCOPED_TRACE(p.name);
+        expect_within(close_loop(p.settings, 100.0, 280.0, {}), 0.02, 0.02, 2e-6 * deg);
+    }
+}
+
 // What remains is the mechanization's, not the simulator's: it falls at the order of the algorithm when the rate doubles,
 // position by its second-order step, attitude by the third order of the coning correction.
 TEST(Closure, ErrorFallsAtTheOrderOfTheAlgorithm) {

@@ -1,6 +1,7 @@
 // Example paths of every kind, and the body in inertial space by means that share nothing with the room under test.
 #pragma once
 
+#include "schuler/core/samples.h"
 #include "schuler/core/units.h"
 #include "schuler/sim/path.h"
 
@@ -41,7 +42,27 @@ inline std::vector<NamedPath> all_paths() {
     aircraft.lateral_accel = 4.0;
     aircraft.roll_per_lateral_accel = 0.102;
     aircraft.waypoints = {{9000.0, 0.0, 300.0, 90.0, 0.0}, {9000.0, 8000.0, 0.0, 80.0, 0.0}, {0.0, 12000.0, 500.0, 90.0, 0.0}};
-    return {{"static", StaticPath{{-75.0 * deg, 100.0 * deg, 3000.0}, {0.3, -0.2, 4.0}}, 0.5, 1e-7},
+    FigureEightPath eight{{-12.0 * deg, 77.0 * deg, 400.0}, 0.7, 1800.0, 900.0, 60.0, 90.0, 0.102};
+    ShipPath ship{{54.0 * deg, -20.0 * deg, 12.0}, 2.2, 7.0, {0.1, 9.0, 0.1}, {0.04, 6.5, 1.0}, {0.02, 17.0, 2.0}, {1.5, 7.0, 0.5}};
+    TablePath table{{48.0 * deg, 11.0 * deg, 500.0}, {0.1, -0.2, 1.0}, {}, 10.0};
+    table.moves = {{{0.0, 0.0, 2.0}, 15.0, 5.0}, {{0.5, 0.3, -1.0}, 40.0, 10.0}, {{-2.0, 0.0, 0.0}, 90.0, 10.0}, {{0.0, 0.9, 6.0}, 200.0, 0.0}};
+    RecordedPath recorded;   // an aircraft that climbs and weaves, as a receiver would have logged it
+    for (int k = 0; k <= 400; ++k) {
+        const double t = k;
+        recorded.points.push_back({t, {0.9 + 2e-5 * t, 1.0 + 3e-4 * std::sin(t / 60.0), 2000.0 + 2.0 * t}, Eigen::Vector3d::Constant(not_given)});
+    }
+    RecordedPath with_attitude = recorded;
+    for (RecordedPoint& p : with_attitude.points) p.rpy = {0.1 * std::sin(p.time / 9.0), 0.05, 6.2 + 0.01 * p.time};
+    const FlightPhase phase{{40.0 * deg, -3.0 * deg, 300.0}, 1.0, 120.0, 900.0, 20.0, 280.0};
+    return {{"figure_eight", eight, 0.05, 1e-5},
+            {"ship", ship, 0.05, 1e-5},
+            {"table", table, 0.02, 3e-5},
+            {"recorded", recorded, 0.05, 1e-5},
+            {"recorded_attitude", with_attitude, 0.05, 1e-5},
+            {"takeoff", takeoff_route(phase), 0.02, 3e-5},
+            {"holding", holding_route(phase), 0.02, 3e-5},
+            {"approach", approach_route(phase), 0.02, 3e-5},
+            {"static", StaticPath{{-75.0 * deg, 100.0 * deg, 3000.0}, {0.3, -0.2, 4.0}}, 0.5, 1e-7},
             {"great_circle", GreatCirclePath{{50.0 * deg, 179.9 * deg, 8000.0}, 70.0 * deg, 240.0}, 0.5, 2e-7},
             {"paper_a", PaperAPath{}, 0.5, 2e-7},
             {"route", example_route(), 0.02, 3e-5},

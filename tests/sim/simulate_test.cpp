@@ -307,6 +307,128 @@ TEST(Simulate, TruthIsThePathAndTheSensorErrorsOfTheMoment) {
     EXPECT_GT(data.sensor_truth[95].gyro_bias.norm(), 8.0 * sigma);
 }
 
+// Two-sample variance of averages over T of the rate of an axis, against [IEEE952]: white N^2/T, flicker (2 ln 2 / pi) B^2, walk K^2 T/3.
+double allan_variance(const std::vector<ImuSample>& imu, std::size_t averaged, double rate) {
+    double sum = 0.0, n = 0.0;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        double before = 0.0;
+        for (std::size_t k = 0; (k + 1) * averaged <= imu.size(); ++k) {
+            double mean = 0.0;
+            for (std::size_t i = k * averaged; i < (k + 1) * averaged; ++i) mean += imu[i].gyro[axis] * rate / static_cast<double>(averaged);
+            if (k > 0) {
+                sum += 0.5 * (mean - before) * (mean - before);
+                n += 1.0;
+            }
+            before = mean;
+        }
+    }
+    return sum / n;
+}
+
+TEST(Simulate, FlickerAndRateWalkHaveTheirAllanVariance) {
+    Scenario s = at_rest(20000.0);
+    s.imu.rate = 2.0;
+    s.gnss.rate = 0.0;
+    s.imu.errors = {};
+    s.imu.errors.gyro_flicker = 1e-6;
+    const auto flicker = simulate(s).recording.imu;
+    for (const std::size_t averaged : {20U, 100U, 400U})
+        EXPECT_NEAR(allan_variance(flicker, averaged, 2.0) / (0.664 * 0.664 * 1e-12), 1.0, averaged < 200 ? 0.12 : 0.25) << averaged;
+    s.imu.errors.gyro_flicker = 0.0;
+    s.imu.errors.gyro_rate_walk = 1e-8;
+    const auto walk = simulate(s).recording.imu;
+    EXPECT_NEAR(allan_variance(walk, 200, 2.0) / (1e-16 * 100.0 / 3.0), 1.0, 0.25);
+}
+
+TEST(Simulate, TemperatureForceAndRangeActAsStated) {
+    Scenario s = at_rest(60.0);
+    s.imu.errors = {};
+    s.imu.warm_up = 20.0;
+    s.imu.warm_up_time = 10.0;
+    s.imu.errors.gyro_temperature = 1e-6;
+    s.imu.errors.accel_range = 5.0;   // below gravity
+    SimulatedData warm = simulate(s);
+    // The bias follows the temperature: the same coefficient at two times.
+    const Vector3d early = warm.sensor_truth[100].gyro_bias, late = warm.sensor_truth[500].gyro_bias;
+    EXPECT_GT(late.norm(), 1e-6);
+    EXPECT_LT((early / -std::expm1(-1.0) - late / -std::expm1(-5.0)).norm(), 1e-6 * late.norm());
+    double most = 0.0;
+    for (const ImuSample& sample : warm.recording.imu) most = std::max(most, sample.accel.cwiseAbs().maxCoeff());
+    EXPECT_NEAR(most, 5.0 / s.imu.rate, 1e-12);
+
+    double square = 0.0;   // drift of gyros by gravity alone: nine coefficients, three of them feel it
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        Scenario g = at_rest(1.0);
+        g.seed = seed;
+        g.imu.errors = {};
+        g.gnss.rate = 0.0;
+        const Vector3d exact = simulate(g).recording.imu.back().gyro;
+        g.imu.errors.gyro_g = 1e-6;
+        square += ((simulate(g).recording.imu.back().gyro - exact) * g.imu.rate / 9.8 / 1e-6).squaredNorm();
+    }
+    expect_chi_square(square, 900.0);
+}
+
+TEST(Simulate, FaultsAreInTheLogAndNowhereElse) {
+    Scenario s = full();
+    const SimulatedData healthy = simulate(s);
+    s.faults = {{Channel::Gnss, FaultKind::Ramp, 20.0, 10.0, 0.5, {3.0, 4.0, 0.0}},
+                {Channel::Gnss, FaultKind::Dropout, 50.0, 2.0, 0.0, Vector3d::UnitX()},
+                {Channel::Gnss, FaultKind::Freeze, 60.0, 2.0, 0.0, Vector3d::UnitX()},
+                {Channel::Baro, FaultKind::Step, 30.0, 1e9, 7.0, Vector3d::UnitX()},
+                {Channel::Imu, FaultKind::Gyro, 70.0, 1.0, 1e-3, Vector3d::UnitZ()}};
+    const SimulatedData ill = simulate(s);
+    EXPECT_EQ(healthy.recording.gnss.size(), ill.recording.gnss.size() + 10);
+    std::size_t i = 0;
+    for (const GnssFix& fix : healthy.recording.gnss) {
+        const double t = (fix.time - s.origin).seconds();
+        if (t >= 50.0 && t < 52.0) continue;
+        const GnssFix& other = ill.recording.gnss[i++];
+        ASSERT_EQ(other.time, fix.time);
+        const Vector3d apart = testing::level_axes(fix.position).transpose() * (testing::ecef(other.position) - testing::ecef(fix.position));
+        if (t >= 20.0 && t < 30.0)
+            ASSERT_LT((apart - 0.5 * (t - 20.0) * Vector3d(0.6, 0.8, 0.0)).norm(), 1e-5) << t;
+        else if (t >= 60.0 && t < 62.0)
+            ASSERT_EQ(other.position.lat, ill.recording.gnss[i - 2].position.lat);
+        else
+            ASSERT_EQ(apart.norm(), 0.0) << t;
+    }
+    EXPECT_NEAR(ill.recording.baro.back().height - healthy.recording.baro.back().height, 7.0, 1e-9);
+    EXPECT_EQ(ill.recording.baro.front().height, healthy.recording.baro.front().height);
+    EXPECT_NEAR((ill.recording.imu[7050].gyro - healthy.recording.imu[7050].gyro).z(), 1e-5, 1e-12);
+    EXPECT_EQ(ill.recording.imu[6900].gyro, healthy.recording.imu[6900].gyro);
+}
+
+TEST(Simulate, PressuresAreThoseOfTheDay) {
+    Scenario s = at_rest(10.0);
+    s.baro = {1.0, 0.0, 0.0, 0.0, true, 99000.0, 20.0};
+    const SimulatedData data = simulate(s);
+    const double h = std::get<StaticPath>(s.path).start.h;
+    // Near the ground p = p0 (1 - g h / (R T)) within 1e-4 of its change.
+    const double expected = 99000.0 * std::exp(-9.80665 * h / (287.05287 * (308.15 - 0.00325 * h)));
+    EXPECT_NEAR(data.recording.baro[3].pressure, expected, 0.1);
+    EXPECT_TRUE(std::isnan(data.recording.baro[3].height));
+    EXPECT_GT(data.baro_truth[3].bias, 150.0);   // 23 hPa below the standard
+}
+
+TEST(Simulate, MagneticFieldIsThatOfThePlaceAndTheIron) {
+    Scenario s = at_rest(10.0);
+    s.mag = {1.0, 50e-6, 0.1, 1.1, 0.0, 0.0, 0.0};
+    const auto clean = simulate(s).recording.mag;
+    ASSERT_EQ(clean.size(), 11u);
+    const Vector3d field = testing::body_axes(std::get<StaticPath>(s.path).rpy) * clean[4].field_b;
+    EXPECT_NEAR(std::atan2(field.y(), field.x()), 0.1, 1e-12);
+    EXPECT_NEAR(std::atan2(field.z(), field.head<2>().norm()), 1.1, 1e-12);
+    EXPECT_NEAR(field.norm(), 50e-6, 1e-18);
+    double square = 0.0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        s.seed = seed;
+        s.mag.hard_iron = 3e-6;
+        square += ((simulate(s).recording.mag[4].field_b - clean[4].field_b) / 3e-6).squaredNorm();
+    }
+    expect_chi_square(square, 900.0);
+}
+
 TEST(Simulate, UnusableSettingsAreNamed) {
     const auto key_of = [](const std::function<void(Scenario&)>& spoil) {
         Scenario s = full();

@@ -38,7 +38,10 @@ struct ResultBundle {
 };
 
 /// As in settings and summaries.
+[[nodiscard]] std::string_view scheme_name(Scheme scheme);
 [[nodiscard]] std::string_view loop_name(fusion::Loop loop);
+
+[[nodiscard]] std::string_view integrity_test_name(fusion::IntegrityTest test);
 
 /// summary.json, with the fields of the interface contract; numbers that do not apply are null.
 [[nodiscard]] std::string summary_json(const ResultBundle& bundle);

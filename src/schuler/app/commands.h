@@ -39,6 +39,9 @@ struct Outcome {
 /// Simulates, fuses and evaluates in one go; the same as simulate_to_folder and process_dataset on that folder.
 [[nodiscard]] Outcome run_scenario(const ProcessRequest& request);
 
+/// The same flight through every scheme that the scenario compares, one table of them. @throws Error
+[[nodiscard]] Outcome compare_schemes(const ProcessRequest& request);
+
 /// Many seeds of a scenario on `jobs` threads (0: one a core): errors and consistency over the runs. @throws Error
 [[nodiscard]] Outcome run_montecarlo(const ProcessRequest& request, std::optional<std::size_t> runs, int jobs);
 

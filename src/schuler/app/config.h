@@ -36,7 +36,7 @@ struct RawGnssConfig {
     bool phase_velocity = false;                 ///< velocity from phases instead of Doppler
 };
 
-enum class Scheme { Gnss, Loose };
+enum class Scheme { Gnss, Separate, Loose };
 enum class Quaternion { BodyToNed, SensorToEnu };
 
 /// An outage as a user gives it.
@@ -79,6 +79,7 @@ struct Config {
     Scheme scheme = Scheme::Loose;
     std::optional<bool> scale_factors, misalignments;  ///< not given: on where simulated, misalignments for a car too
     std::optional<bool> nonholonomic;            ///< not given: on for a car
+    double sea_level_pressure = 101325.0;        ///< Pa, by which pressures of a barometer become heights
     fusion::Settings filter;
     RunConfig run;
     OutputConfig output;

@@ -35,6 +35,8 @@ void add_environment(OptionTable<Config>& table) {
                             baro(&BaroSettings::bias_std)))
         .add(number<Config>("baro.bias_walk_m", 1.0, 0, 1e3, "random walk of that bias, m in a root second",
                             baro(&BaroSettings::bias_walk)))
+        .add(number<Config>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "by which pressures of the log become heights",
+                            [](auto& c) -> auto& { return c.sea_level_pressure; }))
         .add(flag<Config>("mag.use", "use the magnetometer's heading", mag(&MagSettings::use)))
         .add(number<Config>("mag.declination_deg", units::deg, -180, 180,
                             "magnetic declination, east positive; not given: part of the heading offset",
@@ -130,8 +132,10 @@ void add_filter_options(OptionTable<Config>& table) {
     add_initial(table);
     using fusion::Mechanization;
     table.add(preset_option())
-        .add(staged_choice<Scheme>("filter.scheme", {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}},
-                                   {"separate", "tight", "medium", "deep"}, "coupling; gnss is the receiver's own solution",
+        .add(staged_choice<Scheme>("filter.scheme", {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}},
+                                   {"tight", "medium", "deep"},
+                                   "coupling: loose = one filter of receiver and inertial unit; separate = the inertial unit is set to the "
+                                   "receiver now and then or little by little; gnss = the receiver's own solution",
                                    [](auto& c) -> auto& { return c.scheme; }))
         .add(choice<Config, Mechanization>(
             "filter.mechanization", {{"geographic", Mechanization::Geographic}, {"ecef", Mechanization::Ecef}},

@@ -21,8 +21,9 @@ SettingList settings_over(const ProcessRequest& request) {
     return overlaid(config_table().read(read_toml(request.config), request.config.string()), request.above);
 }
 
-ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList& over, WarningLog& warnings) {
-    SimulatedDataset simulated = simulate_dataset(scenario);
+ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList& over, WarningLog& warnings,
+                              const ScenarioConfig* told) {
+    SimulatedDataset simulated = simulate_dataset(scenario, told);
     const Config config = config_from(overlaid(simulated.settings, over));
     ResultBundle bundle;
     bundle.name = config.name;

@@ -13,7 +13,8 @@ namespace schuler::app {
 [[nodiscard]] SettingList settings_over(const ProcessRequest& request);
 
 /// A simulated data set with the settings `over` those it describes itself by; ready to be fused.
-[[nodiscard]] ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList& over, WarningLog& warnings);
+[[nodiscard]] ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList& over, WarningLog& warnings,
+                                            const ScenarioConfig* told = nullptr);
 
 /// Rate (Hz) at which the filter reports for the evaluation, 0 = every IMU epoch, whatever is written afterwards.
 [[nodiscard]] double internal_rate(const LoadedDataset& data);

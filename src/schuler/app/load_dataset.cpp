@@ -2,6 +2,7 @@
 
 #include "schuler/app/raw_gnss.h"
 #include "schuler/core/units.h"
+#include "schuler/earth/atmosphere.h"
 #include "schuler/io/csv_recording.h"
 #include "schuler/io/kfgins.h"
 #include "schuler/io/nmea.h"
@@ -239,10 +240,23 @@ std::vector<ReferenceSample> read_reference(const fs::path& file, const FileSour
     return io::read_reference_csv(input, csv_options(named, config), warnings).samples;
 }
 
+namespace {
+
+/// Pressures as heights of the standard atmosphere, where the log has no heights.
+void settle_pressures(LoadedDataset& d) {
+    for (BaroSample& b : d.recording.baro) {
+        if (std::isfinite(b.height) || !std::isfinite(b.pressure)) continue;
+        b.height = earth::geometric_from_geopotential(earth::geopotential_height_from_pressure(b.pressure, d.config.sea_level_pressure));
+    }
+}
+
+}  // namespace
+
 LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings) {
     LoadedDataset out;
     out.recording = std::move(recording);
     out.config = config;
+    settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
     return out;
@@ -255,6 +269,7 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     read_imu(dataset.folder, out, warnings);
     read_others(dataset.folder, out, warnings);
     read_gnss(dataset.folder, out, warnings);
+    settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
     check_gravity(out);

@@ -174,7 +174,7 @@ std::string summary_json(const MonteCarlo& mc) {
     Json out;
     out["name"] = mc.name;
     out["command"] = "montecarlo";
-    out["scheme"] = c.scheme == Scheme::Gnss ? "gnss" : "loose";
+    out["scheme"] = scheme_name(c.scheme);
     out["mechanization"] = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
     out["loop"] = loop_name(c.filter.loop);
     out["smoothed"] = c.filter.smooth;

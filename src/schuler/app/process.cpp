@@ -117,6 +117,7 @@ Outcome process_dataset(const ProcessRequest& request) {
 Outcome run_scenario(const ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const ScenarioConfig scenario = read_scenario(request.input, request.seed);
+    if (!scenario.compared.empty()) return compare_schemes(request);
     WarningLog warnings;
     ResultBundle bundle = simulated_bundle(scenario, settings_over(request), warnings);
     bundle.command = "run";

@@ -144,7 +144,7 @@ std::string report_html(const ResultBundle& b) {
     const auto& rows = b.solution().rows;
     data.title = b.name;
     data.subtitle = fmt::format("{} coupling, {} frame, {}; {} IMU epochs at {:.4g} Hz, {} GNSS epochs",
-                                c.scheme == Scheme::Gnss ? "no" : "loose",
+                                c.scheme == Scheme::Gnss ? "no" : scheme_name(c.scheme),
                                 c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "Earth-fixed",
                                 b.smoothed() ? "smoothed" : "forward filter", b.result.counters.imu_epochs,
                                 b.result.counters.imu_rate, b.result.counters.gnss_epochs);

@@ -3,6 +3,7 @@
 #include "schuler/app/gnss_error_options.h"
 #include "schuler/app/imu_error_options.h"
 #include "schuler/app/option_builders.h"
+#include "schuler/app/scenario_sections.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/core/units.h"
 
@@ -39,141 +40,6 @@ void add_general(Table& table) {
         table.add(of_processing(*config_table().find(key)));
 }
 
-void add_start(Table& table) {
-    const struct {
-        const char* name;
-        double factor, low, high;
-        double Geodetic::*field;
-    } rows[] = {{"lat_deg", deg, -89, 89, &Geodetic::lat},
-                {"lon_deg", deg, -360, 360, &Geodetic::lon},
-                {"height_m", 1, -1000, 100000, &Geodetic::h}};
-    for (const auto& r : rows) {
-        Option<S> option = number<S>(std::string("trajectory.start.") + r.name, r.factor, r.low, r.high, "where the path starts",
-                                     [field = r.field](auto& s) -> auto& { return s.start.*field; });
-        option.set = [set = option.set](S& s, const Value& v) {
-            set(s, v);
-            s.start_given = true;
-        };
-        table.add(std::move(option));
-    }
-}
-
-void add_paper_a(Table& table) {
-    const struct {
-        std::string name;
-        sim::Oscillation sim::PaperAPath::*field;
-        const char* rate;
-        const char* amplitude;
-    } rows[] = {{"lat", &sim::PaperAPath::lat, "_rate_rad_s", "_amplitude_rad"},
-                {"lon", &sim::PaperAPath::lon, "_rate_rad_s", "_amplitude_rad"},
-                {"height", &sim::PaperAPath::height, "_rate_m_s", "_amplitude_m"}};
-    for (const auto& r : rows) {
-        const auto access = [field = r.field](double sim::Oscillation::*part) {
-            return [=](auto& s) -> auto& { return (s.paper_a.*field).*part; };
-        };
-        table
-            .add(number<S>("trajectory." + r.name + r.rate, 1.0, -1e3, 1e3, "paper_a: constant rate",
-                           access(&sim::Oscillation::rate)))
-            .add(number<S>("trajectory." + r.name + r.amplitude, 1.0, -1e5, 1e5, "paper_a: amplitude of the oscillation",
-                           access(&sim::Oscillation::amplitude)))
-            .add(number<S>("trajectory." + r.name + "_phase_deg", deg, -360, 360, "paper_a: its phase",
-                           access(&sim::Oscillation::phase)));
-    }
-    table
-        .add(vector3<S>("trajectory.period_s", 1.0, 0.1, 1e7, "paper_a: periods of latitude, longitude, height",
-                        [](auto& s) -> auto& { return s.periods; }))
-        .add(number<S>("trajectory.roll_per_accel", 1.0, -1, 1, "paper_a: K of (4.2.5), rad/(m/s2)",
-                       [](auto& s) -> auto& { return s.paper_a.roll_per_accel; }));
-}
-
-sim::Waypoint waypoint_of(const Value& v) {
-    sim::Waypoint w;
-    const auto bad = [&](const std::string& what) {
-        return input_error(what, {}, "write waypoints = [ { north_m = 100, east_m = 0, speed_m_s = 10, stop_s = 5 }, ... ]");
-    };
-    if (v.table() == nullptr) throw bad("a waypoint is not a table");
-    for (const auto& [name, x] : *v.table()) {
-        if (!x.is_number() || !(std::abs(x.number()) < 1e7)) throw bad(fmt::format("{} = {} is not a number", name, to_toml(x)));
-        double* field = name == "north_m"     ? &w.north
-                        : name == "east_m"    ? &w.east
-                        : name == "up_m"      ? &w.up
-                        : name == "speed_m_s" ? &w.speed
-                        : name == "stop_s"    ? &w.stop
-                                              : nullptr;
-        if (field == nullptr) throw bad(fmt::format("a waypoint has no \"{}\"", name));
-        *field = x.number();
-    }
-    return w;
-}
-
-Option<S> waypoints_option() {
-    return special<S>(
-        "trajectory.waypoints", "[ { north_m, east_m, up_m, speed_m_s, stop_s }, ... ]",
-        "waypoints: corners in metres from the start",
-        [](S& s, const Value& v) {
-            s.route.waypoints.clear();
-            if (v.list() == nullptr)
-                throw input_error(fmt::format("is {}, expected a list", kind_of(v)), {},
-                                  "write waypoints = [ { north_m = 100, east_m = 0 }, ... ]");
-            for (const Value& item : *v.list()) s.route.waypoints.push_back(waypoint_of(item));
-        },
-        [](const S& s) -> std::optional<Value> {
-            if (s.route.waypoints.empty()) return std::nullopt;
-            ValueList list;
-            for (const sim::Waypoint& w : s.route.waypoints) {
-                list.push_back({ValueTable{{"north_m", {w.north}},
-                                           {"east_m", {w.east}},
-                                           {"up_m", {w.up}},
-                                           {"speed_m_s", {w.speed}},
-                                           {"stop_s", {w.stop}}}});
-            }
-            return Value{std::move(list)};
-        });
-}
-
-void add_trajectory(Table& table) {
-    table.add(choice<S, TrajectoryType>(
-        "trajectory.type",
-        {{"static", TrajectoryType::Static},
-         {"great_circle", TrajectoryType::GreatCircle},
-         {"paper_a", TrajectoryType::PaperA},
-         {"car", TrajectoryType::Car},
-         {"waypoints", TrajectoryType::Waypoints}},
-        "static, great_circle (constant height and speed), paper_a (its flight), car (a town drive), waypoints",
-        [](auto& s) -> auto& { return s.type; }));
-    add_start(table);
-    table
-        .add(vector3<S>("trajectory.attitude_deg", deg, -360, 360, "static: roll, pitch, heading",
-                        [](auto& s) -> auto& { return s.attitude; }))
-        .add(number<S>("trajectory.heading_deg", deg, -360, 360, "great_circle: heading at the start",
-                       [](auto& s) -> auto& { return s.great_circle.heading; }))
-        .add(number<S>("trajectory.speed_m_s", 1.0, 0, 1e4, "great_circle: speed",
-                       [](auto& s) -> auto& { return s.great_circle.speed; }));
-    add_paper_a(table);
-    const auto route = [](double sim::RoutePath::*field) { return [=](auto& s) -> auto& { return s.route.*field; }; };
-    const auto vibration = [](double sim::Vibration::*field) {
-        return [=](auto& s) -> auto& { return s.route.vibration.*field; };
-    };
-    using R = sim::RoutePath;
-    table.add(waypoints_option())
-        .add(number<S>("trajectory.standstill_s", 1.0, 0, 1e6, "car, waypoints: at rest before the start", route(&R::standstill)))
-        .add(number<S>("trajectory.corner_radius_m", 1.0, 0.1, 1e6, "car, waypoints: radius of the corners",
-                       route(&R::corner_radius)))
-        .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 100, "car, waypoints: limit in corners",
-                       route(&R::lateral_accel)))
-        .add(number<S>("trajectory.longitudinal_accel_m_s2", 1.0, 0.01, 100, "car, waypoints: limit when speeding up and braking",
-                       route(&R::longitudinal_accel)))
-        .add(number<S>("trajectory.roll_per_lateral_accel", 1.0, -1, 1, "car, waypoints: rad/(m/s2)",
-                       route(&R::roll_per_lateral_accel)))
-        .add(number<S>("trajectory.pitch_per_accel", 1.0, -1, 1, "car, waypoints: rad/(m/s2)", route(&R::pitch_per_accel)))
-        .add(number<S>("trajectory.vibration.frequency_hz", 1.0, 0.01, 1e4, "car, waypoints: frequency of the suspension",
-                       vibration(&sim::Vibration::frequency)))
-        .add(number<S>("trajectory.vibration.angle_deg", deg, 0, 20, "amplitude of roll and pitch",
-                       vibration(&sim::Vibration::angle)))
-        .add(number<S>("trajectory.vibration.accel_m_s2", 1.0, 0, 100, "amplitude of the vertical acceleration",
-                       vibration(&sim::Vibration::accel)));
-}
-
 Option<S> both(const std::string& key, double factor, double high, const std::string& help, double sensor::ImuErrorModel::*gyro,
                double sensor::ImuErrorModel::*accel) {
     Option<S> option = number<S>(key, factor, 0, high, help, [=](auto& s) -> auto& { return s.sim.imu.errors.*gyro; });
@@ -195,6 +61,9 @@ void add_imu(Table& table) {
         .add(both("imu.misalignment_arcsec", units::arcsec, 1e5, "axis misalignment of gyros and accelerometers",
                   &sensor::ImuErrorModel::gyro_misalignment, &sensor::ImuErrorModel::accel_misalignment));
     add_imu_error_options(table, "imu.", errors);
+    table.add(number<S>("imu.warm_up_k", 1.0, -100, 100, "it warms by so much above the temperature of its calibration",
+                        [](auto& s) -> auto& { return s.sim.imu.warm_up; }))
+        .add(number<S>("imu.warm_up_time_s", 1.0, 1e-3, 1e6, "time constant of that", [](auto& s) -> auto& { return s.sim.imu.warm_up_time; }));
 }
 
 /// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which names no sigma of its own for the
@@ -239,6 +108,8 @@ void add_receivers(Table& table) {
         return [=](auto& s) -> auto& { return s.sim.gnss.*field; };
     };
     const auto scalar = [](double sim::GnssSettings::*field) { return [=](auto& s) -> auto& { return s.sim.gnss.*field; }; };
+    const auto mag = [](double sim::MagSettings::*field) { return [=](auto& s) -> auto& { return s.sim.mag.*field; }; };
+    using M = sim::MagSettings;
     const auto baro = [](double sim::BaroSettings::*field) { return [=](auto& s) -> auto& { return s.sim.baro.*field; }; };
     using G = sim::GnssSettings;
     table.add(number<S>("gnss.rate_hz", 1.0, 0, 1000, "rate of the fixes; 0 = no receiver", scalar(&G::rate)))
@@ -253,7 +124,20 @@ void add_receivers(Table& table) {
         .add(number<S>("baro.white_m", 1.0, 0, 1e4, "white height error", baro(&sim::BaroSettings::white)))
         .add(number<S>("baro.bias_m", 1.0, 0, 1e5, "constant height error, one sigma over runs", baro(&sim::BaroSettings::bias)))
         .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "its random walk, m in a root second",
-                       baro(&sim::BaroSettings::bias_walk)));
+                       baro(&sim::BaroSettings::bias_walk)))
+        .add(flag<S>("baro.pressure", "the log has static pressures, of which the reader makes heights of the standard atmosphere",
+                     [](auto& s) -> auto& { return s.sim.baro.pressure; }))
+        .add(number<S>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "pressure: of the day at sea level",
+                       baro(&sim::BaroSettings::sea_level_pressure)))
+        .add(number<S>("baro.temperature_offset_k", 1.0, -60, 60, "pressure: the day is so much warmer than the standard atmosphere",
+                       baro(&sim::BaroSettings::temperature_offset)))
+        .add(number<S>("mag.rate_hz", 1.0, 0, 1000, "rate of the magnetometer; 0 = none", mag(&M::rate)))
+        .add(number<S>("mag.field_ut", 1e-6, 1, 1000, "strength of the Earth's field", mag(&M::field)))
+        .add(number<S>("mag.declination_deg", deg, -180, 180, "its declination, east positive", mag(&M::declination)))
+        .add(number<S>("mag.inclination_deg", deg, -89, 89, "its inclination, down positive", mag(&M::inclination)))
+        .add(number<S>("mag.white_ut", 1e-6, 0, 1000, "white noise", mag(&M::white)))
+        .add(number<S>("mag.hard_iron_ut", 1e-6, 0, 1000, "constant field of the body, one sigma over runs", mag(&M::hard_iron)))
+        .add(number<S>("mag.soft_iron", 1.0, 0, 1, "distortion by the body, one sigma over runs of each coefficient", mag(&M::soft_iron)));
     add_gnss_error_options(table, [](auto& s) -> auto& { return s.sim.gnss.errors; });
     table.add(constellation_change_option<S>("times, from the start, at which the set of satellites changes",
                                              [](const S& s) { return s.sim.gnss.constellation_changes; },
@@ -362,54 +246,31 @@ void add_published(Table& table) {
 Table make_table() {
     Table table;
     add_general(table);
-    add_trajectory(table);
+    add_trajectory_options(table);
     add_imu(table);
     add_receivers(table);
-    table.add(outage_option());
+    table.add(outage_option()).add(fault_option());
     add_filter(table);
     add_montecarlo(table);
     add_published(table);
+    table.add(compared_option());
     return table;
 }
 
-sim::PathSettings path_of(const ScenarioConfig& s) {
-    switch (s.type) {
-        case TrajectoryType::Static: return sim::StaticPath{s.start, s.attitude};
-        case TrajectoryType::GreatCircle: {
-            sim::GreatCirclePath path = s.great_circle;
-            path.start = s.start;
-            return path;
+/// Runs work; an error that knows only its key gets the place of the setting it is about.
+template <class Work>
+void with_places(const SettingList& settings, Work work) {
+    try {
+        work();
+    } catch (const Error& e) {
+        if (e.kind() != ErrorKind::Input || e.place().line > 0 || e.place().key.empty()) throw;
+        const std::string key = e.place().key, bare = key.substr(0, key.find('['));
+        const Setting* best = nullptr;
+        for (const Setting& s : settings) {
+            if (s.key == bare || (best == nullptr && s.key.starts_with(bare + "."))) best = &s;
         }
-        case TrajectoryType::PaperA: {
-            sim::PaperAPath path = s.paper_a;
-            if (s.start_given) path.start = s.start;
-            path.lat.period = s.periods[0];
-            path.lon.period = s.periods[1];
-            path.height.period = s.periods[2];
-            return path;
-        }
-        case TrajectoryType::Waypoints: {
-            sim::RoutePath path = s.route;
-            path.start = s.start;
-            return path;
-        }
-        case TrajectoryType::Car: break;
-    }
-    // the drive is as long as the scenario; what the user set about it stays
-    sim::RoutePath path = sim::town_route(s.start, s.sim.duration, s.sim.seed);
-    const std::vector<sim::Waypoint> waypoints = path.waypoints;
-    path = s.route;
-    path.start = s.start;
-    path.waypoints = waypoints;
-    return path;
-}
-
-fusion::VehicleKind vehicle_of(TrajectoryType type) {
-    switch (type) {
-        case TrajectoryType::Static: return fusion::VehicleKind::Static;
-        case TrajectoryType::GreatCircle:
-        case TrajectoryType::PaperA: return fusion::VehicleKind::Air;
-        default: return fusion::VehicleKind::Car;
+        if (best == nullptr) throw;
+        throw input_error(e.reason(), {best->place.file, best->place.line, best->place.column, key}, e.mend());
     }
 }
 
@@ -424,13 +285,15 @@ ScenarioConfig scenario_from(const SettingList& settings) {
     ScenarioConfig s;
     s.sim.imu.errors = sensor::imu_grade(s.grade);
     scenario_table().apply(settings, s);
-    if (s.type == TrajectoryType::Waypoints && s.route.waypoints.empty()) {
-        throw input_error("no waypoints", {settings.empty() ? "" : settings.front().place.file, 0, 0, "trajectory.waypoints"},
-                          "give at least one");
-    }
+    for (const Setting& setting : settings)
+        if (s.folder.empty() && setting.place.line > 0) s.folder = std::filesystem::path(setting.place.file).parent_path();
     s.processing.filter.vehicle = s.vehicle.value_or(vehicle_of(s.type));
     s.sim.earth = s.processing.filter.earth;
-    s.sim.path = path_of(s);
+    with_places(settings, [&s] {
+        s.sim.path = path_of(s);
+        const auto path = sim::make_path(s.sim.path, s.sim.earth.ellipsoid);
+        sim::require_above_ground(*path, s.sim.duration, s.ground.value_or(ground_of(s)));
+    });
     return s;
 }
 

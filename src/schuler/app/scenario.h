@@ -15,7 +15,9 @@
 
 namespace schuler::app {
 
-enum class TrajectoryType { Static, GreatCircle, PaperA, Car, Waypoints };
+enum class TrajectoryType {
+    Static, GreatCircle, PaperA, Car, Waypoints, Takeoff, Racetrack, Approach, Figure8, Ship, Table, File
+};
 
 /// Errors of the initial state given to the filter, one sigma; NaN: the filter starts by itself.
 struct InitialError {
@@ -44,6 +46,16 @@ struct ScenarioConfig {
     sim::PaperAPath paper_a;
     Eigen::Vector3d periods{600.0, 600.0, 600.0};
     sim::RoutePath route;                       ///< waypoints; of a car the coefficients only
+    double heading = 0.0;                       ///< rad, at the start
+    std::optional<double> speed;                ///< m/s; not given: as the trajectory has it
+    std::optional<double> ground;               ///< m; not given: as the trajectory suggests
+    sim::FlightPhase phase;
+    sim::FigureEightPath figure8;
+    sim::ShipPath ship;
+    sim::TablePath table;
+    sim::RecordedPath recorded;                 ///< how a recording is smoothed
+    std::string file;                           ///< of that recording
+    std::filesystem::path folder;               ///< of the scenario file
     std::string grade = "perfect";
     std::string receiver;
     std::vector<OutageSpan> outages;            ///< of GNSS, relative to the start of the scenario
@@ -52,6 +64,7 @@ struct ScenarioConfig {
     std::optional<int> montecarlo_runs;
     std::vector<Variation> vary;
     Published published;
+    std::vector<std::string> compared;          ///< schemes that `run` compares on this scenario
     SettingList assumed;                        ///< imu.* settings that the filter is told instead of the simulated ones
     Config processing;                          ///< its [filter] section
 };
@@ -77,7 +90,8 @@ struct SimulatedDataset {
 };
 
 /// Simulates and rounds every number to the digits of the files, so that processing the files gives the same bits.
-[[nodiscard]] SimulatedDataset simulate_dataset(const ScenarioConfig& scenario);
+/// `told`: the scenario that the filter is told, where that is another one (it believes in errors that are not simulated).
+[[nodiscard]] SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const ScenarioConfig* told = nullptr);
 
 /// Writes imu.csv, gnss.csv, baro.csv, reference.csv and dataset.toml. @throws Error(Input) where the folder cannot be written.
 void write_dataset(const SimulatedDataset& data, const std::filesystem::path& folder);

@@ -14,7 +14,7 @@ namespace schuler::app {
 namespace {
 
 // Decimals of the files: increments to 1e-12 rad and m/s (a tenth of a nanoradian over an hour), positions to 1e-7 m.
-constexpr int imu_decimals = 12, angle_decimals = 12, length_decimals = 6;
+constexpr int imu_decimals = 12, angle_decimals = 12, length_decimals = 6, pressure_decimals = 4, field_decimals = 9;
 
 template <int Decimals>
 double rounded(double x) {
@@ -44,7 +44,11 @@ void round_to_files(Recording& r) {
         f.std_velocity = rounded<length_decimals>(f.std_velocity);
         f.satellites = -1;
     }
-    for (BaroSample& b : r.baro) b.height = rounded<length_decimals>(b.height);
+    for (BaroSample& b : r.baro) {
+        if (std::isfinite(b.height)) b.height = rounded<length_decimals>(b.height);
+        if (std::isfinite(b.pressure)) b.pressure = rounded<pressure_decimals>(b.pressure);
+    }
+    for (MagSample& m : r.mag) m.field_b = 1e-6 * rounded<field_decimals>(m.field_b / 1e-6);
     for (ReferenceSample& s : r.reference) {
         s.position = rounded(s.position);
         s.velocity_n = rounded<length_decimals>(s.velocity_n);
@@ -113,8 +117,19 @@ std::string gnss_csv(const std::vector<GnssFix>& fixes) {
 }
 
 std::string baro_csv(const std::vector<BaroSample>& samples) {
-    TextTable out("time_s,height_m");
-    for (const BaroSample& s : samples) out.time(s.time).number<length_decimals>(s.height).end_row();
+    const bool pressure = !samples.empty() && std::isfinite(samples.front().pressure);
+    TextTable out(pressure ? "time_s,pressure_pa" : "time_s,height_m");
+    for (const BaroSample& s : samples) {
+        out.time(s.time);
+        if (pressure) out.number<pressure_decimals>(s.pressure).end_row();
+        else out.number<length_decimals>(s.height).end_row();
+    }
+    return out.text();
+}
+
+std::string mag_csv(const std::vector<MagSample>& samples) {
+    TextTable out("time_s,mag_x_ut,mag_y_ut,mag_z_ut");
+    for (const MagSample& s : samples) out.time(s.time).vector<field_decimals>(s.field_b / 1e-6).end_row();
     return out.text();
 }
 
@@ -139,6 +154,7 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     c.imu.file = "imu.csv";
     if (!recording.gnss.empty()) c.gnss.file = "gnss.csv";
     if (!recording.baro.empty()) c.baro.file = "baro.csv";
+    if (!recording.mag.empty()) c.mag.file = "mag.csv";
     c.reference.file = "reference.csv";
     c.filter.imu.kind = s.sim.imu.kind;
     const sensor::ImuErrorModel& imu = s.sim.imu.errors;
@@ -155,6 +171,13 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     c.filter.baro.std = std::max(s.sim.baro.white, 1e-3);
     c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
     c.filter.baro.bias_walk = s.sim.baro.bias_walk;
+    // Hard iron turns the heading by its part across it; soft iron by about its coefficients.
+    const sim::MagSettings& mag = s.sim.mag;
+    const double level = mag.field * std::cos(mag.inclination);
+    c.filter.mag.declination = mag.declination;
+    c.filter.mag.bias_std = std::max(0.01, std::hypot(mag.hard_iron / level, 2.0 * mag.soft_iron));
+    c.filter.mag.heading_std = std::max(0.005, mag.white / level);
+    c.filter.mag.bias_walk = 1e-4 + 0.01 * c.filter.mag.bias_std;
     // the scenario counts from its start, the command line from the first fix: absolute times mean the same to both
     for (const OutageSpan& o : s.outages) c.run.outages.push_back({o.start, o.duration, true});
     return c;
@@ -172,34 +195,46 @@ void give_initial_state(Config& c, const InitialError& e, const ReferenceSample&
     initial.position = earth::moved_by_ned(earth, truth.position, dp);
     initial.velocity_n = truth.velocity_n + dv;
     initial.rpy = {math::wrap_pi(rpy.x()), rpy.y(), math::wrap_2pi(rpy.z())};
+}
+
+void state_initial_sigmas(fusion::InitialSettings& initial, const InitialError& e) {
     initial.std_position.setConstant(e.position);
     initial.std_velocity.setConstant(e.velocity);
-    initial.std_rpy = std_rpy;
+    initial.std_rpy = {e.level, e.level, e.heading};
 }
 
 bool is_relevant(const std::string& key, const Config& c) {
     if (key.starts_with("baro.")) return !c.baro.file.empty();
-    return !key.starts_with("mag.") && !key.starts_with("output.") && !key.ends_with(".time_offset_s") &&
+    if (key.starts_with("mag.")) return !c.mag.file.empty();
+    return !key.starts_with("output.") && !key.ends_with(".time_offset_s") &&
            key != "reference.quaternion";
 }
 
 }  // namespace
 
-SimulatedDataset simulate_dataset(const ScenarioConfig& scenario) {
+SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const ScenarioConfig* told) {
+    const ScenarioConfig& believed = told != nullptr ? *told : scenario;
     SimulatedDataset out;
     out.truth = sim::simulate(scenario.sim);
     out.recording = std::move(out.truth.recording);
     out.seed = scenario.sim.seed;
     out.name = scenario.name;
+    if (told != nullptr) {
+        for (GnssFix& fix : out.recording.gnss) {
+            fix.std_position = sim::stated_position_sigma(told->sim.gnss);
+            fix.std_velocity = sim::stated_velocity_sigma(told->sim.gnss);
+        }
+    }
     round_to_files(out.recording);
-    Config c = described(scenario, out.recording);
+    Config c = described(believed, out.recording);
     if (scenario.initial_error.given() && !out.recording.reference.empty()) {
         give_initial_state(c, scenario.initial_error, out.recording.reference.front(), scenario.sim.earth, out.seed);
+        state_initial_sigmas(c.filter.initial, believed.initial_error);
     }
     for (Setting& s : config_table().used(c)) {
         if (is_relevant(s.key, c)) out.settings.push_back(std::move(s));
     }
-    out.settings.insert(out.settings.end(), scenario.assumed.begin(), scenario.assumed.end());
+    out.settings.insert(out.settings.end(), believed.assumed.begin(), believed.assumed.end());
     return out;
 }
 
@@ -214,6 +249,7 @@ void write_dataset(const SimulatedDataset& data, const std::filesystem::path& fo
     io::write_file(folder / "imu.csv", imu_csv(r.imu, kind));
     if (!r.gnss.empty()) io::write_file(folder / "gnss.csv", gnss_csv(r.gnss));
     if (!r.baro.empty()) io::write_file(folder / "baro.csv", baro_csv(r.baro));
+    if (!r.mag.empty()) io::write_file(folder / "mag.csv", mag_csv(r.mag));
     io::write_file(folder / "reference.csv", reference_csv(r.reference));
     SettingList last;  // of each key the last setting speaks
     for (const Setting& s : data.settings) {

@@ -91,7 +91,7 @@ Json head_of(const ResultBundle& b) {
     Json out;
     out["name"] = b.name;
     out["command"] = b.command;
-    out["scheme"] = c.scheme == Scheme::Gnss ? "gnss" : "loose";
+    out["scheme"] = scheme_name(c.scheme);
     out["mechanization"] = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
     out["loop"] = loop_name(c.filter.loop);
     out["smoothed"] = b.smoothed();
@@ -104,6 +104,17 @@ Json head_of(const ResultBundle& b) {
     out["gnss"] = {
         {"epochs", n.gnss_epochs}, {"accepted", n.gnss_accepted}, {"rejected", n.gnss_rejected}, {"withheld", n.gnss_withheld}};
     return out;
+}
+
+/// Verdicts of the integrity monitor; null where there is none.
+Json integrity_of(const ResultBundle& b) {
+    if (!b.data.config.filter.integrity.use) return nullptr;
+    Json alerts = Json::array();
+    for (const fusion::Alert& a : b.result.alerts)
+        alerts.push_back({{"time_s", b.relative(a.time)},
+                          {"channel", a.kind == fusion::AidKind::GnssVelocity ? "gnss_velocity" : "gnss_position"},
+                          {"test", integrity_test_name(a.test)}});
+    return {{"alerts", alerts}};
 }
 
 Json timing_of(const ResultBundle& b) {
@@ -132,6 +143,20 @@ Json findings_of(const ResultBundle& b) {
 
 }  // namespace
 
+std::string_view scheme_name(Scheme scheme) {
+    return scheme == Scheme::Gnss ? "gnss" : scheme == Scheme::Separate ? "separate" : "loose";
+}
+
+std::string_view integrity_test_name(fusion::IntegrityTest test) {
+    switch (test) {
+        case fusion::IntegrityTest::Tolerance: return "tolerance";
+        case fusion::IntegrityTest::Innovation: return "innovation";
+        case fusion::IntegrityTest::Slow: return "slow";
+        case fusion::IntegrityTest::Readmitted: return "readmitted";
+    }
+    return "?";
+}
+
 std::string_view loop_name(fusion::Loop loop) {
     return loop == fusion::Loop::Open ? "open" : loop == fusion::Loop::Mixed ? "mixed" : "closed";
 }
@@ -146,6 +171,7 @@ std::string summary_json(const ResultBundle& b) {
     out["outages"] = of(e.outages, b.data.origin);
     out["outages_forward"] = b.smoothed() ? of(e.outages_forward, b.data.origin) : Json(nullptr);
     out["findings"] = findings_of(b);
+    out["integrity"] = integrity_of(b);
     out["gravity"] = nullptr;
     out["montecarlo"] = nullptr;
     out["timing"] = timing_of(b);

@@ -101,6 +101,11 @@ std::string summary_tables(const ResultBundle& b) {
         out += "\n" + outage_table(e.outages, b.data.origin, b.smoothed() ? "outages, smoothed" : "outages");
         out += outage_table(e.outages_forward, b.data.origin, "outages, forward");
     }
+    if (!b.result.alerts.empty()) out += "\nintegrity of the receiver\n";
+    for (const fusion::Alert& a : b.result.alerts)
+        out += fmt::format("  {:>8.1f} s  {:<9} {}\n", b.relative(a.time), a.kind == fusion::AidKind::GnssVelocity ? "velocity" : "position",
+                           a.test == fusion::IntegrityTest::Readmitted ? "used again"
+                                                                       : fmt::format("excluded ({} test)", integrity_test_name(a.test)));
     const std::string consistency = consistency_table(e);
     if (!consistency.empty()) out += "\n" + consistency;
     if (!b.published.source.empty() && !e.states.empty())

@@ -71,6 +71,23 @@ StandardAir standard_air(double geopotential_height) {
     return {temperature, pressure, pressure / (gas * temperature)};
 }
 
+double static_pressure(double geopotential_height, double sea_level_pressure, double temperature_offset) {
+    if (!(sea_level_pressure > 0.0) || !(std::abs(temperature_offset) < 100.0))
+        throw input_error(fmt::format("no air has {} Pa at sea level and {} K more than the standard", sea_level_pressure, temperature_offset),
+                          {}, "give pascals (about 101325) and a few tens of kelvin");
+    (void)standard_air(geopotential_height);   // refuses heights outside
+    Layer layer = layers().front();
+    layer.temperature += temperature_offset;
+    layer.pressure = sea_level_pressure;
+    for (std::size_t i = 1; i < layers().size() && layers()[i].base < geopotential_height; ++i) {
+        Layer next = layers()[i];
+        next.temperature += temperature_offset;
+        next.pressure = pressure_in(layer, next.base);
+        layer = next;
+    }
+    return pressure_in(layer, geopotential_height);
+}
+
 double geopotential_height_from_pressure(double pressure, double sea_level_pressure) {
     const std::array<Layer, 7>& table = layers();
     static const double smallest = standard_air(highest).pressure * (1.0 - 1e-12);

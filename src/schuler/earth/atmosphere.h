@@ -19,6 +19,10 @@ struct StandardAir {
 /// apply it (pressures in proportion). Inverse of standard_air().pressure to 1e-9 m below 20 km, 1e-7 m above. @throws likewise.
 [[nodiscard]] double geopotential_height_from_pressure(double pressure, double sea_level_pressure = 101325.0);
 
+/// Static pressure (Pa) on a day whose air is `temperature_offset` K warmer than the standard at every height, with
+/// `sea_level_pressure` (Pa) at sea level: the same hydrostatic equation. @throws Error(Input) outside, or where no air is left.
+[[nodiscard]] double static_pressure(double geopotential_height, double sea_level_pressure, double temperature_offset);
+
 /// Geometric from geopotential height and back, m: h = r H/(r - H), r = 6356766 m (Doc 7488/3).
 [[nodiscard]] double geometric_from_geopotential(double geopotential_height);
 [[nodiscard]] double geopotential_from_geometric(double geometric_height);

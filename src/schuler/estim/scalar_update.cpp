@@ -2,6 +2,24 @@
 
 namespace schuler::estim {
 
+namespace {
+
+/// dx and P after the update u, whose gain and innovation variance are known; ph = P h.
+template <int N>
+void apply(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P, ScalarUpdate<N>& u, double innovation,
+           const Eigen::Matrix<double, N, 1>& ph) {
+    u.innovation = innovation - u.h.dot(dx);
+    dx += u.k * u.innovation;
+    for (int c = 0; c < N; ++c) {
+        const double kc = u.k(c), a = ph(c) - u.s * kc;
+        // Column c of P - k ph^T - ph k^T + s k k^T.
+        P.col(c) -= u.k * a + ph * kc;
+    }
+    P = (0.5 * (P + P.transpose())).eval();
+}
+
+}  // namespace
+
 template <int N>
 ScalarUpdate<N> update_scalar(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P,
                               const Eigen::Matrix<double, N, 1>& h, double innovation, double r) {
@@ -11,14 +29,21 @@ ScalarUpdate<N> update_scalar(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<dou
     u.h = h;
     u.s = h.dot(ph) + r;
     u.k = ph / u.s;
-    u.innovation = innovation - h.dot(dx);
-    dx += u.k * u.innovation;
-    for (int c = 0; c < N; ++c) {
-        const double kc = u.k(c), a = ph(c) - u.s * kc;
-        // Column c of P - k ph^T - ph k^T + s k k^T.
-        P.col(c) -= u.k * a + ph * kc;
-    }
-    P = (0.5 * (P + P.transpose())).eval();
+    apply(dx, P, u, innovation, ph);
+    return u;
+}
+
+template <int N>
+ScalarUpdate<N> update_with_gain(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P,
+                                 const Eigen::Matrix<double, N, 1>& h, double innovation, double r,
+                                 const Eigen::Matrix<double, N, 1>& k) {
+    ScalarUpdate<N> u;
+    u.h = h;
+    u.k = k;
+    Eigen::Matrix<double, N, 1> ph;
+    ph.noalias() = P * h;
+    u.s = h.dot(ph) + r;
+    apply(dx, P, u, innovation, ph);
     return u;
 }
 
@@ -38,6 +63,9 @@ void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
 #define SCHULER_INSTANTIATE(N)                                                                                           \
     template ScalarUpdate<N> update_scalar<N>(Eigen::Matrix<double, N, 1>&, Eigen::Matrix<double, N, N>&,                \
                                               const Eigen::Matrix<double, N, 1>&, double, double);                       \
+    template ScalarUpdate<N> update_with_gain<N>(Eigen::Matrix<double, N, 1>&, Eigen::Matrix<double, N, N>&,             \
+                                                 const Eigen::Matrix<double, N, 1>&, double, double,                     \
+                                                 const Eigen::Matrix<double, N, 1>&);                                    \
     template struct Adjoint<N>;
 SCHULER_INSTANTIATE(7)
 SCHULER_INSTANTIATE(10)

@@ -6,6 +6,7 @@
 #include "schuler/fusion/aid/constraint.h"
 #include "schuler/fusion/aid/environment.h"
 #include "schuler/fusion/aid/gnss.h"
+#include "schuler/fusion/detail/coupling_impl.h"
 
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -71,6 +72,9 @@ const char* channel_name(AidKind kind) {
     return "?";
 }
 
+/// A receiver's fix has two sub-vectors, which are controlled each by itself.
+bool is_sub_vector(AidKind kind) { return kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity; }
+
 /// Puts the packed components of a record where they belong: north, east, down.
 void unpack(AidRecord& record, std::uint8_t components) {
     if (components == 7 || record.dof == 0) return;
@@ -94,7 +98,11 @@ template <class Frame, int N>
 void ForwardPass<Frame, N>::step(Walk<Frame, N>& walk, const ImuIncrement& increment, const BridgeNoise& noise,
                                  Observer& observer) const {
     estim::Transition<N> phi;
+    for (Shadow<Frame, N>& s : walk.shadows)
+        if (s.alive) s.filter.propagate(model_, increment, noise, phi);
     walk.filter.propagate(model_, increment, noise, phi);
+    for (CarriedFix<N>& c : walk.carried)
+        if (c.left > 0) c.corrected = phi.times(c.corrected);
     observer.step(phi);
 }
 
@@ -125,9 +133,11 @@ void ForwardPass<Frame, N>::advance(Walk<Frame, N>& walk, std::size_t last, Obse
             meet(walk, event, observer);
         }
         if (inc.dt > 0.0) step(walk, inc, noise, observer);
+        if (settings_.loose_kind == LooseKind::Aggressive) carry_on(walk, observer);
         constrain(walk, observer);
         if (model_.loop == Loop::Mixed && inc.time >= walk.next_feedback) {
             walk.filter.feed_back(model_);
+            for (Shadow<Frame, N>& s : walk.shadows) s.filter.feed_back(model_);
             walk.next_feedback = inc.time + walk.feedback_period;
         }
         if (inc.time >= walk.next_output) {
@@ -140,8 +150,8 @@ void ForwardPass<Frame, N>::advance(Walk<Frame, N>& walk, std::size_t last, Obse
 }
 
 template <class Frame, int N>
-LocalMeasurement ForwardPass<Frame, N>::measurement_of(const Walk<Frame, N>& walk, const Event& event) const {
-    const Estimate e = estimate_of(model_, walk.filter);
+LocalMeasurement ForwardPass<Frame, N>::measurement_of(const InertialFilter<Frame, N>& filter, const Event& event) const {
+    const Estimate e = estimate_of(model_, filter);
     const Components use{(event.components & 1) != 0, (event.components & 2) != 0, (event.components & 4) != 0};
     const sensor::GnssErrorModel& slow = settings_.gnss.errors;
     switch (event.kind) {
@@ -208,6 +218,12 @@ AidRecord ForwardPass<Frame, N>::try_update(Walk<Frame, N>& walk, Channel channe
                          (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
     Eigen::Vector3d used = Eigen::Vector3d::Zero();
     for (int i = 0; i < m.dof; ++i) used(i) = std::sqrt(m.variance(i));
+    if (settings_.integrity.use && is_sub_vector(kind)) {
+        const Examined examined{kind, record.time, m.innovation, used, record.sigma.squaredNorm()};
+        record.status = examine(walk, channel, record, examined, observer);
+        if (record.status == AidStatus::Accepted && !use(walk, channel, local, m, stamp, observer)) record.status = AidStatus::Withheld;
+        return record;
+    }
     const GateDecision decision = decide(walk.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
     const bool gnss = kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity || kind == AidKind::Baro;
     if (decision == GateDecision::Reject || (decision == GateDecision::Recover && !gnss)) {
@@ -215,8 +231,7 @@ AidRecord ForwardPass<Frame, N>::try_update(Walk<Frame, N>& walk, Channel channe
         return record;
     }
     if (decision == GateDecision::Recover) recover(walk, channel, local);
-    record.status = AidStatus::Accepted;
-    walk.filter.update(model_, m, [&](const estim::ScalarUpdate<N>& u) { observer.scalar(u); });
+    record.status = use(walk, channel, local, m, stamp, observer) ? AidStatus::Accepted : AidStatus::Withheld;
     return record;
 }
 
@@ -233,18 +248,24 @@ void ForwardPass<Frame, N>::change_constellation(Walk<Frame, N>& walk, const Eve
 template <class Frame, int N>
 void ForwardPass<Frame, N>::meet(Walk<Frame, N>& walk, const Event& event, Observer& observer) const {
     if (event.constellation_change) change_constellation(walk, event);
-    const LocalMeasurement local = measurement_of(walk, event);
+    if (!walk.shadows.empty() && is_sub_vector(event.kind) && !event.withheld) look_back(walk, event, observer);
+    const LocalMeasurement local = measurement_of(walk.filter, event);
     if (local.dof == 0) return;
     // The table of an outage is made before the epoch's own update, with the height even where that has an age of its own.
     if (event.outage >= 0 && event.kind == AidKind::GnssPosition && (event.components & 3) == 3) {
         Observer nobody;
         Event whole = event;
         if (std::isfinite(data_.recording->gnss[event.index].position.h)) whole.components = 7;
-        const LocalMeasurement all = measurement_of(walk, whole);
+        const LocalMeasurement all = measurement_of(walk.filter, whole);
         observer.outage_epoch(walk.filter, event, all, try_update(walk, event.kind, all, event.stamp, true, nobody));
     }
     AidRecord record = try_update(walk, {event.kind, event.components}, local, event.stamp, event.withheld, observer);
-    if (event.kind == AidKind::GnssPosition || event.kind == AidKind::GnssVelocity) unpack(record, event.components);
+    if (record.status == AidStatus::Accepted && event.kind == AidKind::Baro) {
+        for (Shadow<Frame, N>& s : walk.shadows)
+            if (s.alive) s.filter.update(model_, to_filter(model_, s.filter, measurement_of(s.filter, event)), [](const auto&) {});
+    }
+    if (record.status == AidStatus::Accepted && event.kind == AidKind::GnssPosition) renew_shadows(walk);
+    if (is_sub_vector(event.kind)) unpack(record, event.components);
     observer.aid(record);
 }
 

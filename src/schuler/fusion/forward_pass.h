@@ -5,6 +5,7 @@
 #include "schuler/fusion/aid/aid.h"
 #include "schuler/fusion/gate.h"
 #include "schuler/fusion/inertial_filter.h"
+#include "schuler/fusion/integrity.h"
 #include "schuler/fusion/result.h"
 #include "schuler/fusion/settings.h"
 #include "schuler/fusion/still.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace schuler::fusion {
@@ -32,6 +34,7 @@ struct RunData {
     std::vector<FixNoise> fix_noise;     ///< one per fix of the recording
     double declination = 0.0;            ///< rad
     GateLimits gates;
+    std::array<double, 4> slow_limits{}; ///< of the slow-ramp test by degrees of freedom
 };
 
 /// Does the body move like a wheeled vehicle? Direction of motion in body axes while GNSS keeps the velocity good.
@@ -47,6 +50,17 @@ struct WheelEvidence {
     void add(const Eigen::Vector3d& v_b, double turn, double interval);
     [[nodiscard]] double std_side() const { return std::sqrt(m2_side / std::max(1, n - 1)); }
     [[nodiscard]] double std_down() const { return std::sqrt(m2_down / std::max(1, n - 1)); }
+};
+
+/// A fix that is used in parts until the next one (LooseKind::Aggressive). Carried on by the inertial motion since, it differs from the
+/// estimate by the innovation at its time less what the corrections since have become: no inertial motion is needed explicitly.
+template <int N>
+struct CarriedFix {
+    Measurement<N> measurement;          ///< at the time of the fix; its variance is that of one part
+    Eigen::Matrix<double, N, 1> corrected = Eigen::Matrix<double, N, 1>::Zero();   ///< sum of the corrections since, propagated
+    int left = 0;                        ///< parts
+    Time stamp{}, next{};
+    Duration every{1'000'000'000};
 };
 
 /// A place on the walk with everything needed to go on from there; plain and copyable.
@@ -65,6 +79,10 @@ struct Walk {
     std::array<GateState, 9> gates{};    ///< by Channel::gate()
     WheelEvidence wheels;
     Time last_still{INT64_MIN / 2};
+    std::array<CarriedFix<N>, 2> carried{};         ///< position, velocity: Aggressive
+    std::array<std::optional<Time>, 9> corrected{}; ///< by Channel::gate(), when last: Separate
+    std::array<ChannelHealth, 2> health{};          ///< position, velocity: integrity
+    std::vector<Shadow<Frame, N>> shadows;          ///< two, or none where slow ramps are not looked for
 };
 
 /// A channel has a gate of its own: one a kind, and one more where a height or a vertical velocity comes with an age of its own, for
@@ -91,6 +109,7 @@ struct PassObserver {
     virtual void output(const Filter&, Time) {}
     virtual void outage_epoch(const Filter&, const Event&, const LocalMeasurement&, const AidRecord&) {}
     virtual void aid(const AidRecord&) {}
+    virtual void alert(const Alert&) {}
 };
 
 /// Rows of an aid mapped to the filter's own error states.
@@ -121,7 +140,19 @@ private:
     void constrain(Walk<Frame, N>& walk, Observer& observer) const;
     AidRecord try_update(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local, Time stamp, bool withheld,
                          Observer& observer) const;
-    [[nodiscard]] LocalMeasurement measurement_of(const Walk<Frame, N>& walk, const Event& event) const;
+    [[nodiscard]] LocalMeasurement measurement_of(const InertialFilter<Frame, N>& filter, const Event& event) const;
+    /// Corrects the estimate by an accepted measurement as the coupling wants it. False: it is not used.
+    bool use(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local, const Measurement<N>& m, Time stamp,
+             Observer& observer) const;
+    bool use_separately(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local, const Measurement<N>& m,
+                        Time stamp) const;
+    /// The parts of the fixes carried on that are due.
+    void carry_on(Walk<Frame, N>& walk, Observer& observer) const;
+    /// Integrity of one sub-vector of a fix: whether it may be used.
+    AidStatus examine(Walk<Frame, N>& walk, Channel channel, const AidRecord& record, const Examined& examined, Observer& observer) const;
+    /// The slow-ramp test of a fix, before its own update.
+    void look_back(Walk<Frame, N>& walk, const Event& event, Observer& observer) const;
+    void renew_shadows(Walk<Frame, N>& walk) const;
     void observe_wheels(Walk<Frame, N>& walk, const Estimate& e) const;
     void recover(Walk<Frame, N>& walk, Channel channel, const LocalMeasurement& local) const;
 

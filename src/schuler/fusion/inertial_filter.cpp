@@ -12,15 +12,19 @@ using Eigen::Vector3d;
 template <int N>
 InertialModel<N>::InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu)
     : earth(earth_), layout(layout_), gyro_psd(imu.gyro_noise * imu.gyro_noise), accel_psd(imu.accel_noise * imu.accel_noise) {
-    const auto set = [&](int offset, double sigma, double time, bool constant_part) {
+    const auto set = [&](int offset, double sigma, double time, double walk, bool constant_part) {
         if (offset < 0) return;
         for (int i = 0; i < 3; ++i) {
             // With a turn-on part the sum does not return to zero: a random walk of the same driving noise describes it.
-            process[static_cast<std::size_t>(offset + i)] = {constant_part ? 0.0 : 1.0 / time, 2.0 * sigma * sigma / time};
+            process[static_cast<std::size_t>(offset + i)] = {constant_part ? 0.0 : 1.0 / time, 2.0 * sigma * sigma / time + walk * walk};
         }
     };
-    set(Layout::gyro_bias, imu.gyro_bias, imu.gyro_bias_time, imu.gyro_turn_on_bias > 0.0);
-    set(Layout::accel_bias, imu.accel_bias, imu.accel_bias_time, imu.accel_turn_on_bias > 0.0);
+    // Flicker is told to the filter as in-run bias of the size of its Allan floor.
+    constexpr double allan_floor = 0.664;
+    set(Layout::gyro_bias, std::hypot(imu.gyro_bias, allan_floor * imu.gyro_flicker), imu.gyro_bias_time, imu.gyro_rate_walk,
+        imu.gyro_turn_on_bias > 0.0 || imu.gyro_rate_walk > 0.0);
+    set(Layout::accel_bias, std::hypot(imu.accel_bias, allan_floor * imu.accel_flicker), imu.accel_bias_time, imu.accel_rate_walk,
+        imu.accel_turn_on_bias > 0.0 || imu.accel_rate_walk > 0.0);
 
     sparsity.add(0, Layout::position, 6);
     sparsity.add(1, Layout::position, 9);

@@ -82,12 +82,22 @@ struct InertialFilter {
     /// Innovation covariance (dof x dof used) of a measurement.
     [[nodiscard]] Eigen::Matrix3d innovation_covariance(const Measurement<N>& m) const;
 
-    /// Sequential Joseph update and closed-loop correction. `record(ScalarUpdate)` is called for each scalar.
+    /// Sequential Joseph update and closed-loop correction. `record(ScalarUpdate)` is called for each scalar. Returns the error that
+    /// was found.
     template <class Record>
-    void update(const InertialModel<N>& model, const Measurement<N>& m, Record&& record) {
+    Vector update(const InertialModel<N>& model, const Measurement<N>& m, Record&& record) {
         Vector dx = Vector::Zero();
         for (int i = 0; i < m.dof; ++i) record(estim::update_scalar<N>(dx, P, m.rows.col(i), m.innovation(i), m.variance(i)));
         P.diagonal() = P.diagonal().cwiseMax(model.floor);
+        apply(model, dx);
+        return dx;
+    }
+
+    /// Correction with given gain columns; the covariance is that of the errors whatever the gains are.
+    void correct(const InertialModel<N>& model, const Measurement<N>& m, const Eigen::Matrix<double, N, 3>& gains) {
+        Vector dx = Vector::Zero();
+        for (int i = 0; i < m.dof; ++i)
+            (void)estim::update_with_gain<N>(dx, P, m.rows.col(i), m.innovation(i), m.variance(i), gains.col(i));
         apply(model, dx);
     }
 

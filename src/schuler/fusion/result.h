@@ -14,7 +14,17 @@
 namespace schuler::fusion {
 
 enum class AidKind { GnssPosition, GnssVelocity, Baro, Mag, ZeroVelocity, ZeroRate, Nonholonomic };
-enum class AidStatus { Accepted, Rejected, Withheld };
+/// Excluded: rejected because the channel has lost the trust of the integrity monitor.
+enum class AidStatus { Accepted, Rejected, Withheld, Excluded };
+
+enum class IntegrityTest { Tolerance, Innovation, Slow, Readmitted };
+
+/// A verdict of the integrity monitor.
+struct Alert {
+    Time time;                       ///< of the fix
+    AidKind kind;                    ///< GnssPosition or GnssVelocity
+    IntegrityTest test;              ///< what failed; or that the channel is used again
+};
 
 /// One measurement epoch as the filter met it.
 struct AidRecord {
@@ -96,6 +106,7 @@ struct Result {
     Trajectory forward;                       ///< always filled
     Trajectory smoothed;                      ///< empty unless Settings::smooth
     std::vector<AidRecord> aids;              ///< of the forward pass
+    std::vector<Alert> alerts;                ///< where exclusions begin and end
     Findings findings;
     Counters counters;
     double filter_seconds = 0.0;              ///< wall time of the forward pass alone, for timing only

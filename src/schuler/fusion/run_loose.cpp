@@ -26,6 +26,10 @@ void check_settings(const Settings& s) {
     if (!(std::abs(s.gnss.latency) < 10.0))
         throw input_error(fmt::format("the latency is {:.6g} s", s.gnss.latency), {.file = {}, .key = "gnss.latency_s"},
                           "give seconds, below 10");
+    const bool plain = s.coupling == Coupling::Loose && s.loose_kind == LooseKind::Standard && !s.integrity.use;
+    if (s.smooth && !plain)
+        throw input_error("the smoother belongs to the standard loose coupling without integrity control",
+                          {.file = {}, .key = "filter.smooth"}, "leave out one of them");
     if (s.output_rate < 0.0)
         throw input_error("the output rate is negative", {.file = {}, .key = "output_rate"}, "give hertz, or 0 for every IMU epoch");
 }
@@ -94,6 +98,7 @@ Result run_loose(const Recording& recording, const Settings& given, WarningLog& 
     check_settings(given);
     check_overlap(recording, given.initial, warnings);
     Settings settings = given;
+    if (settings.coupling == Coupling::Separate) settings.loop = Loop::Closed;   // the corrections are the coupling
     if (const int states = make_layout(settings, !recording.baro.empty(), !recording.mag.empty()).size; states > max_states)
         throw input_error(fmt::format("the filter would have {} states, more than {}", states, max_states),
                           {.file = {}, .key = "filter.misalignments"},
@@ -103,6 +108,7 @@ Result run_loose(const Recording& recording, const Settings& given, WarningLog& 
     data.imu = make_imu_timeline(recording.imu, settings.imu, warnings);
     const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
     data.gates = gate_limits(settings.aids);
+    if (settings.integrity.use) data.slow_limits = slow_limits(settings.integrity);
     data.declination = std::isfinite(settings.mag.declination) ? settings.mag.declination : 0.0;
     data.events = make_events(recording, settings, origin, warnings);
     const MissingStd missing = missing_std(recording);

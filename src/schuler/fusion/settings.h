@@ -19,6 +19,12 @@ enum class Mechanization { Geographic, Ecef };
 /// Feedback of the estimated errors: into the inertial computation after every update (Closed), never, the estimates correcting a
 /// copy (Open), or now and then, a copy in between (Mixed).
 enum class Loop { Closed, Open, Mixed };
+/// How receiver and inertial unit work together where both have solutions of their own (paper A, 1.1): one filter estimates the
+/// errors (Loose), or the inertial computation is only set to the receiver's solution, now and then or a little at a time (Separate).
+enum class Coupling { Loose, Separate };
+/// A fix is used at its own time (Standard), or carried on by the inertial accelerations and used in parts until the next one
+/// (Aggressive).
+enum class LooseKind { Standard, Aggressive };
 enum class HeightKind { Ellipsoidal, Msl, Relative };
 
 /// IMU: how the log's numbers become body increments, and how good the sensors are.
@@ -102,6 +108,25 @@ struct AidSettings {
     int recovery_count = 10;                  ///< ... if there are at least so many
 };
 
+/// The separate scheme: corrections with gains that nobody optimises.
+struct SeparateSettings {
+    double restart_period = 0.0;              ///< s between settings of position and velocity to the fix; 0: continuous correction
+    double position_time = 30.0;              ///< s, time constant of the continuous correction of the position
+    double velocity_time = 30.0;              ///< s, likewise of the velocity
+    double baro_time = 100.0;                 ///< s, time constant of the barometer's third-order loop in the vertical channel
+};
+
+/// Control of the receiver's integrity. Off: the gates alone, which let a run of rejected fixes that agree win in the end.
+struct IntegritySettings {
+    bool use = false;
+    double accel_limit = 30.0;                ///< m/s^2, what the vehicle is capable of: bound of the tolerance check; 0: no check
+    double trace_ratio = 10.0;                ///< delta of (3.4.7); 0: no check
+    double window = 60.0;                     ///< s, age at which the solution without GNSS begins anew; 0: no detection of slow ramps
+    double false_alarm = 1e-5;                ///< probability of one slow-ramp test to exceed its limit in a healthy run
+    int slow_count = 3;                       ///< tests in a row that must exceed it
+    double readmission_time = 10.0;           ///< s of agreeing fixes until an excluded receiver is used again
+};
+
 struct Outage {
     double start;                             ///< s after the origin of the command line's times
     double duration;                          ///< s
@@ -112,6 +137,11 @@ struct Settings {
     VehicleKind vehicle = VehicleKind::Hand;
     Mechanization mechanization = Mechanization::Geographic;
     Loop loop = Loop::Closed;
+    Coupling coupling = Coupling::Loose;
+    LooseKind loose_kind = LooseKind::Standard;
+    int aggressive_parts = 10;                ///< parts in which a fix is used, Aggressive
+    SeparateSettings separate;
+    IntegritySettings integrity;
     std::optional<double> feedback_period;    ///< s between corrections of the mixed loop; not given: by the rule of correction_period
     double feedback_attitude = 1e-3;          ///< rad, attitude error that the rule allows to grow meanwhile
     bool smooth = false;

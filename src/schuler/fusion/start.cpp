@@ -127,6 +127,9 @@ Settings trial_settings(const Settings& settings) {
     t.baro.use = t.mag.use = false;
     t.gnss.errors = {};
     t.loop = Loop::Closed;
+    t.coupling = Coupling::Loose;
+    t.loose_kind = LooseKind::Standard;
+    t.integrity.use = false;
     t.smooth = false;
     return t;
 }

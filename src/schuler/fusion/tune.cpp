@@ -32,6 +32,9 @@ public:
         Settings trial = settings;
         trial.mechanization = Mechanization::Geographic;
         trial.loop = Loop::Closed;
+        trial.coupling = Coupling::Loose;
+        trial.loose_kind = LooseKind::Standard;
+        trial.integrity.use = false;
         trial.aids.nonholonomic = trial.aids.nonholonomic_auto = false;
         trial.scale_factors = trial.misalignments = trial.estimate_lever_arm = trial.smooth = false;
         if (!surroundings) trial.baro.use = trial.mag.use = false;

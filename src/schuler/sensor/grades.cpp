@@ -79,8 +79,9 @@ std::string bare(std::string_view name) {
 
 }  // namespace
 
-double ImuErrorModel::gyro_initial_bias() const { return std::hypot(gyro_turn_on_bias, gyro_bias); }
-double ImuErrorModel::accel_initial_bias() const { return std::hypot(accel_turn_on_bias, accel_bias); }
+// Flicker from 1e-5 to 1 Hz has a standard deviation of B sqrt(ln(1e5)/pi) = 1.9 B.
+double ImuErrorModel::gyro_initial_bias() const { return std::hypot(gyro_turn_on_bias, gyro_bias, 1.9 * gyro_flicker); }
+double ImuErrorModel::accel_initial_bias() const { return std::hypot(accel_turn_on_bias, accel_bias, 1.9 * accel_flicker); }
 
 ImuErrorModel imu_grade(std::string_view name) {
     const std::string wanted = bare(name);

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace schuler::sim {
 
@@ -31,19 +32,38 @@ private:
     Eigen::Vector3d value_;
 };
 
-/// Three gyros or three accelerometers: the constants of a run, its in-run bias and its noise.
+/// 1/f noise in three axes between 1e-5 and 1 Hz: Gauss-Markov processes of equal sigma whose times are a factor of four apart. Their
+/// sum has the density B^2 / (2 pi f) of [IEEE952] within 2 %.
+class Flicker {
+public:
+    Flicker(double instability, std::uint64_t seed, const std::string& channel);
+    [[nodiscard]] Eigen::Vector3d value() const;
+    void advance(double dt);
+
+private:
+    std::vector<GaussMarkov> parts_;   ///< none without instability
+};
+
+/// Three gyros or three accelerometers: the constants of a run, its changing biases and its noise.
 class SensorTriad {
 public:
     struct Sigmas {
         double noise, bias, bias_time, turn_on, scale, misalignment, quantum;
+        double rate_walk = 0.0, flicker = 0.0, temperature = 0.0, cross = 0.0, range = 0.0;
+    };
+    /// What an instrument feels besides what it measures.
+    struct Surroundings {
+        double warmth = 0.0;                                    ///< K above the temperature of calibration
+        Eigen::Vector3d dv = Eigen::Vector3d::Zero();           ///< velocity increment of the sample, for a gyro's g errors
     };
     SensorTriad(const Sigmas& sigmas, std::uint64_t seed, const std::string& channel);
 
-    /// Measured increment of a sample of dt seconds; the process advances.
-    [[nodiscard]] Eigen::Vector3d measure(const Eigen::Vector3d& exact, double dt);
+    /// Measured increment of a sample of dt seconds; the processes advance.
+    [[nodiscard]] Eigen::Vector3d measure(const Eigen::Vector3d& exact, double dt, const Surroundings& around);
+    [[nodiscard]] Eigen::Vector3d measure(const Eigen::Vector3d& exact, double dt) { return measure(exact, dt, {}); }
 
-    /// Turn-on plus in-run bias now.
-    [[nodiscard]] Eigen::Vector3d bias() const { return turn_on_ + in_run_.value(); }
+    /// All biases now but those of g.
+    [[nodiscard]] Eigen::Vector3d bias() const { return turn_on_ + in_run_.value() + walked_ + warm_ + flicker_.value(); }
     /// I + S + M of ImuErrorModel.
     [[nodiscard]] const Eigen::Matrix3d& gain() const { return gain_; }
 
@@ -52,7 +72,11 @@ private:
     Eigen::Vector3d turn_on_;
     Eigen::Matrix3d gain_;
     GaussMarkov in_run_;
-    math::Random noise_;
+    Flicker flicker_;
+    math::Random noise_, walk_;
+    Eigen::Vector3d walked_ = Eigen::Vector3d::Zero(), warm_ = Eigen::Vector3d::Zero();
+    Eigen::Vector3d by_warmth_;         ///< a kelvin
+    Eigen::Matrix3d by_g_;
     Eigen::Vector3d unsent_ = Eigen::Vector3d::Zero();  ///< below the quantum, kept for the next sample
 };
 

@@ -2,9 +2,12 @@
 
 #include "schuler/core/error.h"
 #include "schuler/math/rotation.h"
-#include "schuler/sim/geodetic_jet.h"
+#include "schuler/sim/path_kinds.h"
 #include "schuler/sim/route.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -124,9 +127,29 @@ std::unique_ptr<const TruthPath> make_path(const PathSettings& settings, const e
     if (const auto* s = std::get_if<StaticPath>(&settings)) return std::make_unique<AtRest>(*s);
     if (const auto* s = std::get_if<GreatCirclePath>(&settings)) return std::make_unique<GreatCircle>(*s, ellipsoid);
     if (const auto* s = std::get_if<PaperAPath>(&settings)) return std::make_unique<PaperA>(*s, ellipsoid);
-    const RoutePath& route = std::get<RoutePath>(settings);
-    require_start(route.start);
-    return std::make_unique<Route>(route, ellipsoid);
+    if (const auto* s = std::get_if<RoutePath>(&settings)) {
+        require_start(s->start);
+        return std::make_unique<Route>(*s, ellipsoid);
+    }
+    if (const auto* s = std::get_if<RecordedPath>(&settings)) return make_motion(*s, ellipsoid);
+    const auto started = [&](const auto& s) {
+        require_start(s.start);
+        return make_motion(s, ellipsoid);
+    };
+    if (const auto* s = std::get_if<FigureEightPath>(&settings)) return started(*s);
+    if (const auto* s = std::get_if<ShipPath>(&settings)) return started(*s);
+    return started(std::get<TablePath>(settings));
+}
+
+void require_above_ground(const TruthPath& path, double duration, double ground) {
+    constexpr double allowed = 0.5;   // m: paths that touch the ground do
+    for (double t = 0.0; t <= duration; t += std::max(1.0, 1e-4 * duration)) {
+        const double h = path.at(t).position.h;
+        if (h < ground - allowed)
+            throw input_error(fmt::format("leads {:.1f} m below the ground after {:.0f} s", ground - h, t),
+                              {.file = {}, .line = 0, .column = 0, .key = "trajectory"},
+                              fmt::format("stay above {:g} m, or say where the ground is: trajectory.ground_height_m", ground));
+    }
 }
 
 NavState nav_state(const Kinematics& k, Time time) {

@@ -85,9 +85,64 @@ struct RoutePath {
     double roll_per_lateral_accel = -0.005;      ///< rad/(m/s^2): cars lean outwards (negative), a coordinated turn has 0.102
     double pitch_per_accel = 0.003;              ///< rad/(m/s^2): the bow rises when speeding up
     Vibration vibration;
+    double knot_spacing = 2.0;                   ///< m between control points of the curve: how far a bend is smoothed
+    double start_speed = 0.0;                    ///< m/s; other than zero: already on its way, without a standstill
 };
 
-using PathSettings = std::variant<StaticPath, GreatCirclePath, PaperAPath, RoutePath>;
+/// A figure of eight about `start`, where it crosses itself: Gerono's lemniscate, entered along its long axis, banked.
+struct FigureEightPath {
+    Geodetic start;
+    double heading = 0.0;                        ///< of the long axis, rad
+    double length = 2000.0, width = 1000.0;      ///< m
+    double height_amplitude = 0.0;               ///< m, one loop above and one below the start
+    double period = 120.0;                       ///< s of one figure
+    double roll_per_lateral_accel = 0.102;       ///< rad/(m/s^2)
+};
+
+/// amplitude sin(2 pi t / period + phase).
+struct Wave {
+    double amplitude = 0.0;                      ///< rad or m
+    double period = 8.0;                         ///< s
+    double phase = 0.0;                          ///< rad
+};
+
+/// A ship on a steady course in waves.
+struct ShipPath {
+    Geodetic start;
+    double heading = 0.0;                        ///< rad
+    double speed = 6.0;                          ///< m/s
+    Wave roll{0.08, 9.0, 0.0}, pitch{0.03, 6.5, 1.0}, yaw{0.02, 17.0, 2.0}, heave{1.0, 7.0, 0.5};
+};
+
+/// A move of a turntable: every angle turns by its part, smoothly started and stopped within a second each.
+struct TableMove {
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();   ///< of roll, pitch, heading, rad
+    double duration = 10.0;                           ///< s
+    double dwell = 0.0;                               ///< s at rest after it
+};
+struct TablePath {
+    Geodetic start;
+    Eigen::Vector3d rpy = Eigen::Vector3d::Zero();    ///< rad
+    std::vector<TableMove> moves;                     ///< at least one
+    double standstill = 30.0;                         ///< s before the first
+};
+
+/// A point of a recorded trajectory; NaN angles: none recorded.
+struct RecordedPoint {
+    double time;                                 ///< s
+    Geodetic position;
+    Eigen::Vector3d rpy;                         ///< rad
+};
+/// A recording flown again: a smooth path near its points (they are control values of a spline, kept `spacing` apart). Without
+/// recorded attitude the body points along its motion and banks.
+struct RecordedPath {
+    std::vector<RecordedPoint> points;           ///< in order of time
+    double spacing = 1.0;                        ///< s
+    double roll_per_lateral_accel = 0.102;       ///< rad/(m/s^2), where no attitude is recorded
+};
+
+using PathSettings =
+    std::variant<StaticPath, GreatCirclePath, PaperAPath, RoutePath, FigureEightPath, ShipPath, TablePath, RecordedPath>;
 
 /// An analytic motion. Immutable: any number of threads may read it.
 class TruthPath {
@@ -104,9 +159,28 @@ public:
 /// Builds a path on an ellipsoid. Throws Error(Input) naming the setting that is unusable.
 [[nodiscard]] std::unique_ptr<const TruthPath> make_path(const PathSettings& settings, const earth::Ellipsoid& ellipsoid);
 
+/// Throws Error(Input), key "trajectory", where the path passes below `ground` (m) within `duration` seconds; looks once a second.
+void require_above_ground(const TruthPath& path, double duration, double ground);
+
 /// A town drive of about `duration` seconds: blocks of 80 to 400 m, right-angled and slanting corners, hills, stops at lights.
 /// The same seed gives the same route.
 [[nodiscard]] RoutePath town_route(const Geodetic& start, double duration, std::uint64_t seed);
+
+/// A phase of an airliner's flight.
+struct FlightPhase {
+    Geodetic start;                              ///< where it begins
+    double heading = 0.0;                        ///< rad, at first
+    double speed = 130.0;                        ///< m/s: reached after take-off, kept in a holding pattern, at the beginning of an approach
+    double height_change = 900.0;                ///< m, climbed after take-off or descended in an approach
+    double standstill = 30.0;                    ///< s before take-off
+    double duration = 600.0;                     ///< s that the phase has to fill at least
+};
+/// Take-off run, climb with a turn of 45 degrees, level flight.
+[[nodiscard]] RoutePath takeoff_route(const FlightPhase& phase);
+/// Racetracks to the right: legs of a minute, turns at three degrees a second.
+[[nodiscard]] RoutePath holding_route(const FlightPhase& phase);
+/// Downwind leg, base leg, glide path of three degrees, landing run to rest.
+[[nodiscard]] RoutePath approach_route(const FlightPhase& phase);
 
 /// The truth as a navigation state.
 [[nodiscard]] NavState nav_state(const Kinematics& kinematics, Time time);

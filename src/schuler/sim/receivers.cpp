@@ -1,7 +1,9 @@
 #include "schuler/sim/receivers.h"
 
+#include "schuler/earth/atmosphere.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sim/faults.h"
 #include "schuler/sim/imu_errors.h"
 #include "schuler/sim/inverse_imu.h"
 
@@ -29,6 +31,9 @@ std::size_t epochs(double rate, double duration) {
 
 }  // namespace
 
+Eigen::Vector3d stated_position_sigma(const GnssSettings& s) { return root_sum(s.white_position, s.errors.correlated_position); }
+Eigen::Vector3d stated_velocity_sigma(const GnssSettings& s) { return root_sum(s.white_velocity, s.errors.correlated_velocity); }
+
 PointMotion point_motion(const earth::Earth& earth, const Kinematics& imu, const Eigen::Vector3d& lever_arm_b) {
     if (lever_arm_b.isZero(0.0)) return {imu.position, imu.v_eb_n};
     const Eigen::Matrix3d C_en = earth::C_en(imu.position.lat, imu.position.lon);
@@ -50,6 +55,7 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
                               math::Random(scenario.seed, "gnss.slow_velocity"));
     math::Random change(scenario.seed, "gnss.constellation_change");
     auto next_change = s.constellation_changes.begin();
+    ChannelFaults faults(scenario, Channel::Gnss);
     std::vector<GnssFix> fixes;
     for (std::size_t k = 0; k < epochs(s.rate, scenario.duration); ++k) {
         const double t = static_cast<double>(k) / s.rate;
@@ -68,9 +74,9 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
             dr += slow.change_white_position.cwiseProduct(change.normal3());
             dv += slow.change_white_velocity.cwiseProduct(change.normal3());
         }
-        dr += slow_position.value();
-        dv += slow_velocity.value();
-        if (silent(scenario, Channel::Gnss, t)) continue;
+        dr += slow_position.value() + faults.offset(t);
+        dv += slow_velocity.value() + faults.velocity_offset(t);
+        if (silent(scenario, Channel::Gnss, t) || faults.any(FaultKind::Dropout, t)) continue;
         const double at_position = std::max(0.0, t - s.position_latency), at_velocity = std::max(0.0, t - s.velocity_latency);
         const PointMotion point = point_motion(scenario.earth, path.at(at_position), s.lever_arm_b);
         const PointMotion moving =
@@ -79,9 +85,13 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
         fix.time = scenario.origin + Duration::from_seconds(t);
         fix.position = earth::moved_by_ned(scenario.earth, point.position, dr);
         fix.velocity_n = moving.v_n + dv;
-        fix.std_position = root_sum(s.white_position, slow.correlated_position);
-        fix.std_velocity = root_sum(s.white_velocity, slow.correlated_velocity);
+        fix.std_position = stated_position_sigma(s);
+        fix.std_velocity = stated_velocity_sigma(s);
         fix.fix = s.fix;
+        if (faults.any(FaultKind::Freeze, t) && !fixes.empty()) {
+            fix.position = fixes.back().position;
+            fix.velocity_n = fixes.back().velocity_n;
+        }
         fixes.push_back(fix);
         truth.push_back({fix.time, slow_position.value(), slow_velocity.value()});
     }
@@ -92,17 +102,50 @@ std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath&
     const BaroSettings& s = scenario.baro;
     math::Random white(scenario.seed, "baro.white"), walk(scenario.seed, "baro.walk"), constant(scenario.seed, "baro.bias");
     double bias = s.bias * constant.normal();
+    ChannelFaults faults(scenario, Channel::Baro);
     std::vector<BaroSample> samples;
     for (std::size_t k = 0; k < epochs(s.rate, scenario.duration); ++k) {
         const double t = static_cast<double>(k) / s.rate;
         if (k > 0) bias += s.bias_walk * std::sqrt(1.0 / s.rate) * walk.normal();
-        const double error = bias + s.white * white.normal();
-        if (silent(scenario, Channel::Baro, t)) continue;
+        const double error = bias + s.white * white.normal() + faults.offset(t).x();
+        if (silent(scenario, Channel::Baro, t) || faults.any(FaultKind::Dropout, t)) continue;
         BaroSample sample;
         sample.time = scenario.origin + Duration::from_seconds(t);
-        sample.height = path.at(t).position.h + error;
+        const double h = path.at(t).position.h;
+        double weather = 0.0;   // what the day's air adds to the height of the standard atmosphere
+        if (s.pressure) {
+            const auto pressure = [&s](double height) {
+                return earth::static_pressure(earth::geopotential_from_geometric(height), s.sea_level_pressure, s.temperature_offset);
+            };
+            sample.pressure = pressure(h + error);
+            weather = earth::geometric_from_geopotential(earth::geopotential_height_from_pressure(pressure(h))) - h;
+        } else {
+            sample.height = h + error;
+        }
+        if (faults.any(FaultKind::Freeze, t) && !samples.empty()) {
+            sample.height = samples.back().height;
+            sample.pressure = samples.back().pressure;
+        }
         samples.push_back(sample);
-        truth.push_back({sample.time, bias});
+        truth.push_back({sample.time, bias + weather});
+    }
+    return samples;
+}
+
+std::vector<MagSample> simulate_mag(const Scenario& scenario, const TruthPath& path) {
+    const MagSettings& s = scenario.mag;
+    math::Random white(scenario.seed, "mag.white"), iron(scenario.seed, "mag.iron");
+    const Eigen::Vector3d hard = s.hard_iron * iron.normal3();
+    Eigen::Matrix3d soft = Eigen::Matrix3d::Identity();
+    for (Eigen::Index i = 0; i < 9; ++i) soft(i) += s.soft_iron * iron.normal();
+    const double level = s.field * std::cos(s.inclination);
+    const Eigen::Vector3d field_n(level * std::cos(s.declination), level * std::sin(s.declination), s.field * std::sin(s.inclination));
+    const Eigen::Matrix3d C_sb = math::dcm_from_rpy(scenario.imu.mounting).transpose();
+    std::vector<MagSample> samples;
+    for (std::size_t k = 0; k < epochs(s.rate, scenario.duration); ++k) {
+        const double t = static_cast<double>(k) / s.rate;
+        const Eigen::Vector3d field_b = math::dcm_from_rpy(path.at(t).rpy).transpose() * field_n;
+        samples.push_back({scenario.origin + Duration::from_seconds(t), C_sb * (soft * field_b + hard) + s.white * white.normal3()});
     }
     return samples;
 }

@@ -1,4 +1,4 @@
-// GNSS receiver and barometric altimeter along a truth path.
+// GNSS receiver, barometric altimeter and magnetometer along a truth path.
 #pragma once
 
 #include "schuler/sim/path.h"
@@ -21,5 +21,7 @@ struct PointMotion {
 [[nodiscard]] std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& path, std::vector<GnssTruth>& truth);
 [[nodiscard]] std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath& path,
                                                     std::vector<BaroTruth>& truth);
+/// In sensor axes.
+[[nodiscard]] std::vector<MagSample> simulate_mag(const Scenario& scenario, const TruthPath& path);
 
 }  // namespace schuler::sim

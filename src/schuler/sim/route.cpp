@@ -14,30 +14,26 @@ Route::Route(const RoutePath& settings, const earth::Ellipsoid& ellipsoid)
 Route::Route(const RoutePath& settings, const earth::Ellipsoid& ellipsoid, const RoutePlan& plan)
     : s_(settings),
       ellipsoid_(ellipsoid),
+      chart_(ellipsoid, settings.start),
       lead_(plan.lead * plan.length_spacing),
+      lead_time_(plan.lead_time),
       north_(plan.length_spacing, plan.north),
       east_(plan.length_spacing, plan.east),
       up_(plan.length_spacing, plan.up),
-      length_(plan.time_spacing, plan.length) {
-    // A linear chart about the start: exact kinematics anywhere, true metres near the start.
-    const MetricJet<0> m = metric<0>(ellipsoid, settings.start.lat, settings.start.h);
-    lat_per_m_ = 1.0 / m.north.value();
-    lon_per_m_ = 1.0 / m.east.value();
-}
+      length_(plan.time_spacing, plan.length) {}
 
 Kinematics Route::at(double t) const {
-    const Jet<4> length = length_.at(t);
+    const Jet<4> length = length_.at(t + lead_time_);
     const Jet<3> u = length.to<3>();
     const Jet<4> n = north_.at(length.value() + lead_), e = east_.at(length.value() + lead_), h = up_.at(length.value() + lead_);
     const Jet<3> speed = derivative(length);
 
-    GeodeticJet<3> p{s_.start.lat + lat_per_m_ * compose(n.to<3>(), u), s_.start.lon + lon_per_m_ * compose(e.to<3>(), u),
-                     s_.start.h + compose(h.to<3>(), u)};
+    GeodeticJet<3> p = chart_.at<3>(compose(n.to<3>(), u), compose(e.to<3>(), u), compose(h.to<3>(), u));
     // The direction of travel is the tangent of the curve, defined at rest too.
     const MetricJet<2> m = metric(ellipsoid_, p.lat.to<2>(), p.h.to<2>());
     const Jet<2> along = u.to<2>();
-    const Jet<2> tn = m.north * (lat_per_m_ * compose(derivative(n).to<2>(), along));
-    const Jet<2> te = m.east * (lon_per_m_ * compose(derivative(e).to<2>(), along));
+    const Jet<2> tn = m.north * (chart_.lat_per_m * compose(derivative(n).to<2>(), along));
+    const Jet<2> te = m.east * (chart_.lon_per_m * compose(derivative(e).to<2>(), along));
     const Jet<2> tu = compose(derivative(h).to<2>(), along);
     const Jet<2> level = sqrt(tn * tn + te * te);
     const Jet<2> course = atan2(te, tn);

@@ -1,8 +1,7 @@
 // A vehicle along waypoints: a smooth curve, a smooth motion along it, and the attitude they imply.
 #pragma once
 
-#include "schuler/sim/geodetic_jet.h"
-#include "schuler/sim/path.h"
+#include "schuler/sim/path_kinds.h"
 #include "schuler/sim/uniform_spline.h"
 
 #include <vector>
@@ -16,6 +15,7 @@ struct RoutePlan {
     double time_spacing;                         ///< s
     std::vector<double> length;                  ///< m, at t = 0, 1, ... spacings
     static constexpr int lead = 3;               ///< knots before the start, so that the start itself is on a straight line
+    double lead_time = 0.0;                      ///< s of `length` before the start, where that is not at rest
 };
 
 /// Rounds the corners and plans speeds and stops. Throws Error(Input) naming the waypoint that cannot be driven.
@@ -33,7 +33,8 @@ private:
 
     RoutePath s_;
     earth::Ellipsoid ellipsoid_;
-    double lat_per_m_, lon_per_m_, lead_;
+    LocalChart chart_;
+    double lead_, lead_time_;
     UniformSpline north_, east_, up_, length_;
 };
 

@@ -12,18 +12,17 @@ namespace schuler::sim {
 
 namespace {
 
-constexpr double spacing_u = 2.0;       // m between control points of the curve
 constexpr double spacing_t = 0.5;       // s between control values of the motion
 constexpr double tangent_share = 0.45;  // of a leg at most is taken by the rounding of one corner
 
 using Eigen::Vector2d;
 
-Error key_error(std::string key, const char* what, const char* mend) {
-    return input_error(what, {.file = {}, .line = 0, .column = 0, .key = std::move(key)}, mend);
+Error key_error(std::string key, std::string what, const char* mend) {
+    return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = std::move(key)}, mend);
 }
 
-Error waypoint_error(std::size_t index, const char* what, const char* mend) {
-    return key_error(fmt::format("trajectory.waypoints[{}]", index), what, mend);
+Error waypoint_error(std::size_t index, std::string what, const char* mend) {
+    return key_error(fmt::format("trajectory.waypoints[{}]", index), std::move(what), mend);
 }
 
 /// A point on the rounded polyline.
@@ -57,9 +56,14 @@ void check(const RoutePath& s) {
     positive(s.corner_radius, "trajectory.corner_radius_m");
     positive(s.lateral_accel, "trajectory.lateral_accel_m_s2");
     positive(s.longitudinal_accel, "trajectory.longitudinal_accel_m_s2");
+    positive(s.knot_spacing, "trajectory.knot_spacing_m");
     if (!(std::isfinite(s.standstill) && s.standstill >= 0.0)) {
         throw key_error("trajectory.standstill_s", "is not a duration", "give seconds");
     }
+    if (!(std::isfinite(s.start_speed) && s.start_speed >= 0.0))
+        throw key_error("trajectory.start_speed_m_s", "is not a speed", "give metres a second");
+    if (s.start_speed > 0.0 && s.standstill > 0.0)
+        throw key_error("trajectory.start_speed_m_s", "contradicts a standstill at the start", "leave out one of them");
     if (s.waypoints.empty()) throw key_error("trajectory.waypoints", "no waypoints", "give at least one");
     for (std::size_t i = 0; i < s.waypoints.size(); ++i) {
         const Waypoint& w = s.waypoints[i];
@@ -77,7 +81,8 @@ std::vector<Piece> rounded(const RoutePath& s) {
         const Waypoint& w = s.waypoints[i];
         const Vector2d leg = Vector2d(w.north, w.east) - corner;
         const double length = leg.norm();
-        if (length < 10.0 * spacing_u) throw waypoint_error(i, "is less than 20 m from the one before", "leave it out");
+        if (length < 10.0 * s.knot_spacing)
+            throw waypoint_error(i, fmt::format("is less than {:g} m from the one before", 10.0 * s.knot_spacing), "leave it out");
         const Vector2d direction = leg / length;
         double radius = 0.0, turn = 0.0, tangent = 0.0;
         if (i + 1 < s.waypoints.size()) {
@@ -108,7 +113,7 @@ struct Road {
     std::vector<std::pair<std::size_t, double>> stops;  ///< index of a point, seconds
 };
 
-Road sampled(const std::vector<Piece>& pieces) {
+Road sampled(const std::vector<Piece>& pieces, double spacing_u) {
     Road road;
     double behind = 0.0;  // length of the pieces done
     std::size_t k = 0;
@@ -132,22 +137,30 @@ std::vector<double> speeds(const Road& road, const RoutePath& s) {
         const double corner = p.curvature != 0.0 ? std::sqrt(s.lateral_accel / std::abs(p.curvature)) : p.speed;
         v.push_back(std::min(p.speed, corner));
     }
-    v.front() = v.back() = 0.0;
+    v.front() = std::min(s.start_speed, v.front());
+    v.back() = 0.0;
     for (const auto& [index, seconds] : road.stops) v[index] = 0.0;
-    const double gain = 2.0 * s.longitudinal_accel * spacing_u;
+    const double gain = 2.0 * s.longitudinal_accel * s.knot_spacing;
     for (std::size_t i = 1; i < v.size(); ++i) v[i] = std::min(v[i], std::sqrt(v[i - 1] * v[i - 1] + gain));
     for (std::size_t i = v.size() - 1; i-- > 0;) v[i] = std::min(v[i], std::sqrt(v[i + 1] * v[i + 1] + gain));
     return v;
 }
+
+/// Three knots, where the path does not start at rest.
+double lead_time_of(const RoutePath& s) { return s.start_speed > 0.0 ? RoutePlan::lead * spacing_t : 0.0; }
 
 /// Length driven at equidistant times, at constant acceleration between points.
 std::vector<double> motion(const Road& road, const std::vector<double>& v, const RoutePath& s) {
     // The spline spreads each value over three knots to either side: a standstill needs six knots more to last as long as asked.
     constexpr double spread = 6.0 * spacing_t;
     std::vector<double> length;
+    const double spacing_u = s.knot_spacing;
+    // On its way from the start on: as fast before it as at it.
+    for (double before = lead_time_of(s); before > 0.0; before -= spacing_t) length.push_back(-before * v.front());
+    const auto knot_time = [&] { return static_cast<double>(length.size()) * spacing_t - lead_time_of(s); };
     double t = s.standstill > 0.0 ? s.standstill + spread : 0.0;
-    const auto hold_until = [&length](double time, double at) {
-        while (static_cast<double>(length.size()) * spacing_t < time) length.push_back(at);
+    const auto hold_until = [&](double time, double at) {
+        while (knot_time() < time) length.push_back(at);
     };
     hold_until(t, 0.0);
     auto stop = road.stops.begin();
@@ -160,7 +173,7 @@ std::vector<double> motion(const Road& road, const std::vector<double>& v, const
         }
         const double accel = (v[i + 1] * v[i + 1] - v[i] * v[i]) / (2.0 * spacing_u);
         const double step = 2.0 * spacing_u / (v[i] + v[i + 1]);
-        for (double knot; (knot = static_cast<double>(length.size()) * spacing_t) < t + step;) {
+        for (double knot; (knot = knot_time()) < t + step;) {
             const double since = knot - t;
             length.push_back(u + v[i] * since + 0.5 * accel * since * since);
         }
@@ -176,8 +189,8 @@ std::vector<double> motion(const Road& road, const std::vector<double>& v, const
 RoutePlan plan_route(const RoutePath& settings) {
     check(settings);
     const std::vector<Piece> pieces = rounded(settings);
-    const Road road = sampled(pieces);
-    RoutePlan plan{spacing_u, {}, {}, {}, spacing_t, motion(road, speeds(road, settings), settings)};
+    const Road road = sampled(pieces, settings.knot_spacing);
+    RoutePlan plan{settings.knot_spacing, {}, {}, {}, spacing_t, motion(road, speeds(road, settings), settings), lead_time_of(settings)};
     const auto add = [&plan](const Vector2d& at, double up) {
         plan.north.push_back(at.x());
         plan.east.push_back(at.y());

@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sim/faults.h"
 #include "schuler/sim/imu_errors.h"
 #include "schuler/sim/inverse_imu.h"
 #include "schuler/sim/receivers.h"
@@ -29,10 +30,13 @@ void check(const Scenario& s) {
     const sensor::ImuErrorModel& m = s.imu.errors;
     for (const double sigma : {m.gyro_noise, m.gyro_bias, m.gyro_turn_on_bias, m.gyro_scale, m.gyro_misalignment, m.gyro_quantum,
                                m.accel_noise, m.accel_bias, m.accel_turn_on_bias, m.accel_scale, m.accel_misalignment,
-                               m.accel_quantum}) {
+                               m.accel_quantum, m.gyro_rate_walk, m.gyro_flicker, m.gyro_temperature, m.gyro_g, m.gyro_range,
+                               m.accel_rate_walk, m.accel_flicker, m.accel_temperature, m.accel_range}) {
         require(not_negative(sigma), "imu", "an error of the instrument is negative or not a number", "errors are one sigma");
     }
     require(m.gyro_bias_time > 0.0 && m.accel_bias_time > 0.0, "imu", "a bias correlation time is not positive", "give seconds");
+    require(std::isfinite(s.imu.warm_up) && positive(s.imu.warm_up_time), "imu.warm_up_k", "is not a temperature with a time",
+            "give kelvin, and seconds for imu.warm_up_time_s");
     const GnssSettings& g = s.gnss;
     require(not_negative(g.rate) && g.rate <= 1000.0, "gnss.rate_hz", "is not a rate", "give Hz, or 0 for no receiver");
     require(g.lever_arm_b.allFinite() && g.lever_arm_b.norm() < 200.0, "gnss.lever_arm_m", "is not a lever arm",
@@ -51,6 +55,16 @@ void check(const Scenario& s) {
     require(not_negative(b.rate) && b.rate <= 1000.0, "baro.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(not_negative(b.white) && not_negative(b.bias) && not_negative(b.bias_walk), "baro", "a sigma is negative",
             "give metres");
+    require(!b.pressure || (positive(b.sea_level_pressure) && std::abs(b.temperature_offset) < 100.0), "baro.sea_level_pressure_pa",
+            "is no pressure of a day on the Earth", "give pascals, and kelvin for baro.temperature_offset_k");
+    const MagSettings& mag = s.mag;
+    require(not_negative(mag.rate) && mag.rate <= 1000.0, "mag.rate_hz", "is not a rate", "give Hz, or 0 for none");
+    require(positive(mag.field) && not_negative(mag.white) && not_negative(mag.hard_iron) && not_negative(mag.soft_iron) &&
+                std::isfinite(mag.declination + mag.inclination),
+            "mag", "a number is negative or not one", "give the field and sigmas");
+    for (const Fault& f : s.faults)
+        require(std::isfinite(f.start + f.duration + f.size) && f.duration >= 0.0 && f.direction.allFinite() && f.direction.norm() > 0.0,
+                "fault", "lacks a finite start, duration, size or direction", "give start_s, kind and size");
     require(positive(s.reference_rate) && s.reference_rate <= 1e5, "reference_rate_hz", "is not a rate", "give a positive rate");
     for (const SimulatedOutage& outage : s.outages) {
         require(std::isfinite(outage.start) && not_negative(outage.duration), "outage", "is not a time span",
@@ -96,19 +110,33 @@ SimulatedData simulate(const Scenario& s) {
         }
     };
     tell_until(0.0);
+    const ChannelFaults faults(s, Channel::Imu);
     const double dt = 1.0 / s.imu.rate;
     const double unit = s.imu.kind == ImuKind::Rates ? s.imu.rate : 1.0;
     for (std::size_t k = 1; k <= samples; ++k) {
         const double t = static_cast<double>(k) / s.imu.rate;
         const ExactIncrement exact = exact_increment(s.earth, *path, static_cast<double>(k - 1) / s.imu.rate, t);
-        const Eigen::Vector3d dtheta = gyro.measure(C_sb * exact.dtheta, dt);
-        const Eigen::Vector3d dv = accel.measure(C_sb * exact.dv, dt);
-        out.recording.imu.push_back({s.origin + Duration::from_seconds(t), unit * dtheta, unit * dv});
+        const double warmth = -s.imu.warm_up * std::expm1(-t / s.imu.warm_up_time);
+        const Eigen::Vector3d exact_dv = C_sb * exact.dv;
+        Eigen::Vector3d dtheta = gyro.measure(C_sb * exact.dtheta, dt, {warmth, exact_dv});
+        Eigen::Vector3d dv = accel.measure(exact_dv, dt, {warmth, Eigen::Vector3d::Zero()});
+        if (!s.faults.empty()) {
+            dtheta += dt * faults.sensor_offset(FaultKind::Gyro, t);
+            dv += dt * faults.sensor_offset(FaultKind::Accel, t);
+            const double most = dt * faults.sensor_offset(FaultKind::Saturate, t).norm();
+            if (most > 0.0) dtheta = dtheta.cwiseMax(-most).cwiseMin(most);
+        }
+        const Time stamp = s.origin + Duration::from_seconds(t);
+        if (faults.any(FaultKind::Freeze, t) && !out.recording.imu.empty())
+            out.recording.imu.push_back({stamp, out.recording.imu.back().gyro, out.recording.imu.back().accel});
+        else if (!faults.any(FaultKind::Dropout, t))
+            out.recording.imu.push_back({stamp, unit * dtheta, unit * dv});
         tell_until(t);
     }
     tell_until(s.duration);
     out.recording.gnss = simulate_gnss(s, *path, out.gnss_truth);
     out.recording.baro = simulate_baro(s, *path, out.baro_truth);
+    out.recording.mag = simulate_mag(s, *path);
     return out;
 }
 

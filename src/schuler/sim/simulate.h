@@ -19,6 +19,8 @@ struct ImuSettings {
     ImuKind kind = ImuKind::Increments;                        ///< rates are increments divided by the sample time
     sensor::ImuErrorModel errors;                              ///< all zero: perfect
     Eigen::Vector3d mounting = Eigen::Vector3d::Zero();        ///< roll, pitch, yaw from body to sensor axes, rad
+    double warm_up = 0.0;                                      ///< K by which it warms above the temperature of calibration
+    double warm_up_time = 600.0;                               ///< s, time constant of that
 };
 
 /// A receiver's own solution. Position and velocity errors are white plus Gauss-Markov (paper A, (3.2.1) and (3.2.2)), north,
@@ -35,21 +37,61 @@ struct GnssSettings {
     FixType fix = FixType::Autonomous;
 };
 
+/// What such a receiver states of its fixes, one sigma: white and slow part together.
+[[nodiscard]] Eigen::Vector3d stated_position_sigma(const GnssSettings& settings);
+[[nodiscard]] Eigen::Vector3d stated_velocity_sigma(const GnssSettings& settings);
+
 /// A barometric altimeter at the IMU.
 struct BaroSettings {
     double rate = 0.0;               ///< Hz; 0: none
     double white = 0.5;              ///< sigma, m
     double bias = 0.0;               ///< constant, sigma over runs, m
     double bias_walk = 0.0;          ///< m/sqrt(s)
+    bool pressure = false;           ///< the log has the static pressure, which its reader takes as that of the standard atmosphere
+    double sea_level_pressure = 101325.0;   ///< Pa, of the day
+    double temperature_offset = 0.0;        ///< K, of the day against the standard atmosphere at every height
 };
 
-enum class Channel { Gnss, Baro };
+/// A magnetometer in the axes of the IMU. The field is that of a place; iron of the body adds a constant (hard) and distorts (soft).
+struct MagSettings {
+    double rate = 0.0;               ///< Hz; 0: none
+    double field = 50e-6;            ///< T
+    double declination = 0.0;        ///< rad, east positive
+    double inclination = 1.1;        ///< rad, down positive
+    double white = 0.0;              ///< sigma, T
+    double hard_iron = 0.0;          ///< sigma over runs of each component, T
+    double soft_iron = 0.0;          ///< sigma over runs of each of nine coefficients
+};
+
+enum class Channel { Gnss, Baro, Imu };
 
 /// The channel is silent for start < t < start + duration, seconds of the scenario.
 struct SimulatedOutage {
     double start = 0.0;
     double duration = 0.0;
     Channel channel = Channel::Gnss;
+};
+
+/// What goes wrong. Sizes: m (receiver, barometer); rad/s or m/s^2 of an IMU's gyros or accelerometers; a rate is that a second.
+enum class FaultKind {
+    Step,       ///< an offset
+    Ramp,       ///< an offset that grows by `size` a second, position alone
+    Drift,      ///< the same with the velocity that belongs to it
+    Velocity,   ///< an offset of the receiver's velocity
+    Freeze,     ///< the values of the last good sample
+    Noise,      ///< white noise of one sigma `size`
+    Dropout,    ///< no samples
+    Gyro,       ///< an offset of the gyros
+    Accel,      ///< an offset of the accelerometers
+    Saturate    ///< gyros that measure no more than `size`
+};
+struct Fault {
+    Channel channel = Channel::Gnss;
+    FaultKind kind = FaultKind::Step;
+    double start = 0.0;                                         ///< s of the scenario
+    double duration = 1e9;                                      ///< s
+    double size = 0.0;
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitX();       ///< north, east, down (receiver) or sensor axes; made a unit vector
 };
 
 struct Scenario {
@@ -61,6 +103,8 @@ struct Scenario {
     ImuSettings imu;
     GnssSettings gnss;
     BaroSettings baro;
+    MagSettings mag;
+    std::vector<Fault> faults;       ///< in the log, as the readers will meet them
     double reference_rate = 10.0;    ///< of the truth, Hz
     std::vector<SimulatedOutage> outages;
 };

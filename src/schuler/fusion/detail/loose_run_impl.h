@@ -54,9 +54,10 @@ struct Collector : PassObserver<Frame, N> {
         if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) return;   // a height of another age is no epoch of its own
         ++result.counters.gnss_epochs;
         ++(r.status == AidStatus::Accepted   ? result.counters.gnss_accepted
-           : r.status == AidStatus::Rejected ? result.counters.gnss_rejected
-                                             : result.counters.gnss_withheld);
+           : r.status == AidStatus::Withheld ? result.counters.gnss_withheld
+                                             : result.counters.gnss_rejected);
     }
+    void alert(const Alert& a) override { result.alerts.push_back(a); }
 
     const InertialModel<N>& model;
     Result& result;
@@ -137,6 +138,7 @@ Walk<Frame, N> first_step(const InertialModel<N>& model, const RunData& data, co
         Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
     walk.next_feedback = start.nav.time + walk.feedback_period;
 
+    if (settings.integrity.use && settings.integrity.window > 0.0) walk.shadows.resize(2);
     walk.increment = start.increment;
     walk.next_output = start.nav.time;
     walk.next_constraint = start.nav.time;

@@ -1,0 +1,23 @@
+// Sections of scenario files that have a file of their own.
+#pragma once
+
+#include "schuler/app/scenario.h"
+
+namespace schuler::app {
+
+/// "trajectory.*".
+void add_trajectory_options(OptionTable<ScenarioConfig>& table);
+
+/// The path that the settings mean. @throws Error(Input) with the key.
+[[nodiscard]] sim::PathSettings path_of(const ScenarioConfig& scenario);
+/// Height (m) below which such a path is wrong unless the scenario says otherwise.
+[[nodiscard]] double ground_of(const ScenarioConfig& scenario);
+[[nodiscard]] fusion::VehicleKind vehicle_of(TrajectoryType type);
+
+/// "compare.schemes": what `run` compares.
+[[nodiscard]] Option<ScenarioConfig> compared_option();
+
+/// "fault": what goes wrong with a sensor.
+[[nodiscard]] Option<ScenarioConfig> fault_option();
+
+}  // namespace schuler::app

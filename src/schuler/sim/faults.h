@@ -1,0 +1,29 @@
+// What goes wrong with one channel of a scenario at a time.
+#pragma once
+
+#include "schuler/math/random.h"
+#include "schuler/sim/simulate.h"
+
+#include <vector>
+
+namespace schuler::sim {
+
+class ChannelFaults {
+public:
+    ChannelFaults(const Scenario& scenario, Channel channel);
+
+    /// Error of the position (receiver: north, east, down) or of the height (barometer: the first component) at t seconds. Draws
+    /// noise: call it once a sample.
+    [[nodiscard]] Eigen::Vector3d offset(double t);
+    /// Error of the receiver's velocity.
+    [[nodiscard]] Eigen::Vector3d velocity_offset(double t) const;
+    /// Mean error of the gyros, of the accelerometers.
+    [[nodiscard]] Eigen::Vector3d sensor_offset(FaultKind kind, double t) const;
+    [[nodiscard]] bool any(FaultKind kind, double t) const;
+
+private:
+    std::vector<Fault> faults_;   ///< of the channel, directions made unit vectors
+    math::Random random_;
+};
+
+}  // namespace schuler::sim

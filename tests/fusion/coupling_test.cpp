@@ -1,0 +1,261 @@
+// The separate scheme's gains, the aggressive loose coupling, the receiver's aiding and its integrity.
+#include "fusion/car_drive.h"
+
+#include "schuler/fusion/correction_period.h"
+#include "schuler/fusion/integrity.h"
+#include "schuler/fusion/receiver_aiding.h"
+#include "schuler/fusion/separate.h"
+#include "schuler/sim/inverse_imu.h"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using namespace testing;
+
+// Poles of the whole vertical channel with its barometer: all at -1/tau.
+TEST(SeparateScheme, BarometerLoopHasThreeEqualRoots) {
+    for (const double tau : {20.0, 100.0, 300.0}) {
+        const VerticalGains g = vertical_gains(tau);
+        const double c = 2.0 * 9.80665 / 6371000.0;
+        Matrix3d A;   // height, velocity, correction of the acceleration
+        A << -g.height, 1.0, 0.0, c - g.velocity, 0.0, -1.0, g.acceleration, 0.0, 0.0;
+        for (const auto& root : A.eigenvalues()) EXPECT_NEAR(std::abs(root * tau + 1.0), 0.0, 2e-4);   // a triple root is badly conditioned
+    }
+}
+
+// The gain columns as they act: a height error decays under a barometer at 10 Hz with the loop's roots, and a constant accelerometer
+// error leaves nothing.
+TEST(SeparateScheme, BarometerGainsCloseTheLoopInTheRightSense) {
+    const double dt = 0.1, tau = 50.0, c = 2.0 * 9.80665 / 6371000.0;
+    const Matrix3d C = math::quaternion_from_rpy({0.2, -0.1, 1.0}).toRotationMatrix();
+    const auto K = barometer_gains<max_states>(C, dt, tau).col(0).eval();
+    double d = 5.0, v = 0.2;                       // errors down
+    Vector3d bias = C.transpose() * Vector3d(0.0, 0.0, 0.01);
+    for (int k = 0; k < 20000; ++k) {
+        d += dt * v;
+        v += dt * (c * d - (C * bias).z());         // v' = -C db
+        const double innovation = -d;               // height against height, row -1
+        d -= K(Layout::position + 2) * innovation;
+        v -= K(Layout::velocity + 2) * innovation;
+        bias -= K.segment<3>(Layout::accel_bias) * innovation;
+    }
+    EXPECT_NEAR(d, 0.0, 1e-3);
+    EXPECT_NEAR(v, 0.0, 1e-5);
+    EXPECT_NEAR((C * bias).z(), 0.0, 1e-6);
+}
+
+TEST(SeparateScheme, ShareOfAContinuousCorrection) {
+    double left = 1.0;
+    for (int k = 0; k < 30; ++k) left *= 1.0 - correction_share(1.0, 30.0);
+    EXPECT_NEAR(left, std::exp(-1.0), 1e-14);
+}
+
+// After (3.4.9): with R -> infinity the growth is that of the gyro alone; the period is its inverse, within a second and 21 minutes.
+TEST(CorrectionPeriod, InvertsTheGrowth) {
+    const InertialErrorBounds b{1e-3, 5e-6, 1e-2};
+    for (const double t : {2.0, 30.0, 300.0}) EXPECT_NEAR(correction_period(b, attitude_growth(b, t)), t, 1e-4);
+    EXPECT_NEAR(attitude_growth(b, 10.0), 5e-5 + ((1e-3 * 9.80665 + 1e-2) * 50.0 + 9.80665 * 5e-6 * 1000.0 / 6.0) / 6371000.0, 1e-12);
+    EXPECT_NEAR(correction_period({}, 1e-3), 0.5 * M_PI * std::sqrt(6371000.0 / 9.80665), 1e-6);
+    EXPECT_NEAR(correction_period({1.0, 1.0, 100.0}, 1e-9), 1.0, 1e-4);
+}
+
+// Range, rate and acceleration to a moving transmitter against differences of the range along the true path.
+TEST(ReceiverAiding, RatesAreTheDerivativesOfTheRange) {
+    const earth::Earth earth;
+    sim::FigureEightPath eight{{0.8, 0.2, 3000.0}, 0.3, 4000.0, 2000.0, 60.0, 100.0, 0.102};
+    const auto path = sim::make_path(eight, earth.ellipsoid);
+    const Vector3d lever(2.0, 0.5, -1.0);
+    const auto nav_at = [&](double t) { return sim::nav_state(path->at(t), Time::from_seconds(t)); };
+    const auto antenna = [&](double t) {
+        const NavState n = nav_at(t);
+        return Vector3d(earth::ecef_from_geodetic(earth.ellipsoid, n.position).r +
+                        earth::C_en(n.position.lat, n.position.lon) * (n.q_nb.toRotationMatrix() * lever));
+    };
+    const auto satellite = [](double t) { return Vector3d(2.0e7 + 900.0 * t - 0.2 * t * t, 1.2e7 - 2500.0 * t + 0.1 * t * t, 1.0e7 + 1500.0 * t); };
+    const auto range = [&](double t) { return (antenna(t) - satellite(t)).norm(); };
+    for (const double t : {7.0, 22.0, 41.0}) {
+        const sim::InertialInput felt = sim::inertial_input(earth, path->at(t));
+        const EarthFixedMotion here = antenna_motion(earth, nav_at(t), felt.f_b, felt.w_ib_b, lever);
+        const EarthFixedMotion there{satellite(t), {900.0 - 0.4 * t, -2500.0 + 0.2 * t, 1500.0}, {-0.4, 0.2, 0.0}};
+        const NavState n = nav_at(t);
+        Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();
+        P.diagonal() << 4.0, 4.0, 4.0, 0.01, 0.01, 0.01;
+        const LineOfSightAid aid = line_of_sight_aid(here, there, earth::C_en(n.position.lat, n.position.lon), P);
+        const double h = 0.05;
+        EXPECT_NEAR(aid.range, range(t), 1e-6);
+        EXPECT_NEAR(aid.rate, (8.0 * (range(t + h) - range(t - h)) - (range(t + 2 * h) - range(t - 2 * h))) / (12.0 * h), 1e-5);
+        // The lever arm's turn is taken as steady: 2 m times an angular acceleration of 0.02 rad/s^2.
+        EXPECT_NEAR(aid.acceleration, (range(t + h) - 2.0 * range(t) + range(t - h)) / (h * h), 0.06);
+        EXPECT_NEAR(aid.std_range, 2.0, 1e-12);
+        EXPECT_NEAR(aid.std_rate, 0.1, 1e-12);
+    }
+}
+
+TEST(Integrity, TestsOfOneFix) {
+    IntegritySettings s;
+    ChannelHealth health;
+    Examined e{AidKind::GnssPosition, Time::from_seconds(12.0), {60.0, 0.0, 0.0}, Vector3d::Ones(), 1e4};
+    EXPECT_TRUE(within_tolerance(e, health, s));                 // nothing to extrapolate from yet
+    health.used = Time::from_seconds(10.0);
+    EXPECT_TRUE(within_tolerance(e, health, s));                 // 30 m/s^2 for 2 s: 60 m
+    e.innovation.x() = 60.0 + 5.0 * std::sqrt(3.0) + 0.1;
+    EXPECT_FALSE(within_tolerance(e, health, s));
+    EXPECT_EQ(failed_test(e, health, s), IntegrityTest::Tolerance);
+    e.kind = AidKind::GnssVelocity;
+    e.innovation.x() = 68.0;                                      // 30 m/s^2 for 2 s and 8.7 m/s
+    EXPECT_TRUE(within_tolerance(e, health, s));
+    e.trace = 68.0 * 68.0 / 10.0 * 0.999;
+    EXPECT_EQ(failed_test(e, health, s), IntegrityTest::Innovation);
+    e.trace *= 1.002;
+    EXPECT_EQ(failed_test(e, health, s), std::nullopt);
+}
+
+TEST(Integrity, ReadmissionTakesAgreementForItsTime) {
+    IntegritySettings s;
+    ChannelHealth health;
+    health.excluded = true;
+    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, true, Time::from_seconds(t), s));
+    EXPECT_FALSE(readmits(health, false, Time::from_seconds(5.0), s));
+    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, true, Time::from_seconds(t), s));
+    EXPECT_TRUE(readmits(health, true, Time::from_seconds(16.0), s));
+    EXPECT_FALSE(health.excluded);
+}
+
+/// An aircraft in a figure of eight with good sensors; started from the truth.
+struct Flight {
+    sim::Scenario scenario;
+    Settings settings;
+
+    explicit Flight(std::uint64_t seed) {
+        scenario.seed = seed;
+        scenario.duration = 400.0;
+        scenario.origin = Time::from_seconds(1000.0);
+        scenario.path = sim::FigureEightPath{{0.9, 0.5, 2000.0}, 0.3, 6000.0, 3000.0, 120.0, 100.0, 0.102};
+        scenario.imu.rate = 20.0;
+        scenario.imu.errors = sensor::imu_grade("tactical");
+        scenario.imu.errors.gyro_scale = scenario.imu.errors.accel_scale = 0.0;
+        scenario.imu.errors.gyro_misalignment = scenario.imu.errors.accel_misalignment = 0.0;
+        scenario.imu.errors.gyro_turn_on_bias = 0.0;
+        scenario.imu.errors.accel_turn_on_bias *= 0.1;
+        scenario.gnss.white_position = {1.0, 1.0, 1.5};
+        scenario.gnss.white_velocity.setConstant(0.03);
+        scenario.baro = {1.0, 0.5, 3.0, 0.02};
+        settings.earth = scenario.earth;
+        settings.vehicle = VehicleKind::Air;
+        settings.imu.kind = scenario.imu.kind;
+        settings.imu.errors = scenario.imu.errors;
+        settings.baro.std = 0.5;
+        settings.baro.bias_std = 3.0;
+        settings.baro.bias_walk = 0.02;
+        settings.aids.zero_velocity = false;
+    }
+    Result run(Recording& recording) {
+        recording = sim::simulate(scenario).recording;
+        give_start(settings, recording, scenario.seed);
+        WarningLog warnings;
+        return run_loose(recording, settings, warnings);
+    }
+};
+
+/// Largest and root mean square horizontal error from `from` seconds on, and the mean of its squared standardised value.
+struct Horizontal {
+    double largest = 0.0, rms = 0.0, nees = 0.0;
+};
+Horizontal horizontal(const Result& result, const Recording& recording, double from) {
+    Horizontal h;
+    double n = 0.0;
+    for (const analysis::ErrorRow& e : analysis::errors_against(earth::Earth{}, result.forward.rows, recording.reference)) {
+        if (e.time.seconds() - 1000.0 < from) continue;
+        const double r = e.position.head<2>().norm();
+        h.largest = std::max(h.largest, r);
+        h.rms += r * r;
+        h.nees += 0.5 * e.position.head<2>().cwiseQuotient(e.std_position.head<2>()).squaredNorm();
+        n += 1.0;
+    }
+    h.rms = std::sqrt(h.rms / n);
+    h.nees /= n;
+    return h;
+}
+
+// Whatever its gains, the separate scheme says truly how good it is; the filter is better.
+TEST(SeparateScheme, IsHonestAndWorseThanTheFilter) {
+    double continuous = 0.0, restart = 0.0, loose = 0.0, nees = 0.0, nees_restart = 0.0;
+    const int seeds = 8;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        Flight flight(seed);
+        Recording recording;
+        loose += horizontal(flight.run(recording), recording, 60.0).rms / seeds;
+        flight.settings.coupling = Coupling::Separate;
+        const Horizontal c = horizontal(flight.run(recording), recording, 60.0);
+        flight.settings.separate.restart_period = 60.0;
+        const Horizontal r = horizontal(flight.run(recording), recording, 60.0);
+        continuous += c.rms / seeds;
+        restart += r.rms / seeds;
+        nees += c.nees / seeds;
+        nees_restart += r.nees / seeds;
+    }
+    EXPECT_LT(loose, 0.8 * continuous);
+    EXPECT_LT(loose, 0.8 * restart);
+    // Sixteen tilts that nobody estimates decide: chi-square of 16 over 16.
+    for (const double mean : {nees, nees_restart}) {
+        EXPECT_GT(mean, 0.3);
+        EXPECT_LT(mean, 2.3);
+    }
+}
+
+TEST(LooseKind, AggressiveUsesTheSameInformationInParts) {
+    Flight flight(3);
+    Recording recording;
+    const Horizontal standard = horizontal(flight.run(recording), recording, 60.0);
+    flight.settings.loose_kind = LooseKind::Aggressive;
+    const Horizontal aggressive = horizontal(flight.run(recording), recording, 60.0);
+    EXPECT_NEAR(aggressive.rms / standard.rms, 1.0, 0.25);
+    EXPECT_NEAR(aggressive.nees / standard.nees, 1.0, 0.4);
+    EXPECT_NE(aggressive.rms, standard.rms);
+}
+
+// A position that ramps away by 1 m/s: the filter alone follows it, the monitor excludes the receiver and takes it back afterwards.
+TEST(Integrity, SlowRampIsFoundExcludedAndTheReceiverReadmitted) {
+    Flight flight(5);
+    flight.settings.gnss.use_velocity = false;   // a velocity without the fault would tell at once
+    Recording recording;
+    flight.settings.integrity.use = true;
+    const Result healthy = flight.run(recording);
+    EXPECT_TRUE(healthy.alerts.empty());
+    flight.scenario.faults = {{sim::Channel::Gnss, sim::FaultKind::Ramp, 200.0, 100.0, 1.0, Vector3d::UnitX()}};
+    const Result guarded = flight.run(recording);
+    const Horizontal controlled = horizontal(guarded, recording, 60.0);
+    flight.settings.integrity.use = false;
+    flight.settings.aids.gate_probability = 0.0;
+    const Horizontal open = horizontal(flight.run(recording), recording, 60.0);
+    EXPECT_GT(open.largest, 60.0);
+    EXPECT_LT(controlled.largest, 0.5 * open.largest);
+    ASSERT_GE(guarded.alerts.size(), 2u);
+    const double found = guarded.alerts.front().time.seconds() - 1200.0;
+    EXPECT_GT(found, 0.0);
+    EXPECT_LT(found, 70.0);
+    EXPECT_EQ(guarded.alerts.back().test, IntegrityTest::Readmitted);
+}
+
+TEST(Integrity, StepsAreRefusedAtOnceAndSmootherIsRefusedToo) {
+    Flight flight(6);
+    flight.settings.integrity.use = true;
+    flight.scenario.faults = {{sim::Channel::Gnss, sim::FaultKind::Step, 200.0, 60.0, 100.0, Vector3d::UnitY()}};
+    Recording recording;
+    const Result guarded = flight.run(recording);
+    EXPECT_LT(horizontal(guarded, recording, 60.0).largest, 20.0);
+    ASSERT_FALSE(guarded.alerts.empty());
+    EXPECT_NEAR(guarded.alerts.front().time.seconds() - 1200.0, 2.0, 1.01);   // three in a row
+    flight.settings.smooth = true;
+    EXPECT_THROW((void)flight.run(recording), Error);
+}
+
+}  // namespace
+}  // namespace schuler::fusion
