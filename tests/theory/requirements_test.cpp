@@ -36,7 +36,7 @@ TEST(Requirements, CurvesSolveTheLevelChannel) {
         const int n = 4000;
         const double h = t / n;
         State s{0, 0, 0};
-        const auto slope = [&](const State& x) { return State{x.v, a - pendulum.gravity * x.theta, x.v / pendulum.radius + w}; };
+        const auto slope = [&](const State& x) { return State{x.v, a - pendulum.g * x.theta, x.v / pendulum.R + w}; };
         const auto at = [](const State& x, const State& d, double f) { return State{x.r + f * d.r, x.v + f * d.v, x.theta + f * d.theta}; };
         for (int i = 0; i < n; ++i) {
             const State k1 = slope(s), k2 = slope(at(s, k1, h / 2)), k3 = slope(at(s, k2, h / 2)), k4 = slope(at(s, k3, h));
@@ -45,8 +45,8 @@ TEST(Requirements, CurvesSolveTheLevelChannel) {
         return s.r;
     };
     for (const double t : {5.0, 15.0, 100.0, 1000.0, 4000.0}) {
-        EXPECT_NEAR(position_by_accel(pendulum, t) / run(1.0, 0.0, t), 1.0, 1e-9) << t;
-        EXPECT_NEAR(-position_by_gyro(pendulum, t) / run(0.0, 1.0, t), 1.0, 1e-8) << t;
+        EXPECT_NEAR(pendulum.from_accelerometer(1.0, t) / run(1.0, 0.0, t), 1.0, 1e-9) << t;
+        EXPECT_NEAR(-pendulum.from_gyro(1.0, t) / run(0.0, 1.0, t), 1.0, 1e-8) << t;
     }
 }
 

@@ -79,7 +79,10 @@ double Pendulum::from_tilt(double tilt, double t) const {
     const double s = std::sin(0.5 * frequency() * t);
     return 2.0 * R * tilt * s * s;
 }
-double Pendulum::from_gyro(double drift, double t) const { return R * drift * (t - std::sin(frequency() * t) / frequency()); }
+double Pendulum::from_gyro(double drift, double t) const {
+    const double x = frequency() * t;   // the difference of nearly equal numbers by its series
+    return R * drift / frequency() * (x < 0.02 ? x * x * x / 6.0 * (1.0 - x * x / 20.0) : x - std::sin(x));
+}
 double Pendulum::from_velocity(double dv, double t) const { return dv * std::sin(frequency() * t) / frequency(); }
 double Pendulum::from_accelerometer(double bias, double t) const { return from_tilt(bias / g, t); }
 

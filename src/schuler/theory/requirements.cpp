@@ -8,19 +8,6 @@
 
 namespace schuler::theory {
 
-double Pendulum::frequency() const { return std::sqrt(gravity / radius); }
-
-double position_by_accel(const Pendulum& p, double t) {
-    const double half = std::sin(0.5 * p.frequency() * t);   // 1 - cos without cancellation
-    return 2.0 * half * half * p.radius / p.gravity;
-}
-
-double position_by_gyro(const Pendulum& p, double t) {
-    const double w = p.frequency(), x = w * t;
-    const double difference = x < 0.02 ? x * x * x / 6.0 * (1.0 - x * x / 20.0) : x - std::sin(x);
-    return p.radius * difference / w;
-}
-
 Requirement requirement(const Pendulum& p, double budget, double outage) {
     const auto check = [](double x, const char* key) {
         if (!(std::isfinite(x) && x > 0.0)) throw input_error("is not positive", {.file = {}, .line = 0, .column = 0, .key = key}, "give a positive number");
@@ -28,13 +15,13 @@ Requirement requirement(const Pendulum& p, double budget, double outage) {
     check(budget, "budget");
     check(outage, "outage");
     const double half_period = std::numbers::pi / p.frequency();
-    return {budget / position_by_accel(p, std::min(outage, half_period)), budget / position_by_gyro(p, outage)};
+    return {budget / p.from_accelerometer(1.0, std::min(outage, half_period)), budget / p.from_gyro(1.0, outage)};
 }
 
 double position_sigma(const Pendulum& p, const SensorSigmas& s, double t) {
     const double noise_a = s.accel_noise * std::pow(t, 1.5) / std::sqrt(3.0);
-    const double noise_g = p.gravity * s.gyro_noise * std::pow(t, 2.5) / std::sqrt(20.0);
-    return std::hypot(std::hypot(s.accel_bias * position_by_accel(p, t), s.gyro_bias * position_by_gyro(p, t)), std::hypot(noise_a, noise_g));
+    const double noise_g = p.g * s.gyro_noise * std::pow(t, 2.5) / std::sqrt(20.0);
+    return std::hypot(std::hypot(p.from_accelerometer(s.accel_bias, t), p.from_gyro(s.gyro_bias, t)), std::hypot(noise_a, noise_g));
 }
 
 double longest_outage(const Pendulum& p, const SensorSigmas& s, double budget, double longest) {

@@ -1,21 +1,11 @@
 // What sensors a position budget asks for over an outage, and how long an outage given sensors allow.
 #pragma once
 
+#include "schuler/theory/level_dynamics.h"
+
 namespace schuler::theory {
 
-/// The Schuler pendulum of paper A, (1.4.4): standard gravity over the mean radius.
-struct Pendulum {
-    double gravity = 9.80665;      ///< m/s^2
-    double radius = 6371000.0;     ///< m
-    [[nodiscard]] double frequency() const;   ///< rad/s
-};
-
-/// Horizontal position error (m) after t seconds of a constant accelerometer error of 1 m/s^2: R/g (1 - cos w t) [PaperA:1.4.5].
-[[nodiscard]] double position_by_accel(const Pendulum& p, double t);
-/// Likewise of a constant horizontal gyro error of 1 rad/s: R (t - sin(w t)/w) [PaperA:1.4.7].
-[[nodiscard]] double position_by_gyro(const Pendulum& p, double t);
-
-/// Largest error that alone keeps within `budget` m through an outage of UP TO `outage` s. The accelerometer's error swings back after
+/// Largest constant sensor error [PaperA:1.4.5, 1.4.7] that alone keeps within `budget` m through an outage of UP TO `outage` s. The accelerometer's error swings back after
 /// half a Schuler period: the largest before counts.
 struct Requirement {
     double accel;   ///< m/s^2
@@ -30,7 +20,7 @@ struct SensorSigmas {
     double accel_noise, gyro_noise;    ///< m/s/sqrt(s), rad/sqrt(s)
 };
 
-/// One sigma of the horizontal position error of an axis after t s with such sensors, perfectly started: biases by the formulas above,
+/// One sigma of the horizontal position error of an axis after t s with such sensors, perfectly started: biases as Pendulum has them,
 /// noise by its integrals N_a t^(3/2) / sqrt(3) and g N_g t^(5/2) / sqrt(20), which hold well below the Schuler period.
 [[nodiscard]] double position_sigma(const Pendulum& p, const SensorSigmas& s, double t);
 
