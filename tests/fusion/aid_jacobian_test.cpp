@@ -203,7 +203,7 @@ TEST(Aids, VariancesGoWithTheirComponents) {
 TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
     for (const Point& p : random_points(20)) {
         Estimate e = p.truth;
-        e.layout.gnss_position = -1;
+        e.layout.gnss_position = e.layout.gnss_velocity = -1;
         const NavStateEcef s = ins::to_ecef(e.earth, e.nav);
         const Matrix3d C_eb = s.q_eb.toRotationMatrix();
         const Vector3d arm = e.parameters.segment<3>(e.layout.lever_arm);
