@@ -203,7 +203,7 @@ def bad_input(program, source):
     program.fails("process", folder / "key", parts=["dataset.toml:3: imu.grad", "imu.grade"])
     program.fails("process", folder / "toml", parts=["dataset.toml:1"])
     program.fails("process", folder / "empty", parts=["imu.csv"])
-    program.fails("process", folder / "in_g", parts=["imu.csv", "accel_x_m_s2", "not gravity", "accel_x_g"])
+    program.fails("process", folder / "in_g", parts=["imu.csv", "accelerometer columns", "gravity in g", "scale = { accel_m_s2"])
     # without a dataset.toml: the file that is nearly a log, or empty, or a folder, is named
     for name, imu, gnss, parts in [
         ("nearly", "\n".join([header.replace("gyro_x_rad_s", "apples"), *rows]), None, ["imu.csv", "lacks gyro_x_rad_s"]),

@@ -3,7 +3,6 @@
 #include "schuler/app/solution_stream.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/fusion/run_loose.h"
-#include "schuler/inspect/inspect.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
@@ -20,24 +19,12 @@ constexpr std::size_t largest_full_rate = 150'000;
 /// Otherwise it reports at least at this rate, whatever is written: the evaluation interpolates between its rows.
 constexpr double least_internal_rate = 10.0;
 
-double since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-SettingList layered(const SettingList& base, const ProcessRequest& request) {
-    SettingList all = base;
-    if (!request.config.empty())
-        all = overlaid(std::move(all), config_table().read(read_toml(request.config), request.config.string()));
-    return overlaid(std::move(all), request.above);
-}
-
 /// Whether nothing but solution.csv needs the rows: it is then written while the filter runs.
 bool only_written(const LoadedDataset& data) {
     const Config& c = data.config;
     const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
-    const auto& files = c.output.files;
     return c.scheme == Scheme::Loose && !c.filter.smooth && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
-           std::ranges::find(files, "solution") != files.end() && std::ranges::none_of(files, needs_rows);
+           c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
 fusion::Result fused(const LoadedDataset& data, WarningLog& warnings, const std::function<void(double)>& progress,
@@ -59,19 +46,6 @@ std::vector<sim::SensorTruth> in_body_axes(std::vector<sim::SensorTruth> truth, 
     return truth;
 }
 
-/// A run whose inertial navigation and fixes contradict each other: what the logs themselves say is wrong, as an error, where
-/// they say it.
-void blame_the_logs(const LoadedDataset& data, const fs::path& folder) {
-    const Config& c = data.config;
-    if (folder.empty() || c.imu.file.empty() || !c.imu.scale.empty()) return;
-    const fs::path file = folder / c.imu.file;
-    for (const inspect::FileReport& report : inspect::inspect(folder).files) {
-        if (report.path != c.imu.file) continue;
-        for (const inspect::Problem& problem : report.problems)
-            if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.mend);
-    }
-}
-
 /// From loaded data to files: the part that process and run share.
 Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog& warnings,
                  const fs::path& folder, std::chrono::steady_clock::time_point begin) {
@@ -79,7 +53,7 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     bundle.version = request.version;
     bundle.config_toml = to_toml(config_table().used(shown), config_table().specs(), true);
     Outcome out;
-    out.folder = request.output.empty() ? fs::path("out") / bundle.name : request.output;
+    out.folder = request.folder_for(bundle.name);
     std::optional<SolutionStream> stream;
     fusion::RowSink sink;
     if (only_written(bundle.data)) {
@@ -93,7 +67,7 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     }
     const auto filter_begin = std::chrono::steady_clock::now();
     bundle.result = fused(bundle.data, warnings, request.progress, sink);
-    bundle.timing.filter_s = since(filter_begin);
+    bundle.timing.filter_s = seconds_since(filter_begin);
     if (bundle.result.forward.rows.empty())
         throw computation_error("the filter gave no solution", "look at the warnings and at `schuler inspect`");
     bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.sensor_truth);
@@ -106,7 +80,8 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
                         bundle.relative(bundle.evaluation.settled)));
     }
     const fusion::Counters& n = bundle.result.counters;
-    if (n.gnss_rejected > n.gnss_accepted || !bundle.result.findings.heading_found) blame_the_logs(bundle.data, folder);
+    if (n.gnss_rejected > n.gnss_accepted || !bundle.result.findings.heading_found)
+        blame_the_imu_log(folder, bundle.data.config);   // navigation and fixes contradict each other
     if (n.gnss_rejected > n.gnss_accepted) {
         warnings.add("gnss.rejected",
                      fmt::format("{} of {} fixes disagree with the inertial navigation and were rejected: the units, axes or times of "
@@ -118,15 +93,13 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
 
     const auto write_begin = std::chrono::steady_clock::now();
     // summary.json carries the time of writing the others, so it is written last
-    auto& files = bundle.data.config.output.files;
-    const bool summary = std::ranges::find(files, "summary") != files.end();
     if (stream) stream->finish();
     out.files = write_outputs(bundle, out.folder, stream.has_value());
-    bundle.timing.write_s = since(write_begin);
+    bundle.timing.write_s = seconds_since(write_begin);
     bundle.timing.read_s = bundle.data.read_seconds;
-    bundle.timing.wall_s = since(begin);
+    bundle.timing.wall_s = seconds_since(begin);
     out.json = summary_json(bundle);
-    if (summary) {
+    if (bundle.data.config.output.wants("summary")) {
         out.files.push_back(out.folder / "summary.json");
         write_text(out.files.back(), out.json);
     }
@@ -137,12 +110,20 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
 
 }  // namespace
 
+SettingList ProcessRequest::over(const SettingList& base) const {
+    SettingList all = base;
+    if (!config.empty()) all = overlaid(std::move(all), config_table().read(read_toml(config), config.string()));
+    return overlaid(std::move(all), above);
+}
+
+fs::path ProcessRequest::folder_for(const std::string& name) const { return output.empty() ? fs::path("out") / name : output; }
+
 Outcome process_dataset(const ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const bool given_start = !request.config.empty() ||
                              std::ranges::any_of(request.above, [](const Setting& s) { return s.key == "initial.lat_deg"; });
     const Dataset dataset = open_dataset(request.input, given_start ? Needs::Imu : Needs::ImuAndGnss);
-    const Config config = config_from(layered(dataset.settings, request));
+    const Config config = config_from(request.over(dataset.settings));
     WarningLog warnings;
     ResultBundle bundle;
     bundle.command = "process";
@@ -157,7 +138,7 @@ Outcome run_scenario(const ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const ScenarioConfig scenario = read_scenario(request.input, request.seed);
     SimulatedDataset simulated = simulate_dataset(scenario);
-    const Config config = config_from(layered(simulated.settings, request));
+    const Config config = config_from(request.over(simulated.settings));
     WarningLog warnings;
     ResultBundle bundle;
     bundle.command = "run";
@@ -165,7 +146,7 @@ Outcome run_scenario(const ProcessRequest& request) {
     bundle.seed = simulated.seed;
     bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
     bundle.data.true_reference = true;
-    bundle.data.read_seconds = since(begin);
+    bundle.data.read_seconds = seconds_since(begin);
     bundle.sensor_truth = in_body_axes(std::move(simulated.truth.sensor_truth), bundle.data.config.filter.imu);
     return finished(bundle, request, warnings, {}, begin);
 }
