@@ -14,14 +14,30 @@ void add_everywhere(CLI::App& app, Options& o) {
 }
 
 /// Options of process, run and demo.
-void add_processing(CLI::App& app, Options& o) {
+void add_output(CLI::App& app, Options& o) {
+    app.add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
+}
+
+/// Settings over those of the data set, and the result as JSON: of every command that processes one.
+void add_settings(CLI::App& app, Options& o) {
     app.add_option("--config", o.config, "settings over those of the data set: keys as in dataset.toml")->type_name("FILE.toml");
+    app.add_option("--start", o.start, "leave out what is before; seconds after the first GNSS (without one: IMU) epoch, or abs:T")
+        ->type_name("T");
+    app.add_option("--stop", o.stop, "leave out what is after")->type_name("T");
+    app.add_option("--set", o.set, "a setting by its key; `schuler help settings` lists them")
+        ->type_name("key=value")
+        ->allow_extra_args(false);
+    // `--set a=1 b=2`: what follows the first pair arrives as arguments of no option
+    app.add_option("more_settings", o.loose_arguments)->group("");
+    app.add_flag("--json", o.json, "summary.json on standard output instead of the tables");
+}
+
+void add_processing(CLI::App& app, Options& o) {
+    add_settings(app, o);
     app.add_option("--scheme", o.scheme, "coupling: loose, separate, or gnss for the receiver's own solution")->type_name("SCHEME");
     app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
     app.add_option("--loop", o.loop, "feedback of the estimated errors: closed, open or mixed")->type_name("LOOP");
     app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");
-    app.add_option("--start", o.start, "leave out what is before; seconds after the first GNSS epoch, or abs:T")->type_name("T");
-    app.add_option("--stop", o.stop, "leave out what is after")->type_name("T");
     app.add_option("--outage", o.outages, "withhold GNSS for T < t < T+DUR and compare there")
         ->type_name("T:DUR[,T:DUR...]")
         ->allow_extra_args(false);
@@ -29,12 +45,6 @@ void add_processing(CLI::App& app, Options& o) {
     app.add_option("--outputs", o.outputs, "what is written: solution,summary,h5,report,kml,config (default all)")
         ->type_name("LIST");
     app.add_option("--output-rate", o.output_rate, "rate of the solution, default 10; 0 = every IMU epoch")->type_name("HZ");
-    app.add_option("--set", o.set, "a setting by its key; `schuler help settings` lists them")
-        ->type_name("key=value")
-        ->allow_extra_args(false);
-    // `--set a=1 b=2`: what follows the first pair arrives as arguments of no option
-    app.add_option("more_settings", o.loose_arguments)->group("");
-    app.add_flag("--json", o.json, "summary.json on standard output instead of the tables");
 }
 
 CLI::App* add_command(CLI::App& parser, Options& o, const std::string& name, const std::string& purpose,
@@ -72,14 +82,14 @@ void add_data_commands(CLI::App& parser, Options& o) {
         "  schuler process drive/ --config out/drive/config.toml   the same settings again\n"
         "`schuler help settings` lists the keys of dataset.toml, --config and --set.");
     process->add_option("DATASET", o.input, "folder, dataset.toml, KF-GINS YAML file, or a log")->required();
-    process->add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
+    add_output(*process, o);
     add_processing(*process, o);
 
     CLI::App* run = add_command(parser, o, "run", "simulate a scenario, process and evaluate it in one go",
                                 "  schuler run examples/paper-a-flight.toml\n  schuler run examples/demo.toml --seed 3 --smooth --json\n"
                                 "`schuler help scenario` lists the keys of a scenario file.");
     run->add_option("SCENARIO", o.input, "scenario file")->required();
-    run->add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
+    add_output(*run, o);
     run->add_option("--seed", o.seed, "instead of the scenario's")->type_name("N");
     add_processing(*run, o);
 }
@@ -94,22 +104,15 @@ void add_attitude_command(CLI::App& parser, Options& o) {
         "  schuler ahrs flight/ --calibrate                magnetometer and accelerometer calibrated from this log\n"
         "Heading is true where position and date are known (World Magnetic Model), magnetic otherwise.");
     ahrs->add_option("DATASET", o.input, "folder, dataset.toml, or a log")->required();
-    ahrs->add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
+    add_output(*ahrs, o);
     ahrs->add_option("--filter", o.filter, "dcm, quaternion, quaternion-coupled or mekf (default)")
         ->check(CLI::IsMember({"dcm", "quaternion", "quaternion-coupled", "mekf"}));
     ahrs->add_flag("--six-axis", o.six_axis, "leave the magnetometer out; heading starts at zero");
     ahrs->add_flag("--offline", o.offline, "forward filter and backward smoother (mekf)");
     ahrs->add_flag("--calibrate", o.calibrate, "ellipsoid fit of magnetometer and accelerometer from this log first");
-    ahrs->add_option("--config", o.config, "settings over those of the data set: keys as in dataset.toml")->type_name("FILE.toml");
-    ahrs->add_option("--start", o.start, "leave out what is before; seconds after the first GNSS or IMU epoch, or abs:T")
-        ->type_name("T");
-    ahrs->add_option("--stop", o.stop, "leave out what is after")->type_name("T");
     ahrs->add_option("--outputs", o.outputs, "what is written beside summary.json: solution,report,config (default all)")
         ->type_name("LIST");
-    ahrs->add_option("--set", o.set, "a setting by its key; `schuler help settings` lists them")
-        ->type_name("key=value")
-        ->allow_extra_args(false);
-    ahrs->add_flag("--json", o.json, "summary.json on standard output instead of the tables");
+    add_settings(*ahrs, o);
 }
 
 void add_montecarlo_command(CLI::App& parser, Options& o) {

@@ -78,21 +78,18 @@ Nees of_vector_filter(const Motion& m, Separation separation) {
     return n;
 }
 
-TEST(AhrsConsistency, DirectionCosinesWithoutGyroBias) {
+template <class Filter>
+void expect_consistent_vector_filter() {
     Motion m;
     m.duration = 20.0;
-    const Nees n = of_vector_filter<DcmFilter>(m, Separation::Projected);
+    const Nees n = of_vector_filter<Filter>(m, Separation::Projected);
     SCOPED_TRACE(fmt::format("{:.2f} {:.2f} {:.2f}", n.all, n.heading, n.tilt));
     expect_consistent(n);
 }
 
-TEST(AhrsConsistency, QuaternionWithoutGyroBias) {
-    Motion m;
-    m.duration = 20.0;
-    const Nees n = of_vector_filter<QuaternionFilter>(m, Separation::Projected);
-    SCOPED_TRACE(fmt::format("{:.2f} {:.2f} {:.2f}", n.all, n.heading, n.tilt));
-    expect_consistent(n);
-}
+TEST(AhrsConsistency, DirectionCosinesWithoutGyroBias) { expect_consistent_vector_filter<DcmFilter>(); }
+
+TEST(AhrsConsistency, QuaternionWithoutGyroBias) { expect_consistent_vector_filter<QuaternionFilter>(); }
 
 TEST(AhrsConsistency, MekfWithBiasSwayAndHardIronSlow) {
     Nees n;

@@ -33,6 +33,16 @@ struct Files {
     }
 };
 
+/// A moving receiver with its truth.
+struct MovingFiles : Files {
+    std::vector<ReferenceSample> reference;
+
+    MovingFiles() : Files("spirent_rose_noatm", "rover.obs", {"gps.nav", "galileo.nav"}) {
+        WarningLog warnings;
+        reference = io::read_reference_csv(io::test::data_folder() / "spirent_rose_noatm" / "reference.csv", {}, warnings).samples;
+    }
+};
+
 SinglePointSettings without_atmosphere() {
     SinglePointSettings s;
     s.ranges.ionosphere = IonosphereModel::None;
@@ -103,13 +113,10 @@ TEST(SinglePoint, DirectionsAgreeWithTheGenerator) {
 
 TEST(SinglePoint, MovingReceiver) {
     SKIP_WITHOUT_DATA();
-    const Files files("spirent_rose_noatm", "rover.obs", {"gps.nav", "galileo.nav"});
+    const MovingFiles files;
     const BroadcastSource source(files.navigation);
-    WarningLog warnings;
-    const auto reference =
-        io::read_reference_csv(io::test::data_folder() / "spirent_rose_noatm" / "reference.csv", {}, warnings).samples;
     std::map<std::int64_t, const ReferenceSample*> truth;
-    for (const ReferenceSample& r : reference) truth[r.time.ns] = &r;
+    for (const ReferenceSample& r : files.reference) truth[r.time.ns] = &r;
     for (const IonosphereModel ionosphere : {IonosphereModel::None, IonosphereModel::Dual}) {
         SinglePointSettings settings = without_atmosphere();
         settings.ranges.ionosphere = ionosphere;
@@ -137,13 +144,10 @@ TEST(SinglePoint, MovingReceiver) {
 
 TEST(PhaseVelocity, MovingReceiverToAMillimetreASecondAndCycleSlips) {
     SKIP_WITHOUT_DATA();
-    const Files files("spirent_rose_noatm", "rover.obs", {"gps.nav", "galileo.nav"});
+    const MovingFiles files;
     const BroadcastSource source(files.navigation);
-    WarningLog warnings;
-    const auto reference =
-        io::read_reference_csv(io::test::data_folder() / "spirent_rose_noatm" / "reference.csv", {}, warnings).samples;
     std::map<std::int64_t, Ecef> truth;
-    for (const ReferenceSample& r : reference) truth[r.time.ns] = earth::ecef_from_geodetic(earth::wgs84, r.position);
+    for (const ReferenceSample& r : files.reference) truth[r.time.ns] = earth::ecef_from_geodetic(earth::wgs84, r.position);
     const SinglePointSettings settings = without_atmosphere();
     SinglePoint solver(source, std::nullopt, settings);
     PhaseDifferences plain(source, settings.ranges), slipping(source, settings.ranges);

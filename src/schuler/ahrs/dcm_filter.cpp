@@ -1,5 +1,7 @@
 #include "schuler/ahrs/dcm_filter.h"
 
+#include "schuler/ahrs/settings.h"
+
 #include "schuler/core/error.h"
 #include "schuler/math/rotation.h"
 
@@ -24,15 +26,11 @@ void update_row(Eigen::Vector3d& row, Eigen::Matrix3d& P, const Eigen::Vector3d&
 }  // namespace
 
 void VectorFilterSettings::check() const {
-    const auto positive = [](double value, const char* name) {
-        if (!(value > 0.0) || !std::isfinite(value))
-            throw input_error(fmt::format("{} must be positive", name), {{}, 0, 0, name}, "give a positive number");
-    };
-    positive(gyro_noise, "gyro_noise");
-    positive(accel_std, "accel_std");
-    positive(field_std, "field_std");
-    positive(gravity, "gravity");
-    positive(horizontal_field, "horizontal_field");
+    check_positive({{"gyro_noise", gyro_noise},
+                    {"accel_std", accel_std},
+                    {"field_std", field_std},
+                    {"gravity", gravity},
+                    {"horizontal_field", horizontal_field}});
 }
 
 DcmFilter::DcmFilter(const VectorFilterSettings& settings) : settings_(settings) { settings.check(); }

@@ -14,26 +14,6 @@ constexpr double turn_in_gap = 0.5;              // rad/s, by which the attitude
 
 }  // namespace
 
-void MekfSettings::check() const {
-    const auto positive = [](double value, const char* name) {
-        if (!(value > 0.0) || !std::isfinite(value))
-            throw input_error(fmt::format("{} must be positive", name), {{}, 0, 0, name}, "give a positive number");
-    };
-    positive(block, "block");
-    positive(tilt.gyro_noise, "tilt.gyro_noise");
-    positive(tilt.bias_std, "tilt.bias_std");
-    positive(tilt.velocity_std, "tilt.velocity_std");
-    positive(tilt.velocity_time, "tilt.velocity_time");
-    positive(tilt.rest_rate_std, "tilt.rest_rate_std");
-    positive(tilt.rest_velocity_std, "tilt.rest_velocity_std");
-    positive(tilt.gravity, "tilt.gravity");
-    positive(heading.field_noise, "heading.field_noise");
-    positive(heading.field_time, "heading.field_time");
-    positive(heading.recovery_time, "heading.recovery_time");
-    positive(rest.after, "rest.after");
-    positive(guard.longest_step, "guard.longest_step");
-}
-
 Mekf::Mekf(const MekfSettings& settings)
     : settings_(settings),
       tilt_(settings.tilt, settings.rest),

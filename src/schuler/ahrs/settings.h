@@ -5,7 +5,9 @@
 
 #include <Eigen/Core>
 
+#include <initializer_list>
 #include <limits>
+#include <utility>
 
 namespace schuler::ahrs {
 
@@ -63,6 +65,9 @@ struct HeadingSettings {
         Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< T, NED, from a model
     double known_field_std = 3e-6;                ///< T, of that model here and of the instrument's scale
 };
+
+/// @throws Error(Input) naming the first that is not positive or not finite.
+void check_positive(std::initializer_list<std::pair<const char*, double>> settings);
 
 struct MekfSettings {
     double block = 0.05;                          ///< s between filter updates; the strapdown runs at the sensor's rate

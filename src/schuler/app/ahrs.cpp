@@ -2,7 +2,6 @@
 
 #include "schuler/app/ahrs_outputs.h"
 #include "schuler/app/bundle.h"
-#include "schuler/app/toml_file.h"
 #include "schuler/core/units.h"
 #include "schuler/math/rotation.h"
 
@@ -12,10 +11,6 @@
 
 namespace schuler::app {
 namespace {
-
-double since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 /// Warnings about samples that were left out, one line an instrument.
 void tell(const ahrs::Counters& c, WarningLog& warnings) {
@@ -54,12 +49,7 @@ AhrsEvaluation evaluate(const std::vector<ahrs::AttitudeRow>& rows, const std::v
 Outcome ahrs_dataset(const AhrsRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const Dataset dataset = open_dataset(request.common.input, Needs::Imu);
-    SettingList settings = dataset.settings;
-    if (!request.common.config.empty()) {
-        settings =
-            overlaid(std::move(settings), config_table().read(read_toml(request.common.config), request.common.config.string()));
-    }
-    const Config config = config_from(overlaid(std::move(settings), request.common.above));
+    const Config config = config_from(request.common.over(dataset.settings));
     WarningLog warnings;
     AhrsBundle b;
     b.name = config.name.empty() ? dataset.name : config.name;
@@ -75,7 +65,7 @@ Outcome ahrs_dataset(const AhrsRequest& request) {
 
     const auto filter_begin = std::chrono::steady_clock::now();
     b.result = ahrs::run(input.imu, input.mag, input.speed, input.settings);
-    b.timing.filter_s = since(filter_begin);
+    b.timing.filter_s = seconds_since(filter_begin);
     if (b.result.rows.empty())
         throw input_error("the log is too short for an attitude, or has no usable accelerometer sample", {},
                           "give at least 0.1 s of samples; `schuler inspect` shows what is wrong with them");
@@ -87,12 +77,12 @@ Outcome ahrs_dataset(const AhrsRequest& request) {
 
     Outcome out;
     out.notice = dataset.inferred_toml;
-    out.folder = request.common.output.empty() ? std::filesystem::path("out") / b.name : request.common.output;
+    out.folder = request.common.folder_for(b.name);
     const auto write_begin = std::chrono::steady_clock::now();
     out.files = write_ahrs_outputs(b, out.folder);
-    b.timing.write_s = since(write_begin);
+    b.timing.write_s = seconds_since(write_begin);
     b.timing.read_s = b.data.read_seconds;
-    b.timing.wall_s = since(begin);
+    b.timing.wall_s = seconds_since(begin);
     out.json = ahrs_summary_json(b);
     out.files.push_back(out.folder / "summary.json");
     write_text(out.files.back(), out.json);

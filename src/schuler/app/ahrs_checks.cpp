@@ -1,6 +1,7 @@
 #include "schuler/analysis/turn_agreement.h"
 #include "schuler/app/ahrs.h"
 #include "schuler/core/units.h"
+#include "schuler/math/quantile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,17 +11,10 @@ namespace {
 
 constexpr double enough_turned = 0.5;            // rad, below which nothing is said about units and axes
 
-template <class T>
-T median(std::vector<T> x) {
-    const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-    std::ranges::nth_element(x, middle);
-    return *middle;
-}
-
 void check_times(const AhrsInput& input) {
     std::vector<double> steps;
     for (std::size_t i = 1; i < input.imu.size(); ++i) steps.push_back((input.imu[i].time - input.imu[i - 1].time).seconds());
-    const double step = median(std::move(steps));
+    const double step = math::median(std::move(steps));
     if (step > input.settings.mekf.guard.longest_step) {
         throw input_error(fmt::format("IMU samples are {:.3g} s apart: too far for an attitude", step), {{}, 0, 0, "imu.time_s"},
                           "if the times are milliseconds name their column time_ms");
@@ -49,7 +43,7 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
     for (const MagSample& s : mag) {
         if (s.field_b.allFinite()) norms.push_back(s.field_b.norm() / units::microtesla);
     }
-    const double size = norms.empty() ? not_given : median(std::move(norms));
+    const double size = math::median(std::move(norms));
     constexpr double least = 10.0, most = 200.0;
     if (size < least || size > most) {
         warnings.add("ahrs.mag.size", fmt::format("the magnetometer's median is {:.3g} uT where the Earth's field is 20 to 70: "

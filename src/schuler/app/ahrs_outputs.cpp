@@ -1,11 +1,10 @@
 #include "schuler/app/ahrs_outputs.h"
 
+#include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/solution_csv.h"
 #include "schuler/math/rotation.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -13,14 +12,8 @@
 namespace schuler::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json in_degrees(double x) { return std::isfinite(x) ? Json(x / units::deg) : Json(nullptr); }
+Json in_degrees(double x) { return number(x / units::deg); }
 Json rms_of(double x) { return {{"rms", in_degrees(x)}}; }
-Json spread(const analysis::Spread& s) {
-    return {{"rms", in_degrees(s.rms)}, {"p95", in_degrees(s.p95)}, {"max", in_degrees(s.max)}};
-}
-
 SolutionRow solution_row(const ahrs::AttitudeRow& a) {
     SolutionRow row;
     row.time = a.time;
@@ -39,7 +32,7 @@ Json errors_of(const AhrsBundle& b) {
     Json out;
     out["position_m"] = nullptr;
     out["velocity_m_s"] = nullptr;
-    out["attitude_deg"] = {{"roll", spread(e.roll)}, {"pitch", spread(e.pitch)}, {"heading", spread(e.heading)}};
+    out["attitude_deg"] = {{"roll", spread(e.roll, units::deg)}, {"pitch", spread(e.pitch, units::deg)}, {"heading", spread(e.heading, units::deg)}};
     out["broad_deg"] = {{"total", rms_of(e.broad.total)},
                         {"heading", rms_of(e.broad.heading)},
                         {"inclination", rms_of(e.broad.inclination)},
@@ -69,20 +62,19 @@ void turn_to_true_north(AhrsBundle& b) {
 std::vector<std::filesystem::path> write_ahrs_outputs(const AhrsBundle& b, const std::filesystem::path& folder) {
     make_folder(folder);
     const OutputConfig& o = b.data.config.output;
-    const auto wanted = [&](const char* name) { return std::ranges::find(o.files, name) != o.files.end(); };
     std::vector<std::filesystem::path> written;
-    if (wanted("solution")) {
+    if (o.wants("solution")) {
         std::vector<SolutionRow> rows;
         rows.reserve(b.result.rows.size());
         for (const ahrs::AttitudeRow& a : b.result.rows) rows.push_back(solution_row(a));
         written.push_back(folder / "solution.csv");
         io::write_solution_csv(written.back(), rows);
     }
-    if (wanted("report")) {
+    if (o.wants("report")) {
         written.push_back(folder / "report.html");
         io::write_file(written.back(), ahrs_report_html(b));
     }
-    if (wanted("config")) {
+    if (o.wants("config")) {
         written.push_back(folder / "config.toml");
         io::write_file(written.back(), b.config_toml);
     }
@@ -125,14 +117,9 @@ std::string ahrs_summary_json(const AhrsBundle& b) {
                       {"field_learnt_anew", r.counters.recoveries}};
     out["gravity"] = nullptr;
     out["montecarlo"] = nullptr;
-    const double filter = b.timing.filter_s;
-    out["timing"] = {{"read_s", b.timing.read_s},
-                     {"filter_s", filter},
-                     {"write_s", b.timing.write_s},
-                     {"wall_s", b.timing.wall_s},
-                     {"imu_epochs_per_s", filter > 0.0 ? Json(static_cast<double>(b.imu_epochs) / filter) : Json(nullptr)}};
+    out["timing"] = timing(b.timing, b.imu_epochs, b.timing.filter_s);
     out["warnings"] = b.warnings;
-    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return text_of(out);
 }
 
 std::string ahrs_summary_tables(const AhrsBundle& b) {

@@ -2,10 +2,10 @@
 #include "schuler/app/campaign.h"
 #include "schuler/app/fuse.h"
 #include "schuler/app/studies.h"
+#include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <array>
 #include <cmath>
@@ -13,7 +13,6 @@
 namespace schuler::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using sensor::ImuErrorModel;
 
 struct Source {
@@ -142,7 +141,7 @@ Outcome analyze_budget(const StudyRequest& request) {
         Json item{{"source", key}};
         out.tables += fmt::format("  {:<30}", title);
         for (std::size_t i = 0; i < measures; ++i) {
-            item[keys[i]] = std::isfinite(m[i]) ? Json(m[i]) : Json(nullptr);
+            item[keys[i]] = number(m[i]);
             out.tables += std::isfinite(m[i]) ? fmt::format("{:>24.4g}", m[i]) : fmt::format("{:>24}", "-");
         }
         out.tables += "\n";
@@ -164,7 +163,7 @@ Outcome analyze_budget(const StudyRequest& request) {
         line("root_sum_square", "root of the sum of squares", sum);
         line("all", "all at once", rms);
     }
-    out.json = Json{{"name", first.name}, {"runs", request.runs}, {"rows", list}}.dump(2) + "\n";
+    out.json = text_of(Json{{"name", first.name}, {"runs", request.runs}, {"rows", list}});
     return out;
 }
 

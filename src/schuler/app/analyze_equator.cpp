@@ -1,12 +1,11 @@
 #include "schuler/app/analyze.h"
 #include "schuler/app/analyze_parts.h"
+#include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
 #include "schuler/theory/ideal_operation.h"
 #include "schuler/theory/paper_c_tables.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -14,7 +13,6 @@
 namespace schuler::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using namespace theory;
 
 constexpr std::array names{"vn", "vh", "ve", "h", "phi", "lambda"};
@@ -22,8 +20,6 @@ constexpr std::array labels{"north velocity, m/s", "up velocity, m/s", "east vel
                             "height, m",           "latitude, rad",    "longitude, rad"};
 constexpr int samples = 720;  // of a comparison
 constexpr int shown = 6;      // of them in tables
-
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 Json object(const Vector6& x) {
     Json out;
@@ -265,7 +261,7 @@ Outcome equator(const EquatorRequest& r) {
     if (!r.paper && !(r.errors.isZero(0.0) && r.misalignment.isZero(0.0))) out.tables += error_table(r, at, forced, o);
     if (r.paper) add_paper(out, document);
     if (r.compare) add_comparison(r, out, document);
-    out.json = document.dump(2) + "\n";
+    out.json = text_of(document);
     return out;
 }
 

@@ -3,9 +3,9 @@
 #include "schuler/app/campaign.h"
 #include "schuler/app/fuse.h"
 #include "schuler/app/studies.h"
+#include "schuler/app/detail/json.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,6 @@
 namespace schuler::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 /// A kind of fault as a scenario names it, and its size.
 struct Case {
@@ -124,15 +123,13 @@ Outcome analyze_integrity(const StudyRequest& request) {
                                   fmt::format("{:.0f} %", 100.0 * detected), shown(t.median), shown(t.q95), most, wild);
     }
     out.tables += fmt::format("false alarms before the faults: {:g} of {} runs, {:.2f} h\n", alarms, request.runs, hours);
-    out.json = Json{{"name", first.name},
+    out.json = text_of(Json{{"name", first.name},
                     {"runs", request.runs},
                     {"fault_start_s", start},
                     {"fault_duration_s", request.duration},
                     {"rows", rows},
                     {"false_alarm_runs", alarms},
-                    {"healthy_h", hours}}
-                   .dump(2) +
-               "\n";
+                    {"healthy_h", hours}});
     return out;
 }
 

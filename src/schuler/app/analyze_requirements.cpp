@@ -1,18 +1,17 @@
 #include "schuler/app/analyze_parts.h"
 #include "schuler/app/studies.h"
+#include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
 #include "schuler/sensor/grades.h"
 #include "schuler/theory/requirements.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
 namespace schuler::app {
 
 Outcome analyze_requirements(const RequirementsRequest& request) {
-    using Json = nlohmann::ordered_json;
     const theory::Pendulum pendulum;
     const std::vector<double> outages =
         request.outages.empty() ? std::vector<double>{10, 30, 60, 100, 300, 600, 1800, 3600} : request.outages;
@@ -40,7 +39,7 @@ Outcome analyze_requirements(const RequirementsRequest& request) {
         devices.push_back({{"device", name}, {"outage_s", t}});
         out.tables += table_line("  " + name, 20, {short_number(t, 4) + " s"}, 14);
     }
-    out.json = Json{{"budget_m", request.budget}, {"rows", rows}, {"devices", devices}}.dump(2) + "\n";
+    out.json = text_of(Json{{"budget_m", request.budget}, {"rows", rows}, {"devices", devices}});
     return out;
 }
 

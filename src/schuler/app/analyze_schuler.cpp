@@ -1,11 +1,10 @@
 #include "schuler/app/analyze.h"
 #include "schuler/app/analyze_parts.h"
+#include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
 #include "schuler/theory/modes.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -13,7 +12,6 @@
 namespace schuler::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using namespace theory;
 
 /// Errors as shown: keys of JSON, titles and units of tables.
@@ -34,7 +32,6 @@ constexpr std::array<Shown, 9> shown{{{"east_m", "east, m", d_lon, 1.0},
                                       {"about_up_arcsec", "about U, \"", a_u, units::arcsec}}};
 constexpr int samples = 2000;
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 std::string cell(double x) { return short_number(x, 5); }
 
 Json object(const Vector9& x) {
@@ -294,7 +291,7 @@ Outcome analysis(const SchulerRequest& r) {
                   {"largest_horizontal_m", farthest}};
     if (r.paper) add_cases(r, out, document);
     if (!r.output.empty()) add_report(r, history, out);
-    out.json = document.dump(2) + "\n";
+    out.json = text_of(document);
     return out;
 }
 

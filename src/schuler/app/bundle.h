@@ -6,6 +6,7 @@
 #include "schuler/app/published.h"
 #include "schuler/fusion/result.h"
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -13,6 +14,10 @@
 #include <vector>
 
 namespace schuler::app {
+
+[[nodiscard]] inline double seconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
 
 struct Timing {
     double read_s = 0.0, filter_s = 0.0, write_s = 0.0, wall_s = 0.0;

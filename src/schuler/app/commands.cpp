@@ -1,10 +1,9 @@
 #include "schuler/app/commands.h"
 
 #include "schuler/app/evaluation_json.h"
+#include "schuler/app/detail/json.h"
 #include "schuler/app/trajectory_file.h"
 #include "schuler/inspect/inspect.h"
-
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 
@@ -12,15 +11,11 @@ namespace schuler::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 std::vector<ReferenceSample> samples_of(const std::vector<SolutionRow>& rows) {
     std::vector<ReferenceSample> out;
     for (const SolutionRow& r : rows) out.push_back({r.time, r.position, r.v_eb_n, r.rpy, true});
     return out;
 }
-
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 Json problems_of(const std::vector<inspect::Problem>& problems) {
     Json list = Json::array();
@@ -68,7 +63,7 @@ Outcome inspect_path(const fs::path& path) {
                         {"dataset_toml", report.dataset_toml}};
     Outcome out;
     out.tables = inspect::describe(report);
-    out.json = document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    out.json = text_of(document);
     return out;
 }
 

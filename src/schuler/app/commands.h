@@ -21,6 +21,10 @@ struct ProcessRequest {
     std::optional<std::uint64_t> seed;           ///< of a scenario
     std::string version;
     std::function<void(double)> progress;        ///< may be empty
+
+    /// All settings of the run: those of the data set, over them --config, over them `above`.
+    [[nodiscard]] SettingList over(const SettingList& base) const;
+    [[nodiscard]] std::filesystem::path folder_for(const std::string& name) const;
 };
 
 /// What a command has done, for its door to show.

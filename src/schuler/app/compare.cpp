@@ -3,10 +3,10 @@
 #include "schuler/app/fuse.h"
 #include "schuler/app/option_builders.h"
 #include "schuler/app/scenario_sections.h"
+#include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,6 @@
 namespace schuler::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 /// A scheme by its name in compare.schemes: settings that make it.
@@ -87,7 +86,8 @@ std::string cell(double x) {
 Option<ScenarioConfig> compared_option() {
     OptionSpec spec = detail::spec("compare.schemes", Shape::Texts, "`run` takes the same flight through these schemes and compares them");
     for (const KnownScheme& k : known_schemes()) spec.choices.emplace_back(k.name);
-    spec.form = "a list of schemes";
+    spec.form = "a list out of";
+    for (const KnownScheme& scheme : known_schemes()) spec.form += fmt::format(" \"{}\"", scheme.name);
     return {std::move(spec),
             [](ScenarioConfig& s, const Value& v) {
                 s.compared.clear();
@@ -109,7 +109,7 @@ Outcome compare_schemes(const ProcessRequest& request) {
     double done = 0.0;
     for (const std::string& name : scenario.compared) {
         const auto known = std::ranges::find(known_schemes(), name, [](const KnownScheme& k) { return std::string(k.name); });
-        SettingList over = settings_over(request);
+        SettingList over = request.over({});
         over.insert(over.end(), known->settings.begin(), known->settings.end());
         WarningLog warnings;
         ResultBundle bundle = simulated_bundle(scenario, over, warnings);
@@ -119,7 +119,7 @@ Outcome compare_schemes(const ProcessRequest& request) {
         csv += "\n" + name;
         for (const Column& c : columns) {
             const double x = c.of(bundle);
-            row[c.key] = std::isfinite(x) ? Json(x) : Json(nullptr);
+            row[c.key] = number(x);
             table += fmt::format("{:>13}", cell(x));
             if (std::string_view(c.key) != "filter_s") csv += std::isfinite(x) ? fmt::format(",{:.9g}", x) : ",";   // files repeat
         }
@@ -134,7 +134,7 @@ Outcome compare_schemes(const ProcessRequest& request) {
     table += "root mean squares after settling; NEES of the position over its three degrees of freedom (1: honest); the first outage's end\n";
     out.folder = request.output.empty() ? fs::path("out") / scenario.name : request.output;
     make_folder(out.folder);
-    out.json = Json{{"name", scenario.name}, {"command", "run"}, {"seed", scenario.sim.seed}, {"schemes", rows}}.dump(2) + "\n";
+    out.json = text_of(Json{{"name", scenario.name}, {"command", "run"}, {"seed", scenario.sim.seed}, {"schemes", rows}});
     out.tables = table;
     const std::pair<const char*, std::string> files[] = {{"comparison.csv", csv}, {"summary.json", out.json}};
     for (const auto& [name, text] : files) write_text(out.files.emplace_back(out.folder / name), text);

@@ -6,9 +6,11 @@
 #include "schuler/fusion/settings.h"
 #include "schuler/gnss/single_point.h"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace schuler::app {
@@ -60,6 +62,8 @@ struct RunConfig {
 
 struct OutputConfig {
     std::vector<std::string> files{"solution", "summary", "h5", "report", "kml", "config"};
+
+    [[nodiscard]] bool wants(std::string_view file) const { return std::ranges::find(files, file) != files.end(); }
 };
 
 /// The settings of one run. fusion::Settings is filled by the bindings of config_table(), then by settled().

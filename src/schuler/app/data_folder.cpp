@@ -27,7 +27,7 @@ double decimal_year_of(const LoadedDataset& data) {
     const TimeConfig& time = data.config.time;
     if (data.recording.imu.empty()) return not_given;
     const double first = data.recording.imu.front().time.seconds();
-    constexpr double dated = 1e8, unix_of_gps_epoch = 315'964'800.0, days_a_year = 365.25, day = 86'400.0;
+    constexpr double dated = 1e8, days_a_year = 365.25, day = 86'400.0;
     Calendar c{0, 1, 1, 0, 0, 0.0};
     if (!time.date.empty()) {
         if (std::sscanf(time.date.c_str(), "%d-%d-%d", &c.year, &c.month, &c.day) != 3) return not_given;
@@ -35,7 +35,7 @@ double decimal_year_of(const LoadedDataset& data) {
         c = utc_from_gps(Time::from_gps(*time.week, first));
     } else if (first > dated && (time.scale == TimeScale::Gps || time.scale == TimeScale::Utc)) {
         const bool since_1970 = time.scale == TimeScale::Utc && first > 1e9;
-        c = utc_from_gps(Time::from_seconds(since_1970 ? first - unix_of_gps_epoch : first));
+        c = utc_from_gps(Time::from_seconds(since_1970 ? first - static_cast<double>(unix_time_of_gps_epoch) : first));
     } else {
         return not_given;
     }

@@ -141,6 +141,21 @@ std::string with_environment(const std::string& path, const std::string& key) {
     return out;
 }
 
+fs::path resolved(const fs::path& folder, const std::string& file, const std::string& key) {
+    const fs::path path = with_environment(file, key);
+    return path.is_absolute() ? path : folder / path;
+}
+
+void blame_the_imu_log(const fs::path& folder, const Config& config) {
+    if (folder.empty() || config.imu.file.empty() || !config.imu.scale.empty()) return;
+    const fs::path file = resolved(folder, config.imu.file, "imu.file");
+    for (const inspect::FileReport& report : inspect::inspect(file.parent_path()).files) {   // with the fixes to compare with
+        if (report.path != file.filename()) continue;
+        for (const inspect::Problem& problem : report.problems)
+            if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.mend);
+    }
+}
+
 Dataset open_dataset(const fs::path& path, Needs needs) {
     std::error_code ec;
     if (!fs::exists(path, ec)) throw input_error("no such file or folder", {path.string(), 0, 0, {}}, "check the path");

@@ -46,6 +46,13 @@ struct LoadedDataset {
 /// $NAME and ${NAME} replaced by environment variables. @throws Error(Input) for one that is not set.
 [[nodiscard]] std::string with_environment(const std::string& path, const std::string& key);
 
+/// A file that the settings name under `key`, from the data set's folder on. @throws Error(Input) as with_environment().
+[[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& folder, const std::string& file, const std::string& key);
+
+/// Throws Error(Input) with what inspection finds wrong with the IMU log, where it does find something and the settings do not
+/// scale its columns already.
+void blame_the_imu_log(const std::filesystem::path& folder, const Config& config);
+
 /// Truth or another program's solution: CSV with names, solution.csv, or a table of ten columns without them (time, latitude,
 /// longitude, height, velocity NED, roll, pitch, heading in degrees). @throws Error(Input).
 [[nodiscard]] std::vector<ReferenceSample> read_reference(const std::filesystem::path& file, const FileSource& source,

@@ -1,5 +1,6 @@
 #include "schuler/app/evaluate.h"
 
+#include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
@@ -35,9 +36,7 @@ bool among_the_fixes(const LoadedDataset& data, const std::vector<ReferenceSampl
         if (std::isfinite(d.z())) distance.push_back(std::abs(d.z()));
     }
     if (distance.empty()) return true;
-    const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
-    std::ranges::nth_element(distance, middle);
-    return *middle < far;
+    return math::median(std::move(distance)) < far;
 }
 
 /// The outages of a trajectory against the reference, or against the withheld fixes at the antenna.

@@ -1,7 +1,6 @@
 #include "schuler/app/fuse.h"
 
 #include "schuler/app/gnss_only.h"
-#include "schuler/app/toml_file.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,11 +14,6 @@ constexpr std::size_t largest_full_rate = 150'000;
 constexpr double least_internal_rate = 10.0;
 
 }  // namespace
-
-SettingList settings_over(const ProcessRequest& request) {
-    if (request.config.empty()) return request.above;
-    return overlaid(config_table().read(read_toml(request.config), request.config.string()), request.above);
-}
 
 ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList& over, WarningLog& warnings,
                               const ScenarioConfig* told) {
@@ -52,7 +46,7 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         settings.state_rows = !bundle.truth.sensors.empty();
         bundle.result = fusion::run_loose(bundle.data.recording, settings, warnings, progress, rows);
     }
-    bundle.timing.filter_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    bundle.timing.filter_s = seconds_since(begin);
     if (bundle.result.forward.rows.empty())
         throw computation_error("the filter gave no solution", "look at the warnings and at `schuler inspect`");
     bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.truth);

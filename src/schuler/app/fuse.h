@@ -9,9 +9,6 @@
 
 namespace schuler::app {
 
-/// Settings of --config with those of the command line over them.
-[[nodiscard]] SettingList settings_over(const ProcessRequest& request);
-
 /// A simulated data set with the settings `over` those it describes itself by; ready to be fused.
 [[nodiscard]] ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList& over, WarningLog& warnings,
                                             const ScenarioConfig* told = nullptr);

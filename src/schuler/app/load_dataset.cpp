@@ -8,6 +8,7 @@
 #include "schuler/io/nmea.h"
 #include "schuler/io/rtklib_pos.h"
 #include "schuler/io/table.h"
+#include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
@@ -20,11 +21,6 @@ namespace schuler::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path resolved(const fs::path& folder, const std::string& file, const std::string& key) {
-    const fs::path path = with_environment(file, key);
-    return path.is_absolute() ? path : folder / path;
-}
 
 /// A table of numbers without names, as KF-GINS writes them, that the settings do not explain column by column.
 bool is_bare_table(const io::TextInput& input, const FileSource& source, int columns) {
@@ -89,8 +85,8 @@ Duration axis_zero(const TimeConfig& time, Time first_fix, const OwnAxis& axis) 
     const double first = axis.first, last = axis.last;
     const std::int64_t utc = (first_fix.ns / 1'000'000'000) - gps_minus_utc(first_fix.ns / 1'000'000'000);
     const Duration leap = time.scale == TimeScale::Utc ? Duration{gps_minus_utc(utc) * std::int64_t{1'000'000'000}} : Duration{};
-    constexpr double unix_of_gps_epoch = 315'964'800.0, dated = 1e8, day = 86'400.0, week = 7 * day;
-    if (time.scale == TimeScale::Utc && first > 1e9) return leap + Duration::from_seconds(-unix_of_gps_epoch);
+    constexpr double dated = 1e8, day = 86'400.0, week = 7 * day;
+    if (time.scale == TimeScale::Utc && first > 1e9) return leap + Duration{-unix_time_of_gps_epoch * std::int64_t{1'000'000'000}};
     if (first > dated) return leap;
     if (time.week) return Time::from_gps(*time.week, 0.0) - Time{} + leap;
     if (!time.date.empty()) {
@@ -174,7 +170,7 @@ void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warning
 }
 
 /// Gravity must show in the accelerometers: a wrong unit is said before a filter makes nonsense of it.
-void check_gravity(const LoadedDataset& data) {
+void check_gravity(const LoadedDataset& data, const fs::path& folder) {
     const std::vector<ImuSample>& imu = data.recording.imu;
     if (imu.size() < 100) return;
     std::vector<double> norms;
@@ -183,21 +179,12 @@ void check_gravity(const LoadedDataset& data) {
         const double dt = data.config.filter.imu.kind == ImuKind::Rates ? 1.0 : (imu[i].time - imu[i - 1].time).seconds();
         if (dt > 0.0 && imu[i].accel.allFinite()) norms.push_back(imu[i].accel.norm() / dt);
     }
-    if (norms.empty()) return;
-    const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
-    std::nth_element(norms.begin(), middle, norms.end());
-    const double ratio = *middle / units::g0;
-    if (ratio > 0.6 && ratio < 1.7) return;
-    const bool rates = data.config.filter.imu.kind == ImuKind::Rates;
-    std::string mend = "check the unit of these columns and [imu] scale; data without gravity cannot be used";
-    const std::pair<double, const char*> slips[] = {{1.0, "g"}, {1e3, "mg"}, {100.0 * units::g0, "cm_s2"},
-                                                    {units::g0 * units::g0, "m_s2"}};
-    for (const auto& [seen, unit] : slips) {
-        if (!rates || *middle < 0.9 * seen || *middle > 1.1 * seen || !data.config.imu.scale.empty()) continue;
-        mend = fmt::format("they are probably in {}: name the columns accel_x_{}, ..., or give [imu] scale", unit, unit);
-    }
-    throw input_error(fmt::format("the accelerometers show {:.4g} m/s2 (median norm), not gravity", *middle),
-                      {data.config.imu.file, 0, 0, rates ? "accel_x_m_s2" : "dv_x_m_s"}, mend);
+    const double size = math::median(std::move(norms));
+    if (std::isnan(size) || (size > 0.6 * units::g0 && size < 1.7 * units::g0)) return;
+    blame_the_imu_log(folder, data.config);
+    throw input_error(fmt::format("the accelerometers show {:.4g} m/s2 (median norm), not gravity", size),
+                      {data.config.imu.file, 0, 0, "imu.scale"},
+                      "check the unit of these columns and [imu] scale; data without gravity cannot be used");
 }
 
 Time absolute(const RunTime& t, Time origin) {
@@ -272,7 +259,7 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
-    check_gravity(out);
+    check_gravity(out, dataset.folder);
     for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
     out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return out;

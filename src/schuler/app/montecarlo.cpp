@@ -99,7 +99,7 @@ MonteCarlo montecarlo(const ProcessRequest& request, std::optional<std::size_t> 
     const auto begin = std::chrono::steady_clock::now();
     const SettingList base = scenario_settings(request.input, request.seed);
     const ScenarioConfig scenario = scenario_from(base);   // wrong settings fail here, before any run
-    const SettingList over = settings_over(request);
+    const SettingList over = request.over({});
     MonteCarlo mc;
     mc.name = scenario.name;
     mc.version = request.version;
@@ -132,7 +132,7 @@ MonteCarlo montecarlo(const ProcessRequest& request, std::optional<std::size_t> 
         throw computation_error(fmt::format("no run went through; the first one: {}", mc.runs.front().failure),
                                 fmt::format("try `schuler run` with --seed {}", mc.runs.front().seed));
     gather_blocks(mc, origin);
-    mc.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    mc.wall_s = seconds_since(begin);
     return mc;
 }
 

@@ -1,9 +1,9 @@
 // A campaign as JSON, as CSV and as tables.
 #include "schuler/app/montecarlo.h"
+#include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +15,6 @@ using analysis::ErrorRow;
 using analysis::ErrorSummary;
 using analysis::Quantiles;
 using analysis::Spread;
-using Json = nlohmann::ordered_json;
-
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 /// A scalar error of summary.json: where it stands, how it is got, its unit.
 struct ErrorField {
@@ -212,7 +209,7 @@ std::string summary_json(const MonteCarlo& mc) {
     out["montecarlo"] = {{"runs", mc.runs.size()}, {"failed", mc.failed()}, {"runs_per_s", number(runs / mc.wall_s)}};
     out["timing"] = {{"wall_s", mc.wall_s}};
     out["warnings"] = Json::array();
-    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return text_of(out);
 }
 
 namespace {

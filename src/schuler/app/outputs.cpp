@@ -39,17 +39,16 @@ void make_folder(const std::filesystem::path& folder) {
 std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::filesystem::path& folder, bool streamed) {
     make_folder(folder);
     const Config& c = b.data.config;
-    const auto wanted = [&](const char* name) { return std::ranges::find(c.output.files, name) != c.output.files.end(); };
     std::vector<std::filesystem::path> written;
     const auto add = [&](const char* name) -> const std::filesystem::path& { return written.emplace_back(folder / name); };
-    if (wanted("solution")) {
+    if (c.output.wants("solution")) {
         const std::filesystem::path& file = add("solution.csv");
         if (!streamed) io::write_solution_csv(file, b.solution().rows);
     }
-    if (wanted("h5")) write_run_h5(add("run.h5"), b);
-    if (wanted("report")) io::write_file(add("report.html"), report_html(b));
-    if (wanted("kml")) io::write_track_kml(add("track.kml"), b.solution().rows, b.name);
-    if (wanted("config")) io::write_file(add("config.toml"), b.config_toml);
+    if (c.output.wants("h5")) write_run_h5(add("run.h5"), b);
+    if (c.output.wants("report")) io::write_file(add("report.html"), report_html(b));
+    if (c.output.wants("kml")) io::write_track_kml(add("track.kml"), b.solution().rows, b.name);
+    if (c.output.wants("config")) io::write_file(add("config.toml"), b.config_toml);
     return written;
 }
 

@@ -2,7 +2,6 @@
 #include "schuler/app/fuse.h"
 #include "schuler/app/solution_stream.h"
 #include "schuler/app/toml_file.h"
-#include "schuler/inspect/inspect.h"
 
 #include <algorithm>
 #include <chrono>
@@ -13,30 +12,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
 /// Whether nothing but solution.csv needs the rows: it is then written while the filter runs.
 bool only_written(const LoadedDataset& data) {
     const Config& c = data.config;
     const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
-    const auto& files = c.output.files;
     return c.scheme == Scheme::Loose && !c.filter.smooth && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
-           std::ranges::find(files, "solution") != files.end() && std::ranges::none_of(files, needs_rows);
-}
-
-/// A run whose inertial navigation and fixes contradict each other: what the logs themselves say is wrong, as an error, where
-/// they say it.
-void blame_the_logs(const LoadedDataset& data, const fs::path& folder) {
-    const Config& c = data.config;
-    if (folder.empty() || c.imu.file.empty() || !c.imu.scale.empty()) return;
-    const fs::path file = folder / c.imu.file;
-    for (const inspect::FileReport& report : inspect::inspect(folder).files) {
-        if (report.path != c.imu.file) continue;
-        for (const inspect::Problem& problem : report.problems)
-            if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.mend);
-    }
+           c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
 /// From loaded data to files: the part that process and run share.
@@ -45,7 +26,7 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     bundle.version = request.version;
     bundle.config_toml = to_toml(config_table().used(bundle.data.config), config_table().specs(), true);
     Outcome out;
-    out.folder = request.output.empty() ? fs::path("out") / bundle.name : request.output;
+    out.folder = request.folder_for(bundle.name);
     std::optional<SolutionStream> stream;
     fusion::RowSink sink;
     if (only_written(bundle.data)) {
@@ -67,7 +48,8 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
                         bundle.relative(bundle.evaluation.settled)));
     }
     const fusion::Counters& n = bundle.result.counters;
-    if (n.gnss_rejected > n.gnss_accepted || !bundle.result.findings.heading_found) blame_the_logs(bundle.data, folder);
+    if (n.gnss_rejected > n.gnss_accepted || !bundle.result.findings.heading_found)
+        blame_the_imu_log(folder, bundle.data.config);   // navigation and fixes contradict each other
     if (n.gnss_rejected > n.gnss_accepted) {
         warnings.add("gnss.rejected",
                      fmt::format("{} of {} fixes disagree with the inertial navigation and were rejected: the units, axes or times of "
@@ -79,15 +61,13 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
 
     const auto write_begin = std::chrono::steady_clock::now();
     // summary.json carries the time of writing the others, so it is written last
-    auto& files = bundle.data.config.output.files;
-    const bool summary = std::ranges::find(files, "summary") != files.end();
     if (stream) stream->finish();
     out.files = write_outputs(bundle, out.folder, stream.has_value());
-    bundle.timing.write_s = since(write_begin);
+    bundle.timing.write_s = seconds_since(write_begin);
     bundle.timing.read_s = bundle.data.read_seconds;
-    bundle.timing.wall_s = since(begin);
+    bundle.timing.wall_s = seconds_since(begin);
     out.json = summary_json(bundle);
-    if (summary) {
+    if (bundle.data.config.output.wants("summary")) {
         out.files.push_back(out.folder / "summary.json");
         write_text(out.files.back(), out.json);
     }
@@ -98,12 +78,20 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
 
 }  // namespace
 
+SettingList ProcessRequest::over(const SettingList& base) const {
+    SettingList all = base;
+    if (!config.empty()) all = overlaid(std::move(all), config_table().read(read_toml(config), config.string()));
+    return overlaid(std::move(all), above);
+}
+
+fs::path ProcessRequest::folder_for(const std::string& name) const { return output.empty() ? fs::path("out") / name : output; }
+
 Outcome process_dataset(const ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const bool given_start = !request.config.empty() ||
                              std::ranges::any_of(request.above, [](const Setting& s) { return s.key == "initial.lat_deg"; });
     const Dataset dataset = open_dataset(request.input, given_start ? Needs::Imu : Needs::ImuAndGnss);
-    const Config config = config_from(overlaid(dataset.settings, settings_over(request)));
+    const Config config = config_from(request.over(dataset.settings));
     WarningLog warnings;
     ResultBundle bundle;
     bundle.command = "process";
@@ -119,9 +107,9 @@ Outcome run_scenario(const ProcessRequest& request) {
     const ScenarioConfig scenario = read_scenario(request.input, request.seed);
     if (!scenario.compared.empty()) return compare_schemes(request);
     WarningLog warnings;
-    ResultBundle bundle = simulated_bundle(scenario, settings_over(request), warnings);
+    ResultBundle bundle = simulated_bundle(scenario, request.over({}), warnings);
     bundle.command = "run";
-    bundle.data.read_seconds = since(begin);
+    bundle.data.read_seconds = seconds_since(begin);
     return finished(bundle, request, warnings, {}, begin);
 }
 

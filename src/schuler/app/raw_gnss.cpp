@@ -18,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path resolved(const fs::path& folder, const std::string& file, const std::string& key) {
-    const fs::path path = with_environment(file, key);
-    return path.is_absolute() ? path : folder / path;
-}
-
 GnssFix fix_from(const gnss::SinglePointSolution& s) {
     GnssFix fix;
     fix.time = s.time;

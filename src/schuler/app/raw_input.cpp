@@ -15,8 +15,7 @@ Time last_written(const std::filesystem::path& file) {
     std::error_code ec;
     const auto written = std::filesystem::last_write_time(file, ec);
     const auto system = std::chrono::file_clock::to_sys(written).time_since_epoch();
-    constexpr std::int64_t unix_of_gps_epoch = 315'964'800;
-    const std::int64_t seconds = std::chrono::duration_cast<std::chrono::seconds>(system).count() - unix_of_gps_epoch;
+    const std::int64_t seconds = std::chrono::duration_cast<std::chrono::seconds>(system).count() - unix_time_of_gps_epoch;
     return {(seconds + gps_minus_utc(seconds)) * 1'000'000'000};
 }
 

@@ -168,6 +168,7 @@ Option<S> outage_option() {
 }
 
 void add_filter(Table& table) {
+    table.add(of_processing(*config_table().find("run.settle_s")));
     for (const OptionSpec& spec : config_table().specs()) {
         if (spec.key.starts_with("filter.")) table.add(of_processing(*config_table().find(spec.key)));
         if (spec.key.starts_with("imu.gyro_") || spec.key.starts_with("imu.accel_")) {

@@ -159,6 +159,10 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     c.filter.imu.kind = s.sim.imu.kind;
     const sensor::ImuErrorModel& imu = s.sim.imu.errors;
     c.filter.imu.errors = imu;
+    // No states of the filter, so told as biases: the drift of warming up as in-run, the pull of gravity as turn-on.
+    c.filter.imu.errors.gyro_bias = std::hypot(imu.gyro_bias, imu.gyro_temperature * s.sim.imu.warm_up);
+    c.filter.imu.errors.accel_bias = std::hypot(imu.accel_bias, imu.accel_temperature * s.sim.imu.warm_up);
+    c.filter.imu.errors.gyro_turn_on_bias = std::hypot(imu.gyro_turn_on_bias, imu.gyro_g * units::g0);
     c.scale_factors = c.scale_factors.value_or(imu.gyro_scale > 0.0 || imu.accel_scale > 0.0);
     c.misalignments = c.misalignments.value_or(imu.gyro_misalignment > 0.0 || imu.accel_misalignment > 0.0);
     c.filter.imu.mounting_rpy = s.sim.imu.mounting;
@@ -171,13 +175,15 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     c.filter.baro.std = std::max(s.sim.baro.white, 1e-3);
     c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
     c.filter.baro.bias_walk = s.sim.baro.bias_walk;
-    // Hard iron turns the heading by its part across it; soft iron by about its coefficients.
+    // Hard iron turns the heading by its part across it; soft iron by about its coefficients. Both change as the vehicle turns,
+    // which takes some ten seconds.
+    constexpr double turn_time = 10.0;
     const sim::MagSettings& mag = s.sim.mag;
     const double level = mag.field * std::cos(mag.inclination);
     c.filter.mag.declination = mag.declination;
     c.filter.mag.bias_std = std::max(0.01, std::hypot(mag.hard_iron / level, 2.0 * mag.soft_iron));
     c.filter.mag.heading_std = std::max(0.005, mag.white / level);
-    c.filter.mag.bias_walk = 1e-4 + 0.01 * c.filter.mag.bias_std;
+    c.filter.mag.bias_walk = std::hypot(1e-4, c.filter.mag.bias_std * std::sqrt(2.0 / turn_time));
     // the scenario counts from its start, the command line from the first fix: absolute times mean the same to both
     for (const OutageSpan& o : s.outages) c.run.outages.push_back({o.start, o.duration, true});
     return c;

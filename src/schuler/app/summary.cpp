@@ -1,28 +1,19 @@
 #include "schuler/app/bundle.h"
 #include "schuler/app/evaluation_json.h"
+#include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
-
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 
 namespace schuler::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
-Json of(const analysis::Spread& s, double unit = 1.0) {
-    return {{"rms", number(s.rms / unit)}, {"p95", number(s.p95 / unit)}, {"max", number(s.max / unit)}};
-}
-
 Json position_of(const analysis::ErrorSummary& s) {
-    return {{"east", of(s.east)},
-            {"north", of(s.north)},
-            {"up", of(s.up)},
-            {"horizontal", of(s.horizontal)},
-            {"three_d", of(s.three_d)}};
+    return {{"east", spread(s.east)},
+            {"north", spread(s.north)},
+            {"up", spread(s.up)},
+            {"horizontal", spread(s.horizontal)},
+            {"three_d", spread(s.three_d)}};
 }
 
 Json final_of(const std::optional<Eigen::Vector3d>& v, double unit) {
@@ -37,9 +28,9 @@ Json errors_of(const Evaluation& e) {
     if (s.epochs == 0) return nullptr;
     Json out;
     out["position_m"] = position_of(s);
-    out["velocity_m_s"] = {{"east", of(s.v_east)}, {"north", of(s.v_north)}, {"up", of(s.v_up)}};
+    out["velocity_m_s"] = {{"east", spread(s.v_east)}, {"north", spread(s.v_north)}, {"up", spread(s.v_up)}};
     out["attitude_deg"] = {
-        {"roll", of(s.roll, units::deg)}, {"pitch", of(s.pitch, units::deg)}, {"heading", of(s.heading, units::deg)}};
+        {"roll", spread(s.roll, units::deg)}, {"pitch", spread(s.pitch, units::deg)}, {"heading", spread(s.heading, units::deg)}};
     out["gyro_bias_deg_h"] = final_of(e.gyro_bias_error, units::deg_per_hour);
     out["accel_bias_ug"] = final_of(e.accel_bias_error, units::ug);
     out["position_m_forward"] = e.forward ? position_of(*e.forward) : Json(nullptr);
@@ -117,16 +108,6 @@ Json integrity_of(const ResultBundle& b) {
     return {{"alerts", alerts}};
 }
 
-Json timing_of(const ResultBundle& b) {
-    const double epochs = static_cast<double>(b.result.counters.imu_epochs);
-    const double filter = b.result.filter_seconds;
-    return {{"read_s", b.timing.read_s},
-            {"filter_s", b.timing.filter_s},
-            {"write_s", b.timing.write_s},
-            {"wall_s", b.timing.wall_s},
-            {"imu_epochs_per_s", filter > 0.0 ? number(epochs / filter) : Json(nullptr)}};
-}
-
 Json findings_of(const ResultBundle& b) {
     const fusion::Findings& f = b.result.findings;
     const Eigen::Vector3d m = f.mounting_rpy / units::deg;
@@ -174,9 +155,9 @@ std::string summary_json(const ResultBundle& b) {
     out["integrity"] = integrity_of(b);
     out["gravity"] = nullptr;
     out["montecarlo"] = nullptr;
-    out["timing"] = timing_of(b);
+    out["timing"] = timing(b.timing, b.result.counters.imu_epochs, b.result.filter_seconds);
     out["warnings"] = b.warnings;
-    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return text_of(out);
 }
 
 std::string evaluation_json(const Evaluation& e, const std::string& solution, const std::string& reference) {
@@ -189,7 +170,7 @@ std::string evaluation_json(const Evaluation& e, const std::string& solution, co
     out["errors"] = errors_of(e);
     out["settled_after_s"] = e.errors.empty() ? Json(nullptr) : number((e.settled - e.errors.front().time).seconds());
     out["consistency"] = consistency_of(e);
-    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return text_of(out);
 }
 
 }  // namespace schuler::app

@@ -32,6 +32,9 @@ inline Time operator-(Time a, Duration d) { return {a.ns - d.ns}; }
 inline Duration operator-(Duration d) { return {-d.ns}; }
 inline Duration operator+(Duration a, Duration b) { return {a.ns + b.ns}; }
 
+/// 1980-01-06 00:00:00 UTC in seconds since 1970-01-01 00:00:00 UTC.
+inline constexpr std::int64_t unix_time_of_gps_epoch = 315'964'800;
+
 enum class TimeScale { Gps, Utc, Boot, Relative };
 
 /// Calendar instant, proleptic Gregorian.

@@ -49,15 +49,6 @@ Estimate estimate_of(const InertialModel<N>& model, const InertialFilter<Frame, 
 
 namespace {
 
-/// White part of a stated sigma whose slow part is a state. What is left is kept above a tenth of the sigma, for it may be a
-/// small difference of rounded numbers; a sigma below the slow part's cannot have meant that too.
-Eigen::Vector3d white_variance(const Eigen::Vector3d& stated, const Eigen::Vector3d& correlated) {
-    Eigen::Vector3d white = stated.cwiseAbs2();
-    for (int i = 0; i < 3; ++i)
-        if (stated(i) > correlated(i)) white(i) = std::max(white(i) - correlated(i) * correlated(i), 0.01 * white(i));
-    return white;
-}
-
 /// Name of a channel for messages.
 const char* channel_name(AidKind kind) {
     switch (kind) {
@@ -156,12 +147,12 @@ LocalMeasurement ForwardPass<Frame, N>::measurement_of(const InertialFilter<Fram
     const sensor::GnssErrorModel& slow = settings_.gnss.errors;
     switch (event.kind) {
         case AidKind::GnssPosition: {
-            Eigen::Vector3d variance = white_variance(data_.fix_noise[event.index].position, slow.correlated_position);
+            Eigen::Vector3d variance = data_.fix_noise[event.index].white_position.cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
             return gnss_position(e, data_.recording->gnss[event.index].position, variance, settings_.gnss.lever_arm_b, use);
         }
         case AidKind::GnssVelocity: {
-            Eigen::Vector3d variance = white_variance(data_.fix_noise[event.index].velocity, slow.correlated_velocity);
+            Eigen::Vector3d variance = data_.fix_noise[event.index].white_velocity.cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_velocity.cwiseAbs2();
             return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, settings_.gnss.lever_arm_b, use);
         }

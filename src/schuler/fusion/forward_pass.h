@@ -21,8 +21,10 @@ namespace schuler::fusion {
 
 /// Standard deviations used for each fix: the log's, or the defaults; resolved once, so that replays agree.
 struct FixNoise {
-    Eigen::Vector3d position;    ///< m, NED
-    Eigen::Vector3d velocity;    ///< m/s, NED
+    Eigen::Vector3d position;          ///< m, NED
+    Eigen::Vector3d velocity;          ///< m/s, NED
+    Eigen::Vector3d white_position;    ///< m, NED: what is left of it where its slow part is a state
+    Eigen::Vector3d white_velocity;    ///< m/s, NED
 };
 
 /// What one run has in common for all its passes; read only.

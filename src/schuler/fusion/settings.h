@@ -54,7 +54,7 @@ struct GnssSettings {
     bool estimate_std = true;                 ///< where the log gives none: scale the defaults until the innovations agree
     bool use_velocity = true;
     /// Slowly varying errors; those above zero are states. A log states the sigma of the whole error: with such states, only what
-    /// is left of it is white noise.
+    /// is left of it is white noise. The defaults above are of the white part.
     sensor::GnssErrorModel errors;
     std::vector<Time> constellation_changes;  ///< in order; a change of the log's number of satellites is one too
 };

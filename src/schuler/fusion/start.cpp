@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/ins/align.h"
+#include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 
 #include <fmt/format.h>
@@ -390,8 +391,7 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
     for (int i = 0; i < 3; ++i) {
         std::vector<double> x;
         for (const Vector3d& f : forward) x.push_back(f(i));
-        std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2), x.end());
-        axis(i) = x[x.size() / 2];
+        axis(i) = math::median(std::move(x));
     }
     axis.normalize();
     Vector3d sum = Vector3d::Zero();

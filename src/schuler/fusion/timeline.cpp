@@ -1,6 +1,7 @@
 #include "schuler/fusion/timeline.h"
 
 #include "schuler/core/error.h"
+#include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 
 #include <fmt/format.h>
@@ -23,9 +24,7 @@ double median_step(const std::vector<ImuSample>& samples) {
     if (steps.empty())
         throw input_error("the IMU log has fewer than two different times", {.file = {}, .key = "imu.file"},
                           "check that the time column is the right one");
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return *middle;
+    return math::median(std::move(steps));
 }
 
 /// A step of increments longer than this times the median is a hole; coarse time stamps stay below it (2 and 3 ms for 2.5).

@@ -89,6 +89,12 @@ double minimise(const std::function<double(double)>& f, double low, double high,
     return best;
 }
 
+/// White part of the sigma that a log states of the whole error, whose slow part is a state. What is left is kept above a tenth of
+/// it, for it may be a small difference of rounded numbers; a sigma below the slow part's cannot have meant that too.
+double white_part(double stated, double slow) {
+    return stated > slow ? std::max(std::sqrt(stated * stated - slow * slow), 0.1 * stated) : stated;
+}
+
 }  // namespace
 
 MissingStd missing_std(const Recording& recording) {
@@ -115,6 +121,11 @@ std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& 
             n.position(i) = usable(fix.std_position(i)) ? std::max(fix.std_position(i), settings.std_floor_position(i))
                                                         : settings.default_std_position(i);
             n.velocity(i) = usable(fix.std_velocity(i)) ? std::max(fix.std_velocity(i), 0.005) : settings.default_std_velocity(i);
+            // defaults, tuned or given, are of the white part
+            n.white_position(i) = usable(fix.std_position(i)) ? white_part(n.position(i), settings.errors.correlated_position(i))
+                                                              : n.position(i);
+            n.white_velocity(i) = usable(fix.std_velocity(i)) ? white_part(n.velocity(i), settings.errors.correlated_velocity(i))
+                                                              : n.velocity(i);
         }
         no_position += position ? 0 : 1;
         no_velocity += velocity ? 0 : 1;

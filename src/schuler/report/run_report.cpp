@@ -1,5 +1,6 @@
 #include "schuler/report/run_report.h"
 
+#include "schuler/math/quantile.h"
 #include "schuler/report/detail/run_sections.h"
 
 #include <fmt/format.h>
@@ -19,9 +20,7 @@ std::vector<std::size_t> gaps(const std::vector<double>& t) {
         if (std::isfinite(t[i] - t[i - 1])) steps.push_back(t[i] - t[i - 1]);
     }
     if (steps.size() < 2) return {};
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    const double most = 10.0 * *middle;
+    const double most = 10.0 * math::median(std::move(steps));
     std::vector<std::size_t> out;
     for (std::size_t i = 1; i < t.size(); ++i) {
         if (t[i] - t[i - 1] > most) out.push_back(i);

@@ -1,14 +1,16 @@
 // Order statistics that a few wild samples do not move.
 #pragma once
 
+#include "schuler/math/quantile.h"
+
 #include <span>
 #include <vector>
 
 namespace schuler::inspect::detail {
 
-/// The p-quantile (0 to 1) of the finite values, nearest rank; NaN if there are none.
-[[nodiscard]] double quantile(std::vector<double> values, double p);
-[[nodiscard]] inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+using math::median;
+using math::quantile;
+
 /// 1.4826 times the median distance from the median: the standard deviation of a normal distribution. NaN if there are none.
 [[nodiscard]] double robust_sigma(const std::vector<double>& values);
 

@@ -1,0 +1,37 @@
+// What every JSON document of the program has in common (internal: no public header shows the JSON library).
+#pragma once
+
+#include "schuler/analysis/errors.h"
+#include "schuler/app/bundle.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <string>
+
+namespace schuler::app {
+
+using Json = nlohmann::ordered_json;
+
+/// null where it does not apply.
+[[nodiscard]] inline Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+[[nodiscard]] inline Json spread(const analysis::Spread& s, double unit = 1.0) {
+    return {{"rms", number(s.rms / unit)}, {"p95", number(s.p95 / unit)}, {"max", number(s.max / unit)}};
+}
+
+/// `filter_alone_s`: of the forward filter, for its rate.
+[[nodiscard]] inline Json timing(const Timing& t, std::size_t epochs, double filter_alone_s) {
+    return {{"read_s", t.read_s},
+            {"filter_s", t.filter_s},
+            {"write_s", t.write_s},
+            {"wall_s", t.wall_s},
+            {"imu_epochs_per_s", filter_alone_s > 0.0 ? Json(static_cast<double>(epochs) / filter_alone_s) : Json(nullptr)}};
+}
+
+/// Names from outside may hold any bytes.
+[[nodiscard]] inline std::string text_of(const Json& document) {
+    return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,107 @@
+"""Paper A's complex from outside: its table, couplings, studies and refusals."""
+import json
+import math
+from pathlib import Path
+
+from program_test import check, main
+
+
+def together(block):
+    """Root of the sum of squares over the axes."""
+    return math.sqrt(sum(axis["rms"] ** 2 for axis in block.values()))
+
+
+def complex_numbers(program, source):
+    """Root mean squares over runs at or below the paper's single run (table 4.3.1), consistent, through an outage of 100 s too."""
+    flight = source / "examples/paper-a-flight.toml"
+    table = program("run", flight, "-o", "one", "--outputs", "summary").stdout
+    check("paper A, table 4.3.1" in table and "4.648" in table, "the paper's table stands beside the run's")
+    summary = json.loads(program("montecarlo", flight, "-n", 20, "-o", "many", "--outage", "600:100", "--json").stdout)
+    errors, states = summary["errors"], summary["states"]
+    got = {"horizontal, m": (errors["position_m"]["horizontal"]["rms"], 7.5), "height, m": (errors["position_m"]["up"]["rms"], 4.87),
+           "gyros, rad/s": (together(states["gyro_bias_deg_h"]) * math.radians(1) / 3600, 1.3e-6),
+           "accelerometers, ug": (together(states["accel_bias_ug"]), 80.0),
+           "heading, rad": (math.radians(states["attitude_deg"]["up"]["rms"]), 4.7e-4)}
+    level = states["attitude_deg"]
+    got["tilt, rad"] = (math.radians(math.hypot(level["east"]["rms"], level["north"]["rms"])), 1.6e-4)
+    for axis in ("east", "north", "up"):
+        got[f"velocity {axis}, m/s"] = (errors["velocity_m_s"][axis]["rms"], 0.0236)
+    got["growth in an outage of 100 s, m"] = (summary["outages"][0]["growth_horizontal"]["median"], 10.0)
+    for name, (value, bound) in got.items():
+        print(f"{name}: {value:.3g} (at most {bound:g})")
+        check(value < bound, f"{name}: {value} above {bound}")
+    consistency = summary["consistency"]
+    for block in ("position", "velocity", "attitude", "gyro_bias", "accel_bias", "gnss_position", "gnss_velocity", "baro_bias"):
+        mean, dof = consistency[f"nees_{block}"]["mean"], consistency[f"nees_{block}"]["expected"]
+        check(0.6 < mean / dof < 1.5, f"NEES of {block}: {mean}")
+
+    for jobs in (1, 2):
+        program("montecarlo", flight, "-n", 3, "-j", jobs, "-o", f"jobs{jobs}", "-q")
+    for name in ("runs.csv", "epochs.csv"):
+        one, two = ((Path(program.folder) / f"jobs{jobs}" / name).read_bytes() for jobs in (1, 2))
+        check(one == two, f"{name} does not depend on --jobs")
+
+
+def complex_schemes(program, source):
+    """One flight through the couplings: each inertial one beats the receiver alone where it should, and knows how good it is."""
+    rows = json.loads(program("run", source / "examples/schemes.toml", "-o", "schemes", "--json").stdout)["schemes"]
+    row = {r["scheme"]: r for r in rows}
+    for name in ("loose", "loose-aggressive", "loose-open"):
+        check(row[name]["horizontal_m"] < 0.9 * row["gnss"]["horizontal_m"], f"{name} against the receiver alone")
+        check(row[name]["tilt_deg"] < 0.2 * row["separate"]["tilt_deg"], f"{name}: tilt against the separate scheme")
+        check(row[name]["outage_end_horizontal_m"] < 0.1 * row["separate-restart"]["outage_end_horizontal_m"], f"{name}: outage")
+        check(row[name]["nees_position"] < 3, f"{name}: NEES {row[name]['nees_position']}")
+    check(row["loose-15"]["nees_position"] > 20, "without the receiver's slow errors as states NEES fails")
+
+
+def complex_faults(program, source):
+    flight = source / "examples/paper-a-flight.toml"
+    done = json.loads(program("analyze", "integrity", flight, "--kind", "ramp", "step", "--size", "2,50", "-n", 3, "--json").stdout)
+    row = {(r["kind"], r["size"]): r for r in done["rows"]}
+    for case in (("ramp", 2.0), ("ramp", 50.0), ("step", 50.0)):
+        r = row[case]
+        check(r["detected"] == 1 and r["time_to_alert_s"]["q95"] < 10, f"{case}: {r}")
+        check(r["largest_horizontal_m"] < 10 < r["largest_horizontal_uncontrolled_m"], f"{case}: {r}")
+    check(row["step", 2.0]["largest_horizontal_m"] < 10, "a step inside the noise is no danger")
+    check(done["false_alarm_runs"] == 0, "no false alarm")
+
+    told = json.loads(program("analyze", "requirements", "--budget", 5, "--outage", "60,3600", "--json").stdout)
+    # closed formulas (1.4.5), (1.4.7) with g0 = 9.80665 m/s^2 and R = 6371 km
+    for value, right in ((told["rows"][0]["accel_ug"], 283.38534), (told["rows"][0]["gyro_deg_h"], 2.9220813),
+                         (told["rows"][1]["accel_m_s2"], 5 * 9.80665 / (2 * 6371000))):
+        check(abs(value / right - 1) < 1e-6, f"requirement {value} for {right}")
+    outage = {d["device"]: d["outage_s"] for d in told["devices"]}
+    check(outage["consumer"] < outage["tactical"] < outage["hg9900"], f"backwards: {outage}")
+
+    budget = json.loads(program("analyze", "budget", flight, "-n", 2, "--json").stdout)["rows"]
+    part = {r["source"]: r for r in budget}
+    check(part["gnss_position"]["horizontal_m"] > 5 * part["gnss_white"]["horizontal_m"], "the slow error of the receiver rules the position")
+    check(part["baro"]["up_m"] > part["gyro_bias"]["up_m"], "the barometer rules the height")
+
+
+def complex_refusals(program, source):
+    good = 'duration_s = 20\n[trajectory]\ntype = "static"\n[imu]\nrate_hz = 10\n[gnss]\nrate_hz = 1\n'
+    folder = Path(program.folder)
+    cases = {"negative": (good + "white_m = [1, -1, 1]\n", ["s.toml:8", "gnss.white_m", "out of range"]),
+             "unknown": (good + "whitening = 1\n", ["s.toml:8", "gnss.whitening", "unknown key"]),
+             "ground": (good.replace('"static"', '"paper_a"\nstart = { lat_deg = 55, lon_deg = 30, height_m = 100 }'),
+                        ["s.toml:3", "below the ground", "trajectory.ground_height_m"]),
+             "turn": ('[trajectory]\ntype = "waypoints"\nwaypoints = [ { north_m = 100 }, { north_m = 0 } ]\n',
+                      ["s.toml:3", "waypoints[0]", "sharper"]),
+             "scheme": (good + '[compare]\nschemes = ["loose", "loosest"]\n', ["compare.schemes", "loosest", "separate-restart"]),
+             "fault": (good + '[[fault]]\nstart_s = 1\nkind = "melt"\n', ["melt", "step, ramp, drift"])}
+    for name, (text, parts) in cases.items():
+        (folder / "s.toml").write_text(text)
+        program.fails("run", "s.toml", "-o", name, parts=parts)
+        check(not (folder / name).exists(), f"{name} leaves nothing behind")
+    (folder / "s.toml").write_text(good)
+    program.fails("montecarlo", "s.toml", "-n", 0, parts=["--runs"])
+    program.fails("montecarlo", "absent.toml", parts=["absent.toml"])
+    program.fails("analyze", "requirements", "--budget", -5, parts=["--budget"])
+    program.fails("analyze", "requirements", "--device", "hg99", parts=["hg99", "hg9900"])
+    program.fails("analyze", "integrity", "s.toml", "--kind", "melt", parts=["melt", "step"])
+
+
+if __name__ == "__main__":
+    main({"complex_numbers": complex_numbers, "complex_schemes": complex_schemes, "complex_faults": complex_faults,
+          "complex_refusals": complex_refusals})
