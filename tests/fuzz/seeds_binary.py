@@ -1,95 +1,8 @@
 """Seeds of the binary readers: UBX and RTCM 3, encoded from the same invented elements as seeds_text.py, in round numbers."""
 import struct
 
-from seeds_text import WEEK
-
-TOW = 36000
-SPEED_OF_LIGHT = 299792458.0
-# Angles in half turns, as satellites send them; lengths m, times s.
-ORBIT = {"crs": 50.0, "delta_n": 1.5e-9, "m0": 0.125, "cuc": 1e-6, "e": 0.01, "cus": 8e-6, "sqrt_a": 5153.5, "cic": 1e-7,
-         "omega0": 0.375, "cis": -1e-7, "i0": 0.3125, "crc": 250.0, "omega": -0.25, "omega_dot": -2.5e-9, "idot": 5e-11}
-CLOCK = (1e-4, 1e-12, 0.0)
-# Bits and exponents of two of GPS, QZSS and Galileo; e and sqrt_a carry no sign
-SCALES = {"crs": (16, -5), "delta_n": (16, -43), "m0": (32, -31), "cuc": (16, -29), "e": (32, -33), "cus": (16, -29),
-          "sqrt_a": (32, -19), "cic": (16, -29), "omega0": (32, -31), "cis": (16, -29), "i0": (32, -31), "crc": (16, -5),
-          "omega": (32, -31), "omega_dot": (24, -43), "idot": (14, -43)}
-
-
-class Bits:
-    """Bits, most significant first, as text of 0 and 1."""
-
-    def __init__(self):
-        self.text = ""
-
-    def put(self, value, count):
-        """Two's complement where negative."""
-        self.text += format(int(value) & ((1 << count) - 1), f"0{count}b")
-        return self
-
-    def scaled(self, value, count, exponent):
-        return self.put(round(value / 2.0 ** exponent), count)
-
-    def magnitude(self, value, count, exponent):
-        """A sign and a magnitude, as GLONASS writes numbers."""
-        return self.put(value < 0, 1).put(round(abs(value) / 2.0 ** exponent), count - 1)
-
-    def orbit(self, *names):
-        for name in names:
-            self.scaled(ORBIT[name], *SCALES[name])
-        return self
-
-    def bytes(self):
-        padded = self.text + "0" * (-len(self.text) % 8)
-        return bytes(int(padded[i:i + 8], 2) for i in range(0, len(padded), 8))
-
-
-def crc24q(data):
-    crc = 0
-    for byte in data:
-        crc ^= byte << 16
-        for _ in range(8):
-            crc = crc << 1 ^ 0x1864CFB if crc & 0x800000 else crc << 1
-    return crc & 0xFFFFFF
-
-
-# GPS: which data bits each parity bit sums, and which of the last two bits of the word before (IS-GPS-200, table 20-XIV)
-PARITY = [(0, (1, 2, 3, 5, 6, 10, 11, 12, 13, 14, 17, 18, 20, 23)), (1, (2, 3, 4, 6, 7, 11, 12, 13, 14, 15, 18, 19, 21, 24)),
-          (0, (1, 3, 4, 5, 7, 8, 12, 13, 14, 15, 16, 19, 20, 22)), (1, (2, 4, 5, 6, 8, 9, 13, 14, 15, 16, 17, 20, 21, 23)),
-          (1, (1, 3, 5, 6, 7, 9, 10, 14, 15, 16, 17, 18, 21, 22, 24)), (0, (3, 5, 6, 8, 9, 10, 11, 13, 15, 19, 22, 23, 24))]
-
-
-def parity(data, before):
-    return "".join(str((int(before[which]) + sum(int(data[i - 1]) for i in bits)) % 2) for which, bits in PARITY)
-
-
-def gps_words(bits):
-    """Ten words of 24 data bits and parity; the last two data bits of words 2 and 10 are such that their parity ends in zeros."""
-    words, before = [], "00"
-    for i in range(10):
-        data = bits.text[24 * i:24 * i + 24]
-        if i in (1, 9):
-            data = next(d for d in (data[:22] + t for t in ("00", "01", "10", "11")) if parity(d, before).endswith("00"))
-        word = data + parity(data, before)
-        before = word[-2:]
-        words.append(int(word, 2))
-    return words
-
-
-def gps_subframe(number):
-    b = Bits().put(0x8B, 8).put(0, 16).put((TOW + 6 * (number - 1)) // 6 + 1, 17).put(0, 2).put(number, 3).put(0, 2)
-    if number == 1:
-        b.put(WEEK, 10).put(1, 2).put(0, 4).put(0, 6).put(0, 2).put(0, 88).scaled(5e-9, 8, -31).put(11, 8).put(TOW // 16, 16)
-        b.scaled(CLOCK[2], 8, -55).scaled(CLOCK[1], 16, -43).scaled(CLOCK[0], 22, -31).put(0, 2)
-    elif number == 2:
-        b.put(11, 8).orbit("crs", "delta_n", "m0", "cuc", "e", "cus", "sqrt_a").put(TOW // 16, 16).put(0, 8)
-    elif number == 3:
-        b.orbit("cic", "omega0", "cis", "i0", "crc", "omega", "omega_dot").put(11, 8).orbit("idot").put(0, 2)
-    else:  # page 18 of subframe 4: ionosphere and leap seconds
-        b.put(1, 2).put(56, 6)
-        for value, exponent in zip((1e-8, 1e-8, -1e-7, 0.0, 1e5, 0.0, -1e5, 0.0), (-30, -27, -24, -24, 11, 14, 16, 16)):
-            b.scaled(value, 8, exponent)
-        b.put(0, 72).put(18, 8).put(0, 40)
-    return gps_words(b)
+from seeds_bits import CLOCK, TOW, WEEK, Bits, crc24q
+from seeds_frames import beidou_d1, beidou_d2, galileo_page, glonass_string, gps_subframe
 
 
 def ubx(kind, payload):
@@ -129,7 +42,13 @@ def ubx_fix():
 def ubx_log():
     log = ubx_measurements(0) + ubx_fix() + b"$GPTXT,text between messages\r\n"
     for number in (1, 2, 3, 4):
-        log += ubx_subframe(0, 3, gps_subframe(number))
+        log += ubx_subframe(0, 3, gps_subframe(number)) + ubx_subframe(6, 5, glonass_string(number), 0, 8)
+    for number in (1, 2, 3):
+        log += ubx_subframe(3, 21, beidou_d1(number))
+    for page in range(1, 11):
+        log += ubx_subframe(3, 3, beidou_d2(page), 1)
+    for word in range(1, 6):
+        log += ubx_subframe(2, 11, galileo_page(word), 1)
     return log + ubx_measurements(1) + ubx(0x0D01, bytes(20))  # NAV-CLOCK-like: of another kind
 
 

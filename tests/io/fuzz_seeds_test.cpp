@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace schuler::io {
 namespace {
@@ -108,9 +109,32 @@ TEST_F(FuzzSeeds, MessagesAreAllRead) {
     EXPECT_EQ(ubx.observations.observations.size(), 2U * 8U);
     EXPECT_EQ(ubx.records.foreign, 1U);
     EXPECT_EQ(ubx.fixes.size(), 1U);
-    ASSERT_EQ(ubx.navigation.kepler.size(), 1U);
-    for (const auto& k : ubx.navigation.kepler) expect_orbit(k, std::numbers::pi);
-    ASSERT_TRUE(ubx.navigation.klobuchar[0]);
+    EXPECT_EQ(ubx.records.bad, 0U) << ubx.records.first_bad_line;
+    // subframes of G03, pages of E11, D1 of C21 and D2 of C03, strings of R05
+    std::set<gnss::NavMessage> messages;
+    for (const auto& k : ubx.navigation.kepler) {
+        SCOPED_TRACE(gnss::name_of(k.satellite));
+        expect_orbit(k, std::numbers::pi);
+        EXPECT_NEAR(k.delta_n, 1.5e-9 * std::numbers::pi, 1e-12);
+        EXPECT_NEAR(k.i0, 0.3125 * std::numbers::pi, 1e-8);
+        EXPECT_NEAR(k.omega, -0.25 * std::numbers::pi, 1e-8);
+        EXPECT_NEAR(k.omega_dot, -2.5e-9 * std::numbers::pi, 1e-12);
+        EXPECT_NEAR(k.idot, 5e-11 * std::numbers::pi, 1e-12);
+        EXPECT_NEAR(k.cuc, 1e-6, 1e-9);
+        EXPECT_NEAR(k.cic, 1e-7, 1e-9);
+        EXPECT_EQ(k.iode, 11);
+        EXPECT_EQ(k.transmission - k.toe, Duration{});
+        messages.insert(k.message);
+    }
+    using enum gnss::NavMessage;
+    EXPECT_EQ(messages, (std::set{Lnav, Inav, D1, D2}));
+    ASSERT_EQ(ubx.navigation.glonass.size(), 1U);
+    expect_state(ubx.navigation.glonass[0]);
+    EXPECT_NEAR(ubx.navigation.glonass[0].l2_delay, 2e-9, 1e-9);
+    EXPECT_NEAR(ubx.navigation.glonass[0].clock, 1e-4, 1e-9);
+    ASSERT_TRUE(ubx.navigation.klobuchar[0] && ubx.navigation.klobuchar[3] && ubx.navigation.galileo_ionosphere);
+    EXPECT_EQ(ubx.navigation.klobuchar[3]->alpha, ubx.navigation.klobuchar[0]->alpha);
+    EXPECT_EQ(ubx.navigation.galileo_ionosphere->a[0], 50.0);
     EXPECT_EQ(ubx.navigation.leap_seconds, 18);
 
     const Rtcm3Log rtcm = read_rtcm3(seed("receiver_logs/rtcm3"), Time::from_gps(2244, 0.0), log);
