@@ -178,20 +178,20 @@ TEST_F(Csv, GnssColumnsOfADrive) {
     const GnssTable t = gnss(
         "time_s,vel_time_valid_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,std_n_m,std_e_m,std_d_m,std_vel_m_s,"
         "fix_rtk1fix_2float_5single,num_sats,height_msl_m\n"
-        "243258.499,243258.379,40.0966268,-105.1474483,1580.087,0.010,-0.002,-0.009,0.0099,0.0098,0.0100,0.0587,1,21,1601.474\n"
-        "243258.749,243258.629,40.0966268,-105.1474483,1580.089,0.001,0.002,0.006,,,-1,0.0559,2,21,1601.476\n"
-        "243258.999,243258.879,40.0966268,-105.1474483,1580.089,0.001,0.002,0.006,0.1,0.1,0.1,,5,,1601.476\n"
-        "243259.249,,,,,,,,,,,,0,,\n"
-        "243259.499,243259.379,0,0,0,0,0,0,1,1,1,1,1,3,0\n",
+        "200000.499,200000.379,40.1234567,-105.7654321,1500.250,0.100,-0.200,0.300,0.0099,0.0098,0.0100,0.0587,1,21,1520.750\n"
+        "200000.749,200000.629,40.1234567,-105.7654321,1500.500,0.400,0.500,-0.600,,,-1,0.0559,2,21,1520.750\n"
+        "200000.999,200000.879,40.1234567,-105.7654321,1500.500,0.400,0.500,-0.600,0.1,0.1,0.1,,5,,1520.750\n"
+        "200001.249,,,,,,,,,,,,0,,\n"
+        "200001.499,200001.379,0,0,0,0,0,0,1,1,1,1,1,3,0\n",
         options);
     ASSERT_EQ(t.fixes.size(), 3U);
     EXPECT_EQ(t.rows.without_fix, 2U);
     EXPECT_EQ(log.count("gnss.no_fix"), 2U);
     const GnssFix& f = t.fixes[0];
-    EXPECT_EQ(f.time.ns, 243258499000000);
-    EXPECT_DOUBLE_EQ(f.position.lat, 40.0966268 * units::deg);
-    EXPECT_DOUBLE_EQ(f.position.lon, -105.1474483 * units::deg);
-    EXPECT_EQ(f.position.h, 1580.087);
+    EXPECT_EQ(f.time.ns, 200000499000000);
+    EXPECT_DOUBLE_EQ(f.position.lat, 40.1234567 * units::deg);
+    EXPECT_DOUBLE_EQ(f.position.lon, -105.7654321 * units::deg);
+    EXPECT_EQ(f.position.h, 1500.250);
     EXPECT_EQ(f.position_age, 0.0);
     EXPECT_NEAR(f.velocity_age, 0.12, 1e-12);
     EXPECT_EQ(f.std_position, Eigen::Vector3d(0.0099, 0.0098, 0.01));
@@ -276,10 +276,10 @@ TEST_F(Csv, ReferenceAnglesQuaternionsAndEarthFixed) {
     expect_parts(message_of([&] { (void)read("time_s,qw,qx,qy,qz\n0,1,0,0,0\n", options); }),
                  {"ref.csv", "body_to_enu", "use sensor_to_enu or body_to_ned"});
     const ReferenceTable e = read(
-        "time_s,ecef_x_m,ecef_y_m,ecef_z_m,vel_n_m_s,vel_e_m_s,vel_d_m_s\n36000.0,4157161.1260,671329.1980,4774767.0310,5.2366,0."
-        "0014,0.0008\n");
+        "time_s,ecef_x_m,ecef_y_m,ecef_z_m,vel_n_m_s,vel_e_m_s,vel_d_m_s\n36000.0,4000000.1250,700000.2500,4900000.5000,5.25,0."
+        "5,0.25\n");
     double lat, lon, h;
-    GeographicLib::Geocentric::WGS84().Reverse(4157161.1260, 671329.1980, 4774767.0310, lat, lon, h);
+    GeographicLib::Geocentric::WGS84().Reverse(4000000.1250, 700000.2500, 4900000.5000, lat, lon, h);
     EXPECT_NEAR(e.samples[0].position.lat, lat * units::deg, 1e-14);
     EXPECT_NEAR(e.samples[0].position.lon, lon * units::deg, 1e-14);
     EXPECT_NEAR(e.samples[0].position.h, h, 1e-8);

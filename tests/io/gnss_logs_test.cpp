@@ -27,9 +27,9 @@ const std::string names =
     "vn(m/s)    "
     "ve(m/s)    vu(m/s)      sdvn     sdve     sdvu    sdvne    sdveu    sdvun\n";
 const std::string values =
-    "   29.999994371   94.999992812    -9.3615   5   8   2.5813   2.2781   7.1259   0.7786  -2.0020  -2.6572   0.00    0.0    "
-    "0.01216    "
-    "0.00473   -0.00324   0.14536  0.13159  0.44479  0.03911 -0.13176 -0.18\n";
+    "   30.123456789   95.987654321    -9.7500   5   8   2.5000   2.2500   7.1250   0.7500  -2.0000  -2.6250   0.00    0.0    "
+    "0.01250    "
+    "0.00450   -0.00325   0.14500  0.13500  0.44500  0.03900 -0.13000 -0.18\n";
 
 class Pos : public test::IoTest {
 protected:
@@ -39,14 +39,14 @@ protected:
 
 void expect_first_fix(const GnssFix& f) {
     EXPECT_EQ(f.time.ns, ten);
-    EXPECT_NEAR(f.position.lat, 29.999994371 * deg, 1e-11 * deg);
-    EXPECT_NEAR(f.position.lon, 94.999992812 * deg, 1e-11 * deg);
-    EXPECT_EQ(f.position.h, -9.3615);
+    EXPECT_NEAR(f.position.lat, 30.123456789 * deg, 1e-11 * deg);
+    EXPECT_NEAR(f.position.lon, 95.987654321 * deg, 1e-11 * deg);
+    EXPECT_EQ(f.position.h, -9.75);
     EXPECT_EQ(f.fix, FixType::Autonomous);
     EXPECT_EQ(f.satellites, 8);
-    EXPECT_EQ(f.std_position, Eigen::Vector3d(2.5813, 2.2781, 7.1259));
-    EXPECT_EQ(f.velocity_n, Eigen::Vector3d(0.01216, 0.00473, 0.00324));
-    EXPECT_EQ(f.std_velocity, Eigen::Vector3d(0.14536, 0.13159, 0.44479));
+    EXPECT_EQ(f.std_position, Eigen::Vector3d(2.5, 2.25, 7.125));
+    EXPECT_EQ(f.velocity_n, Eigen::Vector3d(0.0125, 0.0045, 0.00325));
+    EXPECT_EQ(f.std_velocity, Eigen::Vector3d(0.145, 0.135, 0.445));
 }
 
 TEST_F(Pos, TimesOfAllSystems) {
@@ -68,12 +68,12 @@ TEST_F(Pos, HeightsAndSeparators) {
     const RtklibPos comma = read(
         "%  GPST, latitude(deg),longitude(deg), height(m), Q, ns, sdn(m), sde(m), sdu(m), sdne(m), sdeu(m), sdun(m),age(s), "
         "ratio\n"
-        "2023/01/08 10:00:00.000, 29.999994371, 94.999992812, -9.3615, 1, 8, 2.5813, 2.2781, 7.1259, 0.7786,-2.0020,-2.6572, "
+        "2023/01/08 10:00:00.000, 30.123456789, 95.987654321, -9.7500, 1, 8, 2.5000, 2.2500, 7.1250, 0.7500,-2.0000,-2.6250, "
         "0.00, 0.0\n");
     EXPECT_EQ(comma.fixes.at(0).time.ns, ten);
-    EXPECT_EQ(comma.fixes.at(0).position.h, -9.3615);
+    EXPECT_EQ(comma.fixes.at(0).position.h, -9.75);
     EXPECT_EQ(comma.fixes.at(0).fix, FixType::RtkFixed);
-    EXPECT_EQ(comma.fixes.at(0).std_position.z(), 7.1259);
+    EXPECT_EQ(comma.fixes.at(0).std_position.z(), 7.125);
     EXPECT_TRUE(std::isnan(comma.fixes.at(0).velocity_n.x()));
 }
 
@@ -91,11 +91,11 @@ TEST_F(Pos, EarthFixedSigmasAreTurned) {
     const RtklibPos p = read(
         "%  GPST x-ecef(m) y-ecef(m) z-ecef(m) Q ns sdx(m) sdy(m) sdz(m) sdxy(m) sdyz(m) sdzx(m) age(s) ratio vx(m/s) vy(m/s) "
         "vz(m/s)\n"
-        "2244 36000.0 -481817.9432 5507212.2485 3170368.5142 5 8 2.2007 6.7978 3.4026 0.4304 3.9550 -0.3408 0.00 0.0 -0.5 0.25 "
+        "2244 36000.0 -480000.1250 5500000.2500 3180000.5000 5 8 2.2500 6.7500 3.5000 0.4500 3.9500 -0.3500 0.00 0.0 -0.5 0.25 "
         "1.0\n");
     const GnssFix& f = p.fixes.at(0);
     double lat, lon, h;
-    GeographicLib::Geocentric::WGS84().Reverse(-481817.9432, 5507212.2485, 3170368.5142, lat, lon, h);
+    GeographicLib::Geocentric::WGS84().Reverse(-480000.1250, 5500000.2500, 3180000.5000, lat, lon, h);
     EXPECT_NEAR(f.position.lat, lat * deg, 1e-14);
     EXPECT_NEAR(f.position.lon, lon * deg, 1e-14);
     EXPECT_NEAR(f.position.h, h, 1e-7);
@@ -108,8 +108,8 @@ TEST_F(Pos, EarthFixedSigmasAreTurned) {
     const Eigen::Vector3d v = C.transpose() * Eigen::Vector3d(-0.5, 0.25, 1.0);
     EXPECT_LT((f.velocity_n - Eigen::Vector3d(v.y(), v.x(), -v.z())).norm(), 1e-12);
     Eigen::Matrix3d P;
-    P << 2.2007 * 2.2007, 0.4304 * 0.4304, -0.3408 * 0.3408, 0.4304 * 0.4304, 6.7978 * 6.7978, 3.9550 * 3.9550, -0.3408 * 0.3408,
-        3.9550 * 3.9550, 3.4026 * 3.4026;
+    P << 2.25 * 2.25, 0.45 * 0.45, -0.35 * 0.35, 0.45 * 0.45, 6.75 * 6.75, 3.95 * 3.95, -0.35 * 0.35,
+        3.95 * 3.95, 3.5 * 3.5;
     const Eigen::Matrix3d enu = C.transpose() * P * C;
     EXPECT_NEAR(f.std_position.x(), std::sqrt(enu(1, 1)), 1e-12);
     EXPECT_NEAR(f.std_position.y(), std::sqrt(enu(0, 0)), 1e-12);
@@ -120,7 +120,7 @@ TEST_F(Pos, EarthFixedSigmasAreTurned) {
 TEST_F(Pos, BadRowsAndFiles) {
     const std::string row = "2244 36000.0" + values;
     std::string bad = row;
-    bad.replace(bad.find("29.9"), 4, "abcd");
+    bad.replace(bad.find("30.1"), 4, "abcd");
     const RtklibPos p =
         read("%  GPST" + names + row + bad + row.substr(0, 40) + "\n" + "2244 36001.0" + values + "2244 36002.0" + values);
     EXPECT_EQ(p.fixes.size(), 3U);
@@ -176,18 +176,18 @@ protected:
 };
 
 TEST_F(Nmea, EpochsAreAssembled) {
-    const NmeaLog n = read(sentence("GNRMC,100000.25,A,4846.84220228,N,00910.29559615,W,10.0,30.0,080123,,,R") +
-                           sentence("GNGGA,100000.25,4846.84220228,N,00910.29559615,W,4,19,0.6,279.827,M,47.985,M,1.0,0123") +
+    const NmeaLog n = read(sentence("GNRMC,100000.25,A,4830.12345678,N,00915.87654321,W,10.0,30.0,080123,,,R") +
+                           sentence("GNGGA,100000.25,4830.12345678,N,00915.87654321,W,4,19,0.6,300.125,M,48.250,M,1.0,0123") +
                            "noise $GPGGA,1000*00\n" + sentence("GNGST,100000.25,1.0,0.5,0.4,30,0.011,0.012,0.023") +
                            sentence("GNGSA,A,3,01,02,,,,,,,,,,,1,1,1") +
-                           sentence("GNGGA,100001.25,4846.84220228,S,00910.29559615,E,5,19,0.6,279.827,M,47.985,M,1.0,0123") +
+                           sentence("GNGGA,100001.25,4830.12345678,S,00915.87654321,E,5,19,0.6,300.125,M,48.250,M,1.0,0123") +
                            sentence("GNVTG,90.0,T,,M,19.4384,N,36.0,K,F"));
     ASSERT_EQ(n.fixes.size(), 2U);
     const GnssFix& f = n.fixes[0];
     EXPECT_EQ(f.time.ns, ten + 18'250'000'000);  // UTC to GPS time
-    EXPECT_NEAR(f.position.lat, (48.0 + 46.84220228 / 60.0) * deg, 1e-15);
-    EXPECT_NEAR(f.position.lon, -(9.0 + 10.29559615 / 60.0) * deg, 1e-15);
-    EXPECT_NEAR(f.position.h, 279.827 + 47.985, 1e-12);
+    EXPECT_NEAR(f.position.lat, (48.0 + 30.12345678 / 60.0) * deg, 1e-15);
+    EXPECT_NEAR(f.position.lon, -(9.0 + 15.87654321 / 60.0) * deg, 1e-15);
+    EXPECT_NEAR(f.position.h, 300.125 + 48.250, 1e-12);
     EXPECT_EQ(f.fix, FixType::RtkFixed);
     EXPECT_EQ(f.satellites, 19);
     EXPECT_EQ(f.std_position, Eigen::Vector3d(0.011, 0.012, 0.023));

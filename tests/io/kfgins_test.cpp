@@ -19,7 +19,7 @@ imudatalen: 7
 imudatarate: 200
 starttime: 100030.0
 endtime: 101799.99
-initpos: [ 30.4447873701, 114.4718632047, 20.8990 ]
+initpos: [ 30.1234567891, 114.9876543219, 20.5000 ]
 initvel: [ 0.1, -0.2, 0.3 ]
 initatt: [ 0.85, -2.04, 276.0 ]
 initgyrbias: [ 3600, 0, 0 ]
@@ -55,9 +55,9 @@ TEST_F(KfGins, SettingsInSi) {
     EXPECT_EQ(p.imu_rate_hz, 200.0);
     EXPECT_EQ(p.start.ns, 100030000000000);
     EXPECT_EQ(p.end->ns, 101799990000000);
-    EXPECT_DOUBLE_EQ(p.position.lat, 30.4447873701 * deg);
-    EXPECT_DOUBLE_EQ(p.position.lon, 114.4718632047 * deg);
-    EXPECT_EQ(p.position.h, 20.899);
+    EXPECT_DOUBLE_EQ(p.position.lat, 30.1234567891 * deg);
+    EXPECT_DOUBLE_EQ(p.position.lon, 114.9876543219 * deg);
+    EXPECT_EQ(p.position.h, 20.5);
     EXPECT_EQ(p.velocity_n, Eigen::Vector3d(0.1, -0.2, 0.3));
     EXPECT_DOUBLE_EQ(p.rpy.z(), 276.0 * deg);
     EXPECT_DOUBLE_EQ(p.gyro_bias.x(), deg);
@@ -108,7 +108,7 @@ TEST_F(KfGins, MistakesAreNamed) {
                  {"drive.yaml:6", "starttime", "'noon' is not a number"});
     expect_parts(message(replaced("initvel: [ 0.1, -0.2, 0.3 ]", "initvel: [ 0.1, -0.2 ]")),
                  {"drive.yaml:9", "initvel", "2 elements instead of 3"});
-    expect_parts(message(replaced("initpos: [ 30.4", "initpos: [ 130.4")), {"drive.yaml:8", "initpos", "latitude"});
+    expect_parts(message(replaced("initpos: [ 30.1", "initpos: [ 130.1")), {"drive.yaml:8", "initpos", "latitude"});
     expect_parts(message(replaced("endtime: 101799.99", "endtime: 5")), {"drive.yaml:7", "endtime", "not after starttime"});
     expect_parts(message(replaced("corrtime: 1.0", "corrtime: 0")), {"drive.yaml:25", "imunoise.corrtime", "not positive"});
     expect_parts(message(replaced("arw: [0.24,", "arw: [-0.24,")), {"drive.yaml:19", "imunoise.arw", "negative"});
@@ -130,9 +130,9 @@ TEST_F(KfGins, TextFiles) {
     EXPECT_EQ(imu.samples[0].gyro.x(), 1.234567890123456e-05);
     EXPECT_EQ(imu.samples[0].accel.z(), -4.9e-02);
     const KfGinsGnss gnss = read_kfgins_gnss(
-        TextInput::memory("100001.000 30.44478738213 114.47186306157 21.07861 0.0100 0.0100 0.0200\n", "gnss.txt"), log);
+        TextInput::memory("100001.000 30.12345678912 114.98765432198 21.50000 0.0100 0.0100 0.0200\n", "gnss.txt"), log);
     ASSERT_EQ(gnss.fixes.size(), 1U);
-    EXPECT_DOUBLE_EQ(gnss.fixes[0].position.lat, 30.44478738213 * deg);
+    EXPECT_DOUBLE_EQ(gnss.fixes[0].position.lat, 30.12345678912 * deg);
     EXPECT_EQ(gnss.fixes[0].std_position, Eigen::Vector3d(0.01, 0.01, 0.02));
     EXPECT_TRUE(std::isnan(gnss.fixes[0].velocity_n.x()));
     expect_parts(message_of([&] { (void)read_kfgins_imu(TextInput::memory("1 2 3 4\n2 3 4 5\n", "imu.txt"), log); }),

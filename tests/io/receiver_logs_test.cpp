@@ -6,6 +6,7 @@
 #include "io/io_fixture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -123,9 +124,76 @@ TEST_F(ReceiverLogs, UbxSubframesBecomeTheReferenceEphemerides) {
     }
 }
 
+/// A seed of the fuzz target, without the byte that chooses the reader.
+std::string seed(const char* name) {
+    return schuler::test::content_of(std::filesystem::path(SCHULER_SOURCE_DIR) / "tests/fuzz/corpus/receiver_logs" / name)
+        .substr(1);
+}
+
+/// Writes the checksum of the message that starts at `at` anew.
+void checksum(std::string& bytes, std::size_t at) {
+    unsigned a = 0, b = 0;
+    const std::size_t end = at + 6 + static_cast<unsigned char>(bytes[at + 4]);
+    for (std::size_t i = at + 2; i < end; ++i) {
+        a += static_cast<unsigned char>(bytes[i]);
+        b += a;
+    }
+    bytes[end] = static_cast<char>(a), bytes[end + 1] = static_cast<char>(b);
+}
+
+TEST_F(ReceiverLogs, UbxFramesOfGlonassAndBeiDouAgainstConvbin) {
+    if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed";
+    const auto file = write("seed.ubx", seed("ubx"));
+    const std::string command = "convbin -r ubx -v 3.04 -o " + (folder() / "s.obs").string() + " -n " +
+                                (folder() / "s.nav").string() + " " + file.string() + " > /dev/null 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const gnss::Navigation ours = read_ubx(file, log).navigation;
+    const gnss::Navigation theirs = read_rinex_navigation(folder() / "s.nav", log).navigation;
+    std::size_t compared = 0;
+    for (const gnss::KeplerEphemeris& t : theirs.kepler) {
+        const auto k = std::ranges::find(ours.kepler, t.satellite, &gnss::KeplerEphemeris::satellite);
+        ASSERT_NE(k, ours.kepler.end()) << gnss::name_of(t.satellite);
+        ++compared;
+        EXPECT_TRUE(k->toe == t.toe && k->toc == t.toc && k->iode == t.iode && k->iodc == t.iodc && k->health == t.health);
+        const auto numbers = [](const gnss::KeplerEphemeris& e) {
+            return std::array{e.af0,  e.af1, e.m0,  e.delta_n,   e.e,    e.sqrt_a, e.omega0, e.i0,  e.omega,
+                              e.cuc,  e.cus, e.cic, e.cis,       e.crc,  e.crs,    e.idot,   e.omega_dot, e.accuracy,
+                              e.group_delay[0], e.group_delay[1]};
+        };
+        const auto a = numbers(*k), b = numbers(t);
+        for (std::size_t i = 0; i < a.size(); ++i)
+            EXPECT_NEAR(a[i], b[i], 1e-11 * std::abs(b[i])) << gnss::name_of(t.satellite) << " " << i;
+    }
+    EXPECT_EQ(compared, 3U);  // G03, C03 (D2), C21 (D1)
+    ASSERT_EQ(theirs.glonass.size(), 1U);
+    const gnss::GlonassEphemeris &a = ours.glonass.at(0), &b = theirs.glonass[0];
+    EXPECT_EQ(a.toe, b.toe);
+    EXPECT_LT((a.position - b.position).norm(), 1e-3);
+    EXPECT_LT((a.velocity - b.velocity).norm(), 1e-6);
+    EXPECT_LT((a.acceleration - b.acceleration).norm(), 1e-15);
+    EXPECT_NEAR(a.clock, b.clock, 1e-15);
+    EXPECT_NEAR(a.clock_rate, b.clock_rate, 1e-24);
+    EXPECT_TRUE(a.channel == b.channel && a.health == b.health && a.age_days == b.age_days);
+}
+
+TEST_F(ReceiverLogs, GlonassStringsWithAWrongBitAreDamaged) {
+    const std::string good = seed("ubx"), head("\xb5\x62\x02\x13\x18\x00\x06\x05", 8);
+    std::size_t strings = 0;
+    for (std::size_t at = good.find(head); at != std::string::npos; at = good.find(head, at + 1), ++strings) {
+        std::string bytes = good;
+        const std::size_t payload = at + 6, first_word = payload + 8;
+        bytes[first_word + strings] = static_cast<char>(bytes[first_word + strings] ^ 0x10);
+        checksum(bytes, at);
+        const UbxLog r = read_ubx(TextInput::memory(bytes, "a.ubx"), log);
+        EXPECT_EQ(r.records.bad, 1U);
+        EXPECT_EQ(r.records.first_bad_line, static_cast<long>(at));
+        EXPECT_TRUE(r.navigation.glonass.empty());
+    }
+    EXPECT_EQ(strings, 4U);
+}
+
 TEST_F(ReceiverLogs, UbxDamageIsSkippedAndPlaced) {
-    const std::string good =
-        content_of(std::filesystem::path(SCHULER_SOURCE_DIR) / "tests/fuzz/corpus/receiver_logs/ubx").substr(1);
+    const std::string good = seed("ubx");
     const auto read = [&](const std::string& bytes) { return read_ubx(TextInput::memory(bytes, "a.ubx"), log); };
     const UbxLog whole = read(good);
     EXPECT_EQ(whole.observations.epochs.size(), 2U);

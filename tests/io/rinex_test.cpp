@@ -26,13 +26,13 @@ std::string label(const std::string& text, const std::string& name) {
 
 std::string header3() {
     return label("     3.04           OBSERVATION DATA    M: MIXED", "RINEX VERSION / TYPE") +
-           label("  4157161.1260   671329.1980  4774767.0310", "APPROX POSITION XYZ") +
+           label("  4000000.1250   700000.2500  4900000.5000", "APPROX POSITION XYZ") +
            label("G    4 C1C L1C D1C S1C", "SYS / # / OBS TYPES") + label("R    2 C1C C2P", "SYS / # / OBS TYPES") +
            label("C    2 C1I C7I", "SYS / # / OBS TYPES") + label("  2 R05  1 R06 -4", "GLONASS SLOT / FRQ #") +
            label("", "END OF HEADER");
 }
 const std::string epoch1 = "> 2023 01 08 10 00  0.1234567  0  2\n";
-const std::string g08 = "G08  25065157.378 9 131718291.04719     -1452.267 9        54.233 9\n";
+const std::string g08 = "G08  25000123.456 9 131000456.78919     -1500.125 9        45.625 9\n";
 const std::string r06 = "R06  20000000.125                  \n";
 
 class Rinex : public test::IoTest {
@@ -50,17 +50,17 @@ TEST_F(Rinex, ObservationsOfVersion3) {
     const gnss::SignalObservation& o = r.log.observations[0];
     EXPECT_EQ(o.satellite, (SatelliteId{System::Gps, 8}));
     EXPECT_EQ(o.signal, (Signal{'1', 'C'}));
-    EXPECT_EQ(o.pseudorange, 25065157.378);
-    EXPECT_EQ(o.phase, 131718291.047);
+    EXPECT_EQ(o.pseudorange, 25000123.456);
+    EXPECT_EQ(o.phase, 131000456.789);
     EXPECT_EQ(o.loss_of_lock, 1);
     EXPECT_EQ(o.strength, 9);
-    EXPECT_EQ(o.doppler, -1452.267);
-    EXPECT_EQ(o.cn0, 54.233);
+    EXPECT_EQ(o.doppler, -1500.125);
+    EXPECT_EQ(o.cn0, 45.625);
     EXPECT_EQ(r.log.observations[1].pseudorange, 20000000.125);
     EXPECT_TRUE(std::isnan(r.log.observations[1].phase));
     EXPECT_EQ(r.log.channels.of_slot[6], -4);
     EXPECT_EQ(r.log.channels.of_slot[7], gnss::unknown_channel);
-    EXPECT_EQ(r.log.approximate.r, Eigen::Vector3d(4157161.1260, 671329.1980, 4774767.0310));
+    EXPECT_EQ(r.log.approximate.r, Eigen::Vector3d(4000000.1250, 700000.2500, 4900000.5000));
     EXPECT_TRUE(log.empty());
     // the first band of BeiDou in early files is B1I
     const RinexObservations c = read(header3() + "> 2023 01 08 10 00  0.0000000  0  1\nC07  36000000.000    36000001.000\n");

@@ -60,7 +60,7 @@ TEST(FixedPoint, EdgesAndUnusualValues) {
     EXPECT_EQ(fixed<5>(-0.000004), "0.00000");
     EXPECT_EQ(fixed<5>(-0.000006), "-0.00001");
     EXPECT_EQ(fixed<4>(99.99999), "100.0000");
-    EXPECT_EQ(fixed<10>(-105.1474483), "-105.1474483000");
+    EXPECT_EQ(fixed<10>(-105.7654321), "-105.7654321000");
     EXPECT_EQ(fixed<4>(123456789.25), "123456789.2500");
     EXPECT_EQ(fixed<4>(std::numeric_limits<double>::quiet_NaN()), "");
     EXPECT_EQ(std::strtod(fixed<4>(1e300).c_str(), nullptr), 1e300);

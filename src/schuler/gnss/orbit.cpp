@@ -1,6 +1,7 @@
 #include "schuler/gnss/orbit.h"
 
 #include "schuler/core/units.h"
+#include "schuler/gnss/system_time.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,14 +55,9 @@ OrbitPlane in_plane(const KeplerEphemeris& k, double tk, double anomaly, double 
     return {r * cu, r * su, rdot * cu - r * udot * su, rdot * su + r * udot * cu, i, idot};
 }
 
-bool is_geostationary(const KeplerEphemeris& k) {
-    // BeiDou's numbers 1 to 5 and 59 on [BeiDouICD:5.2.4.12]
-    return k.satellite.system == System::BeiDou && (k.satellite.number <= 5 || k.satellite.number >= 59);
-}
-
 void place(const KeplerEphemeris& k, const OrbitConstants& c, double tk, double toe_of_week, const OrbitPlane& o,
            SatelliteState& out) {
-    const bool inertial = is_geostationary(k);
+    const bool inertial = is_geostationary_beidou(k.satellite);
     const double node_rate = k.omega_dot - (inertial ? 0.0 : c.earth_rate);
     const double node = k.omega0 + node_rate * tk - c.earth_rate * toe_of_week;
     const double sn = std::sin(node), cn = std::cos(node), si = std::sin(o.i), ci = std::cos(o.i);
@@ -83,13 +79,6 @@ void place(const KeplerEphemeris& k, const OrbitConstants& c, double tk, double 
     out.velocity = v;
 }
 
-double toe_second_of_week(const KeplerEphemeris& k) {
-    constexpr std::int64_t week_ns = 604'800'000'000'000;
-    // BeiDou counts its week 14 s after GPS
-    const std::int64_t ns = k.toe.ns - (k.satellite.system == System::BeiDou ? 14'000'000'000 : 0);
-    return static_cast<double>(((ns % week_ns) + week_ns) % week_ns) * 1e-9;
-}
-
 constexpr double unknown_accuracy = 4.0;  // m, where the message promises nothing
 
 }  // namespace
@@ -100,7 +89,7 @@ SatelliteState satellite_state(const KeplerEphemeris& k, Time t) {
     const double n = std::sqrt(c.mu / (a * a * a)) + k.delta_n;
     const double anomaly = eccentric_anomaly(k.m0 + n * tk, k.e);
     SatelliteState out;
-    place(k, c, tk, toe_second_of_week(k), in_plane(k, tk, anomaly, n), out);
+    place(k, c, tk, week_second(k.toe, k.satellite.system).second, in_plane(k, tk, anomaly, n), out);
     const double tc = (t - k.toc).seconds();
     // relativity: -2 r.v/c^2 = F e sqrt(A) sin E with F = -2 sqrt(mu)/c^2 [ISGPS200:20.3.3.3.3.1]
     const double F = -2.0 * std::sqrt(c.mu) / (speed_of_light * speed_of_light);

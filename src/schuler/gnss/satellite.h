@@ -45,6 +45,11 @@ struct Signal {
 /// system does not have. BeiDou's B1I is band 2 (1561.098 MHz).
 [[nodiscard]] double frequency_of(System system, char band, int channel = 0);
 
+/// BeiDou's numbers 1 to 5 and 59 on, whose orbits and messages (D2) are of their own kind [BeiDouICD:5.2.4.12].
+[[nodiscard]] constexpr bool is_geostationary_beidou(SatelliteId s) {
+    return s.system == System::BeiDou && (s.number <= 5 || s.number >= 59);
+}
+
 inline constexpr double speed_of_light = 299'792'458.0;  ///< m/s
 
 }  // namespace schuler::gnss

@@ -97,10 +97,10 @@ std::optional<Transmitter> BroadcastSource::at(SatelliteId s, Signal signal, Tim
 namespace {
 
 constexpr std::size_t nodes_used = 11;
+constexpr double earth_rate = 7.2921151467e-5;  ///< rad/s [ISGPS200:table 20-IV]
 
 /// Lagrange's polynomial through nodes whose axes are turned back to those of t.
 Eigen::Vector3d interpolated(const PreciseSource::Node* nodes, Time t) {
-    constexpr double earth_rate = 7.2921151467e-5;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < nodes_used; ++i) {
         double weight = 1.0;
@@ -138,7 +138,7 @@ std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal, Time t) cons
     if (!std::isfinite(out.clock)) return std::nullopt;
     // satellite clocks of SP3 exclude the periodic relativistic effect, -2 r.v/c^2
     const Eigen::Vector3d inertial =
-        out.velocity + 7.2921151467e-5 * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
+        out.velocity + earth_rate * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
     out.clock -= 2.0 * out.position.r.dot(inertial) / (speed_of_light * speed_of_light);
     constexpr double sigma = 0.05;  // m
     out.variance = sigma * sigma;

@@ -1,4 +1,5 @@
 #include "schuler/core/error.h"
+#include "schuler/gnss/system_time.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/detail/rinex_text.h"
@@ -191,7 +192,7 @@ private:
             t = detail::calendar_time(detail::full_year(integer_in(at(c, 2))), integer_in(at(c + 3, 2)), integer_in(at(c + 6, 2)),
                                       at(c + 9, 2), at(c + 12, 2), at(c + 14, 5), scale);
         }
-        if (t && system == System::BeiDou) t->ns += detail::beidou_lag.ns;
+        if (t) t = *t + gnss::lag_of(system);
         return t;
     }
 
@@ -233,6 +234,7 @@ private:
             const double hours = value_or_zero(r, 7, 1);
             if (hours >= 2.0 && hours <= 200.0) k.fit_interval = hours * 3600.0;
         }
+        if (id.system == System::BeiDou) k.iodc = detail::whole(value_or_zero(r, 7, 1));
         k.message = message_of(r, id.system);
         const double sent = value(r, 7, 0);
         detail::set_times(k, toe, sent);

@@ -1,4 +1,5 @@
 #include "schuler/core/error.h"
+#include "schuler/gnss/system_time.h"
 #include "schuler/io/compact_rinex.h"
 #include "schuler/io/detail/rinex_observation_header.h"
 #include "schuler/io/detail/rinex_text.h"
@@ -112,7 +113,7 @@ private:
     bool set_time(std::optional<Time> t) {
         if (!t) return false;
         epoch_.time = *t;
-        if (header_.time_system == 'C') epoch_.time = epoch_.time + detail::beidou_lag;
+        if (header_.time_system == 'C') epoch_.time = epoch_.time + gnss::lag_of(gnss::System::BeiDou);
         return true;
     }
     [[nodiscard]] TimeScale scale() const { return header_.time_system == 'R' ? TimeScale::Utc : TimeScale::Gps; }

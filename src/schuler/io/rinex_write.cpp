@@ -1,5 +1,6 @@
 #include "schuler/io/rinex_write.h"
 
+#include "schuler/gnss/system_time.h"
 #include "schuler/io/detail/rinex_text.h"
 
 #include <fmt/format.h>
@@ -155,9 +156,7 @@ void rows(std::string& out, const std::vector<double>& values) {
 }
 
 void satellite_line(std::string& out, gnss::SatelliteId s, Time reference, double a, double b, double c) {
-    Time own = reference;
-    if (s.system == System::BeiDou) own = own - detail::beidou_lag;
-    Stamp t = stamp_of(own);
+    Stamp t = stamp_of(reference - gnss::lag_of(s.system));
     if (s.system == System::Glonass) {
         const Calendar utc = utc_from_gps(reference);
         t = {utc, static_cast<int>(utc.second + 0.5), 0};
@@ -166,19 +165,13 @@ void satellite_line(std::string& out, gnss::SatelliteId s, Time reference, doubl
                        t.day.hour, t.day.minute, t.second, number(a), number(b), number(c));
 }
 
-/// Week and second of week of a system's own scale.
-std::pair<double, double> week_and_second(Time t, System system) {
-    constexpr std::int64_t week = 604'800'000'000'000;
-    if (system == System::BeiDou) t = t - detail::beidou_lag;
-    const std::int64_t w = t.ns / week;
-    return {static_cast<double>(system == System::BeiDou ? w - 1356 : w), static_cast<double>(t.ns - w * week) * 1e-9};
-}
-
 std::string record(const gnss::KeplerEphemeris& k) {
     std::string out;
     const System system = k.satellite.system;
     satellite_line(out, k.satellite, k.toc, k.af0, k.af1, k.af2);
-    const auto [week, toe] = week_and_second(k.toe, system);
+    // weeks of Galileo are written as those of GPS, those of BeiDou by its own count
+    const auto [gps_week, toe] = gnss::week_second(k.toe, system);
+    const double week = gps_week - (system == System::BeiDou ? gnss::first_week_of(system) : 0);
     // seconds of the week of toe: negative where it was sent before
     const double sent = toe + (k.transmission - k.toe).seconds();
     const bool galileo = system == System::Galileo, gps = system == System::Gps || system == System::Qzss;
@@ -209,7 +202,9 @@ std::string record(const gnss::KeplerEphemeris& k) {
                k.group_delay[0],
                gps ? static_cast<double>(k.iodc) : k.group_delay[1],
                sent,
-               gps ? k.fit_interval / 3600.0 : 0.0});
+               gps                       ? k.fit_interval / 3600.0
+               : system == System::BeiDou ? static_cast<double>(k.iodc)
+                                          : 0.0});
     return out;
 }
 
@@ -249,7 +244,9 @@ std::string rinex_navigation_text(const gnss::Navigation& n) {
     std::vector<std::tuple<Time, gnss::SatelliteId, std::string>> records;
     for (const auto& k : n.kepler) records.emplace_back(k.toc, k.satellite, record(k));
     for (const auto& g : n.glonass) {
-        const double sent = std::fmod(week_and_second(g.transmission, System::Gps).second + 7 * 86'400.0, 604'800.0);
+        // of the week of UTC
+        const Duration leap{std::int64_t{gps_minus_utc(g.transmission.ns / detail::ns_per_second)} * detail::ns_per_second};
+        const double sent = gnss::week_second(g.transmission - leap).second;
         records.emplace_back(
             g.toe, g.satellite,
             state_record(g, sent,
@@ -257,7 +254,7 @@ std::string rinex_navigation_text(const gnss::Navigation& n) {
     }
     for (const auto& g : n.sbas)
         records.emplace_back(g.toe, g.satellite,
-                             state_record(g, week_and_second(g.transmission, System::Gps).second,
+                             state_record(g, gnss::week_second(g.transmission).second,
                                           {static_cast<double>(g.health), g.accuracy, 0.0}));
     std::ranges::stable_sort(records, [](const auto& a, const auto& b) {
         return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));

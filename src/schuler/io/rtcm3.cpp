@@ -1,6 +1,7 @@
 #include "schuler/io/rtcm3.h"
 
 #include "schuler/core/error.h"
+#include "schuler/gnss/system_time.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/detail/bits.h"
 #include "schuler/io/detail/rtcm3_messages.h"
@@ -82,7 +83,7 @@ private:
     void add(detail::MsmEpoch& epoch) {
         auto& log = result.observations;
         // Some senders give BeiDou's messages the GPS time of the others; the flag of the message before says that they belong together.
-        if (more_ && epoch.time - current_.time == Duration{14'000'000'000}) epoch.time = current_.time;
+        if (more_ && epoch.time - current_.time == gnss::lag_of(gnss::System::BeiDou)) epoch.time = current_.time;
         more_ = epoch.more;
         if (epoch.time != current_.time || log.observations.size() == current_.first) {
             finish_epoch();

@@ -1,6 +1,7 @@
 #include "schuler/io/sp3.h"
 
 #include "schuler/core/error.h"
+#include "schuler/gnss/system_time.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/detail/rinex_text.h"
 #include "schuler/io/place.h"
@@ -21,7 +22,7 @@ struct Sp3Time {
 /// Time system of the first %c line; blanks of SP3-a mean GPS.
 Sp3Time time_system(std::string_view name) {
     if (name == "UTC" || name == "GLO") return {TimeScale::Utc, {}};
-    if (name == "BDT") return {TimeScale::Gps, detail::beidou_lag};
+    if (name == "BDT") return {TimeScale::Gps, gnss::lag_of(gnss::System::BeiDou)};
     if (name == "TAI") return {TimeScale::Gps, {-19 * detail::ns_per_second}};
     return {};
 }

@@ -218,6 +218,16 @@ private:
             if (!frames_.gps_subframe(*satellite, words, *now_)) ++result.records.foreign;
             return true;
         }
+        if (satellite->system == System::BeiDou && count == 10) {
+            std::array<std::uint32_t, 10> words{};
+            for (std::size_t i = 0; i < 10; ++i) words[i] = word(i);
+            if (!frames_.beidou_subframe(*satellite, words, *now_)) ++result.records.foreign;
+            return true;
+        }
+        if (satellite->system == System::Glonass && count == 4) {
+            const int channel = number_at<std::uint8_t>(p, 3) - 7;
+            return frames_.glonass_string(*satellite, {word(0), word(1), word(2), word(3)}, channel, *now_);
+        }
         constexpr int e1b = 1, e5b_i = 5;
         if (satellite->system == System::Galileo && count >= 8 && (signal == e1b || signal == e5b_i || signal == 0)) {
             std::array<std::uint32_t, 8> words{};

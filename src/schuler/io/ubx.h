@@ -13,7 +13,7 @@ namespace schuler::io {
 
 struct UbxLog {
     gnss::ObservationLog observations;   ///< of RXM-RAWX
-    gnss::Navigation navigation;         ///< from RXM-SFRBX: GPS and QZSS LNAV, Galileo I/NAV
+    gnss::Navigation navigation;         ///< of RXM-SFRBX: GPS and QZSS LNAV, Galileo I/NAV, BeiDou D1 and D2, GLONASS
     std::vector<GnssFix> fixes;          ///< of NAV-PVT with a fix, in GPS time
     RecordCounts records;                ///< messages; first_bad_line is a byte offset
     std::size_t empty_epochs = 0;        ///< RAWX without measurements

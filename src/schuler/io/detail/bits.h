@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace schuler::io::detail {
@@ -48,6 +49,27 @@ public:
 private:
     std::string_view bytes_;
     std::size_t position_ = 0;
+};
+
+/// Puts bits together to bytes; the last byte is filled with zeros.
+class BitWriter {
+public:
+    /// The lowest `count` bits of a value.
+    void put(std::uint64_t value, std::size_t count) {
+        for (std::size_t i = count; i-- > 0; ++size_) {
+            if (size_ % 8 == 0) bytes_.push_back('\0');
+            if ((value >> i & 1U) != 0) bytes_.back() = static_cast<char>(bytes_.back() | (0x80 >> size_ % 8));
+        }
+    }
+    /// Bits [first, first + count) of others.
+    void put(const Bits& from, std::size_t first, std::size_t count) {
+        for (std::size_t i = first; i < first + count; ++i) put(from.at(i, 1), 1);
+    }
+    [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+private:
+    std::string bytes_;
+    std::size_t size_ = 0;
 };
 
 /// CRC-24Q of whole bytes [RTCM10403:4.2].

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "schuler/core/time.h"
+#include "schuler/gnss/ephemeris.h"
+#include "schuler/gnss/system_time.h"
 #include "schuler/io/detail/bits.h"
 
 #include <array>
@@ -19,6 +21,33 @@ inline double scaled_unsigned(Bits& bits, std::size_t count, int exponent) {
 }
 inline double angle(Bits& bits, std::size_t count, int exponent) { return std::numbers::pi * scaled(bits, count, exponent); }
 
+/// What GPS, QZSS and Galileo send in the same order and scales: the orbit in its plane, then how the plane lies.
+inline void orbit_in_plane(Bits& b, gnss::KeplerEphemeris& k) {
+    k.crs = scaled(b, 16, -5), k.delta_n = angle(b, 16, -43), k.m0 = angle(b, 32, -31);
+    k.cuc = scaled(b, 16, -29), k.e = scaled_unsigned(b, 32, -33), k.cus = scaled(b, 16, -29);
+    k.sqrt_a = scaled_unsigned(b, 32, -19);
+}
+inline void orbit_plane(Bits& b, gnss::KeplerEphemeris& k) {
+    k.cic = scaled(b, 16, -29), k.omega0 = angle(b, 32, -31), k.cis = scaled(b, 16, -29), k.i0 = angle(b, 32, -31);
+    k.crc = scaled(b, 16, -5), k.omega = angle(b, 32, -31), k.omega_dot = angle(b, 24, -43);
+}
+inline void clock_of_gps(Bits& b, gnss::KeplerEphemeris& k) {
+    k.af2 = scaled(b, 8, -55), k.af1 = scaled(b, 16, -43), k.af0 = scaled(b, 22, -31);
+}
+/// Klobuchar's eight, as GPS, QZSS and BeiDou send them.
+inline gnss::KlobucharCoefficients klobuchar_of(Bits& b) {
+    gnss::KlobucharCoefficients c;
+    constexpr std::array<int, 4> alpha = {-30, -27, -24, -24}, beta = {11, 14, 16, 16};
+    for (std::size_t i = 0; i < 4; ++i) c.alpha[i] = scaled(b, 8, alpha[i]);
+    for (std::size_t i = 0; i < 4; ++i) c.beta[i] = scaled(b, 8, beta[i]);
+    return c;
+}
+
+/// Health of Galileo as RINEX packs it: validity and health of E1-B, of E5a (I/NAV does not send it), of E5b.
+inline int galileo_health(int valid_e1, int health_e1, int valid_e5b, int health_e5b) {
+    return valid_e1 | health_e1 << 1 | valid_e5b << 6 | health_e5b << 7;
+}
+
 /// Accuracy index of GPS to metres [ISGPS200:20.3.3.3.1.3]; 15 promises nothing.
 inline double gps_accuracy(int index) {
     constexpr std::array<double, 15> metres = {2.0,  2.8,   4.0,   5.7,   8.0,    11.3,   16.0,  32.0,
@@ -34,13 +63,12 @@ inline double galileo_accuracy(int index) {
     return index <= 125 ? 2.0 + 0.16 * (index - 100) : -1.0;
 }
 
-/// Time of a count of weeks that wraps, next to now; `first_week` is the GPS week of count zero.
-inline Time from_week_count(int count, int wrap, int first_week, double seconds, Time now) {
-    constexpr std::int64_t week_ns = 604'800'000'000'000;
-    const auto now_week = static_cast<int>(now.ns / week_ns);
-    int week = count + first_week;
+/// GPS time of a count of a system's weeks that wraps, next to now; seconds on the system's own scale.
+inline Time from_week_count(gnss::System system, int count, int wrap, double seconds, Time now) {
+    const int now_week = gnss::week_second(now).week;
+    int week = count + gnss::first_week_of(system);
     week += static_cast<int>(std::lround(static_cast<double>(now_week - week) / wrap)) * wrap;
-    return Time::from_gps(week, seconds);
+    return Time::from_gps(week, seconds) + gnss::lag_of(system);
 }
 
 }  // namespace schuler::io::detail

@@ -2,34 +2,47 @@
 #pragma once
 
 #include "schuler/gnss/ephemeris.h"
+#include "schuler/gnss/system_time.h"
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <vector>
 
 namespace schuler::io::detail {
 
 /// A number that should be whole, as one; 0 where it is absurd.
 [[nodiscard]] inline int whole(double x) { return std::isfinite(x) && std::abs(x) < 1e9 ? static_cast<int>(std::lround(x)) : 0; }
 
-/// The instant nearest to `near` that has these seconds of week on a scale that lags GPS time by `lag`.
-[[nodiscard]] inline Time nearest_in_week(double seconds_of_week, Time near, Duration lag = {}) {
-    constexpr std::int64_t week = 604'800'000'000'000;
-    const std::int64_t wanted = Duration::from_seconds(seconds_of_week).ns + lag.ns;
-    std::int64_t apart = (wanted - near.ns) % week;
-    if (apart > week / 2) apart -= week;
-    if (apart < -week / 2) apart += week;
+/// The instant nearest to `near` that is a whole number of periods away from `wanted`.
+[[nodiscard]] inline Time nearest_of(std::int64_t wanted_ns, std::int64_t period_ns, Time near) {
+    std::int64_t apart = (wanted_ns - near.ns) % period_ns;
+    if (apart > period_ns / 2) apart -= period_ns;
+    if (apart < -period_ns / 2) apart += period_ns;
     return {near.ns + apart};
+}
+
+/// The instant nearest to `near` that has these seconds of a system's week.
+[[nodiscard]] inline Time nearest_in_week(double seconds_of_week, Time near, gnss::System system = gnss::System::Gps) {
+    return nearest_of((Duration::from_seconds(seconds_of_week) + gnss::lag_of(system)).ns, gnss::week_ns, near);
+}
+
+/// The instant nearest to `near` that has this time of the day in Moscow, three hours before UTC, by which GLONASS counts.
+[[nodiscard]] inline Time nearest_in_moscow_day(std::int64_t of_day_ns, Time near) {
+    constexpr std::int64_t second = 1'000'000'000, hour = 3600 * second;
+    const std::int64_t leap = std::int64_t{gps_minus_utc(near.ns / second)} * second;
+    return nearest_of(of_day_ns - 3 * hour + leap, 24 * hour, near);
 }
 
 /// toe and the time of transmission from seconds of week, next to toc: weeks in files are not always what they should be.
 inline void set_times(gnss::KeplerEphemeris& k, double toe, double sent) {
-    const Duration lag{k.satellite.system == gnss::System::BeiDou ? std::int64_t{14'000'000'000} : 0};
-    constexpr double week = 604'800.0;
+    constexpr double week = static_cast<double>(gnss::week_ns) * 1e-9;
     if (!(std::abs(toe) <= week)) {
         k.sqrt_a = NAN;  // not sound
         return;
     }
-    k.toe = nearest_in_week(toe, k.toc, lag);
-    k.transmission = std::abs(sent) <= 2.0 * week ? nearest_in_week(sent, k.toe, lag) : k.toe;
+    k.toe = nearest_in_week(toe, k.toc, k.satellite.system);
+    k.transmission = std::abs(sent) <= 2.0 * week ? nearest_in_week(sent, k.toe, k.satellite.system) : k.toe;
 }
 
 [[nodiscard]] inline bool is_sound(const gnss::KeplerEphemeris& k) {
@@ -46,6 +59,18 @@ inline void set_times(gnss::KeplerEphemeris& k, double toe, double sent) {
                        std::abs(k.group_delay[0]) < 1e-5 && std::abs(k.group_delay[1]) < 1e-5;
     return k.sqrt_a > 2000.0 && k.sqrt_a < 10'000.0 && k.e >= 0.0 && k.e < 0.7 && angles && small && clock &&
            std::abs((k.toe - k.toc).ns) <= day;
+}
+
+/// Adds an ephemeris unless it is there already; the newest are looked at first, for satellites repeat themselves.
+template <class Ephemeris>
+void add_new(std::vector<Ephemeris>& all, const Ephemeris& e) {
+    const bool known = std::any_of(all.rbegin(), all.rend(), [&](const Ephemeris& o) {
+        if constexpr (std::is_same_v<Ephemeris, gnss::KeplerEphemeris>) {
+            if (o.iode != e.iode || o.message != e.message) return false;
+        }
+        return o.satellite == e.satellite && o.toe == e.toe;
+    });
+    if (!known) all.push_back(e);
 }
 
 /// State vectors: GLONASS and SBAS.

@@ -11,8 +11,8 @@
 
 namespace schuler::io::detail {
 
-/// Collects subframes of GPS and QZSS (LNAV) and pages of Galileo (I/NAV) until an ephemeris is complete and consistent; adds it
-/// where it is new. `now` is the receiver's time, within half of the broadcast week counters.
+/// Collects what satellites send piece by piece (GPS and QZSS LNAV, Galileo I/NAV, BeiDou D1 and D2, strings of GLONASS) until
+/// an ephemeris is complete and consistent; adds it where it is new. `now` is the receiver's time, within half of the broadcast week counters.
 class FrameCollector {
 public:
     explicit FrameCollector(gnss::Navigation& navigation) : navigation_(navigation) {}
@@ -21,6 +21,11 @@ public:
     bool gps_subframe(gnss::SatelliteId satellite, const std::array<std::uint32_t, 10>& words, Time now);
     /// Even and odd page part of 120 bits each, left-aligned in four words of 32 bits [GalileoICD:4.3]. False where the check fails.
     bool galileo_page(gnss::SatelliteId satellite, std::span<const std::uint32_t, 8> words, Time now);
+    /// Ten words of 30 bits, parity included [BeiDouICD:5.2, 5.3]. False where the frame is none.
+    bool beidou_subframe(gnss::SatelliteId satellite, const std::array<std::uint32_t, 10>& words, Time now);
+    /// A string of 85 bits, left-aligned in three words of 32 bits; a fourth has the numbers of superframe and frame
+    /// [GLONASSICD:4.3]. False where its check bits do not fit. `channel` is the frequency number.
+    bool glonass_string(gnss::SatelliteId satellite, const std::array<std::uint32_t, 4>& words, int channel, Time now);
 
 private:
     struct GpsFrames {
@@ -29,14 +34,27 @@ private:
     struct GalileoWords {
         std::array<std::string, 5> words;
     };
+    /// D1: subframes 1 to 3. D2: the ten pages of subframe 1.
+    struct BeiDouFrames {
+        std::array<std::string, 10> parts;
+    };
+    struct GlonassStrings {
+        std::array<std::string, 4> strings;
+        std::uint32_t frame = 0;
+    };
     void gps_ephemeris(gnss::SatelliteId satellite, const GpsFrames& frames, Time now);
     void gps_ionosphere(gnss::SatelliteId satellite, const std::string& subframe);
     void galileo_ephemeris(gnss::SatelliteId satellite, const GalileoWords& words, Time now);
+    void beidou_d1(gnss::SatelliteId satellite, const BeiDouFrames& frames, Time now);
+    void beidou_d2(gnss::SatelliteId satellite, const BeiDouFrames& frames, Time now);
+    void glonass_ephemeris(gnss::SatelliteId satellite, const GlonassStrings& strings, int channel, Time now);
     void add(const gnss::KeplerEphemeris& ephemeris);
 
     gnss::Navigation& navigation_;
     std::map<gnss::SatelliteId, GpsFrames> gps_;
     std::map<gnss::SatelliteId, GalileoWords> galileo_;
+    std::map<gnss::SatelliteId, BeiDouFrames> beidou_;
+    std::map<gnss::SatelliteId, GlonassStrings> glonass_;
 };
 
 }  // namespace schuler::io::detail

@@ -57,7 +57,4 @@ inline constexpr std::size_t label_column = 60;
     return year;
 }
 
-/// BeiDou's time lags GPS time by this.
-inline constexpr Duration beidou_lag{14 * ns_per_second};
-
 }  // namespace schuler::io::detail

@@ -2,31 +2,23 @@
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/detail/rtcm3_messages.h"
 
-#include <algorithm>
-
 namespace schuler::io::detail {
 namespace {
 
 using gnss::KeplerEphemeris;
 using gnss::System;
 
-/// Orbit elements that several messages send in the same order and scales: from crs to the rate of the node.
+/// The orbit with the reference time that stands between its halves, s.
 double orbit(Bits& b, KeplerEphemeris& k, std::size_t toe_bits, double toe_unit) {
-    k.crs = scaled(b, 16, -5), k.delta_n = angle(b, 16, -43), k.m0 = angle(b, 32, -31);
-    k.cuc = scaled(b, 16, -29), k.e = scaled_unsigned(b, 32, -33), k.cus = scaled(b, 16, -29),
-    k.sqrt_a = scaled_unsigned(b, 32, -19);
+    orbit_in_plane(b, k);
     const double toe = toe_unit * static_cast<double>(b.take(toe_bits));
-    k.cic = scaled(b, 16, -29), k.omega0 = angle(b, 32, -31), k.cis = scaled(b, 16, -29), k.i0 = angle(b, 32, -31);
-    k.crc = scaled(b, 16, -5), k.omega = angle(b, 32, -31), k.omega_dot = angle(b, 24, -43);
+    orbit_plane(b, k);
     return toe;
 }
 
-void clock_16(Bits& b, KeplerEphemeris& k) { k.af2 = scaled(b, 8, -55), k.af1 = scaled(b, 16, -43), k.af0 = scaled(b, 22, -31); }
-
 /// Where week, toc and toe are all known.
-void date(KeplerEphemeris& k, Time week_start, double toc, double toe) {
-    const Duration lag{k.satellite.system == System::BeiDou ? std::int64_t{14'000'000'000} : 0};
-    k.toc = week_start + Duration::from_seconds(toc) + lag;
+void date(KeplerEphemeris& k, int week, int wrap, Time now, double toc, double toe) {
+    k.toc = from_week_count(k.satellite.system, week, wrap, toc, now);
     set_times(k, toe, toe);
 }
 
@@ -38,14 +30,14 @@ KeplerEphemeris gps(Bits& b, Time now) {
     b.skip(2);
     k.idot = angle(b, 14, -43), k.iode = b.integer(8);
     const double toc = scaled_unsigned(b, 16, 4);
-    clock_16(b, k);
+    clock_of_gps(b, k);
     k.iodc = b.integer(10);
     const double toe = orbit(b, k, 16, 16.0);
     k.group_delay[0] = scaled(b, 8, -31);
     k.health = b.integer(6);
     b.skip(1);
     k.fit_interval = b.take(1) != 0 ? 6.0 * 3600.0 : 4.0 * 3600.0;
-    date(k, from_week_count(week, 1024, 0, 0.0, now), toc, toe);
+    date(k, week, 1024, now, toc, toe);
     return k;
 }
 
@@ -53,7 +45,7 @@ KeplerEphemeris qzss(Bits& b, Time now) {
     KeplerEphemeris k;
     k.satellite = {System::Qzss, static_cast<std::uint8_t>(b.take(4))};
     const double toc = scaled_unsigned(b, 16, 4);
-    clock_16(b, k);
+    clock_of_gps(b, k);
     k.iode = b.integer(8);
     const double toe = orbit(b, k, 16, 16.0);
     k.idot = angle(b, 14, -43);
@@ -63,7 +55,7 @@ KeplerEphemeris qzss(Bits& b, Time now) {
     k.health = b.integer(6);
     k.group_delay[0] = scaled(b, 8, -31);
     k.iodc = b.integer(10);
-    date(k, from_week_count(week, 1024, 0, 0.0, now), toc, toe);
+    date(k, week, 1024, now, toc, toe);
     return k;
 }
 
@@ -82,20 +74,19 @@ KeplerEphemeris galileo(Bits& b, Time now, bool inav) {
     if (inav) {
         k.group_delay[1] = scaled(b, 10, -32);
         const int health_e5b = b.integer(2), valid_e5b = b.integer(1), health_e1 = b.integer(2), valid_e1 = b.integer(1);
-        k.health = valid_e1 | health_e1 << 1 | valid_e5b << 6 | health_e5b << 7;
+        k.health = galileo_health(valid_e1, health_e1, valid_e5b, health_e5b);
     } else {
         const int health = b.integer(2), valid = b.integer(1);
         k.health = valid << 3 | health << 4;
     }
-    constexpr int week_of_galileo = 1024;
-    date(k, from_week_count(week, 4096, week_of_galileo, 0.0, now), toc, toe);
+    date(k, week, 4096, now, toc, toe);
     return k;
 }
 
 KeplerEphemeris beidou(Bits& b, Time now) {
     KeplerEphemeris k;
     k.satellite = {System::BeiDou, static_cast<std::uint8_t>(b.take(6))};
-    k.message = k.satellite.number <= 5 || k.satellite.number >= 59 ? gnss::NavMessage::D2 : gnss::NavMessage::D1;
+    k.message = gnss::is_geostationary_beidou(k.satellite) ? gnss::NavMessage::D2 : gnss::NavMessage::D1;
     const int week = b.integer(13);
     k.accuracy = gps_accuracy(b.integer(4));
     k.idot = angle(b, 14, -43), k.iode = b.integer(5);
@@ -110,8 +101,7 @@ KeplerEphemeris beidou(Bits& b, Time now) {
     k.crc = scaled(b, 18, -6), k.omega = angle(b, 32, -31), k.omega_dot = angle(b, 24, -43);
     k.group_delay = {1e-10 * static_cast<double>(b.take_signed(10)), 1e-10 * static_cast<double>(b.take_signed(10))};
     k.health = b.integer(1);
-    constexpr int week_of_beidou = 1356;
-    date(k, from_week_count(week, 8192, week_of_beidou, 0.0, now), toc, toe);
+    date(k, week, 8192, now, toc, toe);
     return k;
 }
 
@@ -135,25 +125,14 @@ gnss::GlonassEphemeris glonass(Bits& b, Time now) {
     g.clock = -std::ldexp(static_cast<double>(b.take_sign_magnitude(22)), -30);
     g.l2_delay = std::ldexp(static_cast<double>(b.take_sign_magnitude(5)), -30);
     g.age_days = b.integer(5);
-    constexpr std::int64_t hour = 3'600'000'000'000, day = 24 * hour;
-    const std::int64_t leap = std::int64_t{gps_minus_utc(now.ns / 1'000'000'000)} * 1'000'000'000;
-    std::int64_t apart = (tb - 3 * hour + leap - now.ns) % day;
-    if (apart > day / 2) apart -= day;
-    if (apart < -day / 2) apart += day;
-    g.toe = g.transmission = {now.ns + apart};
+    g.toe = g.transmission = nearest_in_moscow_day(tb, now);
     return g;
 }
 
 template <class Ephemeris>
 Decoded add(const Bits& bits, std::vector<Ephemeris>& to, const Ephemeris& e) {
     if (!bits.ok() || e.satellite.number == 0 || !is_sound(e)) return Decoded::Damaged;
-    const bool known = std::any_of(to.begin(), to.end(), [&](const Ephemeris& o) {
-        if constexpr (std::is_same_v<Ephemeris, KeplerEphemeris>) {
-            if (o.iode != e.iode || o.message != e.message) return false;
-        }
-        return o.satellite == e.satellite && o.toe == e.toe;
-    });
-    if (!known) to.push_back(e);
+    add_new(to, e);
     return Decoded::Used;
 }
 

@@ -35,17 +35,11 @@ std::optional<Family> family_of(int number) {
 Time instant(Bits& bits, System system, Time now) {
     if (system != System::Glonass) {
         const double second = static_cast<double>(bits.take(30)) * 1e-3;
-        return nearest_in_week(second, now, system == System::BeiDou ? Duration{14'000'000'000} : Duration{});
+        return nearest_in_week(second, now, system);
     }
     bits.skip(3);
     const auto of_day = static_cast<std::int64_t>(bits.take(27)) * 1'000'000;
-    // Moscow time, three hours before UTC, which lags GPS time by the leap seconds
-    constexpr std::int64_t hour = 3'600'000'000'000, day = 24 * hour;
-    const std::int64_t leap = std::int64_t{gps_minus_utc(now.ns / 1'000'000'000)} * 1'000'000'000;
-    std::int64_t apart = (of_day - 3 * hour + leap - now.ns) % day;
-    if (apart > day / 2) apart -= day;
-    if (apart < -day / 2) apart += day;
-    return {now.ns + apart};
+    return nearest_in_moscow_day(of_day, now);
 }
 
 struct SatelliteData {
