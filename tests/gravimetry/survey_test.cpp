@@ -44,7 +44,8 @@ SurveyInput input_of(const sim::SimulatedSurvey& data, const sim::TruthPath& pat
     SurveyInput input;
     input.imu = data.imu;
     for (const sim::EcefFix& fix : data.fixes)
-        input.fixes.push_back({fix.time, fix.position, fix.velocity, in.gnss_position_noise, in.gnss_velocity_noise});
+        input.fixes.push_back({fix.time, fix.position, fix.velocity, Vector3d::Constant(in.gnss_position_noise),
+                               Vector3d::Constant(in.gnss_velocity_noise)});
     math::Random random(seed, "start errors");
     NavState right = sim::nav_state(path.at(0.0), Time{});
     const Vector3d tilt = settings.prior.attitude_n.cwiseProduct(random.normal3());

@@ -111,6 +111,8 @@ NoiseMatrix gravity_noise_input(const earth::Earth& earth, const DisturbanceMode
     G.block<3, 3>(velocity, 3) = std::sqrt(noise.accel_psd) * motion.C_eb;
     G.block<3, 3>(random + 3 * chain.driven, 6) =
         std::sqrt(disturbance.pace(motion.v_eb_e) * chain.psd) * earth::C_en(place.lat, place.lon) * disturbance.sigma_n.asDiagonal();
+    G.block<3, 3>(accel_bias, 9) = std::sqrt(noise.accel_bias_psd) * Matrix3d::Identity();
+    G.block<3, 3>(gyro_bias, 12) = std::sqrt(noise.gyro_bias_psd) * Matrix3d::Identity();
     return G;
 }
 

@@ -27,7 +27,7 @@ enum StateIndex : int {
 inline constexpr int max_states = 36;
 using StateVector = Eigen::Matrix<double, max_states, 1>;
 using StateMatrix = Eigen::Matrix<double, max_states, max_states>;
-using NoiseMatrix = Eigen::Matrix<double, max_states, 9>;
+using NoiseMatrix = Eigen::Matrix<double, max_states, 15>;
 using GnssRows = Eigen::Matrix<double, 6, max_states>;
 
 enum class DisturbanceKind {
@@ -55,10 +55,12 @@ struct DisturbanceModel {
     [[nodiscard]] Eigen::Matrix3d stationary() const;
 };
 
-/// White noise of the inertial sensors, one axis.
+/// White noise of the inertial sensors and the random walks of their biases, one axis.
 struct SensorNoise {
-    double gyro_psd = 0.0;    ///< rad^2/s
-    double accel_psd = 0.0;   ///< m^2/s^3
+    double gyro_psd = 0.0;         ///< rad^2/s
+    double accel_psd = 0.0;        ///< m^2/s^3
+    double gyro_bias_psd = 0.0;    ///< rad^2/s^3; 0: constant, as [PaperE] has it
+    double accel_bias_psd = 0.0;   ///< m^2/s^5
 };
 
 /// Where F is taken: of an instant, or means over a step.
@@ -73,8 +75,8 @@ struct Motion {
 /// model, its centrifugal part included.
 [[nodiscard]] StateMatrix gravity_error_dynamics(const earth::Earth& earth, const DisturbanceModel& disturbance, const Motion& motion);
 
-/// G for w = (gyro noise, accelerometer noise, disturbance) of unit densities, the sensors' measured minus true: columns are scaled
-/// by the roots of the densities of `noise` and of the disturbance model.
+/// G for w = (gyro noise, accelerometer noise, disturbance, accelerometer and gyro bias walks) of unit densities, the sensors'
+/// measured minus true: columns are scaled by the roots of the densities of `noise` and of the disturbance model.
 [[nodiscard]] NoiseMatrix gravity_noise_input(const earth::Earth& earth, const DisturbanceModel& disturbance,
                                               const SensorNoise& noise, const Motion& motion);
 

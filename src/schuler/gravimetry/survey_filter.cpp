@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include <cmath>
+
 namespace schuler::gravimetry {
 
 using Eigen::Matrix3d;
@@ -37,17 +39,25 @@ FixStep SurveyFilter::take(const AntennaFix& fix) {
                         gravity_noise_input(settings_.earth, settings_.disturbance, settings_.noise, motion), elapsed_);
         estim::propagate<max_states>(P_, step.Phi, step.Q);
         record.Phi = step.Phi;
+        record.f_e = motion.f_e;
     }
     const Matrix3d C_eb = state_.nav.q_eb.toRotationMatrix();
     const Vector3d w_ib_b = previous_.dt > 0.0 ? Vector3d(previous_.dtheta / previous_.dt) : Vector3d::Zero();
     const Vector3d w_eb_b = w_ib_b - C_eb.transpose() * Vector3d(0.0, 0.0, settings_.earth.ellipsoid.w_ie);
     const GnssRows H = gravity_gnss_rows(C_eb, settings_.lever_arm_b, w_eb_b);
     const Eigen::Matrix<double, 6, 1> z = gnss_innovation(settings_.earth, state_, settings_.lever_arm_b, w_ib_b, fix);
+    const Geodetic place = earth::geodetic_from_ecef(settings_.earth.ellipsoid, state_.nav.position);
+    const Matrix3d C_en = earth::C_en(place.lat, place.lon);
     StateVector dx = StateVector::Zero();
     for (int i = 0; i < 6; ++i) {
-        const double sigma = i < 3 ? fix.sigma_position : fix.sigma_velocity;
-        record.updates[static_cast<std::size_t>(i)] =
-            estim::update_scalar<max_states>(dx, P_, H.row(i).transpose(), z(i), sigma * sigma);
+        // The sigmas are those of north, east and down: one component of them after the other.
+        const int first = i < 3 ? 0 : 3;
+        const Vector3d axis = C_en.col(i - first);
+        const double sigma = i < 3 ? fix.sigma_position_n(i) : fix.sigma_velocity_n(i - first);
+        if (!std::isfinite(sigma)) continue;
+        const StateVector h = H.middleRows<3>(first).transpose() * axis;
+        record.updates[record.used++] =
+            estim::update_scalar<max_states>(dx, P_, h, axis.dot(z.segment<3>(first)), sigma * sigma);
     }
     state_ = corrected(state_, dx);
     elapsed_ = 0.0;

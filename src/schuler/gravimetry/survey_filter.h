@@ -13,6 +13,8 @@ namespace schuler::gravimetry {
 struct FixStep {
     StateMatrix Phi;
     std::array<estim::ScalarUpdate<max_states>, 6> updates;
+    std::size_t used = 0;   ///< of them
+    Eigen::Vector3d f_e = Eigen::Vector3d::Zero();   ///< mean specific force since the fix before, m/s^2
 };
 
 class SurveyFilter {

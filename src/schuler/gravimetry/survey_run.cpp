@@ -15,31 +15,35 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// States that are reported: position, velocity, attitude, systematic and random part of the disturbance.
-constexpr int reported = 15;
+/// States that are reported: position, velocity, attitude, sensor errors, systematic and random part of the disturbance.
+constexpr int kept_first = gnss_position, reported = kept_first + 6;
 using Columns = Eigen::Matrix<double, max_states, reported>;
 using Reported = Eigen::Matrix<double, reported, reported>;
 
 Columns reported_columns(const StateMatrix& M) {
     Columns out;
-    out << M.leftCols<9>(), M.middleCols<6>(systematic);
+    out << M.leftCols<kept_first>(), M.middleCols<6>(systematic);
     return out;
 }
 Reported reported_block(const Columns& columns) {
     Reported out;
-    out << columns.topRows<9>(), columns.middleRows<6>(systematic);
+    out << columns.topRows<kept_first>(), columns.middleRows<6>(systematic);
     return out;
 }
 
-SurveyEpoch epoch_of(const earth::Earth& earth, const SurveyState& state, const Reported& P) {
+SurveyEpoch epoch_of(const earth::Earth& earth, const SurveyState& state, const Reported& P, const Vector3d& f_e) {
     const Geodetic place = earth::geodetic_from_ecef(earth.ellipsoid, state.nav.position);
     const Matrix3d C_ne = earth::C_en(place.lat, place.lon).transpose();
     const auto sigma = [&](const Matrix3d& block) {
         return Vector3d((C_ne * block * C_ne.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
     };
     const auto block = [&P](int i, int j) { return Matrix3d(P.block<3, 3>(i, j)); };
-    return {state.nav.time, state.nav, C_ne * state.disturbance_e(),
-            sigma(block(9, 9) + block(12, 12) + block(9, 12) + block(12, 9)), sigma(block(6, 6))};
+    const auto sigma_b = [&block](int i) { return Vector3d(block(i, i).diagonal().cwiseMax(0.0).cwiseSqrt()); };
+    constexpr int s = kept_first, r = kept_first + 3;   // systematic and random part
+    return {state.nav.time, state.nav, C_ne * state.disturbance_e(), sigma(block(s, s) + block(r, r) + block(s, r) + block(r, s)),
+            sigma(block(r, r)), sigma(block(attitude, attitude)), sigma(block(velocity, velocity)), sigma(block(position, position)),
+            state.parameters.segment<3>(accel_bias), state.parameters.segment<3>(gyro_bias), sigma_b(accel_bias), sigma_b(gyro_bias),
+            C_ne * f_e};
 }
 
 /// What the way back needs of a fix.
@@ -58,10 +62,10 @@ std::vector<SurveyEpoch> smoothed(const earth::Earth& earth, const std::vector<K
         Columns LP;
         LP.noalias() = adjoint.Lambda * here.P;
         StateVector whole = StateVector::Zero();
-        whole.head<9>() = dx.head<9>();
+        whole.head<kept_first>() = dx.head<kept_first>();
         whole.segment<6>(systematic) = dx.tail<6>();
-        out[k] = epoch_of(earth, corrected(here.state, whole), reported_block(here.P) - here.P.transpose() * LP);
-        for (std::size_t i = here.step.updates.size(); i-- > 0;) adjoint.undo(here.step.updates[i]);
+        out[k] = epoch_of(earth, corrected(here.state, whole), reported_block(here.P) - here.P.transpose() * LP, here.step.f_e);
+        for (std::size_t i = here.step.used; i-- > 0;) adjoint.undo(here.step.updates[i]);
         adjoint.lambda = here.step.Phi.transpose().lazyProduct(adjoint.lambda).eval();
         estim::propagate_adjoint<max_states>(adjoint.Lambda, here.step.Phi);
     }
@@ -86,10 +90,10 @@ SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input
             const double late = (increment.time - fix->time).seconds();
             if (late > half) continue;   // before the first increment
             AntennaFix now = *fix;
-            now.position += late * now.velocity;
+            if (now.velocity.allFinite()) now.position += late * now.velocity;
             FixStep step = filter.take(now);
             const Columns P = reported_columns(filter.P());
-            result.forward.push_back(epoch_of(settings.earth, filter.state(), reported_block(P)));
+            result.forward.push_back(epoch_of(settings.earth, filter.state(), reported_block(P), step.f_e));
             if (smooth) kept.push_back({step, filter.state(), P});
         }
     }

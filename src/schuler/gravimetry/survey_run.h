@@ -21,7 +21,11 @@ struct SurveyEpoch {
     NavStateEcef nav;
     Eigen::Vector3d disturbance_n;       ///< gravity less normal gravity, north, east, down, m/s^2
     Eigen::Vector3d sigma_disturbance_n;
+    Eigen::Vector3d sigma_random_n;      ///< of its random part alone: of what changes along the track
     Eigen::Vector3d sigma_attitude_n;    ///< rad
+    Eigen::Vector3d sigma_velocity_n, sigma_position_n;      ///< m/s, m
+    Eigen::Vector3d accel_bias, gyro_bias, sigma_accel_bias, sigma_gyro_bias;   ///< body axes, m/s^2 and rad/s
+    Eigen::Vector3d f_n;                 ///< mean specific force since the fix before, of the forward filter, m/s^2
 };
 
 struct SurveyResult {

@@ -18,12 +18,12 @@ struct SurveyState {
     [[nodiscard]] Eigen::Vector3d disturbance_e() const { return parameters.segment<3>(systematic) + parameters.segment<3>(random); }
 };
 
-/// Position and velocity of an antenna, Earth-fixed axes, with the sigma of each component.
+/// Position and velocity of an antenna, Earth-fixed axes; sigmas of their white errors north, east, down.
 struct AntennaFix {
     Time time;
     Eigen::Vector3d position, velocity;   ///< m, m/s
-    double sigma_position = 1.0;          ///< white part, m
-    double sigma_velocity = 0.05;         ///< m/s
+    Eigen::Vector3d sigma_position_n = Eigen::Vector3d::Ones();             ///< m
+    Eigen::Vector3d sigma_velocity_n = Eigen::Vector3d::Constant(0.05);     ///< m/s; infinite: not measured
 };
 
 /// The increment less the estimated sensor errors.
