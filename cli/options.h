@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/app/analyze.h"
+#include "schuler/app/analyze_observability.h"
 #include "schuler/app/value.h"
 
 #include <CLI/CLI.hpp>
@@ -22,11 +23,13 @@ struct Options {
     std::optional<double> settle, output_rate;
     std::optional<std::uint64_t> seed;
     std::string topic, prefix;
+    int runs = 1;                      ///< of gravity
     std::string filter = "mekf";       ///< of ahrs
     bool six_axis = false, offline = false, calibrate = false;
     bool smooth = false, json = false, quiet = false;
     app::EquatorRequest equator;
     app::SchulerRequest schuler;
+    app::ObservabilityRequest observability;
     std::vector<double> misalignment;   ///< three numbers or none
     int threads = 0;                    ///< accepted everywhere; the results do not depend on it
 };
@@ -39,6 +42,9 @@ using AddCommand = std::function<CLI::App*(CLI::App&, const std::string&, const 
 
 /// `analyze` and its studies; Options::command becomes "analyze equator" and so on.
 void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& add_command);
+
+/// `gravity`.
+void add_gravity_command(CLI::App& parser, Options& options, const AddCommand& add_command);
 
 /// The options of process, run and demo as settings of the option table, each with its place on the command line.
 /// @throws Error(Input)

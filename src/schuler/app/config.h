@@ -1,6 +1,7 @@
 // Everything a user can set about processing one data set: what the files mean, the filter, what is written.
 #pragma once
 
+#include "schuler/app/gravity_config.h"
 #include "schuler/app/option_table.h"
 #include "schuler/core/time.h"
 #include "schuler/fusion/settings.h"
@@ -86,6 +87,7 @@ struct Config {
     std::optional<bool> scale_factors, misalignments;  ///< not given: on where simulated, misalignments for a car too
     std::optional<bool> nonholonomic;            ///< not given: on for a car
     fusion::Settings filter;
+    GravityConfig gravity;
     RunConfig run;
     OutputConfig output;
 

@@ -87,7 +87,7 @@ void add_gnss_options(OptionTable<Config>& table) {
         .add(flag<Config>("gnss.use_velocity", "use the velocity of the log", gnss(&GnssSettings::use_velocity)))
         .add(number<Config>("gnss.correlated_m", 1.0, 0, 1e4, "slowly varying position error, one sigma; 0 = not modelled",
                             gnss(&GnssSettings::correlated_std)))
-        .add(number<Config>("gnss.correlated_time_s", 1.0, 1e-2, 1e7, "its correlation time",
+        .add(number<Config>("gnss.correlated_time_s", 1.0, 1e-2, 1e15, "its correlation time",
                             gnss(&GnssSettings::correlated_time)));
 }
 

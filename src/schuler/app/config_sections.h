@@ -10,6 +10,7 @@ void add_imu_options(OptionTable<Config>& table);
 void add_gnss_options(OptionTable<Config>& table);
 void add_raw_gnss_options(OptionTable<Config>& table);  ///< raw measurements
 void add_filter_options(OptionTable<Config>& table);   ///< baro, mag, initial, filter
+void add_gravity_options(OptionTable<Config>& table);  ///< gravity, anomaly
 void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
 
 }  // namespace schuler::app

@@ -1,5 +1,6 @@
 #include "schuler/app/scenario.h"
 
+#include "schuler/app/config_gravity.h"
 #include "schuler/app/imu_error_options.h"
 #include "schuler/app/option_builders.h"
 #include "schuler/app/toml_file.h"
@@ -230,7 +231,7 @@ void add_receivers(Table& table) {
         .add(vector3<S>("gnss.white_velocity_m_s", 1.0, 0, 1e3, "white velocity error", vector(&G::white_velocity)))
         .add(vector3<S>("gnss.correlated_velocity_m_s", 1.0, 0, 1e3, "slowly varying velocity error",
                         vector(&G::correlated_velocity)))
-        .add(number<S>("gnss.correlated_time_s", 1.0, 1e-2, 1e7, "correlation time of both", scalar(&G::correlated_time)))
+        .add(number<S>("gnss.correlated_time_s", 1.0, 1e-2, 1e15, "correlation time of both", scalar(&G::correlated_time)))
         .add(number<S>("gnss.latency_s", 1.0, 0, 60, "age of the position at its stamp", scalar(&G::position_latency)))
         .add(number<S>("gnss.velocity_latency_s", 1.0, 0, 60, "age of the velocity at its stamp", scalar(&G::velocity_latency)))
         .add(number<S>("baro.rate_hz", 1.0, 0, 1000, "rate of the barometer; 0 = none", baro(&sim::BaroSettings::rate)))
@@ -300,6 +301,12 @@ Table make_table() {
     add_receivers(table);
     table.add(outage_option());
     add_filter(table);
+    for (const OptionSpec& spec : config_table().specs())
+        if (spec.key.starts_with("gravity.")) table.add(of_processing(*config_table().find(spec.key)));
+    table.add({anomaly_spec("disturbance of gravity along the path: [[anomaly]] with kind, size_mgal = [east, north, up], start and "
+                            "length in _m or _s"),
+               [](S& s, const Value& v) { s.sim.anomaly = anomalies_from(*v.list()); },
+               [](const S& s) { return value_of(s.sim.anomaly); }});
     return table;
 }
 

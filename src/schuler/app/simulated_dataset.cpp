@@ -152,6 +152,7 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     if (g.velocity_latency != g.position_latency) c.filter.gnss.velocity_latency = g.velocity_latency;
     c.filter.gnss.correlated_std = g.correlated_position.head<2>().mean();
     c.filter.gnss.correlated_time = g.correlated_time;
+    if (c.gravity.gnss_velocity == 0.0) c.gravity.gnss_velocity = g.correlated_velocity.head<2>().mean();
     c.filter.baro.std = std::max(s.sim.baro.white, 1e-3);
     c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
     c.filter.baro.bias_walk = s.sim.baro.bias_walk;
@@ -177,8 +178,9 @@ void give_initial_state(Config& c, const InitialError& e, const ReferenceSample&
     initial.std_rpy = std_rpy;
 }
 
-bool is_relevant(const std::string& key, const Config& c) {
+bool is_relevant(const std::string& key, const Config& c, bool gravimetry) {
     if (key.starts_with("baro.")) return !c.baro.file.empty();
+    if (key.starts_with("gravity.")) return gravimetry;
     return !key.starts_with("mag.") && !key.starts_with("output.") && !key.ends_with(".time_offset_s") &&
            key != "reference.quaternion";
 }
@@ -197,7 +199,7 @@ SimulatedDataset simulate_dataset(const ScenarioConfig& scenario) {
         give_initial_state(c, scenario.initial_error, out.recording.reference.front(), scenario.sim.earth, out.seed);
     }
     for (Setting& s : config_table().used(c)) {
-        if (is_relevant(s.key, c)) out.settings.push_back(std::move(s));
+        if (is_relevant(s.key, c, !scenario.sim.anomaly.empty())) out.settings.push_back(std::move(s));
     }
     out.settings.insert(out.settings.end(), scenario.assumed.begin(), scenario.assumed.end());
     return out;

@@ -94,4 +94,13 @@ Vector3d AnomalyTrack::at(double distance, double t) const {
     return sum;
 }
 
+double distance_along(const TruthPath& path, double duration) {
+    double sum = 0.0;
+    for (double t = 0.0; t < duration; t += 1.0) {
+        const double dt = std::min(1.0, duration - t);
+        sum += dt * path.at(t + 0.5 * dt).v_eb_n.norm();
+    }
+    return sum;
+}
+
 }  // namespace schuler::sim

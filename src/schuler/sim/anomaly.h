@@ -1,6 +1,8 @@
 // Disturbance of gravity along a track: what a gravimetric survey is simulated over.
 #pragma once
 
+#include "schuler/sim/path.h"
+
 #include <Eigen/Core>
 
 #include <cstdint>
@@ -42,5 +44,8 @@ private:
     };
     std::vector<Drawn> parts_;
 };
+
+/// Length of the path, m, from the speed over the ellipsoid once a second.
+[[nodiscard]] double distance_along(const TruthPath& path, double duration);
 
 }  // namespace schuler::sim

@@ -4,6 +4,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
 #include "schuler/sensor/grades.h"
+#include "schuler/sim/anomaly.h"
 #include "schuler/sim/path.h"
 
 #include <Eigen/Core>
@@ -58,6 +59,7 @@ struct Scenario {
     Time origin;                     ///< time of the first instant
     earth::Earth earth;
     PathSettings path;
+    std::vector<AnomalyPart> anomaly;   ///< of gravity along the path, beyond the Earth's model
     ImuSettings imu;
     GnssSettings gnss;
     BaroSettings baro;
@@ -65,11 +67,12 @@ struct Scenario {
     std::vector<SimulatedOutage> outages;
 };
 
-/// True sensor errors in sensor axes at the instants of the reference.
+/// True sensor errors in sensor axes, and the disturbance of gravity, at the instants of the reference.
 struct SensorTruth {
     Time time;
     Eigen::Vector3d gyro_bias;       ///< turn-on plus in-run, rad/s
     Eigen::Vector3d accel_bias;      ///< m/s^2
+    Eigen::Vector3d disturbance_n = Eigen::Vector3d::Zero();   ///< north, east, down, m/s^2
 };
 
 struct SimulatedData {

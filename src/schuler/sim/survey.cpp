@@ -13,15 +13,6 @@ namespace schuler::sim {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-double distance_along(const TruthPath& path, double duration) {
-    double sum = 0.0;
-    for (double t = 0.0; t < duration; t += 1.0) {
-        const double dt = std::min(1.0, duration - t);
-        sum += dt * path.at(t + 0.5 * dt).v_eb_n.norm();
-    }
-    return sum;
-}
-
 SimulatedSurvey simulate_survey(const earth::Earth& earth, const TruthPath& path, const AnomalyTrack& anomaly,
                                 const SurveyInstruments& in, double duration, std::uint64_t seed) {
     const double each = in.imu_rate / in.gnss_rate;

@@ -46,9 +46,6 @@ struct SimulatedSurvey {
     Eigen::Vector3d gyro_bias, accel_bias;                ///< as drawn
 };
 
-/// Length of the path, m, from the speed over the ellipsoid once a second.
-[[nodiscard]] double distance_along(const TruthPath& path, double duration);
-
 /// @throws Error(Input) naming the setting that is unusable. The gnss rate divides the imu rate.
 [[nodiscard]] SimulatedSurvey simulate_survey(const earth::Earth& earth, const TruthPath& path, const AnomalyTrack& anomaly,
                                               const SurveyInstruments& instruments, double duration, std::uint64_t seed);
