@@ -5,6 +5,7 @@
 #include "schuler/app/ahrs.h"
 #include "schuler/app/analyze.h"
 #include "schuler/app/commands.h"
+#include "schuler/app/gravity.h"
 #include "schuler/core/error.h"
 
 #include <fmt/format.h>
@@ -57,6 +58,7 @@ void show(const app::Outcome& out, const cli::Options& options) {
 }
 
 app::Outcome analyze(const cli::Options& o) {
+    if (o.command == "analyze observability") return app::analyze_observability(o.observability);
     if (o.command == "analyze schuler") {
         app::SchulerRequest request = o.schuler;
         request.output = o.output;
@@ -92,6 +94,8 @@ app::Outcome perform(const cli::Options& o) {
     cli::ProgressBar bar(!o.quiet);
     request.progress = [&bar](double done_part) { bar.show(done_part); };
     if (o.command == "process") return app::process_dataset(request);
+    if (o.command == "gravity" && o.runs.value_or(1) > 1) return app::gravity_campaign({request, static_cast<int>(*o.runs)});
+    if (o.command == "gravity") return app::gravity_command({request, 1});
     if (o.command == "ahrs") return app::ahrs_dataset({request, o.filter, o.six_axis, o.offline, o.calibrate});
     if (o.command == "run") return app::run_scenario(request);
     if (o.command == "montecarlo") return app::run_montecarlo(request, o.runs, o.jobs > 0 ? o.jobs : o.threads);

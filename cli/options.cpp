@@ -193,8 +193,11 @@ void add_commands(CLI::App& parser, Options& o) {
     add_attitude_command(parser, o);
     add_montecarlo_command(parser, o);
     add_file_commands(parser, o);
-    add_analyze_command(parser, o, [&o](CLI::App& parent, const std::string& name, const std::string& purpose,
-                                        const std::string& examples) { return add_command(parent, o, name, purpose, examples); });
+    const AddCommand add = [&o](CLI::App& parent, const std::string& name, const std::string& purpose, const std::string& examples) {
+        return add_command(parent, o, name, purpose, examples);
+    };
+    add_gravity_command(parser, o, add);
+    add_analyze_command(parser, o, add);
 }
 
 app::SettingList settings_of(const Options& o) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/app/analyze.h"
+#include "schuler/app/analyze_observability.h"
 #include "schuler/app/studies.h"
 #include "schuler/app/value.h"
 
@@ -30,8 +31,9 @@ struct Options {
     app::SchulerRequest schuler;
     app::RequirementsRequest requirements;
     app::StudyRequest study;
+    app::ObservabilityRequest observability;
     std::vector<double> misalignment;   ///< three numbers or none
-    std::optional<std::size_t> runs;
+    std::optional<std::size_t> runs;    ///< of a campaign
     int jobs = 0;
     int threads = 0;                    ///< accepted everywhere; the results do not depend on it
 };
@@ -44,6 +46,9 @@ using AddCommand = std::function<CLI::App*(CLI::App&, const std::string&, const 
 
 /// `analyze` and its studies; Options::command becomes "analyze equator" and so on.
 void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& add_command);
+
+/// `gravity`.
+void add_gravity_command(CLI::App& parser, Options& options, const AddCommand& add_command);
 
 /// The options of process, run and demo as settings of the option table, each with its place on the command line.
 /// @throws Error(Input)

@@ -107,6 +107,31 @@ void add_studies(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     integrity->add_option("--duration", o.study.duration, "default 100")->type_name("S");
 }
 
+void add_observability(CLI::App& analyze, Options& o, const AddCommand& add_command) {
+    CLI::App* app = add_command(
+        analyze, "observability", "what position and velocity fixes tell of the 27 states of strapdown gravimetry (paper E)",
+        "  schuler analyze observability --paper                     at rest and at 1 m/s, beside the paper\n"
+        "  schuler analyze observability --vn 1 --ve 1 --json        exact rank, pivots, combinations\n"
+        "  schuler analyze observability --vn 1 --ve 1 --tolerance 1e-7\n"
+        "Ranks are decided with fifty digits along the motion, a great circle. A pivot is a share of what gravity does in 13 minutes.");
+    app::ObservabilityRequest& r = o.observability;
+    app->add_option("--latitude-deg", r.latitude_deg, "default 55.8114694")->type_name("DEG");
+    app->add_option("--longitude-deg", r.longitude_deg, "default 37.4998612")->type_name("DEG");
+    app->add_option("--height", r.height, "default 164.15")->type_name("M");
+    app->add_option("--vn", r.vn, "velocity north, default 0")->type_name("M_S");
+    app->add_option("--ve", r.ve, "velocity east, default 0")->type_name("M_S");
+    app->add_option("--vd", r.vd, "velocity down, default 0")->type_name("M_S");
+    app->add_option("--heading-deg", r.heading_deg, "default 45")->type_name("DEG");
+    app->add_option("--turn-deg-s", r.turn_deg_s, "rate of the heading, default 0")->type_name("DEG_S");
+    app->add_option("--correlation-time", r.correlation_time, "of the disturbance's random part; 0 (default): constant")
+        ->type_name("S");
+    app->add_option("--tolerance", r.tolerance, "smallest pivot that counts; 0 (default): exact rank");
+    app->add_flag("--rhumb", r.rhumb, "constant course and velocity against north instead of a great circle");
+    app->add_flag("--frozen", r.frozen, "hold the model as it is at the start");
+    app->add_flag("--paper", r.paper, "the paper's motions too");
+    app->add_flag("--json", o.json, "one JSON document");
+}
+
 }  // namespace
 
 void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_command) {
@@ -117,6 +142,7 @@ void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_com
     add_equator(*analyze, o, add_command);
     add_schuler(*analyze, o, add_command);
     add_studies(*analyze, o, add_command);
+    add_observability(*analyze, o, add_command);
 }
 
 }  // namespace schuler::cli

@@ -21,4 +21,5 @@ if(NOT SCHULER_LINKED_ONLY)
     find_package(nlohmann_json REQUIRED)
     find_package(CLI11 REQUIRED)
     find_package(FastFloat REQUIRED)
+    find_package(Boost 1.74 REQUIRED)  # Multiprecision, headers only
 endif()

@@ -19,6 +19,7 @@ build=(
     libhdf5-dev zlib1g-dev libfast-float-dev
     libtbb-dev              # campaigns on all cores
     libkissfft-dev
+    libboost-dev            # Multiprecision: ranks decided with a hundred digits
 )
 test=(
     libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev

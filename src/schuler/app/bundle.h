@@ -13,6 +13,10 @@
 #include <string>
 #include <vector>
 
+namespace schuler::report {
+struct ReportInput;
+}
+
 namespace schuler::app {
 
 [[nodiscard]] inline double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -54,7 +58,8 @@ struct ResultBundle {
 /// The same numbers as tables for people.
 [[nodiscard]] std::string summary_tables(const ResultBundle& bundle);
 
-/// The page of report.html. The same bundle gives the same bytes: no clock, no timing.
+/// What the page of report.html shows; and the page. The same bundle gives the same bytes: no clock, no timing.
+[[nodiscard]] report::ReportInput report_page(const ResultBundle& bundle);
 [[nodiscard]] std::string report_html(const ResultBundle& bundle);
 
 /// run.h5 with solution, sensor errors, innovations, outages, and truth and errors where there is a reference.

@@ -19,6 +19,7 @@ OptionTable<Config> make_table() {
     add_raw_gnss_options(table);
     add_filter_options(table);
     add_coupling_options(table);
+    add_gravity_options(table);
     add_run_options(table);
     return table;
 }

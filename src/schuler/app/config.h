@@ -1,6 +1,7 @@
 // Everything a user can set about processing one data set: what the files mean, the filter, what is written.
 #pragma once
 
+#include "schuler/app/gravity_config.h"
 #include "schuler/app/option_table.h"
 #include "schuler/core/time.h"
 #include "schuler/fusion/settings.h"
@@ -85,6 +86,7 @@ struct Config {
     std::optional<bool> nonholonomic;            ///< not given: on for a car
     double sea_level_pressure = 101325.0;        ///< Pa, by which pressures of a barometer become heights
     fusion::Settings filter;
+    GravityConfig gravity;
     RunConfig run;
     OutputConfig output;
 

@@ -52,10 +52,10 @@ void add_gnss_error_options(OptionTable<Target>& table, Errors errors) {
         const char* help;
         double M::*field;
     } numbers[] = {
-        {"correlated_time_s", 1e-2, 1e7, "correlation time of the slowly varying position error", &M::correlated_time},
+        {"correlated_time_s", 1e-2, 1e15, "correlation time of the slowly varying position error", &M::correlated_time},
         {"correlated_distance_m", 0, 1e9, "its correlation distance over the ground; 0 = distance does not matter",
          &M::correlated_distance},
-        {"correlated_velocity_time_s", 1e-2, 1e7, "correlation time of the slowly varying velocity error",
+        {"correlated_velocity_time_s", 1e-2, 1e15, "correlation time of the slowly varying velocity error",
          &M::correlated_velocity_time},
     };
     for (const auto& r : numbers)

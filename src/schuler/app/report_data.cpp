@@ -138,7 +138,7 @@ void add_sensor_errors(const ResultBundle& b, report::RunReportData& data) {
 
 }  // namespace
 
-std::string report_html(const ResultBundle& b) {
+report::ReportInput report_page(const ResultBundle& b) {
     report::RunReportData data;
     const Config& c = b.data.config;
     const auto& rows = b.solution().rows;
@@ -173,7 +173,9 @@ std::string report_html(const ResultBundle& b) {
     add_findings(b, data);
     data.warnings = b.warnings;
     data.settings = b.config_toml;
-    return report::render(report::run_report(data));
+    return report::run_report(data);
 }
+
+std::string report_html(const ResultBundle& b) { return report::render(report_page(b)); }
 
 }  // namespace schuler::app

@@ -1,5 +1,6 @@
 #include "schuler/app/scenario.h"
 
+#include "schuler/app/config_gravity.h"
 #include "schuler/app/gnss_error_options.h"
 #include "schuler/app/imu_error_options.h"
 #include "schuler/app/option_builders.h"
@@ -255,6 +256,12 @@ Table make_table() {
     add_montecarlo(table);
     add_published(table);
     table.add(compared_option());
+    for (const OptionSpec& spec : config_table().specs())
+        if (spec.key.starts_with("gravity.")) table.add(of_processing(*config_table().find(spec.key)));
+    table.add({anomaly_spec("disturbance of gravity along the path: [[anomaly]] with kind, size_mgal = [east, north, up], start and "
+                            "length in _m or _s"),
+               [](S& s, const Value& v) { s.sim.anomaly = anomalies_from(*v.list()); },
+               [](const S& s) { return value_of(s.sim.anomaly); }});
     return table;
 }
 

@@ -171,6 +171,7 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     c.filter.gnss.latency = g.position_latency;
     if (g.velocity_latency != g.position_latency) c.filter.gnss.velocity_latency = g.velocity_latency;
     c.filter.gnss.errors = g.errors;
+    if (c.gravity.gnss_velocity == 0.0) c.gravity.gnss_velocity = g.errors.correlated_velocity.head<2>().mean();
     for (const double t : g.constellation_changes) c.filter.gnss.constellation_changes.push_back(Time::from_seconds(t));
     c.filter.baro.std = std::max(s.sim.baro.white, 1e-3);
     c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
@@ -209,9 +210,10 @@ void state_initial_sigmas(fusion::InitialSettings& initial, const InitialError& 
     initial.std_rpy = {e.level, e.level, e.heading};
 }
 
-bool is_relevant(const std::string& key, const Config& c) {
+bool is_relevant(const std::string& key, const Config& c, bool gravimetry) {
     if (key.starts_with("baro.")) return !c.baro.file.empty();
     if (key.starts_with("mag.")) return !c.mag.file.empty();
+    if (key.starts_with("gravity.")) return gravimetry;
     return !key.starts_with("output.") && !key.ends_with(".time_offset_s") &&
            key != "reference.quaternion";
 }
@@ -238,7 +240,7 @@ SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const Scenario
         state_initial_sigmas(c.filter.initial, believed.initial_error);
     }
     for (Setting& s : config_table().used(c)) {
-        if (is_relevant(s.key, c)) out.settings.push_back(std::move(s));
+        if (is_relevant(s.key, c, !scenario.sim.anomaly.empty())) out.settings.push_back(std::move(s));
     }
     out.settings.insert(out.settings.end(), believed.assumed.begin(), believed.assumed.end());
     return out;

@@ -96,6 +96,9 @@ SimulatedData simulate(const Scenario& s) {
     out.accel_gain = accel.gain();
     const auto samples = static_cast<std::size_t>(std::floor(s.duration * s.imu.rate + 1e-6));
     const auto references = static_cast<std::size_t>(std::floor(s.duration * s.reference_rate + 1e-6)) + 1;
+    const bool disturbed = !s.anomaly.empty();
+    const AnomalyTrack anomaly(s.anomaly, disturbed ? distance_along(*path, s.duration) : 0.0, s.duration, s.seed);
+    double distance = 0.0;
     out.recording.imu.reserve(samples);
     out.recording.reference.reserve(references);
     out.sensor_truth.reserve(references);
@@ -106,7 +109,8 @@ SimulatedData simulate(const Scenario& s) {
             if (next > t + 1e-9 || out.recording.reference.size() == references) return;
             const Time time = s.origin + Duration::from_seconds(next);
             out.recording.reference.push_back(reference_at(path->at(next), time));
-            out.sensor_truth.push_back({time, gyro.bias(), accel.bias()});
+            const double gone = disturbed ? distance - (t - next) * path->at(next).v_eb_n.norm() : 0.0;
+            out.sensor_truth.push_back({time, gyro.bias(), accel.bias(), anomaly.at(gone, next)});
         }
     };
     tell_until(0.0);
@@ -115,7 +119,13 @@ SimulatedData simulate(const Scenario& s) {
     const double unit = s.imu.kind == ImuKind::Rates ? s.imu.rate : 1.0;
     for (std::size_t k = 1; k <= samples; ++k) {
         const double t = static_cast<double>(k) / s.imu.rate;
-        const ExactIncrement exact = exact_increment(s.earth, *path, static_cast<double>(k - 1) / s.imu.rate, t);
+        ExactIncrement exact = exact_increment(s.earth, *path, static_cast<double>(k - 1) / s.imu.rate, t);
+        if (disturbed) {   // an accelerometer feels the reaction to gravity: what the Earth's model does not have comes with a minus
+            const Kinematics middle = path->at(t - 0.5 * dt);
+            const double step = dt * middle.v_eb_n.norm();
+            exact.dv -= dt * (math::dcm_from_rpy(middle.rpy).transpose() * anomaly.at(distance + 0.5 * step, t - 0.5 * dt));
+            distance += step;
+        }
         const double warmth = -s.imu.warm_up * std::expm1(-t / s.imu.warm_up_time);
         const Eigen::Vector3d exact_dv = C_sb * exact.dv;
         Eigen::Vector3d dtheta = gyro.measure(C_sb * exact.dtheta, dt, {warmth, exact_dv});

@@ -5,6 +5,7 @@
 #include "schuler/earth/earth.h"
 #include "schuler/sensor/gnss_errors.h"
 #include "schuler/sensor/grades.h"
+#include "schuler/sim/anomaly.h"
 #include "schuler/sim/path.h"
 
 #include <Eigen/Core>
@@ -100,6 +101,7 @@ struct Scenario {
     Time origin;                     ///< time of the first instant
     earth::Earth earth;
     PathSettings path;
+    std::vector<AnomalyPart> anomaly;   ///< of gravity along the path, beyond the Earth's model
     ImuSettings imu;
     GnssSettings gnss;
     BaroSettings baro;
@@ -109,11 +111,12 @@ struct Scenario {
     std::vector<SimulatedOutage> outages;
 };
 
-/// True sensor errors in sensor axes at the instants of the reference.
+/// True sensor errors in sensor axes, and the disturbance of gravity, at the instants of the reference.
 struct SensorTruth {
     Time time;
     Eigen::Vector3d gyro_bias;       ///< turn-on plus in-run, rad/s
     Eigen::Vector3d accel_bias;      ///< m/s^2
+    Eigen::Vector3d disturbance_n = Eigen::Vector3d::Zero();   ///< north, east, down, m/s^2
 };
 
 /// Slowly varying errors of the receiver at the instants of its fixes, and of the barometer at those of its samples.

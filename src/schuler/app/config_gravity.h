@@ -1,0 +1,23 @@
+// [[anomaly]] of scenarios (simulated) and data sets (injected): the same words for both.
+#pragma once
+
+#include "schuler/app/option_table.h"
+#include "schuler/sim/anomaly.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+/// East, north, up of the gravity options is north, east, down inside; and back.
+[[nodiscard]] inline Eigen::Vector3d ned_from_enu(const Eigen::Vector3d& enu) { return {enu.y(), enu.x(), -enu.z()}; }
+[[nodiscard]] inline Eigen::Vector3d enu_from_ned(const Eigen::Vector3d& ned) { return {ned.y(), ned.x(), -ned.z()}; }
+
+/// Entries of [[anomaly]]. @throws Error(Input) without a place.
+[[nodiscard]] std::vector<sim::AnomalyPart> anomalies_from(const ValueList& tables);
+/// And back; nothing where there are none.
+[[nodiscard]] std::optional<Value> value_of(const std::vector<sim::AnomalyPart>& parts);
+[[nodiscard]] OptionSpec anomaly_spec(const std::string& help);
+
+}  // namespace schuler::app

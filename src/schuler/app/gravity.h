@@ -1,0 +1,87 @@
+// The disturbance of gravity along a track: what `schuler gravity` runs.
+#pragma once
+
+#include "schuler/app/bundle.h"
+#include "schuler/app/commands.h"
+#include "schuler/gravimetry/survey_run.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+struct GravityRequest {
+    ProcessRequest common;
+    int runs = 1;                     ///< of a scenario, with seeds from the first on; 1: one survey with all its files
+};
+
+/// Recordings and settings as the gravimetric filter wants them.
+struct GravityInput {
+    gravimetry::SurveySettings settings;
+    gravimetry::SurveyInput survey;
+    double mean_speed = 0.0;          ///< m/s, of the fixes
+    std::size_t gaps = 0;
+};
+
+/// Body increments, fixes in Earth-fixed axes, start and priors. The start is the one given; otherwise that of the loosely coupled
+/// smoother over the same data. Anomalies of the settings are injected. @throws Error(Input)
+[[nodiscard]] GravityInput gravity_input(const LoadedDataset& data, WarningLog& warnings);
+
+/// What covariance analysis says can be had, and whether this log had enough of it.
+struct Attainability {
+    double vertical = not_given;          ///< sigma of the vertical disturbance at the end, m/s^2
+    double horizontal = not_given;
+    double prior_vertical = not_given;    ///< before any measurement
+    double resolved_period = not_given;   ///< s, full wavelength that is passed at half its amplitude
+    bool usable = false;                  ///< the survey halves what was believed before, in level or in what changes
+    std::string statement;                ///< one or two sentences for people
+};
+
+/// Errors of the disturbance (estimate minus truth), north, east, down, m/s^2.
+struct GravityErrors {
+    Eigen::Vector3d rms = not_given3();       ///< of the smoothed (or forward) disturbance after settling
+    Eigen::Vector3d spread = not_given3();    ///< the same less its mean: what a crossover adjustment leaves
+    Eigen::Vector3d last = not_given3();      ///< at the last fix
+};
+
+struct GravityBundle {
+    ResultBundle run;
+    gravimetry::SurveyResult survey;
+    std::vector<Eigen::Vector3d> truth;   ///< disturbance at the forward epochs, north, east, down; empty: not known
+    Attainability attainable;
+    GravityErrors errors;
+    [[nodiscard]] const std::vector<gravimetry::SurveyEpoch>& epochs() const {
+        return survey.smoothed.empty() ? survey.forward : survey.smoothed;
+    }
+};
+
+/// A line of gravity.csv: SI units, north, east, down.
+struct GravityRow {
+    double t = 0.0;                       ///< s after the origin of the command line's times
+    double distance = 0.0;                ///< along the track, m
+    Geodetic position;
+    Eigen::Vector3d disturbance_n, sigma_n;
+    double free_air = not_given;          ///< free-air anomaly, m/s^2; needs the undulation
+    double eotvos = 0.0;                  ///< Eotvos term, m/s^2, positive where it makes a vehicle lighter
+    double vertical_acceleration = 0.0;   ///< of the vehicle, up, m/s^2
+    Eigen::Vector3d truth_n = not_given3();
+};
+[[nodiscard]] std::vector<GravityRow> gravity_rows(const GravityBundle& bundle);
+
+/// Simulates (a scenario) or reads (a data set), and estimates. @throws Error
+[[nodiscard]] GravityBundle gravity_survey(const ProcessRequest& request, WarningLog& warnings, std::string& notice);
+
+/// `schuler gravity`: gravity.csv, gravity.geojson, solution.csv, run.h5, track.kml, report.html, summary.json, config.toml.
+[[nodiscard]] Outcome gravity_command(const GravityRequest& request);
+
+[[nodiscard]] std::string gravity_csv(const GravityBundle& bundle, const std::vector<GravityRow>& rows);
+[[nodiscard]] std::string gravity_geojson(const GravityBundle& bundle, const std::vector<GravityRow>& rows);
+[[nodiscard]] std::string gravity_summary_json(const GravityBundle& bundle, std::size_t rows);
+[[nodiscard]] std::string gravity_tables(const GravityBundle& bundle);
+[[nodiscard]] std::string gravity_report_html(const GravityBundle& bundle, const std::vector<GravityRow>& rows);
+
+/// Many seeds of a scenario: medians and consistency. No files but summary.json.
+[[nodiscard]] Outcome gravity_campaign(const GravityRequest& request);
+
+}  // namespace schuler::app

@@ -1,0 +1,121 @@
+#include "schuler/app/gravity.h"
+#include "schuler/core/units.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+namespace schuler::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using gravimetry::SurveyEpoch;
+
+/// One number of every run, with its sigma where the filter has one: |error| at the end or RMS over a survey.
+struct Tally {
+    const char* name;
+    const char* unit;
+    double si;
+    std::vector<double> sizes{}, normalised{};
+    void add(double error, double sigma) {
+        sizes.push_back(std::abs(error) / si);
+        if (sigma > 0.0) normalised.push_back(error / sigma);
+    }
+    [[nodiscard]] double quantile(double q) const {
+        if (sizes.empty()) return not_given;
+        std::vector<double> x = sizes;
+        std::ranges::sort(x);
+        return x[std::min(x.size() - 1, static_cast<std::size_t>(q * static_cast<double>(x.size())))];
+    }
+    /// Mean of (error/sigma)^2: near one where the filter knows what it does not know.
+    [[nodiscard]] double nees() const {
+        double sum = 0.0;
+        for (const double x : normalised) sum += x * x;
+        return normalised.empty() ? not_given : sum / static_cast<double>(normalised.size());
+    }
+};
+
+}  // namespace
+
+Outcome gravity_campaign(const GravityRequest& request) {
+    const auto begin = std::chrono::steady_clock::now();
+    std::array tallies{Tally{"disturbance up", "mGal", units::mgal},      Tally{"disturbance north", "mGal", units::mgal},
+                       Tally{"disturbance east", "mGal", units::mgal},    Tally{"disturbance up, rms", "mGal", units::mgal},
+                       Tally{"disturbance up, rms - mean", "mGal", units::mgal},
+                       Tally{"tilt north", "arcsec", units::arcsec},      Tally{"tilt east", "arcsec", units::arcsec},
+                       Tally{"azimuth", "arcsec", units::arcsec},         Tally{"velocity north", "m/s", 1.0},
+                       Tally{"velocity east", "m/s", 1.0},                Tally{"velocity up", "m/s", 1.0},
+                       Tally{"gyro bias x", "deg/h", units::deg_per_hour}, Tally{"gyro bias y", "deg/h", units::deg_per_hour},
+                       Tally{"gyro bias z", "deg/h", units::deg_per_hour}};
+    int failed = 0;
+    std::string name;
+    for (int run = 0; run < request.runs; ++run) {
+        ProcessRequest one = request.common;
+        one.seed = request.common.seed.value_or(1) + static_cast<std::uint64_t>(run);
+        WarningLog warnings;
+        std::string notice;
+        try {
+            const GravityBundle b = gravity_survey(one, warnings, notice);
+            name = b.run.name;
+            if (b.truth.empty())
+                throw input_error("recorded data have no seeds", {one.input.string(), 0, 0, {}}, "--runs is for scenarios");
+            const SurveyEpoch& last = b.survey.forward.back();
+            const auto& error_row = b.run.evaluation.errors_forward.empty() ? b.run.evaluation.errors.back()
+                                                                            : b.run.evaluation.errors_forward.back();
+            const Eigen::Vector3d dg = last.disturbance_n - b.truth.back();
+            tallies[0].add(dg.z(), last.sigma_disturbance_n.z());
+            tallies[1].add(dg.x(), last.sigma_disturbance_n.x());
+            tallies[2].add(dg.y(), last.sigma_disturbance_n.y());
+            tallies[3].add(b.errors.rms.z(), 0.0);
+            tallies[4].add(b.errors.spread.z(), 0.0);
+            // Level surveys: roll and pitch turned by the heading are tilts about north and east.
+            const SolutionRow& row = b.run.result.forward.rows.back();
+            const double s = std::sin(row.rpy.z()), c = std::cos(row.rpy.z());
+            tallies[5].add(c * error_row.rpy.x() - s * error_row.rpy.y(), last.sigma_attitude_n.x());
+            tallies[6].add(s * error_row.rpy.x() + c * error_row.rpy.y(), last.sigma_attitude_n.y());
+            tallies[7].add(error_row.rpy.z(), last.sigma_attitude_n.z());
+            tallies[8].add(error_row.velocity.y(), last.sigma_velocity_n.x());
+            tallies[9].add(error_row.velocity.x(), last.sigma_velocity_n.y());
+            tallies[10].add(error_row.velocity.z(), last.sigma_velocity_n.z());
+            const Eigen::Vector3d gyro = last.gyro_bias - b.run.truth.sensors.back().gyro_bias;
+            for (std::size_t i = 0; i < 3; ++i)
+                tallies[11 + i].add(gyro(static_cast<int>(i)), last.sigma_gyro_bias(static_cast<int>(i)));
+        } catch (const Error& e) {
+            if (e.kind() == ErrorKind::Input) throw;
+            ++failed;
+        }
+        if (request.common.progress) request.common.progress(static_cast<double>(run + 1) / request.runs);
+    }
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    Outcome out;
+    out.tables = fmt::format("{}: {} runs, {} failed, {:.2f} runs a second\n", name, request.runs, failed, request.runs / seconds);
+    out.tables += fmt::format("{:<36}{:>11}{:>11}{:>11}{:>11}\n", "size of the error at the end", "median", "5 %", "95 %", "NEES");
+    Json errors = Json::object();
+    for (const Tally& t : tallies) {
+        out.tables += fmt::format("  {:<34}{:>11.4g}{:>11.4g}{:>11.4g}{:>11.3g}\n", fmt::format("{}, {}", t.name, t.unit),
+                                  t.quantile(0.5), t.quantile(0.05), t.quantile(0.95), t.nees());
+        const double nees = t.nees();
+        errors[t.name] = {{"unit", t.unit},
+                          {"median", t.quantile(0.5)},
+                          {"q05", t.quantile(0.05)},
+                          {"q95", t.quantile(0.95)},
+                          {"nees", std::isfinite(nees) ? Json(nees) : Json(nullptr)}};
+    }
+    const Json document{{"name", name},
+                        {"command", "gravity"},
+                        {"version", request.common.version},
+                        {"montecarlo", {{"runs", request.runs}, {"failed", failed}, {"runs_per_s", request.runs / seconds}}},
+                        {"errors", errors}};
+    out.json = document.dump(2) + "\n";
+    if (!request.common.output.empty()) {
+        make_folder(request.common.output);
+        out.files.push_back(request.common.output / "summary.json");
+        write_text(out.files.back(), out.json);
+    }
+    return out;
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,138 @@
+#include "schuler/app/config_gravity.h"
+#include "schuler/app/gravity.h"
+#include "schuler/core/units.h"
+#include "schuler/report/report.h"
+
+#include <array>
+#include <cmath>
+
+namespace schuler::app {
+namespace {
+
+using Eigen::Vector3d;
+using report::Ink;
+
+constexpr double mgal = units::mgal;
+constexpr std::array names{"east", "north", "up"};
+
+/// Values of rows as a series.
+template <class Pick>
+std::vector<double> column(const std::vector<GravityRow>& rows, Pick pick) {
+    std::vector<double> out;
+    for (const GravityRow& r : rows) out.push_back(pick(r));
+    return out;
+}
+
+std::vector<double> times(const std::vector<GravityRow>& rows) {
+    return column(rows, [](const GravityRow& r) { return r.t; });
+}
+
+/// Estimate with three sigma, and the truth.
+report::Panel component_panel(const std::vector<GravityRow>& rows, bool truth, int axis) {
+    const auto value = [axis](const GravityRow& r) { return enu_from_ned(r.disturbance_n)(axis) / mgal; };
+    const int ned = axis == 0 ? 1 : axis == 1 ? 0 : 2;
+    const auto sigma = [ned](const GravityRow& r) { return r.sigma_n(ned) / mgal; };
+    report::Panel p{fmt::format("disturbance {}", names[static_cast<std::size_t>(axis)]), "time, s", "mGal"};
+    const std::vector<double> t = times(rows);
+    p.bands.push_back({"one sigma", t, column(rows, [&](const GravityRow& r) { return value(r) - sigma(r); }),
+                       column(rows, [&](const GravityRow& r) { return value(r) + sigma(r); })});
+    if (truth)
+        p.series.push_back({"truth", t, column(rows, [axis](const GravityRow& r) { return enu_from_ned(r.truth_n)(axis) / mgal; }),
+                            Ink::Text, report::Mark::Dashed});
+    p.series.push_back({"estimate", t, column(rows, value)});
+    return p;
+}
+
+/// Figure 3 of paper E: the estimate of the filter as it settles, against the truth.
+report::Panel filter_panel(const GravityBundle& b) {
+    report::Panel p{"vertical disturbance of the forward filter as it settles", "time, s", "mGal"};
+    std::vector<double> t, estimate, truth, low, high;
+    for (std::size_t i = 0; i < b.survey.forward.size(); ++i) {
+        const gravimetry::SurveyEpoch& e = b.survey.forward[i];
+        t.push_back(b.run.relative(e.time));
+        estimate.push_back(-e.disturbance_n.z() / mgal);
+        low.push_back(estimate.back() - e.sigma_disturbance_n.z() / mgal);
+        high.push_back(estimate.back() + e.sigma_disturbance_n.z() / mgal);
+        if (!b.truth.empty()) truth.push_back(-b.truth[i].z() / mgal);
+    }
+    p.bands.push_back({"one sigma", t, low, high});
+    if (!truth.empty()) p.series.push_back({"truth", t, truth, Ink::Text, report::Mark::Dashed});
+    p.series.push_back({"forward filter", t, estimate, Ink::Vermillion});
+    return p;
+}
+
+/// Errors of the vertical disturbance, filter and smoother (figure 5 of paper E).
+report::Panel error_panel(const GravityBundle& b) {
+    report::Panel p{"error of the vertical disturbance", "time, s", "mGal"};
+    std::vector<double> t, forward, smoothed, sigma, minus;
+    const double settled = b.run.relative(b.run.evaluation.settled);
+    for (std::size_t i = 0; i < b.survey.forward.size(); ++i) {
+        t.push_back(b.run.relative(b.survey.forward[i].time));
+        const bool shown = t.back() >= settled;
+        forward.push_back(shown ? -(b.survey.forward[i].disturbance_n.z() - b.truth[i].z()) / mgal : not_given);
+        if (!b.survey.smoothed.empty()) smoothed.push_back(-(b.survey.smoothed[i].disturbance_n.z() - b.truth[i].z()) / mgal);
+        sigma.push_back(b.epochs()[i].sigma_disturbance_n.z() / mgal);
+        minus.push_back(-sigma.back());
+    }
+    p.bands.push_back({"one sigma", t, minus, sigma});
+    p.series.push_back({"forward filter", t, forward, Ink::Vermillion});
+    if (!smoothed.empty()) p.series.push_back({"smoother", t, smoothed});
+    return p;
+}
+
+report::Group terms_group(const std::vector<GravityRow>& rows) {
+    const std::vector<double> t = times(rows);
+    report::Panel eotvos{"Eotvos term", "time, s", "mGal"}, vertical{"vertical acceleration of the vehicle", "time, s", "mGal"};
+    eotvos.series.push_back({"", t, column(rows, [](const GravityRow& r) { return r.eotvos / mgal; })});
+    vertical.series.push_back({"", t, column(rows, [](const GravityRow& r) { return r.vertical_acceleration / mgal; })});
+    report::Group group{"What was taken off the accelerometers"};
+    group.panels = {std::move(eotvos), std::move(vertical)};
+    return group;
+}
+
+report::Panel profile_panel(const std::vector<GravityRow>& rows, bool truth) {
+    report::Panel p{"gravity disturbance along the track", "distance, km", "mGal"};
+    p.time_axis = false;
+    const std::vector<double> x = column(rows, [](const GravityRow& r) { return 1e-3 * r.distance; });
+    p.bands.push_back({"one sigma", x, column(rows, [](const GravityRow& r) { return (r.disturbance_n.z() - r.sigma_n.z()) / mgal; }),
+                       column(rows, [](const GravityRow& r) { return (r.disturbance_n.z() + r.sigma_n.z()) / mgal; })});
+    if (truth)
+        p.series.push_back({"truth", x, column(rows, [](const GravityRow& r) { return r.truth_n.z() / mgal; }), Ink::Text,
+                            report::Mark::Dashed});
+    p.series.push_back({"estimate", x, column(rows, [](const GravityRow& r) { return r.disturbance_n.z() / mgal; })});
+    return p;
+}
+
+}  // namespace
+
+std::string gravity_report_html(const GravityBundle& b, const std::vector<GravityRow>& rows) {
+    report::ReportInput page = report_page(b.run);
+    const bool truth = !b.truth.empty();
+    page.subtitle = fmt::format("strapdown gravimetry, Earth-fixed frame, {}; {} IMU epochs at {:.4g} Hz, {} fixes",
+                                b.survey.smoothed.empty() ? "forward filter" : "smoothed", b.run.result.counters.imu_epochs,
+                                b.run.result.counters.imu_rate, b.run.result.counters.gnss_accepted);
+    report::Section section{"Disturbance of gravity", b.attainable.statement + "."};
+    if (b.attainable.usable) {
+        const auto card = [](double x) { return fmt::format("{} mGal", report::number(x / mgal, 3)); };
+        std::vector<report::Card> cards{{"vertical disturbance", card(-b.epochs().back().disturbance_n.z()), "at the end, up"},
+                                        {"sigma", card(b.epochs().back().sigma_disturbance_n.z()), "of the vertical, at the end"}};
+        if (truth) {
+            cards.push_back({"error", card(b.errors.rms.z()), "vertical, RMS after settling"});
+            cards.push_back({"error less its mean", card(b.errors.spread.z()), "what a crossover adjustment leaves"});
+        }
+        page.cards.insert(page.cards.begin(), cards.begin(), cards.end());
+        report::Group estimate{"Estimate and truth"};
+        for (const int axis : {2, 0, 1}) estimate.panels.push_back(component_panel(rows, truth, axis));
+        if (rows.back().distance > 100.0) estimate.panels.push_back(profile_panel(rows, truth));
+        section.groups.push_back(std::move(estimate));
+        report::Group settling{"Filter and smoother"};
+        settling.panels.push_back(filter_panel(b));
+        if (truth) settling.panels.push_back(error_panel(b));
+        section.groups.push_back(std::move(settling));
+        section.groups.push_back(terms_group(rows));
+    }
+    page.sections.insert(page.sections.begin(), std::move(section));
+    return report::render(page);
+}
+
+}  // namespace schuler::app

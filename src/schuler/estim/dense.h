@@ -1,0 +1,26 @@
+// Covariance propagation where the transition has no structure worth using: filters that propagate once a second.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace schuler::estim {
+
+/// P <- Phi P Phi^T + Q, exactly symmetric. P and Q symmetric on entry.
+template <int N>
+void propagate(Eigen::Matrix<double, N, N>& P, const Eigen::Matrix<double, N, N>& Phi, const Eigen::Matrix<double, N, N>& Q) {
+    Eigen::Matrix<double, N, N> half, whole;
+    half.noalias() = Phi * P;
+    whole.noalias() = half * Phi.transpose();
+    P = 0.5 * (whole + whole.transpose()) + Q;
+}
+
+/// L <- Phi^T L Phi for symmetric L, exactly symmetric: the adjoint recursion of the smoother.
+template <int N>
+void propagate_adjoint(Eigen::Matrix<double, N, N>& L, const Eigen::Matrix<double, N, N>& Phi) {
+    Eigen::Matrix<double, N, N> half, whole;
+    half.noalias() = L * Phi;
+    whole.noalias() = Phi.transpose() * half;
+    L = 0.5 * (whole + whole.transpose());
+}
+
+}  // namespace schuler::estim

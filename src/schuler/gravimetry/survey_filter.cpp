@@ -1,0 +1,70 @@
+#include "schuler/gravimetry/survey_filter.h"
+
+#include "schuler/estim/dense.h"
+#include "schuler/gravimetry/discretize.h"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+namespace schuler::gravimetry {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+SurveyFilter::SurveyFilter(const SurveySettings& settings, const NavStateEcef& start)
+    : settings_(settings), state_{start}, P_(prior_covariance(settings, start.position)), from_(start.position) {
+    settings.disturbance.check();
+}
+
+void SurveyFilter::advance(const ImuIncrement& raw) {
+    const ImuIncrement felt = without_sensor_errors(state_, raw);
+    const Matrix3d before = state_.nav.q_eb.toRotationMatrix();
+    state_ = advanced(settings_.earth, settings_.disturbance, state_, ins::compensate(previous_, felt));
+    const Matrix3d mean = 0.5 * (before + state_.nav.q_eb.toRotationMatrix());
+    C_eb_sum_ += raw.dt * mean;
+    f_e_sum_ += mean * felt.dv;
+    elapsed_ += raw.dt;
+    previous_ = felt;
+}
+
+FixStep SurveyFilter::take(const AntennaFix& fix) {
+    FixStep record;
+    record.Phi.setIdentity();
+    if (elapsed_ > 0.0) {
+        const Motion motion{Ecef{0.5 * (from_.r + state_.nav.position.r)}, (state_.nav.position.r - from_.r) / elapsed_,
+                            C_eb_sum_ / elapsed_, f_e_sum_ / elapsed_};
+        const DiscreteStep step =
+            discretized(gravity_error_dynamics(settings_.earth, settings_.disturbance, motion),
+                        gravity_noise_input(settings_.earth, settings_.disturbance, settings_.noise, motion), elapsed_);
+        estim::propagate<max_states>(P_, step.Phi, step.Q);
+        record.Phi = step.Phi;
+        record.f_e = motion.f_e;
+    }
+    const Matrix3d C_eb = state_.nav.q_eb.toRotationMatrix();
+    const Vector3d w_ib_b = previous_.dt > 0.0 ? Vector3d(previous_.dtheta / previous_.dt) : Vector3d::Zero();
+    const Vector3d w_eb_b = w_ib_b - C_eb.transpose() * Vector3d(0.0, 0.0, settings_.earth.ellipsoid.w_ie);
+    const GnssRows H = gravity_gnss_rows(C_eb, settings_.lever_arm_b, w_eb_b);
+    const Eigen::Matrix<double, 6, 1> z = gnss_innovation(settings_.earth, state_, settings_.lever_arm_b, w_ib_b, fix);
+    const Geodetic place = earth::geodetic_from_ecef(settings_.earth.ellipsoid, state_.nav.position);
+    const Matrix3d C_en = earth::C_en(place.lat, place.lon);
+    StateVector dx = StateVector::Zero();
+    for (int i = 0; i < 6; ++i) {
+        // The sigmas are those of north, east and down: one component of them after the other.
+        const int first = i < 3 ? 0 : 3;
+        const Vector3d axis = C_en.col(i - first);
+        const double sigma = i < 3 ? fix.sigma_position_n(i) : fix.sigma_velocity_n(i - first);
+        if (!std::isfinite(sigma)) continue;
+        const StateVector h = H.middleRows<3>(first).transpose() * axis;
+        record.updates[record.used++] =
+            estim::update_scalar<max_states>(dx, P_, h, axis.dot(z.segment<3>(first)), sigma * sigma);
+    }
+    state_ = corrected(state_, dx);
+    elapsed_ = 0.0;
+    C_eb_sum_.setZero();
+    f_e_sum_.setZero();
+    from_ = state_.nav.position;
+    return record;
+}
+
+}  // namespace schuler::gravimetry

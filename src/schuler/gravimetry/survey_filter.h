@@ -1,0 +1,44 @@
+// The filter of a survey: nominal state, covariance, and what a fix did to them.
+#pragma once
+
+#include "schuler/estim/scalar_update.h"
+#include "schuler/gravimetry/settings.h"
+#include "schuler/gravimetry/survey_state.h"
+
+#include <array>
+
+namespace schuler::gravimetry {
+
+/// What happened between two fixes and at the second, for the way back.
+struct FixStep {
+    StateMatrix Phi;
+    std::array<estim::ScalarUpdate<max_states>, 6> updates;
+    std::size_t used = 0;   ///< of them
+    Eigen::Vector3d f_e = Eigen::Vector3d::Zero();   ///< mean specific force since the fix before, m/s^2
+};
+
+class SurveyFilter {
+public:
+    SurveyFilter(const SurveySettings& settings, const NavStateEcef& start);
+
+    /// Advances the nominal state by one raw increment.
+    void advance(const ImuIncrement& raw);
+    /// Carries the covariance to now and takes a fix of now.
+    FixStep take(const AntennaFix& fix);
+
+    [[nodiscard]] const SurveyState& state() const { return state_; }
+    [[nodiscard]] const StateMatrix& P() const { return P_; }
+
+private:
+    SurveySettings settings_;
+    SurveyState state_;
+    StateMatrix P_;
+    ImuIncrement previous_{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    // Sums over the increments since the last fix, times dt.
+    double elapsed_ = 0.0;
+    Eigen::Matrix3d C_eb_sum_ = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d f_e_sum_ = Eigen::Vector3d::Zero();
+    Ecef from_;                          ///< position at the last fix
+};
+
+}  // namespace schuler::gravimetry

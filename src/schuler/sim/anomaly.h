@@ -1,0 +1,51 @@
+// Disturbance of gravity along a track: what a gravimetric survey is simulated over.
+#pragma once
+
+#include "schuler/sim/path.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <vector>
+
+namespace schuler::sim {
+
+/// One part of the disturbance, a function of the distance along the track (m), or of time (s) where `by_time`.
+struct AnomalyPart {
+    enum class Kind {
+        Constant,      ///< size
+        Step,          ///< size from `start` on
+        Ramp,          ///< from zero at `start` to size at `start` + `length`, then size
+        Harmonic,      ///< size sin(2 pi (s - start)/length)
+        GaussMarkov1,  ///< sigma size, correlation exp(-d/length)
+        GaussMarkov2,  ///< sigma size, correlation (1 + d/length) exp(-d/length): smooth
+    };
+    Kind kind = Kind::Constant;
+    Eigen::Vector3d size_n = Eigen::Vector3d::Zero();   ///< north, east, down, m/s^2
+    double start = 0.0;
+    double length = 1.0;
+    bool by_time = false;
+};
+
+/// The sum of parts. Immutable; random parts are drawn once, at 64 points a length, joined by straight lines.
+class AnomalyTrack {
+public:
+    /// extent: how far the track goes (m), duration: how long (s). The same seed gives the same track; a part keeps its numbers
+    /// when others are added behind it. @throws Error(Input) naming the value that is unusable.
+    AnomalyTrack(std::vector<AnomalyPart> parts, double extent, double duration, std::uint64_t seed);
+
+    /// North, east, down, m/s^2. Beyond the extent random parts keep their last value.
+    [[nodiscard]] Eigen::Vector3d at(double distance, double t) const;
+
+private:
+    struct Drawn {
+        AnomalyPart part;
+        std::vector<Eigen::Vector3d> values;   ///< of a random part
+    };
+    std::vector<Drawn> parts_;
+};
+
+/// Length of the path, m, from the speed over the ellipsoid once a second.
+[[nodiscard]] double distance_along(const TruthPath& path, double duration);
+
+}  // namespace schuler::sim

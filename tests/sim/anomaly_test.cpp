@@ -1,0 +1,47 @@
+// The disturbance along a track: closed shapes, and the statistics of the random parts.
+#include "schuler/sim/anomaly.h"
+
+#include "schuler/core/error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace schuler::sim {
+namespace {
+
+using Eigen::Vector3d;
+using Kind = AnomalyPart::Kind;
+
+TEST(Anomaly, ShapesAlongDistanceAndTime) {
+    const Vector3d size(1e-5, -2e-5, 1e-4);
+    const AnomalyTrack track({{Kind::Constant, size}, {Kind::Step, size, 100.0, 1.0, true}, {Kind::Ramp, size, 50.0, 200.0},
+                              {Kind::Harmonic, size, 10.0, 400.0}},
+                             1000.0, 200.0, 1);
+    EXPECT_LT((track.at(10.0, 99.0) - size).norm(), 1e-18);
+    EXPECT_LT((track.at(110.0, 100.0) - (1.0 + 1.0 + 0.3 + 1.0) * size).norm(), 1e-18);
+    EXPECT_LT((track.at(310.0, 0.0) - (1.0 + 0.0 + 1.0 - 1.0) * size).norm(), 1e-18);
+}
+
+TEST(Anomaly, RandomPartsHaveTheirCorrelation) {
+    for (const Kind kind : {Kind::GaussMarkov1, Kind::GaussMarkov2}) {
+        const double length = 100.0;
+        const AnomalyTrack track({{kind, Vector3d(1.0, 2.0, 3.0), 0.0, length}}, 4e5, 0.0, 5);
+        for (const double lag : {0.0, 50.0, 100.0, 300.0}) {
+            Vector3d sum = Vector3d::Zero();
+            int count = 0;
+            for (double s = 0.0; s + lag < 4e5; s += 25.0, ++count) sum += track.at(s, 0.0).cwiseProduct(track.at(s + lag, 0.0));
+            const double x = lag / length, expected = std::exp(-x) * (kind == Kind::GaussMarkov1 ? 1.0 : 1.0 + x);
+            const Vector3d found = (sum / count).cwiseQuotient(Vector3d(1.0, 4.0, 9.0));
+            for (int i = 0; i < 3; ++i) EXPECT_NEAR(found(i), expected, 0.11) << "lag " << lag;   // 4000 lengths: sigma 0.02 to 0.03
+        }
+    }
+}
+
+TEST(Anomaly, UnusablePartsAreRefused) {
+    EXPECT_THROW(AnomalyTrack({{Kind::Harmonic, Vector3d::Ones(), 0.0, 0.0}}, 1.0, 1.0, 1), Error);
+    EXPECT_THROW(AnomalyTrack({{Kind::GaussMarkov1, Vector3d::Ones(), 0.0, 1e-6}}, 1e5, 1.0, 1), Error);
+}
+
+}  // namespace
+}  // namespace schuler::sim
