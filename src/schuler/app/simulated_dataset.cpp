@@ -165,6 +165,10 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     c.filter.imu.errors.gyro_turn_on_bias = std::hypot(imu.gyro_turn_on_bias, imu.gyro_g * units::g0);
     c.scale_factors = c.scale_factors.value_or(imu.gyro_scale > 0.0 || imu.accel_scale > 0.0);
     c.misalignments = c.misalignments.value_or(imu.gyro_misalignment > 0.0 || imu.accel_misalignment > 0.0);
+    // Without states of their own they act as biases, through the specific force that is always there.
+    double& turn_on = c.filter.imu.errors.accel_turn_on_bias;
+    if (!*c.scale_factors) turn_on = std::hypot(turn_on, imu.accel_scale * units::g0);
+    if (!*c.misalignments) turn_on = std::hypot(turn_on, imu.accel_misalignment * units::g0);
     c.filter.imu.mounting_rpy = s.sim.imu.mounting;
     c.grade = s.grade;
     c.filter.gnss.lever_arm_b = g.lever_arm_b;
