@@ -217,7 +217,8 @@ TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
     SKIP_WITHOUT_DATA();
     if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed";
     const auto file = test::data_folder() / "parser_corpus/rtklib_raw/GMSD7_20121014.rtcm3";
-    const Rtcm3Log rtcm = read_rtcm3(file, gps_from_utc({2012, 10, 14, 0, 0, 0.0}), log);
+    // the ephemerides date the stream, though it is read in another year
+    const Rtcm3Log rtcm = read_rtcm3(file, gps_from_utc({2026, 11, 21, 0, 0, 0.0}), log);
     ASSERT_EQ(rtcm.observations.epochs.size(), 257U);
     EXPECT_GE(rtcm.records.bad, 1U);
     EXPECT_GT(rtcm.records.first_bad_line, 261'000);
@@ -254,6 +255,25 @@ TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
         EXPECT_EQ(at->channel, t.channel);
     }
     EXPECT_GT(theirs.glonass.size(), 5U);
+}
+
+TEST_F(ReceiverLogs, Rtcm3IsDatedByItsEphemeridesOrByTheCaller) {
+    const std::string whole = seed("rtcm3");
+    const Time recorded = Time::from_gps(2244, 36000.0);
+    const auto first_epoch = [&](std::string_view bytes, Time near) {
+        return read_rtcm3(TextInput::memory(bytes, "a.rtcm3"), near, log).observations.epochs.at(0).time;
+    };
+    EXPECT_EQ(first_epoch(whole, recorded), recorded);
+    EXPECT_EQ(first_epoch(whole, Time::from_gps(2244 + 500, 0.0)), recorded);
+    EXPECT_EQ(first_epoch(whole, Time::from_gps(2244 + 3000, 0.0)), recorded);  // by Galileo's weeks, GPS's have begun anew twice
+    // the frame of 1019 alone, and nothing but measurements
+    const std::size_t galileo = whole.find('\xd3', 1), text = whole.find("text between"), glonass = whole.find('\xd3', text);
+    ASSERT_EQ(galileo, 67U);
+    EXPECT_EQ(first_epoch(whole.substr(0, galileo) + whole.substr(text), Time::from_gps(2244 + 900, 0.0)), recorded);
+    EXPECT_TRUE(log.empty());
+    EXPECT_EQ(first_epoch(whole.substr(glonass), Time::from_gps(2300, 0.0)), Time::from_gps(2300, 36000.0));
+    EXPECT_EQ(log.count("a.rtcm3 rtcm.date"), 1U);
+    expect_parts(log.summary().at(0), {"a.rtcm3", "no ephemeris dates", "2024-02-04"});
 }
 
 TEST_F(ReceiverLogs, ForeignFormatsAreRefused) {

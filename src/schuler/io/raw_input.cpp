@@ -1,4 +1,4 @@
-#include "schuler/app/raw_input.h"
+#include "schuler/io/raw_input.h"
 
 #include "schuler/core/error.h"
 #include "schuler/io/rinex.h"
@@ -7,7 +7,7 @@
 
 #include <chrono>
 
-namespace schuler::app {
+namespace schuler::io {
 namespace {
 
 /// When a file was last written, as GPS time.
@@ -21,24 +21,34 @@ Time last_written(const std::filesystem::path& file) {
 
 }  // namespace
 
-RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> near, WarningLog& warnings) {
-    const io::TextInput input(file);
-    switch (io::rinex_kind(input)) {
-        case io::RinexKind::Observation:
-        case io::RinexKind::CompactObservation: return {io::read_rinex_observations(input, warnings).log, {}};
-        case io::RinexKind::Navigation: return {{}, io::read_rinex_navigation(input, warnings).navigation};
+RawFormat raw_format(const std::filesystem::path& file) {
+    const TextInput input(file);
+    switch (rinex_kind(input)) {
+        case RinexKind::Observation:
+        case RinexKind::CompactObservation: return RawFormat::RinexObservations;
+        case RinexKind::Navigation: return RawFormat::RinexNavigation;
         default: break;
     }
-    if (io::is_ubx(input)) {
-        io::UbxLog log = io::read_ubx(input, warnings);
-        return {std::move(log.observations), std::move(log.navigation)};
-    }
-    if (io::is_rtcm3(input)) {
-        io::Rtcm3Log log = io::read_rtcm3(input, near.value_or(last_written(file)), warnings);
-        return {std::move(log.observations), std::move(log.navigation)};
+    return is_ubx(input) ? RawFormat::Ubx : is_rtcm3(input) ? RawFormat::Rtcm3 : RawFormat::None;
+}
+
+RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> near, WarningLog& warnings) {
+    const TextInput input(file);
+    switch (raw_format(file)) {
+        case RawFormat::RinexObservations: return {read_rinex_observations(input, warnings).log, {}, {}};
+        case RawFormat::RinexNavigation: return {{}, read_rinex_navigation(input, warnings).navigation, {}};
+        case RawFormat::Ubx: {
+            UbxLog log = read_ubx(input, warnings);
+            return {std::move(log.observations), std::move(log.navigation), std::move(log.fixes)};
+        }
+        case RawFormat::Rtcm3: {
+            Rtcm3Log log = read_rtcm3(input, near.value_or(last_written(file)), warnings);
+            return {std::move(log.observations), std::move(log.navigation), {}};
+        }
+        default: break;
     }
     throw input_error("is no RINEX, UBX or RTCM 3 file", {file.string(), 0, 0, {}},
                       "choose a file of raw measurements or ephemerides");
 }
 
-}  // namespace schuler::app
+}  // namespace schuler::io

@@ -303,8 +303,9 @@ UbxLog read_ubx(const TextInput& input, WarningLog& log) {
 
 bool is_ubx(const TextInput& input) {
     try {
-        const std::string bytes = read_bytes(input);
-        const std::string_view head = std::string_view(bytes).substr(0, 100'000);
+        constexpr std::size_t enough = 100'000;
+        const std::string bytes = read_head(input, enough);
+        const std::string_view head = bytes;
         Message m;
         for (std::size_t at = head.find("\xb5\x62"); at != std::string_view::npos; at = head.find("\xb5\x62", at + 2)) {
             if (message_at(head.substr(at), m) == Scan::Message) return true;
