@@ -6,6 +6,7 @@
 #include "schuler/io/csv_recording.h"
 #include "schuler/io/rinex.h"
 
+#include "gnss/spirent_truth.h"
 #include "io/io_fixture.h"
 
 #include <gtest/gtest.h>
@@ -98,17 +99,18 @@ TEST(SinglePoint, DirectionsAgreeWithTheGenerator) {
     SinglePoint solver(source, std::nullopt, without_atmosphere());
     const ObservationEpoch& first = files.log.epochs.front();
     const SinglePointSolution s = solver.solve(files.log.of(first), first.time, files.log.channels);
-    // azimuth and elevation of G01 and G07 in the generator's log at 10:00, rad
-    const std::map<SatelliteId, Direction> truth = {{{System::Gps, 1}, {2.3766, 0.6667}}};
     int found = 0;
-    for (const SatelliteUse& use : s.satellites) {
-        const auto at = truth.find(use.satellite);
-        if (at == truth.end()) continue;
+    for (const Truth& t : spirent_truth()) {
+        const auto use = std::ranges::find(s.satellites, t.satellite, &SatelliteUse::satellite);
+        if (t.time != first.time || use == s.satellites.end() || !use->used) continue;
         ++found;
-        EXPECT_NEAR(use.direction.azimuth, at->second.azimuth, 1e-4);
-        EXPECT_NEAR(use.direction.elevation, at->second.elevation, 1e-4);
+        constexpr double digits = 6e-5;  // half of the log's last digit, 1e-4 rad
+        const double turn = std::remainder(use->direction.azimuth - t.direction.azimuth, 360.0 * deg);
+        EXPECT_NEAR(turn, 0.0, digits) << name_of(t.satellite);
+        EXPECT_NEAR(use->direction.elevation, t.direction.elevation, digits) << name_of(t.satellite);
     }
-    EXPECT_EQ(found, 1);
+    EXPECT_EQ(found, s.used());
+    EXPECT_GT(found, 20);
 }
 
 TEST(SinglePoint, MovingReceiver) {

@@ -176,6 +176,38 @@ TEST_F(ReceiverLogs, UbxFramesOfGlonassAndBeiDouAgainstConvbin) {
     EXPECT_TRUE(a.channel == b.channel && a.health == b.health && a.age_days == b.age_days);
 }
 
+TEST_F(ReceiverLogs, UbxEphemeridesSurviveRinex) {
+    const gnss::Navigation before = read_ubx(TextInput::memory(seed("ubx"), "a.ubx"), log).navigation;
+    const std::string text = rinex_navigation_text(before);
+    const gnss::Navigation after = read_rinex_navigation(TextInput::memory(text, "a.nav"), log).navigation;
+    ASSERT_EQ(after.kepler.size(), before.kepler.size());
+    for (const gnss::KeplerEphemeris& b : before.kepler) {
+        const auto a = std::ranges::find(after.kepler, b.satellite, &gnss::KeplerEphemeris::satellite);
+        ASSERT_NE(a, after.kepler.end());
+        EXPECT_TRUE(a->message == b.message && a->toe == b.toe && a->toc == b.toc && a->transmission == b.transmission)
+            << gnss::name_of(b.satellite);
+        EXPECT_TRUE(a->iode == b.iode && a->iodc == b.iodc && a->health == b.health && a->fit_interval == b.fit_interval)
+            << gnss::name_of(b.satellite);
+    }
+    // the time of a GLONASS frame is written in seconds of the week of UTC
+    EXPECT_NE(text.find("R05 2023 01 08 09 45 00"), std::string::npos);
+    EXPECT_EQ(text.substr(text.find("R05 ") + 61, 19), " 3.598200000000E+04");
+}
+
+TEST_F(ReceiverLogs, UbxFramesAreDatedByTheFixToo) {
+    // without RXM-RAWX
+    std::string bytes = seed("ubx");
+    const std::string rawx("\xb5\x62\x02\x15", 4);
+    for (std::size_t at = bytes.find(rawx); at != std::string::npos; at = bytes.find(rawx)) {
+        const std::size_t length = static_cast<unsigned char>(bytes[at + 4]) + 256U * static_cast<unsigned char>(bytes[at + 5]);
+        bytes.erase(at, length + 8);
+    }
+    const UbxLog r = read_ubx(TextInput::memory(bytes, "a.ubx"), log);
+    EXPECT_TRUE(r.observations.epochs.empty());
+    EXPECT_EQ(r.navigation.kepler.size(), 4U);
+    EXPECT_EQ(r.navigation.kepler.at(0).toe, Time::from_gps(2244, 36000.0));
+}
+
 TEST_F(ReceiverLogs, GlonassStringsWithAWrongBitAreDamaged) {
     const std::string good = seed("ubx"), head("\xb5\x62\x02\x13\x18\x00\x06\x05", 8);
     std::size_t strings = 0;

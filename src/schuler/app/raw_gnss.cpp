@@ -68,6 +68,9 @@ std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig&
     const auto klobuchar = gnss::klobuchar_of(navigation);
     if (!klobuchar && raw.solver.ranges.ionosphere == gnss::IonosphereModel::Broadcast)
         warnings.add("gnss.klobuchar", "the navigation files have no coefficients of the ionosphere: its delay is not corrected");
+    if (!raw.precise.empty() && raw.solver.ranges.ionosphere != gnss::IonosphereModel::Dual)
+        warnings.add("gnss.precise", "precise clocks hold for two frequencies: with one, group delays of up to some metres remain "
+                                     "(gnss.ionosphere = \"dual\" avoids them)");
     gnss::SinglePoint solver(*source, klobuchar, raw.solver);
     gnss::PhaseDifferences differences(*source, raw.solver.ranges);
     std::vector<GnssFix> fixes;

@@ -252,6 +252,7 @@ private:
         GnssFix f;
         f.time = gps_from_utc({year, month, day, hour, minute, static_cast<double>(second)}) +
                  Duration{number_at<std::int32_t>(p, 16)};
+        now_ = f.time;
         const auto signed_at = [&](std::size_t at) { return static_cast<double>(number_at<std::int32_t>(p, at)); };
         const auto unsigned_at = [&](std::size_t at) { return static_cast<double>(number_at<std::uint32_t>(p, at)); };
         f.position = {signed_at(28) * 1e-7 * units::deg, signed_at(24) * 1e-7 * units::deg, signed_at(32) * 1e-3};
