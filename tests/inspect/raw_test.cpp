@@ -29,7 +29,6 @@ protected:
             << line << "\n is not among\n" << testing::PrintToString(report.contents);
     }
 
-private:
     test::TemporaryFolder folder_{"inspect_raw"};
 };
 
@@ -44,6 +43,27 @@ TEST_F(RawFiles, RinexObservations) {
     expect_line(r, "BeiDou: 1 satellite, on average 1.0 an epoch; signals 2I (CLDS)");
     expect_line(r, "approximate position of the header: 0.000000 deg latitude, 0.000000 deg longitude, "
                    "0.0 m above the ellipsoid");
+}
+
+TEST_F(RawFiles, MissingEpochsAndEphemerides) {
+    const auto file = folder_.path() / "holes.obs";
+    {
+        std::ofstream out(file);
+        const auto line = [&](const std::string& text, const std::string& label) {
+            out << text << std::string(60 - text.size(), ' ') << label << '\n';
+        };
+        line("     3.04           OBSERVATION DATA    G", "RINEX VERSION / TYPE");
+        line("G    1 C1C", "SYS / # / OBS TYPES");
+        line("", "END OF HEADER");
+        for (const int second : {0, 1, 2, 4, 5, 6, 20, 21})
+            out << "> 2023 01 08 10 00 " << (second < 10 ? " " : "") << second << ".0000000  0  1\nG03  20000000.000\n";
+    }
+    const InspectReport r = inspect(file);
+    EXPECT_EQ(r.files.at(0).gaps, 1U);
+    expect_line(r.files.at(0),
+                "8 epochs of raw measurements, 2023-01-08 09:59:42 to 2023-01-08 10:00:03 UTC, every 1 s, 14 missing");
+    expect_line(r.files.at(0), "GPS: 1 satellite, on average 1.0 an epoch; signals 1C (C)");
+    EXPECT_EQ(std::ranges::count(r.problems, "there are raw measurements, and no ephemerides", &Problem::text), 1);
 }
 
 TEST_F(RawFiles, RinexNavigationAndPreciseOrbits) {

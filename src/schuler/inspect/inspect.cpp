@@ -98,6 +98,10 @@ void report_lacking(Study& study) {
                           fmt::format("there is already a {}: what follows is inferred without it", file.report.path), "");
     }
     const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("rtcm3") || any("sp3");
+    if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("rtcm3") && !any("sp3")) {
+        study.problem(Level::Warning, "there are raw measurements, and no ephemerides",
+                      "put the navigation file of the same day beside them");
+    }
     if (study.imu_file == nullptr && study.gnss_file == nullptr && raw) return;
     if (study.imu_file == nullptr && study.gnss_file == nullptr) {
         study.problem(Level::Error, "no IMU and no GNSS data were recognised",

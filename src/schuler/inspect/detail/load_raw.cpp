@@ -30,7 +30,7 @@ std::string counted(std::size_t count, const std::string& one, const std::string
 std::string satellites(std::size_t count) { return counted(count, "satellite", "satellites"); }
 
 std::string stamp(Time t) {
-    const Calendar c = utc_from_gps(t);
+    const Calendar c = utc_from_gps(t + Duration{500'000'000});  // the nearest second: receivers' clocks are late or early
     return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}", c.year, c.month, c.day, c.hour, c.minute,
                        static_cast<int>(c.second));
 }
@@ -60,6 +60,8 @@ void describe_systems(const gnss::ObservationLog& log, std::vector<std::string>&
     }
     for (std::size_t i = 0; i < seen.size(); ++i) {
         if (seen[i].numbers.empty()) continue;
+        for (auto& [signal, kinds] : seen[i].kinds)
+            std::ranges::sort(kinds, {}, [](char letter) { return std::string_view("CLDS").find(letter); });
         std::string line = fmt::format("{}: {}, on average {:.1f} an epoch; signals", name_of(static_cast<System>(i)),
                                        satellites(seen[i].numbers.size()),
                                        static_cast<double>(seen[i].satellite_epochs) / static_cast<double>(log.epochs.size()));
@@ -139,7 +141,9 @@ void describe_observations(const io::RawInput& raw, LoadedFile& file) {
         file.time_ns.push_back(epoch.time.ns);
         times.push_back((epoch.time - log.epochs.front().time).seconds());
     }
-    const std::string interval = times.size() > 1 ? fmt::format(", every {:.4g} s", cadence_of(times).step) : "";
+    const Cadence cadence = cadence_of(times);
+    std::string interval = times.size() > 1 ? fmt::format(", every {:.4g} s", cadence.step) : "";
+    if (cadence.missing > 0) interval += fmt::format(", {} missing", cadence.missing);
     out.push_back(fmt::format("{} of raw measurements, {}{}", counted(times.size(), "epoch", "epochs"),
                               span(log.epochs.front().time, log.epochs.back().time), interval));
     if (!log.marker.empty()) out.push_back("marker " + log.marker);
@@ -168,8 +172,6 @@ bool read_raw(LoadedFile& file, io::RawFormat format) {
     if (!raw.fixes.empty())
         file.report.contents.push_back(fmt::format("{} of the receiver itself, {}", counted(raw.fixes.size(), "fix", "fixes"),
                                                    span(raw.fixes.front().time, raw.fixes.back().time)));
-    if (!raw.observations.epochs.empty() && raw.navigation.size() == 0)
-        file.problem(Level::Info, "the file has no ephemerides", "keep the navigation file of the same day beside it");
     for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");
     return true;
 }
