@@ -1,24 +1,17 @@
-// KF-GINS projects and text files from arbitrary bytes: an Error or a result, nothing else. The first byte chooses the reader.
-#include "schuler/core/error.h"
+// KF-GINS projects and text files from arbitrary bytes.
 #include "schuler/io/kfgins.h"
 
-#include <cstddef>
-#include <cstdint>
-#include <string_view>
+#include "fuzz_target.h"
+
+namespace io = schuler::io;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    namespace io = schuler::io;
-    if (size == 0) return 0;
-    const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
-    const io::TextInput input = io::TextInput::memory(text, "input");
-    schuler::WarningLog log;
-    try {
-        switch (data[0] % 4) {
+    return schuler::fuzz::run(data, size, [](unsigned choice, const io::TextInput& input, schuler::WarningLog& log) {
+        switch (choice % 4) {
             case 0: (void)io::read_kfgins_project(input, "/"); break;
             case 1: (void)io::read_kfgins_imu(input, log); break;
             case 2: (void)io::read_kfgins_gnss(input, log); break;
             default: (void)io::is_kfgins_project(input); break;
         }
-    } catch (const schuler::Error&) {}
-    return 0;
+    });
 }

@@ -8,6 +8,8 @@
 
 #include "io/io_fixture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -73,6 +75,11 @@ protected:
         s.ranges.elevation_mask = mask_deg * deg;
         return s;
     }
+    /// The figures of docs/results.md.
+    static void print(const std::string& name, std::size_t ours, std::size_t rnx2rtkp, const Comparison& c) {
+        fmt::print("{}: {} epochs solved, {} by rnx2rtkp; median difference {:.3f} m horizontal, {:.3f} m vertical\n", name, ours,
+                   rnx2rtkp, c.horizontal, c.down);
+    }
     WarningLog log;
 };
 
@@ -88,7 +95,9 @@ TEST_F(Rnx2rtkp, PairOfGeonet) {
         const ObservationLog raw = io::read_rinex_observations(observations, log).log;
         const auto fixes = solved(raw, io::read_rinex_navigation(navigation, log).navigation, with_mask(15.0));
         EXPECT_GE(fixes.size(), 117U);  // of 120; rnx2rtkp solves 115
-        const Comparison c = compare(fixes, theirs(observations, navigation));
+        const auto rtklib = theirs(observations, navigation);
+        const Comparison c = compare(fixes, rtklib);
+        print(name, fixes.size(), rtklib.size(), c);
         EXPECT_GE(c.common, 115U);
         EXPECT_LT(c.horizontal, 0.1);
         EXPECT_LT(c.down, 0.1);
@@ -96,6 +105,7 @@ TEST_F(Rnx2rtkp, PairOfGeonet) {
         const Geodetic header = earth::geodetic_from_ecef(earth::wgs84, raw.approximate);
         Eigen::Vector3d mean = Eigen::Vector3d::Zero();
         for (const Fix& f : fixes) mean += earth::ned_difference({}, f.position, header) / static_cast<double>(fixes.size());
+        fmt::print("  mean from the header's position, m: {:.2f} N {:.2f} E {:.2f} D\n", mean.x(), mean.y(), mean.z());
         EXPECT_LT(mean.norm(), 0.5);
     }
 }
@@ -108,6 +118,7 @@ TEST_F(Rnx2rtkp, ReceiverOnASignalGenerator) {
     const auto fixes = solved(raw, io::read_rinex_navigation(data / "f9p.nav", log).navigation, with_mask(15.0));
     const auto rtklib = theirs(data / "f9p.obs", data / "f9p.nav");
     const Comparison c = compare(fixes, rtklib);
+    print("f9p", fixes.size(), rtklib.size(), c);
     EXPECT_GE(fixes.size(), 925U);  // of 931; rnx2rtkp solves 927
     EXPECT_GE(c.common, 920U);
     EXPECT_LT(c.horizontal, 0.15);

@@ -207,7 +207,7 @@ TEST(RealData, BroadHasNoGnssAndAQuaternionReference) {
 TEST(RealData, RawGnssFilesAreNamed) {
     WITH_DATA(folder, "spirent_f9p_static_ubx");
     const InspectReport& r = report_of(folder);
-    EXPECT_EQ(file_named(r, "f9p.obs")->kind, "rinex");
+    EXPECT_EQ(file_named(r, "f9p.obs")->kind, "rinex_obs");
     EXPECT_EQ(file_named(r, "f9p.ubx")->kind, "ubx");
 }
 

@@ -176,6 +176,38 @@ TEST_F(ReceiverLogs, UbxFramesOfGlonassAndBeiDouAgainstConvbin) {
     EXPECT_TRUE(a.channel == b.channel && a.health == b.health && a.age_days == b.age_days);
 }
 
+TEST_F(ReceiverLogs, UbxEphemeridesSurviveRinex) {
+    const gnss::Navigation before = read_ubx(TextInput::memory(seed("ubx"), "a.ubx"), log).navigation;
+    const std::string text = rinex_navigation_text(before);
+    const gnss::Navigation after = read_rinex_navigation(TextInput::memory(text, "a.nav"), log).navigation;
+    ASSERT_EQ(after.kepler.size(), before.kepler.size());
+    for (const gnss::KeplerEphemeris& b : before.kepler) {
+        const auto a = std::ranges::find(after.kepler, b.satellite, &gnss::KeplerEphemeris::satellite);
+        ASSERT_NE(a, after.kepler.end());
+        EXPECT_TRUE(a->message == b.message && a->toe == b.toe && a->toc == b.toc && a->transmission == b.transmission)
+            << gnss::name_of(b.satellite);
+        EXPECT_TRUE(a->iode == b.iode && a->iodc == b.iodc && a->health == b.health && a->fit_interval == b.fit_interval)
+            << gnss::name_of(b.satellite);
+    }
+    // the time of a GLONASS frame is written in seconds of the week of UTC
+    EXPECT_NE(text.find("R05 2023 01 08 09 45 00"), std::string::npos);
+    EXPECT_EQ(text.substr(text.find("R05 ") + 61, 19), " 3.598200000000E+04");
+}
+
+TEST_F(ReceiverLogs, UbxFramesAreDatedByTheFixToo) {
+    // without RXM-RAWX
+    std::string bytes = seed("ubx");
+    const std::string rawx("\xb5\x62\x02\x15", 4);
+    for (std::size_t at = bytes.find(rawx); at != std::string::npos; at = bytes.find(rawx)) {
+        const std::size_t length = static_cast<unsigned char>(bytes[at + 4]) + 256U * static_cast<unsigned char>(bytes[at + 5]);
+        bytes.erase(at, length + 8);
+    }
+    const UbxLog r = read_ubx(TextInput::memory(bytes, "a.ubx"), log);
+    EXPECT_TRUE(r.observations.epochs.empty());
+    EXPECT_EQ(r.navigation.kepler.size(), 4U);
+    EXPECT_EQ(r.navigation.kepler.at(0).toe, Time::from_gps(2244, 36000.0));
+}
+
 TEST_F(ReceiverLogs, GlonassStringsWithAWrongBitAreDamaged) {
     const std::string good = seed("ubx"), head("\xb5\x62\x02\x13\x18\x00\x06\x05", 8);
     std::size_t strings = 0;
@@ -217,7 +249,8 @@ TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
     SKIP_WITHOUT_DATA();
     if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed";
     const auto file = test::data_folder() / "parser_corpus/rtklib_raw/GMSD7_20121014.rtcm3";
-    const Rtcm3Log rtcm = read_rtcm3(file, gps_from_utc({2012, 10, 14, 0, 0, 0.0}), log);
+    // the ephemerides date the stream, though it is read in another year
+    const Rtcm3Log rtcm = read_rtcm3(file, gps_from_utc({2026, 11, 21, 0, 0, 0.0}), log);
     ASSERT_EQ(rtcm.observations.epochs.size(), 257U);
     EXPECT_GE(rtcm.records.bad, 1U);
     EXPECT_GT(rtcm.records.first_bad_line, 261'000);
@@ -254,6 +287,25 @@ TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
         EXPECT_EQ(at->channel, t.channel);
     }
     EXPECT_GT(theirs.glonass.size(), 5U);
+}
+
+TEST_F(ReceiverLogs, Rtcm3IsDatedByItsEphemeridesOrByTheCaller) {
+    const std::string whole = seed("rtcm3");
+    const Time recorded = Time::from_gps(2244, 36000.0);
+    const auto first_epoch = [&](std::string_view bytes, Time near) {
+        return read_rtcm3(TextInput::memory(bytes, "a.rtcm3"), near, log).observations.epochs.at(0).time;
+    };
+    EXPECT_EQ(first_epoch(whole, recorded), recorded);
+    EXPECT_EQ(first_epoch(whole, Time::from_gps(2244 + 500, 0.0)), recorded);
+    EXPECT_EQ(first_epoch(whole, Time::from_gps(2244 + 3000, 0.0)), recorded);  // by Galileo's weeks, GPS's have begun anew twice
+    // the frame of 1019 alone, and nothing but measurements
+    const std::size_t galileo = whole.find('\xd3', 1), text = whole.find("text between"), glonass = whole.find('\xd3', text);
+    ASSERT_EQ(galileo, 67U);
+    EXPECT_EQ(first_epoch(whole.substr(0, galileo) + whole.substr(text), Time::from_gps(2244 + 900, 0.0)), recorded);
+    EXPECT_TRUE(log.empty());
+    EXPECT_EQ(first_epoch(whole.substr(glonass), Time::from_gps(2300, 0.0)), Time::from_gps(2300, 36000.0));
+    EXPECT_EQ(log.count("a.rtcm3 rtcm.date"), 1U);
+    expect_parts(log.summary().at(0), {"a.rtcm3", "no ephemeris dates", "2024-02-04"});
 }
 
 TEST_F(ReceiverLogs, ForeignFormatsAreRefused) {

@@ -62,6 +62,11 @@ TEST_F(Rinex, ObservationsOfVersion3) {
     EXPECT_EQ(r.log.channels.of_slot[7], gnss::unknown_channel);
     EXPECT_EQ(r.log.approximate.r, Eigen::Vector3d(4000000.1250, 700000.2500, 4900000.5000));
     EXPECT_TRUE(log.empty());
+    // some writers call QZSS Q
+    const RinexObservations q = read(label("     3.04           OBSERVATION DATA    M: MIXED", "RINEX VERSION / TYPE") +
+                                     label("Q    1 C1C", "SYS / # / OBS TYPES") + label("", "END OF HEADER") +
+                                     "> 2023 01 08 10 00  0.0000000  0  1\nQ02  38000000.000\n");
+    EXPECT_EQ(q.log.observations.at(0).satellite, (SatelliteId{System::Qzss, 2}));
     // the first band of BeiDou in early files is B1I
     const RinexObservations c = read(header3() + "> 2023 01 08 10 00  0.0000000  0  1\nC07  36000000.000    36000001.000\n");
     EXPECT_EQ(c.log.observations.at(0).signal, (Signal{'2', 'I'}));

@@ -2,6 +2,7 @@
 
 #include "schuler/app/evaluation_json.h"
 #include "schuler/app/detail/json.h"
+#include "schuler/app/raw_gnss.h"
 #include "schuler/app/trajectory_file.h"
 #include "schuler/inspect/inspect.h"
 
@@ -39,12 +40,14 @@ Outcome evaluate_files(const fs::path& solution, const fs::path& reference, doub
 }
 
 Outcome inspect_path(const fs::path& path) {
-    const inspect::InspectReport report = inspect::inspect(path);
+    inspect::InspectReport report = inspect::inspect(path);
+    if (report.dataset_toml.empty()) report.dataset_toml = raw_dataset_toml(path);
     Json files = Json::array();
     for (const inspect::FileReport& f : report.files) {
         files.push_back({{"path", f.path},
                          {"kind", f.kind},
                          {"columns", f.columns},
+                         {"contents", f.contents},
                          {"rows", f.rows},
                          {"rate_hz", number(f.rate_hz)},
                          {"gaps", f.gaps},

@@ -1,7 +1,7 @@
 #include "schuler/app/convert_raw.h"
 
-#include "schuler/app/raw_input.h"
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/raw_input.h"
 #include "schuler/io/rinex_write.h"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ std::optional<Outcome> convert_raw(const fs::path& in, const fs::path& out, cons
     const std::string wanted = format.empty() ? format_of(out) : format;
     if (wanted != "rinex-obs" && wanted != "rinex-nav") return std::nullopt;
     WarningLog warnings;
-    const RawInput raw = read_raw_input(in, {}, warnings);
+    const io::RawInput raw = io::read_raw_input(in, {}, warnings);
     Outcome outcome;
     if (wanted == "rinex-obs") {
         if (raw.observations.epochs.empty())

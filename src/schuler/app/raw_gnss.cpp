@@ -1,10 +1,9 @@
 #include "schuler/app/raw_gnss.h"
 
 #include "schuler/app/dataset.h"
-#include "schuler/app/raw_input.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/phase_velocity.h"
-#include "schuler/io/rinex.h"
+#include "schuler/io/raw_input.h"
 #include "schuler/io/sp3.h"
 
 #include <fmt/format.h>
@@ -53,10 +52,12 @@ std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const 
 std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig& raw, WarningLog& warnings) {
     gnss::Navigation navigation;
     for (const std::string& file : raw.navigation)
-        navigation.add(read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
+        navigation.add(io::read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
+    // the ephemerides date RTCM streams that have none of their own
+    const std::optional<Time> near = navigation.kepler.empty() ? std::nullopt : std::optional(navigation.kepler.front().toe);
     std::vector<gnss::ObservationLog> logs;
     for (const std::string& file : raw.observations) {
-        RawInput input = read_raw_input(resolved(folder, file, "gnss.observations"), {}, warnings);
+        io::RawInput input = io::read_raw_input(resolved(folder, file, "gnss.observations"), near, warnings);
         navigation.add(input.navigation);
         logs.push_back(std::move(input.observations));
     }
@@ -67,6 +68,9 @@ std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig&
     const auto klobuchar = gnss::klobuchar_of(navigation);
     if (!klobuchar && raw.solver.ranges.ionosphere == gnss::IonosphereModel::Broadcast)
         warnings.add("gnss.klobuchar", "the navigation files have no coefficients of the ionosphere: its delay is not corrected");
+    if (!raw.precise.empty() && raw.solver.ranges.ionosphere != gnss::IonosphereModel::Dual)
+        warnings.add("gnss.precise", "precise clocks hold for two frequencies: with one, group delays of up to some metres remain "
+                                     "(gnss.ionosphere = \"dual\" avoids them)");
     gnss::SinglePoint solver(*source, klobuchar, raw.solver);
     gnss::PhaseDifferences differences(*source, raw.solver.ranges);
     std::vector<GnssFix> fixes;
@@ -102,32 +106,37 @@ std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig&
 std::string raw_dataset_toml(const fs::path& path) {
     std::error_code ec;
     const bool folder = fs::is_directory(path, ec);
-    std::vector<std::string> observations, navigation;
-    for (const auto& entry : fs::directory_iterator(folder                       ? path
-                                                    : path.parent_path().empty() ? fs::path(".")
-                                                                                 : path.parent_path(),
-                                                    ec)) {
+    const fs::path beside = folder ? path : path.parent_path().empty() ? fs::path(".") : path.parent_path();
+    std::vector<std::string> observations, navigation, logs;  // logs of receivers have both
+    for (const auto& entry : fs::directory_iterator(beside, ec)) {
         if (!entry.is_regular_file(ec)) continue;
-        const io::RinexKind kind = io::rinex_kind(io::TextInput(entry.path()));
+        const io::RawFormat format = io::raw_format(entry.path());
         const std::string name = entry.path().filename().string();
-        if (kind == io::RinexKind::Navigation) navigation.push_back(name);
-        if (kind == io::RinexKind::Observation || kind == io::RinexKind::CompactObservation) observations.push_back(name);
+        if (format == io::RawFormat::RinexNavigation) navigation.push_back(name);
+        if (format == io::RawFormat::RinexObservations) observations.push_back(name);
+        if (format == io::RawFormat::Ubx || format == io::RawFormat::Rtcm3) logs.push_back(name);
     }
-    std::ranges::sort(observations);
-    std::ranges::sort(navigation);
+    for (auto* names : {&observations, &navigation, &logs}) std::ranges::sort(*names);
+    const bool only_logs = observations.empty();
+    observations.insert(observations.end(), logs.begin(), logs.end());
     if (!folder) {
         const std::string own = path.filename().string();
         if (std::ranges::find(observations, own) == observations.end()) return {};
         observations = {own};
     }
-    if (observations.empty() || navigation.empty()) return {};
+    const bool complete = !observations.empty() && std::ranges::find(logs, observations.front()) != logs.end();
+    if (observations.empty() || (navigation.empty() && !complete)) return {};
     const auto quoted = [](const std::string& name) { return to_toml(Value{name}); };
-    std::string toml = fmt::format("# Inferred from the RINEX files.\n[gnss]\nobservations = {}\n", quoted(observations.front()));
+    std::string toml = fmt::format("# Inferred from the {} files.\n[gnss]\nobservations = {}\n",
+                                   only_logs && navigation.empty() ? "receiver's" : "RINEX", quoted(observations.front()));
     for (std::size_t i = 1; i < observations.size(); ++i)
         toml += fmt::format("# or observations = {}\n", quoted(observations[i]));
-    toml += "navigation = [";
-    for (std::size_t i = 0; i < navigation.size(); ++i) toml += (i > 0 ? ", " : "") + quoted(navigation[i]);
-    return toml + "]\n[filter]\nscheme = \"gnss\"\n";
+    if (!navigation.empty()) {
+        toml += "navigation = [";
+        for (std::size_t i = 0; i < navigation.size(); ++i) toml += (i > 0 ? ", " : "") + quoted(navigation[i]);
+        toml += "]\n";
+    }
+    return toml + "[filter]\nscheme = \"gnss\"\n";
 }
 
 }  // namespace schuler::app

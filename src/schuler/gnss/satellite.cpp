@@ -36,7 +36,7 @@ double galileo_or_beidou_frequency(System system, char band) {
 char letter_of(System system) { return letters[static_cast<std::size_t>(system)]; }
 
 std::optional<System> system_from_letter(char letter) {
-    const std::size_t i = letters.find(letter);
+    const std::size_t i = letters.find(letter == 'Q' ? 'J' : letter);
     if (i == std::string_view::npos) return std::nullopt;
     return static_cast<System>(i);
 }

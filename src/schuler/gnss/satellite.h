@@ -13,7 +13,7 @@ namespace schuler::gnss {
 enum class System : std::uint8_t { Gps, Glonass, Galileo, BeiDou, Qzss, Sbas, Navic };
 inline constexpr std::size_t system_count = 7;
 
-/// RINEX letter: G R E C J S I.
+/// RINEX letter: G R E C J S I. Q, which some writers give QZSS, is understood too.
 [[nodiscard]] char letter_of(System system);
 [[nodiscard]] std::optional<System> system_from_letter(char letter);
 

@@ -76,7 +76,8 @@ private:
     std::vector<Range> ranges_;
 };
 
-/// The coefficients to use: GPS's, else those of another system, for all follow the same formula.
+/// The coefficients to use: GPS's, else those of QZSS, BeiDou or NavIC, which have the same form. BeiDou's own model knows no
+/// magnetic latitude, so that with its coefficients alone the delay is rougher.
 [[nodiscard]] std::optional<KlobucharCoefficients> klobuchar_of(const Navigation& navigation);
 
 }  // namespace schuler::gnss

@@ -32,7 +32,10 @@ std::string describe(const InspectReport& report) {
     std::string out = fmt::format("{}\n\nFiles (* used)\n", report.path);
     std::size_t width = 8, key_width = 8;
     for (const FileReport& file : report.files) width = std::max(width, file.path.size());
-    for (const FileReport& file : report.files) out += file_line(file, width) + "\n";
+    for (const FileReport& file : report.files) {
+        out += file_line(file, width) + "\n";
+        for (const std::string& line : file.contents) out += "      " + line + "\n";
+    }
     if (report.files.empty()) out += "  none\n";
 
     if (!report.findings.empty()) out += "\nFound in the data\n";

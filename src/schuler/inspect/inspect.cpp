@@ -97,7 +97,13 @@ void report_lacking(Study& study) {
             study.problem(Level::Info,
                           fmt::format("there is already a {}: what follows is inferred without it", file.report.path), "");
     }
-    if (study.imu_file == nullptr && study.gnss_file == nullptr && !any("rinex") && !any("ubx")) {
+    const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("rtcm3") || any("sp3");
+    if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("rtcm3") && !any("sp3")) {
+        study.problem(Level::Warning, "there are raw measurements, and no ephemerides",
+                      "put the navigation file of the same day beside them");
+    }
+    if (study.imu_file == nullptr && study.gnss_file == nullptr && raw) return;
+    if (study.imu_file == nullptr && study.gnss_file == nullptr) {
         study.problem(Level::Error, "no IMU and no GNSS data were recognised",
                       "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ... and time_s, lat_deg, lon_deg, height_m, or "
                       "map them with columns = { ... } in dataset.toml");

@@ -22,8 +22,9 @@ struct Problem {
 struct FileReport {
     std::string path;                 ///< relative to the folder
     std::string kind;  ///< imu, gnss, baro, mag, reference, rtklib_pos, nmea, kfgins_yaml, kfgins_imu, kfgins_gnss,
-        ///< kfgins_reference, dataset_toml, rinex, ubx, unknown
+        ///< kfgins_reference, dataset_toml, rinex_obs, rinex_nav, rinex, ubx, rtcm3, sp3, unknown
     std::vector<std::string> columns;  ///< as the file names them
+    std::vector<std::string> contents;  ///< what raw measurements and ephemerides hold, a line each
     std::size_t rows = 0;
     double rate_hz = 0.0;  ///< 1 / median step
     std::size_t gaps = 0;  ///< steps longer than 3 times the median

@@ -16,9 +16,8 @@ struct CloseGz {
     void operator()(gzFile file) const { gzclose(file); }
 };
 
-}  // namespace
-
-std::string read_bytes(const TextInput& input, std::size_t limit) {
+/// Reads until the end or until there are more than `limit` bytes.
+std::string read_until(const TextInput& input, std::size_t limit) {
     if (input.in_memory()) return std::string(input.content());
     std::error_code ec;
     if (std::filesystem::is_directory(input.name(), ec))
@@ -27,7 +26,7 @@ std::string read_bytes(const TextInput& input, std::size_t limit) {
         throw input_error("no such file", place_in(input.name()), "check the path; relative paths start at the current folder");
     const std::unique_ptr<gzFile_s, CloseGz> file(gzopen(input.name().c_str(), "rb"));
     if (!file) throw input_error("cannot be opened", place_in(input.name()), "check the permissions");
-    constexpr std::size_t chunk = 1024 * 1024;
+    const std::size_t chunk = std::min<std::size_t>(limit, 1024 * 1024) + 1;
     gzbuffer(file.get(), 256 * 1024);
     std::string bytes;
     const std::uintmax_t on_disk = std::filesystem::file_size(input.name(), ec);
@@ -43,10 +42,23 @@ std::string read_bytes(const TextInput& input, std::size_t limit) {
                 fmt::format("cannot be read, or the compressed file is damaged or cut ({})", text != nullptr ? text : ""),
                 place_in(input.name()), "copy or compress it again");
         bytes.resize(before + static_cast<std::size_t>(n));
-        if (n == 0) return bytes;
-        if (bytes.size() > limit)
-            throw input_error(fmt::format("is larger than {} bytes", limit), place_in(input.name()), "is it the right file?");
+        if (n == 0 || bytes.size() > limit) return bytes;
     }
+}
+
+}  // namespace
+
+std::string read_bytes(const TextInput& input, std::size_t limit) {
+    std::string bytes = read_until(input, limit);
+    if (bytes.size() > limit)
+        throw input_error(fmt::format("is larger than {} bytes", limit), place_in(input.name()), "is it the right file?");
+    return bytes;
+}
+
+std::string read_head(const TextInput& input, std::size_t count) {
+    std::string bytes = read_until(input, count);
+    bytes.resize(std::min(bytes.size(), count));
+    return bytes;
 }
 
 }  // namespace schuler::io

@@ -13,6 +13,10 @@ namespace schuler::io {
 /// @throws Error(Input): no such file, a directory, not readable, damaged or cut compression, more than `limit` bytes.
 [[nodiscard]] std::string read_bytes(const TextInput& input, std::size_t limit = std::size_t{4} << 30);
 
+/// The first `count` bytes of the input, or as many as there are, decompressed: to tell formats apart without reading it all.
+/// @throws as read_bytes does
+[[nodiscard]] std::string read_head(const TextInput& input, std::size_t count);
+
 /// Lines of a text in memory, without their ends (LF, CR LF); the last one needs none.
 class Lines {
 public:

@@ -235,19 +235,24 @@ private:
             if (hours >= 2.0 && hours <= 200.0) k.fit_interval = hours * 3600.0;
         }
         if (id.system == System::BeiDou) k.iodc = detail::whole(value_or_zero(r, 7, 1));
-        k.message = message_of(r, id.system);
+        k.message = message_of(r, id);
         const double sent = value(r, 7, 0);
         detail::set_times(k, toe, sent);
         return r.count >= 8 && detail::is_sound(k) && add(result.navigation.kepler, k);
     }
 
-    [[nodiscard]] gnss::NavMessage message_of(const Record& r, System system) const {
+    [[nodiscard]] gnss::NavMessage message_of(const Record& r, gnss::SatelliteId id) const {
+        const System system = id.system;
         if (system == System::Galileo) {
             constexpr int clock_of_e5a = 256;
             if (version_ >= 4.0) return r.message == "FNAV" ? gnss::NavMessage::Fnav : gnss::NavMessage::Inav;
             return (detail::whole(value_or_zero(r, 5, 1)) & clock_of_e5a) != 0 ? gnss::NavMessage::Fnav : gnss::NavMessage::Inav;
         }
-        if (system == System::BeiDou) return r.message == "D2" ? gnss::NavMessage::D2 : gnss::NavMessage::D1;
+        if (system == System::BeiDou) {
+            // before version 4 the satellite alone tells
+            const bool d2 = version_ >= 4.0 ? r.message == "D2" : gnss::is_geostationary_beidou(id);
+            return d2 ? gnss::NavMessage::D2 : gnss::NavMessage::D1;
+        }
         return gnss::NavMessage::Lnav;
     }
 

@@ -288,7 +288,8 @@ RinexObservations read_rinex_observations(const TextInput& input, WarningLog& lo
 
 RinexKind rinex_kind(const TextInput& input) {
     try {
-        const std::string text = read_bytes(input);
+        constexpr std::size_t enough = 4096;
+        const std::string text = read_head(input, enough);
         if (is_compact_rinex(text)) return RinexKind::CompactObservation;
         Lines lines(text);
         for (int i = 0; i < 20 && lines.next(); ++i) {

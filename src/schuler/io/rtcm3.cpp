@@ -31,23 +31,51 @@ std::optional<std::string_view> payload_at(std::string_view bytes) {
     return bytes.substr(head, length);
 }
 
+/// Calls `frame(payload, offset)` for each good frame and `damaged(offset)` for what only begins like one. False ends the search.
+template <class Frame, class Damaged>
+void each_frame(std::string_view bytes, Frame frame, Damaged damaged) {
+    for (std::size_t at = bytes.find(preamble); at != std::string_view::npos; at = bytes.find(preamble, at)) {
+        const auto payload = payload_at(bytes.substr(at));
+        if (!payload) damaged(at);
+        if (payload && !frame(*payload, at)) return;
+        at += payload ? payload->size() + 6 : 1;
+    }
+}
+
+int number_of(std::string_view payload) { return static_cast<int>(detail::Bits(payload).at(0, 12)); }
+
+/// The date of a stream by its first ephemeris of the system that counts the most weeks; a recording cannot be later than `near`.
+std::optional<Time> date_of(std::string_view bytes, Time near) {
+    constexpr Duration doubt{gnss::week_ns};  // of clocks that set the times of files
+    std::optional<detail::MessageDate> best;
+    each_frame(
+        bytes,
+        [&](std::string_view payload, std::size_t) {
+            const auto date = detail::rtcm3_date(payload, number_of(payload), near + doubt);
+            if (date && (!best || date->wrap > best->wrap)) best = date;
+            constexpr int weeks_of_gps = 1024;
+            return !best || best->wrap <= weeks_of_gps;
+        },
+        [](std::size_t) {});
+    return best ? std::optional<Time>(best->reference) : std::nullopt;
+}
+
 class Rtcm3Reader {
 public:
     explicit Rtcm3Reader(Time near) : now_(near) {}
 
     void read(std::string_view bytes) {
-        for (std::size_t at = bytes.find(preamble); at != std::string_view::npos; at = bytes.find(preamble, at)) {
-            const auto payload = payload_at(bytes.substr(at));
-            if (!payload) {
+        each_frame(
+            bytes,
+            [&](std::string_view payload, std::size_t at) {
+                ++frames_;
+                message(payload, at);
+                return true;
+            },
+            [&](std::size_t at) {
                 // text between frames may hold the preamble's byte: a frame is damaged only where frames had been before
                 if (frames_ > 0) bad(at);
-                ++at;
-                continue;
-            }
-            ++frames_;
-            message(*payload, at);
-            at += payload->size() + 6;
-        }
+            });
         finish_epoch();
     }
 
@@ -60,7 +88,7 @@ private:
 
     void message(std::string_view payload, std::size_t offset) {
         if (payload.size() < 2) return;
-        const int number = static_cast<int>(detail::Bits(payload).at(0, 12));
+        const int number = number_of(payload);
         Decoded decoded = Decoded::Foreign;
         if (detail::is_msm(number)) {
             detail::MsmEpoch epoch;
@@ -82,7 +110,8 @@ private:
 
     void add(detail::MsmEpoch& epoch) {
         auto& log = result.observations;
-        // Some senders give BeiDou's messages the GPS time of the others; the flag of the message before says that they belong together.
+        // Some senders give BeiDou's messages the GPS time of the others; the flag of the message before says that they belong
+        // together.
         if (more_ && epoch.time - current_.time == gnss::lag_of(gnss::System::BeiDou)) epoch.time = current_.time;
         more_ = epoch.more;
         if (epoch.time != current_.time || log.observations.size() == current_.first) {
@@ -127,8 +156,15 @@ private:
 
 Rtcm3Log read_rtcm3(const TextInput& input, Time near, WarningLog& log) {
     const std::string bytes = read_bytes(input);
-    Rtcm3Reader reader(near);
+    const std::optional<Time> date = date_of(bytes, near);
+    Rtcm3Reader reader(date.value_or(near));
     reader.read(bytes);
+    if (!date && !reader.result.observations.epochs.empty()) {
+        const Calendar c = utc_from_gps(reader.result.observations.epochs.front().time);
+        log.add(input.name() + " rtcm.date",
+                fmt::format("{}: no ephemeris dates the stream: taken as of {:04}-{:02}-{:02}",
+                            input.name(), c.year, c.month, c.day));
+    }
     const RecordCounts& r = reader.result.records;
     if (r.read == 0)
         throw input_error(fmt::format("there is no usable RTCM 3 message ({} damaged, {} of other kinds)", r.bad, r.foreign),
@@ -141,8 +177,9 @@ Rtcm3Log read_rtcm3(const TextInput& input, Time near, WarningLog& log) {
 
 bool is_rtcm3(const TextInput& input) {
     try {
-        const std::string bytes = read_bytes(input);
-        const std::string_view head = std::string_view(bytes).substr(0, 100'000);
+        constexpr std::size_t enough = 100'000;
+        const std::string bytes = read_head(input, enough);
+        const std::string_view head = bytes;
         for (std::size_t at = head.find(preamble); at != std::string_view::npos; at = head.find(preamble, at + 1)) {
             if (const auto payload = payload_at(head.substr(at)); payload && payload->size() >= 2) return true;
         }

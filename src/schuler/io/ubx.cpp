@@ -252,6 +252,7 @@ private:
         GnssFix f;
         f.time = gps_from_utc({year, month, day, hour, minute, static_cast<double>(second)}) +
                  Duration{number_at<std::int32_t>(p, 16)};
+        now_ = f.time;
         const auto signed_at = [&](std::size_t at) { return static_cast<double>(number_at<std::int32_t>(p, at)); };
         const auto unsigned_at = [&](std::size_t at) { return static_cast<double>(number_at<std::uint32_t>(p, at)); };
         f.position = {signed_at(28) * 1e-7 * units::deg, signed_at(24) * 1e-7 * units::deg, signed_at(32) * 1e-3};
@@ -303,8 +304,9 @@ UbxLog read_ubx(const TextInput& input, WarningLog& log) {
 
 bool is_ubx(const TextInput& input) {
     try {
-        const std::string bytes = read_bytes(input);
-        const std::string_view head = std::string_view(bytes).substr(0, 100'000);
+        constexpr std::size_t enough = 100'000;
+        const std::string bytes = read_head(input, enough);
+        const std::string_view head = bytes;
         Message m;
         for (std::size_t at = head.find("\xb5\x62"); at != std::string_view::npos; at = head.find("\xb5\x62", at + 2)) {
             if (message_at(head.substr(at), m) == Scan::Message) return true;

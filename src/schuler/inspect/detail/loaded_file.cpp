@@ -137,7 +137,8 @@ void report_cadence(LoadedFile& file) {
     const double origin = static_cast<double>(file.cadence_origin_ns) * 1e-9;
     file.report.start_s = origin + c.start;
     file.report.stop_s = origin + c.stop;
-    const bool sampled = file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss;
+    const bool raw = !file.table && !file.report.contents.empty();
+    const bool sampled = raw || file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss;
     if (!c.gaps.empty() && sampled) {
         const auto longest =
             std::max_element(c.gaps.begin(), c.gaps.end(), [](const Gap& a, const Gap& b) { return a.length < b.length; });
@@ -169,7 +170,7 @@ void report_cadence(LoadedFile& file) {
                      fmt::format("{} rows repeat the time of the row before", c.duplicates),
                      "nothing to do: exact repetitions are dropped");
     }
-    if (c.rows < 2)
+    if (c.rows < 2 && !raw)
         file.problem(Level::Error, fmt::format("only {} usable row{}", c.rows, c.rows == 1 ? "" : "s"),
                      "check that the log was copied completely");
 }

@@ -26,21 +26,9 @@ bool contains(const std::string& text, std::string_view what) { return text.find
 
 bool is_binary(const std::string& head) { return contains(head, std::string_view("\0", 1)); }
 
-// A UBX frame with its checksum right (Fletcher over class, id, length and payload; u-blox interface description).
-bool is_ubx(const std::string& head) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(head[i])); };
-    for (std::size_t at = head.find("\xb5\x62"); at != std::string::npos && at + 8 <= head.size();
-         at = head.find("\xb5\x62", at + 1)) {
-        const std::size_t length = byte(at + 4) + 256U * byte(at + 5), end = at + 6 + length;
-        if (end + 2 > head.size()) continue;
-        unsigned a = 0, b = 0;
-        for (std::size_t i = at + 2; i < end; ++i) {
-            a = (a + byte(i)) & 0xffU;
-            b = (b + a) & 0xffU;
-        }
-        if (byte(end) == a && byte(end + 1) == b) return true;
-    }
-    return false;
+// A first line of SP3: "#", version a to d, position or velocity records.
+bool is_sp3(const std::string& head) {
+    return head.size() > 2 && head[0] == '#' && head[1] >= 'a' && head[1] <= 'd' && (head[2] == 'P' || head[2] == 'V');
 }
 
 // Numbers of the sample rows of a table without header, column by column.
@@ -239,10 +227,15 @@ void recognise_and_read(LoadedFile& file) {
     const std::string extension = file.path.extension().string();
     if (head.empty()) {
         file.problem(Level::Error, "the file is empty", "check that the log was written and copied completely");
-    } else if (contains(head.substr(0, 200), "RINEX VERSION")) {
+        return;
+    }
+    const io::RawFormat raw = io::raw_format(file.path);
+    if (raw != io::RawFormat::None && read_raw(file, raw)) return;
+    if (contains(head.substr(0, 200), "RINEX VERSION")) {
         file.report.kind = "rinex";
-    } else if (is_ubx(head)) {
-        file.report.kind = "ubx";
+        file.problem(Level::Info, "RINEX of another kind than observations and navigation", "");
+    } else if (is_sp3(head)) {
+        read_precise_orbits(file);
     } else if (extension == ".yaml" || extension == ".yml") {
         if (io::is_kfgins_project(io::TextInput(file.path)))
             file.report.kind = "kfgins_yaml";

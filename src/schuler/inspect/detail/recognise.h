@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/inspect/detail/loaded_file.h"
+#include "schuler/io/raw_input.h"
 #include "schuler/io/table.h"
 
 namespace schuler::inspect::detail {
@@ -14,6 +15,12 @@ void read_table(LoadedFile& file, const io::TableLayout& layout);
 
 /// Reads a log of kind rtklib_pos or nmea through its reader of room io.
 void read_receiver_solution(LoadedFile& file);
+
+/// Says what raw measurements or ephemerides hold; times are those of the epochs. False where the file is better read as NMEA.
+[[nodiscard]] bool read_raw(LoadedFile& file, io::RawFormat format);
+
+/// Likewise for precise orbits (SP3).
+void read_precise_orbits(LoadedFile& file);
 
 /// Times of the rows are judged by their steps: a unit other than the one assumed by name or size, where the rate were absurd.
 void judge_time_unit(LoadedFile& file, const io::TableLayout& layout);

@@ -2,6 +2,9 @@
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/detail/rtcm3_messages.h"
 
+#include <algorithm>
+#include <array>
+
 namespace schuler::io::detail {
 namespace {
 
@@ -129,6 +132,18 @@ gnss::GlonassEphemeris glonass(Bits& b, Time now) {
     return g;
 }
 
+/// Where a message has its count of weeks and the clock's reference time, in bits.
+struct DateFields {
+    int number;
+    System system;
+    std::size_t week_at, week_bits, toc_at, toc_bits;
+    double toc_unit;
+};
+constexpr std::array<DateFields, 4> date_fields = {{{1019, System::Gps, 18, 10, 56, 16, 16.0},
+                                                    {1042, System::BeiDou, 18, 13, 54, 17, 8.0},
+                                                    {1045, System::Galileo, 18, 12, 62, 14, 60.0},
+                                                    {1046, System::Galileo, 18, 12, 62, 14, 60.0}}};
+
 template <class Ephemeris>
 Decoded add(const Bits& bits, std::vector<Ephemeris>& to, const Ephemeris& e) {
     if (!bits.ok() || e.satellite.number == 0 || !is_sound(e)) return Decoded::Damaged;
@@ -137,6 +152,17 @@ Decoded add(const Bits& bits, std::vector<Ephemeris>& to, const Ephemeris& e) {
 }
 
 }  // namespace
+
+std::optional<MessageDate> rtcm3_date(std::string_view payload, int number, Time latest) {
+    const auto* f = std::ranges::find(date_fields, number, &DateFields::number);
+    if (f == date_fields.end() || 8 * payload.size() < f->toc_at + f->toc_bits) return std::nullopt;
+    const Bits bits(payload);
+    const int count = static_cast<int>(bits.at(f->week_at, f->week_bits)), wrap = 1 << f->week_bits;
+    const double toc = f->toc_unit * static_cast<double>(bits.at(f->toc_at, f->toc_bits));
+    Time t = from_week_count(f->system, count, wrap, toc, latest);
+    if (t > latest) t.ns -= wrap * gnss::week_ns;
+    return MessageDate{t, wrap};
+}
 
 Decoded rtcm3_ephemeris(std::string_view payload, int number, Time now, gnss::Navigation& n) {
     Bits bits(payload);

@@ -15,6 +15,14 @@ enum class Decoded { Used, Foreign, Damaged };
 /// Ephemeris of a message, added where it is new. `now` is within half a week.
 [[nodiscard]] Decoded rtcm3_ephemeris(std::string_view payload, int number, Time now, gnss::Navigation& navigation);
 
+/// What an ephemeris tells about the date.
+struct MessageDate {
+    Time reference;                      ///< of its clock, in the last week of that count which is not after a given instant
+    int wrap = 0;                        ///< weeks after which the count begins anew
+};
+/// Nothing for messages that count no weeks.
+[[nodiscard]] std::optional<MessageDate> rtcm3_date(std::string_view payload, int number, Time latest);
+
 /// Measurements of one multiple-signal message, and their instant.
 struct MsmEpoch {
     Time time;

@@ -1,0 +1,32 @@
+// One file of raw measurements or ephemerides, whatever its format.
+#pragma once
+
+#include "schuler/core/log.h"
+#include "schuler/core/samples.h"
+#include "schuler/core/time.h"
+#include "schuler/gnss/ephemeris.h"
+#include "schuler/gnss/observation.h"
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace schuler::io {
+
+enum class RawFormat { None, RinexObservations, RinexNavigation, Ubx, Rtcm3 };
+
+/// By the first bytes. Never throws on content.
+[[nodiscard]] RawFormat raw_format(const std::filesystem::path& file);
+
+struct RawInput {
+    gnss::ObservationLog observations;           ///< empty where the file has none
+    gnss::Navigation navigation;
+    std::vector<GnssFix> fixes;                  ///< the receiver's own (UBX)
+};
+
+/// Reads RINEX observations or navigation, UBX or RTCM 3, recognised by content. `near` is for RTCM 3 without ephemerides, whose
+/// measurements carry no date: less than half a week from its start; not given: the time the file was last written.
+/// @throws Error(Input): none of these, or damaged beyond use.
+[[nodiscard]] RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> near, WarningLog& warnings);
+
+}  // namespace schuler::io
