@@ -89,7 +89,7 @@ app::Outcome perform(const cli::Options& o) {
     request.seed = o.seed;
     request.version = SCHULER_VERSION;
     request.above = cli::settings_of(o);
-    cli::ProgressBar bar(!o.quiet);
+    cli::ProgressBar bar(!o.quiet, o.progress == "lines");
     request.progress = [&bar](double done_part) { bar.show(done_part); };
     if (o.command == "process") return app::process_dataset(request);
     if (o.command == "ahrs") return app::ahrs_dataset({request, o.filter, o.six_axis, o.offline, o.calibrate});
@@ -143,6 +143,10 @@ int main(int argc, char** argv) {
         return input_unusable;
     }
     try {
+        if (options.command == "ui") {
+            cli::serve_page(options);
+            return flushed(done);
+        }
         show(perform(options), options);
         return flushed(done);
     } catch (const Error& e) {
