@@ -1,0 +1,199 @@
+// One run: live while it works, then its views.
+import { api, watchRuns, type RunDetails, type RunEvent } from "../api";
+import { h, replace, saveAs, tell } from "../dom";
+import { t } from "../i18n";
+import type { Page } from "../page";
+import { Linked } from "../plots/linked";
+import { TimePlot, linkCursors } from "../plots/timeplot";
+import { overview } from "./overview";
+import { stateBadge } from "./start";
+import { trackView, type View } from "./track";
+import { tableView } from "./values";
+import { errorPlots, innovationPlots, motionPlots, sensorPlots } from "./views";
+
+function plotsView(plots: TimePlot[], linked: Linked, note = ""): View {
+  linkCursors(plots, linked);
+  const element = h(
+    "div",
+    null,
+    note && h("p", { class: "muted" }, note),
+    plots.length === 0 && h("p", { class: "muted" }, t("plot.empty")),
+    h("div", { class: "plots" }, ...plots.map((p) => p.element)),
+  );
+  return { element, redraw: () => plots.forEach((p) => p.redraw()) };
+}
+
+async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
+  const bar = h("progress", { max: 1, value: run.progress ?? 0, "aria-label": t("run.working") });
+  const log = h("pre", { class: "log", tabIndex: 0 });
+  const words = h("p", null, t(run.state === "waiting" ? "run.queue" : "run.working"));
+  const refresh = async () => (log.textContent = await api.log(run.id));
+  const timer = window.setInterval(() => void refresh(), 1500);
+  const stop = watchRuns((e: RunEvent) => {
+    if (e.id !== run.id) return;
+    bar.value = e.progress;
+    words.textContent = `${t(e.state === "waiting" ? "run.queue" : "run.working")} ${Math.round(100 * e.progress)} %`;
+    if (e.state !== "waiting" && e.state !== "running") done();
+  });
+  void refresh();
+  const element = h(
+    "div",
+    null,
+    h("h1", null, run.title),
+    h(
+      "section",
+      { class: "card" },
+      words,
+      bar,
+      h(
+        "p",
+        null,
+        h(
+          "button",
+          { type: "button", onClick: () => void api.cancel(run.id).catch((e: Error) => tell(e.message, "error")) },
+          t("run.cancel"),
+        ),
+      ),
+      h("h2", null, t("run.log")),
+      log,
+    ),
+  );
+  return { title: run.title, element, close: () => (stop(), window.clearInterval(timer)) };
+}
+
+const tabs = ["overview", "track", "errors", "sensors", "innovations", "motion", "table", "report", "log"] as const;
+
+async function finished(run: RunDetails, first: string): Promise<Page> {
+  const groups = run.files.includes("run.h5") ? await api.channels(run.id) : [];
+  const stops = groups.map((g) => g.stop_s).filter((x): x is number => x !== null);
+  const linked = new Linked(0, Math.max(1e-3, ...stops));
+  linked.spans = (run.summary?.outages ?? []).map((o) => ({
+    from: o.start_s,
+    to: o.start_s + o.duration_s,
+    label: t("outage.title"),
+  }));
+  const place = h("div", { class: "view", role: "tabpanel", id: "view", tabIndex: 0 });
+  const made = new Map<string, View>();
+  let current = "";
+  const make = async (name: string): Promise<View> => {
+    const plain = (element: HTMLElement): View => ({ element, redraw: () => undefined });
+    switch (name) {
+      case "track":
+        return trackView(run.id, groups, linked);
+      case "errors":
+        return plotsView(
+          errorPlots(run.id, groups, linked),
+          linked,
+          groups.some((g) => g.group === "/errors") ? "" : t("view.no_reference"),
+        );
+      case "sensors":
+        return plotsView(sensorPlots(run.id, groups, linked), linked);
+      case "innovations":
+        return plotsView(innovationPlots(run.id, groups, linked), linked);
+      case "motion":
+        return plotsView(motionPlots(run.id, groups, linked), linked);
+      case "table":
+        return tableView(run.id, groups, linked);
+      case "report": {
+        const url = api.fileUrl(run.id, "report.html");
+        return plain(
+          h(
+            "div",
+            null,
+            h(
+              "p",
+              null,
+              h("a", { href: url, target: "_blank", rel: "noopener" }, t("run.print")),
+              " · ",
+              h("a", { href: api.fileUrl(run.id, "report.html", true) }, "report.html"),
+            ),
+            h("iframe", { class: "report", src: url, title: t("run.report") }),
+          ),
+        );
+      }
+      case "log": {
+        const text = await api.log(run.id);
+        return plain(
+          h(
+            "div",
+            null,
+            h("button", { type: "button", onClick: () => saveAs(new Blob([text]), "log.txt") }, "log.txt"),
+            h("pre", { class: "log", tabIndex: 0 }, text),
+          ),
+        );
+      }
+      default:
+        return plain(overview(run));
+    }
+  };
+  const buttons = tabs
+    .filter((name) => !["track", "errors", "sensors", "innovations", "motion", "table"].includes(name) || groups.length > 0)
+    .filter((name) => name !== "report" || run.files.includes("report.html"))
+    .map((name) =>
+      h(
+        "button",
+        { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": "view", onClick: () => void show(name) },
+        t(`tab.${name}`),
+      ),
+    );
+  const show = async (name: string) => {
+    current = name;
+    history.replaceState(null, "", `#/run/${encodeURIComponent(run.id)}/${name}`);
+    for (const b of buttons) {
+      b.setAttribute("aria-selected", String(b.id === `tab-${name}`));
+      b.tabIndex = b.id === `tab-${name}` ? 0 : -1;
+    }
+    place.setAttribute("aria-labelledby", `tab-${name}`);
+    try {
+      if (!made.has(name)) made.set(name, await make(name));
+      if (current === name) replace(place, made.get(name)!.element);
+    } catch (e) {
+      replace(place, h("p", { class: "bad", role: "alert" }, (e as Error).message));
+    }
+  };
+  const list = h("div", { class: "tabs", role: "tablist", "aria-label": run.title }, ...buttons);
+  list.addEventListener("keydown", (e) => {
+    const by = { ArrowLeft: -1, ArrowRight: 1 }[e.key];
+    if (!by) return;
+    const at = buttons.findIndex((b) => b.id === `tab-${current}`);
+    const next = buttons[(at + by + buttons.length) % buttons.length]!;
+    next.focus();
+    next.click();
+  });
+  const others = (await api.runs()).filter((r) => r.id !== run.id && r.state === "done");
+  const compare = h(
+    "select",
+    {
+      "aria-label": t("run.compare"),
+      onChange: () => (location.hash = `#/compare/${encodeURIComponent(run.id)}/${encodeURIComponent(compare.value)}`),
+    },
+    h("option", { value: "" }, `${t("run.compare")} …`),
+    ...others.map((r) => h("option", { value: r.id }, r.title)),
+  );
+  const element = h(
+    "div",
+    { class: "run" },
+    h(
+      "div",
+      { class: "bar" },
+      h("h1", null, run.title),
+      stateBadge(run),
+      h("span", { class: "grow" }),
+      others.length > 0 && compare,
+      run.files.includes("scenario.toml") &&
+        h("a", { class: "button", href: `#/scenario?run=${encodeURIComponent(run.id)}` }, t("run.again")),
+      run.dataset && h("a", { class: "button", href: `#/data/${encodeURIComponent(run.dataset)}` }, t("run.again")),
+    ),
+    run.state === "failed" && h("p", { class: "bad", role: "alert" }, `${t("run.failed")}: ${run.message}`),
+    list,
+    place,
+  );
+  await show(first !== "" && buttons.some((b) => b.id === `tab-${first}`) ? first : run.state === "done" ? "overview" : "log");
+  return { title: run.title, element, redraw: () => made.forEach((v) => v.redraw()) };
+}
+
+export async function runPage(id: string, tab: string): Promise<Page> {
+  const run = await api.run(id);
+  if (run.state !== "waiting" && run.state !== "running") return finished(run, tab);
+  return whileWorking(run, () => window.dispatchEvent(new HashChangeEvent("hashchange")));
+}
