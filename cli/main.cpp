@@ -91,7 +91,7 @@ app::Outcome perform(const cli::Options& o) {
     request.seed = o.seed;
     request.version = SCHULER_VERSION;
     request.above = cli::settings_of(o);
-    cli::ProgressBar bar(!o.quiet);
+    cli::ProgressBar bar(!o.quiet, o.progress == "lines");
     request.progress = [&bar](double done_part) { bar.show(done_part); };
     if (o.command == "process") return app::process_dataset(request);
     if (o.command == "gravity" && o.runs.value_or(1) > 1) return app::gravity_campaign({request, static_cast<int>(*o.runs)});
@@ -147,6 +147,10 @@ int main(int argc, char** argv) {
         return input_unusable;
     }
     try {
+        if (options.command == "ui") {
+            cli::serve_page(options);
+            return flushed(done);
+        }
         show(perform(options), options);
         return flushed(done);
     } catch (const Error& e) {

@@ -45,6 +45,9 @@ void add_processing(CLI::App& app, Options& o) {
     app.add_option("--outputs", o.outputs, "what is written: solution,summary,h5,report,kml,config (default all)")
         ->type_name("LIST");
     app.add_option("--output-rate", o.output_rate, "rate of the solution, default 10; 0 = every IMU epoch")->type_name("HZ");
+    app.add_option("--progress", o.progress, "lines: \"progress 0.5\" on standard error, for programs")
+        ->check(CLI::IsMember({"lines"}))
+        ->type_name("FORM");
 }
 
 CLI::App* add_command(CLI::App& parser, Options& o, const std::string& name, const std::string& purpose,
@@ -198,6 +201,7 @@ void add_commands(CLI::App& parser, Options& o) {
     };
     add_gravity_command(parser, o, add);
     add_analyze_command(parser, o, add);
+    add_ui_command(parser, o, add);
 }
 
 app::SettingList settings_of(const Options& o) {

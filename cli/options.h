@@ -26,6 +26,10 @@ struct Options {
     std::string topic, prefix;
     std::string filter = "mekf";       ///< of ahrs
     bool six_axis = false, offline = false, calibrate = false;
+    std::string progress;              ///< "lines": for programs that read standard error
+    std::string host = "127.0.0.1", workspace = "out", open;  ///< of ui
+    std::optional<int> port;
+    int max_upload_mb = 2048;
     bool smooth = false, json = false, quiet = false;
     app::EquatorRequest equator;
     app::SchulerRequest schuler;
@@ -43,6 +47,12 @@ void add_commands(CLI::App& parser, Options& options);
 
 /// How a command is declared: parent, name, purpose, examples.
 using AddCommand = std::function<CLI::App*(CLI::App&, const std::string&, const std::string&, const std::string&)>;
+
+/// `ui`.
+void add_ui_command(CLI::App& parser, Options& options, const AddCommand& add_command);
+
+/// Serves the page of `ui` until the process is told to end.
+void serve_page(const Options& options);
 
 /// `analyze` and its studies; Options::command becomes "analyze equator" and so on.
 void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& add_command);

@@ -1,4 +1,4 @@
-// A progress bar on standard error, on a terminal only.
+// A progress bar on standard error, on a terminal only; or lines for a program that reads them.
 #pragma once
 
 #include <unistd.h>
@@ -10,9 +10,9 @@ namespace schuler::cli {
 /// Draws while it lives, leaves an empty line behind.
 class ProgressBar {
 public:
-    explicit ProgressBar(bool wanted) : active_(wanted && isatty(STDERR_FILENO) != 0) {}
+    ProgressBar(bool wanted, bool lines) : active_(lines || (wanted && isatty(STDERR_FILENO) != 0)), lines_(lines) {}
     ~ProgressBar() {
-        if (drawn_ >= 0) std::fputs("\r\033[K", stderr);
+        if (drawn_ >= 0 && !lines_) std::fputs("\r\033[K", stderr);
     }
     ProgressBar(const ProgressBar&) = delete;
     ProgressBar& operator=(const ProgressBar&) = delete;
@@ -22,6 +22,10 @@ public:
         const int percent = part <= 0.0 ? 0 : part >= 1.0 ? 100 : static_cast<int>(100.0 * part);
         if (!active_ || percent == drawn_) return;
         drawn_ = percent;
+        if (lines_) {
+            std::fprintf(stderr, "progress %.2f\n", 0.01 * percent);
+            return;
+        }
         char bar[51];
         for (int i = 0; i < 50; ++i) bar[i] = i < percent / 2 ? '#' : '.';
         bar[50] = '\0';
@@ -30,7 +34,7 @@ public:
     }
 
 private:
-    bool active_;
+    bool active_, lines_;
     int drawn_ = -1;
 };
 

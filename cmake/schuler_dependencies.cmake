@@ -22,4 +22,5 @@ if(NOT SCHULER_LINKED_ONLY)
     find_package(CLI11 REQUIRED)
     find_package(FastFloat REQUIRED)
     find_package(Boost 1.74 REQUIRED)  # Multiprecision, headers only
+    schuler_pkg_config(schuler_httplib HTTPLIB cpp-httplib)
 endif()

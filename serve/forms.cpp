@@ -1,0 +1,233 @@
+#include "serve/forms.h"
+
+#include "schuler/app/config.h"
+#include "schuler/app/scenario.h"
+#include "schuler/app/toml_file.h"
+#include "schuler/core/units.h"
+#include "schuler/sim/path.h"
+#include "serve/message.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace schuler::serve {
+namespace {
+
+using app::Shape;
+using app::Value;
+
+constexpr double longest_preview_s = 7200.0;
+constexpr int preview_points = 800;
+
+const std::vector<app::OptionSpec>& specs_of(Form form) {
+    return form == Form::Scenario ? app::scenario_table().specs() : app::config_table().specs();
+}
+
+/// The unit that ends a key, as people write it. Longer endings first.
+std::string unit_of(std::string_view key) {
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 28> endings{{{"_deg_sqrt_h", "°/√h"},
+                                                                                            {"_deg_s_sqrt_hz", "°/s/√Hz"},
+                                                                                            {"_m_s_sqrt_h", "m/s/√h"},
+                                                                                            {"_m_s2_sqrt_hz", "m/s²/√Hz"},
+                                                                                            {"_ug_sqrt_hz", "µg/√Hz"},
+                                                                                            {"_rad_s", "rad/s"},
+                                                                                            {"_deg_h", "°/h"},
+                                                                                            {"_deg_s", "°/s"},
+                                                                                            {"_m_s2", "m/s²"},
+                                                                                            {"_m_s", "m/s"},
+                                                                                            {"_time_s", "s"},
+                                                                                            {"_arcsec", "″"},
+                                                                                            {"_ppm", "ppm"},
+                                                                                            {"_deg", "°"},
+                                                                                            {"_rad", "rad"},
+                                                                                            {"_hz", "Hz"},
+                                                                                            {"_mg", "mg"},
+                                                                                            {"_ug", "µg"},
+                                                                                            {"_pa", "Pa"},
+                                                                                            {"_ut", "µT"},
+                                                                                            {"_mgal", "mGal"},
+                                                                                            {"_sqrt_s", "√s"},
+                                                                                            {"_cm", "cm"},
+                                                                                            {"_km", "km"},
+                                                                                            {"_m", "m"},
+                                                                                            {"_s", "s"},
+                                                                                            {"_g", "g"},
+                                                                                            {"_c", "°C"}}};
+    if (key.ends_with("bias_walk_m")) return "m/√s";
+    if (key.ends_with("per_accel") || key.ends_with("per_lateral_accel")) return "rad/(m/s²)";
+    for (const auto& [ending, unit] : endings)
+        if (key.ends_with(ending)) return std::string(unit);
+    return {};
+}
+
+const char* name_of(Shape shape) {
+    switch (shape) {
+        case Shape::Number: return "number";
+        case Shape::Integer: return "integer";
+        case Shape::Flag: return "flag";
+        case Shape::Text: return "text";
+        case Shape::Numbers: return "numbers";
+        case Shape::Texts: return "texts";
+        case Shape::Table: return "table";
+        case Shape::Tables: return "tables";
+        case Shape::Any: break;
+    }
+    return "any";
+}
+
+Json json_of(const Value& value) {
+    if (const auto* b = value.flag()) return *b;
+    if (const auto* i = value.integer()) return *i;
+    if (value.is_number()) return std::isfinite(value.number()) ? Json(value.number()) : Json(nullptr);
+    if (const auto* t = value.text()) return *t;
+    if (const auto* list = value.list()) {
+        Json out = Json::array();
+        for (const Value& v : *list) out.push_back(json_of(v));
+        return out;
+    }
+    Json out = Json::object();
+    for (const auto& [name, v] : *value.table()) out[name] = json_of(v);
+    return out;
+}
+
+Value value_of(const Json& json, const std::string& key, int depth = 0) {
+    if (depth > 8) throw Refusal{422, "nested too deeply", {}, key};
+    if (json.is_boolean()) return {json.get<bool>()};
+    if (json.is_number_integer()) return {json.get<std::int64_t>()};
+    if (json.is_number()) return {json.get<double>()};
+    if (json.is_string()) return {json.get<std::string>()};
+    if (json.is_array()) {
+        app::ValueList list;
+        for (const Json& item : json) list.push_back(value_of(item, key, depth + 1));
+        return {std::move(list)};
+    }
+    if (json.is_object()) {
+        app::ValueTable table;
+        for (const auto& [name, item] : json.items()) table.emplace_back(name, value_of(item, key, depth + 1));
+        return {std::move(table)};
+    }
+    throw Refusal{422, "has no value", "leave the key out", key};
+}
+
+app::SettingList defaults_of(Form form) {
+    return form == Form::Scenario ? app::scenario_table().used(app::ScenarioConfig{}) : app::config_table().used(app::Config{});
+}
+
+/// Where the vehicle goes, and at what speed and attitude: degrees and metres for drawing.
+Json track_of(const app::ScenarioConfig& s, bool cut) {
+    const auto path = sim::make_path(s.sim.path, s.sim.earth.ellipsoid);
+    const Geodetic origin = path->at(0.0).position;
+    std::array<Json, 9> columns;
+    columns.fill(Json::array());
+    for (int i = 0; i <= preview_points; ++i) {
+        const double t = s.sim.duration * i / preview_points;
+        const sim::Kinematics k = path->at(t);
+        const Eigen::Vector3d ned = earth::ned_difference(s.sim.earth, k.position, origin);
+        const std::array<double, 9> row{t,
+                                        ned.x(),
+                                        ned.y(),
+                                        k.position.h,
+                                        k.v_eb_n.norm(),
+                                        k.rpy.x() / units::deg,
+                                        k.rpy.y() / units::deg,
+                                        k.rpy.z() / units::deg,
+                                        -ned.z()};
+        for (std::size_t c = 0; c < row.size(); ++c) columns[c].push_back(std::isfinite(row[c]) ? Json(row[c]) : Json(nullptr));
+    }
+    return {{"time_s", columns[0]},    {"north_m", columns[1]},
+            {"east_m", columns[2]},    {"height_m", columns[3]},
+            {"speed_m_s", columns[4]}, {"roll_deg", columns[5]},
+            {"pitch_deg", columns[6]}, {"heading_deg", columns[7]},
+            {"up_m", columns[8]},      {"cut", cut}};
+}
+
+Json problem_json(const Error& e) {
+    return {{"text", e.reason()}, {"mend", e.mend()}, {"key", e.place().key}, {"line", e.place().line}};
+}
+
+}  // namespace
+
+Json form_schema(Form form) {
+    const app::SettingList defaults = defaults_of(form);
+    Json out = Json::array();
+    for (const app::OptionSpec& s : specs_of(form)) {
+        const auto given = std::ranges::find(defaults, s.key, &app::Setting::key);
+        out.push_back({{"key", s.key},
+                       {"shape", name_of(s.shape)},
+                       {"length", s.length},
+                       {"low", std::isfinite(s.low) ? Json(s.low) : Json(nullptr)},
+                       {"high", std::isfinite(s.high) ? Json(s.high) : Json(nullptr)},
+                       {"choices", s.choices},
+                       {"accepts", app::accepted_form(s)},
+                       {"help", s.help},
+                       {"unit", unit_of(s.key)},
+                       {"default", given == defaults.end() ? Json(nullptr) : json_of(given->value)}});
+    }
+    return out;
+}
+
+app::SettingList settings_from_json(const Json& object, Form form) {
+    if (!object.is_object()) throw Refusal{422, "the settings are not an object", "send {\"settings\": {\"key\": value}}"};
+    const auto& specs = specs_of(form);
+    app::SettingList out;
+    for (const auto& [key, value] : object.items()) {
+        const auto spec = std::ranges::find(specs, key, &app::OptionSpec::key);
+        if (spec == specs.end()) {
+            std::vector<std::string> known;
+            for (const auto& s : specs) known.push_back(s.key);
+            const std::string near = app::nearest_key(key, known);
+            throw Refusal{422, "unknown key", near.empty() ? "" : fmt::format("did you mean {}?", near), key};
+        }
+        out.push_back({key, value_of(value, key), {"", 0, 0, key}});
+    }
+    // in the order of the table, so that the same settings are the same file
+    std::ranges::stable_sort(
+        out, {}, [&](const app::Setting& s) { return std::ranges::find(specs, s.key, &app::OptionSpec::key) - specs.begin(); });
+    return out;
+}
+
+app::SettingList settings_from_toml(const std::string& text, Form form) {
+    const app::ValueTable root = app::parse_toml(text, "");
+    return form == Form::Scenario ? app::scenario_table().read(root, "") : app::config_table().read(root, "");
+}
+
+Json settings_json(const app::SettingList& settings) {
+    Json out = Json::object();
+    for (const app::Setting& s : settings) out[s.key] = json_of(s.value);
+    return out;
+}
+
+std::string toml_of(const app::SettingList& settings, Form form) { return app::to_toml(settings, specs_of(form), false); }
+
+Json understood(const app::SettingList& settings, Form form) {
+    Json out{
+        {"settings", settings_json(settings)}, {"used", Json::object()}, {"toml", toml_of(settings, form)}, {"problem", nullptr}};
+    try {
+        if (form == Form::Dataset) {
+            app::Config config;
+            app::config_table().apply(settings, config);
+            out["used"] = settings_json(app::config_table().used(config));
+            return out;
+        }
+        app::SettingList preview = settings;
+        bool cut = false;
+        for (app::Setting& s : preview) {
+            if (s.key != "duration_s" || !s.value.is_number() || s.value.number() <= longest_preview_s) continue;
+            if (s.value.number() <= 1e6) s.value = {longest_preview_s}, cut = true;
+        }
+        const app::ScenarioConfig config = app::scenario_from(preview);
+        Json used = settings_json(app::scenario_table().used(config));
+        for (const app::Setting& s : settings)
+            if (s.key == "duration_s") used["duration_s"] = json_of(s.value);
+        out["used"] = std::move(used);
+        out["track"] = track_of(config, cut);
+    } catch (const Error& e) {
+        out["problem"] = problem_json(e);
+    }
+    return out;
+}
+
+}  // namespace schuler::serve

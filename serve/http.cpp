@@ -1,0 +1,306 @@
+// The only place that knows the HTTP library.
+#include "schuler/core/error.h"
+#include "serve/assets.h"
+#include "serve/guard.h"
+#include "serve/server.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+
+namespace schuler::serve {
+namespace {
+
+constexpr std::size_t longest_path = 2000, threads = 24, most_listeners = 12;
+constexpr std::uintmax_t most_drained = 64u << 20;
+
+/// Scripts and styles come from this server alone; uPlot and three.js set styles on elements.
+constexpr const char* page_policy =
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self'; "
+    "frame-src 'self'; font-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'";
+/// A file of a run is a page of its own, without access to the API.
+constexpr const char* file_policy =
+    "sandbox allow-scripts allow-modals; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src "
+    "data:; "
+    "frame-ancestors 'self'";
+
+void set_body(httplib::Response& res, std::string body, const std::string& type) {
+    // by a provider: the library would compress a plain body, which costs more than it saves on one machine
+    if (body.empty()) return res.set_content("", type.c_str());
+    auto kept = std::make_shared<const std::string>(std::move(body));
+    res.set_content_provider(kept->size(), type.c_str(), [kept](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        return sink.write(kept->data() + offset, std::min(length, std::size_t{1} << 16));
+    });
+}
+
+void set_file(httplib::Response& res, const Reply& reply) {
+    auto file = std::make_shared<std::ifstream>(reply.file, std::ios::binary);
+    std::error_code ec;
+    const auto size = std::filesystem::file_size(reply.file, ec);
+    if (!*file || ec) {
+        res.status = 404;
+        return;
+    }
+    if (size == 0) return res.set_content("", reply.type.c_str());
+    res.set_content_provider(size, reply.type.c_str(), [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        char buffer[1 << 16];
+        file->clear();
+        file->seekg(static_cast<std::streamoff>(offset));
+        file->read(buffer, static_cast<std::streamsize>(std::min(length, sizeof buffer)));
+        return file->gcount() > 0 && sink.write(buffer, static_cast<std::size_t>(file->gcount()));
+    });
+}
+
+std::string quoted_name(const std::string& name) {
+    std::string out;
+    for (const char c : name) out += c == '"' || c == '\\' || (c & 0x80) != 0 ? '_' : c;
+    return out;
+}
+
+std::string type_of_asset(std::string_view path) {
+    if (path.ends_with(".html")) return "text/html; charset=utf-8";
+    if (path.ends_with(".js")) return "text/javascript; charset=utf-8";
+    if (path.ends_with(".css")) return "text/css; charset=utf-8";
+    if (path.ends_with(".svg")) return "image/svg+xml";
+    if (path.ends_with(".json")) return "application/json";
+    return "text/plain; charset=utf-8";
+}
+
+}  // namespace
+
+struct Server::Http {
+    explicit Http(ServerSettings s) : settings(std::move(s)), service(settings.service) {
+        guard.address = settings.address;
+        if (!is_loopback(settings.address)) guard.token = random_token();
+        http.new_task_queue = [] { return new httplib::ThreadPool(threads); };
+        // One request a connection: what a refused request leaves unread is never taken for the next one.
+        http.set_keep_alive_max_count(1);
+        // The library's own options would let a second server share the port.
+        http.set_socket_options([](socket_t sock) {
+            const int yes = 1;
+            setsockopt(sock, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+        });
+        http.set_read_timeout(10);
+        http.set_write_timeout(30);
+        http.set_tcp_nodelay(true);
+        http.set_payload_max_length(static_cast<std::size_t>(settings.service.max_upload) + (1u << 20));
+        http.set_exception_handler([this](const auto&, httplib::Response& res, std::exception_ptr) {
+            give(res, refused({500, "unexpected failure"}));
+        });
+        http.set_error_handler([this](const httplib::Request&, httplib::Response& res) {
+            if (res.body.empty() && !res.has_header("Content-Security-Policy"))
+                give(res, refused({res.status, "the request cannot be read", "see /api/openapi.json"}));
+        });
+        http.set_pre_routing_handler([this](const httplib::Request& req, httplib::Response& res) {
+            using Result = httplib::Server::HandlerResponse;
+            const bool looking = req.method == "GET" || req.method == "HEAD";
+            if (req.path.size() > longest_path ||
+                (!looking && req.method != "POST" && req.method != "PUT" && req.method != "PATCH" && req.method != "DELETE")) {
+                give(res, refused({req.path.size() > longest_path ? 414 : 405, "the request cannot be read", {}}));
+                return Result::Handled;
+            }
+            if (!looking) return Result::Unhandled;
+            look(req, res);
+            return Result::Handled;
+        });
+        const auto change = [this](const httplib::Request& req, httplib::Response& res, const httplib::ContentReader& read) {
+            take(req, res, read);
+        };
+        http.Post("[^]*", change);
+        http.Put("[^]*", change);
+        http.Patch("[^]*", change);
+        http.Delete("[^]*", change);
+        bind();
+    }
+
+    void bind() {
+        int port = settings.port;
+        bool bound = false;
+        if (port != 0) bound = http.bind_to_port(settings.address, port);
+        if (port == 0 || (!bound && settings.port_is_wish)) {
+            port = http.bind_to_any_port(settings.address);
+            bound = port > 0;
+        }
+        if (!bound) {
+            throw input_error(fmt::format("{} port {} cannot be bound", settings.address, settings.port), {{}, 0, 0, "--port"},
+                              "another program has it: give another one with --port, or 0 for any");
+        }
+        guard.port = port;
+    }
+
+    void give(httplib::Response& res, const Reply& reply) {
+        res.status = reply.status;
+        res.set_header("Content-Security-Policy", reply.page_of_its_own ? file_policy : page_policy);
+        res.set_header("X-Content-Type-Options", "nosniff");
+        res.set_header("Referrer-Policy", "no-referrer");
+        res.set_header("Cross-Origin-Resource-Policy", "same-origin");
+        res.set_header("Cross-Origin-Opener-Policy", "same-origin");
+        if (!reply.page_of_its_own) res.set_header("X-Frame-Options", "DENY");
+        res.set_header("Cache-Control", "no-store");
+        if (!reply.download.empty())
+            res.set_header("Content-Disposition", fmt::format("attachment; filename=\"{}\"", quoted_name(reply.download)));
+        if (reply.events) return listen(res, reply);
+        if (!reply.file.empty()) return set_file(res, reply);
+        set_body(res, reply.body, reply.type);
+    }
+
+    void listen(httplib::Response& res, const Reply& reply) {
+        if (++listeners > static_cast<int>(most_listeners)) {
+            --listeners;
+            return give(res, refused({503, "too many pages are listening", "close some of them"}));
+        }
+        res.set_chunked_content_provider(
+            "text/event-stream",
+            [this, next = reply.events, quiet = 0](std::size_t, httplib::DataSink& sink) mutable {
+                const std::string events = next();
+                if (stopping || !sink.is_writable()) return false;
+                quiet = events.empty() ? quiet + 1 : 0;
+                if (!events.empty()) return sink.write(events.data(), events.size());
+                return quiet % 10 != 1 || sink.write(":\n\n", 3);   // tells whether somebody is still there
+            },
+            [this](bool) { --listeners; });
+    }
+
+    [[nodiscard]] std::optional<Refusal> refusal(const httplib::Request& req) const {
+        Provenance from;
+        from.host = req.get_header_value("Host");
+        from.several_hosts = req.get_header_value_count("Host") > 1 || req.get_header_value_count("Content-Length") > 1 ||
+                             (req.has_header("Content-Length") && req.has_header("Transfer-Encoding"));
+        from.origin = req.get_header_value("Origin");
+        from.fetch_site = req.get_header_value("Sec-Fetch-Site");
+        from.authorization = req.get_header_value("Authorization");
+        from.cookie = req.get_header_value("Cookie");
+        return refusal_of(from, guard);
+    }
+
+    void look(const httplib::Request& req, httplib::Response& res) {
+        if (req.has_header("Range")) return give(res, refused({416, "parts of files are not served"}));
+        const bool entering = req.path == "/" && req.has_param("token");
+        if (const auto no = refusal(req); no && !(entering && no->status == 401)) return give(res, refused(*no));
+        if (entering && !guard.token.empty()) {
+            if (!same_secret(req.get_param_value("token"), guard.token)) return give(res, refused({401, "the token is wrong"}));
+            Reply on;
+            on.status = 303;
+            give(res, on);
+            res.set_header("Location", "/");
+            res.set_header("Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name, guard.token));
+            return;
+        }
+        if (req.path.starts_with("/api/")) return give(res, service.answer(request_of(req, {})));
+        const std::string path = req.path == "/" ? "/index.html" : req.path;
+        for (const Asset& asset : assets()) {
+            if (asset.path != path) continue;
+            Reply reply;
+            reply.type = type_of_asset(path);
+            reply.body = std::string(asset.bytes);
+            return give(res, reply);
+        }
+        give(res, refused({404, "there is no such page"}));
+    }
+
+    static Request request_of(const httplib::Request& req, std::string body) {
+        Request out;
+        out.method = req.method == "HEAD" ? "GET" : req.method;
+        out.path = req.path;
+        for (const auto& [name, value] : req.params) out.query.emplace(name, value);
+        out.body = std::move(body);
+        return out;
+    }
+
+    /// Reads the body whatever becomes of the request, so that the client hears the answer; up to a limit.
+    static void drain(const httplib::Request& req, const httplib::ContentReader& read) {
+        std::uintmax_t size = 0;
+        const auto nothing = [&size](const char*, std::size_t n) { return (size += n) <= most_drained; };
+        if (req.is_multipart_form_data())
+            read([](const httplib::MultipartFormData&) { return true; }, nothing);
+        else
+            read(nothing);
+    }
+
+    void take(const httplib::Request& req, httplib::Response& res, const httplib::ContentReader& read) {
+        std::optional<Refusal> no = refusal(req);
+        if (!no && req.is_multipart_form_data())
+            no = Refusal{415, "forms of several parts are not taken",
+                         "send one file as the body of PUT /api/datasets/{dataset}/files/{file}"};
+        std::string body;
+        try {
+            if (no) {
+                drain(req, read);
+            } else if (Service::is_upload(req.method, req.path)) {
+                return give(res, received(req, read));
+            } else {
+                bool too_long = false;
+                const bool whole = read([&](const char* data, std::size_t n) {
+                    too_long = too_long || body.size() + n > Service::largest_body;
+                    if (!too_long) body.append(data, n);
+                    return true;
+                });
+                if (too_long)
+                    no = Refusal{413, "the body is too long", "at most 4 MB"};
+                else if (!whole)
+                    no = Refusal{400, "the body does not arrive as announced"};
+            }
+        } catch (const Refusal& r) {
+            no = r;
+        }
+        give(res, no ? refused(*no) : service.answer(request_of(req, std::move(body))));
+    }
+
+    Reply received(const httplib::Request& req, const httplib::ContentReader& read) {
+        std::optional<Refusal> no;
+        std::unique_ptr<Upload> upload;
+        std::uintmax_t size = 0, beyond = 0;
+        try {
+            const std::string length = req.get_header_value("Content-Length");
+            upload = service.upload(req.path, std::strtoull(length.c_str(), nullptr, 10));
+        } catch (const Refusal& r) {
+            no = r;
+        }
+        const bool whole = read([&](const char* data, std::size_t n) {
+            size += n;
+            if (no) return (beyond += n) <= most_drained;
+            try {
+                upload->write(data, n);
+            } catch (const Refusal& r) {
+                no = r;
+            }
+            return true;
+        });
+        if (no) return refused(*no);
+        if (!whole) return refused({400, "the upload broke off", "send it again"});
+        upload->commit();
+        Reply reply;
+        reply.status = 201;
+        reply.body = Json{{"name", req.path.substr(req.path.rfind('/') + 1)}, {"bytes", size}}.dump(
+            -1, ' ', false, Json::error_handler_t::replace);
+        return reply;
+    }
+
+    ServerSettings settings;
+    GuardSettings guard;
+    std::atomic<bool> stopping{false};
+    std::atomic<int> listeners{0};
+    Service service;
+    httplib::Server http;
+};
+
+Server::Server(ServerSettings settings) : http_(std::make_unique<Http>(std::move(settings))) {}
+Server::~Server() = default;
+
+std::string Server::url() const {
+    const GuardSettings& g = http_->guard;
+    const std::string host = g.address.find(':') != std::string::npos ? "[" + g.address + "]" : g.address;
+    return fmt::format("http://{}:{}/{}", host, g.port, g.token.empty() ? "" : "?token=" + g.token);
+}
+
+bool Server::serve() { return http_->http.listen_after_bind(); }
+
+void Server::stop() {
+    http_->stopping = true;
+    http_->http.stop();
+}
+
+}  // namespace schuler::serve

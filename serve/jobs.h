@@ -1,0 +1,88 @@
+// Child processes: each run is one, so that whatever becomes of it the server stays.
+#pragma once
+
+#include "serve/confine.h"
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace schuler::serve {
+
+enum class JobState { Waiting, Running, Done, Failed, Cancelled };
+[[nodiscard]] std::string_view name_of(JobState state);
+
+struct JobOrder {
+    std::string id;                            ///< unique among the jobs known
+    std::filesystem::path program;
+    std::vector<std::string> arguments;
+    Confinement confinement;
+    bool keep_output = false;                  ///< standard output is the result and not part of the log
+    bool aside = false;                        ///< does not wait for its turn and is not told to watchers
+    double limit_s = 0.0;                      ///< killed after this time; 0: never
+};
+
+struct JobReport {
+    std::string id;
+    JobState state = JobState::Waiting;
+    double progress = 0.0;                     ///< 0 to 1, from lines "progress 0.5" on the child's standard error
+    int exit_status = -1;                      ///< of the program; -1: it has none
+    std::string message;                       ///< the last line of what it complained of, or how it ended
+    std::string output, log;
+    std::uint64_t version = 0;                 ///< grows with every change of any job
+};
+
+class Jobs {
+public:
+    /// `finished` is called from the supervising thread when a job has ended.
+    explicit Jobs(std::size_t at_once, std::function<void(const JobReport&)> finished = {});
+    ~Jobs();                                   ///< ends every child
+    Jobs(const Jobs&) = delete;
+    Jobs& operator=(const Jobs&) = delete;
+
+    /// Queues a job. False where one of that id is still at work.
+    bool start(JobOrder order);
+    /// False where there is nothing to cancel.
+    bool cancel(const std::string& id);
+    /// Forgets a job that has ended. False while it is at work.
+    bool forget(const std::string& id);
+    [[nodiscard]] std::optional<JobReport> report(const std::string& id) const;
+    [[nodiscard]] bool busy(const std::string& id) const;
+    /// Waits until the job has ended and returns its report.
+    [[nodiscard]] JobReport wait(const std::string& id) const;
+    /// Reports (without output and log) of the jobs that changed after `version`, waiting for them for a second at most.
+    [[nodiscard]] std::vector<JobReport> changes(std::uint64_t version) const;
+    /// The version now.
+    [[nodiscard]] std::uint64_t version() const;
+
+private:
+    struct Child;
+    void supervise();
+    void launch(Child& child);
+    void read_from(Child& child, int which);
+    void take_line(Child& child, const std::string& line);
+    void reap(Child& child);
+    void changed(Child& child);
+    void wake() const;
+
+    const std::size_t at_once_;
+    const std::function<void(const JobReport&)> finished_;
+    mutable std::mutex mutex_;
+    mutable std::condition_variable change_;
+    std::uint64_t version_ = 0;
+    bool stopping_ = false;
+    int wake_[2] = {-1, -1};
+    std::list<Child> children_;
+    std::thread thread_;
+};
+
+}  // namespace schuler::serve

@@ -1,0 +1,230 @@
+#include "serve/service.h"
+
+#include "schuler/app/data_folder.h"
+#include "schuler/core/error.h"
+#include "serve/assets.h"
+#include "serve/forms.h"
+#include "serve/names.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+namespace schuler::serve {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string_view> segments(std::string_view path) {
+    std::vector<std::string_view> out;
+    for (std::size_t begin = 1; begin <= path.size();) {
+        const std::size_t end = std::min(path.find('/', begin), path.size());
+        out.push_back(path.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return out;
+}
+
+/// What the braces of the pattern stand for, or nothing where the path is another.
+bool matches(std::string_view pattern, std::string_view path, std::vector<std::string>& parts) {
+    const auto wanted = segments(pattern), given = segments(path);
+    parts.clear();
+    if (wanted.size() != given.size()) return false;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        if (wanted[i].starts_with('{'))
+            parts.emplace_back(given[i]);
+        else if (wanted[i] != given[i])
+            return false;
+    }
+    return true;
+}
+
+constexpr std::string_view upload_path = "/api/datasets/{dataset}/files/{file}";
+
+}  // namespace
+
+Reply refused(const Refusal& r) {
+    Reply reply;
+    reply.status = r.status;
+    const Json error{{"text", r.text}, {"mend", r.mend}, {"key", r.key}, {"line", r.line}};
+    reply.body = Json{{"error", error}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return reply;
+}
+
+Service::Service(ServiceSettings settings)
+    : settings_(std::move(settings)),
+      workspace_(settings_.workspace, settings_.opened),
+      jobs_(settings_.runs_at_once, [this](const JobReport& report) { finished(report); }) {
+    add_settings_routes();
+    add_dataset_routes();
+    add_run_routes();
+    add_result_routes();
+    for (const Json& run : workspace_.runs()) {
+        if (run["state"] != "running" && run["state"] != "waiting") continue;
+        workspace_.note(run["id"], {{"state", "failed"}, {"message", "the server ended before the run did"}});
+    }
+}
+
+Reply Service::dispatch(Request& request) {
+    bool known_path = false;
+    for (const Route& route : routes_) {
+        if (!matches(route.path, request.path, request.parts)) continue;
+        known_path = true;
+        if (route.method == request.method && route.handle) return route.handle(request);
+    }
+    if (known_path) throw Refusal{405, fmt::format("{} is not possible here", request.method), "/api/openapi.json lists what is"};
+    throw Refusal{404, "there is nothing of that name", "/api/openapi.json lists what there is"};
+}
+
+Reply Service::answer(Request request) noexcept {
+    try {
+        try {
+            return dispatch(request);
+        } catch (const Refusal& r) {
+            return refused(r);
+        } catch (const Error& e) {
+            return refused({422, e.reason(), e.mend(), e.place().key, e.place().line});
+        } catch (const nlohmann::json::exception&) {
+            return refused({400, "the body is not the JSON that is expected here", "/api/openapi.json tells what is"});
+        } catch (const std::bad_alloc&) {
+            return refused({507, "out of memory"});
+        } catch (const std::exception& e) {
+            return refused({500, fmt::format("unexpected failure: {}", e.what())});
+        }
+    } catch (...) {
+        Reply reply;
+        reply.status = 500;
+        return reply;
+    }
+}
+
+bool Service::is_upload(const std::string& method, const std::string& path) {
+    std::vector<std::string> parts;
+    return method == "PUT" && matches(upload_path, path, parts);
+}
+
+std::unique_ptr<Upload> Service::upload(const std::string& path, std::uintmax_t length) {
+    std::vector<std::string> parts;
+    if (!matches(upload_path, path, parts)) throw Refusal{404, "there is nothing of that name"};
+    if (length > settings_.max_upload) {
+        throw Refusal{413, fmt::format("larger than {} MB, the most that an upload may have", settings_.max_upload >> 20),
+                      "start with --max-upload MB"};
+    }
+    if (workspace_.is_opened(parts[0])) throw Refusal{403, "the opened folder is yours and is never changed"};
+    const fs::path target = inside(workspace_.dataset_folder(parts[0]), parts[1]);
+    const std::uintmax_t all = settings_.max_upload * 8, used = workspace_.uploaded_bytes();
+    if (used + length >= all) throw Refusal{413, "the workspace is full", "remove data sets that are not needed"};
+    return std::make_unique<Upload>(target, std::min(settings_.max_upload, all - used));
+}
+
+Confinement Service::confinement(const fs::path& readable, const fs::path& writable) const {
+    Confinement c;
+    const fs::path home = settings_.program.parent_path();
+    c.readable = {settings_.program, home / "../share/schuler", app::magnetic_model_folder()};
+    if (!readable.empty()) c.readable.push_back(readable);
+    if (!writable.empty()) c.writable.push_back(writable);
+    return c;
+}
+
+void Service::finished(const JobReport& report) {
+    try {
+        if (report.state != JobState::Done) workspace_.clear_results(report.id);
+        std::ofstream(workspace_.run_folder(report.id) / "log.txt", std::ios::binary) << report.log;
+        workspace_.note(report.id,
+                        {{"state", name_of(report.state)}, {"message", report.message}, {"exit_status", report.exit_status}});
+    } catch (const std::exception&) {  // the folder is gone: nothing to note
+    } catch (const Refusal&) {}
+}
+
+void Service::add_settings_routes() {
+    const auto form_of = [](const Request& r) { return r.asked("of", "scenario") == "dataset" ? Form::Dataset : Form::Scenario; };
+    const auto json = [](const Json& j) {
+        Reply reply;
+        reply.body = j.dump(-1, ' ', false, Json::error_handler_t::replace);
+        return reply;
+    };
+    const Parameter of{"of", "string", "scenario (default) or dataset"};
+    routes_.push_back({"GET", "/api/openapi.json", "this document", {}, "", "OpenAPI 3.1", [=, this](const Request&) {
+                           return json(openapi());
+                       }});
+    routes_.push_back(
+        {"GET", "/api/about", "version and limits", {}, "", "{version, max_upload, confined, opened}", [=, this](const Request&) {
+             return json({{"version", settings_.version},
+                          {"max_upload", settings_.max_upload},
+                          {"confined", can_confine()},
+                          {"opened", settings_.opened.empty() ? Json(nullptr) : Json(settings_.opened.filename().string())}});
+         }});
+    routes_.push_back({"GET",
+                       "/api/options",
+                       "the options of scenario or dataset files, as for a form",
+                       {of},
+                       "",
+                       "[{key, shape, length, low, high, choices, accepts, help, unit, default}]",
+                       [=](const Request& r) { return json(form_schema(form_of(r))); }});
+    routes_.push_back(
+        {"GET", "/api/examples", "scenarios that come with the program", {}, "", "[{name, about, toml}]", [=](const Request&) {
+             Json out = Json::array();
+             for (const Asset& a : assets()) {
+                 if (!a.path.starts_with("/examples/")) continue;
+                 const std::string toml(a.bytes);
+                 const std::string about = toml.starts_with("# ") ? toml.substr(2, toml.find('\n') - 2) : "";
+                 const std::string file(a.path.substr(10));
+                 out.push_back({{"name", file.substr(0, file.rfind('.'))}, {"about", about}, {"toml", toml}});
+             }
+             return json(out);
+         }});
+    routes_.push_back({"POST",
+                       "/api/settings",
+                       "what settings come to: presets applied, TOML, what is wrong, the track of a scenario",
+                       {of},
+                       "{settings: {key: value}} or {toml: text}",
+                       "{settings, used, toml, problem, track}",
+                       [=](const Request& r) {
+                           const Json body = Json::parse(r.body);
+                           const Form form = form_of(r);
+                           return json(understood(body.contains("toml") ? settings_from_toml(body["toml"], form)
+                                                                        : settings_from_json(body.at("settings"), form),
+                                                  form));
+                       }});
+}
+
+Json Service::openapi() const {
+    Json paths = Json::object();
+    for (const Route& route : routes_) {
+        Json parameters = Json::array();
+        for (const std::string_view part : segments(route.path)) {
+            if (!part.starts_with('{')) continue;
+            parameters.push_back({{"name", part.substr(1, part.size() - 2)},
+                                  {"in", "path"},
+                                  {"required", true},
+                                  {"schema", {{"type", "string"}}}});
+        }
+        for (const Parameter& p : route.query)
+            parameters.push_back({{"name", p.name}, {"in", "query"}, {"description", p.what}, {"schema", {{"type", p.type}}}});
+        Json operation{{"summary", route.summary}, {"parameters", parameters}};
+        if (!route.handle) {
+            operation["requestBody"] = {
+                {"required", true},
+                {"content", {{"application/octet-stream", {{"schema", {{"type", "string"}, {"format", "binary"}}}}}}}};
+        } else if (!route.body.empty()) {
+            operation["requestBody"] = {{"description", route.body},
+                                        {"required", true},
+                                        {"content", {{"application/json", {{"schema", {{"type", "object"}}}}}}}};
+        }
+        operation["responses"] = {{"200", {{"description", route.answer}}},
+                                  {"default", {{"description", "{error: {text, mend, key, line}}"}}}};
+        std::string method = route.method;
+        std::ranges::transform(method, method.begin(), [](char c) { return static_cast<char>(c | 0x20); });
+        paths[route.path][method] = operation;
+    }
+    return {{"openapi", "3.1.0"},
+            {"info",
+             {{"title", "Schuler"},
+              {"version", settings_.version},
+              {"description", "What the page of `schuler ui` asks its server. Times are seconds on the axis of the run."}}},
+            {"paths", paths}};
+}
+
+}  // namespace schuler::serve

@@ -1,0 +1,81 @@
+// What the page can ask for: one table of routes, from which requests are answered and the API's document is made.
+#pragma once
+
+#include "serve/jobs.h"
+#include "serve/message.h"
+#include "serve/results.h"
+#include "serve/workspace.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace schuler::serve {
+
+struct ServiceSettings {
+    std::filesystem::path workspace = "out";
+    std::filesystem::path opened;              ///< a data set of the user's own; may be empty
+    std::filesystem::path program;             ///< that runs are made with
+    std::string version;
+    std::uintmax_t max_upload = std::uintmax_t{2048} << 20;   ///< bytes of one file; all together eight times as many
+    std::size_t runs_at_once = 1;
+};
+
+struct Parameter {
+    std::string name, type, what;
+};
+
+struct Route {
+    std::string method, path, summary;
+    std::vector<Parameter> query;
+    std::string body;                          ///< what the JSON body holds; empty: there is none
+    std::string answer;
+    std::function<Reply(const Request&)> handle;   ///< empty: the route of uploads, whose body is streamed
+};
+
+class Service {
+public:
+    /// @throws Error(Input) where the workspace cannot be used
+    explicit Service(ServiceSettings settings);
+    Service(const Service&) = delete;
+    Service& operator=(const Service&) = delete;
+
+    /// Never throws: refusals and errors are replies.
+    [[nodiscard]] Reply answer(Request request) noexcept;
+
+    /// The file that an upload to this path becomes; `length`: as announced, 0 where it is not. @throws Refusal
+    [[nodiscard]] std::unique_ptr<Upload> upload(const std::string& path, std::uintmax_t length);
+    /// Whether a request is an upload and its body no JSON.
+    [[nodiscard]] static bool is_upload(const std::string& method, const std::string& path);
+
+    [[nodiscard]] const std::vector<Route>& routes() const { return routes_; }
+    /// The OpenAPI 3.1 document of the routes.
+    [[nodiscard]] Json openapi() const;
+
+    static constexpr std::size_t largest_body = 4u << 20;
+
+private:
+    void add_settings_routes();
+    void add_dataset_routes();
+    void add_run_routes();
+    void add_result_routes();
+    [[nodiscard]] Reply dispatch(Request& request);
+    [[nodiscard]] Reply start_run(const Json& order);
+    [[nodiscard]] Json inspected(const std::string& dataset);
+    [[nodiscard]] Json run_now(const std::string& id) const;
+    void check_dataset(const std::filesystem::path& folder) const;
+    [[nodiscard]] Confinement confinement(const std::filesystem::path& readable, const std::filesystem::path& writable) const;
+    [[nodiscard]] std::string events_after(std::uint64_t& version) const;
+    void finished(const JobReport& report);
+
+    const ServiceSettings settings_;
+    Workspace workspace_;
+    Results results_;
+    std::vector<Route> routes_;
+    Jobs jobs_;                                ///< last: its thread uses what stands above
+};
+
+}  // namespace schuler::serve

@@ -1,0 +1,351 @@
+// The routes about data sets, runs and their results.
+#include "serve/service.h"
+
+#include "schuler/app/bundle.h"
+#include "schuler/core/error.h"
+#include "serve/forms.h"
+#include "serve/names.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+
+namespace schuler::serve {
+namespace {
+
+namespace fs = std::filesystem;
+
+Reply json(const Json& j, int status = 200) {
+    Reply reply;
+    reply.status = status;
+    reply.body = j.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return reply;
+}
+
+Reply text(std::string body, std::string type = "text/plain; charset=utf-8") {
+    Reply reply;
+    reply.type = std::move(type);
+    reply.body = std::move(body);
+    return reply;
+}
+
+std::string title_of(const Json& body, const std::string& otherwise) {
+    const std::string title = body.contains("title") ? body["title"].get<std::string>() : otherwise;
+    if (title.empty() || title.size() > 200) throw Refusal{422, "a title has 1 to 200 bytes", {}, "title"};
+    return title;
+}
+
+double number_of(const Request& r, const std::string& name, double otherwise) {
+    const std::string given = r.asked(name);
+    if (given.empty()) return otherwise;
+    char* end = nullptr;
+    const double x = std::strtod(given.c_str(), &end);
+    if (*end != '\0' || !std::isfinite(x)) throw Refusal{422, fmt::format("{} is not a number", name), {}, name};
+    return x;
+}
+
+SeriesRequest series_request(const Request& r) {
+    SeriesRequest out;
+    const std::string columns = r.asked("columns");
+    for (std::size_t begin = 0; begin < columns.size();) {
+        const std::size_t end = std::min(columns.find(',', begin), columns.size());
+        out.columns.push_back(columns.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    out.from = number_of(r, "from", 0.0);
+    out.to = number_of(r, "to", 0.0);
+    const double points = number_of(r, "points", 2000.0);
+    if (points < 0.0 || points > 20000.0) throw Refusal{422, "points is from 0 to 20000", {}, "points"};
+    out.points = static_cast<std::size_t>(points);
+    return out;
+}
+
+std::string type_of(const std::string& name) {
+    constexpr std::array<std::pair<std::string_view, const char*>, 8> types{{{".html", "text/html; charset=utf-8"},
+                                                                             {".json", "application/json"},
+                                                                             {".csv", "text/csv; charset=utf-8"},
+                                                                             {".toml", "text/plain; charset=utf-8"},
+                                                                             {".txt", "text/plain; charset=utf-8"},
+                                                                             {".kml", "application/vnd.google-earth.kml+xml"},
+                                                                             {".h5", "application/x-hdf5"},
+                                                                             {".svg", "text/plain"}}};
+    for (const auto& [ending, type] : types)
+        if (name.ends_with(ending)) return type;
+    return "application/octet-stream";
+}
+
+}  // namespace
+
+void Service::check_dataset(const fs::path& folder) const {
+    std::error_code ec;
+    for (const auto& entry : fs::directory_iterator(folder, ec)) {
+        const std::string name = entry.path().filename().string();
+        if (name == "dataset.toml") check_file_settings(settings_from_toml(text_of(entry.path()), Form::Dataset));
+        if (name.ends_with(".yaml") || name.ends_with(".yml")) check_project_text(text_of(entry.path()), name);
+    }
+}
+
+Json Service::inspected(const std::string& dataset) {
+    static std::atomic<unsigned> number{0};
+    const fs::path folder = workspace_.dataset_folder(dataset);
+    JobOrder order;
+    order.id = fmt::format("inspect {}", ++number);
+    order.program = settings_.program;
+    order.arguments = {"inspect", folder.string(), "--json"};
+    order.confinement = confinement(folder, {});
+    order.keep_output = order.aside = true;
+    order.limit_s = 120.0;
+    const std::string id = order.id;
+    jobs_.start(std::move(order));
+    const JobReport report = jobs_.wait(id);
+    jobs_.forget(id);
+    if (report.state != JobState::Done)
+        throw Refusal{422, report.message.empty() ? "the data set cannot be looked at" : report.message};
+    Json out = Json::parse(report.output);
+    out["path"] = dataset;
+    // a dataset.toml of the user's own is what counts; otherwise the one that was inferred
+    const std::string own = text_of(folder / "dataset.toml");
+    out["own_toml"] = !own.empty();
+    try {
+        const std::string toml = own.empty() ? out.value("dataset_toml", "") : own;
+        out["form"] = understood(settings_from_toml(toml, Form::Dataset), Form::Dataset);
+    } catch (const Error& e) {
+        out["form"] = {{"settings", Json::object()},
+                       {"used", Json::object()},
+                       {"toml", own},
+                       {"problem", {{"text", e.reason()}, {"mend", e.mend()}, {"key", e.place().key}, {"line", e.place().line}}}};
+    }
+    return out;
+}
+
+void Service::add_dataset_routes() {
+    routes_.push_back({"GET",
+                       "/api/datasets",
+                       "uploaded data sets, and the folder given with --open",
+                       {},
+                       "",
+                       "[{name, title, opened, files: [{name, bytes}]}]",
+                       [this](const Request&) { return json(workspace_.datasets()); }});
+    routes_.push_back({"POST", "/api/datasets", "a new, empty data set", {}, "{title}", "{name}", [this](const Request& r) {
+                           return json({{"name", workspace_.new_dataset(title_of(Json::parse(r.body), "data"))}});
+                       }});
+    routes_.push_back(
+        {"DELETE", "/api/datasets/{dataset}", "removes an uploaded data set", {}, "", "{}", [this](const Request& r) {
+             workspace_.remove_dataset(r.parts[0]);
+             return json(Json::object());
+         }});
+    routes_.push_back(
+        {"PUT", "/api/datasets/{dataset}/files/{file}", "uploads one file of a data set", {}, "", "{name, bytes}", {}});
+    routes_.push_back({"GET",
+                       "/api/datasets/{dataset}/inspect",
+                       "what is in its files, what is wrong with them, its settings as a form",
+                       {},
+                       "",
+                       "as `schuler inspect --json`, with form: {settings, used, toml, problem}",
+                       [this](const Request& r) { return json(inspected(r.parts[0])); }});
+}
+
+Reply Service::start_run(const Json& order) {
+    const std::string kind = order.value("kind", "scenario");
+    if (kind != "scenario" && kind != "dataset") throw Refusal{422, "kind is scenario or dataset", {}, "kind"};
+    const Form form = kind == "scenario" ? Form::Scenario : Form::Dataset;
+    app::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
+                                                       : settings_from_json(order.value("settings", Json::object()), form);
+    check_file_settings(settings);
+    if (const Json problem = understood(settings, form)["problem"]; !problem.is_null())
+        throw Refusal{422, problem["text"], problem["mend"], problem["key"], problem["line"]};
+    const std::string dataset = order.value("dataset", "");
+    fs::path input;
+    if (form == Form::Dataset) {
+        input = workspace_.dataset_folder(dataset);
+        check_dataset(input);
+    }
+    std::string name = form == Form::Dataset ? dataset : "scenario";
+    for (const app::Setting& s : settings)
+        if (s.key == "name" && s.value.text() != nullptr && !s.value.text()->empty()) name = *s.value.text();
+    const std::string id = workspace_.new_run(
+        title_of(order, name),
+        {{"kind", kind}, {"state", "waiting"}, {"message", ""}, {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
+    const fs::path folder = workspace_.run_folder(id);
+    const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
+    app::write_text(file, toml_of(settings, form));
+    JobOrder job;
+    job.id = id;
+    job.program = settings_.program;
+    if (form == Form::Scenario)
+        job.arguments = {"run", file.string()};
+    else
+        job.arguments = {"process", input.string(), "--config", file.string()};
+    job.arguments.insert(job.arguments.end(), {"-o", folder.string(), "--progress", "lines"});
+    if (order.contains("output_rate_hz"))
+        job.arguments.insert(job.arguments.end(), {"--output-rate", fmt::format("{}", order["output_rate_hz"].get<double>())});
+    job.confinement = confinement(input, folder);
+    jobs_.start(std::move(job));
+    return json(run_now(id), 201);
+}
+
+Json Service::run_now(const std::string& id) const {
+    Json run = workspace_.run(id);
+    if (const auto job = jobs_.report(id)) {
+        run["state"] = name_of(job->state);
+        run["progress"] = job->progress;
+        run["message"] = job->message;
+    }
+    return run;
+}
+
+std::string Service::events_after(std::uint64_t& version) const {
+    std::string out;
+    for (const JobReport& r : jobs_.changes(version)) {
+        const Json event{{"id", r.id}, {"state", name_of(r.state)}, {"progress", r.progress}, {"message", r.message}};
+        out += "event: run\ndata: " + event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
+        version = std::max(version, r.version);
+    }
+    return out;
+}
+
+void Service::add_run_routes() {
+    routes_.push_back({"GET",
+                       "/api/events",
+                       "server-sent events \"run\": every change of a run at work",
+                       {},
+                       "",
+                       "text/event-stream of {id, state, progress, message}",
+                       [this](const Request&) {
+                           Reply reply;
+                           reply.type = "text/event-stream";
+                           reply.events = [this, version = std::uint64_t{0}]() mutable { return events_after(version); };
+                           return reply;
+                       }});
+    routes_.push_back({"GET",
+                       "/api/runs",
+                       "all runs of the workspace, newest first",
+                       {},
+                       "",
+                       "[{id, title, kind, state, message, created, dataset, scheme, duration_s, error_m, reference}]",
+                       [this](const Request&) {
+                           Json all = workspace_.runs();
+                           for (Json& run : all) run = run_now(run["id"]);
+                           return json(all);
+                       }});
+    routes_.push_back({"POST",
+                       "/api/runs",
+                       "starts a run",
+                       {},
+                       "{kind: scenario or dataset, title, settings: {key: value} or toml: text, dataset: name, output_rate_hz}",
+                       "201 and the run",
+                       [this](const Request& r) { return start_run(Json::parse(r.body)); }});
+    routes_.push_back({"GET",
+                       "/api/runs/{run}",
+                       "one run with its summary",
+                       {},
+                       "",
+                       "the run with summary (as summary.json) and files",
+                       [this](const Request& r) {
+                           Json run = run_now(r.parts[0]);
+                           const fs::path folder = workspace_.run_folder(r.parts[0]);
+                           const Json summary = Json::parse(text_of(folder / "summary.json"), nullptr, false);
+                           run["summary"] = summary.is_discarded() ? Json(nullptr) : summary;
+                           Json files = Json::array();
+                           std::error_code ec;
+                           for (const auto& entry : fs::directory_iterator(folder, ec)) {
+                               const std::string name = entry.path().filename().string();
+                               if (entry.is_regular_file(ec) && is_file_name(name) && name != "run.json") files.push_back(name);
+                           }
+                           std::sort(files.begin(), files.end());
+                           run["files"] = files;
+                           return json(run);
+                       }});
+    routes_.push_back(
+        {"PATCH", "/api/runs/{run}", "gives a run another title", {}, "{title}", "the run", [this](const Request& r) {
+             workspace_.note(r.parts[0], {{"title", title_of(Json::parse(r.body), "")}});
+             return json(run_now(r.parts[0]));
+         }});
+    routes_.push_back({"DELETE", "/api/runs/{run}", "removes a run and its files", {}, "", "{}", [this](const Request& r) {
+                           if (jobs_.busy(r.parts[0])) throw Refusal{409, "the run is still at work", "cancel it first"};
+                           workspace_.remove_run(r.parts[0]);
+                           jobs_.forget(r.parts[0]);
+                           return json(Json::object());
+                       }});
+    routes_.push_back({"POST", "/api/runs/{run}/cancel", "ends a run that is at work", {}, "", "{}", [this](const Request& r) {
+                           if (!jobs_.cancel(r.parts[0])) throw Refusal{409, "the run is not at work"};
+                           return json(Json::object());
+                       }});
+    routes_.push_back({"GET", "/api/runs/{run}/log", "what the program said", {}, "", "text", [this](const Request& r) {
+                           const fs::path folder = workspace_.run_folder(r.parts[0]);
+                           if (const auto job = jobs_.report(r.parts[0])) return text(job->log);
+                           return text(text_of(folder / "log.txt"));
+                       }});
+    routes_.push_back({"GET",
+                       "/api/runs/{run}/settings",
+                       "the settings that the run was started with, as a form",
+                       {},
+                       "",
+                       "{kind, settings, used, toml, problem, track}",
+                       [this](const Request& r) {
+                           const fs::path folder = workspace_.run_folder(r.parts[0]);
+                           const std::string scenario = text_of(folder / "scenario.toml");
+                           const Form form = scenario.empty() ? Form::Dataset : Form::Scenario;
+                           const std::string toml = scenario.empty() ? text_of(folder / "settings.toml") : scenario;
+                           if (toml.empty()) throw Refusal{404, "this run was not started here: its settings are in config.toml"};
+                           Json out = understood(settings_from_toml(toml, form), form);
+                           out["kind"] = form == Form::Scenario ? "scenario" : "dataset";
+                           return json(out);
+                       }});
+}
+
+void Service::add_result_routes() {
+    const std::vector<Parameter> range{
+        {"from", "number", "start of the range, s"},
+        {"to", "number", "end of the range, s; left out: everything"},
+        {"points", "integer", "about so many rows, extremes kept (default 2000); 0: every row, at most 20000"}};
+    routes_.push_back({"GET",
+                       "/api/runs/{run}/channels",
+                       "which columns the run has",
+                       {},
+                       "",
+                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit}]}]",
+                       [this](const Request& r) { return json(results_.channels(workspace_.run_folder(r.parts[0]))); }});
+    std::vector<Parameter> query{
+        {"columns", "string", "ids of /channels with commas, all of one group"},
+        {"origin", "string", "run whose first position is the origin of local columns; default: this one"}};
+    query.insert(query.end(), range.begin(), range.end());
+    routes_.push_back({"GET", "/api/runs/{run}/series", "columns in a range of time, thinned to the extremes", query, "",
+                       "{rows, thinned, time_s: [], columns: {id: []}, units: {id: unit}}", [this](const Request& r) {
+                           const fs::path folder = workspace_.run_folder(r.parts[0]);
+                           const fs::path origin = r.asked("origin").empty() ? folder : workspace_.run_folder(r.asked("origin"));
+                           return text(results_.series(folder, series_request(r), origin), "application/json");
+                       }});
+    query = {{"with", "string", "the other run"}};
+    query.insert(query.end(), range.begin(), range.end());
+    routes_.push_back({"GET", "/api/runs/{run}/difference", "this run's solution minus another one's", query, "",
+                       "as series: north, east, down in m, velocities in m/s, angles in deg", [this](const Request& r) {
+                           return text(results_.difference(workspace_.run_folder(r.parts[0]),
+                                                           workspace_.run_folder(r.asked("with")), series_request(r)),
+                                       "application/json");
+                       }});
+    routes_.push_back({"GET",
+                       "/api/runs/{run}/files/{file}",
+                       "one file of the run, as report.html or solution.csv",
+                       {{"save", "boolean", "1: to be saved, not shown"}},
+                       "",
+                       "the file",
+                       [this](const Request& r) {
+                           const fs::path file = inside(workspace_.run_folder(r.parts[0]), r.parts[1]);
+                           std::error_code ec;
+                           if (!fs::is_regular_file(file, ec))
+                               throw Refusal{404, fmt::format("there is no {} in this run", r.parts[1])};
+                           Reply reply;
+                           reply.type = type_of(r.parts[1]);
+                           reply.file = file;
+                           reply.page_of_its_own = true;
+                           if (r.asked("save") == "1") reply.download = r.parts[0] + "-" + r.parts[1];
+                           return reply;
+                       }});
+}
+
+}  // namespace schuler::serve

@@ -1,0 +1,74 @@
+// The folder the server works in: runs and uploaded data sets, by name.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace schuler::serve {
+
+using Json = nlohmann::ordered_json;
+
+/// ROOT/NAME is a run (it has run.json of the server or summary.json of the program), ROOT/data/NAME an uploaded data set.
+class Workspace {
+public:
+    /// Makes the folder where it is missing. `opened`: a data set of the user's own, read and never written; may be empty.
+    /// @throws Error(Input)
+    Workspace(std::filesystem::path root, const std::filesystem::path& opened);
+
+    [[nodiscard]] const std::filesystem::path& root() const { return root_; }
+
+    /// Newest first: {id, title, kind, state, message, created, dataset, scheme, error_m}.
+    [[nodiscard]] Json runs() const;
+    [[nodiscard]] Json run(const std::string& id) const;
+    [[nodiscard]] std::filesystem::path run_folder(const std::string& id) const;       ///< @throws Refusal 400, 404
+    /// A folder for a new run with that title and a run.json with `fields`; returns its id.
+    [[nodiscard]] std::string new_run(const std::string& title, const Json& fields);
+    /// Adds members to run.json.
+    void note(const std::string& id, const Json& fields);
+    void remove_run(const std::string& id);
+    /// Leaves of a run that did not end well what was put in, not what it began to write.
+    void clear_results(const std::string& id);
+
+    [[nodiscard]] Json datasets() const;       ///< {name, opened, files: [{name, bytes}]}
+    [[nodiscard]] std::filesystem::path dataset_folder(const std::string& name) const; ///< @throws Refusal 400, 404
+    [[nodiscard]] std::string new_dataset(const std::string& title);
+    void remove_dataset(const std::string& name);
+    [[nodiscard]] bool is_opened(const std::string& name) const { return !opened_.empty() && name == opened_name; }
+    [[nodiscard]] std::uintmax_t uploaded_bytes() const;
+
+    static constexpr const char* opened_name = "opened";
+
+private:
+    [[nodiscard]] std::string new_folder(const std::filesystem::path& parent, const std::string& title) const;
+    std::filesystem::path root_, opened_;
+};
+
+/// A file that arrives piece by piece: under its name only when complete.
+class Upload {
+public:
+    /// @throws Refusal 507 where the folder cannot be written
+    Upload(const std::filesystem::path& target, std::uintmax_t limit);
+    ~Upload();
+    Upload(const Upload&) = delete;
+    Upload& operator=(const Upload&) = delete;
+
+    /// @throws Refusal 413 beyond the limit, 507 where the disk is full
+    void write(const char* data, std::size_t size);
+    /// @throws Refusal 507
+    void commit();
+
+private:
+    std::filesystem::path target_, temporary_;
+    std::uintmax_t limit_, size_ = 0;
+    std::ofstream stream_;
+};
+
+/// A text file of at most `limit` bytes; "" where there is none.
+[[nodiscard]] std::string text_of(const std::filesystem::path& file, std::uintmax_t limit = 16u << 20);
+
+}  // namespace schuler::serve

@@ -1,0 +1,81 @@
+// Elements in few words. Text is always set as text: nothing of a file or a server becomes markup.
+export type Child = Node | string | number | null | undefined | false;
+type Properties = Record<string, unknown>;
+
+/** An element; properties that begin with "on" are listeners, `class` and `data-…`, `aria-…` attributes, others DOM properties. */
+export function h<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  properties: Properties | null = null,
+  ...children: (Child | Child[])[]
+): HTMLElementTagNameMap[K] {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties ?? {})) {
+    if (value === undefined || value === null || value === false) continue;
+    if (name.startsWith("on")) node.addEventListener(name.slice(2).toLowerCase(), value as EventListener);
+    else if (name in node && !name.startsWith("aria")) (node as unknown as Properties)[name] = value;
+    else node.setAttribute(name, value === true ? "" : String(value));
+  }
+  append(node, ...children);
+  return node;
+}
+
+export function append(node: Element, ...children: (Child | Child[])[]): void {
+  for (const child of children.flat()) {
+    if (child === null || child === undefined || child === false) continue;
+    node.append(child instanceof Node ? child : String(child));
+  }
+}
+
+export function replace(node: Element, ...children: (Child | Child[])[]): void {
+  node.replaceChildren();
+  append(node, ...children);
+}
+
+const SVG = "http://www.w3.org/2000/svg";
+export function svg(tag: string, attributes: Record<string, string | number>, ...children: (Node | string)[]): SVGElement {
+  const node = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, String(value));
+  node.append(...children);
+  return node;
+}
+
+/** Calls `f` once things have been quiet for `ms`. */
+export function quietly<A extends unknown[]>(ms: number, f: (...a: A) => void): (...a: A) => void {
+  let timer = 0;
+  return (...a) => {
+    window.clearTimeout(timer);
+    timer = window.setTimeout(() => f(...a), ms);
+  };
+}
+
+export function saveAs(blob: Blob, name: string): void {
+  const link = h("a", { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  window.setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+export function css(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+/** A message at the foot of the page for some seconds; read out by screen readers. */
+export function tell(text: string, kind: "info" | "error" = "info"): void {
+  const place = document.getElementById("messages");
+  if (!place) return;
+  const note = h("div", { class: `toast ${kind}`, role: kind === "error" ? "alert" : "status" }, text);
+  place.append(note);
+  window.setTimeout(() => note.remove(), kind === "error" ? 12_000 : 4000);
+}
+
+export async function copyText(text: string, what: string): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const area = h("textarea", { value: text });
+    document.body.append(area);
+    area.select();
+    document.execCommand("copy");
+    area.remove();
+  }
+  tell(`${what} ⧉`);
+}

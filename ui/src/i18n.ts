@@ -1,0 +1,38 @@
+// Texts in the reader's language: one message file a language, English where a text is missing.
+import en from "./messages/en.json";
+import uk from "./messages/uk.json";
+
+type Messages = Record<string, string>;
+const languages: Record<string, Messages> = { en, uk };
+
+function first(): string {
+  const chosen = localStorage.getItem("schuler.language");
+  if (chosen && chosen in languages) return chosen;
+  return navigator.language.startsWith("uk") ? "uk" : "en";
+}
+
+export let language = first();
+document.documentElement.lang = language;
+
+export function setLanguage(name: string): void {
+  language = name in languages ? name : "en";
+  localStorage.setItem("schuler.language", language);
+  document.documentElement.lang = language;
+}
+
+/** The text of a key with its {names} filled in; the key itself where there is none. */
+export function t(key: string, values: Record<string, string | number> = {}): string {
+  const text = languages[language]?.[key] ?? (en as Messages)[key] ?? key;
+  return text.replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? `{${name}}`));
+}
+
+/** A text that may be missing: `otherwise` then. */
+export function maybe(key: string, otherwise: string): string {
+  return languages[language]?.[key] ?? (en as Messages)[key] ?? otherwise;
+}
+
+export function number(x: number | null | undefined, digits = 4): string {
+  if (x === null || x === undefined || !Number.isFinite(x)) return "–";
+  if (x !== 0 && (Math.abs(x) < 1e-4 || Math.abs(x) >= 1e7)) return x.toExponential(2);
+  return String(Number(x.toPrecision(digits)));
+}

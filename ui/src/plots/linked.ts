@@ -1,0 +1,83 @@
+// What the plots of one page share: the range of time, the cursor, the outages.
+export interface Span {
+  from: number;
+  to: number;
+  label: string;
+}
+
+export class Linked {
+  from: number;
+  to: number;
+  cursor: number | null = null;
+  spans: Span[] = [];
+  private readonly rangeListeners = new Set<() => void>();
+  private readonly cursorListeners = new Set<() => void>();
+
+  constructor(
+    readonly start: number,
+    readonly stop: number,
+  ) {
+    this.from = start;
+    this.to = stop;
+  }
+
+  get zoomed(): boolean {
+    return this.from > this.start || this.to < this.stop;
+  }
+
+  /** Sets the range that all plots show; kept inside what there is. */
+  set(from: number, to: number): void {
+    const all = Math.max(this.stop - this.start, 1e-9);
+    let span = Math.min(Math.max(to - from, all * 1e-7), all);
+    if (!(span > 0)) span = all;
+    const left = Math.min(Math.max(from, this.start), this.stop - span);
+    if (left === this.from && left + span === this.to) return;
+    this.from = left;
+    this.to = left + span;
+    for (const each of this.rangeListeners) each();
+  }
+
+  reset(): void {
+    this.set(this.start, this.stop);
+  }
+
+  /** Zooms about a time; factor below 1 comes closer. */
+  zoom(factor: number, about = this.cursor ?? (this.from + this.to) / 2): void {
+    const at = Math.min(Math.max(about, this.from), this.to);
+    this.set(at - (at - this.from) * factor, at + (this.to - at) * factor);
+  }
+
+  /** Moves by a part of what is shown. */
+  pan(part: number): void {
+    const by = (this.to - this.from) * part;
+    const left = Math.min(Math.max(this.from + by, this.start), this.stop - (this.to - this.from));
+    this.set(left, left + this.to - this.from);
+  }
+
+  point(time: number | null): void {
+    if (time === this.cursor) return;
+    this.cursor = time;
+    for (const each of this.cursorListeners) each();
+  }
+
+  onRange(f: () => void): void {
+    this.rangeListeners.add(f);
+  }
+
+  onCursor(f: () => void): void {
+    this.cursorListeners.add(f);
+  }
+
+  /** One frame at a time, however often it is asked for. */
+  static perFrame(f: () => void): () => void {
+    let asked = false;
+    return () => {
+      if (asked) return;
+      asked = true;
+      requestAnimationFrame(() => {
+        asked = false;
+        f();
+      });
+    };
+  }
+}

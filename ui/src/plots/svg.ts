@@ -1,0 +1,90 @@
+// A plot as SVG: the lines that the chart holds, with axes, for papers and drawing programs.
+import type uPlot from "uplot";
+import { css } from "../dom";
+import type { Span } from "./linked";
+
+interface Shown {
+  label: string;
+  colour: string;
+  dots: boolean;
+  dash: number[] | undefined;
+  hidden: boolean;
+}
+
+const escaped = (text: string) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]!);
+
+export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], band: string | null, spans: Span[]): string {
+  const left = 70, top = 34, width = 900, height = 300;
+  const { min: x0, max: x1 } = u.scales.x as { min: number; max: number };
+  const { min: y0, max: y1 } = u.scales.y as { min: number; max: number };
+  const log = u.scales.y!.distr === 3;
+  const px = (v: number) => left + ((v - x0) / (x1 - x0)) * width;
+  const scaled = (v: number) => (log ? Math.log10(Math.max(v, 1e-12)) : v);
+  const py = (v: number) => top + (1 - (scaled(v) - scaled(y0)) / (scaled(y1) - scaled(y0))) * height;
+  const x = u.data[0] as number[];
+  const seen: number[] = [];
+  x.forEach((v, i) => {
+    if ((x[i + 1] ?? v) >= x0 && (x[i - 1] ?? v) <= x1) seen.push(i);
+  });
+  const out: string[] = [];
+  const text = (at: [number, number], words: string, more = "") =>
+    out.push(`<text x="${at[0].toFixed(1)}" y="${at[1].toFixed(1)}" ${more}>${escaped(words)}</text>`);
+  const path = (column: number) => {
+    const values = u.data[column] as (number | null)[];
+    let pen = false;
+    return seen
+      .map((i) => {
+        const v = values[i];
+        if (v === null || v === undefined) return (pen = false), "";
+        const point = `${pen ? "L" : "M"}${px(x[i]!).toFixed(2)},${py(v).toFixed(2)}`;
+        pen = true;
+        return point;
+      })
+      .join("");
+  };
+  out.push(`<rect width="100%" height="100%" fill="${css("--surface")}"/>`);
+  for (const s of spans) {
+    const a = Math.max(px(s.from), left), b = Math.min(px(s.to), left + width);
+    if (b > a) out.push(`<rect x="${a.toFixed(1)}" y="${top}" width="${(b - a).toFixed(1)}" height="${height}" fill="${css("--outage")}"/>`);
+  }
+  const ticks = (a: number, b: number) => {
+    const raw = (b - a) / 6, power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((m) => m * power).find((m) => m >= raw)!;
+    const all: number[] = [];
+    for (let v = Math.ceil(a / step) * step; v <= b + 1e-9 * step; v += step) all.push(Number(v.toPrecision(10)));
+    return all;
+  };
+  const line = (a: [number, number], b: [number, number]) =>
+    out.push(`<path d="M${a[0].toFixed(1)},${a[1].toFixed(1)}L${b[0].toFixed(1)},${b[1].toFixed(1)}" stroke="${css("--grid")}"/>`);
+  for (const v of ticks(x0, x1)) {
+    line([px(v), top], [px(v), top + height]);
+    text([px(v), top + height + 16], String(v), 'text-anchor="middle"');
+  }
+  for (const v of log ? ticks(scaled(y0), scaled(y1)).filter(Number.isInteger).map((p) => 10 ** p) : ticks(y0, y1)) {
+    line([left, py(v)], [left + width, py(v)]);
+    text([left - 6, py(v) + 4], String(v), 'text-anchor="end"');
+  }
+  out.push(`<clipPath id="c"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#c)" fill="none">`);
+  if (band) for (const k of [1, 2]) out.push(`<path d="${path(lines.length + k)}" stroke="${band}"/>`);
+  lines.forEach((l, i) => {
+    if (l.hidden) return;
+    if (!l.dots) out.push(`<path d="${path(i + 1)}" stroke="${l.colour}" stroke-width="1.4"${l.dash ? ` stroke-dasharray="${l.dash.join(" ")}"` : ""}/>`);
+    else
+      for (const k of seen) {
+        const v = u.data[i + 1]![k];
+        if (v !== null && v !== undefined) out.push(`<circle cx="${px(x[k]!).toFixed(2)}" cy="${py(v).toFixed(2)}" r="2" fill="${l.colour}"/>`);
+      }
+  });
+  out.push("</g>");
+  text([left, 20], `${title}, ${unit}`, 'font-weight="600" font-size="14"');
+  text([left + width / 2, top + height + 34], "t, s", 'text-anchor="middle"');
+  let at = left + width;
+  for (const l of [...lines].reverse()) {
+    if (l.hidden) continue;
+    at -= 9 * l.label.length + 30;
+    out.push(`<path d="M${at},16h18" stroke="${l.colour}" stroke-width="2"/>`);
+    text([at + 22, 20], l.label);
+  }
+  const whole = `viewBox="0 0 ${left + width + 20} ${top + height + 44}" width="${left + width + 20}" height="${top + height + 44}"`;
+  return `<svg xmlns="http://www.w3.org/2000/svg" ${whole} font-family="sans-serif" font-size="12" fill="${css("--text")}">${out.join("\n")}</svg>\n`;
+}
