@@ -1,1 +1,123 @@
-document.body.append("hello")
+// The frame of the page: header, language, theme, keyboard, which page the address names.
+import "uplot/dist/uPlot.min.css";
+import "./style.css";
+import { append, h, replace, tell } from "./dom";
+import { language, setLanguage, t } from "./i18n";
+import type { Page } from "./page";
+import { comparePage } from "./pages/compare";
+import { dataPage } from "./pages/data";
+import { editorPage } from "./pages/editor";
+import { runPage } from "./pages/run";
+import { startPage } from "./pages/start";
+
+type Theme = "auto" | "light" | "dark";
+const themes: Theme[] = ["auto", "light", "dark"];
+
+function theme(): Theme {
+  return (localStorage.getItem("schuler.theme") as Theme | null) ?? "auto";
+}
+
+function applyTheme(): void {
+  const dark = theme() === "dark" || (theme() === "auto" && matchMedia("(prefers-color-scheme: dark)").matches);
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+}
+
+const content = h("main", { id: "content", tabIndex: -1 });
+let shown: Page | null = null;
+let turn = 0;
+
+async function open(): Promise<void> {
+  const mine = ++turn;
+  const [path = "", query = ""] = location.hash.replace(/^#\/?/, "").split("?");
+  const [kind = "", ...rest] = path.split("/").map(decodeURIComponent);
+  const parameters = new URLSearchParams(query);
+  shown?.close?.();
+  shown = null;
+  try {
+    const page =
+      kind === "scenario" ? editorPage(parameters)
+      : kind === "data" ? dataPage(rest[0] ?? "")
+      : kind === "run" ? runPage(rest[0] ?? "", rest[1] ?? "")
+      : kind === "compare" ? comparePage(rest)
+      : startPage();
+    const made = await page;
+    if (mine !== turn) return made.close?.();
+    shown = made;
+    replace(content, made.element);
+    document.title = `${made.title} – Schuler`;
+    for (const link of document.querySelectorAll<HTMLAnchorElement>("header nav a"))
+      link.toggleAttribute("aria-current", link.hash.split("?")[0] === `#/${kind}`);
+  } catch (e) {
+    replace(content, h("section", { class: "card" }, h("h1", null, t("error.title")), h("p", null, (e as Error).message), h("p", null, h("a", { href: "#/" }, t("nav.start")))));
+  }
+}
+
+function frame(): void {
+  applyTheme();
+  const icons: Record<Theme, string> = { auto: "◐", light: "☀", dark: "☾" };
+  const themeButton = h("button", {
+    type: "button",
+    class: "icon",
+    "aria-label": t("theme"),
+    title: t("theme"),
+    onClick: () => {
+      localStorage.setItem("schuler.theme", themes[(themes.indexOf(theme()) + 1) % themes.length]!);
+      applyTheme();
+      themeButton.textContent = icons[theme()];
+      shown?.redraw?.();
+    },
+  }, icons[theme()]);
+  const chooser = h("select", {
+    "aria-label": t("language"),
+    onChange: (e: Event) => {
+      setLanguage((e.target as HTMLSelectElement).value);
+      frame();
+      void open();
+    },
+  }, h("option", { value: "en" }, "English"), h("option", { value: "uk" }, "Українська"));
+  chooser.value = language;
+  replace(
+    document.getElementById("app")!,
+    h("a", { class: "skip", href: "#content", onClick: (e: Event) => (e.preventDefault(), content.focus()) }, t("skip")),
+    h(
+      "header",
+      null,
+      h("a", { class: "brand", href: "#/" }, "Schuler"),
+      h("nav", { "aria-label": t("nav") }, h("a", { href: "#/" }, t("nav.start")), h("a", { href: "#/scenario?example=demo" }, t("nav.scenario"))),
+      h("span", { class: "grow" }),
+      h("button", { type: "button", class: "icon", title: t("keys.title"), "aria-label": t("keys.title"), onClick: () => keys.showModal() }, "?"),
+      themeButton,
+      chooser,
+    ),
+    content,
+    h("div", { id: "messages", "aria-live": "polite" }),
+  );
+  const keys = h("dialog", { class: "keys", "aria-labelledby": "keys-title" });
+  const row = (key: string, what: string) => h("tr", null, h("th", null, h("kbd", null, key)), h("td", null, what));
+  append(
+    keys,
+    h("h2", { id: "keys-title" }, t("keys.title")),
+    h(
+      "table",
+      { id: "plot-keys" },
+      h("tbody", null, row("Tab", t("keys.tab")), row("← →", t("keys.pan")), row("+ −", t("keys.zoom")), row("0", t("keys.reset")),
+        row("⇧ + ✥", t("keys.drag")), row("▭", t("keys.box")), row("Ctrl + ⇅", t("keys.wheel")), row("Ctrl + ↵", t("keys.run")), row("?", t("keys.help"))),
+    ),
+    h("form", { method: "dialog" }, h("button", null, t("close"))),
+  );
+  document.getElementById("app")!.append(keys);
+  document.onkeydown = (e) => {
+    const typing = /^(INPUT|TEXTAREA|SELECT)$/.test((e.target as HTMLElement).tagName);
+    if (e.key === "?" && !typing) keys.showModal();
+    if (e.key === "Enter" && (e.ctrlKey || e.metaKey)) document.querySelector<HTMLButtonElement>("button.primary.run")?.click();
+  };
+}
+
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  applyTheme();
+  shown?.redraw?.();
+});
+window.addEventListener("hashchange", () => void open());
+window.addEventListener("unhandledrejection", (e) => tell(String((e.reason as Error)?.message ?? e.reason), "error"));
+frame();
+void open();

@@ -207,7 +207,7 @@ export class TimePlot {
       const stroke = faded(css("--band"), 0.9);
       series.push({ label: s.band, stroke, width: 1, points: { show: false }, value: (_, v) => short(v) });
       series.push({ label: "−" + s.band, stroke, width: 1, points: { show: false }, value: (_, v) => short(v) });
-      bands.push({ series: [first + 1, first], fill: faded(css("--band"), 0.28), dir: 1 });
+      bands.push({ series: [first, first + 1], fill: faded(css("--band"), 0.28) });
     }
     const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
     const options: uPlot.Options = {

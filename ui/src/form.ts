@@ -1,0 +1,252 @@
+// A form from the option table of the program: one field an option, its unit, its sentence, what it is now and what is wrong.
+import type { Json, Option, Problem, Settings, Understood } from "./api";
+import { append, h, replace } from "./dom";
+import { maybe, t } from "./i18n";
+
+const units = /_(deg_sqrt_h|m_s_sqrt_h|ug_sqrt_hz|rad_s|deg_h|deg_s|m_s2|m_s|time_s|arcsec|ppm|deg|rad|hz|mg|ug|pa|ut|mgal|m|s)$/;
+
+/** "imu.gyro_noise_deg_sqrt_h" to "gyro noise". */
+export function labelOf(key: string): string {
+  const last = key.split(".").slice(key.startsWith("filter.assumed.") || key.startsWith("filter.initial_error.") ? 2 : 1).join(" ") || key;
+  return maybe(`key.${key}`, last.replace(/_time_s$/, "_time").replace(units, "").replaceAll("_", " "));
+}
+
+function sectionOf(key: string): string {
+  for (const deep of ["filter.assumed", "filter.initial_error", "trajectory.start", "trajectory.vibration"]) if (key.startsWith(deep + ".")) return deep;
+  return key.includes(".") ? key.slice(0, key.indexOf(".")) : "general";
+}
+
+/** Options that only some trajectories have say so: "car, waypoints: radius of the corners". */
+export function kindsOf(option: Option, kinds: string[]): string[] | null {
+  const head = /^([a-z_, ]+): /.exec(option.help)?.[1]?.split(", ");
+  return head && head.every((k) => kinds.includes(k)) ? head : null;
+}
+
+function shownValue(v: Json): string {
+  if (v === null || v === undefined) return "";
+  return typeof v === "string" ? v : typeof v === "number" ? String(v) : JSON.stringify(v);
+}
+
+/** What is wrong with a text typed into a field, or the value it stands for. */
+function parsed(option: Option, text: string): { value: Json } | { wrong: string } {
+  const bounds = (x: number) => Number.isFinite(x) && (option.low === null || x >= option.low) && (option.high === null || x <= option.high);
+  const wrong = { wrong: t("form.wrong", { accepts: option.accepts }) };
+  const decimal = (s: string) => (s.trim() === "" ? NaN : Number(s.trim().replace(/^([+-]?\d+),(\d+)$/, "$1.$2")));
+  switch (option.shape) {
+    case "number": {
+      const x = decimal(text);
+      return bounds(x) ? { value: x } : wrong;
+    }
+    case "integer": {
+      const x = Number(text);
+      return Number.isInteger(x) && bounds(x) ? { value: x } : wrong;
+    }
+    case "text":
+      return option.choices.length === 0 || option.choices.includes(text) ? { value: text } : wrong;
+    case "numbers": {
+      const list = text.replace(/^\[|\]$/g, "").split(/[;,\s]+/).filter(Boolean).map(Number);
+      return list.every(bounds) && (option.length === 0 || list.length === option.length) ? { value: list } : wrong;
+    }
+    default:
+      // a value of its own form: a list or a number as JSON, otherwise text
+      if (option.shape === "any" && !/^[[{"\d+-]|^(true|false)$/.test(text.trim())) return { value: text };
+      try {
+        return { value: JSON.parse(text) as Json };
+      } catch {
+        return option.shape === "any" ? { value: text } : wrong;
+      }
+  }
+}
+
+interface Field {
+  option: Option;
+  row: HTMLElement;
+  inputs: (HTMLInputElement | HTMLSelectElement | HTMLTextAreaElement)[];
+  message: HTMLElement;
+  doubt: HTMLElement;
+}
+
+export class OptionForm {
+  readonly element = h("div", { class: "form" });
+  readonly settings: Settings = {};
+  private used: Settings = {};
+  private readonly fields = new Map<string, Field>();
+  private readonly sections = new Map<string, HTMLDetailsElement>();
+  private readonly search = h("input", { type: "search", placeholder: t("form.search"), "aria-label": t("form.search"), onInput: () => this.filter() });
+  private readonly onlySet = h("input", { type: "checkbox", onChange: () => this.filter() });
+  private readonly kinds: string[];
+
+  constructor(
+    options: Option[],
+    private readonly changed: () => void,
+    private readonly skip: (key: string) => boolean = () => false,
+    open: string[] = ["general", "trajectory", "trajectory.start", "imu", "gnss"],
+  ) {
+    this.kinds = options.find((o) => o.key === "trajectory.type")?.choices ?? [];
+    append(this.element, h("div", { class: "form-tools" }, this.search, h("label", null, this.onlySet, t("form.only_set"))));
+    for (const option of options) {
+      if (this.skip(option.key)) continue;
+      const name = sectionOf(option.key);
+      let section = this.sections.get(name);
+      if (!section) {
+        section = h("details", { open: open.includes(name) }, h("summary", null, maybe(`section.${name}`, name.replaceAll(".", " ").replaceAll("_", " "))));
+        this.sections.set(name, section);
+        this.element.append(section);
+      }
+      section.append(this.field(option));
+    }
+  }
+
+  private field(option: Option): HTMLElement {
+    const id = `option-${option.key.replaceAll(".", "-")}`;
+    const message = h("p", { class: "field-wrong", id: `${id}-wrong`, role: "alert", hidden: true });
+    const doubt = h("p", { class: "field-doubt", hidden: true });
+    const help = maybe(`option.${option.key}`, option.help);
+    const described = { "aria-describedby": `${id}-help ${id}-wrong` };
+    const inputs: Field["inputs"] = [];
+    const choices = option.choices.length > 0 ? option.choices : option.key.endsWith("imu.grade") ? option.accepts.replace(/^one of /, "").split(", ") : [];
+    if (option.shape === "flag" || choices.length > 0) {
+      const values = option.shape === "flag" ? ["true", "false"] : choices;
+      inputs.push(h("select", { id, ...described, onChange: () => this.take(option.key) }, h("option", { value: "" }, "–"),
+        ...values.map((v) => h("option", { value: v }, option.shape === "flag" ? t(v === "true" ? "yes" : "no") : v))));
+    } else if (option.shape === "numbers" && option.length > 1 && option.length < 5) {
+      for (let i = 0; i < option.length; ++i)
+        inputs.push(h("input", { type: "text", inputMode: "decimal", id: i === 0 ? id : `${id}-${i}`, "aria-label": `${labelOf(option.key)} ${i + 1}`, ...described, onInput: () => this.take(option.key) }));
+    } else if (option.shape === "tables" || option.shape === "table" || option.key.endsWith("waypoints")) {
+      inputs.push(h("textarea", { id, rows: 3, spellcheck: false, ...described, onInput: () => this.take(option.key) }));
+    } else {
+      const numeric = option.shape === "number" || option.shape === "integer";
+      inputs.push(h("input", { type: "text", id, ...(numeric ? { inputMode: "decimal" } : {}), ...described, onInput: () => this.take(option.key) }));
+    }
+    const reset = h("button", { type: "button", class: "icon reset", title: t("form.back"), "aria-label": `${t("form.back")}: ${option.key}`, onClick: () => this.put(option.key, undefined) }, "↺");
+    const row = h(
+      "div",
+      { class: "field", "data-key": option.key },
+      h("label", { htmlFor: id, title: option.key }, labelOf(option.key)),
+      h("span", { class: `inputs n${inputs.length}` }, ...inputs, h("span", { class: "unit" }, option.unit), reset),
+      h("p", { class: "help", id: `${id}-help` }, help, option.shape === "number" || option.shape === "integer" ? h("span", { class: "accepts" }, ` · ${option.accepts}`) : null),
+      doubt,
+      message,
+    );
+    this.fields.set(option.key, { option, row, inputs, message, doubt });
+    return row;
+  }
+
+  /** Takes what is typed in a field. */
+  private take(key: string): void {
+    const { option, inputs, message, row } = this.fields.get(key)!;
+    const texts = inputs.map((i) => i.value);
+    const empty = texts.every((x) => x.trim() === "");
+    let wrong = "";
+    if (empty) {
+      delete this.settings[key];
+    } else {
+      // of three numbers those that are not typed stay as they are
+      const now = this.used[key];
+      const filled = texts.map((x, i) => (x.trim() === "" && Array.isArray(now) ? String(now[i]) : x));
+      const result = option.shape === "flag" ? { value: texts[0] === "true" } : parsed(option, filled.join(inputs.length > 1 ? ";" : ""));
+      if ("wrong" in result) wrong = result.wrong;
+      else this.settings[key] = result.value;
+    }
+    message.hidden = wrong === "";
+    message.textContent = wrong;
+    for (const i of inputs) i.setAttribute("aria-invalid", String(wrong !== ""));
+    row.classList.toggle("given", key in this.settings);
+    if (wrong === "") this.changed();
+  }
+
+  /** Sets a field as if it had been typed; undefined: back to what is used without it. */
+  put(key: string, value: Json | undefined, tell = true): void {
+    const field = this.fields.get(key);
+    if (value === undefined) delete this.settings[key];
+    else this.settings[key] = value;
+    if (field) this.fill(field);
+    if (tell) this.changed();
+  }
+
+  private fill({ option, inputs, row, message }: Field): void {
+    const value = this.settings[option.key];
+    const given = value !== undefined;
+    row.classList.toggle("given", given);
+    message.hidden = true;
+    inputs.forEach((input, i) => {
+      input.setAttribute("aria-invalid", "false");
+      if (inputs.length > 1) input.value = given && Array.isArray(value) ? shownValue(value[i] ?? null) : "";
+      else input.value = given ? shownValue(value) : "";
+    });
+    this.hint({ option, inputs } as Field);
+  }
+
+  /** What is used where nothing is given stands in the empty field. */
+  private hint({ option, inputs }: Field): void {
+    const used = this.used[option.key];
+    inputs.forEach((input, i) => {
+      if (input instanceof HTMLSelectElement) {
+        const word = used === undefined || used === null ? t("form.by_itself") : option.shape === "flag" ? t(used ? "yes" : "no") : shownValue(used);
+        input.options[0]!.textContent = `${word} ${t("form.default")}`;
+      } else {
+        input.placeholder = inputs.length > 1 ? (Array.isArray(used) ? shownValue(used[i] ?? null) : "") : shownValue(used ?? null) || t("form.by_itself");
+      }
+    });
+  }
+
+  load(now: Understood): void {
+    for (const key of Object.keys(this.settings)) delete this.settings[key];
+    Object.assign(this.settings, now.settings);
+    this.used = now.used;
+    for (const field of this.fields.values()) this.fill(field);
+    this.understood(now);
+  }
+
+  /** What the server makes of the settings: values that are used, and what is wrong, beside the field. */
+  understood(now: Understood): void {
+    if (!now.problem) this.used = now.used;
+    for (const field of this.fields.values()) {
+      if (!now.problem) this.hint(field);
+      if (field.message.dataset.from === "server") field.message.hidden = true;
+    }
+    if (now.problem) this.blame(now.problem);
+    const kind = String(this.settings["trajectory.type"] ?? this.used["trajectory.type"] ?? "");
+    for (const { option, row } of this.fields.values()) {
+      const kinds = kindsOf(option, this.kinds);
+      row.classList.toggle("other-kind", kinds !== null && !kinds.includes(kind));
+    }
+    for (const section of this.sections.values()) section.classList.toggle("empty", !section.querySelector(".field:not(.other-kind)"));
+  }
+
+  blame(problem: Problem): boolean {
+    const field = this.fields.get(problem.key);
+    if (!field) return false;
+    field.message.hidden = false;
+    field.message.dataset.from = "server";
+    field.message.textContent = problem.text + (problem.mend ? `; ${problem.mend}` : "");
+    field.row.closest("details")!.open = true;
+    return true;
+  }
+
+  /** Marks what is a guess, with the evidence. */
+  doubts(findings: { key: string; value: string; confidence: number; why: string }[]): void {
+    for (const f of findings) {
+      const field = this.fields.get(f.key);
+      if (!field) continue;
+      field.doubt.hidden = false;
+      const unsure = f.confidence < 0.9;
+      field.row.classList.toggle("doubtful", unsure);
+      replace(field.doubt, `${unsure ? "⚠ " : "✓ "}${t("data.sure", { percent: Math.round(100 * f.confidence) })}: ${f.why}`);
+      if (unsure) field.row.closest("details")!.open = true;
+    }
+  }
+
+  private filter(): void {
+    const word = this.search.value.toLowerCase();
+    for (const { option, row } of this.fields.values()) {
+      const hit = word === "" || `${option.key} ${row.textContent}`.toLowerCase().includes(word);
+      row.hidden = !hit || (this.onlySet.checked && !(option.key in this.settings));
+    }
+    for (const section of this.sections.values()) {
+      const any = section.querySelector(".field:not([hidden])");
+      section.hidden = !any;
+      if (word !== "" && any) section.open = true;
+    }
+  }
+}

@@ -1,0 +1,163 @@
+// The scenario editor: the option table as a form, the track as one types, outages on a time line, TOML in and out.
+import { api, type Json, type Settings, type Understood } from "../api";
+import { h, quietly, replace, saveAs, tell } from "../dom";
+import { OptionForm } from "../form";
+import { number, t } from "../i18n";
+import type { Page } from "../page";
+import { Linked } from "../plots/linked";
+import { PlanView } from "../plots/plan";
+import { TimePlot, linkCursors } from "../plots/timeplot";
+import { OutageLine, type Outage } from "../plots/timeline";
+
+function gnssOutages(settings: Settings): Outage[] {
+  const list = settings["outage"];
+  if (!Array.isArray(list)) return [];
+  return list.flatMap((o) => {
+    const x = o as Record<string, Json>;
+    if (x["sensor"] !== undefined && x["sensor"] !== "gnss") return [];
+    return typeof x["start_s"] === "number" && typeof x["duration_s"] === "number" ? [{ start_s: x["start_s"], duration_s: x["duration_s"] }] : [];
+  });
+}
+
+function otherOutages(settings: Settings): Json[] {
+  const list = settings["outage"];
+  return Array.isArray(list) ? list.filter((o) => ((o as Record<string, Json>)["sensor"] ?? "gnss") !== "gnss") : [];
+}
+
+export async function editorPage(query: URLSearchParams): Promise<Page> {
+  const [options, first] = await Promise.all([
+    api.options("scenario"),
+    (async (): Promise<Understood> => {
+      const run = query.get("run");
+      if (run) return api.runSettings(run);
+      const name = query.get("example") ?? "demo";
+      const example = (await api.examples()).find((e) => e.name === name);
+      return api.settings("scenario", example ? { toml: example.toml } : { settings: {} });
+    })(),
+  ]);
+  let now = first;
+  let linked = new Linked(0, 1);
+  const problem = h("p", { class: "bad", role: "alert", hidden: true });
+  const profile = h("div");
+  const toml = h("textarea", { class: "toml", rows: 24, spellcheck: false, "aria-label": "TOML" });
+  const title = h("input", { type: "text", class: "run-name", value: "", "aria-label": t("run.title"), placeholder: t("editor.name") });
+  const plan = new PlanView(null, 340);
+  const outages = new OutageLine((list) => {
+    const spans = list.map((o) => ({ ...o, sensor: "gnss" }) as Json);
+    form.put("outage", [...spans, ...otherOutages(form.settings)]);
+  });
+  let plots: TimePlot[] = [];
+  let request: AbortController | null = null;
+
+  const drawn = () => {
+    const track = now.track;
+    if (track) {
+      plan.show([{ label: t("track.true"), ink: 0, time: track.time_s, east: track.east_m, north: track.north_m }]);
+      linked = new Linked(0, track.time_s.at(-1) ?? 1);
+      linked.spans = gnssOutages(form.settings).map((o) => ({ from: o.start_s, to: o.start_s + o.duration_s, label: "GNSS" }));
+      const of = (name: string, unit: string, lines: [string, number[]][]) =>
+        new TimePlot({ title: name, unit, height: 150, lines: lines.map(([label]) => ({ label })), load: async () => ({ x: track.time_s, y: lines.map(([, y]) => y) }) }, linked);
+      plots = [
+        of(t("editor.height"), "m", [[t("editor.height"), track.height_m]]),
+        of(t("editor.speed"), "m/s", [[t("editor.speed"), track.speed_m_s]]),
+        of(t("view.attitude"), "°", [[t("roll"), track.roll_deg], [t("pitch"), track.pitch_deg], [t("heading"), track.heading_deg]]),
+      ];
+      linkCursors(plots, linked);
+      const length = track.east_m.reduce((sum, e, i) => (i === 0 ? 0 : sum + Math.hypot(e - track.east_m[i - 1]!, track.north_m[i]! - track.north_m[i - 1]!)), 0);
+      replace(
+        profile,
+        h("p", { class: "muted" }, t("editor.track", { km: number(length / 1000), top: number(Math.max(...track.speed_m_s)) }), track.cut ? ` ${t("editor.cut")}` : ""),
+        ...plots.map((p) => p.element),
+      );
+    }
+    outages.show(gnssOutages(form.settings), Number(form.settings["duration_s"] ?? now.used["duration_s"] ?? 1));
+    toml.value = now.toml;
+    const known = now.problem && form.blame(now.problem);
+    problem.hidden = !now.problem;
+    if (now.problem) problem.textContent = known ? t("editor.see_field", { key: now.problem.key }) : now.problem.text + "; " + now.problem.mend;
+    start.disabled = now.problem !== null;
+  };
+  const ask = quietly(150, async () => {
+    request?.abort();
+    request = new AbortController();
+    try {
+      now = await api.settings("scenario", { settings: form.settings }, request.signal);
+      form.understood(now);
+      drawn();
+    } catch (e) {
+      if ((e as Error).name !== "AbortError") {
+        problem.hidden = false;
+        problem.textContent = (e as Error).message;
+      }
+    }
+  });
+  const form = new OptionForm(options, ask, (key) => key === "outage");
+
+  const load = async (text: string) => {
+    try {
+      now = await api.settings("scenario", { toml: text });
+      form.load(now);
+      drawn();
+      tell(t("editor.loaded"));
+    } catch (e) {
+      tell((e as Error).message, "error");
+    }
+  };
+  const start = h("button", {
+    type: "button",
+    class: "primary run",
+    onClick: async () => {
+      try {
+        const name = title.value.trim() || String(form.settings["name"] ?? "scenario");
+        const run = await api.start({ kind: "scenario", title: name, settings: form.settings });
+        location.hash = `#/run/${encodeURIComponent(run.id)}`;
+      } catch (e) {
+        tell((e as Error).message, "error");
+      }
+    },
+  }, `▶ ${t("editor.run")}`);
+  const file = () => {
+    const input = h("input", { type: "file", accept: ".toml" });
+    input.onchange = () => void input.files?.[0]?.text().then(load);
+    input.click();
+  };
+  const element = h(
+    "div",
+    { class: "editor" },
+    h(
+      "div",
+      { class: "bar" },
+      h("h1", null, t("editor.title")),
+      title,
+      start,
+      h("button", { type: "button", onClick: file }, t("editor.load")),
+      h("button", { type: "button", onClick: () => saveAs(new Blob([now.toml], { type: "text/plain" }), `${String(form.settings["name"] ?? "scenario")}.toml`) }, t("editor.save")),
+    ),
+    problem,
+    h(
+      "div",
+      { class: "split" },
+      h("div", { class: "left" }, form.element),
+      h(
+        "div",
+        { class: "right" },
+        plan.element,
+        outages.element,
+        profile,
+        h("details", { class: "card" }, h("summary", null, t("editor.toml")), h("p", { class: "muted" }, t("editor.toml_hint")), toml,
+          h("button", { type: "button", onClick: () => void load(toml.value) }, t("editor.apply"))),
+      ),
+    ),
+  );
+  form.load(now);
+  drawn();
+  return {
+    title: t("editor.title"),
+    element,
+    redraw: () => {
+      plan.redraw();
+      outages.draw();
+      plots.forEach((p) => p.redraw());
+    },
+  };
+}

@@ -1,0 +1,211 @@
+// Start: logs to drop, examples to pick, runs to open or compare.
+import { api, upload, watchRuns, type DatasetInfo, type Run } from "../api";
+import { h, replace, tell } from "../dom";
+import { number, t } from "../i18n";
+import type { Page } from "../page";
+
+/** Files of a drop, those of folders too. */
+async function dropped(items: DataTransferItemList): Promise<{ files: File[]; name: string }> {
+  const files: File[] = [];
+  let name = "";
+  const walk = async (entry: FileSystemEntry): Promise<void> => {
+    if (entry.isFile) {
+      files.push(await new Promise<File>((done, fail) => (entry as FileSystemFileEntry).file(done, fail)));
+      return;
+    }
+    name ||= entry.name;
+    const reader = (entry as FileSystemDirectoryEntry).createReader();
+    for (;;) {
+      const some = await new Promise<FileSystemEntry[]>((done, fail) => reader.readEntries(done, fail));
+      if (some.length === 0) return;
+      for (const each of some) await walk(each);
+    }
+  };
+  const entries = [...items].map((i) => i.webkitGetAsEntry()).filter((e) => e !== null);
+  for (const entry of entries) await walk(entry);
+  return { files, name: name || files[0]?.name.replace(/\.[^.]*$/, "") || "data" };
+}
+
+async function send(files: File[], title: string, status: HTMLElement): Promise<void> {
+  const wanted = files.filter((f) => !f.name.startsWith("."));
+  if (wanted.length === 0) return tell(t("start.nothing"), "error");
+  const bar = h("progress", { max: 1, value: 0 });
+  const text = h("span");
+  replace(status, bar, text);
+  try {
+    const { name } = await api.newDataset(title);
+    const whole = wanted.reduce((sum, f) => sum + f.size, 0) || 1;
+    let before = 0;
+    for (const file of wanted) {
+      text.textContent = file.name;
+      await upload(name, file, (part) => (bar.value = (before + part * file.size) / whole));
+      before += file.size;
+    }
+    location.hash = `#/data/${encodeURIComponent(name)}`;
+  } catch (e) {
+    replace(status, h("p", { class: "bad", role: "alert" }, (e as Error).message));
+  }
+}
+
+function dropZone(): HTMLElement {
+  const status = h("div", { class: "drop-status" });
+  const choose = (folder: boolean) => {
+    const input = h("input", { type: "file", multiple: true });
+    if (folder) input.setAttribute("webkitdirectory", "");
+    input.onchange = () => {
+      const files = [...(input.files ?? [])];
+      const path = files[0]?.webkitRelativePath.split("/")[0];
+      void send(files, path || files[0]?.name.replace(/\.[^.]*$/, "") || "data", status);
+    };
+    input.click();
+  };
+  const zone = h(
+    "div",
+    { class: "drop" },
+    h("p", { class: "drop-big" }, t("start.drop")),
+    h("p", { class: "muted" }, t("start.formats")),
+    h(
+      "p",
+      null,
+      h("button", { type: "button", onClick: () => choose(false) }, t("start.files")),
+      " ",
+      h("button", { type: "button", onClick: () => choose(true) }, t("start.folder")),
+    ),
+    status,
+  );
+  for (const kind of ["dragenter", "dragover"]) zone.addEventListener(kind, (e) => (e.preventDefault(), zone.classList.add("over")));
+  for (const kind of ["dragleave", "drop"]) zone.addEventListener(kind, () => zone.classList.remove("over"));
+  zone.addEventListener("drop", (e) => {
+    e.preventDefault();
+    if (e.dataTransfer) void dropped(e.dataTransfer.items).then(({ files, name }) => send(files, name, status));
+  });
+  return zone;
+}
+
+function datasetList(sets: DatasetInfo[], again: () => void): HTMLElement {
+  return h(
+    "ul",
+    { class: "plain-list" },
+    ...sets.map((d) =>
+      h(
+        "li",
+        null,
+        h("a", { href: `#/data/${encodeURIComponent(d.name)}` }, d.title),
+        h("span", { class: "muted" }, ` ${d.files.length} ${t("start.n_files")}${d.opened ? ` · ${t("start.opened")}` : ""}`),
+        !d.opened &&
+          h("button", {
+            type: "button",
+            class: "icon",
+            title: t("remove"),
+            "aria-label": `${t("remove")} ${d.title}`,
+            onClick: () => void (confirm(t("remove.sure", { name: d.title })) && api.removeDataset(d.name).then(again)),
+          }, "✕"),
+      ),
+    ),
+  );
+}
+
+export function stateBadge(run: Run): HTMLElement {
+  const icon = { waiting: "…", running: "▶", done: "✓", failed: "✗", cancelled: "⊘" }[run.state];
+  return h("span", { class: `badge ${run.state}`, title: run.message }, `${icon} ${t(`state.${run.state}`)}`);
+}
+
+function runTable(runs: Run[], again: () => void): HTMLElement {
+  if (runs.length === 0) return h("p", { class: "muted" }, t("start.no_runs"));
+  const chosen = new Set<string>();
+  const compare = h("button", { type: "button", disabled: true, onClick: () => (location.hash = `#/compare/${[...chosen].map(encodeURIComponent).join("/")}`) }, t("start.compare"));
+  const rows = runs.map((run) => {
+    const title = h("a", { href: `#/run/${encodeURIComponent(run.id)}` }, run.title);
+    return h(
+      "tr",
+      { "data-run": run.id },
+      h("td", null, h("input", {
+        type: "checkbox",
+        "aria-label": `${t("start.choose")} ${run.title}`,
+        disabled: run.state !== "done",
+        onChange: (e: Event) => {
+          if ((e.target as HTMLInputElement).checked) chosen.add(run.id);
+          else chosen.delete(run.id);
+          compare.disabled = chosen.size < 2;
+        },
+      })),
+      h("td", null, title),
+      h("td", { class: "state" }, stateBadge(run)),
+      h("td", null, run.scheme ?? "–"),
+      h("td", { class: "figure" }, number(run.duration_s)),
+      h("td", { class: "figure" }, number(run.error_m, 3)),
+      h("td", null, new Date(run.created * 1000).toLocaleString()),
+      h(
+        "td",
+        { class: "tools" },
+        h("button", {
+          type: "button",
+          class: "icon",
+          title: t("rename"),
+          "aria-label": `${t("rename")} ${run.title}`,
+          onClick: () => {
+            const name = prompt(t("rename"), run.title);
+            if (name) void api.rename(run.id, name).then(again);
+          },
+        }, "✎"),
+        h("button", {
+          type: "button",
+          class: "icon",
+          title: t("remove"),
+          "aria-label": `${t("remove")} ${run.title}`,
+          onClick: () => void (confirm(t("remove.sure", { name: run.title })) && api.remove(run.id).then(again)),
+        }, "✕"),
+      ),
+    );
+  });
+  const head = ["", t("run.title"), t("run.state"), t("run.scheme"), `${t("run.duration")}, s`, `${t("run.error")}, m`, t("run.created"), ""];
+  return h(
+    "div",
+    null,
+    h("div", { class: "scroll" }, h("table", { class: "runs" }, h("thead", null, h("tr", null, ...head.map((x) => h("th", { scope: "col" }, x || h("span", { class: "hidden" }, t("start.choose")))))), h("tbody", null, ...rows))),
+    h("p", null, compare, h("span", { class: "muted" }, ` ${t("start.compare_hint")}`)),
+  );
+}
+
+export async function startPage(): Promise<Page> {
+  const examples = await api.examples();
+  const sets = h("div"), runs = h("div");
+  const refreshSets = async () => {
+    const all = await api.datasets();
+    replace(sets, all.length > 0 && h("h3", null, t("start.datasets")), datasetList(all, () => void refreshSets()));
+  };
+  const refreshRuns = async () => replace(runs, runTable(await api.runs(), () => void refreshRuns()));
+  await Promise.all([refreshSets(), refreshRuns()]);
+  const close = watchRuns((e) => {
+    const cell = runs.querySelector(`tr[data-run="${CSS.escape(e.id)}"] .state`);
+    if (!cell || e.state === "done" || e.state === "failed" || e.state === "cancelled") {
+      if (!cell?.querySelector(`.${e.state}`)) void refreshRuns();
+      return;
+    }
+    replace(cell, h("progress", { max: 1, value: e.progress, "aria-label": t(`state.${e.state}`) }), ` ${Math.round(100 * e.progress)} %`);
+  });
+  const element = h(
+    "div",
+    { class: "start" },
+    h("h1", null, t("start.title")),
+    h("p", { class: "lead" }, t("start.lead")),
+    h(
+      "div",
+      { class: "columns" },
+      h("section", { class: "card" }, h("h2", null, t("start.logs")), dropZone(), sets),
+      h(
+        "section",
+        { class: "card" },
+        h("h2", null, t("start.examples")),
+        h("p", { class: "muted" }, t("start.examples_lead")),
+        h(
+          "ul",
+          { class: "examples" },
+          ...examples.map((e) => h("li", null, h("a", { href: `#/scenario?example=${encodeURIComponent(e.name)}` }, h("strong", null, e.name.replaceAll("_", " ")), h("span", null, e.about)))),
+        ),
+      ),
+    ),
+    h("section", { class: "card" }, h("h2", null, t("start.runs")), runs),
+  );
+  return { title: t("nav.start"), element, close };
+}
