@@ -20,6 +20,8 @@ build=(
     libtbb-dev              # campaigns on all cores
     libkissfft-dev
     libboost-dev            # Multiprecision: ranks decided with a hundred digits
+    libcpp-httplib-dev      # the server of `schuler ui`
+    nodejs npm              # its page; where they are there in another way, they are not installed
 )
 test=(
     libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
@@ -47,10 +49,19 @@ names_of() {
     esac
 }
 
+# Node and npm often come from elsewhere, in packages that exclude Debian's.
+without_present() {
+    local name present=()
+    for name in nodejs:node npm:npm; do
+        ! command -v "${name#*:}" >/dev/null || present+=(-e "/^${name%:*}$/d")
+    done
+    sed -e '' "${present[@]}"
+}
+
 # Names of the set that dpkg does not report as installed.
 missing_of() {
     local names
-    names=$(names_of "$1")
+    names=$(names_of "$1" | without_present)
     # shellcheck disable=SC2086  # one word a name
     { dpkg-query --show --showformat='${db:Status-Status} ${Package}\n' $names 2>/dev/null || true; } |  # 1: some unknown
         awk -v names="$names" '$1 == "installed" { have[$2] = 1 }

@@ -112,6 +112,15 @@ Value value_of(const Json& json, const std::string& key, int depth = 0) {
     throw Refusal{422, "has no value", "leave the key out", key};
 }
 
+/// So that the same settings are the same file.
+app::SettingList in_table_order(app::SettingList settings, Form form) {
+    const auto& specs = specs_of(form);
+    std::ranges::stable_sort(settings, {}, [&](const app::Setting& s) {
+        return std::ranges::find(specs, s.key, &app::OptionSpec::key) - specs.begin();
+    });
+    return settings;
+}
+
 app::SettingList defaults_of(Form form) {
     return form == Form::Scenario ? app::scenario_table().used(app::ScenarioConfig{}) : app::config_table().used(app::Config{});
 }
@@ -183,15 +192,12 @@ app::SettingList settings_from_json(const Json& object, Form form) {
         }
         out.push_back({key, value_of(value, key), {"", 0, 0, key}});
     }
-    // in the order of the table, so that the same settings are the same file
-    std::ranges::stable_sort(
-        out, {}, [&](const app::Setting& s) { return std::ranges::find(specs, s.key, &app::OptionSpec::key) - specs.begin(); });
-    return out;
+    return in_table_order(std::move(out), form);
 }
 
 app::SettingList settings_from_toml(const std::string& text, Form form) {
     const app::ValueTable root = app::parse_toml(text, "");
-    return form == Form::Scenario ? app::scenario_table().read(root, "") : app::config_table().read(root, "");
+    return in_table_order(form == Form::Scenario ? app::scenario_table().read(root, "") : app::config_table().read(root, ""), form);
 }
 
 Json settings_json(const app::SettingList& settings) {

@@ -1,3 +1,5 @@
+import { t } from "./i18n";
+
 // Elements in few words. Text is always set as text: nothing of a file or a server becomes markup.
 export type Child = Node | string | number | null | undefined | false;
 type Properties = Record<string, unknown>;
@@ -77,5 +79,17 @@ export async function copyText(text: string, what: string): Promise<void> {
     document.execCommand("copy");
     area.remove();
   }
-  tell(`${what} ⧉`);
+  tell(t("copied", { what }));
+}
+
+const drawings = {
+  copy: "M5 5V2h9v9h-3M2 5h9v9H2z",
+  full: "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4",
+  lines: "M1 11l4-6 4 4 6-7M1 14h14",
+} as const;
+
+/** A small drawing in the colour of the text: fonts do not have these signs everywhere. */
+export function icon(name: keyof typeof drawings): SVGElement {
+  return svg("svg", { viewBox: "0 0 16 16", width: 13, height: 13, "aria-hidden": "true" },
+    svg("path", { d: drawings[name], fill: "none", stroke: "currentColor", "stroke-width": 1.5 }));
 }

@@ -70,6 +70,24 @@ void add_sensor_errors(io::Hdf5Writer& file, const std::string& group, const std
     add("accel_scale_factor", "ppm", units::ppm, &Row::accel_scale, &Row::std_accel_scale);
 }
 
+void add_sensor_truth(io::Hdf5Writer& file, const std::vector<sim::SensorTruth>& rows) {
+    if (rows.empty()) return;
+    add_times(file, "/sensor_truth", rows);
+    add_table(file, "/sensor_truth/gyro_bias", rows, 3, "x,y,z", "deg/h",
+              [](const sim::SensorTruth& r, std::vector<double>& out) { push(out, r.gyro_bias, units::deg_per_hour); });
+    add_table(file, "/sensor_truth/accel_bias", rows, 3, "x,y,z", "mg",
+              [](const sim::SensorTruth& r, std::vector<double>& out) { push(out, r.accel_bias, units::mg); });
+}
+
+/// The fixes as the receiver gave them, at the antenna.
+void add_fixes(io::Hdf5Writer& file, const std::vector<GnssFix>& rows) {
+    if (rows.empty()) return;
+    add_times(file, "/gnss", rows);
+    add_table(file, "/gnss/position", rows, 3, "lat,lon,height", "deg,deg,m", [](const GnssFix& r, std::vector<double>& out) {
+        push(out, {r.position.lat / units::deg, r.position.lon / units::deg, r.position.h});
+    });
+}
+
 void add_innovations(io::Hdf5Writer& file, const std::vector<fusion::AidRecord>& records) {
     using fusion::AidKind;
     for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro, AidKind::Mag, AidKind::ZeroVelocity,
@@ -141,6 +159,8 @@ void write_run_h5(const std::filesystem::path& path, const ResultBundle& b) {
     add_solution(file, "/solution", b.solution().rows);
     if (b.smoothed()) add_solution(file, "/forward", b.result.forward.rows);
     add_sensor_errors(file, "/sensor_errors", b.solution().sensor_errors);
+    add_sensor_truth(file, b.sensor_truth);
+    add_fixes(file, b.data.recording.gnss);
     add_innovations(file, b.result.aids);
     add_outages(file, "/outages", b.solution().outage_epochs);
     add_reference(file, b.data.recording.reference);

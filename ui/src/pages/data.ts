@@ -19,7 +19,7 @@ function files(found: Inspection): HTMLElement {
     h(
       "table",
       null,
-      h("thead", null, h("tr", null, ...head.map((x) => h("th", { scope: "col" }, x)))),
+      h("thead", null, h("tr", null, ...head.map((x, i) => h("th", { scope: "col", class: i > 1 ? "figure" : "" }, x)))),
       h(
         "tbody",
         null,

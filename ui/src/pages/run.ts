@@ -1,6 +1,6 @@
 // One run: live while it works, then its views.
 import { api, watchRuns, type Group, type RunDetails, type RunEvent, type Spread, type Summary } from "../api";
-import { append, copyText, h, replace, saveAs, tell } from "../dom";
+import { append, copyText, h, icon, replace, saveAs, tell } from "../dom";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
 import { Linked } from "../plots/linked";
@@ -18,8 +18,8 @@ export function table(head: string[], rows: Cells[], caption: string): HTMLEleme
   return h(
     "div",
     { class: "table-block" },
-    h("h3", null, caption, h("button", { type: "button", class: "icon", title: t("table.copy"), "aria-label": `${t("table.copy")}: ${caption}`, onClick: () => void copyText(text(), caption) }, "⧉")),
-    h("div", { class: "scroll" }, h("table", null, h("thead", null, h("tr", null, ...head.map((x) => h("th", { scope: "col" }, x)))),
+    h("h3", null, caption, h("button", { type: "button", class: "icon", title: t("table.copy"), "aria-label": `${t("table.copy")}: ${caption}`, onClick: () => void copyText(text(), caption) }, icon("copy"))),
+    h("div", { class: "scroll" }, h("table", null, h("thead", null, h("tr", null, ...head.map((x, i) => h("th", { scope: "col", class: i > 0 ? "figure" : "" }, x)))),
       h("tbody", null, ...rows.map((r) => h("tr", null, ...r.map((c, i) => h(i === 0 ? "th" : "td", i === 0 ? { scope: "row" } : { class: "figure" }, c))))))),
   );
 }

@@ -1,5 +1,5 @@
 // Tracks on a map-like plane: metres east and north, one scale for both, with a scale bar and a cursor linked to time.
-import { css, copyText, h, saveAs } from "../dom";
+import { copyText, css, h, icon, saveAs } from "../dom";
 import { t } from "../i18n";
 import { colour } from "./colours";
 import { Linked } from "./linked";
@@ -28,8 +28,8 @@ export class PlanView {
     private readonly linked: Linked | null,
     private readonly tall = 420,
   ) {
-    const button = (icon: string, name: string, action: () => void) =>
-      h("button", { type: "button", class: "icon", title: name, "aria-label": name, onClick: action }, icon);
+    const button = (sign: string | Node, name: string, action: () => void) =>
+      h("button", { type: "button", class: "icon", title: name, "aria-label": name, onClick: action }, sign);
     this.element = h(
       "figure",
       { class: "plot plan", tabIndex: 0 },
@@ -44,11 +44,11 @@ export class PlanView {
           button("+", t("plot.closer"), () => this.zoom(1.5)),
           button("−", t("plot.farther"), () => this.zoom(1 / 1.5)),
           button("↺", t("plot.reset"), () => this.fit()),
-          button("⧉", t("plot.copy"), () => void copyText(this.rows(), t("plan.title"))),
+          button(icon("copy"), t("plot.copy"), () => void copyText(this.rows(), t("plan.title"))),
           button("PNG", t("plot.png"), () => this.canvas.toBlob((b) => b && saveAs(b, "track.png"))),
           button("SVG", t("plot.svg"), () => saveAs(new Blob([this.svg()], { type: "image/svg+xml" }), "track.svg")),
           button("CSV", t("plot.csv"), () => saveAs(new Blob([this.rows()], { type: "text/csv" }), "track.csv")),
-          button("⛶", t("plot.full"), () => void (document.fullscreenElement ? document.exitFullscreen() : this.element.requestFullscreen())),
+          button(icon("full"), t("plot.full"), () => void (document.fullscreenElement ? document.exitFullscreen() : this.element.requestFullscreen())),
         ),
       ),
       this.canvas,

@@ -14,6 +14,7 @@ interface Shown {
 const escaped = (text: string) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]!);
 
 export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], band: string | null, spans: Span[]): string {
+  const first = band ? 3 : 1;
   const left = 70, top = 34, width = 900, height = 300;
   const { min: x0, max: x1 } = u.scales.x as { min: number; max: number };
   const { min: y0, max: y1 } = u.scales.y as { min: number; max: number };
@@ -65,13 +66,13 @@ export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], ban
     text([left - 6, py(v) + 4], String(v), 'text-anchor="end"');
   }
   out.push(`<clipPath id="c"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#c)" fill="none">`);
-  if (band) for (const k of [1, 2]) out.push(`<path d="${path(lines.length + k)}" stroke="${band}"/>`);
+  if (band) for (const k of [1, 2]) out.push(`<path d="${path(k)}" stroke="${band}"/>`);
   lines.forEach((l, i) => {
     if (l.hidden) return;
-    if (!l.dots) out.push(`<path d="${path(i + 1)}" stroke="${l.colour}" stroke-width="1.4"${l.dash ? ` stroke-dasharray="${l.dash.join(" ")}"` : ""}/>`);
+    if (!l.dots) out.push(`<path d="${path(i + first)}" stroke="${l.colour}" stroke-width="1.4"${l.dash ? ` stroke-dasharray="${l.dash.join(" ")}"` : ""}/>`);
     else
       for (const k of seen) {
-        const v = u.data[i + 1]![k];
+        const v = u.data[i + first]![k];
         if (v !== null && v !== undefined) out.push(`<circle cx="${px(x[k]!).toFixed(2)}" cy="${py(v).toFixed(2)}" r="2" fill="${l.colour}"/>`);
       }
   });

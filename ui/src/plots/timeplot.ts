@@ -1,6 +1,6 @@
 // A plot over time: linked with the others of its page, thinned by the server, refined as one zooms in.
 import uPlot from "uplot";
-import { copyText, saveAs, h, css, quietly } from "../dom";
+import { copyText, css, h, icon, quietly, saveAs } from "../dom";
 import { t } from "../i18n";
 import { chooseColour, colour, faded, hex } from "./colours";
 import { Linked } from "./linked";
@@ -79,7 +79,7 @@ export class TimePlot {
     this.place.addEventListener("pointerdown", (e) => this.grab(e), { capture: true });
   }
 
-  private button(icon: string, name: string, action: () => void): HTMLElement {
+  private button(icon: string | Node, name: string, action: () => void): HTMLElement {
     return h("button", { type: "button", class: "icon", title: name, "aria-label": `${name}: ${this.settings.title}`, onClick: action }, icon);
   }
 
@@ -88,17 +88,22 @@ export class TimePlot {
       "span",
       { class: "plot-tools" },
       this.button("↺", t("plot.reset"), () => this.reset()),
-      this.button("◐", t("plot.lines"), () => this.toggleLines()),
-      this.button("⧉", t("plot.copy"), () => void this.rows().then((text) => copyText(text, this.settings.title))),
+      this.button(icon("lines"), t("plot.lines"), () => this.toggleLines()),
+      this.button(icon("copy"), t("plot.copy"), () => void this.rows().then((text) => copyText(text, this.settings.title))),
       this.button("PNG", t("plot.png"), () => this.png()),
       this.button("SVG", t("plot.svg"), () => this.svg()),
       this.button("CSV", t("plot.csv"), () => void this.rows().then((text) => saveAs(new Blob([text], { type: "text/csv" }), this.name("csv")))),
-      this.button("⛶", t("plot.full"), () => void (document.fullscreenElement ? document.exitFullscreen() : this.element.requestFullscreen())),
+      this.button(icon("full"), t("plot.full"), () => void (document.fullscreenElement ? document.exitFullscreen() : this.element.requestFullscreen())),
     );
   }
 
   private name(ending: string): string {
     return `${this.settings.title.replace(/[^\p{L}\p{N}]+/gu, "_")}.${ending}`;
+  }
+
+  /** The number of the first line among the series of the chart. */
+  private get first(): number {
+    return this.settings.band ? 3 : 1;
   }
 
   private get height(): number {
@@ -163,7 +168,9 @@ export class TimePlot {
   }
 
   private table(): uPlot.AlignedData {
-    return [this.data.x, ...this.data.y] as unknown as uPlot.AlignedData;
+    // the band first: lines are drawn over it
+    const lines = this.settings.lines.length;
+    return [this.data.x, ...this.data.y.slice(lines), ...this.data.y.slice(0, lines)] as unknown as uPlot.AlignedData;
   }
 
   private show(): void {
@@ -189,6 +196,14 @@ export class TimePlot {
     const s = this.settings;
     const series: uPlot.Series[] = [{ label: t("plot.time"), value: (_, v) => (v === null ? "–" : v.toFixed(2) + " s") }];
     const short = (v: number | null) => (v === null || v === undefined ? "–" : Number(v.toPrecision(5)).toString());
+    const bands: uPlot.Band[] = [];
+    if (s.band) {
+      const first = series.length;
+      const stroke = faded(css("--band"), 0.9);
+      series.push({ label: s.band, stroke, width: 1, points: { show: false }, value: (_, v) => short(v) });
+      series.push({ label: "−" + s.band, stroke, width: 1, points: { show: false }, class: "quiet" });
+      bands.push({ series: [first, first + 1], fill: faded(css("--band"), 0.28) });
+    }
     s.lines.forEach((line, i) => {
       const stroke = colour(line.label, line.ink ?? i);
       series.push({
@@ -201,14 +216,6 @@ export class TimePlot {
         value: (_, v) => short(v),
       });
     });
-    const bands: uPlot.Band[] = [];
-    if (s.band) {
-      const first = series.length;
-      const stroke = faded(css("--band"), 0.9);
-      series.push({ label: s.band, stroke, width: 1, points: { show: false }, value: (_, v) => short(v) });
-      series.push({ label: "−" + s.band, stroke, width: 1, points: { show: false }, value: (_, v) => short(v) });
-      bands.push({ series: [first, first + 1], fill: faded(css("--band"), 0.28) });
-    }
     const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
     const options: uPlot.Options = {
       width: this.width,
@@ -247,9 +254,10 @@ export class TimePlot {
         ],
         setSeries: [
           (u, i) => {
-            if (i === null || i < 1 || i > s.lines.length) return;
-            if (u.series[i]!.show) this.hidden.delete(i - 1);
-            else this.hidden.add(i - 1);
+            const line = (i ?? 0) - this.first;
+            if (line < 0) return;
+            if (u.series[i!]!.show) this.hidden.delete(line);
+            else this.hidden.add(line);
           },
         ],
       },
@@ -359,7 +367,7 @@ export class TimePlot {
         h(
           "label",
           null,
-          h("input", { type: "checkbox", checked: !this.hidden.has(i), onChange: (e: Event) => this.chart?.setSeries(i + 1, { show: (e.target as HTMLInputElement).checked }) }),
+          h("input", { type: "checkbox", checked: !this.hidden.has(i), onChange: (e: Event) => this.chart?.setSeries(i + this.first, { show: (e.target as HTMLInputElement).checked }) }),
           h("input", {
             type: "color",
             value: hex(colour(line.label, line.ink ?? i)),
