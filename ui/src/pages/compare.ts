@@ -28,7 +28,7 @@ function statistics(runs: RunDetails[]): HTMLElement {
   });
   const outages = Math.max(0, ...runs.map((r) => r.summary?.outages?.length ?? 0));
   for (let i = 0; i < outages; ++i)
-    rows.push([`${t("table.outages")} ${i + 1}: ${t("table.max_h")}`, ...runs.map((r) => {
+    rows.push([`${t("table.outage")} ${i + 1}: ${t("table.max_h")}`, ...runs.map((r) => {
       const o = r.summary?.outages?.[i];
       return o ? `${number(o.max_horizontal_m)} (${number(o.start_s)}–${number(o.start_s + o.duration_s)} s)` : "–";
     })]);
@@ -40,7 +40,8 @@ export async function comparePage(ids: string[]): Promise<Page> {
   const groups: Group[][] = await Promise.all(runs.map((r) => api.channels(r.id).catch(() => [])));
   const stops = groups.flat().map((g) => g.stop_s ?? 0);
   const linked = new Linked(0, Math.max(1, ...stops));
-  linked.spans = runs.flatMap((r) => (r.summary?.outages ?? []).map((o) => ({ from: o.start_s, to: o.start_s + o.duration_s, label: "" })));
+  const spans = runs.flatMap((r) => (r.summary?.outages ?? []).map((o) => ({ from: o.start_s, to: o.start_s + o.duration_s, label: "" })));
+  linked.spans = spans.filter((s, i) => spans.findIndex((o) => o.from === s.from && o.to === s.to) === i);
   const lines = runs.map((r, ink) => ({ label: r.title, ink }));
   const errors = groups.map((g) => g.find((x) => x.group === "/errors")).find(Boolean);
   const plots: TimePlot[] = [];

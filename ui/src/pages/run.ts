@@ -27,11 +27,11 @@ export function table(head: string[], rows: Cells[], caption: string): HTMLEleme
 const units: Record<string, string> = { position_m: "m", velocity_m_s: "m/s", attitude_deg: "°" };
 const isSpread = (x: unknown): x is Spread => typeof x === "object" && x !== null && "rms" in x;
 
-export function errorRows(summary: Summary): { name: string; spread: Spread }[] {
-  const out: { name: string; spread: Spread }[] = [];
+export function errorRows(summary: Summary): { key: string; name: string; spread: Spread }[] {
+  const out: { key: string; name: string; spread: Spread }[] = [];
   for (const [group, u] of Object.entries(units))
     for (const [axis, spread] of Object.entries(summary.errors?.[group] ?? {}))
-      if (isSpread(spread) && spread.rms !== null) out.push({ name: `${t(`view.${group.split("_")[0]!}`)} ${t(axis).replace("three_d", "3D").replace("_", " ")}, ${u}`, spread });
+      if (isSpread(spread) && spread.rms !== null) out.push({ key: `${group}.${axis}`, name: `${t(`view.${group.split("_")[0]!}`)} ${t(axis)}, ${u}`, spread });
   return out;
 }
 
@@ -41,7 +41,8 @@ function overview(run: RunDetails): HTMLElement {
   if (!s) return append(box, h("p", { class: "muted" }, t("plot.empty"))), box;
   const card = (name: string, value: string, note = "") => h("div", { class: "stat" }, h("span", { class: "stat-name" }, name), h("strong", null, value), h("span", { class: "muted" }, note));
   const cards = h("div", { class: "stats" });
-  for (const { name, spread } of errorRows(s)) if (/horizontal|up,|вгору|горизонт|heading|курс/.test(name)) append(cards, card(name, number(spread.rms, 3), `rms · ${t("table.max")} ${number(spread.max, 3)}`));
+  const shown = ["position_m.horizontal", "position_m.up", "attitude_deg.heading"];
+  for (const { key, name, spread } of errorRows(s)) if (shown.includes(key)) append(cards, card(name, number(spread.rms, 3), `rms · ${t("table.max")} ${number(spread.max, 3)}`));
   const inside = s.outages?.filter((o) => o.inside_3sigma !== null) ?? [];
   if (inside.length > 0) append(cards, card(t("table.outages"), `${inside.filter((o) => o.inside_3sigma).length} / ${inside.length}`, t("table.inside")));
   append(box, cards);
@@ -80,7 +81,7 @@ interface View {
 
 async function trackView(run: string, groups: Group[], linked: Linked): Promise<View> {
   const track = await trackData(run);
-  const plan = new PlanView(linked);
+  const plan = new PlanView(linked, window.innerWidth < 1700 ? 640 : 420);
   const local = async (group: string) => {
     const s = await api.series(run, [`${group}/local:east`, `${group}/local:north`], { points: 1500 });
     return { time: s.time_s, east: s.columns[`${group}/local:east`]!, north: s.columns[`${group}/local:north`]! };
@@ -135,11 +136,11 @@ function tableView(run: string, groups: Group[], linked: Linked): View {
     const start = Math.max(Number(from.value), g.start_s ?? 0);
     const ids = g.columns.slice(0, 64).map((c) => c.id);
     const s = await api.series(run, ids, { from: start, to: start + 200 * rate, points: 0 });
-    const head = [`${t("plot.time")}, s`, ...g.columns.slice(0, 64).map((c) => `${c.id.slice(g.group.length + 1).replace(":", " ")}${unit(c.unit) ? `, ${unit(c.unit)}` : ""}`)];
-    replace(place, table(head, s.time_s.map((x, i) => [number(x, 9), ...ids.map((id) => number(s.columns[id]![i], 8))]), `${g.group.slice(1)} (${g.rows})`));
+    const head = [`${t("plot.time")}, s`, ...g.columns.slice(0, 64).map((c) => `${c.id.slice(g.group.length + 1).replace(":", " ").replace(/^std_/, "σ ").replaceAll("_", " ")}${unit(c.unit) ? `, ${unit(c.unit)}` : ""}`)];
+    replace(place, table(head, s.time_s.map((x, i) => [number(x, 9), ...g.columns.slice(0, 64).map((c) => number(s.columns[c.id]![i], c.id.includes("/position:l") ? 11 : 6))]), `${g.group.slice(1)} (${g.rows})`));
   };
   void fill();
-  return { element: h("div", null, h("p", { class: "form-tools" }, h("label", null, t("table.group"), " ", chooser), h("label", null, t("table.from_row"), " ", from, " s")), h("p", { class: "muted" }, t("table.hint")), place), redraw: () => undefined };
+  return { element: h("div", null, h("p", { class: "form-tools" }, h("label", null, t("table.group"), " ", chooser), h("label", null, t("table.from_row"), " ", from, " s")), place), redraw: () => undefined };
 }
 
 async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {

@@ -101,23 +101,34 @@ export function resampled(x: number[], y: Values, at: number[]): Values {
 /** 95 % point of chi-square for one to three degrees of freedom. */
 const limit95 = [3.841, 5.991, 7.815];
 
+/** Components by the kind of aid; others are numbered. */
+const axes: Record<string, string[]> = {
+  gnss_position: ["north", "east", "down"],
+  gnss_velocity: ["north", "east", "down"],
+  baro: ["down"],
+  mag: ["heading"],
+  nonholonomic: ["lateral", "vertical"],
+};
+
 export function innovationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   const out: TimePlot[] = [];
   const units: Record<string, string> = { gnss_position: "m", gnss_velocity: "m/s", baro: "m", mag: "rad", zero_velocity: "m/s", zero_rate: "rad/s", nonholonomic: "m/s" };
   for (const g of groups.filter((x) => x.group.startsWith("/innovations/"))) {
     const kind = g.group.split("/")[2]!, name = maybe(`aid.${kind}`, kind.replaceAll("_", " "));
     const status = g.columns.find((c) => c.id.startsWith(`${g.group}/gate:status`));
-    for (const [i, axis] of ["north", "east", "down"].entries()) {
-      const ids = [`${g.group}/innovation:${axis}`, `${g.group}/sigma:${axis}`];
-      if (!g.columns.some((c) => c.id === ids[0]) || (kind === "baro" && i !== 2)) continue;
+    for (const [i, component] of ["north", "east", "down"].entries()) {
+      const axis = axes[kind] ? axes[kind]![i] : String(i + 1);
+      const ids = [`${g.group}/innovation:${component}`, `${g.group}/sigma:${component}`];
+      if (axis === undefined || !g.columns.some((c) => c.id === ids[0])) continue;
       out.push(
         new TimePlot(
           {
-            title: `${name}: ${t("innovation")} ${kind === "mag" || kind.startsWith("zero") || kind === "nonholonomic" ? i + 1 : t(axis)}`,
+            title: `${name}: ${t("innovation")} ${t(axis)}`,
             unit: units[kind] ?? "",
             lines: [{ label: t("innovation"), ink: i, dots: true }, ...(status ? [{ label: t("rejected"), ink: 1, dots: true }] : [])],
             band: t("band"),
             include: [0],
+            robust: true,
             load: loader(run, status ? [...ids, status.id] : ids, ([v, s, st]) => {
               const seen = v!.map((x, j) => (s![j] ? x : null));
               const lines: Values[] = [st ? seen.map((x, j) => (st[j] === 0 ? x : null)) : seen];
@@ -137,7 +148,8 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
           lines: [{ label: t("nis"), ink: 0, dots: true }, { label: t("nis95"), ink: 1, dash: [6, 4] }],
           logY: true,
           load: loader(run, [`${g.group}/gate:nis`, `${g.group}/gate:dof`], ([nis, dof]) => [
-            nis!.map((x) => (x !== null && x > 0 ? x : null)),
+            // what is nearly zero stands at the lower edge
+            nis!.map((x) => (x !== null && x > 0 ? Math.max(x, 1e-3) : null)),
             dof!.map((d) => (d === null ? null : (limit95[d - 1] ?? d + 1.645 * Math.sqrt(2 * d)))),
           ]),
         },

@@ -181,7 +181,7 @@ export class PlanView {
   }
 
   private draw(): void {
-    const width = this.canvas.clientWidth, height = document.fullscreenElement === this.element ? window.innerHeight - 60 : this.tall;
+    const width = this.canvas.clientWidth, height = document.fullscreenElement === this.element ? window.innerHeight - 60 : this.tall * (window.innerWidth >= 2200 ? 1.8 : 1);
     if (width === 0) return;
     this.canvas.style.height = `${height}px`;
     if (!this.fitted) {
@@ -200,7 +200,8 @@ export class PlanView {
     g.fillStyle = css("--surface");
     g.fillRect(0, 0, width, height);
     this.grid(g, width, height);
-    for (const track of this.tracks) if (!this.hidden.has(track.label)) this.line(g, track);
+    // the first one on top
+    for (const track of [...this.tracks].reverse()) if (!this.hidden.has(track.label)) this.line(g, track);
     this.marks(g);
   }
 

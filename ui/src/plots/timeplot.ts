@@ -29,6 +29,8 @@ export interface PlotSettings {
   band?: string;
   height?: number;
   logY?: boolean;
+  /** The range of y is that of nearly all values, not of the few largest ones; the plot says how many lie outside. */
+  robust?: boolean;
   /** Always inside the range of y. */
   include?: number[];
   load: (from: number | undefined, to: number | undefined, points: number, signal: AbortSignal) => Promise<Data>;
@@ -40,6 +42,17 @@ const visible = new IntersectionObserver((entries) => {
 const sizes = new ResizeObserver((entries) => {
   for (const e of entries) (e.target as unknown as { plot?: TimePlot }).plot?.resized();
 });
+
+/** Powers of ten only on a logarithmic axis. */
+const powers: Partial<uPlot.Axis> = {
+  splits: (_, __, min, max) => {
+    const out: number[] = [];
+    for (let p = Math.ceil(Math.log10(min)); p <= Math.log10(max) + 1e-9; ++p) out.push(10 ** p);
+    return out;
+  },
+  filter: (_, splits) => splits,
+  values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),
+};
 
 let number = 0;
 
@@ -108,7 +121,7 @@ export class TimePlot {
 
   private get height(): number {
     if (document.fullscreenElement === this.element) return Math.max(200, window.innerHeight - 110);
-    return this.settings.height ?? 190;
+    return (this.settings.height ?? 190) * (window.innerWidth >= 2200 ? 1.7 : 1);
   }
 
   private get width(): number {
@@ -227,6 +240,7 @@ export class TimePlot {
           range: (_, min, max) => {
             if (s.logY) return [Math.max(min ?? 1e-3, 1e-6), Math.max(max ?? 1, 1e-5)];
             for (const v of s.include ?? []) (min = Math.min(min ?? v, v)), (max = Math.max(max ?? v, v));
+            if (s.robust && min !== null && max !== null) [min, max] = this.usual(min, max);
             if (min === null || max === null || !Number.isFinite(min) || !Number.isFinite(max)) return [-1, 1];
             const room = (max - min || Math.abs(max) || 1) * 0.06;
             return [min - room, max + room];
@@ -235,7 +249,7 @@ export class TimePlot {
       },
       axes: [
         { ...axis, size: 34, label: `${t("plot.time")}, s`, labelSize: 16, gap: 3 },
-        { ...axis, size: 64, label: s.unit, labelSize: 18 },
+        { ...axis, size: 64, label: s.unit, labelSize: 18, ...(s.logY ? powers : {}) },
       ],
       series,
       bands,
@@ -266,6 +280,22 @@ export class TimePlot {
     this.place.replaceChildren();
     this.chart = new uPlot(options, this.table(), this.place);
     this.place.querySelector(".u-over")?.addEventListener("dblclick", () => this.reset());
+  }
+
+  /** Limits that leave out one value in a hundred where those are far from the others. */
+  private usual(min: number, max: number): [number, number] {
+    const { from, to } = this.linked;
+    const values: number[] = [];
+    for (const y of this.data.y) y.forEach((v, i) => v !== null && this.data.x[i]! >= from && this.data.x[i]! <= to && values.push(v));
+    if (values.length < 100) return [min, max];
+    values.sort((a, b) => a - b);
+    const low = values[Math.floor(0.01 * values.length)]!, high = values[Math.ceil(0.99 * values.length) - 1]!;
+    const room = 0.6 * (high - low);
+    const limits: [number, number] = [Math.max(min, low - room), Math.min(max, high + room)];
+    const lines = this.data.y.slice(0, this.settings.lines.length);
+    const outside = lines.reduce((n, y) => n + y.filter((v, i) => v !== null && this.data.x[i]! >= from && this.data.x[i]! <= to && (v < limits[0] || v > limits[1])).length, 0);
+    this.note.textContent = outside > 0 ? t("plot.outside", { n: outside }) : "";
+    return limits;
   }
 
   private pointing = false;

@@ -1,0 +1,252 @@
+// The page of `schuler ui` in a real browser on real runs, as a user goes through it.
+//   node page_test.mjs --program SCHULER --modules NODE_MODULES [--browser CHROMIUM] [--shots FOLDER]
+// Exit status 0 passed, 1 failed, 77 skipped (no browser, or the program was built without its page).
+import { spawn } from "node:child_process";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const options = Object.fromEntries(process.argv.slice(2).flatMap((a, i, all) => (a.startsWith("--") ? [[a.slice(2), all[i + 1]]] : [])));
+const skip = (why) => {
+  console.log(`SKIPPED: ${why}`);
+  process.exit(77);
+};
+const browserPath = options.browser ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
+if (!browserPath || !existsSync(browserPath)) skip("there is no Chromium");
+if (!existsSync(join(options.modules, "playwright-core"))) skip("the page was not built: npm reached no registry");
+const require = createRequire(join(options.modules, "x.js"));
+const { chromium } = require("playwright-core");
+const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+
+let failures = 0;
+const check = (condition, text) => {
+  if (condition) return;
+  ++failures;
+  console.error(`FAILED: ${text}`);
+};
+const folder = mkdtempSync(join(tmpdir(), "schuler_page_"));
+const server = spawn(options.program, ["ui", "--port", "0", "--workspace", join(folder, "work")], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
+const address = await new Promise((resolve, reject) => {
+  server.stdout.on("data", (d) => {
+    const found = /http:\S+/.exec(String(d));
+    if (found) resolve(found[0]);
+  });
+  server.on("exit", () => reject(new Error("the server ended")));
+});
+const browser = await chromium.launch({ executablePath: browserPath, args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, acceptDownloads: true, colorScheme: "light" });
+await context.addInitScript(() => localStorage.getItem("schuler.language") ?? localStorage.setItem("schuler.language", "en"));
+const page = await context.newPage();
+page.setDefaultTimeout(30_000);
+page.on("pageerror", (e) => check(false, `error on the page: ${e.message}`));
+page.on("console", (m) => m.type() === "error" && !/4\d\d \(/.test(m.text()) && check(false, `console: ${m.text()}`));
+page.on("request", (r) => check(r.url().startsWith(address) || /^(data|blob):/.test(r.url()), `asks another server: ${r.url()}`));
+
+const ask = async (path) => (await fetch(address + path)).json();
+const shot = async (name) => {
+  if (!options.shots) return;
+  mkdirSync(options.shots, { recursive: true });
+  await page.waitForTimeout(700);
+  await page.screenshot({ path: join(options.shots, `${name}.png`) });
+};
+const accessible = async (where) => {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"] }));
+  for (const v of found.violations)
+    check(false, `${where}: ${v.id} (${v.impact}): ${v.help}: ${v.nodes.slice(0, 2).map((n) => n.html.slice(0, 160)).join(" | ")}`);
+};
+const done = async () => {
+  await page.getByRole("tab", { name: "Overview" }).waitFor({ timeout: 120_000 });
+  return decodeURIComponent(/#\/run\/([^/]+)/.exec(page.url())[1]);
+};
+
+async function start() {
+  await page.goto(address);
+  await page.getByRole("heading", { name: "Integrated inertial-satellite navigation" }).waitFor();
+  await accessible("start");
+}
+
+/** The example flight: its form, a wrong entry, the run with its progress. */
+async function flight() {
+  await page.getByRole("link", { name: /paper A/i }).click();
+  await page.getByRole("heading", { name: "Scenario", exact: true }).waitFor();
+  await page.getByText(/km, up to/).waitFor();
+  const length = page.locator("#option-duration_s");
+  check((await length.inputValue()) === "800", "the form carries the scenario");
+  await length.fill("ten");
+  check(/Expected: a number/.test(await page.locator("#option-duration_s-wrong").innerText()), "a wrong entry is explained beside the field");
+  await length.fill("400");
+  await page.getByText(/km, up to/).waitFor();
+  await page.waitForFunction(() => /92\.|91\./.test(document.body.innerText.match(/([\d.]+) km, up to/)?.[1] ?? ""));
+  await length.fill("800");
+  await page.waitForTimeout(600);
+  await accessible("scenario");
+  await shot("ui-scenario");
+  // without the outage of the example
+  await page.getByRole("button", { name: "Remove 1" }).click();
+  await page.getByLabel("Name", { exact: true }).fill("Flight");
+  await page.waitForTimeout(400);
+  await page.getByRole("button", { name: /Run/ }).click();
+  const id = await done();
+  check((await page.locator(".stat strong").count()) >= 3, "the overview has its figures");
+  await accessible("overview");
+  return id;
+}
+
+/** Every view draws, plots are zoomed by keys and mouse, and what is exported is what is shown. */
+async function views(id) {
+  for (const tab of ["Track", "Sensor errors", "Innovations", "Motion", "Table", "Report", "Log", "Errors"]) {
+    await page.getByRole("tab", { name: tab, exact: true }).click();
+    await page.waitForTimeout(tab === "Track" ? 1500 : 500);
+    check((await page.locator("#view > *").count()) > 0, `${tab} shows something`);
+    await accessible(tab);
+    if (tab === "Track") await shot("ui-track");
+  }
+  const plot = page.locator("figure.plot").first();
+  await plot.locator("canvas").waitFor();
+  const range = () => page.evaluate(() => {
+    const p = document.querySelector("figure.plot").plot;
+    return [p.linked.from, p.linked.to];
+  });
+  const before = await range();
+  await plot.focus();
+  await page.keyboard.press("+");
+  await page.keyboard.press("+");
+  await page.keyboard.press("ArrowRight");
+  const zoomed = await range();
+  check(zoomed[1] - zoomed[0] < 0.5 * (before[1] - before[0]), `keys zoom: ${before} to ${zoomed}`);
+  await page.keyboard.press("0");
+  const box = await plot.locator(".u-over").boundingBox();
+  await page.mouse.move(box.x + 0.4 * box.width, box.y + 50);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.6 * box.width, box.y + 52, { steps: 5 });
+  await page.mouse.up();
+  const boxed = await range();
+  check(Math.abs(boxed[0] - 0.4 * before[1]) < 10 && Math.abs(boxed[1] - 0.6 * before[1]) < 10, `a drag zooms into the range: ${boxed}`);
+  const save = async (name) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), plot.getByRole("button", { name }).click()]);
+    return readFileSync(await file.path());
+  };
+  const rows = String(await save(/Save as CSV/)).trim().split("\n");
+  const times = rows.slice(1).map((r) => Number(r.split(",")[0]));
+  check(rows[0].startsWith("time_s,") && times.length > 100 && times[0] >= boxed[0] - 1 && times.at(-1) <= boxed[1] + 1, `CSV of what is shown: ${rows[0]} ${times.length}`);
+  const truth = await ask(`api/runs/${id}/series?columns=/errors/position:east&from=${boxed[0]}&to=${boxed[1]}&points=0`);
+  check(Number(rows[5].split(",")[1]) === truth.columns["/errors/position:east"][4], "the numbers of the CSV are those of the run");
+  check(/<svg[^]*<path/.test(String(await save(/Save as SVG/))), "SVG");
+  check((await save(/Save as PNG/)).subarray(1, 4).toString() === "PNG", "PNG");
+  await plot.getByRole("button", { name: /Show everything/ }).click();
+  check((await range())[1] === before[1], "and back to everything");
+  await shot("ui-errors");
+  await page.reload();
+  await page.locator("figure.plot canvas").first().waitFor();
+  check((await page.getByRole("tab", { name: "Errors" }).getAttribute("aria-selected")) === "true", "a reload shows the same view");
+}
+
+/** GNSS is cut on the time line: the error grows; both runs side by side. */
+async function cut(first) {
+  await page.getByRole("link", { name: "Change and run again" }).click();
+  const line = page.locator("canvas.timeline");
+  await line.scrollIntoViewIfNeeded();
+  await page.waitForTimeout(500);
+  const box = await line.boundingBox();
+  const at = (s) => box.x + 10 + (s / 800) * (box.width - 20);
+  await page.mouse.move(at(400), box.y + 20);
+  await page.mouse.down();
+  await page.mouse.move(at(600), box.y + 20, { steps: 8 });
+  await page.mouse.up();
+  await page.getByLabel("Name", { exact: true }).fill("Flight with GNSS cut");
+  await page.waitForTimeout(500);
+  await page.getByRole("button", { name: /Run/ }).click();
+  const second = await done();
+  const worst = async (run) => {
+    const s = await ask(`api/runs/${run}/series?columns=/errors/position:east,/errors/position:north&from=410&to=590&points=0`);
+    return Math.max(...Object.values(s.columns).flat().map(Math.abs));
+  };
+  const [with_, without] = [await worst(first), await worst(second)];
+  check(without > 1.5 * with_, `without GNSS the error grows: ${with_} m to ${without} m`);
+  const run = await ask(`api/runs/${second}`);
+  const [outage] = run.summary.outages;
+  check(Math.abs(outage.start_s - 400) < 5 && Math.abs(outage.duration_s - 200) < 5, `the outage is that of the time line: ${JSON.stringify(outage)}`);
+  return second;
+}
+
+/** Another scheme in the same scenario, then all of them compared. */
+async function compare(runs) {
+  const schemes = (await ask("api/options")).find((o) => o.key === "filter.scheme").choices;
+  const scheme = schemes.includes("tight") ? "tight" : "gnss";
+  await page.goto(`${address}#/scenario?run=${runs[0]}`);
+  await page.getByText(/km, up to/).waitFor();
+  await page.getByPlaceholder("Find an option").fill("filter.scheme");
+  await page.locator("#option-filter-scheme").selectOption(scheme);
+  await page.getByLabel("Name", { exact: true }).fill(`Flight, ${scheme}`);
+  await page.waitForTimeout(500);
+  await page.getByRole("button", { name: /Run/ }).click();
+  const third = await done();
+  const state = (await ask(`api/runs/${third}`)).state;
+  check(state === "done", `the scheme ${scheme} runs`);
+  await page.goto(address);
+  for (const name of ["Flight", "Flight with GNSS cut", `Flight, ${scheme}`]) await page.getByRole("checkbox", { name: `Choose ${name}`, exact: true }).check();
+  await page.getByRole("button", { name: "Compare" }).click();
+  await page.getByRole("heading", { name: "Comparison" }).waitFor();
+  await page.locator("figure.plot canvas").first().waitFor();
+  check((await page.locator("thead th").allInnerTexts()).includes("Flight with GNSS cut"), "the table of statistics has the runs");
+  check((await page.locator("figure.plot").first().locator(".u-legend .u-series").count()) === 4, "errors are overlaid");
+  await page.waitForTimeout(800);
+  await accessible("comparison");
+  await shot("ui-compare");
+}
+
+/** Files that are no logs: what is wrong is said. */
+async function upload() {
+  const bad = join(folder, "imu.csv");
+  writeFileSync(bad, "time_s,gyro_x_rad_s\n1,x\n2,y\n");
+  await page.goto(address);
+  const [chooser] = await Promise.all([page.waitForEvent("filechooser"), page.getByRole("button", { name: "Choose files" }).click()]);
+  await chooser.setFiles(bad);
+  await page.getByRole("heading", { name: /Data set/ }).waitFor();
+  check((await page.locator(".problems .error, .problems .warning").count()) > 0, "problems of the file are shown");
+  await accessible("data set");
+  await page.getByRole("button", { name: /Process/ }).click();
+  await page.getByText(/The run failed/).waitFor({ timeout: 60_000 });
+}
+
+/** Dark, Ukrainian, and wide. */
+async function dress(id) {
+  const text = async () => page.evaluate(() => document.body.innerText);
+  await page.emulateMedia({ colorScheme: "dark" });
+  await page.goto(`${address}#/run/${id}/overview`);
+  await page.locator(".stat").first().waitFor();
+  await accessible("dark");
+  await page.getByLabel("Language").selectOption("uk");
+  await page.getByRole("tab", { name: "Похибки", exact: true }).click();
+  await page.locator("figure.plot canvas").first().waitFor();
+  check(!/\b(plot|tab|table|view|run|editor|start|aid)\.[a-z_]+/.test(await text()), "no text is missing in Ukrainian");
+  await accessible("dark, Ukrainian");
+  await shot("ui-errors-dark-uk");
+  await page.setViewportSize({ width: 3840, height: 2000 });
+  await page.waitForTimeout(1200);
+  check(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing hangs out of a wide page");
+  await shot("ui-wide");
+}
+
+try {
+  await start();
+  const first = await flight();
+  await views(first);
+  const second = await cut(first);
+  await compare([first, second]);
+  await upload();
+  await dress(second);
+} catch (e) {
+  check(false, String(e.stack ?? e));
+  if (options.shots) await page.screenshot({ path: join(options.shots, "failed.png") }).catch(() => undefined);
+} finally {
+  await browser.close();
+  server.removeAllListeners("exit");
+  server.kill("SIGTERM");
+  await new Promise((r) => server.once("exit", r));
+  rmSync(folder, { recursive: true, force: true });
+}
+console.log(`page: ${failures} failures`);
+process.exit(failures ? 1 : 0);
