@@ -157,6 +157,14 @@ Json problem_json(const Error& e) {
     return {{"text", e.reason()}, {"mend", e.mend()}, {"key", e.place().key}, {"line", e.place().line}};
 }
 
+/// Those that this version knows: the table names planned ones too, so that they are told from misspelt ones.
+std::vector<std::string> offered(const app::OptionSpec& spec) {
+    std::vector<std::string> out;
+    for (const std::string& choice : spec.choices)
+        if (spec.form.empty() || spec.form.find('"' + choice + '"') != std::string::npos) out.push_back(choice);
+    return out;
+}
+
 }  // namespace
 
 Json form_schema(Form form) {
@@ -169,7 +177,7 @@ Json form_schema(Form form) {
                        {"length", s.length},
                        {"low", std::isfinite(s.low) ? Json(s.low) : Json(nullptr)},
                        {"high", std::isfinite(s.high) ? Json(s.high) : Json(nullptr)},
-                       {"choices", s.choices},
+                       {"choices", offered(s)},
                        {"accepts", app::accepted_form(s)},
                        {"help", s.help},
                        {"unit", unit_of(s.key)},

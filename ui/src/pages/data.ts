@@ -15,7 +15,7 @@ function files(found: Inspection): HTMLElement {
   const head = [t("data.file"), t("data.kind"), t("data.rows"), `${t("data.rate")}, Hz`, t("data.gaps"), t("data.doubled"), `${t("data.span")}, s`];
   return h(
     "div",
-    { class: "scroll" },
+    { class: "scroll", tabIndex: 0 },
     h(
       "table",
       null,
@@ -43,7 +43,7 @@ function findings(found: Inspection): HTMLElement {
   const sorted = [...found.findings].sort((a, b) => a.confidence - b.confidence);
   return h(
     "div",
-    { class: "scroll" },
+    { class: "scroll", tabIndex: 0 },
     h(
       "table",
       { class: "findings" },
@@ -64,7 +64,7 @@ function findings(found: Inspection): HTMLElement {
 export async function dataPage(name: string): Promise<Page> {
   const [options, found] = await Promise.all([api.options("dataset"), api.inspect(name)]);
   const problem = h("p", { class: "bad", role: "alert", hidden: true });
-  const toml = h("pre", { class: "toml" }, found.form.toml);
+  const toml = h("pre", { class: "toml", tabIndex: 0 }, found.form.toml);
   // settings of the run over those of the data set
   const check = quietly(200, async () => {
     try {

@@ -19,7 +19,7 @@ export function table(head: string[], rows: Cells[], caption: string): HTMLEleme
     "div",
     { class: "table-block" },
     h("h3", null, caption, h("button", { type: "button", class: "icon", title: t("table.copy"), "aria-label": `${t("table.copy")}: ${caption}`, onClick: () => void copyText(text(), caption) }, icon("copy"))),
-    h("div", { class: "scroll" }, h("table", null, h("thead", null, h("tr", null, ...head.map((x, i) => h("th", { scope: "col", class: i > 0 ? "figure" : "" }, x)))),
+    h("div", { class: "scroll", tabIndex: 0 }, h("table", null, h("thead", null, h("tr", null, ...head.map((x, i) => h("th", { scope: "col", class: i > 0 ? "figure" : "" }, x)))),
       h("tbody", null, ...rows.map((r) => h("tr", null, ...r.map((c, i) => h(i === 0 ? "th" : "td", i === 0 ? { scope: "row" } : { class: "figure" }, c))))))),
   );
 }
@@ -145,7 +145,7 @@ function tableView(run: string, groups: Group[], linked: Linked): View {
 
 async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
   const bar = h("progress", { max: 1, value: run.progress ?? 0, "aria-label": t("run.working") });
-  const log = h("pre", { class: "log" });
+  const log = h("pre", { class: "log", tabIndex: 0 });
   const words = h("p", null, t(run.state === "waiting" ? "run.queue" : "run.working"));
   const refresh = async () => (log.textContent = await api.log(run.id));
   const timer = window.setInterval(() => void refresh(), 1500);
@@ -185,7 +185,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       }
       case "log": {
         const text = await api.log(run.id);
-        return plain(h("div", null, h("button", { type: "button", onClick: () => saveAs(new Blob([text]), "log.txt") }, "log.txt"), h("pre", { class: "log" }, text)));
+        return plain(h("div", null, h("button", { type: "button", onClick: () => saveAs(new Blob([text]), "log.txt") }, "log.txt"), h("pre", { class: "log", tabIndex: 0 }, text)));
       }
       default: return plain(overview(run));
     }

@@ -162,7 +162,7 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
   return h(
     "div",
     null,
-    h("div", { class: "scroll" }, h("table", { class: "runs" }, h("thead", null, h("tr", null, ...head.map((x, i) => h("th", { scope: "col", class: i === 4 || i === 5 ? "figure" : "" }, x || h("span", { class: "hidden" }, t("start.choose")))))), h("tbody", null, ...rows))),
+    h("div", { class: "scroll", tabIndex: 0 }, h("table", { class: "runs" }, h("thead", null, h("tr", null, ...head.map((x, i) => h("th", { scope: "col", class: i === 4 || i === 5 ? "figure" : "" }, x || h("span", { class: "hidden" }, t("start.choose")))))), h("tbody", null, ...rows))),
     h("p", null, compare, h("span", { class: "muted" }, ` ${t("start.compare_hint")}`)),
   );
 }
