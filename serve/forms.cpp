@@ -205,7 +205,8 @@ app::SettingList settings_from_json(const Json& object, Form form) {
 
 app::SettingList settings_from_toml(const std::string& text, Form form) {
     const app::ValueTable root = app::parse_toml(text, "");
-    return in_table_order(form == Form::Scenario ? app::scenario_table().read(root, "") : app::config_table().read(root, ""), form);
+    return in_table_order(form == Form::Scenario ? app::scenario_table().read(root, "") : app::config_table().read(root, ""),
+                          form);
 }
 
 Json settings_json(const app::SettingList& settings) {
@@ -219,6 +220,14 @@ std::string toml_of(const app::SettingList& settings, Form form) { return app::t
 Json understood(const app::SettingList& settings, Form form) {
     Json out{
         {"settings", settings_json(settings)}, {"used", Json::object()}, {"toml", toml_of(settings, form)}, {"problem", nullptr}};
+    // read where the scenario stands, that is anywhere: not for a page
+    if (form == Form::Scenario && std::ranges::find(settings, "trajectory.file", &app::Setting::key) != settings.end()) {
+        out["problem"] = {{"text", "a recording is not flown again from the page"},
+                          {"mend", "leave it out, or use `schuler run` with the file"},
+                          {"key", "trajectory.file"},
+                          {"line", 0}};
+        return out;
+    }
     try {
         if (form == Form::Dataset) {
             app::Config config;

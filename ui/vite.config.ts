@@ -1,5 +1,7 @@
 import { defineConfig } from "vite";
 
+const server = "http://127.0.0.1:8642";
+
 export default defineConfig({
   base: "/",
   build: {
@@ -17,5 +19,6 @@ export default defineConfig({
     },
     chunkSizeWarningLimit: 900,
   },
-  server: { proxy: { "/api": { target: "http://127.0.0.1:8642", changeOrigin: true } } },
+  // `schuler ui` at its usual port answers; it takes no requests from pages of other origins
+  server: { proxy: { "/api": { target: server, changeOrigin: true, headers: { origin: server } } } },
 });

@@ -43,8 +43,14 @@ receiver = "rtk"
 class Server:
     def __init__(self, program, folder, *options):
         self.folder = Path(folder)
-        self.process = subprocess.Popen([program, "ui", "--port", "0", "--workspace", str(self.folder / "work"), *options], text=True,
-                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, cwd=folder)
+        self.process = subprocess.Popen(
+            [program, "ui", "--port", "0", "--workspace", str(self.folder / "work"), *options],
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            stdin=subprocess.DEVNULL,
+            cwd=folder,
+        )
         self.line = self.process.stdout.readline()
         match = re.fullmatch(r"Schuler is at http://([^:/]+):(\d+)/(?:\?token=([0-9a-f]{32}))?\n", self.line)
         if not match:
@@ -116,7 +122,13 @@ def api(program, source):
         check(reply.status == 200 and b"<title>Schuler</title>" in page, "the page is served")
         check("default-src 'none'" in reply.headers["Content-Security-Policy"], "the page has a policy")
         names = {o["key"] for o in server.json("GET", "/api/options")}
-        listed = set(re.findall(r"^  ([a-z][a-z0-9_.]*)$", subprocess.run([program, "help", "scenario"], capture_output=True, text=True).stdout, re.M))
+        listed = set(
+            re.findall(
+                r"^  ([a-z][a-z0-9_.]*)$",
+                subprocess.run([program, "help", "scenario"], capture_output=True, text=True).stdout,
+                re.M,
+            )
+        )
         check(listed <= names and len(listed) > 60, f"the form has the options of the help: {sorted(listed - names)}")
         check(all(o["help"] for o in server.json("GET", "/api/options?of=dataset")), "every option has a sentence")
         examples = {e["name"]: e["toml"] for e in server.json("GET", "/api/examples")}
@@ -128,9 +140,13 @@ def api(program, source):
         again = server.json("POST", "/api/settings", {"settings": now["settings"]})
         check(again["toml"] == now["toml"], "settings and TOML are the same thing")
         wrong = server.json("POST", "/api/settings", {"settings": {"imu.rate_hz": -1}})
-        check(wrong["problem"]["key"] == "imu.rate_hz" and "range" in wrong["problem"]["text"], "a wrong value is told with its key")
+        check(
+            wrong["problem"]["key"] == "imu.rate_hz" and "range" in wrong["problem"]["text"], "a wrong value is told with its key"
+        )
 
-        run = server.json("POST", "/api/runs", {"kind": "scenario", "toml": SMALL, "title": "Small one", "output_rate_hz": 50}, 201)
+        run = server.json(
+            "POST", "/api/runs", {"kind": "scenario", "toml": SMALL, "title": "Small one", "output_rate_hz": 50}, 201
+        )
         check(run["id"] == "small-one", "a run is named by its title")
         link = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
         link.request("GET", "/api/events")
@@ -145,20 +161,31 @@ def api(program, source):
         check(states[-1]["state"] == "done" and states[-1]["progress"] == 1.0, f"the events end with the run: {states[-1]}")
         check(any(0.0 < s["progress"] < 1.0 for s in states), "progress is told")
         done = server.finished(run["id"])
-        check(done["summary"]["reference"] == "truth" and {"report.html", "run.h5", "scenario.toml"} <= set(done["files"]), "the run has its files")
+        check(
+            done["summary"]["reference"] == "truth" and {"report.html", "run.h5", "scenario.toml"} <= set(done["files"]),
+            "the run has its files",
+        )
         check("IMU epochs" in server.ask("GET", "/api/runs/small-one/log")[1].decode(), "the log is kept")
 
         groups = {g["group"]: g for g in server.json("GET", "/api/runs/small-one/channels")}
-        check({"/solution", "/errors", "/sensor_errors", "/sensor_truth", "/gnss", "/innovations/gnss_position"} <= set(groups), f"groups: {sorted(groups)}")
+        check(
+            {"/solution", "/errors", "/sensor_errors", "/sensor_truth", "/gnss", "/innovations/gnss_position"} <= set(groups),
+            f"groups: {sorted(groups)}",
+        )
         path = "/api/runs/small-one/series?columns=/errors/position:east,/errors/std_position:east"
         everything, thin = server.json("GET", path + "&points=0"), server.json("GET", path + "&points=100")
         check(not everything["thinned"] and thin["thinned"] and len(thin["time_s"]) < 500, "series are thinned")
         for column, values in everything["columns"].items():
-            check(max(values) == max(thin["columns"][column]) and min(values) == min(thin["columns"][column]), f"{column}: extremes are kept")
+            check(
+                max(values) == max(thin["columns"][column]) and min(values) == min(thin["columns"][column]),
+                f"{column}: extremes are kept",
+            )
         part = server.json("GET", path + "&from=100&to=110&points=0")["time_s"]
         check(99.0 < part[0] <= 100.0 and 110.0 <= part[-1] < 111.0, "a range with one row beyond each end")
 
-        other = server.json("POST", "/api/runs", {"kind": "scenario", "toml": SMALL, "title": "Small one", "output_rate_hz": 50}, 201)
+        other = server.json(
+            "POST", "/api/runs", {"kind": "scenario", "toml": SMALL, "title": "Small one", "output_rate_hz": 50}, 201
+        )
         check(other["id"] == "small-one-2", "a second run of that name has a folder of its own")
         server.finished(other["id"])
         difference = server.json("GET", "/api/runs/small-one/difference?with=small-one-2&points=50")
@@ -177,10 +204,16 @@ def api(program, source):
             for method in operations:
                 if method in ("delete", "post", "put", "patch"):
                     reply, content = server.ask(method.upper(), concrete, "{")
-                    check(reply.status in (400, 404, 409, 200) and b"of that name" not in content, f"{method} {concrete}: {reply.status} {content[:100]!r}")
+                    check(
+                        reply.status in (400, 404, 409, 200) and b"of that name" not in content,
+                        f"{method} {concrete}: {reply.status} {content[:100]!r}",
+                    )
                 else:
                     reply, content = server.ask("GET", concrete)
-                    check(b"of that name" not in content and reply.status != 405, f"GET {concrete}: {reply.status} {content[:100]!r}")
+                    check(
+                        b"of that name" not in content and reply.status != 405,
+                        f"GET {concrete}: {reply.status} {content[:100]!r}",
+                    )
         refused(server, "POST", "/api/about", 405, body="{}")
 
 
@@ -204,23 +237,38 @@ def datasets(program, source):
         check(done["state"] == "done" and len(done["summary"]["outages"]) == 1, f"the data set is processed: {done['message']}")
 
         # malformed files: told, never a crash
-        for number, content in enumerate([b"", b"\0" * 5000, b"time_s,gyro_x_rad_s\n1,nan\n" * 50, "час;швидкість\n1;2\n".encode(), os.urandom(20000)]):
+        for number, content in enumerate(
+            [b"", b"\0" * 5000, b"time_s,gyro_x_rad_s\n1,nan\n" * 50, "час;швидкість\n1;2\n".encode(), os.urandom(20000)]
+        ):
             bad = server.json("POST", "/api/datasets", {"title": f"bad {number}"})["name"]
             server.json("PUT", f"/api/datasets/{bad}/files/imu.csv", content, 201)
             reply, text = server.ask("GET", f"/api/datasets/{bad}/inspect")
             check(reply.status in (200, 422), f"malformed file {number}: {reply.status} {text[:200]!r}")
             order = server.json("POST", "/api/runs", {"kind": "dataset", "dataset": bad, "title": f"bad {number}"}, 201)
             end = server.finished(order["id"])
-            check(end["state"] == "failed" and len(end["message"]) > 10, f"malformed file {number}: {end['state']} {end['message']!r}")
+            check(
+                end["state"] == "failed" and len(end["message"]) > 10,
+                f"malformed file {number}: {end['state']} {end['message']!r}",
+            )
             check("signal" not in end["message"], f"malformed file {number}: {end['message']}")
             check(set(end["files"]) <= {"settings.toml", "log.txt"}, f"a failed run leaves no results: {end['files']}")
         # bounds
         refused(server, "PUT", f"/api/datasets/{name}/files/big.bin", 413, ["8 MB", "--max-upload"], body=b"x" * (9 << 20))
-        chunked = (f"PUT /api/datasets/{name}/files/big2.bin HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nTransfer-Encoding: chunked\r\n\r\n").encode()
+        chunked = (
+            f"PUT /api/datasets/{name}/files/big2.bin HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nTransfer-Encoding: chunked\r\n\r\n"
+        ).encode()
         piece = b"100000\r\n" + b"y" * 0x100000 + b"\r\n"
         check(b" 413 " in server.raw(chunked + piece * 9 + b"0\r\n\r\n", 20)[:100], "a stream without a length is bounded too")
-        check(not any(p.name.startswith(("big", ".upload")) for p in (Path(folder) / "work/data" / name).iterdir()), "nothing is left of what was refused")
-        broken = server.raw((f"PUT /api/datasets/{name}/files/half.csv HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nContent-Length: 1000\r\n\r\nabc").encode(), 15)
+        check(
+            not any(p.name.startswith(("big", ".upload")) for p in (Path(folder) / "work/data" / name).iterdir()),
+            "nothing is left of what was refused",
+        )
+        broken = server.raw(
+            (
+                f"PUT /api/datasets/{name}/files/half.csv HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nContent-Length: 1000\r\n\r\nabc"
+            ).encode(),
+            15,
+        )
         check(not (Path(folder) / "work/data" / name / "half.csv").exists(), f"half an upload has no name: {broken[:80]!r}")
         # a run that is cancelled
         long = SMALL.replace("duration_s = 150", "duration_s = 7000").replace("rate_hz = 50", "rate_hz = 400")
@@ -233,7 +281,9 @@ def datasets(program, source):
         # a child that dies does not take the server down
         run = server.json("POST", "/api/runs", {"kind": "scenario", "toml": long, "title": "dies"}, 201)["id"]
         for _ in range(50):
-            children = subprocess.run(["ps", "--ppid", str(server.process.pid), "-o", "pid="], capture_output=True, text=True).stdout.split()
+            children = subprocess.run(
+                ["ps", "--ppid", str(server.process.pid), "-o", "pid="], capture_output=True, text=True
+            ).stdout.split()
             if children:
                 break
             time.sleep(0.1)
@@ -261,55 +311,134 @@ def hostile(program, source):
             server.json("POST", "/api/datasets", {"title": "ok"}, headers={"Origin": f"http://127.0.0.1:{port}"})
             check([d["name"] for d in server.json("GET", "/api/datasets")] == ["ok"], "what was refused has done nothing")
             # a refused request's body is not the next request
-            inner = f"POST /api/datasets HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 19\r\n\r\n{{\"title\": \"hidden\"}}"
+            inner = (
+                f"POST /api/datasets HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 19\r\n\r\n{{\"title\": \"hidden\"}}"
+            )
             for kind in ("text/plain", "multipart/form-data; boundary=x"):
                 outer = f"POST /api/datasets HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://evil.example\r\nContent-Type: {kind}\r\nContent-Length: {len(inner)}\r\n\r\n"
                 server.raw((outer + inner).encode())
             server.raw(f"GET /api/about HTTP/1.1\r\nHost: evil\r\nContent-Length: {len(inner)}\r\n\r\n{inner}".encode())
-            server.raw(f"POST /api/about HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n{inner}".encode())
+            server.raw(
+                f"POST /api/about HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n{inner}".encode()
+            )
             check([d["name"] for d in server.json("GET", "/api/datasets")] == ["ok"], "no request hides in another one's body")
-            refused(server, "PUT", "/api/datasets/ok/files/a.csv", 415, ["PUT"], body="--x\r\n\r\n--x--", headers={"Content-Type": "multipart/form-data; boundary=x"})
+            refused(
+                server,
+                "PUT",
+                "/api/datasets/ok/files/a.csv",
+                415,
+                ["PUT"],
+                body="--x\r\n\r\n--x--",
+                headers={"Content-Type": "multipart/form-data; boundary=x"},
+            )
 
             # names that lead out
-            for name in ("..%2f..%2fsecret.csv", "%2e%2e", "..", ".hidden", "a%2fb", "a%5cb", "%00", "x" * 200, "%c0%ae%c0%ae", "a%0ab"):
+            for name in (
+                "..%2f..%2fsecret.csv",
+                "%2e%2e",
+                "..",
+                ".hidden",
+                "a%2fb",
+                "a%5cb",
+                "%00",
+                "x" * 200,
+                "%c0%ae%c0%ae",
+                "a%0ab",
+            ):
                 reply, content = server.ask("PUT", f"/api/datasets/ok/files/{name}", b"x")
                 check(reply.status in (400, 404, 405, 414), f"the name {name} is refused: {reply.status} {content[:100]!r}")
                 reply, content = server.ask("GET", f"/api/runs/{name}/files/secret.csv")
-                check(reply.status in (400, 404) and b"secret" not in content.replace(b"secret.csv", b""), f"no file of {name}: {reply.status}")
+                check(
+                    reply.status in (400, 404) and b"secret" not in content.replace(b"secret.csv", b""),
+                    f"no file of {name}: {reply.status}",
+                )
             work = Path(folder) / "work"
             check(sorted(p.name for p in work.rglob("*")) == ["data", "ok"], f"nothing was written: {sorted(work.rglob('*'))}")
             (work / "data/ok/link").symlink_to(folder)
             os.symlink(Path(folder) / "secret.csv", work / "data/ok/link.csv")
-            check(server.ask("PUT", "/api/datasets/ok/files/link.csv", b"x")[0].status == 404, "a link that leads out is not followed")
+            check(
+                server.ask("PUT", "/api/datasets/ok/files/link.csv", b"x")[0].status == 404,
+                "a link that leads out is not followed",
+            )
             check((Path(folder) / "secret.csv").read_text() == "secret", "what it leads to is as it was")
 
             # settings that name files elsewhere
             for file in ("/etc/passwd", "../../../secret.csv", "$HOME/x", "~/x", "..\\\\x"):
-                refused(server, "POST", "/api/runs", 422, ["leads out"], {"kind": "dataset", "dataset": "ok", "settings": {"imu.file": file.replace("\\\\", "\\")}})
+                refused(
+                    server,
+                    "POST",
+                    "/api/runs",
+                    422,
+                    ["leads out"],
+                    {"kind": "dataset", "dataset": "ok", "settings": {"imu.file": file.replace("\\\\", "\\")}},
+                )
                 server.json("PUT", "/api/datasets/ok/files/dataset.toml", f'[imu]\nfile = "{file}"\n'.encode(), 201)
                 refused(server, "POST", "/api/runs", 422, ["leads out"], {"kind": "dataset", "dataset": "ok"})
             server.json("PUT", "/api/datasets/ok/files/dataset.toml", b'[imu]\nfile = "link.csv"\n', 201)
-            end = server.finished(server.json("POST", "/api/runs", {"kind": "dataset", "dataset": "ok", "title": "link"}, 201)["id"])
+            end = server.finished(
+                server.json("POST", "/api/runs", {"kind": "dataset", "dataset": "ok", "title": "link"}, 201)["id"]
+            )
             log = server.ask("GET", "/api/runs/link/log")[1]
             confined = server.json("GET", "/api/about")["confined"]
-            check(end["state"] == "failed" and (not confined or b"secret\n" not in log), f"the child reads nothing outside: {end['message']}")
+            check(
+                end["state"] == "failed" and (not confined or b"secret\n" not in log),
+                f"the child reads nothing outside: {end['message']}",
+            )
             server.json("PUT", "/api/datasets/ok/files/kf.yaml", b"imupath: /etc/passwd\n", 201)
             server.json("PUT", "/api/datasets/ok/files/dataset.toml", b'[imu]\nfile = "imu.csv"\n', 201)
             refused(server, "POST", "/api/runs", 422, ["kf.yaml", "leads out"], {"kind": "dataset", "dataset": "ok"})
 
+            (Path(folder) / "path.csv").write_text("secret")
+            for file in ("/etc/passwd", "path.csv"):
+                told = server.json("POST", "/api/settings", {"settings": {"trajectory.type": "file", "trajectory.file": file}})
+                check(told["problem"]["key"] == "trajectory.file" and "track" not in told, f"no scenario reads {file}")
+                refused(
+                    server,
+                    "POST",
+                    "/api/runs",
+                    422,
+                    ["trajectory.file"],
+                    {"settings": {"trajectory.type": "file", "trajectory.file": file}},
+                )
+
             # bodies and addresses of no use
-            for body in ("", "{", "[]", "null", '{"settings": 3}', '{"toml": 5}', '{"toml": "a = "}', '{"settings": {"nonsense": 1}}', "\xff" * 10):
+            for body in (
+                "",
+                "{",
+                "[]",
+                "null",
+                '{"settings": 3}',
+                '{"toml": 5}',
+                '{"toml": "a = "}',
+                '{"settings": {"nonsense": 1}}',
+                "\xff" * 10,
+            ):
                 reply, content = server.ask("POST", "/api/settings", body.encode("latin-1"))
                 check(400 <= reply.status < 500 and b"error" in content, f"{body!r}: {reply.status} {content[:100]!r}")
             refused(server, "POST", "/api/settings", 413, ["4 MB"], body=b" " * (5 << 20))
             deep = "[" * 100000
             check(server.ask("POST", "/api/settings", deep)[0].status == 400, "deeply nested JSON")
             check(server.json("GET", "/api/about")["version"], "and the server lives")
-            for query in ("columns=", "columns=a", "columns=/../x:y", "columns=/solution/position:lat&points=-1", "columns=/x/y:z&from=nan", "columns=" + ",".join(["/a/b:c"] * 100)):
+            for query in (
+                "columns=",
+                "columns=a",
+                "columns=/../x:y",
+                "columns=/solution/position:lat&points=-1",
+                "columns=/x/y:z&from=nan",
+                "columns=" + ",".join(["/a/b:c"] * 100),
+            ):
                 check(server.ask("GET", f"/api/runs/none/series?{query}")[0].status in (404, 414, 422), query[:60])
-            for data in (b"\r\n\r\n", b"GET\r\n\r\n", b"\x16\x03\x01" + os.urandom(300), b"GET / HTTP/9.9\r\n\r\n", b"GET /" + b"a" * 7000 + b" HTTP/1.1\r\nHost: x\r\n\r\n",
-                         b"GET /" + b"b" * 100000, b"GET / HTTP/1.1\r\nRange: bytes=" + b"0-1," * 1900 + b"0-1\r\n\r\n", b"TRACE / HTTP/1.1\r\nHost: x\r\n\r\n",
-                         b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 5000 + b"\r\n"):
+            for data in (
+                b"\r\n\r\n",
+                b"GET\r\n\r\n",
+                b"\x16\x03\x01" + os.urandom(300),
+                b"GET / HTTP/9.9\r\n\r\n",
+                b"GET /" + b"a" * 7000 + b" HTTP/1.1\r\nHost: x\r\n\r\n",
+                b"GET /" + b"b" * 100000,
+                b"GET / HTTP/1.1\r\nRange: bytes=" + b"0-1," * 1900 + b"0-1\r\n\r\n",
+                b"TRACE / HTTP/1.1\r\nHost: x\r\n\r\n",
+                b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 5000 + b"\r\n",
+            ):
                 out = server.raw(data, 12)
                 check(b" 200 " not in out[:20], f"{data[:20]!r}: {out[:60]!r}")
             check(server.json("GET", "/api/about")["version"], "the server lives through all of it")
@@ -319,11 +448,24 @@ def hostile(program, source):
             refused(server, "GET", "/api/runs", 401, ["token"])
             refused(server, "GET", "/api/runs", 401, headers={"Authorization": "Bearer " + "0" * 32})
             refused(server, "GET", "/?token=" + "0" * 32, 401)
-            refused(server, "GET", "/api/runs", 403, host=f"evil.example:{server.port}", headers={"Authorization": f"Bearer {server.token}"})
-            check(server.ask("GET", "/api/runs", headers={"Authorization": f"Bearer {server.token}"})[0].status == 200, "the token opens")
+            refused(
+                server,
+                "GET",
+                "/api/runs",
+                403,
+                host=f"evil.example:{server.port}",
+                headers={"Authorization": f"Bearer {server.token}"},
+            )
+            check(
+                server.ask("GET", "/api/runs", headers={"Authorization": f"Bearer {server.token}"})[0].status == 200,
+                "the token opens",
+            )
             reply, _ = server.ask("GET", f"/?token={server.token}")
             cookie = reply.headers["Set-Cookie"] or ""
-            check(reply.status == 303 and reply.headers["Location"] == "/" and "HttpOnly" in cookie and "SameSite=Strict" in cookie, f"the token becomes a cookie: {cookie}")
+            check(
+                reply.status == 303 and reply.headers["Location"] == "/" and "HttpOnly" in cookie and "SameSite=Strict" in cookie,
+                f"the token becomes a cookie: {cookie}",
+            )
             check(server.ask("GET", "/api/runs", headers={"Cookie": cookie.split(";")[0]})[0].status == 200, "the cookie opens")
 
 

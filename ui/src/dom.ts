@@ -90,6 +90,9 @@ const drawings = {
 
 /** A small drawing in the colour of the text: fonts do not have these signs everywhere. */
 export function icon(name: keyof typeof drawings): SVGElement {
-  return svg("svg", { viewBox: "0 0 16 16", width: 13, height: 13, "aria-hidden": "true" },
-    svg("path", { d: drawings[name], fill: "none", stroke: "currentColor", "stroke-width": 1.5 }));
+  return svg(
+    "svg",
+    { viewBox: "0 0 16 16", width: 13, height: 13, "aria-hidden": "true" },
+    svg("path", { d: drawings[name], fill: "none", stroke: "currentColor", "stroke-width": 1.5 }),
+  );
 }

@@ -7,18 +7,41 @@ const units = /_(deg_sqrt_h|m_s_sqrt_h|ug_sqrt_hz|rad_s|deg_h|deg_s|m_s2|m_s|tim
 
 /** "imu.gyro_noise_deg_sqrt_h" to "gyro noise". */
 export function labelOf(key: string): string {
-  const last = key.split(".").slice(key.startsWith("filter.assumed.") || key.startsWith("filter.initial_error.") ? 2 : 1).join(" ") || key;
-  return maybe(`key.${key}`, last.replace(/_time_s$/, "_time").replace(units, "").replaceAll("_", " "));
+  const last =
+    key
+      .split(".")
+      .slice(/^(filter\.(assumed|initial_error|separate|integrity)|trajectory\.(start|vibration|waves))\./.test(key) ? 2 : 1)
+      .join(" ") || key;
+  return maybe(
+    `key.${key}`,
+    last
+      .replace(/_time_s$/, "_time")
+      .replace(units, "")
+      .replaceAll("_", " "),
+  );
 }
 
 function sectionOf(key: string): string {
-  for (const deep of ["filter.assumed", "filter.initial_error", "trajectory.start", "trajectory.vibration"]) if (key.startsWith(deep + ".")) return deep;
+  for (const deep of [
+    "filter.assumed",
+    "filter.initial_error",
+    "filter.separate",
+    "filter.integrity",
+    "trajectory.start",
+    "trajectory.vibration",
+    "trajectory.waves",
+  ])
+    if (key.startsWith(deep + ".")) return deep;
   return key.includes(".") ? key.slice(0, key.indexOf(".")) : "general";
 }
 
 /** Options that only some trajectories have say so: "car, waypoints: radius of the corners". */
 export function kindsOf(option: Option, kinds: string[]): string[] | null {
-  const head = /^([a-z_, ]+): /.exec(option.help)?.[1]?.split(", ");
+  const flights = ["takeoff", "racetrack", "approach"];
+  const head = /^([a-z0-9_, ]+): /
+    .exec(option.help)?.[1]
+    ?.split(", ")
+    .flatMap((k) => (k === "flights" ? flights : [k]));
   return head && head.every((k) => kinds.includes(k)) ? head : null;
 }
 
@@ -29,7 +52,8 @@ function shownValue(v: Json): string {
 
 /** What is wrong with a text typed into a field, or the value it stands for. */
 function parsed(option: Option, text: string): { value: Json } | { wrong: string } {
-  const bounds = (x: number) => Number.isFinite(x) && (option.low === null || x >= option.low) && (option.high === null || x <= option.high);
+  const bounds = (x: number) =>
+    Number.isFinite(x) && (option.low === null || x >= option.low) && (option.high === null || x <= option.high);
   const wrong = { wrong: t("form.wrong", { accepts: option.accepts }) };
   const decimal = (s: string) => (s.trim() === "" ? NaN : Number(s.trim().replace(/^([+-]?\d+),(\d+)$/, "$1.$2")));
   switch (option.shape) {
@@ -44,7 +68,11 @@ function parsed(option: Option, text: string): { value: Json } | { wrong: string
     case "text":
       return option.choices.length === 0 || option.choices.includes(text) ? { value: text } : wrong;
     case "numbers": {
-      const list = text.replace(/^\[|\]$/g, "").split(/[;,\s]+/).filter(Boolean).map(Number);
+      const list = text
+        .replace(/^\[|\]$/g, "")
+        .split(/[;,\s]+/)
+        .filter(Boolean)
+        .map(Number);
       return list.every(bounds) && (option.length === 0 || list.length === option.length) ? { value: list } : wrong;
     }
     default:
@@ -72,7 +100,12 @@ export class OptionForm {
   private used: Settings = {};
   private readonly fields = new Map<string, Field>();
   private readonly sections = new Map<string, HTMLDetailsElement>();
-  private readonly search = h("input", { type: "search", placeholder: t("form.search"), "aria-label": t("form.search"), onInput: () => this.filter() });
+  private readonly search = h("input", {
+    type: "search",
+    placeholder: t("form.search"),
+    "aria-label": t("form.search"),
+    onInput: () => this.filter(),
+  });
   private readonly onlySet = h("input", { type: "checkbox", onChange: () => this.filter() });
   private readonly kinds: string[];
 
@@ -89,7 +122,11 @@ export class OptionForm {
       const name = sectionOf(option.key);
       let section = this.sections.get(name);
       if (!section) {
-        section = h("details", { open: open.includes(name) }, h("summary", null, maybe(`section.${name}`, name.replaceAll(".", " ").replaceAll("_", " "))));
+        section = h(
+          "details",
+          { open: open.includes(name) },
+          h("summary", null, maybe(`section.${name}`, name.replaceAll(".", " ").replaceAll("_", " "))),
+        );
         this.sections.set(name, section);
         this.element.append(section);
       }
@@ -104,27 +141,76 @@ export class OptionForm {
     const help = maybe(`option.${option.key}`, option.help);
     const described = { "aria-describedby": `${id}-help ${id}-wrong` };
     const inputs: Field["inputs"] = [];
-    const choices = option.choices.length > 0 ? option.choices : option.key.endsWith("imu.grade") ? option.accepts.replace(/^one of /, "").split(", ") : [];
+    const choices =
+      option.choices.length > 0
+        ? option.choices
+        : option.key.endsWith("imu.grade")
+          ? option.accepts.replace(/^one of /, "").split(", ")
+          : [];
     if (option.shape === "flag" || choices.length > 0) {
       const values = option.shape === "flag" ? ["true", "false"] : choices;
-      inputs.push(h("select", { id, ...described, onChange: () => this.take(option.key) }, h("option", { value: "" }, "–"),
-        ...values.map((v) => h("option", { value: v }, option.shape === "flag" ? t(v === "true" ? "yes" : "no") : v))));
+      inputs.push(
+        h(
+          "select",
+          { id, ...described, onChange: () => this.take(option.key) },
+          h("option", { value: "" }, "–"),
+          ...values.map((v) => h("option", { value: v }, option.shape === "flag" ? t(v === "true" ? "yes" : "no") : v)),
+        ),
+      );
     } else if (option.shape === "numbers" && option.length > 1 && option.length < 5) {
       for (let i = 0; i < option.length; ++i)
-        inputs.push(h("input", { type: "text", inputMode: "decimal", id: i === 0 ? id : `${id}-${i}`, "aria-label": `${labelOf(option.key)} ${i + 1}`, ...described, onInput: () => this.take(option.key) }));
+        inputs.push(
+          h("input", {
+            type: "text",
+            inputMode: "decimal",
+            id: i === 0 ? id : `${id}-${i}`,
+            "aria-label": `${labelOf(option.key)} ${i + 1}`,
+            ...described,
+            onInput: () => this.take(option.key),
+          }),
+        );
     } else if (option.shape === "tables" || option.shape === "table" || option.key.endsWith("waypoints")) {
       inputs.push(h("textarea", { id, rows: 3, spellcheck: false, ...described, onInput: () => this.take(option.key) }));
     } else {
       const numeric = option.shape === "number" || option.shape === "integer";
-      inputs.push(h("input", { type: "text", id, ...(numeric ? { inputMode: "decimal" } : {}), ...described, onInput: () => this.take(option.key) }));
+      inputs.push(
+        h("input", {
+          type: "text",
+          id,
+          ...(numeric ? { inputMode: "decimal" } : {}),
+          ...described,
+          onInput: () => this.take(option.key),
+        }),
+      );
     }
-    const reset = h("button", { type: "button", class: "icon reset", title: t("form.back"), "aria-label": `${t("form.back")}: ${option.key}`, onClick: () => this.put(option.key, undefined) }, "↺");
+    const reset = h(
+      "button",
+      {
+        type: "button",
+        class: "icon reset",
+        title: t("form.back"),
+        "aria-label": `${t("form.back")}: ${option.key}`,
+        onClick: () => this.put(option.key, undefined),
+      },
+      "↺",
+    );
     const row = h(
       "div",
       { class: "field", "data-key": option.key },
       h("label", { htmlFor: id, title: option.key }, labelOf(option.key)),
       h("span", { class: `inputs n${inputs.length}` }, ...inputs, h("span", { class: "unit" }, option.unit), reset),
-      h("p", { class: "help", id: `${id}-help` }, help, option.shape === "number" || option.shape === "integer" ? h("span", { class: "accepts" }, ` · ${option.accepts}`) : null),
+      h(
+        "p",
+        { class: "help", id: `${id}-help` },
+        help,
+        option.shape === "number" || option.shape === "integer"
+          ? h(
+              "span",
+              { class: "accepts" },
+              ` · ${option.accepts.replace(/\d{6,}/g, (n) => Number(n).toExponential().replace("e+", "e"))}`,
+            )
+          : null,
+      ),
       doubt,
       message,
     );
@@ -144,7 +230,8 @@ export class OptionForm {
       // of three numbers those that are not typed stay as they are
       const now = this.used[key];
       const filled = texts.map((x, i) => (x.trim() === "" && Array.isArray(now) ? String(now[i]) : x));
-      const result = option.shape === "flag" ? { value: texts[0] === "true" } : parsed(option, filled.join(inputs.length > 1 ? ";" : ""));
+      const result =
+        option.shape === "flag" ? { value: texts[0] === "true" } : parsed(option, filled.join(inputs.length > 1 ? ";" : ""));
       if ("wrong" in result) wrong = result.wrong;
       else this.settings[key] = result.value;
     }
@@ -182,10 +269,20 @@ export class OptionForm {
     const used = this.used[option.key];
     inputs.forEach((input, i) => {
       if (input instanceof HTMLSelectElement) {
-        const word = used === undefined || used === null ? t("form.by_itself") : option.shape === "flag" ? t(used ? "yes" : "no") : shownValue(used);
+        const word =
+          used === undefined || used === null
+            ? t("form.by_itself")
+            : option.shape === "flag"
+              ? t(used ? "yes" : "no")
+              : shownValue(used);
         input.options[0]!.textContent = `${word} ${t("form.default")}`;
       } else {
-        input.placeholder = inputs.length > 1 ? (Array.isArray(used) ? shownValue(used[i] ?? null) : "") : shownValue(used ?? null) || t("form.by_itself");
+        input.placeholder =
+          inputs.length > 1
+            ? Array.isArray(used)
+              ? shownValue(used[i] ?? null)
+              : ""
+            : shownValue(used ?? null) || t("form.by_itself");
       }
     });
   }
@@ -211,7 +308,8 @@ export class OptionForm {
       const kinds = kindsOf(option, this.kinds);
       row.classList.toggle("other-kind", kinds !== null && !kinds.includes(kind));
     }
-    for (const section of this.sections.values()) section.classList.toggle("empty", !section.querySelector(".field:not(.other-kind)"));
+    for (const section of this.sections.values())
+      section.classList.toggle("empty", !section.querySelector(".field:not(.other-kind)"));
   }
 
   blame(problem: Problem): boolean {

@@ -35,11 +35,15 @@ async function open(): Promise<void> {
   shown = null;
   try {
     const page =
-      kind === "scenario" ? editorPage(parameters)
-      : kind === "data" ? dataPage(rest[0] ?? "")
-      : kind === "run" ? runPage(rest[0] ?? "", rest[1] ?? "")
-      : kind === "compare" ? comparePage(rest)
-      : startPage();
+      kind === "scenario"
+        ? editorPage(parameters)
+        : kind === "data"
+          ? dataPage(rest[0] ?? "")
+          : kind === "run"
+            ? runPage(rest[0] ?? "", rest[1] ?? "")
+            : kind === "compare"
+              ? comparePage(rest)
+              : startPage();
     const made = await page;
     if (mine !== turn) return made.close?.();
     shown = made;
@@ -48,33 +52,51 @@ async function open(): Promise<void> {
     for (const link of document.querySelectorAll<HTMLAnchorElement>("header nav a"))
       link.toggleAttribute("aria-current", link.hash.split("?")[0] === `#/${kind}`);
   } catch (e) {
-    replace(content, h("section", { class: "card" }, h("h1", null, t("error.title")), h("p", null, (e as Error).message), h("p", null, h("a", { href: "#/" }, t("nav.start")))));
+    replace(
+      content,
+      h(
+        "section",
+        { class: "card" },
+        h("h1", null, t("error.title")),
+        h("p", null, (e as Error).message),
+        h("p", null, h("a", { href: "#/" }, t("nav.start"))),
+      ),
+    );
   }
 }
 
 function frame(): void {
   applyTheme();
   const icons: Record<Theme, string> = { auto: "◐", light: "☀", dark: "☾" };
-  const themeButton = h("button", {
-    type: "button",
-    class: "icon",
-    "aria-label": t("theme"),
-    title: t("theme"),
-    onClick: () => {
-      localStorage.setItem("schuler.theme", themes[(themes.indexOf(theme()) + 1) % themes.length]!);
-      applyTheme();
-      themeButton.textContent = icons[theme()];
-      shown?.redraw?.();
+  const themeButton = h(
+    "button",
+    {
+      type: "button",
+      class: "icon",
+      "aria-label": t("theme"),
+      title: t("theme"),
+      onClick: () => {
+        localStorage.setItem("schuler.theme", themes[(themes.indexOf(theme()) + 1) % themes.length]!);
+        applyTheme();
+        themeButton.textContent = icons[theme()];
+        shown?.redraw?.();
+      },
     },
-  }, icons[theme()]);
-  const chooser = h("select", {
-    "aria-label": t("language"),
-    onChange: (e: Event) => {
-      setLanguage((e.target as HTMLSelectElement).value);
-      frame();
-      void open();
+    icons[theme()],
+  );
+  const chooser = h(
+    "select",
+    {
+      "aria-label": t("language"),
+      onChange: (e: Event) => {
+        setLanguage((e.target as HTMLSelectElement).value);
+        frame();
+        void open();
+      },
     },
-  }, h("option", { value: "en" }, "English"), h("option", { value: "uk" }, "Українська"));
+    h("option", { value: "en" }, "English"),
+    h("option", { value: "uk" }, "Українська"),
+  );
   chooser.value = language;
   replace(
     document.getElementById("app")!,
@@ -83,9 +105,18 @@ function frame(): void {
       "header",
       null,
       h("a", { class: "brand", href: "#/" }, "Schuler"),
-      h("nav", { "aria-label": t("nav") }, h("a", { href: "#/" }, t("nav.start")), h("a", { href: "#/scenario?example=demo" }, t("nav.scenario"))),
+      h(
+        "nav",
+        { "aria-label": t("nav") },
+        h("a", { href: "#/" }, t("nav.start")),
+        h("a", { href: "#/scenario?example=demo" }, t("nav.scenario")),
+      ),
       h("span", { class: "grow" }),
-      h("button", { type: "button", class: "icon", title: t("keys.title"), "aria-label": t("keys.title"), onClick: () => keys.showModal() }, "?"),
+      h(
+        "button",
+        { type: "button", class: "icon", title: t("keys.title"), "aria-label": t("keys.title"), onClick: () => keys.showModal() },
+        "?",
+      ),
       themeButton,
       chooser,
     ),
@@ -100,8 +131,19 @@ function frame(): void {
     h(
       "table",
       { id: "plot-keys" },
-      h("tbody", null, row("Tab", t("keys.tab")), row("← →", t("keys.pan")), row("+ −", t("keys.zoom")), row("0", t("keys.reset")),
-        row("⇧ + ✥", t("keys.drag")), row("▭", t("keys.box")), row("Ctrl + ⇅", t("keys.wheel")), row("Ctrl + ↵", t("keys.run")), row("?", t("keys.help"))),
+      h(
+        "tbody",
+        null,
+        row("Tab", t("keys.tab")),
+        row("← →", t("keys.pan")),
+        row("+ −", t("keys.zoom")),
+        row("0", t("keys.reset")),
+        row("⇧ + ✥", t("keys.drag")),
+        row("▭", t("keys.box")),
+        row("Ctrl + ⇅", t("keys.wheel")),
+        row("Ctrl + ↵", t("keys.run")),
+        row("?", t("keys.help")),
+      ),
     ),
     h("form", { method: "dialog" }, h("button", null, t("close"))),
   );

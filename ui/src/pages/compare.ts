@@ -6,13 +6,18 @@ import type { Page } from "../page";
 import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
 import { TimePlot, linkCursors, type Data } from "../plots/timeplot";
-import { errorRows, table } from "./run";
+import { errorRows, table } from "./overview";
 import { resampled, unit } from "./views";
 
 type Values = (number | null)[];
 
 /** The same column of several runs on the time axis of all of them together. */
-async function together(runs: RunDetails[], id: string, range: { from?: number | undefined; to?: number | undefined; points: number }, signal: AbortSignal): Promise<Data> {
+async function together(
+  runs: RunDetails[],
+  id: string,
+  range: { from?: number | undefined; to?: number | undefined; points: number },
+  signal: AbortSignal,
+): Promise<Data> {
   const all = await Promise.all(runs.map((r) => api.series(r.id, [id], range, undefined, signal).catch(() => null)));
   const x = [...new Set(all.flatMap((s) => s?.time_s ?? []))].sort((a, b) => a - b);
   return { x, y: all.map((s) => (s ? resampled(s.time_s, s.columns[id]!, x) : x.map(() => null))) };
@@ -28,10 +33,13 @@ function statistics(runs: RunDetails[]): HTMLElement {
   });
   const outages = Math.max(0, ...runs.map((r) => r.summary?.outages?.length ?? 0));
   for (let i = 0; i < outages; ++i)
-    rows.push([`${t("table.outage")} ${i + 1}: ${t("table.max_h")}`, ...runs.map((r) => {
-      const o = r.summary?.outages?.[i];
-      return o ? `${number(o.max_horizontal_m)} (${number(o.start_s)}–${number(o.start_s + o.duration_s)} s)` : "–";
-    })]);
+    rows.push([
+      `${t("table.outage")} ${i + 1}: ${t("table.max_h")}`,
+      ...runs.map((r) => {
+        const o = r.summary?.outages?.[i];
+        return o ? `${number(o.max_horizontal_m)} (${number(o.start_s)}–${number(o.start_s + o.duration_s)} s)` : "–";
+      }),
+    ]);
   return table([`${t("table.quantity")}, rms`, ...runs.map((r) => r.title)], rows, t("compare.table"));
 }
 
@@ -40,49 +48,94 @@ export async function comparePage(ids: string[]): Promise<Page> {
   const groups: Group[][] = await Promise.all(runs.map((r) => api.channels(r.id).catch(() => [])));
   const stops = groups.flat().map((g) => g.stop_s ?? 0);
   const linked = new Linked(0, Math.max(1, ...stops));
-  const spans = runs.flatMap((r) => (r.summary?.outages ?? []).map((o) => ({ from: o.start_s, to: o.start_s + o.duration_s, label: "" })));
+  const spans = runs.flatMap((r) =>
+    (r.summary?.outages ?? []).map((o) => ({ from: o.start_s, to: o.start_s + o.duration_s, label: "" })),
+  );
   linked.spans = spans.filter((s, i) => spans.findIndex((o) => o.from === s.from && o.to === s.to) === i);
   const lines = runs.map((r, ink) => ({ label: r.title, ink }));
   const errors = groups.map((g) => g.find((x) => x.group === "/errors")).find(Boolean);
   const plots: TimePlot[] = [];
   for (const name of ["position", "velocity", "attitude"])
     for (const column of errors?.columns.filter((c) => c.id.startsWith(`/errors/${name}:`)) ?? [])
-      plots.push(new TimePlot({ title: t("view.error_of", { what: t(`view.${name}`), axis: t(column.name) }), unit: unit(column.unit), lines, include: [0],
-        load: (from, to, points, signal) => together(runs, column.id, { from, to, points }, signal) }, linked));
-  const base = h("select", { "aria-label": t("compare.base"), onChange: () => differ() }, ...runs.map((r) => h("option", { value: r.id }, r.title)));
+      plots.push(
+        new TimePlot(
+          {
+            title: t("view.error_of", { what: t(`view.${name}`), axis: t(column.name) }),
+            unit: unit(column.unit),
+            lines,
+            include: [0],
+            load: (from, to, points, signal) => together(runs, column.id, { from, to, points }, signal),
+          },
+          linked,
+        ),
+      );
+  const base = h(
+    "select",
+    { "aria-label": t("compare.base"), onChange: () => differ() },
+    ...runs.map((r) => h("option", { value: r.id }, r.title)),
+  );
   const place = h("div", { class: "plots" });
   let differences: TimePlot[] = [];
   const differ = () => {
     const others = runs.filter((r) => r.id !== base.value);
-    const kinds: [string, string, string[]][] = [["position", "m", ["north", "east", "down"]], ["velocity", "m/s", ["v_north", "v_east", "v_down"]], ["attitude", "°", ["roll", "pitch", "heading"]]];
+    const kinds: [string, string, string[]][] = [
+      ["position", "m", ["north", "east", "down"]],
+      ["velocity", "m/s", ["v_north", "v_east", "v_down"]],
+      ["attitude", "°", ["roll", "pitch", "heading"]],
+    ];
     differences = others.flatMap((other) =>
-      kinds.map(([kind, u, names]) =>
-        new TimePlot({
-          title: `${other.title} − ${runs.find((r) => r.id === base.value)!.title}: ${t(`view.${kind}`)}`,
-          unit: u,
-          lines: names.map((n, ink) => ({ label: t(n.replace("v_", "")), ink })),
-          include: [0],
-          load: async (from, to, points, signal) => {
-            const s = await api.difference(other.id, base.value, { from, to, points }, signal);
-            return { x: s.time_s, y: names.map((n) => s.columns[`difference:${n}`] as Values) };
-          },
-        }, linked)),
+      kinds.map(
+        ([kind, u, names]) =>
+          new TimePlot(
+            {
+              title: `${other.title} − ${runs.find((r) => r.id === base.value)!.title}: ${t(`view.${kind}`)}`,
+              unit: u,
+              lines: names.map((n, ink) => ({ label: t(n.replace("v_", "")), ink })),
+              include: [0],
+              load: async (from, to, points, signal) => {
+                const s = await api.difference(other.id, base.value, { from, to, points }, signal);
+                return { x: s.time_s, y: names.map((n) => s.columns[`difference:${n}`] as Values) };
+              },
+            },
+            linked,
+          ),
+      ),
     );
     linkCursors(differences, linked);
     replace(place, ...differences.map((p) => p.element));
   };
   const plan = new PlanView(linked);
-  const tracks = await Promise.all(runs.map(async (r, ink) => {
-    const s = await api.series(r.id, ["/solution/local:east", "/solution/local:north"], { points: 1500 }, runs[0]!.id);
-    return { label: r.title, ink, time: s.time_s, east: s.columns["/solution/local:east"]!, north: s.columns["/solution/local:north"]! };
-  }));
+  const tracks = await Promise.all(
+    runs.map(async (r, ink) => {
+      const s = await api.series(r.id, ["/solution/local:east", "/solution/local:north"], { points: 1500 }, runs[0]!.id);
+      return {
+        label: r.title,
+        ink,
+        time: s.time_s,
+        east: s.columns["/solution/local:east"]!,
+        north: s.columns["/solution/local:north"]!,
+      };
+    }),
+  );
   plan.show(tracks);
   linkCursors(plots, linked);
   differ();
   const element = h(
     "div",
     { class: "compare" },
-    h("div", { class: "bar" }, h("h1", null, t("compare.title")), ...runs.map((r, i) => h("a", { class: "chip", href: `#/run/${encodeURIComponent(r.id)}` }, h("span", { class: `swatch ink-${i + 1}` }), r.title))),
+    h(
+      "div",
+      { class: "bar" },
+      h("h1", null, t("compare.title")),
+      ...runs.map((r, i) =>
+        h(
+          "a",
+          { class: "chip", href: `#/run/${encodeURIComponent(r.id)}` },
+          h("span", { class: `swatch ink-${i + 1}` }),
+          r.title,
+        ),
+      ),
+    ),
     statistics(runs),
     h("h2", null, t("compare.overlay")),
     h("div", { class: "plots" }, ...plots.map((p) => p.element)),

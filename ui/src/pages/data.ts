@@ -8,11 +8,25 @@ import { OutageLine } from "../plots/timeline";
 
 function problems(list: Inspection["problems"]): HTMLElement {
   const icon = { error: "✗", warning: "⚠", info: "ℹ" };
-  return h("ul", { class: "problems" }, ...list.map((p) => h("li", { class: p.level }, h("strong", null, `${icon[p.level]} ${p.text}`), p.mend && h("span", null, ` — ${p.mend}`))));
+  return h(
+    "ul",
+    { class: "problems" },
+    ...list.map((p) =>
+      h("li", { class: p.level }, h("strong", null, `${icon[p.level]} ${p.text}`), p.mend && h("span", null, ` — ${p.mend}`)),
+    ),
+  );
 }
 
 function files(found: Inspection): HTMLElement {
-  const head = [t("data.file"), t("data.kind"), t("data.rows"), `${t("data.rate")}, Hz`, t("data.gaps"), t("data.doubled"), `${t("data.span")}, s`];
+  const head = [
+    t("data.file"),
+    t("data.kind"),
+    t("data.rows"),
+    `${t("data.rate")}, Hz`,
+    t("data.gaps"),
+    t("data.doubled"),
+    `${t("data.span")}, s`,
+  ];
   return h(
     "div",
     { class: "scroll", tabIndex: 0 },
@@ -23,17 +37,19 @@ function files(found: Inspection): HTMLElement {
       h(
         "tbody",
         null,
-        ...found.files.flatMap((f) => [
-          h(
-            "tr",
-            null,
-            h("td", null, f.path),
-            h("td", null, h("span", { class: `badge ${f.kind === "unknown" ? "failed" : "done"}` }, f.kind)),
-            ...[f.rows, f.rate_hz, f.gaps, f.duplicates].map((x) => h("td", { class: "figure" }, number(x, 6))),
-            h("td", { class: "figure" }, f.start_s !== null && f.stop_s !== null ? number(f.stop_s - f.start_s, 6) : "–"),
-          ),
-          f.problems.length > 0 && h("tr", null, h("td", { colSpan: 7 }, problems(f.problems))),
-        ].filter((x): x is HTMLTableRowElement => x !== false)),
+        ...found.files.flatMap((f) =>
+          [
+            h(
+              "tr",
+              null,
+              h("td", null, f.path),
+              h("td", null, h("span", { class: `badge ${f.kind === "unknown" ? "failed" : "done"}` }, f.kind)),
+              ...[f.rows, f.rate_hz, f.gaps, f.duplicates].map((x) => h("td", { class: "figure" }, number(x, 6))),
+              h("td", { class: "figure" }, f.start_s !== null && f.stop_s !== null ? number(f.stop_s - f.start_s, 6) : "–"),
+            ),
+            f.problems.length > 0 && h("tr", null, h("td", { colSpan: 7 }, problems(f.problems))),
+          ].filter((x): x is HTMLTableRowElement => x !== false),
+        ),
       ),
     ),
   );
@@ -47,14 +63,40 @@ function findings(found: Inspection): HTMLElement {
     h(
       "table",
       { class: "findings" },
-      h("thead", null, h("tr", null, ...[t("data.what"), t("data.value"), t("data.how_sure"), t("data.why")].map((x) => h("th", { scope: "col" }, x)))),
+      h(
+        "thead",
+        null,
+        h(
+          "tr",
+          null,
+          ...[t("data.what"), t("data.value"), t("data.how_sure"), t("data.why")].map((x) => h("th", { scope: "col" }, x)),
+        ),
+      ),
       h(
         "tbody",
         null,
         ...sorted.map((f) =>
-          h("tr", { class: f.confidence < 0.9 ? "doubtful" : "" }, h("td", null, h("code", null, f.key)), h("td", null, f.value),
-            h("td", null, h("meter", { min: 0, max: 1, low: 0.6, high: 0.9, optimum: 1, value: f.confidence, "aria-label": t("data.how_sure") }), ` ${f.confidence < 0.9 ? "⚠ " : ""}${Math.round(100 * f.confidence)} %`),
-            h("td", null, f.why)),
+          h(
+            "tr",
+            { class: f.confidence < 0.9 ? "doubtful" : "" },
+            h("td", null, h("code", null, f.key)),
+            h("td", null, f.value),
+            h(
+              "td",
+              null,
+              h("meter", {
+                min: 0,
+                max: 1,
+                low: 0.6,
+                high: 0.9,
+                optimum: 1,
+                value: f.confidence,
+                "aria-label": t("data.how_sure"),
+              }),
+              ` ${f.confidence < 0.9 ? "⚠ " : ""}${Math.round(100 * f.confidence)} %`,
+            ),
+            h("td", null, f.why),
+          ),
         ),
       ),
     ),
@@ -82,20 +124,34 @@ export async function dataPage(name: string): Promise<Page> {
   const form = new OptionForm(options, check, (key) => key === "outage", ["imu", "gnss", "filter"]);
   const gnss = found.files.find((f) => /gnss|pos|nmea/.test(f.kind)) ?? found.files[0];
   const length = gnss && gnss.start_s !== null && gnss.stop_s !== null ? gnss.stop_s - gnss.start_s : 600;
-  const outages = new OutageLine((list) => form.put("outage", list.map((o) => ({ ...o }))));
+  const outages = new OutageLine((list) =>
+    form.put(
+      "outage",
+      list.map((o) => ({ ...o })),
+    ),
+  );
   const title = h("input", { type: "text", class: "run-name", value: found.path, "aria-label": t("run.title") });
-  const start = h("button", {
-    type: "button",
-    class: "primary run",
-    onClick: async () => {
-      try {
-        const run = await api.start({ kind: "dataset", dataset: name, title: title.value.trim() || name, settings: form.settings });
-        location.hash = `#/run/${encodeURIComponent(run.id)}`;
-      } catch (e) {
-        tell((e as Error).message, "error");
-      }
+  const start = h(
+    "button",
+    {
+      type: "button",
+      class: "primary run",
+      onClick: async () => {
+        try {
+          const run = await api.start({
+            kind: "dataset",
+            dataset: name,
+            title: title.value.trim() || name,
+            settings: form.settings,
+          });
+          location.hash = `#/run/${encodeURIComponent(run.id)}`;
+        } catch (e) {
+          tell((e as Error).message, "error");
+        }
+      },
     },
-  }, `▶ ${t("data.run")}`);
+    `▶ ${t("data.run")}`,
+  );
   form.load(found.form);
   form.doubts(found.findings);
   outages.show((found.form.settings["outage"] as never) ?? [], length);
@@ -107,14 +163,42 @@ export async function dataPage(name: string): Promise<Page> {
   const element = h(
     "div",
     { class: "editor" },
-    h("div", { class: "bar" }, h("h1", null, `${t("data.title")}: ${name}`), title, start,
-      h("button", { type: "button", onClick: () => saveAs(new Blob([toml.textContent ?? ""]), "dataset.toml") }, t("data.save"))),
+    h(
+      "div",
+      { class: "bar" },
+      h("h1", null, `${t("data.title")}: ${name}`),
+      title,
+      start,
+      h("button", { type: "button", onClick: () => saveAs(new Blob([toml.textContent ?? ""]), "dataset.toml") }, t("data.save")),
+    ),
     problem,
-    h("section", { class: "card" }, h("h2", null, t("data.files")), files(found), found.problems.length > 0 && problems(found.problems)),
-    h("section", { class: "card" }, h("h2", null, t("data.findings")), h("p", { class: "muted" }, doubts > 0 ? t("data.doubts", { n: doubts }) : t("data.no_doubts")), findings(found)),
+    h(
+      "section",
+      { class: "card" },
+      h("h2", null, t("data.files")),
+      files(found),
+      found.problems.length > 0 && problems(found.problems),
+    ),
+    h(
+      "section",
+      { class: "card" },
+      h("h2", null, t("data.findings")),
+      h("p", { class: "muted" }, doubts > 0 ? t("data.doubts", { n: doubts }) : t("data.no_doubts")),
+      findings(found),
+    ),
     outages.element,
-    h("div", { class: "split" }, h("div", { class: "left" }, h("h2", null, t("data.settings")), h("p", { class: "muted" }, t(found.own_toml ? "data.own" : "data.inferred")), form.element),
-      h("div", { class: "right" }, h("details", { class: "card", open: true }, h("summary", null, "dataset.toml"), toml))),
+    h(
+      "div",
+      { class: "split" },
+      h(
+        "div",
+        { class: "left" },
+        h("h2", null, t("data.settings")),
+        h("p", { class: "muted" }, t(found.own_toml ? "data.own" : "data.inferred")),
+        form.element,
+      ),
+      h("div", { class: "right" }, h("details", { class: "card", open: true }, h("summary", null, "dataset.toml"), toml)),
+    ),
   );
   replace(element, ...[...element.children]);
   return { title: name, element, redraw: () => outages.draw() };

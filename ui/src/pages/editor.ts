@@ -15,7 +15,9 @@ function gnssOutages(settings: Settings): Outage[] {
   return list.flatMap((o) => {
     const x = o as Record<string, Json>;
     if (x["sensor"] !== undefined && x["sensor"] !== "gnss") return [];
-    return typeof x["start_s"] === "number" && typeof x["duration_s"] === "number" ? [{ start_s: x["start_s"], duration_s: x["duration_s"] }] : [];
+    return typeof x["start_s"] === "number" && typeof x["duration_s"] === "number"
+      ? [{ start_s: x["start_s"], duration_s: x["duration_s"] }]
+      : [];
   });
 }
 
@@ -40,7 +42,13 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
   const problem = h("p", { class: "bad", role: "alert", hidden: true });
   const profile = h("div");
   const toml = h("textarea", { class: "toml", rows: 24, spellcheck: false, "aria-label": "TOML" });
-  const title = h("input", { type: "text", class: "run-name", value: "", "aria-label": t("run.title"), placeholder: t("editor.name") });
+  const title = h("input", {
+    type: "text",
+    class: "run-name",
+    value: "",
+    "aria-label": t("run.title"),
+    placeholder: t("editor.name"),
+  });
   const plan = new PlanView(null, 340);
   const outages = new OutageLine((list) => {
     const spans = list.map((o) => ({ ...o, sensor: "gnss" }) as Json);
@@ -56,17 +64,38 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       linked = new Linked(0, track.time_s.at(-1) ?? 1);
       linked.spans = gnssOutages(form.settings).map((o) => ({ from: o.start_s, to: o.start_s + o.duration_s, label: "GNSS" }));
       const of = (name: string, unit: string, lines: [string, number[]][]) =>
-        new TimePlot({ title: name, unit, height: 150, lines: lines.map(([label]) => ({ label })), load: async () => ({ x: track.time_s, y: lines.map(([, y]) => y) }) }, linked);
+        new TimePlot(
+          {
+            title: name,
+            unit,
+            height: 150,
+            lines: lines.map(([label]) => ({ label })),
+            load: async () => ({ x: track.time_s, y: lines.map(([, y]) => y) }),
+          },
+          linked,
+        );
       plots = [
         of(t("editor.height"), "m", [[t("editor.height"), track.height_m]]),
         of(t("editor.speed"), "m/s", [[t("editor.speed"), track.speed_m_s]]),
-        of(t("view.attitude"), "°", [[t("roll"), track.roll_deg], [t("pitch"), track.pitch_deg], [t("heading"), track.heading_deg]]),
+        of(t("view.attitude"), "°", [
+          [t("roll"), track.roll_deg],
+          [t("pitch"), track.pitch_deg],
+          [t("heading"), track.heading_deg],
+        ]),
       ];
       linkCursors(plots, linked);
-      const length = track.east_m.reduce((sum, e, i) => (i === 0 ? 0 : sum + Math.hypot(e - track.east_m[i - 1]!, track.north_m[i]! - track.north_m[i - 1]!)), 0);
+      const length = track.east_m.reduce(
+        (sum, e, i) => (i === 0 ? 0 : sum + Math.hypot(e - track.east_m[i - 1]!, track.north_m[i]! - track.north_m[i - 1]!)),
+        0,
+      );
       replace(
         profile,
-        h("p", { class: "muted" }, t("editor.track", { km: number(length / 1000), top: number(Math.max(...track.speed_m_s)) }), track.cut ? ` ${t("editor.cut")}` : ""),
+        h(
+          "p",
+          { class: "muted" },
+          t("editor.track", { km: number(length / 1000), top: number(Math.max(...track.speed_m_s)) }),
+          track.cut ? ` ${t("editor.cut")}` : "",
+        ),
         ...plots.map((p) => p.element),
       );
     }
@@ -74,7 +103,8 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     toml.value = now.toml;
     const known = now.problem && form.blame(now.problem);
     problem.hidden = !now.problem;
-    if (now.problem) problem.textContent = known ? t("editor.see_field", { key: now.problem.key }) : now.problem.text + "; " + now.problem.mend;
+    if (now.problem)
+      problem.textContent = known ? t("editor.see_field", { key: now.problem.key }) : now.problem.text + "; " + now.problem.mend;
     start.disabled = now.problem !== null;
   };
   const ask = quietly(150, async () => {
@@ -103,19 +133,23 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       tell((e as Error).message, "error");
     }
   };
-  const start = h("button", {
-    type: "button",
-    class: "primary run",
-    onClick: async () => {
-      try {
-        const name = title.value.trim() || String(form.settings["name"] ?? "scenario");
-        const run = await api.start({ kind: "scenario", title: name, settings: form.settings });
-        location.hash = `#/run/${encodeURIComponent(run.id)}`;
-      } catch (e) {
-        tell((e as Error).message, "error");
-      }
+  const start = h(
+    "button",
+    {
+      type: "button",
+      class: "primary run",
+      onClick: async () => {
+        try {
+          const name = title.value.trim() || String(form.settings["name"] ?? "scenario");
+          const run = await api.start({ kind: "scenario", title: name, settings: form.settings });
+          location.hash = `#/run/${encodeURIComponent(run.id)}`;
+        } catch (e) {
+          tell((e as Error).message, "error");
+        }
+      },
     },
-  }, `▶ ${t("editor.run")}`);
+    `▶ ${t("editor.run")}`,
+  );
   const file = () => {
     const input = h("input", { type: "file", accept: ".toml" });
     input.onchange = () => void input.files?.[0]?.text().then(load);
@@ -131,7 +165,15 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       title,
       start,
       h("button", { type: "button", onClick: file }, t("editor.load")),
-      h("button", { type: "button", onClick: () => saveAs(new Blob([now.toml], { type: "text/plain" }), `${String(form.settings["name"] ?? "scenario")}.toml`) }, t("editor.save")),
+      h(
+        "button",
+        {
+          type: "button",
+          onClick: () =>
+            saveAs(new Blob([now.toml], { type: "text/plain" }), `${String(form.settings["name"] ?? "scenario")}.toml`),
+        },
+        t("editor.save"),
+      ),
     ),
     problem,
     h(
@@ -144,8 +186,14 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
         plan.element,
         outages.element,
         profile,
-        h("details", { class: "card" }, h("summary", null, t("editor.toml")), h("p", { class: "muted" }, t("editor.toml_hint")), toml,
-          h("button", { type: "button", onClick: () => void load(toml.value) }, t("editor.apply"))),
+        h(
+          "details",
+          { class: "card" },
+          h("summary", null, t("editor.toml")),
+          h("p", { class: "muted" }, t("editor.toml_hint")),
+          toml,
+          h("button", { type: "button", onClick: () => void load(toml.value) }, t("editor.apply")),
+        ),
       ),
     ),
   );

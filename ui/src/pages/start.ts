@@ -73,7 +73,8 @@ function dropZone(): HTMLElement {
     ),
     status,
   );
-  for (const kind of ["dragenter", "dragover"]) zone.addEventListener(kind, (e) => (e.preventDefault(), zone.classList.add("over")));
+  for (const kind of ["dragenter", "dragover"])
+    zone.addEventListener(kind, (e) => (e.preventDefault(), zone.classList.add("over")));
   for (const kind of ["dragleave", "drop"]) zone.addEventListener(kind, () => zone.classList.remove("over"));
   zone.addEventListener("drop", (e) => {
     e.preventDefault();
@@ -93,13 +94,17 @@ function datasetList(sets: DatasetInfo[], again: () => void): HTMLElement {
         h("a", { href: `#/data/${encodeURIComponent(d.name)}` }, d.title),
         h("span", { class: "muted" }, ` ${d.files.length} ${t("start.n_files")}${d.opened ? ` · ${t("start.opened")}` : ""}`),
         !d.opened &&
-          h("button", {
-            type: "button",
-            class: "icon",
-            title: t("remove"),
-            "aria-label": `${t("remove")} ${d.title}`,
-            onClick: () => void (confirm(t("remove.sure", { name: d.title })) && api.removeDataset(d.name).then(again)),
-          }, "✕"),
+          h(
+            "button",
+            {
+              type: "button",
+              class: "icon",
+              title: t("remove"),
+              "aria-label": `${t("remove")} ${d.title}`,
+              onClick: () => void (confirm(t("remove.sure", { name: d.title })) && api.removeDataset(d.name).then(again)),
+            },
+            "✕",
+          ),
       ),
     ),
   );
@@ -113,22 +118,34 @@ export function stateBadge(run: Run): HTMLElement {
 function runTable(runs: Run[], again: () => void): HTMLElement {
   if (runs.length === 0) return h("p", { class: "muted" }, t("start.no_runs"));
   const chosen = new Set<string>();
-  const compare = h("button", { type: "button", disabled: true, onClick: () => (location.hash = `#/compare/${[...chosen].map(encodeURIComponent).join("/")}`) }, t("start.compare"));
+  const compare = h(
+    "button",
+    {
+      type: "button",
+      disabled: true,
+      onClick: () => (location.hash = `#/compare/${[...chosen].map(encodeURIComponent).join("/")}`),
+    },
+    t("start.compare"),
+  );
   const rows = runs.map((run) => {
     const title = h("a", { href: `#/run/${encodeURIComponent(run.id)}` }, run.title);
     return h(
       "tr",
       { "data-run": run.id },
-      h("td", null, h("input", {
-        type: "checkbox",
-        "aria-label": `${t("start.choose")} ${run.title}`,
-        disabled: run.state !== "done",
-        onChange: (e: Event) => {
-          if ((e.target as HTMLInputElement).checked) chosen.add(run.id);
-          else chosen.delete(run.id);
-          compare.disabled = chosen.size < 2;
-        },
-      })),
+      h(
+        "td",
+        null,
+        h("input", {
+          type: "checkbox",
+          "aria-label": `${t("start.choose")} ${run.title}`,
+          disabled: run.state !== "done",
+          onChange: (e: Event) => {
+            if ((e.target as HTMLInputElement).checked) chosen.add(run.id);
+            else chosen.delete(run.id);
+            compare.disabled = chosen.size < 2;
+          },
+        }),
+      ),
       h("td", null, title),
       h("td", { class: "state" }, stateBadge(run)),
       h("td", null, run.scheme ?? "–"),
@@ -138,43 +155,92 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
       h(
         "td",
         { class: "tools" },
-        h("button", {
-          type: "button",
-          class: "icon",
-          title: t("rename"),
-          "aria-label": `${t("rename")} ${run.title}`,
-          onClick: () => {
-            const name = prompt(t("rename"), run.title);
-            if (name) void api.rename(run.id, name).then(again);
+        h(
+          "button",
+          {
+            type: "button",
+            class: "icon",
+            title: t("rename"),
+            "aria-label": `${t("rename")} ${run.title}`,
+            onClick: () => {
+              const name = prompt(t("rename"), run.title);
+              if (name) void api.rename(run.id, name).then(again);
+            },
           },
-        }, "✎"),
-        h("button", {
-          type: "button",
-          class: "icon",
-          title: t("remove"),
-          "aria-label": `${t("remove")} ${run.title}`,
-          onClick: () => void (confirm(t("remove.sure", { name: run.title })) && api.remove(run.id).then(again)),
-        }, "✕"),
+          "✎",
+        ),
+        h(
+          "button",
+          {
+            type: "button",
+            class: "icon",
+            title: t("remove"),
+            "aria-label": `${t("remove")} ${run.title}`,
+            onClick: () => void (confirm(t("remove.sure", { name: run.title })) && api.remove(run.id).then(again)),
+          },
+          "✕",
+        ),
       ),
     );
   });
-  const head = ["", t("run.title"), t("run.state"), t("run.scheme"), `${t("run.duration")}, s`, `${t("run.error")}, m`, t("run.created"), ""];
+  const head = [
+    "",
+    t("run.title"),
+    t("run.state"),
+    t("run.scheme"),
+    `${t("run.duration")}, s`,
+    `${t("run.error")}, m`,
+    t("run.created"),
+    "",
+  ];
   return h(
     "div",
     null,
-    h("div", { class: "scroll", tabIndex: 0 }, h("table", { class: "runs" }, h("thead", null, h("tr", null, ...head.map((x, i) => h("th", { scope: "col", class: i === 4 || i === 5 ? "figure" : "" }, x || h("span", { class: "hidden" }, t("start.choose")))))), h("tbody", null, ...rows))),
+    h(
+      "div",
+      { class: "scroll", tabIndex: 0 },
+      h(
+        "table",
+        { class: "runs" },
+        h(
+          "thead",
+          null,
+          h(
+            "tr",
+            null,
+            ...head.map((x, i) =>
+              h(
+                "th",
+                { scope: "col", class: i === 4 || i === 5 ? "figure" : "" },
+                x || h("span", { class: "hidden" }, t("start.choose")),
+              ),
+            ),
+          ),
+        ),
+        h("tbody", null, ...rows),
+      ),
+    ),
     h("p", null, compare, h("span", { class: "muted" }, ` ${t("start.compare_hint")}`)),
   );
 }
 
 export async function startPage(): Promise<Page> {
   const examples = await api.examples();
-  const sets = h("div"), runs = h("div");
+  const sets = h("div"),
+    runs = h("div");
   const refreshSets = async () => {
     const all = await api.datasets();
-    replace(sets, all.length > 0 && h("h3", null, t("start.datasets")), datasetList(all, () => void refreshSets()));
+    replace(
+      sets,
+      all.length > 0 && h("h3", null, t("start.datasets")),
+      datasetList(all, () => void refreshSets()),
+    );
   };
-  const refreshRuns = async () => replace(runs, runTable(await api.runs(), () => void refreshRuns()));
+  const refreshRuns = async () =>
+    replace(
+      runs,
+      runTable(await api.runs(), () => void refreshRuns()),
+    );
   await Promise.all([refreshSets(), refreshRuns()]);
   const close = watchRuns((e) => {
     const cell = runs.querySelector(`tr[data-run="${CSS.escape(e.id)}"] .state`);
@@ -182,7 +248,11 @@ export async function startPage(): Promise<Page> {
       if (!cell?.querySelector(`.${e.state}`)) void refreshRuns();
       return;
     }
-    replace(cell, h("progress", { max: 1, value: e.progress, "aria-label": t(`state.${e.state}`) }), ` ${Math.round(100 * e.progress)} %`);
+    replace(
+      cell,
+      h("progress", { max: 1, value: e.progress, "aria-label": t(`state.${e.state}`) }),
+      ` ${Math.round(100 * e.progress)} %`,
+    );
   });
   const element = h(
     "div",
@@ -201,7 +271,18 @@ export async function startPage(): Promise<Page> {
         h(
           "ul",
           { class: "examples" },
-          ...examples.map((e) => h("li", null, h("a", { href: `#/scenario?example=${encodeURIComponent(e.name)}` }, h("strong", null, e.name.replaceAll("_", " ")), h("span", null, e.about)))),
+          ...examples.map((e) =>
+            h(
+              "li",
+              null,
+              h(
+                "a",
+                { href: `#/scenario?example=${encodeURIComponent(e.name)}` },
+                h("strong", null, e.name.replace(/[-_]/g, " ")),
+                h("span", null, e.about),
+              ),
+            ),
+          ),
         ),
       ),
     ),

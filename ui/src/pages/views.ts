@@ -46,7 +46,9 @@ export function errorPlots(run: string, groups: Group[], linked: Linked): TimePl
   const errors = groups.find((g) => g.group === "/errors");
   const g = errors ?? groups.find((x) => x.group === "/solution");
   if (!g) return [];
-  return ["position", "velocity", "attitude"].flatMap((table) => banded(run, g.group, table, t(`view.${table}`), g, linked, !errors));
+  return ["position", "velocity", "attitude"].flatMap((table) =>
+    banded(run, g.group, table, t(`view.${table}`), g, linked, !errors),
+  );
 }
 
 export function sensorPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
@@ -55,34 +57,40 @@ export function sensorPlots(run: string, groups: Group[], linked: Linked): TimeP
   if (!g) return [];
   const out: TimePlot[] = [];
   for (const table of ["gyro_bias", "accel_bias", "gyro_scale_factor", "accel_scale_factor"]) {
-    g.columns.filter((c) => c.id.startsWith(`/sensor_errors/${table}:`)).forEach((column, i) => {
-      const known = truth?.columns.find((c) => c.id === column.id.replace("/sensor_errors/", "/sensor_truth/"));
-      const sigma = column.id.replace(`/${table}:`, `/std_${table}:`);
-      const lines: Line[] = [{ label: t("estimate"), ink: i }];
-      if (known) lines.push({ label: t("truth"), ink: 6, dash: [6, 4] });
-      out.push(
-        new TimePlot(
-          {
-            title: `${t(`view.${table}`)} ${column.name}`,
-            unit: unit(column.unit),
-            lines,
-            band: t("band"),
-            load: async (from, to, points, signal) => {
-              const s = await api.series(run, [column.id, sigma], { from, to, points }, undefined, signal);
-              const value = s.columns[column.id]!, sd = s.columns[sigma]!;
-              const y: Values[] = [value];
-              if (known) {
-                const k = await api.series(run, [known.id], { from, to, points }, undefined, signal);
-                y.push(resampled(k.time_s, k.columns[known.id]!, s.time_s));
-              }
-              y.push(value.map((v, j) => (v === null ? null : v + 3 * (sd[j] ?? 0))), value.map((v, j) => (v === null ? null : v - 3 * (sd[j] ?? 0))));
-              return { x: s.time_s, y };
+    g.columns
+      .filter((c) => c.id.startsWith(`/sensor_errors/${table}:`))
+      .forEach((column, i) => {
+        const known = truth?.columns.find((c) => c.id === column.id.replace("/sensor_errors/", "/sensor_truth/"));
+        const sigma = column.id.replace(`/${table}:`, `/std_${table}:`);
+        const lines: Line[] = [{ label: t("estimate"), ink: i }];
+        if (known) lines.push({ label: t("truth"), ink: 6, dash: [6, 4] });
+        out.push(
+          new TimePlot(
+            {
+              title: `${t(`view.${table}`)} ${column.name}`,
+              unit: unit(column.unit),
+              lines,
+              band: t("band"),
+              load: async (from, to, points, signal) => {
+                const s = await api.series(run, [column.id, sigma], { from, to, points }, undefined, signal);
+                const value = s.columns[column.id]!,
+                  sd = s.columns[sigma]!;
+                const y: Values[] = [value];
+                if (known) {
+                  const k = await api.series(run, [known.id], { from, to, points }, undefined, signal);
+                  y.push(resampled(k.time_s, k.columns[known.id]!, s.time_s));
+                }
+                y.push(
+                  value.map((v, j) => (v === null ? null : v + 3 * (sd[j] ?? 0))),
+                  value.map((v, j) => (v === null ? null : v - 3 * (sd[j] ?? 0))),
+                );
+                return { x: s.time_s, y };
+              },
             },
-          },
-          linked,
-        ),
-      );
-    });
+            linked,
+          ),
+        );
+      });
   }
   return out;
 }
@@ -112,9 +120,18 @@ const axes: Record<string, string[]> = {
 
 export function innovationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   const out: TimePlot[] = [];
-  const units: Record<string, string> = { gnss_position: "m", gnss_velocity: "m/s", baro: "m", mag: "rad", zero_velocity: "m/s", zero_rate: "rad/s", nonholonomic: "m/s" };
+  const units: Record<string, string> = {
+    gnss_position: "m",
+    gnss_velocity: "m/s",
+    baro: "m",
+    mag: "rad",
+    zero_velocity: "m/s",
+    zero_rate: "rad/s",
+    nonholonomic: "m/s",
+  };
   for (const g of groups.filter((x) => x.group.startsWith("/innovations/"))) {
-    const kind = g.group.split("/")[2]!, name = maybe(`aid.${kind}`, kind.replaceAll("_", " "));
+    const kind = g.group.split("/")[2]!,
+      name = maybe(`aid.${kind}`, kind.replaceAll("_", " "));
     const status = g.columns.find((c) => c.id.startsWith(`${g.group}/gate:status`));
     for (const [i, component] of ["north", "east", "down"].entries()) {
       const axis = axes[kind] ? axes[kind]![i] : String(i + 1);
@@ -125,7 +142,10 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
           {
             title: `${name}: ${t("innovation")} ${t(axis)}`,
             unit: units[kind] ?? "",
-            lines: [{ label: t("innovation"), ink: i, dots: true }, ...(status ? [{ label: t("rejected"), ink: 1, dots: true }] : [])],
+            lines: [
+              { label: t("innovation"), ink: i, dots: true },
+              ...(status ? [{ label: t("rejected"), ink: 1, dots: true }] : []),
+            ],
             band: t("band"),
             include: [0],
             robust: true,
@@ -145,7 +165,10 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
         {
           title: `${name}: ${t("nis")}`,
           unit: "1",
-          lines: [{ label: t("nis"), ink: 0, dots: true }, { label: t("nis95"), ink: 1, dash: [6, 4] }],
+          lines: [
+            { label: t("nis"), ink: 0, dots: true },
+            { label: t("nis95"), ink: 1, dash: [6, 4] },
+          ],
           logY: true,
           load: loader(run, [`${g.group}/gate:nis`, `${g.group}/gate:dof`], ([nis, dof]) => [
             // what is nearly zero stands at the lower edge
@@ -163,7 +186,10 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
 export function motionPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   if (!groups.some((g) => g.group === "/solution")) return [];
   const of = (title: string, u: string, ids: string[], labels: string[], combine?: (c: Values[]) => Values[]) =>
-    new TimePlot({ title, unit: u, lines: labels.map((label, ink) => ({ label, ink })), load: loader(run, ids, combine) }, linked);
+    new TimePlot(
+      { title, unit: u, lines: labels.map((label, ink) => ({ label, ink })), load: loader(run, ids, combine) },
+      linked,
+    );
   const ids = (table: string, names: string[]) => names.map((n) => `/solution/${table}:${n}`);
   return [
     of(t("editor.height"), "m", ids("position", ["height"]), [t("editor.height")]),

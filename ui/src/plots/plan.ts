@@ -48,7 +48,11 @@ export class PlanView {
           button("PNG", t("plot.png"), () => this.canvas.toBlob((b) => b && saveAs(b, "track.png"))),
           button("SVG", t("plot.svg"), () => saveAs(new Blob([this.svg()], { type: "image/svg+xml" }), "track.svg")),
           button("CSV", t("plot.csv"), () => saveAs(new Blob([this.rows()], { type: "text/csv" }), "track.csv")),
-          button(icon("full"), t("plot.full"), () => void (document.fullscreenElement ? document.exitFullscreen() : this.element.requestFullscreen())),
+          button(
+            icon("full"),
+            t("plot.full"),
+            () => void (document.fullscreenElement ? document.exitFullscreen() : this.element.requestFullscreen()),
+          ),
         ),
       ),
       this.canvas,
@@ -109,7 +113,8 @@ export class PlanView {
   private zoom(factor: number, at?: MouseEvent): void {
     if (at) {
       const box = this.canvas.getBoundingClientRect();
-      const dx = (at.clientX - box.left - box.width / 2) / this.scale, dy = (at.clientY - box.top - box.height / 2) / this.scale;
+      const dx = (at.clientX - box.left - box.width / 2) / this.scale,
+        dy = (at.clientY - box.top - box.height / 2) / this.scale;
       this.centre.east += dx * (1 - 1 / factor);
       this.centre.north -= dy * (1 - 1 / factor);
     }
@@ -153,7 +158,8 @@ export class PlanView {
     const track = this.tracks[0];
     if (!track || e.buttons !== 0 || !this.linked) return;
     const box = this.canvas.getBoundingClientRect();
-    let best = 20 ** 2, time: number | null = null;
+    let best = 20 ** 2,
+      time: number | null = null;
     track.time.forEach((at, i) => {
       const p = this.place(track.east[i] ?? NaN, track.north[i] ?? NaN);
       const d = (p[0] - (e.clientX - box.left)) ** 2 + (p[1] - (e.clientY - box.top)) ** 2;
@@ -175,13 +181,15 @@ export class PlanView {
       track.east.forEach((e, i) => {
         const n = track.north[i];
         if (e === null || n === null || n === undefined) return;
-        a = Math.min(a, e), b = Math.max(b, e), c = Math.min(c, n), d = Math.max(d, n);
+        (a = Math.min(a, e)), (b = Math.max(b, e)), (c = Math.min(c, n)), (d = Math.max(d, n));
       });
     return Number.isFinite(a) ? [a, b, c, d] : [-1, 1, -1, 1];
   }
 
   private draw(): void {
-    const width = this.canvas.clientWidth, height = document.fullscreenElement === this.element ? window.innerHeight - 60 : this.tall * (window.innerWidth >= 2200 ? 1.8 : 1);
+    const width = this.canvas.clientWidth,
+      height =
+        document.fullscreenElement === this.element ? window.innerHeight - 60 : this.tall * (window.innerWidth >= 2200 ? 1.8 : 1);
     if (width === 0) return;
     this.canvas.style.height = `${height}px`;
     if (!this.fitted) {
@@ -206,7 +214,8 @@ export class PlanView {
   }
 
   private step(pixels: number): number {
-    const raw = pixels / this.scale, power = 10 ** Math.floor(Math.log10(raw));
+    const raw = pixels / this.scale,
+      power = 10 ** Math.floor(Math.log10(raw));
     return [1, 2, 5, 10].map((m) => m * power).find((m) => m >= raw)!;
   }
 
@@ -216,7 +225,8 @@ export class PlanView {
     g.lineWidth = 1;
     g.fillStyle = css("--muted");
     g.font = "11px system-ui, sans-serif";
-    const unit = step >= 1000 ? 1000 : 1, name = step >= 1000 ? "km" : "m";
+    const unit = step >= 1000 ? 1000 : 1,
+      name = step >= 1000 ? "km" : "m";
     const tidy = (v: number) => String(Number((v / unit).toPrecision(6)));
     for (let e = Math.ceil((this.centre.east - width / 2 / this.scale) / step) * step; ; e += step) {
       const [x] = this.place(e, 0);
@@ -235,7 +245,8 @@ export class PlanView {
     const length = this.step(110) * this.scale;
     g.strokeStyle = g.fillStyle = css("--text");
     g.lineWidth = 2;
-    const x = width - length - 20, y = height - 26;
+    const x = width - length - 20,
+      y = height - 26;
     g.beginPath(), g.moveTo(x, y - 5), g.lineTo(x, y), g.lineTo(x + length, y), g.lineTo(x + length, y - 5), g.stroke();
     const metres = this.step(110);
     g.textAlign = "center";
@@ -311,7 +322,8 @@ export class PlanView {
   }
 
   private svg(): string {
-    const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
+    const width = this.canvas.clientWidth,
+      height = this.canvas.clientHeight;
     const paths = this.tracks
       .filter((track) => !this.hidden.has(track.label))
       .map((track) => {
@@ -321,8 +333,10 @@ export class PlanView {
           .map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`);
         return `<polyline fill="none" stroke="${colour(track.label, track.ink)}" stroke-width="2" points="${points.join(" ")}"/>`;
       });
-    const metres = this.step(110), length = metres * this.scale;
-    const bar = `<path d="M${width - length - 20},${height - 31}v5h${length}v-5" fill="none" stroke="#000" stroke-width="2"/>` +
+    const metres = this.step(110),
+      length = metres * this.scale;
+    const bar =
+      `<path d="M${width - length - 20},${height - 31}v5h${length}v-5" fill="none" stroke="#000" stroke-width="2"/>` +
       `<text x="${width - length / 2 - 20}" y="${height - 34}" text-anchor="middle" font-family="sans-serif" font-size="12">${metres} m</text>`;
     return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" width="${width}" height="${height}">${paths.join("\n")}${bar}</svg>\n`;
   }

@@ -20,7 +20,8 @@ export interface Track3d {
 const placed = (east: number, north: number, up: number) => new THREE.Vector3(east, up, -north);
 
 export function nearest(times: number[], time: number): number {
-  let low = 0, high = times.length - 1;
+  let low = 0,
+    high = times.length - 1;
   while (low < high) {
     const middle = (low + high) >> 1;
     if (times[middle]! < time) low = middle + 1;
@@ -34,11 +35,20 @@ function vehicle(size: number): THREE.Group {
   const group = new THREE.Group();
   const solid = (vertices: number[], tint: string) => {
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.Float32BufferAttribute(vertices.map((v) => v * size), 3));
+    geometry.setAttribute(
+      "position",
+      new THREE.Float32BufferAttribute(
+        vertices.map((v) => v * size),
+        3,
+      ),
+    );
     geometry.computeVertexNormals();
-    group.add(new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ color: tint, side: THREE.DoubleSide, flatShading: true })));
+    group.add(
+      new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ color: tint, side: THREE.DoubleSide, flatShading: true })),
+    );
   };
-  const accent = css("--warn"), body = css("--text");
+  const accent = css("--warn"),
+    body = css("--text");
   solid([1, 0, 0, -0.6, 0.05, 0.7, -0.35, 0.12, 0, 1, 0, 0, -0.35, 0.12, 0, -0.6, 0.05, -0.7], accent);
   solid([1, 0, 0, -0.35, -0.12, 0, -0.6, 0.05, 0.7, 1, 0, 0, -0.6, 0.05, -0.7, -0.35, -0.12, 0], body);
   solid([0.1, 0.08, 0, -0.6, 0.5, 0, -0.4, 0.08, 0], body);
@@ -63,7 +73,12 @@ export class SpaceView {
     this.element = h(
       "figure",
       { class: "plot space" },
-      h("figcaption", null, h("span", { class: "plot-title" }, t("space.title")), h("span", { class: "plot-note" }, t("space.hint"))),
+      h(
+        "figcaption",
+        null,
+        h("span", { class: "plot-title" }, t("space.title")),
+        h("span", { class: "plot-note" }, t("space.hint")),
+      ),
       this.place,
     );
     try {
@@ -90,7 +105,8 @@ export class SpaceView {
     const points: THREE.Vector3[] = [];
     this.track.time.forEach((_, i) => {
       const [e, n, u] = [this.track.east[i], this.track.north[i], this.track.up[i]];
-      if (e !== null && n !== null && u !== null && e !== undefined && n !== undefined && u !== undefined) points.push(placed(e, n, u));
+      if (e !== null && n !== null && u !== null && e !== undefined && n !== undefined && u !== undefined)
+        points.push(placed(e, n, u));
     });
     if (points.length < 2) return;
     const box = new THREE.Box3().setFromPoints(points);
@@ -141,7 +157,8 @@ export class SpaceView {
   }
 
   private resize(): void {
-    const width = this.place.clientWidth, height = this.place.clientHeight;
+    const width = this.place.clientWidth,
+      height = this.place.clientHeight;
     if (!this.renderer || width === 0 || height === 0) return;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height);

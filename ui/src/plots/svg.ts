@@ -1,6 +1,6 @@
-// A plot as SVG: the lines that the chart holds, with axes, for papers and drawing programs.
+// A plot as a picture: PNG as it is seen, SVG of the lines that the chart holds, for papers and drawing programs.
 import type uPlot from "uplot";
-import { css } from "../dom";
+import { css, h } from "../dom";
 import type { Span } from "./linked";
 
 interface Shown {
@@ -15,7 +15,10 @@ const escaped = (text: string) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;"
 
 export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], band: string | null, spans: Span[]): string {
   const first = band ? 3 : 1;
-  const left = 70, top = 34, width = 900, height = 300;
+  const left = 70,
+    top = 34,
+    width = 900,
+    height = 300;
   const { min: x0, max: x1 } = u.scales.x as { min: number; max: number };
   const { min: y0, max: y1 } = u.scales.y as { min: number; max: number };
   const log = u.scales.y!.distr === 3;
@@ -45,35 +48,52 @@ export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], ban
   };
   out.push(`<rect width="100%" height="100%" fill="${css("--surface")}"/>`);
   for (const s of spans) {
-    const a = Math.max(px(s.from), left), b = Math.min(px(s.to), left + width);
-    if (b > a) out.push(`<rect x="${a.toFixed(1)}" y="${top}" width="${(b - a).toFixed(1)}" height="${height}" fill="${css("--outage")}"/>`);
+    const a = Math.max(px(s.from), left),
+      b = Math.min(px(s.to), left + width);
+    if (b > a)
+      out.push(
+        `<rect x="${a.toFixed(1)}" y="${top}" width="${(b - a).toFixed(1)}" height="${height}" fill="${css("--outage")}"/>`,
+      );
   }
   const ticks = (a: number, b: number) => {
-    const raw = (b - a) / 6, power = 10 ** Math.floor(Math.log10(raw));
+    const raw = (b - a) / 6,
+      power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((m) => m * power).find((m) => m >= raw)!;
     const all: number[] = [];
     for (let v = Math.ceil(a / step) * step; v <= b + 1e-9 * step; v += step) all.push(Number(v.toPrecision(10)));
     return all;
   };
   const line = (a: [number, number], b: [number, number]) =>
-    out.push(`<path d="M${a[0].toFixed(1)},${a[1].toFixed(1)}L${b[0].toFixed(1)},${b[1].toFixed(1)}" stroke="${css("--grid")}"/>`);
+    out.push(
+      `<path d="M${a[0].toFixed(1)},${a[1].toFixed(1)}L${b[0].toFixed(1)},${b[1].toFixed(1)}" stroke="${css("--grid")}"/>`,
+    );
   for (const v of ticks(x0, x1)) {
     line([px(v), top], [px(v), top + height]);
     text([px(v), top + height + 16], String(v), 'text-anchor="middle"');
   }
-  for (const v of log ? ticks(scaled(y0), scaled(y1)).filter(Number.isInteger).map((p) => 10 ** p) : ticks(y0, y1)) {
+  for (const v of log
+    ? ticks(scaled(y0), scaled(y1))
+        .filter(Number.isInteger)
+        .map((p) => 10 ** p)
+    : ticks(y0, y1)) {
     line([left, py(v)], [left + width, py(v)]);
     text([left - 6, py(v) + 4], String(v), 'text-anchor="end"');
   }
-  out.push(`<clipPath id="c"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#c)" fill="none">`);
+  out.push(
+    `<clipPath id="c"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#c)" fill="none">`,
+  );
   if (band) for (const k of [1, 2]) out.push(`<path d="${path(k)}" stroke="${band}"/>`);
   lines.forEach((l, i) => {
     if (l.hidden) return;
-    if (!l.dots) out.push(`<path d="${path(i + first)}" stroke="${l.colour}" stroke-width="1.4"${l.dash ? ` stroke-dasharray="${l.dash.join(" ")}"` : ""}/>`);
+    if (!l.dots)
+      out.push(
+        `<path d="${path(i + first)}" stroke="${l.colour}" stroke-width="1.4"${l.dash ? ` stroke-dasharray="${l.dash.join(" ")}"` : ""}/>`,
+      );
     else
       for (const k of seen) {
         const v = u.data[i + first]![k];
-        if (v !== null && v !== undefined) out.push(`<circle cx="${px(x[k]!).toFixed(2)}" cy="${py(v).toFixed(2)}" r="2" fill="${l.colour}"/>`);
+        if (v !== null && v !== undefined)
+          out.push(`<circle cx="${px(x[k]!).toFixed(2)}" cy="${py(v).toFixed(2)}" r="2" fill="${l.colour}"/>`);
       }
   });
   out.push("</g>");
@@ -88,4 +108,28 @@ export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], ban
   }
   const whole = `viewBox="0 0 ${left + width + 20} ${top + height + 44}" width="${left + width + 20}" height="${top + height + 44}"`;
   return `<svg xmlns="http://www.w3.org/2000/svg" ${whole} font-family="sans-serif" font-size="12" fill="${css("--text")}">${out.join("\n")}</svg>\n`;
+}
+
+/** What is seen, with title and legend above it. */
+export function pictureOf(u: uPlot, title: string, lines: { label: string; colour: string }[]): HTMLCanvasElement {
+  const from = u.ctx.canvas;
+  const canvas = h("canvas", { width: from.width, height: from.height + 40 * devicePixelRatio });
+  const g = canvas.getContext("2d")!;
+  g.fillStyle = css("--surface");
+  g.fillRect(0, 0, canvas.width, canvas.height);
+  g.drawImage(from, 0, 40 * devicePixelRatio);
+  g.scale(devicePixelRatio, devicePixelRatio);
+  g.font = "600 14px system-ui, sans-serif";
+  g.fillStyle = css("--text");
+  g.fillText(title, 10, 18);
+  g.font = "12px system-ui, sans-serif";
+  let x = 10;
+  for (const line of lines) {
+    g.fillStyle = line.colour;
+    g.fillRect(x, 30, 16, 3);
+    g.fillStyle = css("--text");
+    g.fillText(line.label, x + 20, 35);
+    x += 34 + g.measureText(line.label).width;
+  }
+  return canvas;
 }

@@ -19,7 +19,12 @@ export class OutageLine {
     this.element = h(
       "section",
       { class: "plot" },
-      h("figcaption", null, h("span", { class: "plot-title" }, t("outage.title")), h("span", { class: "plot-note" }, t("outage.hint"))),
+      h(
+        "figcaption",
+        null,
+        h("span", { class: "plot-title" }, t("outage.title")),
+        h("span", { class: "plot-note" }, t("outage.hint")),
+      ),
       this.canvas,
       this.list,
     );
@@ -49,7 +54,8 @@ export class OutageLine {
   }
 
   private edge(e: PointerEvent): { index: number; end: boolean } | null {
-    const near = (6 / this.inner[1]) * this.duration, now = this.time(e);
+    const near = (6 / this.inner[1]) * this.duration,
+      now = this.time(e);
     for (const [index, o] of this.outages.entries()) {
       if (Math.abs(now - o.start_s - o.duration_s) < near) return { index, end: true };
       if (Math.abs(now - o.start_s) < near) return { index, end: false };
@@ -58,7 +64,8 @@ export class OutageLine {
   }
 
   private grab(e: PointerEvent): void {
-    const edge = this.edge(e), now = this.time(e);
+    const edge = this.edge(e),
+      now = this.time(e);
     const old = edge ? this.outages[edge.index]! : null;
     const fixed = old ? (edge!.end ? old.start_s : old.start_s + old.duration_s) : now;
     this.draft = { from: fixed, to: now, index: edge?.index ?? -1 };
@@ -87,42 +94,72 @@ export class OutageLine {
   private tell(): void {
     this.draw();
     this.rows();
-    this.changed(this.outages.map((o) => ({ start_s: Number(o.start_s.toFixed(3)), duration_s: Number(o.duration_s.toFixed(3)) })));
+    this.changed(
+      this.outages.map((o) => ({ start_s: Number(o.start_s.toFixed(3)), duration_s: Number(o.duration_s.toFixed(3)) })),
+    );
   }
 
   private rows(): void {
     const field = (o: Outage, key: keyof Outage, name: string) =>
-      h("label", null, name, h("input", {
-        type: "number",
-        min: "0",
-        step: "any",
-        value: String(o[key]),
-        onChange: (e: Event) => {
-          const x = Number((e.target as HTMLInputElement).value);
-          if (Number.isFinite(x) && x >= 0) o[key] = x;
-          this.tell();
-        },
-      }), "s");
+      h(
+        "label",
+        null,
+        name,
+        h("input", {
+          type: "number",
+          min: "0",
+          step: "any",
+          value: String(o[key]),
+          onChange: (e: Event) => {
+            const x = Number((e.target as HTMLInputElement).value);
+            if (Number.isFinite(x) && x >= 0) o[key] = x;
+            this.tell();
+          },
+        }),
+        "s",
+      );
     replace(
       this.list,
       ...this.outages.map((o, i) =>
-        h("div", { class: "outage" }, field(o, "start_s", t("outage.start")), field(o, "duration_s", t("outage.length")),
-          h("button", { type: "button", class: "icon", "aria-label": `${t("remove")} ${i + 1}`, onClick: () => (this.outages.splice(i, 1), this.tell()) }, "✕")),
+        h(
+          "div",
+          { class: "outage" },
+          field(o, "start_s", t("outage.start")),
+          field(o, "duration_s", t("outage.length")),
+          h(
+            "button",
+            {
+              type: "button",
+              class: "icon",
+              "aria-label": `${t("remove")} ${i + 1}`,
+              onClick: () => (this.outages.splice(i, 1), this.tell()),
+            },
+            "✕",
+          ),
+        ),
       ),
-      h("button", {
-        type: "button",
-        onClick: () => {
-          const last = this.outages.at(-1);
-          const start = last ? last.start_s + last.duration_s + 0.1 * this.duration : 0.6 * this.duration;
-          this.outages.push({ start_s: Math.round(Math.min(start, 0.9 * this.duration)), duration_s: Math.max(1, Math.round(0.05 * this.duration)) });
-          this.tell();
+      h(
+        "button",
+        {
+          type: "button",
+          onClick: () => {
+            const last = this.outages.at(-1);
+            const start = last ? last.start_s + last.duration_s + 0.1 * this.duration : 0.6 * this.duration;
+            this.outages.push({
+              start_s: Math.round(Math.min(start, 0.9 * this.duration)),
+              duration_s: Math.max(1, Math.round(0.05 * this.duration)),
+            });
+            this.tell();
+          },
         },
-      }, t("outage.add")),
+        t("outage.add"),
+      ),
     );
   }
 
   draw(): void {
-    const width = this.canvas.clientWidth, height = 56;
+    const width = this.canvas.clientWidth,
+      height = 56;
     if (width === 0) return;
     this.canvas.width = width * devicePixelRatio;
     this.canvas.height = height * devicePixelRatio;
@@ -140,7 +177,8 @@ export class OutageLine {
       spans.push({ start_s: Math.min(this.draft.from, this.draft.to), duration_s: Math.abs(this.draft.to - this.draft.from) });
     }
     for (const s of spans) {
-      const a = x(s.start_s), b = x(s.start_s + s.duration_s);
+      const a = x(s.start_s),
+        b = x(s.start_s + s.duration_s);
       g.fillStyle = css("--surface");
       g.fillRect(a, 9, b - a, 24);
       g.strokeStyle = css("--warn");
@@ -152,8 +190,10 @@ export class OutageLine {
     g.fillStyle = css("--muted");
     g.font = "11px system-ui, sans-serif";
     g.textAlign = "center";
-    const raw = this.duration / Math.max(2, inner / 90), power = 10 ** Math.floor(Math.log10(raw));
+    const raw = this.duration / Math.max(2, inner / 90),
+      power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((m) => m * power).find((m) => m >= raw)!;
-    for (let time = 0; time <= this.duration * 1.0001; time += step) g.fillText(`${number(time)} s`, Math.min(Math.max(x(time), 14), width - 18), 48);
+    for (let time = 0; time <= this.duration * 1.0001; time += step)
+      g.fillText(`${number(time)} s`, Math.min(Math.max(x(time), 14), width - 18), 48);
   }
 }

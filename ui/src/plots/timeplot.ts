@@ -4,7 +4,8 @@ import { copyText, css, h, icon, quietly, saveAs } from "../dom";
 import { t } from "../i18n";
 import { chooseColour, colour, faded, hex } from "./colours";
 import { Linked } from "./linked";
-import { svgOf } from "./svg";
+import { powers, usualLimits } from "./scales";
+import { pictureOf, svgOf } from "./svg";
 
 export interface Line {
   label: string;
@@ -36,23 +37,15 @@ export interface PlotSettings {
   load: (from: number | undefined, to: number | undefined, points: number, signal: AbortSignal) => Promise<Data>;
 }
 
-const visible = new IntersectionObserver((entries) => {
-  for (const e of entries) (e.target as unknown as { plot?: TimePlot }).plot?.seen(e.isIntersecting);
-}, { rootMargin: "100px" });
+const visible = new IntersectionObserver(
+  (entries) => {
+    for (const e of entries) (e.target as unknown as { plot?: TimePlot }).plot?.seen(e.isIntersecting);
+  },
+  { rootMargin: "100px" },
+);
 const sizes = new ResizeObserver((entries) => {
   for (const e of entries) (e.target as unknown as { plot?: TimePlot }).plot?.resized();
 });
-
-/** Powers of ten only on a logarithmic axis. */
-const powers: Partial<uPlot.Axis> = {
-  splits: (_, __, min, max) => {
-    const out: number[] = [];
-    for (let p = Math.ceil(Math.log10(min)); p <= Math.log10(max) + 1e-9; ++p) out.push(10 ** p);
-    return out;
-  },
-  filter: (_, splits) => splits,
-  values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),
-};
 
 let number = 0;
 
@@ -93,7 +86,11 @@ export class TimePlot {
   }
 
   private button(icon: string | Node, name: string, action: () => void): HTMLElement {
-    return h("button", { type: "button", class: "icon", title: name, "aria-label": `${name}: ${this.settings.title}`, onClick: action }, icon);
+    return h(
+      "button",
+      { type: "button", class: "icon", title: name, "aria-label": `${name}: ${this.settings.title}`, onClick: action },
+      icon,
+    );
   }
 
   private toolbar(): HTMLElement {
@@ -105,8 +102,16 @@ export class TimePlot {
       this.button(icon("copy"), t("plot.copy"), () => void this.rows().then((text) => copyText(text, this.settings.title))),
       this.button("PNG", t("plot.png"), () => this.png()),
       this.button("SVG", t("plot.svg"), () => this.svg()),
-      this.button("CSV", t("plot.csv"), () => void this.rows().then((text) => saveAs(new Blob([text], { type: "text/csv" }), this.name("csv")))),
-      this.button(icon("full"), t("plot.full"), () => void (document.fullscreenElement ? document.exitFullscreen() : this.element.requestFullscreen())),
+      this.button(
+        "CSV",
+        t("plot.csv"),
+        () => void this.rows().then((text) => saveAs(new Blob([text], { type: "text/csv" }), this.name("csv"))),
+      ),
+      this.button(
+        icon("full"),
+        t("plot.full"),
+        () => void (document.fullscreenElement ? document.exitFullscreen() : this.element.requestFullscreen()),
+      ),
     );
   }
 
@@ -205,7 +210,8 @@ export class TimePlot {
   }
 
   private draw(): void {
-    const text = css("--text"), grid = css("--grid");
+    const text = css("--text"),
+      grid = css("--grid");
     const s = this.settings;
     const series: uPlot.Series[] = [{ label: t("plot.time"), value: (_, v) => (v === null ? "–" : v.toFixed(2) + " s") }];
     const short = (v: number | null) => (v === null || v === undefined ? "–" : Number(v.toPrecision(5)).toString());
@@ -224,12 +230,20 @@ export class TimePlot {
         stroke,
         width: line.width ?? 1.4,
         ...(line.dash ? { dash: line.dash } : {}),
-        ...(line.dots ? { paths: () => null, points: { show: true, size: 5, fill: stroke, width: 0 } } : { points: { show: false } }),
+        ...(line.dots
+          ? { paths: () => null, points: { show: true, size: 5, fill: stroke, width: 0 } }
+          : { points: { show: false } }),
         show: !this.hidden.has(i),
         value: (_, v) => short(v),
       });
     });
-    const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
+    const axis = {
+      stroke: text,
+      grid: { stroke: grid, width: 1 },
+      ticks: { stroke: grid, width: 1 },
+      font: "12px system-ui, sans-serif",
+      labelFont: "12px system-ui, sans-serif",
+    };
     const options: uPlot.Options = {
       width: this.width,
       height: this.height,
@@ -282,18 +296,8 @@ export class TimePlot {
     this.place.querySelector(".u-over")?.addEventListener("dblclick", () => this.reset());
   }
 
-  /** Limits that leave out one value in a hundred where those are far from the others. */
   private usual(min: number, max: number): [number, number] {
-    const { from, to } = this.linked;
-    const values: number[] = [];
-    for (const y of this.data.y) y.forEach((v, i) => v !== null && this.data.x[i]! >= from && this.data.x[i]! <= to && values.push(v));
-    if (values.length < 100) return [min, max];
-    values.sort((a, b) => a - b);
-    const low = values[Math.floor(0.01 * values.length)]!, high = values[Math.ceil(0.99 * values.length) - 1]!;
-    const room = 0.6 * (high - low);
-    const limits: [number, number] = [Math.max(min, low - room), Math.min(max, high + room)];
-    const lines = this.data.y.slice(0, this.settings.lines.length);
-    const outside = lines.reduce((n, y) => n + y.filter((v, i) => v !== null && this.data.x[i]! >= from && this.data.x[i]! <= to && (v < limits[0] || v > limits[1])).length, 0);
+    const { limits, outside } = usualLimits(this.data, this.settings.lines.length, this.linked, min, max);
     this.note.textContent = outside > 0 ? t("plot.outside", { n: outside }) : "";
     return limits;
   }
@@ -317,8 +321,10 @@ export class TimePlot {
   private selected(u: uPlot): void {
     const { left, top, width, height } = u.select;
     if (width < 4 && height < 4) return;
-    const a = u.posToVal(left, "x"), b = u.posToVal(left + width, "x");
-    const high = u.posToVal(top, "y"), low = u.posToVal(top + height, "y");
+    const a = u.posToVal(left, "x"),
+      b = u.posToVal(left + width, "x");
+    const high = u.posToVal(top, "y"),
+      low = u.posToVal(top + height, "y");
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     const boxed = height > 0 && height < u.over.clientHeight - 1;
     if (width > 4 && width < u.over.clientWidth) this.linked.set(a, b);
@@ -357,7 +363,8 @@ export class TimePlot {
   }
 
   private wheel(e: WheelEvent): void {
-    if (!this.chart || !(e.ctrlKey || document.activeElement === this.element || document.fullscreenElement === this.element)) return;
+    if (!this.chart || !(e.ctrlKey || document.activeElement === this.element || document.fullscreenElement === this.element))
+      return;
     e.preventDefault();
     const box = this.chart.over.getBoundingClientRect();
     const about = this.chart.posToVal(e.clientX - box.left, "x");
@@ -397,7 +404,11 @@ export class TimePlot {
         h(
           "label",
           null,
-          h("input", { type: "checkbox", checked: !this.hidden.has(i), onChange: (e: Event) => this.chart?.setSeries(i + this.first, { show: (e.target as HTMLInputElement).checked }) }),
+          h("input", {
+            type: "checkbox",
+            checked: !this.hidden.has(i),
+            onChange: (e: Event) => this.chart?.setSeries(i + this.first, { show: (e.target as HTMLInputElement).checked }),
+          }),
           h("input", {
             type: "color",
             value: hex(colour(line.label, line.ink ?? i)),
@@ -412,7 +423,11 @@ export class TimePlot {
       );
     });
     this.lines.append(
-      h("button", { type: "button", onClick: () => (this.settings.lines.forEach((l) => chooseColour(l.label, null)), this.draw()) }, t("plot.colours_back")),
+      h(
+        "button",
+        { type: "button", onClick: () => (this.settings.lines.forEach((l) => chooseColour(l.label, null)), this.draw()) },
+        t("plot.colours_back"),
+      ),
     );
   }
 
@@ -429,32 +444,29 @@ export class TimePlot {
 
   private png(): void {
     if (!this.chart) return;
-    const from = this.chart.ctx.canvas;
-    const canvas = h("canvas", { width: from.width, height: from.height + 40 * devicePixelRatio });
-    const context = canvas.getContext("2d")!;
-    context.fillStyle = css("--surface");
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(from, 0, 40 * devicePixelRatio);
-    context.scale(devicePixelRatio, devicePixelRatio);
-    context.font = "600 14px system-ui, sans-serif";
-    context.fillStyle = css("--text");
-    context.fillText(`${this.settings.title}, ${this.settings.unit}`, 10, 18);
-    context.font = "12px system-ui, sans-serif";
-    let x = 10;
-    this.settings.lines.forEach((line, i) => {
-      context.fillStyle = colour(line.label, line.ink ?? i);
-      context.fillRect(x, 30, 16, 3);
-      context.fillStyle = css("--text");
-      context.fillText(line.label, x + 20, 35);
-      x += 34 + context.measureText(line.label).width;
-    });
-    canvas.toBlob((blob) => blob && saveAs(blob, this.name("png")));
+    const lines = this.settings.lines.map((l, i) => ({ label: l.label, colour: colour(l.label, l.ink ?? i) }));
+    pictureOf(this.chart, `${this.settings.title}, ${this.settings.unit}`, lines).toBlob(
+      (blob) => blob && saveAs(blob, this.name("png")),
+    );
   }
 
   private svg(): void {
     if (!this.chart) return;
-    const shown = this.settings.lines.map((l, i) => ({ label: l.label, colour: colour(l.label, l.ink ?? i), dots: l.dots ?? false, dash: l.dash, hidden: this.hidden.has(i) }));
-    const text = svgOf(this.chart, this.settings.title, this.settings.unit, shown, this.settings.band ? css("--band") : null, this.linked.spans);
+    const shown = this.settings.lines.map((l, i) => ({
+      label: l.label,
+      colour: colour(l.label, l.ink ?? i),
+      dots: l.dots ?? false,
+      dash: l.dash,
+      hidden: this.hidden.has(i),
+    }));
+    const text = svgOf(
+      this.chart,
+      this.settings.title,
+      this.settings.unit,
+      shown,
+      this.settings.band ? css("--band") : null,
+      this.linked.spans,
+    );
     saveAs(new Blob([text], { type: "image/svg+xml" }), this.name("svg"));
   }
 }

@@ -1,0 +1,127 @@
+// Numbers of the page of `schuler ui`, in headless Chromium: first paint, opening of an hour's run at 100 Hz, frames a second while a
+// million points are panned and zoomed, size of the bundle.
+//   node bench/ui_bench.mjs --program build/bin/schuler --modules build/ui/node_modules --dist build/ui/dist
+import { spawn, spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { gzipSync } from "node:zlib";
+
+const options = Object.fromEntries(
+  process.argv.slice(2).flatMap((a, i, all) => (a.startsWith("--") ? [[a.slice(2), resolve(all[i + 1])]] : [])),
+);
+const { chromium } = createRequire(join(options.modules, "x.js"))("playwright-core");
+const row = (name, value, wanted) => console.log(`${name.padEnd(58)} ${value.padStart(12)}   ${wanted}`);
+
+let bytes = 0;
+for (const file of readdirSync(options.dist, { recursive: true, withFileTypes: true }))
+  if (file.isFile()) bytes += gzipSync(readFileSync(join(file.parentPath ?? file.path, file.name)), { level: 9 }).length;
+row("bundle, compressed", `${(bytes / 1024).toFixed(0)} KiB`, "below 1024");
+
+const folder = mkdtempSync(join(tmpdir(), "schuler_ui_bench_"));
+const work = join(folder, "work");
+const scenario = (duration, rate) => `name = "long"
+duration_s = ${duration}
+reference_rate_hz = ${rate}
+[trajectory]
+type = "great_circle"
+start = { lat_deg = 50.0, lon_deg = 8.0, height_m = 9000.0 }
+speed_m_s = 200
+[imu]
+rate_hz = ${rate}
+grade = "tactical"
+[gnss]
+rate_hz = 1
+receiver = "autonomous"
+[filter]
+initial_error = { level_deg = 0.02, heading_deg = 0.1, velocity_m_s = 0.1, position_m = 5 }
+`;
+for (const [name, duration] of [
+  ["hour", 3600],
+  ["million", 10000],
+]) {
+  const file = join(folder, `${name}.toml`);
+  writeFileSync(file, scenario(duration, 100));
+  const done = spawnSync(
+    options.program,
+    ["run", file, "-o", join(work, name), "--output-rate", "100", "--outputs", "summary,h5"],
+    { encoding: "utf8" },
+  );
+  if (done.status !== 0) throw new Error(done.stderr);
+}
+const server = spawn(options.program, ["ui", "--port", "0", "--workspace", work], { stdio: ["ignore", "pipe", "inherit"] });
+const address = await new Promise((r) => server.stdout.on("data", (d) => r(/http:\S+/.exec(String(d))[0])));
+const browser = await chromium.launch({ executablePath: options.browser ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
+const page = await browser.newPage({ viewport: { width: 1280, height: 900 } });
+const median = (all) => [...all].sort((a, b) => a - b)[all.length >> 1];
+
+const paints = [];
+for (let i = 0; i < 5; ++i) {
+  await page.goto("about:blank");
+  await page.goto(address);
+  await page.locator("h1").waitFor();
+  paints.push(await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0].startTime));
+}
+row("first contentful paint, median of 5", `${median(paints).toFixed(0)} ms`, "below 1000");
+
+const opened = [];
+for (let i = 0; i < 3; ++i) {
+  await page.goto("about:blank");
+  const begin = performance.now();
+  await page.goto(`${address}#/run/hour/errors`);
+  await page.locator("figure.plot .u-over").nth(2).waitFor();
+  opened.push(performance.now() - begin);
+}
+row("an hour at 100 Hz: address to plots of errors, first time", `${opened[0].toFixed(0)} ms`, "below 2000");
+row("the same, later", `${Math.min(...opened.slice(1)).toFixed(0)} ms`, "");
+
+await page.goto(`${address}#/run/million/errors`);
+await page.locator("figure.plot .u-over").nth(2).waitFor();
+await page.waitForTimeout(1000);
+const shown = await page.evaluate(async () => {
+  const groups = await (await fetch("/api/runs/million/channels")).json();
+  return groups.find((g) => g.group === "/errors").rows;
+});
+row("rows of the run that is moved", String(shown), "1 000 000");
+const moved = await page.evaluate(
+  () =>
+    new Promise((done) => {
+      const { linked } = document.querySelector("figure.plot").plot;
+      const frames = [];
+      const begin = performance.now();
+      linked.set(2000, 4000);
+      const step = (now) => {
+        frames.push(now);
+        const t = (now - begin) / 1000;
+        // there and back, and closer and farther, all the time
+        const middle = 5000 + 2500 * Math.sin(1.2 * t),
+          half = 900 * (1 + 0.8 * Math.sin(2 * t));
+        linked.set(middle - half, middle + half);
+        if (t < 8) requestAnimationFrame(step);
+        else done(frames);
+      };
+      requestAnimationFrame(step);
+    }),
+);
+const steps = moved.slice(1).map((t, i) => t - moved[i]);
+row(
+  "pan and zoom: frames a second, mean over 8 s",
+  (1000 / (steps.reduce((a, b) => a + b) / steps.length)).toFixed(1),
+  "at least 50",
+);
+row("longest frame of 95 %", `${[...steps].sort((a, b) => a - b)[Math.floor(0.95 * steps.length)].toFixed(0)} ms`, "");
+const asked = [];
+for (let i = 0; i < 10; ++i) {
+  const begin = performance.now();
+  await (
+    await fetch(
+      `${address}api/runs/million/series?columns=/errors/position:east,/errors/std_position:east&from=${i * 500}&to=${i * 500 + 5000}&points=1200`,
+    )
+  ).text();
+  asked.push(performance.now() - begin);
+}
+row("server: 500 000 rows thinned to 1200 points, median of 10", `${median(asked).toFixed(1)} ms`, "");
+await browser.close();
+server.kill("SIGTERM");
+rmSync(folder, { recursive: true, force: true });

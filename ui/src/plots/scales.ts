@@ -1,0 +1,39 @@
+// What the axes of a plot show.
+import type uPlot from "uplot";
+import type { Linked } from "./linked";
+
+/** Powers of ten only on a logarithmic axis. */
+export const powers: Partial<uPlot.Axis> = {
+  splits: (_, __, min, max) => {
+    const out: number[] = [];
+    for (let p = Math.ceil(Math.log10(min)); p <= Math.log10(max) + 1e-9; ++p) out.push(10 ** p);
+    return out;
+  },
+  filter: (_, splits) => splits,
+  values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),
+};
+
+/**
+ * Limits that leave out one value in a hundred where those are far from the others, and how many of the lines' values (not of the
+ * band's) lie outside of them.
+ */
+export function usualLimits(
+  data: { x: number[]; y: (number | null)[][] },
+  lines: number,
+  { from, to }: Linked,
+  min: number,
+  max: number,
+): { limits: [number, number]; outside: number } {
+  const seen = (i: number) => data.x[i]! >= from && data.x[i]! <= to;
+  const values: number[] = [];
+  for (const y of data.y) y.forEach((v, i) => v !== null && seen(i) && values.push(v));
+  if (values.length < 100) return { limits: [min, max], outside: 0 };
+  values.sort((a, b) => a - b);
+  const low = values[Math.floor(0.01 * values.length)]!,
+    high = values[Math.ceil(0.99 * values.length) - 1]!;
+  const room = 0.6 * (high - low);
+  const limits: [number, number] = [Math.max(min, low - room), Math.min(max, high + room)];
+  const beyond = (v: number | null) => v !== null && (v < limits[0] || v > limits[1]);
+  const outside = data.y.slice(0, lines).reduce((n, y) => n + y.filter((v, i) => beyond(v) && seen(i)).length, 0);
+  return { limits, outside };
+}
