@@ -4,7 +4,7 @@ import { t } from "./i18n";
 export type Child = Node | string | number | null | undefined | false;
 type Properties = Record<string, unknown>;
 
-/** An element; properties that begin with "on" are listeners, `class` and `data-…`, `aria-…` attributes, others DOM properties. */
+/** An element; properties that begin with "on" are listeners, those the DOM knows are set, others (`class`, `data-…`) attributes. */
 export function h<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   properties: Properties | null = null,
