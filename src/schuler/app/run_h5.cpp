@@ -159,7 +159,7 @@ void write_run_h5(const std::filesystem::path& path, const ResultBundle& b) {
     add_solution(file, "/solution", b.solution().rows);
     if (b.smoothed()) add_solution(file, "/forward", b.result.forward.rows);
     add_sensor_errors(file, "/sensor_errors", b.solution().sensor_errors);
-    add_sensor_truth(file, b.sensor_truth);
+    add_sensor_truth(file, b.truth.sensors);
     add_fixes(file, b.data.recording.gnss);
     add_innovations(file, b.result.aids);
     add_outages(file, "/outages", b.solution().outage_epochs);
