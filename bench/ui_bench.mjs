@@ -27,6 +27,7 @@ reference_rate_hz = ${rate}
 [trajectory]
 type = "great_circle"
 start = { lat_deg = 50.0, lon_deg = 8.0, height_m = 9000.0 }
+heading_deg = 80
 speed_m_s = 200
 [imu]
 rate_hz = ${rate}

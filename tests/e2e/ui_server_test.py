@@ -15,29 +15,9 @@ import tempfile
 import time
 from pathlib import Path
 
-FAILURES = []
+from program_test import DRIVE, FAILURES, check
 
-
-def check(condition, text):
-    if not condition:
-        FAILURES.append(text)
-        print(f"FAILED: {text}", file=sys.stderr)
-
-
-SMALL = """name = "small"
-seed = 3
-duration_s = 150
-[trajectory]
-type = "car"
-start = { lat_deg = 48.1, lon_deg = 11.5, height_m = 520.0 }
-standstill_s = 20
-[imu]
-rate_hz = 50
-grade = "tactical"
-[gnss]
-rate_hz = 1
-receiver = "rtk"
-"""
+SMALL = DRIVE[: DRIVE.index("[[outage]]")]
 
 
 class Server:

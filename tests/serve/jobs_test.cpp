@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <string>
@@ -40,10 +41,15 @@ TEST(JobsThreads, ManyJobsEndAsTheyShould) {
         const JobReport r = jobs.wait(std::to_string(i));
         const JobState wanted[] = {JobState::Done, JobState::Failed, JobState::Failed, JobState::Cancelled};
         EXPECT_EQ(r.state, wanted[i % 4]) << i << " " << r.message;
-        if (i % 4 == 0) EXPECT_EQ(r.log, "line\n");
-        if (i % 4 == 1) EXPECT_EQ(r.message, "a.csv:3: wrong");
-        if (i % 4 == 1) EXPECT_EQ(r.exit_status, 2);
-        if (i % 4 == 2) EXPECT_NE(r.message.find("signal"), std::string::npos);
+        switch (i % 4) {
+            case 0: EXPECT_EQ(r.log, "line\n"); break;
+            case 1:
+                EXPECT_EQ(r.message, "a.csv:3: wrong");
+                EXPECT_EQ(r.exit_status, 2);
+                break;
+            case 2: EXPECT_NE(r.message.find("signal"), std::string::npos) << r.message; break;
+            default: break;
+        }
     }
     over = true;
     watcher.join();

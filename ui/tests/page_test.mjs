@@ -61,6 +61,7 @@ const ask = async (path) => (await fetch(address + path)).json();
 const shot = async (name) => {
   if (!options.shots) return;
   mkdirSync(options.shots, { recursive: true });
+  await page.evaluate(() => window.scrollTo(0, 0));
   await page.waitForTimeout(700);
   await page.screenshot({ path: join(options.shots, `${name}.png`) });
 };

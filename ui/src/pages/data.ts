@@ -1,10 +1,11 @@
 // A data set: what is in its files, what is doubtful, its settings as a form, and the way to a run.
 import { api, type Inspection } from "../api";
-import { h, quietly, replace, saveAs, tell } from "../dom";
+import { h, quietly, replace, saveAs } from "../dom";
 import { OptionForm } from "../form";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
 import { OutageLine } from "../plots/timeline";
+import { runButton } from "./runbutton";
 
 function problems(list: Inspection["problems"]): HTMLElement {
   const icon = { error: "✗", warning: "⚠", info: "ℹ" };
@@ -131,27 +132,12 @@ export async function dataPage(name: string): Promise<Page> {
     ),
   );
   const title = h("input", { type: "text", class: "run-name", value: found.path, "aria-label": t("run.title") });
-  const start = h(
-    "button",
-    {
-      type: "button",
-      class: "primary run",
-      onClick: async () => {
-        try {
-          const run = await api.start({
-            kind: "dataset",
-            dataset: name,
-            title: title.value.trim() || name,
-            settings: form.settings,
-          });
-          location.hash = `#/run/${encodeURIComponent(run.id)}`;
-        } catch (e) {
-          tell((e as Error).message, "error");
-        }
-      },
-    },
-    `▶ ${t("data.run")}`,
-  );
+  const start = runButton(t("data.run"), () => ({
+    kind: "dataset",
+    dataset: name,
+    title: title.value.trim() || name,
+    settings: form.settings,
+  }));
   form.load(found.form);
   form.doubts(found.findings);
   outages.show((found.form.settings["outage"] as never) ?? [], length);

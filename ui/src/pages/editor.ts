@@ -8,6 +8,7 @@ import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { OutageLine, type Outage } from "../plots/timeline";
+import { runButton } from "./runbutton";
 
 function gnssOutages(settings: Settings): Outage[] {
   const list = settings["outage"];
@@ -133,23 +134,11 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       tell((e as Error).message, "error");
     }
   };
-  const start = h(
-    "button",
-    {
-      type: "button",
-      class: "primary run",
-      onClick: async () => {
-        try {
-          const name = title.value.trim() || String(form.settings["name"] ?? "scenario");
-          const run = await api.start({ kind: "scenario", title: name, settings: form.settings });
-          location.hash = `#/run/${encodeURIComponent(run.id)}`;
-        } catch (e) {
-          tell((e as Error).message, "error");
-        }
-      },
-    },
-    `▶ ${t("editor.run")}`,
-  );
+  const start = runButton(t("editor.run"), () => ({
+    kind: "scenario",
+    title: title.value.trim() || String(form.settings["name"] ?? "scenario"),
+    settings: form.settings,
+  }));
   const file = () => {
     const input = h("input", { type: "file", accept: ".toml" });
     input.onchange = () => void input.files?.[0]?.text().then(load);

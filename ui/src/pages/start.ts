@@ -83,6 +83,12 @@ function dropZone(): HTMLElement {
   return zone;
 }
 
+const iconButton = (sign: string, name: string, action: () => void) =>
+  h("button", { type: "button", class: "icon", title: name, "aria-label": name, onClick: action }, sign);
+
+const removeButton = (title: string, remove: () => Promise<void>) =>
+  iconButton("✕", `${t("remove")} ${title}`, () => void (confirm(t("remove.sure", { name: title })) && remove()));
+
 function datasetList(sets: DatasetInfo[], again: () => void): HTMLElement {
   return h(
     "ul",
@@ -93,18 +99,7 @@ function datasetList(sets: DatasetInfo[], again: () => void): HTMLElement {
         null,
         h("a", { href: `#/data/${encodeURIComponent(d.name)}` }, d.title),
         h("span", { class: "muted" }, ` ${d.files.length} ${t("start.n_files")}${d.opened ? ` · ${t("start.opened")}` : ""}`),
-        !d.opened &&
-          h(
-            "button",
-            {
-              type: "button",
-              class: "icon",
-              title: t("remove"),
-              "aria-label": `${t("remove")} ${d.title}`,
-              onClick: () => void (confirm(t("remove.sure", { name: d.title })) && api.removeDataset(d.name).then(again)),
-            },
-            "✕",
-          ),
+        !d.opened && removeButton(d.title, () => api.removeDataset(d.name).then(again)),
       ),
     ),
   );
@@ -155,31 +150,11 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
       h(
         "td",
         { class: "tools" },
-        h(
-          "button",
-          {
-            type: "button",
-            class: "icon",
-            title: t("rename"),
-            "aria-label": `${t("rename")} ${run.title}`,
-            onClick: () => {
-              const name = prompt(t("rename"), run.title);
-              if (name) void api.rename(run.id, name).then(again);
-            },
-          },
-          "✎",
-        ),
-        h(
-          "button",
-          {
-            type: "button",
-            class: "icon",
-            title: t("remove"),
-            "aria-label": `${t("remove")} ${run.title}`,
-            onClick: () => void (confirm(t("remove.sure", { name: run.title })) && api.remove(run.id).then(again)),
-          },
-          "✕",
-        ),
+        iconButton("✎", `${t("rename")} ${run.title}`, () => {
+          const name = prompt(t("rename"), run.title);
+          if (name) void api.rename(run.id, name).then(again);
+        }),
+        removeButton(run.title, () => api.remove(run.id).then(again)),
       ),
     );
   });
