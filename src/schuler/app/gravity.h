@@ -46,12 +46,14 @@ struct GravityErrors {
     Eigen::Vector3d last = not_given3();  ///< at the last fix
 };
 
-/// The survey as lines, with the levels that make their crossovers agree. Values are down, m/s^2.
+/// The survey as lines, with the levels that make their crossovers agree. Values are down, m/s^2. A simulated anomaly runs along
+/// the track, not over the ground: there the crossovers are those of the errors, as they would be over a field of the ground.
 struct GravityLines {
     std::vector<gravimetry::SurveyLine> lines;
     std::vector<gravimetry::Crossover> crossings;
     std::vector<gravimetry::RepeatedLine> repeats;
     double rms_before = not_given, rms_after = not_given;  ///< at the crossovers
+    double resolved_spread = not_given;  ///< error on the lines less its mean, low-passed at the resolved period; simulated data
     double levelled_spread = not_given;  ///< error of the levelled lines less its mean; simulated data
     std::vector<double> levelled;  ///< at the epochs; NaN off the lines
     std::vector<int> line_of;  ///< index of the line at the epochs; -1 off the lines

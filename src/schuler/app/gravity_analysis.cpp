@@ -40,8 +40,9 @@ std::vector<gravimetry::TrackPoint> track_of(const GravityBundle& b) {
     std::vector<gravimetry::TrackPoint> out;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Eigen::Vector3d from_start = earth::ned_difference(earth, rows[i].position, rows.front().position);
-        out.push_back(
-            {from_start.head<2>(), std::atan2(rows[i].v_eb_n.y(), rows[i].v_eb_n.x()), b.epochs()[i].disturbance_n.z()});
+        const double truth = b.truth.empty() ? 0.0 : b.truth[i].z();
+        const double course = std::atan2(rows[i].v_eb_n.y(), rows[i].v_eb_n.x());
+        out.push_back({from_start.head<2>(), course, b.epochs()[i].disturbance_n.z() - truth});
     }
     return out;
 }
@@ -65,11 +66,21 @@ GravityLines gravity_lines(const GravityBundle& b) {
     out.line_of.assign(rows.size(), -1);
     for (std::size_t k = 0; k < out.lines.size(); ++k) {
         for (std::size_t i = out.lines[k].first; i <= out.lines[k].last; ++i) {
-            out.levelled[i] = track[i].value - out.lines[k].level;
+            out.levelled[i] = b.epochs()[i].disturbance_n.z() - out.lines[k].level;
             out.line_of[i] = static_cast<int>(k);
         }
     }
-    if (!b.truth.empty()) out.levelled_spread = error_of(b, out.levelled, 0.0).second;
+    if (b.truth.empty()) return out;
+    out.levelled_spread = error_of(b, out.levelled, 0.0).second;
+    if (!std::isfinite(b.attainable.resolved_period)) return out;
+    std::vector<double> t, error;
+    for (std::size_t i = 0; i < track.size(); ++i) {
+        t.push_back((rows[i].time - rows.front().time).seconds());
+        error.push_back(track[i].value);
+    }
+    std::vector<double> slow = gravimetry::low_passed(t, error, b.attainable.resolved_period);
+    for (std::size_t i = 0; i < slow.size(); ++i) slow[i] = out.line_of[i] < 0 ? not_given : slow[i] + b.truth[i].z();
+    out.resolved_spread = error_of(b, slow, b.attainable.resolved_period).second;
     return out;
 }
 

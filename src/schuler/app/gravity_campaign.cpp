@@ -2,6 +2,7 @@
 #include "schuler/app/gravity.h"
 #include "schuler/core/units.h"
 #include "schuler/math/quantile.h"
+#include "schuler/math/rotation.h"
 
 #include <algorithm>
 #include <array>
@@ -47,9 +48,12 @@ Outcome gravity_campaign(const GravityRequest& request) {
                        Tally{"velocity north", "m/s", 1.0},
                        Tally{"velocity east", "m/s", 1.0},
                        Tally{"velocity up", "m/s", 1.0},
-                       Tally{"gyro bias x", "deg/h", units::deg_per_hour},
-                       Tally{"gyro bias y", "deg/h", units::deg_per_hour},
-                       Tally{"gyro bias z", "deg/h", units::deg_per_hour}};
+                       Tally{"gyro bias north", "deg/h", units::deg_per_hour},
+                       Tally{"gyro bias east", "deg/h", units::deg_per_hour},
+                       Tally{"gyro bias down", "deg/h", units::deg_per_hour},
+                       Tally{"lines, resolved", "mGal", units::mgal},
+                       Tally{"lines, levelled", "mGal", units::mgal},
+                       Tally{"classical, rms - mean", "mGal", units::mgal}};
     int failed = 0;
     std::string name;
     for (int run = 0; run < request.runs; ++run) {
@@ -80,9 +84,12 @@ Outcome gravity_campaign(const GravityRequest& request) {
             tallies[8].add(error_row.velocity.y(), last.sigma_velocity_n.x());
             tallies[9].add(error_row.velocity.x(), last.sigma_velocity_n.y());
             tallies[10].add(error_row.velocity.z(), last.sigma_velocity_n.z());
-            const Eigen::Vector3d gyro = last.gyro_bias - b.run.truth.sensors.back().gyro_bias;
-            for (std::size_t i = 0; i < 3; ++i)
-                tallies[11 + i].add(gyro(static_cast<int>(i)), last.sigma_gyro_bias(static_cast<int>(i)));
+            // Seen from north, east and down; their sigmas are those of the body axes and would need the covariance between them.
+            const Eigen::Vector3d gyro = math::dcm_from_rpy(row.rpy) * (last.gyro_bias - b.run.truth.sensors.back().gyro_bias);
+            for (std::size_t i = 0; i < 3; ++i) tallies[11 + i].add(gyro(static_cast<int>(i)), 0.0);
+            if (std::isfinite(b.lines.resolved_spread)) tallies[14].add(b.lines.resolved_spread, 0.0);
+            if (std::isfinite(b.lines.levelled_spread)) tallies[15].add(b.lines.levelled_spread, 0.0);
+            if (std::isfinite(b.classical.spread)) tallies[16].add(b.classical.spread, 0.0);
         } catch (const Error& e) {
             if (e.kind() == ErrorKind::Input) throw;
             ++failed;
@@ -97,6 +104,7 @@ Outcome gravity_campaign(const GravityRequest& request) {
         fmt::format("{:<36}{:>11}{:>11}{:>11}{:>11}\n", "size of the error at the end", "median", "5 %", "95 %", "NEES");
     Json errors = Json::object();
     for (const Tally& t : tallies) {
+        if (t.sizes.empty()) continue;
         out.tables += fmt::format("  {:<34}{:>11.4g}{:>11.4g}{:>11.4g}{:>11.3g}\n", fmt::format("{}, {}", t.name, t.unit),
                                   t.quantile(0.5), t.quantile(0.05), t.quantile(0.95), t.nees());
         errors[t.name] = {{"unit", t.unit},

@@ -102,7 +102,8 @@ gravimetry::SurveySettings settings_of(const Config& c, const SolutionRow& start
     p.position = start.std_position.maxCoeff();
     p.accel_bias = imu.accel_initial_bias();
     p.gyro_bias = imu.gyro_initial_bias();
-    p.gnss_position = std::isfinite(g.gnss_position) ? g.gnss_position : c.filter.gnss.errors.correlated_position.head<2>().mean();
+    p.gnss_position =
+        std::isfinite(g.gnss_position) ? g.gnss_position : c.filter.gnss.errors.correlated_position.head<2>().mean();
     p.gnss_velocity = g.gnss_velocity;
     p.disturbance_n = ned_sigma(g.prior_enu);
     p.slope = g.slope;

@@ -105,6 +105,7 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
         {"classical",
          {{"period_s", number(b.classical.period)}, {"rms", in_mgal(b.classical.rms)}, {"spread", in_mgal(b.classical.spread)}}},
         {"lines", b.lines.lines.size()},
+        {"resolved_error_mgal", in_mgal(b.lines.resolved_spread)},
         {"crossovers",
          {{"count", b.lines.crossings.size()},
           {"rms_mgal", in_mgal(b.lines.rms_before)},
@@ -140,6 +141,9 @@ std::string gravity_tables(const GravityBundle& b) {
         out += fmt::format("classical pipeline, {:.3g} s: error of up {:.3f} rms, {:.3f} less its mean\n", b.classical.period,
                            b.classical.rms / units::mgal, b.classical.spread / units::mgal);
     const GravityLines& l = b.lines;
+    if (std::isfinite(l.resolved_spread))
+        out += fmt::format("on lines and at {:.3g} s full wavelength: error less its mean {:.3f}\n", b.attainable.resolved_period,
+                           l.resolved_spread / units::mgal);
     if (!l.crossings.empty()) {
         out += fmt::format("{} lines, {} crossovers: {:.3f} rms, {:.3f} after levelling", l.lines.size(), l.crossings.size(),
                            l.rms_before / units::mgal, l.rms_after / units::mgal);
