@@ -94,6 +94,7 @@ app::Outcome perform(const cli::Options& o) {
     cli::ProgressBar bar(!o.quiet, o.progress == "lines");
     request.progress = [&bar](double done_part) { bar.show(done_part); };
     if (o.command == "process") return app::process_dataset(request);
+    if (o.command == "gravity" && o.response) return app::gravity_response({request, 1});
     if (o.command == "gravity" && o.runs.value_or(1) > 1) return app::gravity_campaign({request, static_cast<int>(*o.runs)});
     if (o.command == "gravity") return app::gravity_command({request, 1});
     if (o.command == "ahrs") return app::ahrs_dataset({request, o.filter, o.six_axis, o.offline, o.calibrate});

@@ -13,12 +13,12 @@ void add_everywhere(CLI::App& app, Options& o) {
     app.set_version_flag("--version", "schuler " SCHULER_VERSION, "print the version");
 }
 
-/// Options of process, run and demo.
+}  // namespace
+
 void add_output(CLI::App& app, Options& o) {
     app.add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
 }
 
-/// Settings over those of the data set, and the result as JSON: of every command that processes one.
 void add_settings(CLI::App& app, Options& o) {
     app.add_option("--config", o.config, "settings over those of the data set: keys as in dataset.toml")->type_name("FILE.toml");
     app.add_option("--start", o.start, "leave out what is before; seconds after the first GNSS (without one: IMU) epoch, or abs:T")
@@ -32,6 +32,9 @@ void add_settings(CLI::App& app, Options& o) {
     app.add_flag("--json", o.json, "summary.json on standard output instead of the tables");
 }
 
+namespace {
+
+/// Options of process, run and demo.
 void add_processing(CLI::App& app, Options& o) {
     add_settings(app, o);
     app.add_option("--scheme", o.scheme, "coupling: loose, separate, or gnss for the receiver's own solution")->type_name("SCHEME");

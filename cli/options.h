@@ -24,6 +24,7 @@ struct Options {
     std::optional<double> settle, output_rate;
     std::optional<std::uint64_t> seed;
     std::string topic, prefix;
+    bool response = false;             ///< of gravity
     std::string filter = "mekf";       ///< of ahrs
     bool six_axis = false, offline = false, calibrate = false;
     std::string progress;              ///< "lines": for programs that read standard error
@@ -56,6 +57,10 @@ void serve_page(const Options& options);
 
 /// `analyze` and its studies; Options::command becomes "analyze equator" and so on.
 void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& add_command);
+
+/// -o; and settings over those of the data set with the result as JSON: of every command that processes one.
+void add_output(CLI::App& app, Options& options);
+void add_settings(CLI::App& app, Options& options);
 
 /// `gravity`.
 void add_gravity_command(CLI::App& parser, Options& options, const AddCommand& add_command);

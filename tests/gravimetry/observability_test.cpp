@@ -36,7 +36,7 @@ ObservedMotion turning(double mu) {
 void expect_rank(const ObservedMotion& motion, int rank) {
     const Observability o = observability({}, motion);
     EXPECT_EQ(o.rank, rank);
-    EXPECT_GT(o.pivots.back(), 1e-14);   // and the gap is wide: the rank is that of exact arithmetic
+    EXPECT_GT(o.pivots.back(), 1e-14);  // and the gap is wide: the rank is that of exact arithmetic
     EXPECT_LT(o.next, 1e-40);
 }
 
@@ -60,7 +60,7 @@ TEST(ObservabilitySlow, RanksInMotion) {
     expect_rank(rhumb({0.0, 10.0, 0.0}, 0.0), 19);
     const Observability o = observability({}, rhumb({1.0, 1.0, 0.0}, 0.0));
     EXPECT_EQ(o.rank, 24);
-    EXPECT_LT(o.pivots.back(), 1e-15);   // 2e-17: a matter of principle only
+    EXPECT_LT(o.pivots.back(), 1e-15);  // 2e-17: a matter of principle only
     expect_rank(turning(0.0), 19);
     expect_rank(turning(hour), 22);
 }
@@ -90,7 +90,7 @@ TEST(Observability, WhatIsSeenAtRest) {
         const auto named = [&](int group, int i) { return names[static_cast<std::size_t>(group + i)]; };
         blind.push_back({{named(systematic, axis), 1.0}, {named(random, axis), -1.0}});
         std::map<std::string, double> direction{{named(systematic, axis), 1.0}};
-        for (int i = 0; i < 3; ++i) direction[named(accel_bias, i)] = C_eb(axis, i);   // -C db + dA = 0
+        for (int i = 0; i < 3; ++i) direction[named(accel_bias, i)] = C_eb(axis, i);  // -C db + dA = 0
         blind.push_back(direction);
     }
     const Observability o = observability({}, m);

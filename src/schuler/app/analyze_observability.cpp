@@ -55,7 +55,10 @@ Json json_of(const Observability& o) {
         for (const auto& [name, coefficient] : c.with) with[name] = coefficient;
         combinations.push_back({{"state", c.state}, {"with", with}});
     }
-    return {{"rank", o.rank}, {"states", Observability::states}, {"pivots", o.pivots}, {"next_pivot", o.next},
+    return {{"rank", o.rank},
+            {"states", Observability::states},
+            {"pivots", o.pivots},
+            {"next_pivot", o.next},
             {"combinations", combinations}};
 }
 
@@ -91,9 +94,16 @@ Json papers_cases(const ObservabilityRequest& r, std::string& text) {
 
 Outcome analyze_observability(const ObservabilityRequest& r) {
     return with_option_names([&] {
-        check_finite({{"latitude-deg", r.latitude_deg}, {"longitude-deg", r.longitude_deg}, {"height", r.height}, {"vn", r.vn},
-                      {"ve", r.ve}, {"vd", r.vd}, {"heading-deg", r.heading_deg}, {"turn-deg-s", r.turn_deg_s},
-                      {"correlation-time", r.correlation_time}, {"tolerance", r.tolerance}});
+        check_finite({{"latitude-deg", r.latitude_deg},
+                      {"longitude-deg", r.longitude_deg},
+                      {"height", r.height},
+                      {"vn", r.vn},
+                      {"ve", r.ve},
+                      {"vd", r.vd},
+                      {"heading-deg", r.heading_deg},
+                      {"turn-deg-s", r.turn_deg_s},
+                      {"correlation-time", r.correlation_time},
+                      {"tolerance", r.tolerance}});
         const Observability o = gravimetry::observability({}, motion_of(r), r.tolerance);
         Outcome out;
         out.tables = tables_of(r, o);

@@ -3,16 +3,20 @@
 #include "schuler/app/config_sections.h"
 #include "schuler/app/option_builders.h"
 
+#include <algorithm>
+
 namespace schuler::app {
 namespace {
 
 using gravimetry::DisturbanceKind;
 using sim::AnomalyPart;
 
-constexpr std::pair<const char*, AnomalyPart::Kind> kinds[] = {
-    {"constant", AnomalyPart::Kind::Constant},        {"step", AnomalyPart::Kind::Step},
-    {"ramp", AnomalyPart::Kind::Ramp},                {"harmonic", AnomalyPart::Kind::Harmonic},
-    {"gauss_markov_1", AnomalyPart::Kind::GaussMarkov1}, {"gauss_markov_2", AnomalyPart::Kind::GaussMarkov2}};
+constexpr std::pair<const char*, AnomalyPart::Kind> kinds[] = {{"constant", AnomalyPart::Kind::Constant},
+                                                               {"step", AnomalyPart::Kind::Step},
+                                                               {"ramp", AnomalyPart::Kind::Ramp},
+                                                               {"harmonic", AnomalyPart::Kind::Harmonic},
+                                                               {"gauss_markov_1", AnomalyPart::Kind::GaussMarkov1},
+                                                               {"gauss_markov_2", AnomalyPart::Kind::GaussMarkov2}};
 
 constexpr const char* anomaly_form =
     "an [[anomaly]] has kind (constant, step, ramp, harmonic, gauss_markov_1 or gauss_markov_2), size_mgal = [east, north, up], "
@@ -68,6 +72,25 @@ auto gravity(double GravityConfig::*field) {
     return [=](auto& c) -> auto& { return c.gravity.*field; };
 }
 
+Option<Config> steps_option() {
+    OptionSpec spec = detail::spec("gravity.steps_s", Shape::Numbers,
+                                   "seconds after the first fix at which the constant part may have changed by its prior");
+    spec.low = 0.0;
+    spec.high = 1e9;
+    return {std::move(spec),
+            [](Config& c, const Value& v) {
+                c.gravity.steps.clear();
+                for (const Value& x : *v.list()) c.gravity.steps.push_back(x.number());
+                std::ranges::sort(c.gravity.steps);
+            },
+            [](const Config& c) -> std::optional<Value> {
+                if (c.gravity.steps.empty()) return std::nullopt;
+                ValueList list;
+                for (const double t : c.gravity.steps) list.push_back({t});
+                return Value{std::move(list)};
+            }};
+}
+
 }  // namespace
 
 std::vector<AnomalyPart> anomalies_from(const ValueList& tables) {
@@ -84,9 +107,9 @@ std::optional<Value> value_of(const std::vector<AnomalyPart>& parts) {
         for (const auto& [name, kind] : kinds)
             if (kind == p.kind) table.emplace_back("kind", Value{std::string(name)});
         const Eigen::Vector3d enu = enu_from_ned(p.size_n);
-        table.emplace_back("size_mgal", Value{ValueList{{in_unit(enu.x(), units::mgal)},
-                                                        {in_unit(enu.y(), units::mgal)},
-                                                        {in_unit(enu.z(), units::mgal)}}});
+        table.emplace_back(
+            "size_mgal",
+            Value{ValueList{{in_unit(enu.x(), units::mgal)}, {in_unit(enu.y(), units::mgal)}, {in_unit(enu.z(), units::mgal)}}});
         if (p.kind != AnomalyPart::Kind::Constant) table.emplace_back(p.by_time ? "start_s" : "start_m", Value{p.start});
         if (p.kind != AnomalyPart::Kind::Constant && p.kind != AnomalyPart::Kind::Step)
             table.emplace_back(p.by_time ? "length_s" : "length_m", Value{p.length});
@@ -124,10 +147,14 @@ void add_gravity_options(OptionTable<Config>& table) {
                             gravity(&GravityConfig::gnss_position)))
         .add(number<Config>("gravity.gnss_systematic_m_s", 1.0, 0, 10, "constant error of their velocities, one sigma",
                             gravity(&GravityConfig::gnss_velocity)))
-        .add(number<Config>("gravity.lowpass_s", 1.0, 2, 1e5, "length of the classical pipeline's filter; default: as the smoother resolves",
+        .add(number<Config>("gravity.lowpass_s", 1.0, 2, 1e5,
+                            "length of the classical pipeline's filter; default: as the smoother resolves",
                             gravity(&GravityConfig::lowpass)))
         .add(flag<Config>("gravity.smooth", "fixed-interval smoother after the filter",
                           [](auto& c) -> auto& { return c.gravity.smooth; }))
+        .add(steps_option())
+        .add(flag<Config>("gravity.height_aid", "takes the barometer or depth gauge too, with a constant error of its own",
+                          [](auto& c) -> auto& { return c.gravity.height_aid; }))
         .add({anomaly_spec("half-real mode: injected into recorded accelerometers as if gravity had it; [[anomaly]] with kind, "
                            "size_mgal, start and length in _m or _s"),
               [](Config& c, const Value& v) { c.gravity.inject = anomalies_from(*v.list()); },

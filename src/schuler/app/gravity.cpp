@@ -91,9 +91,9 @@ Attainability attainability(const GravityInput& in, const std::vector<SurveyEpoc
             "be told from the accelerometers' constant error ({})",
             mgal(a.vertical), mgal(a.horizontal), mgal(accel));
         if (std::isfinite(a.resolved_period))
-            a.statement += fmt::format("; a wavelength of {:.3g} s{} keeps half its amplitude", a.resolved_period,
-                                       in.mean_speed > 0.5 ? fmt::format(" ({:.3g} km)", 1e-3 * in.mean_speed * a.resolved_period)
-                                                           : std::string{});
+            a.statement += fmt::format(
+                "; a wavelength of {:.3g} s{} keeps half its amplitude", a.resolved_period,
+                in.mean_speed > 0.5 ? fmt::format(" ({:.3g} km)", 1e-3 * in.mean_speed * a.resolved_period) : std::string{});
     }
     return a;
 }
@@ -135,6 +135,37 @@ GravityErrors errors_of(const GravityBundle& b) {
     return out;
 }
 
+/// From loaded data to the survey and its numbers.
+void estimate(GravityBundle& b, WarningLog& warnings) {
+    b.run.command = "gravity";
+    Config& c = b.run.data.config;
+    c.filter.mechanization = fusion::Mechanization::Ecef;
+    c.filter.smooth = c.gravity.smooth;
+    const GravityInput input = gravity_input(b.run.data, warnings);
+    if (input.gaps > 0)
+        warnings.add("gravity.gaps", fmt::format("{} gaps in the IMU log are bridged; gravity near them is a guess", input.gaps));
+
+    const auto filter_begin = std::chrono::steady_clock::now();
+    b.survey = gravimetry::run_survey(input.settings, input.survey, c.gravity.smooth);
+    b.run.result.filter_seconds = b.run.timing.filter_s = seconds_since(filter_begin);
+    b.run.result.forward = trajectory_of(c.filter.earth, b.survey.forward);
+    if (c.gravity.smooth) b.run.result.smoothed = trajectory_of(c.filter.earth, b.survey.smoothed);
+    fusion::Counters& n = b.run.result.counters;
+    n.imu_epochs = input.survey.imu.size();
+    n.imu_gaps = input.gaps;
+    n.imu_rate = 1.0 / input.survey.imu.front().dt;
+    n.gnss_epochs = b.run.data.recording.gnss.size();
+    n.gnss_accepted = b.survey.forward.size();
+    b.run.result.findings.aligned_at = b.survey.forward.front().time;
+    b.run.evaluation = evaluate(b.run.data, b.run.result, b.run.truth);
+    if (!b.run.truth.sensors.empty()) b.truth = truth_at(b.survey.forward, b.run.truth.sensors);
+    b.errors = errors_of(b);
+    b.attainable = attainability(input, b.survey.forward, c.gravity);
+    b.classical = classical_gravity(b, input);
+    b.lines = gravity_lines(b);
+    b.run.timing.read_s = b.run.data.read_seconds;
+}
+
 }  // namespace
 
 std::vector<GravityRow> gravity_rows(const GravityBundle& b) {
@@ -162,52 +193,39 @@ std::vector<GravityRow> gravity_rows(const GravityBundle& b) {
         r.eotvos = ((2.0 * terms.w_ie_n + terms.w_en_n).cross(row.v_eb_n)).z();
         const double span = (epochs[after].time - epochs[before].time).seconds();
         if (span > 0.0)
-            r.vertical_acceleration = -(row_of(earth, epochs[after]).v_eb_n.z() - row_of(earth, epochs[before]).v_eb_n.z()) / span;
+            r.vertical_acceleration =
+                -(row_of(earth, epochs[after]).v_eb_n.z() - row_of(earth, epochs[before]).v_eb_n.z()) / span;
         if (!b.truth.empty()) r.truth_n = b.truth[i];
+        r.classical = b.classical.down[i];
+        if (!b.lines.line_of.empty()) {
+            r.levelled = b.lines.levelled[i];
+            r.line = b.lines.line_of[i];
+        }
         out.push_back(r);
     }
     return out;
 }
 
-GravityBundle gravity_survey(const ProcessRequest& request, WarningLog& warnings, std::string& notice) {
+GravityBundle gravity_of_scenario(const ScenarioConfig& scenario, const ProcessRequest& request, WarningLog& warnings) {
     const auto begin = std::chrono::steady_clock::now();
     GravityBundle b;
-    if (is_scenario(request.input)) {
-        b.run = simulated_bundle(read_scenario(request.input, request.seed), request.over({}), warnings);
-    } else {
-        const Dataset dataset = open_dataset(request.input);
-        const Config config = config_from(request.over(dataset.settings));
-        b.run.name = config.name.empty() ? dataset.name : config.name;
-        b.run.data = load_dataset(dataset, config, warnings);
-        notice = dataset.inferred_toml;
-    }
-    b.run.command = "gravity";
-    b.run.version = request.version;
+    b.run = simulated_bundle(scenario, request.over({}), warnings);
     b.run.data.read_seconds = seconds_since(begin);
-    Config& c = b.run.data.config;
-    c.filter.mechanization = fusion::Mechanization::Ecef;
-    c.filter.smooth = c.gravity.smooth;
-    const GravityInput input = gravity_input(b.run.data, warnings);
-    if (input.gaps > 0)
-        warnings.add("gravity.gaps", fmt::format("{} gaps in the IMU log are bridged; gravity near them is a guess", input.gaps));
+    b.run.version = request.version;
+    estimate(b, warnings);
+    return b;
+}
 
-    const auto filter_begin = std::chrono::steady_clock::now();
-    b.survey = gravimetry::run_survey(input.settings, input.survey, c.gravity.smooth);
-    b.run.result.filter_seconds = b.run.timing.filter_s = seconds_since(filter_begin);
-    b.run.result.forward = trajectory_of(c.filter.earth, b.survey.forward);
-    if (c.gravity.smooth) b.run.result.smoothed = trajectory_of(c.filter.earth, b.survey.smoothed);
-    fusion::Counters& n = b.run.result.counters;
-    n.imu_epochs = input.survey.imu.size();
-    n.imu_gaps = input.gaps;
-    n.imu_rate = 1.0 / input.survey.imu.front().dt;
-    n.gnss_epochs = b.run.data.recording.gnss.size();
-    n.gnss_accepted = b.survey.forward.size();
-    b.run.result.findings.aligned_at = b.survey.forward.front().time;
-    b.run.evaluation = evaluate(b.run.data, b.run.result, b.run.truth);
-    if (!b.run.truth.sensors.empty()) b.truth = truth_at(b.survey.forward, b.run.truth.sensors);
-    b.errors = errors_of(b);
-    b.attainable = attainability(input, b.survey.forward, c.gravity);
-    b.run.timing.read_s = b.run.data.read_seconds;
+GravityBundle gravity_survey(const ProcessRequest& request, WarningLog& warnings, std::string& notice) {
+    if (is_scenario(request.input)) return gravity_of_scenario(read_scenario(request.input, request.seed), request, warnings);
+    GravityBundle b;
+    const Dataset dataset = open_dataset(request.input);
+    const Config config = config_from(request.over(dataset.settings));
+    b.run.name = config.name.empty() ? dataset.name : config.name;
+    b.run.version = request.version;
+    b.run.data = load_dataset(dataset, config, warnings);
+    notice = dataset.inferred_toml;
+    estimate(b, warnings);
     return b;
 }
 
@@ -223,7 +241,6 @@ Outcome gravity_command(const GravityRequest& request) {
     out.folder = request.common.folder_for(b.run.name);
     const auto write_begin = std::chrono::steady_clock::now();
     const std::vector<std::string> wanted = c.output.files;
-    const auto is_wanted = [&](const char* name) { return std::ranges::find(wanted, name) != wanted.end(); };
     std::erase(c.output.files, "report");
     out.files = write_outputs(b.run, out.folder, false);
     c.output.files = wanted;
@@ -236,11 +253,11 @@ Outcome gravity_command(const GravityRequest& request) {
         write("gravity.csv", gravity_csv(b, rows));
         write("gravity.geojson", gravity_geojson(b, rows));
     }
-    if (is_wanted("report")) write("report.html", gravity_report_html(b, rows));
+    if (c.output.wants("report")) write("report.html", gravity_report_html(b, rows));
     b.run.timing.write_s = seconds_since(write_begin);
     b.run.timing.wall_s = seconds_since(begin);
     out.json = gravity_summary_json(b, rows.size());
-    if (is_wanted("summary")) write("summary.json", out.json);
+    if (c.output.wants("summary")) write("summary.json", out.json);
     out.tables = gravity_tables(b);
     out.warnings = b.run.warnings;
     return out;

@@ -3,6 +3,7 @@
 
 #include "schuler/app/bundle.h"
 #include "schuler/app/commands.h"
+#include "schuler/gravimetry/lines.h"
 #include "schuler/gravimetry/survey_run.h"
 
 #include <optional>
@@ -30,27 +31,49 @@ struct GravityInput {
 
 /// What covariance analysis says can be had, and whether this log had enough of it.
 struct Attainability {
-    double vertical = not_given;          ///< sigma of the vertical disturbance at the end, m/s^2
+    double vertical = not_given;  ///< sigma of the vertical disturbance at the end, m/s^2
     double horizontal = not_given;
-    double prior_vertical = not_given;    ///< before any measurement
-    double resolved_period = not_given;   ///< s, full wavelength that is passed at half its amplitude
-    bool usable = false;                  ///< the survey halves what was believed before, in level or in what changes
-    std::string statement;                ///< one or two sentences for people
+    double prior_vertical = not_given;  ///< before any measurement
+    double resolved_period = not_given;  ///< s, full wavelength that is passed at half its amplitude
+    bool usable = false;  ///< the survey halves what was believed before, in level or in what changes
+    std::string statement;  ///< one or two sentences for people
 };
 
 /// Errors of the disturbance (estimate minus truth), north, east, down, m/s^2.
 struct GravityErrors {
-    Eigen::Vector3d rms = not_given3();       ///< of the smoothed (or forward) disturbance after settling
-    Eigen::Vector3d spread = not_given3();    ///< the same less its mean: what a crossover adjustment leaves
-    Eigen::Vector3d last = not_given3();      ///< at the last fix
+    Eigen::Vector3d rms = not_given3();  ///< of the smoothed (or forward) disturbance after settling
+    Eigen::Vector3d spread = not_given3();  ///< the same less its mean: what a crossover adjustment leaves
+    Eigen::Vector3d last = not_given3();  ///< at the last fix
+};
+
+/// The survey as lines, with the levels that make their crossovers agree. Values are down, m/s^2. A simulated anomaly runs along
+/// the track, not over the ground: there the crossovers are those of the errors, as they would be over a field of the ground.
+struct GravityLines {
+    std::vector<gravimetry::SurveyLine> lines;
+    std::vector<gravimetry::Crossover> crossings;
+    std::vector<gravimetry::RepeatedLine> repeats;
+    double rms_before = not_given, rms_after = not_given;  ///< at the crossovers
+    double resolved_spread = not_given;  ///< error on the lines less its mean, low-passed at the resolved period; simulated data
+    double levelled_spread = not_given;  ///< error of the levelled lines less its mean; simulated data
+    std::vector<double> levelled;  ///< at the epochs; NaN off the lines
+    std::vector<int> line_of;  ///< index of the line at the epochs; -1 off the lines
+};
+
+/// Differentiated fixes and a low-pass filter, at the forward epochs: down, m/s^2.
+struct ClassicalGravity {
+    double period = not_given;  ///< s, half amplitude
+    std::vector<double> down;
+    double rms = not_given, spread = not_given;  ///< of the error, and less its mean, ends left out; simulated data
 };
 
 struct GravityBundle {
     ResultBundle run;
     gravimetry::SurveyResult survey;
-    std::vector<Eigen::Vector3d> truth;   ///< disturbance at the forward epochs, north, east, down; empty: not known
+    std::vector<Eigen::Vector3d> truth;  ///< disturbance at the forward epochs, north, east, down; empty: not known
     Attainability attainable;
     GravityErrors errors;
+    ClassicalGravity classical;
+    GravityLines lines;
     [[nodiscard]] const std::vector<gravimetry::SurveyEpoch>& epochs() const {
         return survey.smoothed.empty() ? survey.forward : survey.smoothed;
     }
@@ -58,19 +81,30 @@ struct GravityBundle {
 
 /// A line of gravity.csv: SI units, north, east, down.
 struct GravityRow {
-    double t = 0.0;                       ///< s after the origin of the command line's times
-    double distance = 0.0;                ///< along the track, m
+    double t = 0.0;  ///< s after the origin of the command line's times
+    double distance = 0.0;  ///< along the track, m
     Geodetic position;
     Eigen::Vector3d disturbance_n, sigma_n;
-    double free_air = not_given;          ///< free-air anomaly, m/s^2; needs the undulation
-    double eotvos = 0.0;                  ///< Eotvos term, m/s^2, positive where it makes a vehicle lighter
-    double vertical_acceleration = 0.0;   ///< of the vehicle, up, m/s^2
+    double free_air = not_given;  ///< free-air anomaly, m/s^2; needs the undulation
+    double eotvos = 0.0;  ///< Eotvos term, m/s^2, positive where it makes a vehicle lighter
+    double vertical_acceleration = 0.0;  ///< of the vehicle, up, m/s^2
     Eigen::Vector3d truth_n = not_given3();
+    double classical = not_given;  ///< of the classical pipeline, down
+    double levelled = not_given;  ///< on a line, its level taken off, down
+    int line = -1;  ///< -1: on none
 };
 [[nodiscard]] std::vector<GravityRow> gravity_rows(const GravityBundle& bundle);
 
+/// Lines, crossovers and repeated lines of a survey that moves.
+[[nodiscard]] GravityLines gravity_lines(const GravityBundle& bundle);
+/// The classical pipeline over the same input.
+[[nodiscard]] ClassicalGravity classical_gravity(const GravityBundle& bundle, const GravityInput& input);
+
 /// Simulates (a scenario) or reads (a data set), and estimates. @throws Error
 [[nodiscard]] GravityBundle gravity_survey(const ProcessRequest& request, WarningLog& warnings, std::string& notice);
+
+[[nodiscard]] GravityBundle gravity_of_scenario(const ScenarioConfig& scenario, const ProcessRequest& request,
+                                                WarningLog& warnings);
 
 /// `schuler gravity`: gravity.csv, gravity.geojson, solution.csv, run.h5, track.kml, report.html, summary.json, config.toml.
 [[nodiscard]] Outcome gravity_command(const GravityRequest& request);
@@ -80,6 +114,10 @@ struct GravityRow {
 [[nodiscard]] std::string gravity_summary_json(const GravityBundle& bundle, std::size_t rows);
 [[nodiscard]] std::string gravity_tables(const GravityBundle& bundle);
 [[nodiscard]] std::string gravity_report_html(const GravityBundle& bundle, const std::vector<GravityRow>& rows);
+
+/// Amplitude and phase of the estimator along a scenario's track, by harmonics and an impulse that are added to its anomaly (same
+/// seed: the difference of two estimates is the answer, free of noise); the correction of paper E where the scenario has a harmonic.
+[[nodiscard]] Outcome gravity_response(const GravityRequest& request);
 
 /// Many seeds of a scenario: medians and consistency. No files but summary.json.
 [[nodiscard]] Outcome gravity_campaign(const GravityRequest& request);

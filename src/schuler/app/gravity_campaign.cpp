@@ -1,7 +1,8 @@
+#include "schuler/app/detail/json.h"
 #include "schuler/app/gravity.h"
 #include "schuler/core/units.h"
-
-#include <nlohmann/json.hpp>
+#include "schuler/math/quantile.h"
+#include "schuler/math/rotation.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +12,6 @@
 namespace schuler::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using gravimetry::SurveyEpoch;
 
 /// One number of every run, with its sigma where the filter has one: |error| at the end or RMS over a survey.
@@ -24,12 +24,7 @@ struct Tally {
         sizes.push_back(std::abs(error) / si);
         if (sigma > 0.0) normalised.push_back(error / sigma);
     }
-    [[nodiscard]] double quantile(double q) const {
-        if (sizes.empty()) return not_given;
-        std::vector<double> x = sizes;
-        std::ranges::sort(x);
-        return x[std::min(x.size() - 1, static_cast<std::size_t>(q * static_cast<double>(x.size())))];
-    }
+    [[nodiscard]] double quantile(double p) const { return math::quantile(sizes, p); }
     /// Mean of (error/sigma)^2: near one where the filter knows what it does not know.
     [[nodiscard]] double nees() const {
         double sum = 0.0;
@@ -42,14 +37,23 @@ struct Tally {
 
 Outcome gravity_campaign(const GravityRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
-    std::array tallies{Tally{"disturbance up", "mGal", units::mgal},      Tally{"disturbance north", "mGal", units::mgal},
-                       Tally{"disturbance east", "mGal", units::mgal},    Tally{"disturbance up, rms", "mGal", units::mgal},
+    std::array tallies{Tally{"disturbance up", "mGal", units::mgal},
+                       Tally{"disturbance north", "mGal", units::mgal},
+                       Tally{"disturbance east", "mGal", units::mgal},
+                       Tally{"disturbance up, rms", "mGal", units::mgal},
                        Tally{"disturbance up, rms - mean", "mGal", units::mgal},
-                       Tally{"tilt north", "arcsec", units::arcsec},      Tally{"tilt east", "arcsec", units::arcsec},
-                       Tally{"azimuth", "arcsec", units::arcsec},         Tally{"velocity north", "m/s", 1.0},
-                       Tally{"velocity east", "m/s", 1.0},                Tally{"velocity up", "m/s", 1.0},
-                       Tally{"gyro bias x", "deg/h", units::deg_per_hour}, Tally{"gyro bias y", "deg/h", units::deg_per_hour},
-                       Tally{"gyro bias z", "deg/h", units::deg_per_hour}};
+                       Tally{"tilt north", "arcsec", units::arcsec},
+                       Tally{"tilt east", "arcsec", units::arcsec},
+                       Tally{"azimuth", "arcsec", units::arcsec},
+                       Tally{"velocity north", "m/s", 1.0},
+                       Tally{"velocity east", "m/s", 1.0},
+                       Tally{"velocity up", "m/s", 1.0},
+                       Tally{"gyro bias north", "deg/h", units::deg_per_hour},
+                       Tally{"gyro bias east", "deg/h", units::deg_per_hour},
+                       Tally{"gyro bias down", "deg/h", units::deg_per_hour},
+                       Tally{"lines, resolved", "mGal", units::mgal},
+                       Tally{"lines, levelled", "mGal", units::mgal},
+                       Tally{"classical, rms - mean", "mGal", units::mgal}};
     int failed = 0;
     std::string name;
     for (int run = 0; run < request.runs; ++run) {
@@ -63,8 +67,8 @@ Outcome gravity_campaign(const GravityRequest& request) {
             if (b.truth.empty())
                 throw input_error("recorded data have no seeds", {one.input.string(), 0, 0, {}}, "--runs is for scenarios");
             const SurveyEpoch& last = b.survey.forward.back();
-            const auto& error_row = b.run.evaluation.errors_forward.empty() ? b.run.evaluation.errors.back()
-                                                                            : b.run.evaluation.errors_forward.back();
+            const auto& error_row =
+                b.run.evaluation.errors_forward.empty() ? b.run.evaluation.errors.back() : b.run.evaluation.errors_forward.back();
             const Eigen::Vector3d dg = last.disturbance_n - b.truth.back();
             tallies[0].add(dg.z(), last.sigma_disturbance_n.z());
             tallies[1].add(dg.x(), last.sigma_disturbance_n.x());
@@ -80,36 +84,41 @@ Outcome gravity_campaign(const GravityRequest& request) {
             tallies[8].add(error_row.velocity.y(), last.sigma_velocity_n.x());
             tallies[9].add(error_row.velocity.x(), last.sigma_velocity_n.y());
             tallies[10].add(error_row.velocity.z(), last.sigma_velocity_n.z());
-            const Eigen::Vector3d gyro = last.gyro_bias - b.run.truth.sensors.back().gyro_bias;
-            for (std::size_t i = 0; i < 3; ++i)
-                tallies[11 + i].add(gyro(static_cast<int>(i)), last.sigma_gyro_bias(static_cast<int>(i)));
+            // Seen from north, east and down; their sigmas are those of the body axes and would need the covariance between them.
+            const Eigen::Vector3d gyro = math::dcm_from_rpy(row.rpy) * (last.gyro_bias - b.run.truth.sensors.back().gyro_bias);
+            for (std::size_t i = 0; i < 3; ++i) tallies[11 + i].add(gyro(static_cast<int>(i)), 0.0);
+            if (std::isfinite(b.lines.resolved_spread)) tallies[14].add(b.lines.resolved_spread, 0.0);
+            if (std::isfinite(b.lines.levelled_spread)) tallies[15].add(b.lines.levelled_spread, 0.0);
+            if (std::isfinite(b.classical.spread)) tallies[16].add(b.classical.spread, 0.0);
         } catch (const Error& e) {
             if (e.kind() == ErrorKind::Input) throw;
             ++failed;
         }
         if (request.common.progress) request.common.progress(static_cast<double>(run + 1) / request.runs);
     }
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    const double seconds = seconds_since(begin);
     Outcome out;
-    out.tables = fmt::format("{}: {} runs, {} failed, {:.2f} runs a second\n", name, request.runs, failed, request.runs / seconds);
-    out.tables += fmt::format("{:<36}{:>11}{:>11}{:>11}{:>11}\n", "size of the error at the end", "median", "5 %", "95 %", "NEES");
+    out.tables =
+        fmt::format("{}: {} runs, {} failed, {:.2f} runs a second\n", name, request.runs, failed, request.runs / seconds);
+    out.tables +=
+        fmt::format("{:<36}{:>11}{:>11}{:>11}{:>11}\n", "size of the error at the end", "median", "5 %", "95 %", "NEES");
     Json errors = Json::object();
     for (const Tally& t : tallies) {
+        if (t.sizes.empty()) continue;
         out.tables += fmt::format("  {:<34}{:>11.4g}{:>11.4g}{:>11.4g}{:>11.3g}\n", fmt::format("{}, {}", t.name, t.unit),
                                   t.quantile(0.5), t.quantile(0.05), t.quantile(0.95), t.nees());
-        const double nees = t.nees();
         errors[t.name] = {{"unit", t.unit},
                           {"median", t.quantile(0.5)},
                           {"q05", t.quantile(0.05)},
                           {"q95", t.quantile(0.95)},
-                          {"nees", std::isfinite(nees) ? Json(nees) : Json(nullptr)}};
+                          {"nees", number(t.nees())}};
     }
     const Json document{{"name", name},
                         {"command", "gravity"},
                         {"version", request.common.version},
                         {"montecarlo", {{"runs", request.runs}, {"failed", failed}, {"runs_per_s", request.runs / seconds}}},
                         {"errors", errors}};
-    out.json = document.dump(2) + "\n";
+    out.json = text_of(document);
     if (!request.common.output.empty()) {
         make_folder(request.common.output);
         out.files.push_back(request.common.output / "summary.json");

@@ -24,6 +24,8 @@ struct GravityConfig {
     double gnss_velocity = 0.0;                  ///< m/s
     double lowpass = not_given;                  ///< of the classical pipeline, s; not given: as the smoother resolves
     bool smooth = true;
+    std::vector<double> steps;   ///< s after the first fix: the constant part may have changed there
+    bool height_aid = false;     ///< a barometer or depth gauge is taken too, its constant error a state
     std::vector<sim::AnomalyPart> inject;        ///< into recorded logs, as if gravity had it
 };
 

@@ -15,9 +15,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using gravimetry::AntennaFix;
 
-Vector3d or_default(const Vector3d& given, const Vector3d& otherwise) {
-    return (given.array() > 0.0).all() ? given : otherwise;
-}
+Vector3d or_default(const Vector3d& given, const Vector3d& otherwise) { return (given.array() > 0.0).all() ? given : otherwise; }
 
 Vector3d ned_sigma(const Vector3d& enu) { return {enu.y(), enu.x(), enu.z()}; }
 
@@ -104,7 +102,8 @@ gravimetry::SurveySettings settings_of(const Config& c, const SolutionRow& start
     p.position = start.std_position.maxCoeff();
     p.accel_bias = imu.accel_initial_bias();
     p.gyro_bias = imu.gyro_initial_bias();
-    p.gnss_position = std::isfinite(g.gnss_position) ? g.gnss_position : c.filter.gnss.errors.correlated_position.head<2>().mean();
+    p.gnss_position =
+        std::isfinite(g.gnss_position) ? g.gnss_position : c.filter.gnss.errors.correlated_position.head<2>().mean();
     p.gnss_velocity = g.gnss_velocity;
     p.disturbance_n = ned_sigma(g.prior_enu);
     p.slope = g.slope;
@@ -119,8 +118,9 @@ GravityInput gravity_input(const LoadedDataset& data, WarningLog& warnings) {
     std::vector<ImuIncrement>& imu = timeline.increments;
     if (c.filter.stop) std::erase_if(imu, [&](const ImuIncrement& i) { return i.time > *c.filter.stop; });
     if (imu.empty() || data.recording.gnss.empty())
-        throw input_error(imu.empty() ? "the IMU log has no sample before the end of the run" : "gravimetry needs satellite fixes",
-                          {}, "give an IMU log and a GNSS log of the same time");
+        throw input_error(
+            imu.empty() ? "the IMU log has no sample before the end of the run" : "gravimetry needs satellite fixes", {},
+            "give an IMU log and a GNSS log of the same time");
     const fusion::InitialSettings& initial = c.filter.initial;
     const Time first = imu.front().time - Duration::from_seconds(imu.front().dt);
     const bool given = initial.rpy.allFinite() && initial.velocity_n.allFinite() && std::isfinite(initial.position.lat) &&
@@ -154,12 +154,22 @@ GravityInput gravity_input(const LoadedDataset& data, WarningLog& warnings) {
     out.survey.fixes = fixes_of(data, out.settings.prior);
     if (out.survey.fixes.empty())
         throw input_error("no satellite fix can be used", {}, "check the times of both logs with `schuler inspect`");
+    for (const double t : c.gravity.steps) out.survey.steps.push_back(data.origin + Duration::from_seconds(t));
+    if (c.gravity.height_aid) {
+        if (data.recording.baro.empty())
+            throw input_error("there is no barometer or depth gauge to take", {{}, 0, 0, "gravity.height_aid"},
+                              "name its log in [baro], or leave the key out");
+        out.settings.prior.height_bias = c.filter.baro.bias_std;
+        for (const BaroSample& b : data.recording.baro)
+            if (std::isfinite(b.height)) out.survey.heights.push_back({b.time, b.height, c.filter.baro.std});
+    }
     const AntennaFix& a = out.survey.fixes.front();
     double distance = 0.0;
     for (std::size_t i = 1; i < out.survey.fixes.size(); ++i)
-        distance += std::isfinite(out.survey.fixes[i].sigma_velocity_n.x())
-                        ? out.survey.fixes[i].velocity.norm() * (out.survey.fixes[i].time - out.survey.fixes[i - 1].time).seconds()
-                        : (out.survey.fixes[i].position - out.survey.fixes[i - 1].position).norm();
+        distance +=
+            std::isfinite(out.survey.fixes[i].sigma_velocity_n.x())
+                ? out.survey.fixes[i].velocity.norm() * (out.survey.fixes[i].time - out.survey.fixes[i - 1].time).seconds()
+                : (out.survey.fixes[i].position - out.survey.fixes[i - 1].position).norm();
     const double span = (out.survey.fixes.back().time - a.time).seconds();
     out.mean_speed = span > 0.0 ? distance / span : 0.0;
     return out;

@@ -37,8 +37,9 @@ report::Panel component_panel(const std::vector<GravityRow>& rows, bool truth, i
     p.bands.push_back({"one sigma", t, column(rows, [&](const GravityRow& r) { return value(r) - sigma(r); }),
                        column(rows, [&](const GravityRow& r) { return value(r) + sigma(r); })});
     if (truth)
-        p.series.push_back({"truth", t, column(rows, [axis](const GravityRow& r) { return enu_from_ned(r.truth_n)(axis) / mgal; }),
-                            Ink::Text, report::Mark::Dashed});
+        p.series.push_back({"truth", t,
+                            column(rows, [axis](const GravityRow& r) { return enu_from_ned(r.truth_n)(axis) / mgal; }), Ink::Text,
+                            report::Mark::Dashed});
     p.series.push_back({"estimate", t, column(rows, value)});
     return p;
 }
@@ -76,6 +77,9 @@ report::Panel error_panel(const GravityBundle& b) {
     }
     p.bands.push_back({"one sigma", t, minus, sigma});
     p.series.push_back({"forward filter", t, forward, Ink::Vermillion});
+    std::vector<double> classical;
+    for (std::size_t i = 0; i < b.classical.down.size(); ++i) classical.push_back(-(b.classical.down[i] - b.truth[i].z()) / mgal);
+    p.series.push_back({"classical", t, classical, Ink::Muted, report::Mark::Dashed, 1.0});
     if (!smoothed.empty()) p.series.push_back({"smoother", t, smoothed});
     return p;
 }
@@ -94,13 +98,43 @@ report::Panel profile_panel(const std::vector<GravityRow>& rows, bool truth) {
     report::Panel p{"gravity disturbance along the track", "distance, km", "mGal"};
     p.time_axis = false;
     const std::vector<double> x = column(rows, [](const GravityRow& r) { return 1e-3 * r.distance; });
-    p.bands.push_back({"one sigma", x, column(rows, [](const GravityRow& r) { return (r.disturbance_n.z() - r.sigma_n.z()) / mgal; }),
+    p.bands.push_back({"one sigma", x,
+                       column(rows, [](const GravityRow& r) { return (r.disturbance_n.z() - r.sigma_n.z()) / mgal; }),
                        column(rows, [](const GravityRow& r) { return (r.disturbance_n.z() + r.sigma_n.z()) / mgal; })});
     if (truth)
         p.series.push_back({"truth", x, column(rows, [](const GravityRow& r) { return r.truth_n.z() / mgal; }), Ink::Text,
                             report::Mark::Dashed});
     p.series.push_back({"estimate", x, column(rows, [](const GravityRow& r) { return r.disturbance_n.z() / mgal; })});
     return p;
+}
+
+/// Crossovers before and after levelling, and the lines.
+report::Group lines_group(const GravityBundle& b) {
+    const GravityLines& l = b.lines;
+    report::Group group{"Lines and crossovers"};
+    report::TableBlock lines{"lines", {"line", "from, s", "to, s", "level, mGal"}, {}};
+    for (std::size_t k = 0; k < l.lines.size(); ++k) {
+        const auto at = [&](std::size_t i) { return report::number(b.run.relative(b.survey.forward[i].time), 6); };
+        lines.rows.push_back(
+            {fmt::format("{}", k + 1), at(l.lines[k].first), at(l.lines[k].last), report::number(l.lines[k].level / mgal, 3)});
+    }
+    report::TableBlock crossings{"crossovers, first line less second, mGal", {"lines", "before", "levelled"}, {}};
+    for (const gravimetry::Crossover& c : l.crossings)
+        crossings.rows.push_back({fmt::format("{} and {}", c.line_a + 1, c.line_b + 1),
+                                  report::number((c.value_a - c.value_b) / mgal, 3),
+                                  report::number(c.difference(l.lines) / mgal, 3)});
+    if (!l.crossings.empty())
+        crossings.rows.push_back({"rms", report::number(l.rms_before / mgal, 3), report::number(l.rms_after / mgal, 3)});
+    group.tables = {std::move(lines)};
+    if (!l.crossings.empty()) group.tables.push_back(std::move(crossings));
+    if (!l.repeats.empty()) {
+        report::TableBlock repeats{"repeated lines, mGal", {"lines", "length, km", "mean difference", "deviation"}, {}};
+        for (const gravimetry::RepeatedLine& r : l.repeats)
+            repeats.rows.push_back({fmt::format("{} and {}", r.line_a + 1, r.line_b + 1), report::number(1e-3 * r.length, 3),
+                                    report::number(r.mean / mgal, 3), report::number(r.deviation / mgal, 3)});
+        group.tables.push_back(std::move(repeats));
+    }
+    return group;
 }
 
 }  // namespace
@@ -114,8 +148,9 @@ std::string gravity_report_html(const GravityBundle& b, const std::vector<Gravit
     report::Section section{"Disturbance of gravity", b.attainable.statement + "."};
     if (b.attainable.usable) {
         const auto card = [](double x) { return fmt::format("{} mGal", report::number(x / mgal, 3)); };
-        std::vector<report::Card> cards{{"vertical disturbance", card(-b.epochs().back().disturbance_n.z()), "at the end, up"},
-                                        {"sigma", card(b.epochs().back().sigma_disturbance_n.z()), "of the vertical, at the end"}};
+        std::vector<report::Card> cards{
+            {"vertical disturbance", card(-b.epochs().back().disturbance_n.z()), "at the end, up"},
+            {"sigma", card(b.epochs().back().sigma_disturbance_n.z()), "of the vertical, at the end"}};
         if (truth) {
             cards.push_back({"error", card(b.errors.rms.z()), "vertical, RMS after settling"});
             cards.push_back({"error less its mean", card(b.errors.spread.z()), "what a crossover adjustment leaves"});
@@ -130,6 +165,7 @@ std::string gravity_report_html(const GravityBundle& b, const std::vector<Gravit
         if (truth) settling.panels.push_back(error_panel(b));
         section.groups.push_back(std::move(settling));
         section.groups.push_back(terms_group(rows));
+        if (!b.lines.lines.empty()) section.groups.push_back(lines_group(b));
     }
     page.sections.insert(page.sections.begin(), std::move(section));
     return report::render(page);

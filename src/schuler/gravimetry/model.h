@@ -22,6 +22,7 @@ enum StateIndex : int {
     random = 24,          ///< its random part, m/s^2
     slope = 27,           ///< of the systematic part (ramp) or of the random one, m/s^2 per metre along the track
     curvature = 30,       ///< of the random part, m/s^2 per square metre
+    height_bias = 33,     ///< one component: constant error of a depth gauge or barometer, m
 };
 /// Room for every model; 36 so that columns are whole vectors. States that a model does not have keep zero variance.
 inline constexpr int max_states = 36;

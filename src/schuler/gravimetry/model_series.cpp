@@ -174,7 +174,7 @@ ModelSeries model_series(const earth::Earth& earth, const ObservedMotion& motion
             add(attitude, gyro_bias + j, C_eb[row][column]);
         }
     }
-    for (const int group : {velocity, attitude}) {   // Coriolis, the Earth's turn
+    for (const int group : {velocity, attitude}) {  // Coriolis, the Earth's turn
         const Real rate = group == velocity ? Real(u * 2) : u;
         model.F.push_back({group, group + 1, Series(rate)});
         model.F.push_back({group + 1, group, Series(Real(-rate))});

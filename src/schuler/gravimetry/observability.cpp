@@ -97,7 +97,9 @@ struct Elimination {
 };
 
 void check(const ObservedMotion& m, double tolerance) {
-    const auto refuse = [](const char* key, const char* what, const char* mend) { throw input_error(what, {{}, 0, 0, key}, mend); };
+    const auto refuse = [](const char* key, const char* what, const char* mend) {
+        throw input_error(what, {{}, 0, 0, key}, mend);
+    };
     const double limit = 89.0 * std::numbers::pi / 180.0;
     if (!(std::abs(m.start.lat) <= limit)) refuse("latitude-deg", "must lie between -89 and 89", "give degrees");
     if (!std::isfinite(m.start.lon)) refuse("longitude-deg", "is not a finite number", "give degrees");
@@ -107,15 +109,16 @@ void check(const ObservedMotion& m, double tolerance) {
     if (!(std::abs(m.heading_rate) <= 10.0)) refuse("turn-deg-s", "must be below 570 deg/s", "give degrees a second");
     if (!(m.random_rate >= 0.0 && m.random_rate <= 1.0))
         refuse("correlation-time", "the correlation time must be at least 1 s", "give seconds, 0 for a constant");
-    if (!(tolerance >= 0.0 && tolerance < 1.0)) refuse("tolerance", "must lie between 0 and 1", "0 for the exact rank, 1e-7 for the paper's");
+    if (!(tolerance >= 0.0 && tolerance < 1.0))
+        refuse("tolerance", "must lie between 0 and 1", "0 for the exact rank, 1e-7 for the paper's");
 }
 
 }  // namespace
 
 std::array<std::string, states> state_names() {
     std::array<std::string, states> names;
-    constexpr std::array groups{"position", "velocity", "attitude", "accel_bias", "gyro_bias", "gnss_position", "gnss_velocity",
-                                "systematic", "random"};
+    constexpr std::array groups{"position",      "velocity",      "attitude",   "accel_bias", "gyro_bias",
+                                "gnss_position", "gnss_velocity", "systematic", "random"};
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = std::string(groups[i / 3]) + "_" + "xyz"[i % 3];
     return names;
 }

@@ -21,16 +21,16 @@ struct ObservedMotion {
     Eigen::Vector3d v_eb_n = Eigen::Vector3d::Zero();   ///< m/s
     Eigen::Vector3d rpy = {0.0, 0.0, 45.0 * units::deg};   ///< at the start, rad
     double heading_rate = 0.0;      ///< rad/s
-    double random_rate = 0.0;       ///< mu of the random part, 1/s; 0: it is a second constant, as the paper's count of states has it
-    bool rhumb = false;             ///< instead, constant velocity north, east, down and heading against north over the ellipsoid
-    bool frozen = false;            ///< F of the start held: what a test that ignores the motion of the model would find
-    bool centrifugal = false;       ///< the gradient of the centrifugal acceleration beside the point mass's (0.35 % of it)
+    double random_rate = 0.0;  ///< mu of the random part, 1/s; 0: it is a second constant, as the paper's count of states has it
+    bool rhumb = false;  ///< instead, constant velocity north, east, down and heading against north over the ellipsoid
+    bool frozen = false;  ///< F of the start held: what a test that ignores the motion of the model would find
+    bool centrifugal = false;  ///< the gradient of the centrifugal acceleration beside the point mass's (0.35 % of it)
 };
 
 /// A combination that is seen: a state plus multiples of states that are not seen on their own.
 struct SeenCombination {
     std::string state;
-    std::vector<std::pair<std::string, double>> with;   ///< coefficients in SI units
+    std::vector<std::pair<std::string, double>> with;  ///< coefficients in SI units
 };
 
 struct Observability {
@@ -39,7 +39,7 @@ struct Observability {
     /// Of the elimination with complete pivoting, in the order found, down to the rank; states are scaled by time 1/w0, velocity
     /// g/w0, length g/w0^2, acceleration g, so a pivot is a share of what gravity itself does in 13 minutes.
     std::vector<double> pivots;
-    double next = 0.0;              ///< the largest number left: of rounding (below 1e-40), or below the tolerance
+    double next = 0.0;  ///< the largest number left: of rounding (below 1e-40), or below the tolerance
     std::vector<SeenCombination> combinations;
 };
 

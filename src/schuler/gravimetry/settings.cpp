@@ -21,6 +21,7 @@ StateMatrix prior_covariance(const SurveySettings& settings, const Ecef& positio
     set(gnss_position, even(prior.gnss_position));
     set(gnss_velocity, even(prior.gnss_velocity));
     set(systematic, turned(prior.disturbance_n));
+    P(height_bias, height_bias) = prior.height_bias * prior.height_bias;
     const Matrix3d stationary = settings.disturbance.stationary(), random_part = turned(settings.disturbance.sigma_n);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) P.block<3, 3>(random + 3 * i, random + 3 * j) = stationary(i, j) * random_part;

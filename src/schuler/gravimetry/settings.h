@@ -15,6 +15,7 @@ struct Prior {
     double gnss_position = 0.05;     ///< systematic error of the receiver, m
     double gnss_velocity = 0.05;     ///< m/s
     Eigen::Vector3d disturbance_n = Eigen::Vector3d::Constant(1e-4);   ///< systematic part, m/s^2
+    double height_bias = 0.0;        ///< of a depth gauge or barometer, m; 0: there is none
     double slope = 0.0;              ///< of a ramp, m/s^2 per metre (per second where the disturbance runs by time)
 };
 

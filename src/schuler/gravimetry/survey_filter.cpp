@@ -28,7 +28,8 @@ void SurveyFilter::advance(const ImuIncrement& raw) {
     previous_ = felt;
 }
 
-FixStep SurveyFilter::take(const AntennaFix& fix) {
+/// The covariance carried from the last measurement to now.
+FixStep SurveyFilter::carried() {
     FixStep record;
     record.Phi.setIdentity();
     if (elapsed_ > 0.0) {
@@ -41,6 +42,37 @@ FixStep SurveyFilter::take(const AntennaFix& fix) {
         record.Phi = step.Phi;
         record.f_e = motion.f_e;
     }
+    return record;
+}
+
+void SurveyFilter::correct(const StateVector& dx) {
+    state_ = corrected(state_, dx);
+    elapsed_ = 0.0;
+    C_eb_sum_.setZero();
+    f_e_sum_.setZero();
+    from_ = state_.nav.position;
+}
+
+void SurveyFilter::open_disturbance() {
+    const StateMatrix prior = prior_covariance(settings_, state_.nav.position);
+    P_.block<3, 3>(systematic, systematic) += prior.block<3, 3>(systematic, systematic);
+}
+
+FixStep SurveyFilter::take(const HeightFix& fix) {
+    FixStep record = carried();
+    record.satellites = false;
+    const Geodetic place = earth::geodetic_from_ecef(settings_.earth.ellipsoid, state_.nav.position);
+    StateVector h = StateVector::Zero(), dx = StateVector::Zero();
+    h.segment<3>(position) = -earth::C_en(place.lat, place.lon).col(2);
+    h(height_bias) = 1.0;
+    const double z = place.h + state_.parameters(height_bias) - fix.height;
+    record.updates[record.used++] = estim::update_scalar<max_states>(dx, P_, h, z, fix.sigma * fix.sigma);
+    correct(dx);
+    return record;
+}
+
+FixStep SurveyFilter::take(const AntennaFix& fix) {
+    FixStep record = carried();
     const Matrix3d C_eb = state_.nav.q_eb.toRotationMatrix();
     const Vector3d w_ib_b = previous_.dt > 0.0 ? Vector3d(previous_.dtheta / previous_.dt) : Vector3d::Zero();
     const Vector3d w_eb_b = w_ib_b - C_eb.transpose() * Vector3d(0.0, 0.0, settings_.earth.ellipsoid.w_ie);
@@ -59,11 +91,7 @@ FixStep SurveyFilter::take(const AntennaFix& fix) {
         record.updates[record.used++] =
             estim::update_scalar<max_states>(dx, P_, h, axis.dot(z.segment<3>(first)), sigma * sigma);
     }
-    state_ = corrected(state_, dx);
-    elapsed_ = 0.0;
-    C_eb_sum_.setZero();
-    f_e_sum_.setZero();
-    from_ = state_.nav.position;
+    correct(dx);
     return record;
 }
 

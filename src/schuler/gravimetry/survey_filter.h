@@ -14,6 +14,7 @@ struct FixStep {
     StateMatrix Phi;
     std::array<estim::ScalarUpdate<max_states>, 6> updates;
     std::size_t used = 0;   ///< of them
+    bool satellites = true; ///< of an AntennaFix
     Eigen::Vector3d f_e = Eigen::Vector3d::Zero();   ///< mean specific force since the fix before, m/s^2
 };
 
@@ -25,11 +26,17 @@ public:
     void advance(const ImuIncrement& raw);
     /// Carries the covariance to now and takes a fix of now.
     FixStep take(const AntennaFix& fix);
+    /// Takes a height of now; the covariance is carried on as by take().
+    FixStep take(const HeightFix& fix);
+    /// The systematic part of the disturbance may have changed by its prior.
+    void open_disturbance();
 
     [[nodiscard]] const SurveyState& state() const { return state_; }
     [[nodiscard]] const StateMatrix& P() const { return P_; }
 
 private:
+    FixStep carried();
+    void correct(const StateVector& dx);
     SurveySettings settings_;
     SurveyState state_;
     StateMatrix P_;

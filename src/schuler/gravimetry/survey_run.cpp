@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace schuler::gravimetry {
@@ -40,9 +41,18 @@ SurveyEpoch epoch_of(const earth::Earth& earth, const SurveyState& state, const 
     const auto block = [&P](int i, int j) { return Matrix3d(P.block<3, 3>(i, j)); };
     const auto sigma_b = [&block](int i) { return Vector3d(block(i, i).diagonal().cwiseMax(0.0).cwiseSqrt()); };
     constexpr int s = kept_first, r = kept_first + 3;   // systematic and random part
-    return {state.nav.time, state.nav, C_ne * state.disturbance_e(), sigma(block(s, s) + block(r, r) + block(s, r) + block(r, s)),
-            sigma(block(r, r)), sigma(block(attitude, attitude)), sigma(block(velocity, velocity)), sigma(block(position, position)),
-            state.parameters.segment<3>(accel_bias), state.parameters.segment<3>(gyro_bias), sigma_b(accel_bias), sigma_b(gyro_bias),
+    return {state.nav.time,
+            state.nav,
+            C_ne * state.disturbance_e(),
+            sigma(block(s, s) + block(r, r) + block(s, r) + block(r, s)),
+            sigma(block(r, r)),
+            sigma(block(attitude, attitude)),
+            sigma(block(velocity, velocity)),
+            sigma(block(position, position)),
+            state.parameters.segment<3>(accel_bias),
+            state.parameters.segment<3>(gyro_bias),
+            sigma_b(accel_bias),
+            sigma_b(gyro_bias),
             C_ne * f_e};
 }
 
@@ -54,21 +64,25 @@ struct Kept {
 };
 
 std::vector<SurveyEpoch> smoothed(const earth::Earth& earth, const std::vector<Kept>& kept) {
-    std::vector<SurveyEpoch> out(kept.size());
+    std::vector<SurveyEpoch> out;
     estim::Adjoint<max_states> adjoint;
     for (std::size_t k = kept.size(); k-- > 0;) {
         const Kept& here = kept[k];
-        const Eigen::Matrix<double, reported, 1> dx = -here.P.transpose().lazyProduct(adjoint.lambda);
-        Columns LP;
-        LP.noalias() = adjoint.Lambda * here.P;
-        StateVector whole = StateVector::Zero();
-        whole.head<kept_first>() = dx.head<kept_first>();
-        whole.segment<6>(systematic) = dx.tail<6>();
-        out[k] = epoch_of(earth, corrected(here.state, whole), reported_block(here.P) - here.P.transpose() * LP, here.step.f_e);
+        if (here.step.satellites) {
+            const Eigen::Matrix<double, reported, 1> dx = -here.P.transpose().lazyProduct(adjoint.lambda);
+            Columns LP;
+            LP.noalias() = adjoint.Lambda * here.P;
+            StateVector whole = StateVector::Zero();
+            whole.head<kept_first>() = dx.head<kept_first>();
+            whole.segment<6>(systematic) = dx.tail<6>();
+            out.push_back(
+                epoch_of(earth, corrected(here.state, whole), reported_block(here.P) - here.P.transpose() * LP, here.step.f_e));
+        }
         for (std::size_t i = here.step.used; i-- > 0;) adjoint.undo(here.step.updates[i]);
         adjoint.lambda = here.step.Phi.transpose().lazyProduct(adjoint.lambda).eval();
         estim::propagate_adjoint<max_states>(adjoint.Lambda, here.step.Phi);
     }
+    std::ranges::reverse(out);
     return out;
 }
 
@@ -79,22 +93,34 @@ SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input
     SurveyResult result;
     std::vector<Kept> kept;
     auto fix = input.fixes.begin();
+    auto height = input.heights.begin();
+    auto step = input.steps.begin();
     for (const ImuIncrement& increment : input.imu) {
         const double gap = (increment.time - filter.state().nav.time).seconds() - increment.dt;
         if (!(increment.dt > 0.0) || std::abs(gap) > 0.5 * increment.dt)
-            throw input_error(fmt::format("the increment at {:.3f} s does not follow the one before", increment.time.seconds()), {},
-                              "gravimetry needs an IMU log without gaps");
+            throw input_error(fmt::format("the increment at {:.3f} s does not follow the one before", increment.time.seconds()),
+                              {}, "gravimetry needs an IMU log without gaps");
+        if (step != input.steps.end() && *step <= increment.time) {
+            filter.open_disturbance();
+            ++step;
+        }
         filter.advance(increment);
         const double half = 0.5 * increment.dt;
-        for (; fix != input.fixes.end() && (fix->time - increment.time).seconds() < half; ++fix) {
-            const double late = (increment.time - fix->time).seconds();
-            if (late > half) continue;   // before the first increment
+        const auto due = [&](const auto& measured) { return (measured.time - increment.time).seconds() < half; };
+        const auto late = [&](const auto& measured) { return (increment.time - measured.time).seconds(); };
+        for (; height != input.heights.end() && due(*height); ++height) {
+            if (late(*height) > half) continue;
+            const FixStep taken = filter.take(*height);
+            if (smooth) kept.push_back({taken, filter.state(), {}});
+        }
+        for (; fix != input.fixes.end() && due(*fix); ++fix) {
+            if (late(*fix) > half) continue;   // before the first increment
             AntennaFix now = *fix;
-            if (now.velocity.allFinite()) now.position += late * now.velocity;
-            FixStep step = filter.take(now);
+            if (std::isfinite(now.sigma_velocity_n.sum())) now.position += late(*fix) * now.velocity;
+            const FixStep taken = filter.take(now);
             const Columns P = reported_columns(filter.P());
-            result.forward.push_back(epoch_of(settings.earth, filter.state(), reported_block(P), step.f_e));
-            if (smooth) kept.push_back({step, filter.state(), P});
+            result.forward.push_back(epoch_of(settings.earth, filter.state(), reported_block(P), taken.f_e));
+            if (smooth) kept.push_back({taken, filter.state(), P});
         }
     }
     if (result.forward.empty())

@@ -13,6 +13,8 @@ struct SurveyInput {
     NavStateEcef start;                  ///< at the start of the first increment
     std::vector<ImuIncrement> imu;       ///< body axes, without gaps
     std::vector<AntennaFix> fixes;       ///< rising times
+    std::vector<HeightFix> heights{};    ///< rising times; may be empty
+    std::vector<Time> steps{};           ///< rising: the systematic part of the disturbance may have changed there
 };
 
 /// An estimate after a fix.
@@ -34,7 +36,7 @@ struct SurveyResult {
 };
 
 /// Closed loop: every fix corrects the nominal state. A fix is used at the last increment that ends at most half a sample after
-/// it, moved there by the velocity. Smoothing takes 18 kB of memory a fix.
+/// it, moved there by the velocity. Smoothing takes 21 kB of memory a fix.
 /// @throws Error(Input) where increments do not follow each other or no fix lies among them.
 [[nodiscard]] SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input, bool smooth);
 

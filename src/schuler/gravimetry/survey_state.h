@@ -26,6 +26,13 @@ struct AntennaFix {
     Eigen::Vector3d sigma_velocity_n = Eigen::Vector3d::Constant(0.05);     ///< m/s; infinite: not measured
 };
 
+/// Height above the ellipsoid by another instrument at the IMU.
+struct HeightFix {
+    Time time;
+    double height = 0.0;    ///< m
+    double sigma = 1.0;     ///< white part, m
+};
+
 /// The increment less the estimated sensor errors.
 [[nodiscard]] ImuIncrement without_sensor_errors(const SurveyState& state, const ImuIncrement& raw);
 

@@ -1,0 +1,62 @@
+#include "schuler/gravimetry/classical.h"
+
+#include "schuler/core/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace schuler::gravimetry {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+std::vector<double> low_passed(const std::vector<double>& t, const std::vector<double>& x, double period) {
+    const double sigma = period * std::sqrt(0.5 * std::numbers::ln2) / std::numbers::pi;
+    std::vector<double> out(x.size());
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        while (t[i] - t[first] > 4.0 * sigma) ++first;
+        double sum = 0.0, weights = 0.0;
+        for (std::size_t j = first; j < x.size() && t[j] - t[i] <= 4.0 * sigma; ++j) {
+            const double weight = std::exp(-0.5 * std::pow((t[j] - t[i]) / sigma, 2));
+            sum += weight * x[j];
+            weights += weight;
+        }
+        out[i] = sum / weights;
+    }
+    return out;
+}
+
+std::vector<double> classical_disturbance(const SurveySettings& settings, const SurveyInput& input,
+                                          const std::vector<SurveyEpoch>& forward, double period) {
+    const std::size_t n = forward.size();
+    if (n < 3) throw input_error("fewer than three fixes lie within the IMU log", {}, "gravimetry needs a longer log");
+    std::vector<double> t(n), h(n), raw(n);
+    std::size_t fix = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        t[i] = (forward[i].time - forward.front().time).seconds();
+        // The fix that made this epoch: the last one not later than half an IMU sample after it.
+        while (fix + 1 < input.fixes.size() && std::abs((input.fixes[fix + 1].time - forward[i].time).seconds()) <
+                                                   std::abs((input.fixes[fix].time - forward[i].time).seconds()))
+            ++fix;
+        const Vector3d r = input.fixes[fix].position - forward[i].nav.q_eb * settings.lever_arm_b;
+        h[i] = earth::geodetic_from_ecef(settings.earth.ellipsoid, Ecef{r}).h;
+    }
+    for (std::size_t i = 1; i + 1 < n; ++i) {
+        const double before = t[i] - t[i - 1], after = t[i + 1] - t[i];
+        const double climb = 2.0 * ((h[i + 1] - h[i]) / after - (h[i] - h[i - 1]) / before) / (before + after);
+        const Geodetic place = earth::geodetic_from_ecef(settings.earth.ellipsoid, forward[i].nav.position);
+        const Matrix3d C_ne = earth::C_en(place.lat, place.lon).transpose();
+        const Vector3d v_n = C_ne * forward[i].nav.v_eb_e;
+        const earth::EarthTerms terms = earth::terms_at(settings.earth, place, v_n);
+        const double eotvos = (2.0 * terms.w_ie_n + terms.w_en_n).cross(v_n).z();
+        const double f_down = 0.5 * (forward[i].f_n.z() + forward[i + 1].f_n.z());
+        raw[i] = -climb - f_down + eotvos - terms.g_n.z();
+    }
+    raw.front() = raw[1];
+    raw.back() = raw[n - 2];
+    return low_passed(t, raw, period);
+}
+
+}  // namespace schuler::gravimetry

@@ -1,0 +1,88 @@
+"""`schuler gravity` from outside: files, numbers, injected disturbances, refusals."""
+import json
+from pathlib import Path
+
+from program_test import check, main
+
+SURVEY = """name = "survey"
+seed = 4
+duration_s = 900
+[trajectory]
+type = "great_circle"
+start = { lat_deg = 55.8, lon_deg = 37.5, height_m = 164.0 }
+heading_deg = 45
+speed_m_s = 10
+[[anomaly]]
+kind = "constant"
+size_mgal = [0, 0, 10]
+[imu]
+rate_hz = 2
+grade = "perfect"
+gyro_turn_on_bias_deg_h = 0.01
+gyro_noise_deg_sqrt_h = 1.2e-4
+accel_turn_on_bias_mg = 1e-4
+accel_noise_m_s_sqrt_h = 4.2e-5
+[gnss]
+white_m = [0.05, 0.05, 0.05]
+white_velocity_m_s = [0.05, 0.05, 0.05]
+[filter]
+initial_error = { level_deg = 0.005, heading_deg = 0.05, velocity_m_s = 0.01, position_m = 1 }
+[gravity]
+model = "constant"
+prior_mgal = [10, 10, 10]
+"""
+
+
+def gravity(program, source):
+    folder = Path(program.folder)
+    (folder / "survey.toml").write_text(SURVEY)
+    summary = json.loads(program("gravity", "survey.toml", "-o", "g", "--json").stdout)
+    found = summary["gravity"]
+    check(summary["command"] == "gravity" and found["usable"], "a survey with a gravimeter's accelerometers is usable")
+    up = found["vertical_mgal"]
+    check(abs(up["estimate"] - 10.0 - up["final"]) < 1e-9, "estimate less truth is the error")
+    check(up["sigma"] < 0.5 and abs(up["final"]) < 4 * up["sigma"], f"vertical {up} within four sigma")
+    check(found["east_mgal"]["sigma"] > 5.0, "a horizontal disturbance is not told from tilt")
+    lines = (folder / "g/gravity.csv").read_text().splitlines()
+    check(len(lines) == found["epochs"] + 1 and "disturbance_up_mgal" in lines[0], "gravity.csv has the epochs")
+    check(abs(float(lines[-1].split(",")[lines[0].split(",").index("gravity_disturbance_mgal")]) + up["estimate"]) < 1e-3,
+          "stronger gravity is positive in gravity_disturbance_mgal")
+    points = json.loads((folder / "g/gravity.geojson").read_text())["features"]
+    check(len(points) == found["epochs"] and abs(points[0]["geometry"]["coordinates"][1] - 55.8) < 0.1, "gravity.geojson has them too")
+    check("Disturbance of gravity" in (folder / "g/report.html").read_text(), "the report shows it")
+
+    # Simulated logs and a scenario give the same; a step injected into the logs is found.
+    program("simulate", "survey.toml", "-o", "logs")
+    again = json.loads(program("gravity", "logs", "-o", "h", "--json").stdout)["gravity"]["vertical_mgal"]
+    check(again["estimate"] == up["estimate"] and again["final"] is None, "the logs of the scenario give the same, without a truth")
+    (folder / "step.toml").write_text('[[anomaly]]\nkind = "constant"\nsize_mgal = [0, 0, -3]\n')
+    injected = json.loads(program("gravity", "logs", "-o", "i", "--config", "step.toml", "--json").stdout)["gravity"]["vertical_mgal"]
+    check(abs(injected["estimate"] - up["estimate"] + 3.0) < 0.02, f"an injected disturbance is found: {injected}")
+
+    runs = json.loads(program("gravity", "survey.toml", "--runs", 3, "--json").stdout)
+    check(runs["montecarlo"]["runs"] == 3 and runs["errors"]["disturbance up"]["median"] < 1.0, "--runs tells medians")
+    response = json.loads(program("gravity", "survey.toml", "--response", "-o", "r", "--json").stdout)
+    check(response["response"][-1]["forward"]["gain"] < 0.7, "a model of a constant follows no harmonic")
+
+    # Logs that cannot show gravity say so instead of numbers.
+    (folder / "poor.toml").write_text(SURVEY.replace('accel_turn_on_bias_mg = 1e-4', "accel_turn_on_bias_mg = 2"))
+    poor = program("gravity", "poor.toml", "-o", "p", "--json")
+    found = json.loads(poor.stdout)["gravity"]
+    check(not found["usable"] and found["vertical_mgal"]["estimate"] is None and "cannot show" in found["statement"], "no nonsense")
+    check(not (folder / "p/gravity.csv").exists() and "cannot show" in poor.stderr, "no file of nonsense")
+
+    for wrong, parts in ((SURVEY.replace("size_mgal = [0, 0, 10]", "size_mgal = [0, 10]"), ["wrong.toml:9", "anomaly", "size_mgal"]),
+                         (SURVEY.replace('kind = "constant"', 'kind = "bump"'), ["anomaly", "bump", "harmonic"]),
+                         (SURVEY.replace("prior_mgal", "prior_mgals"), ["prior_mgals", "gravity.prior_mgal"]),
+                         (SURVEY.replace("[gravity]", "[gravity]\nsteps_s = 5"), ["steps_s"])):
+        (folder / "wrong.toml").write_text(wrong)
+        program.fails("gravity", "wrong.toml", parts=parts)
+    program.fails("gravity", "nowhere", parts=["nowhere"])
+    program.fails("gravity", "logs", "--runs", 2, parts=["scenario"])
+    ranks = json.loads(program("analyze", "observability", "--vn", 1, "--ve", 1, "--json").stdout)
+    check(ranks["rank"] == 22 and ranks["states"] == 27 and len(ranks["pivots"]) == 22, "rank of the moving system")
+    program.fails("analyze", "observability", "--latitude-deg", 90, parts=["--latitude-deg"])
+
+
+if __name__ == "__main__":
+    main({"gravity": gravity})
