@@ -83,7 +83,7 @@ RangingLog ranges_of(const TriadCase& which, std::size_t k, const sim::Scenario&
     r.stations = stations_about(path->at(480.0).position, s.earth, which.stations);
     r.errors.clock = which.tcxo ? sensor::tcxo : sensor::ocxo;
     r.masks.throughout = true;
-    r.blocked.push_back({{"stations"}, 0.0, warm_up + which.stations_on});
+    r.blocked.push_back({{"stations"}, 0.0, warm_up + which.stations_on + 0.5});   // first used a second later
     if (which.satellites < 99) r.limits.push_back({warm_up + 0.5, which.satellites, k});
     return sim::simulate_ranges(frame, *path, r).log;
 }
