@@ -1,9 +1,9 @@
 #include "schuler/app/load_ranges.h"
 
 #include "schuler/app/raw_gnss.h"
-#include "schuler/app/raw_input.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/io/csv_ranges.h"
+#include "schuler/io/raw_input.h"
 
 #include <algorithm>
 
@@ -57,7 +57,7 @@ void place_transmitters(RangingLog& log, const std::vector<io::StationRow>& stat
 gnss::Navigation read_navigation(const fs::path& folder, const Config& c, WarningLog& warnings) {
     gnss::Navigation navigation;
     for (const std::string& file : c.raw.navigation)
-        navigation.add(read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
+        navigation.add(io::read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
     return navigation;
 }
 
@@ -88,7 +88,7 @@ RangingLog ranges_from_raw(const fs::path& folder, Config& c, WarningLog& warnin
     std::vector<gnss::Range> ranges;
     std::vector<gnss::ObservationLog> logs;
     for (const std::string& file : c.raw.observations) {
-        RawInput input = read_raw_input(resolved(folder, file, "gnss.observations"), {}, warnings);
+        io::RawInput input = io::read_raw_input(resolved(folder, file, "gnss.observations"), {}, warnings);
         navigation.add(input.navigation);
         logs.push_back(std::move(input.observations));
     }

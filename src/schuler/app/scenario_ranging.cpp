@@ -1,10 +1,10 @@
 // [ranges] of scenario files: which satellites and stations, what hides them, how their ranges err.
 #include "schuler/app/option_builders.h"
 #include "schuler/app/range_error_options.h"
-#include "schuler/app/raw_input.h"
 #include "schuler/app/scenario_sections.h"
 #include "schuler/core/units.h"
 #include "schuler/gnss/constellation.h"
+#include "schuler/io/raw_input.h"
 
 #include <algorithm>
 #include <cmath>
@@ -163,7 +163,7 @@ std::optional<SimulatedRanging> simulate_ranging(const ScenarioConfig& s) {
     if (!s.ranging.navigation.empty()) {
         WarningLog unheard;
         const std::filesystem::path file(s.ranging.navigation);
-        r.navigation = read_raw_input(file.is_absolute() ? file : s.folder / file, {}, unheard).navigation;
+        r.navigation = io::read_raw_input(file.is_absolute() ? file : s.folder / file, {}, unheard).navigation;
     } else {
         if (s.ranging.systems.find('G') != std::string::npos) r.navigation.add(gnss::nominal_gps(out.gps, end));
         if (s.ranging.systems.find('R') != std::string::npos) r.navigation.add(gnss::nominal_glonass(out.gps, end));
