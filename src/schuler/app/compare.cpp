@@ -34,6 +34,7 @@ const std::vector<KnownScheme>& known_schemes() {
          "a separate, continuous correction",
          {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {0.0}, {}}}},
         {"loose", "b loose, standard", {{"filter.scheme", {std::string("loose")}, {}}}},
+        {"tight", "c tight", {{"filter.scheme", {std::string("tight")}, {}}}},
         {"loose-aggressive",
          "b loose, aggressive",
          {{"filter.scheme", {std::string("loose")}, {}}, {"filter.loose", {std::string("aggressive")}, {}}}},

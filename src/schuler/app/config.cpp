@@ -20,6 +20,7 @@ OptionTable<Config> make_table() {
     add_filter_options(table);
     add_coupling_options(table);
     add_gravity_options(table);
+    add_ranging_options(table);
     add_run_options(table);
     return table;
 }
@@ -59,7 +60,10 @@ Config config_from(const SettingList& settings) {
         if (!given("gnss.correlated_distance_m")) g.correlated_distance = 250e3;
         if (!given("gnss.correlated_velocity_time_s")) g.correlated_velocity_time = 20.0;
     }
-    config.filter.coupling = config.scheme == Scheme::Separate ? fusion::Coupling::Separate : fusion::Coupling::Loose;
+    config.filter.coupling = config.scheme == Scheme::Separate ? fusion::Coupling::Separate
+                             : config.scheme == Scheme::Tight  ? fusion::Coupling::Tight
+                                                               : fusion::Coupling::Loose;
+    config.filter.ranging.corrections = config.raw.solver.ranges;
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
     config.filter.aids.nonholonomic = *config.nonholonomic;

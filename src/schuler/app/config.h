@@ -39,7 +39,7 @@ struct RawGnssConfig {
     bool phase_velocity = false;                 ///< velocity from phases instead of Doppler
 };
 
-enum class Scheme { Gnss, Separate, Loose };
+enum class Scheme { Gnss, Separate, Loose, Tight };
 enum class Quaternion { BodyToNed, SensorToEnu };
 
 /// An outage as a user gives it.
@@ -72,6 +72,8 @@ struct Config {
     std::string name;
     TimeConfig time;
     FileSource imu, gnss, baro, mag, reference;
+    FileSource ranges;                           ///< [stations] file: pseudoranges to satellites and ground stations
+    std::string station_coordinates;             ///< [stations] coordinates: places of the stations
     RawGnssConfig raw;
     std::string axes = "frd";                    ///< sensor axes of the IMU
     std::string mag_axes;                        ///< of the magnetometer; empty: those of the IMU

@@ -105,6 +105,9 @@ void add_dataset_options(OptionTable<Config>& table) {
              [](auto& c) -> auto& { return c.gnss; });
     add_file(table, "baro", "barometer log", [](auto& c) -> auto& { return c.baro; });
     add_file(table, "mag", "magnetometer log", [](auto& c) -> auto& { return c.mag; });
+    add_file(table, "stations", "pseudoranges to satellites and ground stations, ranges.csv", [](auto& c) -> auto& { return c.ranges; });
+    table.add(text<Config>("stations.coordinates", "places of the ground stations, stations.csv",
+                           [](auto& c) -> auto& { return c.station_coordinates; }));
     add_file(table, "reference", "truth or another program's solution to compare with",
              [](auto& c) -> auto& { return c.reference; });
     table.add(choice<Config, Quaternion>(

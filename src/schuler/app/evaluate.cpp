@@ -65,7 +65,8 @@ std::vector<analysis::OutageStatistics> outages_of(const LoadedDataset& data, co
 std::vector<AidConsistency> aids_of(const std::vector<fusion::AidRecord>& records, Time settled) {
     std::vector<AidConsistency> out;
     constexpr std::array kinds{AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro,        AidKind::Mag,
-                               AidKind::ZeroVelocity, AidKind::ZeroRate,     AidKind::Nonholonomic};
+                               AidKind::ZeroVelocity, AidKind::ZeroRate,     AidKind::Nonholonomic, AidKind::Pseudorange,
+                               AidKind::RangeRate};
     for (const AidKind kind : kinds) {
         std::vector<analysis::InnovationSample> samples;
         for (const fusion::AidRecord& r : records) {
@@ -114,6 +115,8 @@ std::string_view name_of(AidKind kind) {
         case AidKind::ZeroVelocity: return "zero_velocity";
         case AidKind::ZeroRate: return "zero_rate";
         case AidKind::Nonholonomic: return "nonholonomic";
+        case AidKind::Pseudorange: return "pseudorange";
+        case AidKind::RangeRate: return "range_rate";
     }
     return "other";
 }

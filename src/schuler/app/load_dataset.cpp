@@ -1,5 +1,6 @@
 #include "schuler/app/dataset.h"
 
+#include "schuler/app/load_ranges.h"
 #include "schuler/app/raw_gnss.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/atmosphere.h"
@@ -138,6 +139,21 @@ void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings)
     settle_height_kind(table.height, c);
 }
 
+/// Ranges, and fixes from them where there are no others.
+void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+    Config& c = out.config;
+    const bool csv = !c.ranges.file.empty();
+    if (!csv && (c.raw.observations.empty() || c.scheme != Scheme::Tight)) return;
+    RangingLog& log = out.recording.ranges;
+    log = csv ? ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, warnings);
+    const auto axis = own_axis(out.recording);
+    if (!csv && !log.empty() && axis) {
+        const Duration shift = Duration::from_seconds(c.gnss.time_offset) + -axis_zero(c.time, log.epochs.front().time, *axis);
+        for (RangeEpoch& e : log.epochs) e.time = e.time + shift;
+    }
+    if (out.recording.gnss.empty() && c.gnss.file.empty()) out.recording.gnss = fixes_from_ranges(log, c);
+}
+
 /// Heights above mean sea level become ellipsoidal where the undulation is known.
 void settle_heights(LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
@@ -243,6 +259,7 @@ LoadedDataset settled_dataset(Recording recording, const Config& config, Warning
     LoadedDataset out;
     out.recording = std::move(recording);
     out.config = config;
+    if (out.recording.gnss.empty() && !out.recording.ranges.empty()) out.recording.gnss = fixes_from_ranges(out.recording.ranges, config);
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
@@ -256,6 +273,7 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     read_imu(dataset.folder, out, warnings);
     read_others(dataset.folder, out, warnings);
     read_gnss(dataset.folder, out, warnings);
+    read_ranges(dataset.folder, out, warnings);
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);

@@ -17,21 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-GnssFix fix_from(const gnss::SinglePointSolution& s) {
-    GnssFix fix;
-    fix.time = s.time;
-    fix.position = earth::geodetic_from_ecef(earth::wgs84, s.position);
-    const Eigen::Matrix3d C_ne = earth::C_en(fix.position.lat, fix.position.lon).transpose();
-    fix.std_position = (C_ne * s.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
-    if (s.velocity.allFinite()) {
-        fix.velocity_n = C_ne * s.velocity;
-        fix.std_velocity = (C_ne * s.velocity_covariance * C_ne.transpose()).diagonal().cwiseSqrt();
-    }
-    fix.fix = FixType::Autonomous;
-    fix.satellites = s.used();
-    return fix;
-}
-
 /// Replaces the velocity of a fix by one from phases, which is that of the middle between two epochs.
 void use_phase_velocity(GnssFix& fix, const gnss::PhaseVelocity& v) {
     const Eigen::Matrix3d C_ne = earth::C_en(fix.position.lat, fix.position.lon).transpose();
@@ -48,6 +33,21 @@ std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const 
 }
 
 }  // namespace
+
+GnssFix fix_from(const gnss::SinglePointSolution& s) {
+    GnssFix fix;
+    fix.time = s.time;
+    fix.position = earth::geodetic_from_ecef(earth::wgs84, s.position);
+    const Eigen::Matrix3d C_ne = earth::C_en(fix.position.lat, fix.position.lon).transpose();
+    fix.std_position = (C_ne * s.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
+    if (s.velocity.allFinite()) {
+        fix.velocity_n = C_ne * s.velocity;
+        fix.std_velocity = (C_ne * s.velocity_covariance * C_ne.transpose()).diagonal().cwiseSqrt();
+    }
+    fix.fix = FixType::Autonomous;
+    fix.satellites = s.used();
+    return fix;
+}
 
 std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig& raw, WarningLog& warnings) {
     gnss::Navigation navigation;

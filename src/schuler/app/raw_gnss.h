@@ -16,6 +16,9 @@ namespace schuler::app {
 [[nodiscard]] std::vector<GnssFix> fixes_from_raw(const std::filesystem::path& folder, const RawGnssConfig& raw,
                                                   WarningLog& warnings);
 
+/// A solved epoch as a fix.
+[[nodiscard]] GnssFix fix_from(const gnss::SinglePointSolution& solution);
+
 /// The dataset.toml of a folder with raw measurements, or of one such file with the navigation files beside it; empty where there
 /// are none or nothing has ephemerides. Of several the first by name is taken, RINEX before logs of receivers (UBX, RTCM 3), which
 /// may need no navigation files; the others stand in a comment.

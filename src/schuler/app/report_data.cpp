@@ -54,6 +54,8 @@ report::InnovationGroup group_of(fusion::AidKind kind) {
         case AidKind::ZeroVelocity: g = {"zero velocity", "m/s", 1.0, {"1", "2", "3"}, {}, not_given}; break;
         case AidKind::ZeroRate: g = {"zero rate", "deg/s", units::deg_per_s, {"x", "y", "z"}, {}, not_given}; break;
         case AidKind::Nonholonomic: g = {"vehicle constraint", "m/s", 1.0, {"lateral", "vertical"}, {}, not_given}; break;
+        case AidKind::Pseudorange: g = {"pseudorange", "m", 1.0, {"range"}, {}, not_given}; break;
+        case AidKind::RangeRate: g = {"range rate", "m/s", 1.0, {"rate"}, {}, not_given}; break;
     }
     return g;
 }
@@ -62,7 +64,7 @@ std::vector<report::InnovationGroup> innovations_of(const ResultBundle& b) {
     using fusion::AidKind;
     std::vector<report::InnovationGroup> out;
     for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro, AidKind::Mag, AidKind::ZeroVelocity,
-                               AidKind::ZeroRate, AidKind::Nonholonomic}) {
+                               AidKind::ZeroRate, AidKind::Nonholonomic, AidKind::Pseudorange, AidKind::RangeRate}) {
         report::InnovationGroup g = group_of(kind);
         for (const fusion::AidRecord& r : b.result.aids) {
             if (r.kind != kind) continue;

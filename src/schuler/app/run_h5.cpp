@@ -91,7 +91,7 @@ void add_fixes(io::Hdf5Writer& file, const std::vector<GnssFix>& rows) {
 void add_innovations(io::Hdf5Writer& file, const std::vector<fusion::AidRecord>& records) {
     using fusion::AidKind;
     for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro, AidKind::Mag, AidKind::ZeroVelocity,
-                               AidKind::ZeroRate, AidKind::Nonholonomic}) {
+                               AidKind::ZeroRate, AidKind::Nonholonomic, AidKind::Pseudorange, AidKind::RangeRate}) {
         std::vector<fusion::AidRecord> rows;
         for (const fusion::AidRecord& r : records) {
             if (r.kind == kind) rows.push_back(r);

@@ -251,6 +251,7 @@ Table make_table() {
     add_trajectory_options(table);
     add_imu(table);
     add_receivers(table);
+    add_ranging_scenario_options(table);
     table.add(outage_option()).add(fault_option());
     add_filter(table);
     add_montecarlo(table);

@@ -4,6 +4,8 @@
 #include "schuler/app/config.h"
 #include "schuler/app/option_table.h"
 #include "schuler/app/published.h"
+#include "schuler/io/csv_ranges.h"
+#include "schuler/sim/ranging.h"
 #include "schuler/sim/simulate.h"
 
 #include <cstdint>
@@ -16,7 +18,7 @@
 namespace schuler::app {
 
 enum class TrajectoryType {
-    Static, GreatCircle, PaperA, Car, Waypoints, Takeoff, Racetrack, Approach, Figure8, Ship, Table, File
+    Static, GreatCircle, PaperA, Car, Waypoints, Takeoff, Racetrack, Approach, Figure8, Ship, Table, File, Weave
 };
 
 /// Errors of the initial state given to the filter, one sigma; NaN: the filter starts by itself.
@@ -33,6 +35,17 @@ struct Variation {
     std::string key;
     bool normal = false;           ///< first: mean, second: sigma; otherwise uniform from first to second; in the key's unit
     double first = 0.0, second = 0.0;
+};
+
+/// Raw ranges of a scenario.
+struct RangingScenarioConfig {
+    double rate = 0.0;             ///< Hz; 0: none
+    std::string systems = "G";     ///< nominal constellations
+    std::string navigation;        ///< a file of ephemerides instead
+    int week = 2300;               ///< GPS time of the start
+    double second = 0.0;
+    bool rinex = false;            ///< files of a receiver too
+    sim::RangingSettings settings; ///< its rate, lever arm and navigation are filled in
 };
 
 struct ScenarioConfig {
@@ -53,6 +66,7 @@ struct ScenarioConfig {
     sim::FigureEightPath figure8;
     sim::ShipPath ship;
     sim::TablePath table;
+    RangingScenarioConfig ranging;
     sim::RecordedPath recorded;                 ///< how a recording is smoothed
     std::string file;                           ///< of that recording
     std::filesystem::path folder;               ///< of the scenario file
@@ -86,6 +100,8 @@ struct SimulatedDataset {
     SettingList settings;
     Recording recording;
     sim::SimulatedData truth;
+    std::vector<io::StationRow> stations;
+    std::vector<std::pair<std::string, std::string>> texts;   ///< further files by name
     std::uint64_t seed = 1;
 };
 

@@ -17,6 +17,17 @@ void add_trajectory_options(OptionTable<ScenarioConfig>& table);
 /// "compare.schemes": what `run` compares.
 [[nodiscard]] Option<ScenarioConfig> compared_option();
 
+/// "ranges.*".
+void add_ranging_scenario_options(OptionTable<ScenarioConfig>& table);
+
+/// Ranges of a scenario with the ephemerides they were made from; nothing where it has none.
+struct SimulatedRanging {
+    sim::SimulatedRanges ranges;
+    gnss::Navigation navigation;
+    Time gps;                      ///< GPS time of the scenario's first instant
+};
+[[nodiscard]] std::optional<SimulatedRanging> simulate_ranging(const ScenarioConfig& scenario);
+
 /// "fault": what goes wrong with a sensor.
 [[nodiscard]] Option<ScenarioConfig> fault_option();
 

@@ -3,6 +3,7 @@
 #include "schuler/app/scenario_sections.h"
 #include "schuler/app/trajectory_file.h"
 #include "schuler/core/units.h"
+#include "schuler/sim/weave.h"
 
 #include <algorithm>
 #include <cmath>
@@ -180,9 +181,11 @@ void add_trajectory_options(Table& table) {
          {"figure8", TrajectoryType::Figure8},
          {"ship", TrajectoryType::Ship},
          {"table", TrajectoryType::Table},
-         {"file", TrajectoryType::File}},
+         {"file", TrajectoryType::File},
+         {"weave", TrajectoryType::Weave}},
         "static, great_circle (constant height and speed), paper_a (its flight), car (a town drive), waypoints, takeoff (and climb), racetrack "
-        "(holding pattern), approach (and landing), figure8, ship (in waves), table (turntable), file (a recording flown again)",
+        "(holding pattern), approach (and landing), figure8, ship (in waves), table (turntable), file (a recording flown again), weave "
+        "(straight legs and turns to and fro)",
         [](auto& s) -> auto& { return s.type; }));
     add_start(table);
     table
@@ -304,6 +307,14 @@ sim::PathSettings path_of(const ScenarioConfig& s) {
             return path;
         }
         case TrajectoryType::File: return recorded_path(s);
+        case TrajectoryType::Weave: {
+            sim::WeavingFlight flight;
+            flight.start = s.start;
+            flight.heading = s.heading;
+            flight.speed = s.speed.value_or(flight.speed);
+            flight.duration = s.sim.duration;
+            return sim::weaving_path(flight, s.sim.earth.ellipsoid);
+        }
         case TrajectoryType::Car: break;
     }
     // the drive is as long as the scenario; what the user set about it stays
@@ -323,6 +334,7 @@ double ground_of(const ScenarioConfig& s) {
         case TrajectoryType::PaperA:
         case TrajectoryType::Racetrack:
         case TrajectoryType::Approach:
+        case TrajectoryType::Weave:
         case TrajectoryType::Figure8: return 0.0;
         default: return lowest;
     }
@@ -336,6 +348,7 @@ fusion::VehicleKind vehicle_of(TrajectoryType type) {
         case TrajectoryType::Takeoff:
         case TrajectoryType::Racetrack:
         case TrajectoryType::Approach:
+        case TrajectoryType::Weave:
         case TrajectoryType::Figure8: return fusion::VehicleKind::Air;
         case TrajectoryType::Ship: return fusion::VehicleKind::Ship;
         case TrajectoryType::Table:

@@ -1,8 +1,10 @@
 #include "schuler/app/option_builders.h"
 #include "schuler/app/scenario.h"
+#include "schuler/app/scenario_sections.h"
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/fixed_point.h"
+#include "schuler/io/rinex_write.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
 
@@ -47,6 +49,12 @@ void round_to_files(Recording& r) {
     for (BaroSample& b : r.baro) {
         if (std::isfinite(b.height)) b.height = rounded<length_decimals>(b.height);
         if (std::isfinite(b.pressure)) b.pressure = rounded<pressure_decimals>(b.pressure);
+    }
+    for (RangeSample& m : r.ranges.samples) {
+        for (double* x : {&m.pseudorange, &m.range_rate, &m.std, &m.std_rate})
+            if (std::isfinite(*x)) *x = rounded<length_decimals>(*x);
+        m.tx.r = rounded<length_decimals>(m.tx.r);
+        m.tx_velocity = rounded<length_decimals>(m.tx_velocity);
     }
     for (MagSample& m : r.mag) m.field_b = 1e-6 * rounded<field_decimals>(m.field_b / 1e-6);
     for (ReferenceSample& s : r.reference) {
@@ -155,6 +163,18 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     if (!recording.gnss.empty()) c.gnss.file = "gnss.csv";
     if (!recording.baro.empty()) c.baro.file = "baro.csv";
     if (!recording.mag.empty()) c.mag.file = "mag.csv";
+    if (!recording.ranges.empty()) {
+        c.ranges.file = "ranges.csv";
+        if (!s.ranging.settings.stations.empty()) c.station_coordinates = "stations.csv";
+        c.filter.ranging.errors = s.ranging.settings.errors;
+        gnss::RangeSettings& corrections = c.raw.solver.ranges;
+        corrections.elevation_mask = s.ranging.settings.masks.elevation - 1.0 * units::deg;
+        if (!s.ranging.settings.atmosphere) corrections.troposphere = gnss::TroposphereModel::None;
+        corrections.ionosphere = gnss::IonosphereModel::None;
+        corrections.code_sigma = s.ranging.settings.errors.satellite.white;
+        corrections.doppler_sigma = s.ranging.settings.errors.satellite.rate;
+        c.filter.ranging.baro_bias_time = s.sim.baro.bias_time;
+    }
     c.reference.file = "reference.csv";
     c.filter.imu.kind = s.sim.imu.kind;
     const sensor::ImuErrorModel& imu = s.sim.imu.errors;
@@ -216,6 +236,7 @@ void state_initial_sigmas(fusion::InitialSettings& initial, const InitialError& 
 
 bool is_relevant(const std::string& key, const Config& c, bool gravimetry) {
     if (key.starts_with("baro.")) return !c.baro.file.empty();
+    if (key.starts_with("ranges.") || key.starts_with("stations.")) return !c.ranges.file.empty();
     if (key.starts_with("mag.")) return !c.mag.file.empty();
     if (key.starts_with("gravity.")) return gravimetry;
     return !key.starts_with("output.") && !key.ends_with(".time_offset_s") &&
@@ -229,6 +250,15 @@ SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const Scenario
     SimulatedDataset out;
     out.truth = sim::simulate(scenario.sim);
     out.recording = std::move(out.truth.recording);
+    if (auto ranging = simulate_ranging(scenario)) {
+        out.recording.ranges = std::move(ranging->ranges.log);
+        for (const sim::GroundStation& g : scenario.ranging.settings.stations) out.stations.push_back({g.name, g.position});
+        if (scenario.ranging.rinex) {
+            const gnss::ObservationLog log = sim::observations_of(out.recording.ranges, ranging->gps - scenario.sim.origin);
+            out.texts = {{"observations.rnx", io::rinex_observations_text(log)},
+                         {"navigation.rnx", io::rinex_navigation_text(ranging->navigation)}};
+        }
+    }
     out.seed = scenario.sim.seed;
     out.name = scenario.name;
     if (told != nullptr) {
@@ -262,6 +292,9 @@ void write_dataset(const SimulatedDataset& data, const std::filesystem::path& fo
     if (!r.gnss.empty()) io::write_file(folder / "gnss.csv", gnss_csv(r.gnss));
     if (!r.baro.empty()) io::write_file(folder / "baro.csv", baro_csv(r.baro));
     if (!r.mag.empty()) io::write_file(folder / "mag.csv", mag_csv(r.mag));
+    if (!r.ranges.empty()) io::write_file(folder / "ranges.csv", io::ranges_csv(r.ranges));
+    if (!data.stations.empty()) io::write_file(folder / "stations.csv", io::stations_csv(data.stations));
+    for (const auto& [name, text] : data.texts) io::write_file(folder / name, text);
     io::write_file(folder / "reference.csv", reference_csv(r.reference));
     SettingList last;  // of each key the last setting speaks
     for (const Setting& s : data.settings) {

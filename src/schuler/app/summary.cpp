@@ -125,7 +125,12 @@ Json findings_of(const ResultBundle& b) {
 }  // namespace
 
 std::string_view scheme_name(Scheme scheme) {
-    return scheme == Scheme::Gnss ? "gnss" : scheme == Scheme::Separate ? "separate" : "loose";
+    switch (scheme) {
+        case Scheme::Gnss: return "gnss";
+        case Scheme::Separate: return "separate";
+        case Scheme::Tight: return "tight";
+        default: return "loose";
+    }
 }
 
 std::string_view integrity_test_name(fusion::IntegrityTest test) {

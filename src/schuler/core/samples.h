@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/core/position.h"
+#include "schuler/core/ranging.h"
 #include "schuler/core/time.h"
 
 #include <Eigen/Core>
@@ -75,6 +76,7 @@ struct Recording {
     std::vector<GnssFix> gnss;
     std::vector<BaroSample> baro;
     std::vector<MagSample> mag;
+    RangingLog ranges;
     std::vector<ReferenceSample> reference;
 };
 

@@ -59,6 +59,8 @@ const char* channel_name(AidKind kind) {
         case AidKind::ZeroVelocity: return "zero velocity";
         case AidKind::ZeroRate: return "zero rate";
         case AidKind::Nonholonomic: return "vehicle constraint";
+        case AidKind::Pseudorange: return "pseudorange";
+        case AidKind::RangeRate: return "range rate";
     }
     return "?";
 }

@@ -55,6 +55,7 @@ StateRow state_row(const Layout& layout, const NavState& nav, const Eigen::Matri
     row.P_position = P_n.block<3, 3>(Layout::position, Layout::position);
     row.P_velocity = P_n.block<3, 3>(Layout::velocity, Layout::velocity);
     row.P_attitude = P_n.block<3, 3>(Layout::attitude, Layout::attitude);
+    row.P_navigation = P_n;
     row.gyro_bias = block(Layout::gyro_bias, 3);
     row.accel_bias = block(Layout::accel_bias, 3);
     row.gnss_position = block(layout.gnss_position, 3);

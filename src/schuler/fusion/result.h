@@ -13,7 +13,7 @@
 
 namespace schuler::fusion {
 
-enum class AidKind { GnssPosition, GnssVelocity, Baro, Mag, ZeroVelocity, ZeroRate, Nonholonomic };
+enum class AidKind { GnssPosition, GnssVelocity, Baro, Mag, ZeroVelocity, ZeroRate, Nonholonomic, Pseudorange, RangeRate };
 /// Excluded: rejected because the channel has lost the trust of the integrity monitor.
 enum class AidStatus { Accepted, Rejected, Withheld, Excluded };
 
@@ -63,6 +63,8 @@ struct StateRow {
     StateBlock gyro_bias, accel_bias;                     ///< body axes, rad/s, m/s^2
     StateBlock gnss_position, gnss_velocity;              ///< correlated errors of the receiver, north, east, down, m, m/s
     StateBlock baro_bias;                                 ///< m
+    Eigen::Matrix<double, 9, 9> P_navigation = Eigen::Matrix<double, 9, 9>::Zero();   ///< of the first three with each other
+    StateBlock clock;                                     ///< tight coupling: c times the receiver's clock error and its rate, m, m/s
 };
 
 /// GNSS epochs withheld in an outage and the first one after it, compared at the antenna: north, east, down.

@@ -4,6 +4,7 @@
 #include "schuler/core/units.h"
 #include "schuler/fusion/loose_run.h"
 #include "schuler/fusion/start.h"
+#include "schuler/fusion/tight_run.h"
 #include "schuler/fusion/tune.h"
 #include "schuler/math/chi_square.h"
 #include "schuler/math/rotation.h"
@@ -141,7 +142,8 @@ Result run_loose(const Recording& recording, const Settings& given, WarningLog& 
     options.last_increment = last_increment(data, settings);
     options.progress = progress;
     options.rows = rows;
-    Result result = run_pass(data, settings, start, options);
+    Result result = settings.coupling == Coupling::Tight ? run_tight_pass(data, settings, start, options, origin)
+                                                         : run_pass(data, settings, start, options);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;
     findings.position_latency = settings.gnss.latency;

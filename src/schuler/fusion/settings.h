@@ -3,6 +3,7 @@
 
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
+#include "schuler/fusion/ranging_settings.h"
 #include "schuler/sensor/gnss_errors.h"
 #include "schuler/sensor/grades.h"
 
@@ -20,8 +21,9 @@ enum class Mechanization { Geographic, Ecef };
 /// copy (Open), or now and then, a copy in between (Mixed).
 enum class Loop { Closed, Open, Mixed };
 /// How receiver and inertial unit work together where both have solutions of their own (paper A, 1.1): one filter estimates the
-/// errors (Loose), or the inertial computation is only set to the receiver's solution, now and then or a little at a time (Separate).
-enum class Coupling { Loose, Separate };
+/// errors (Loose), or the inertial computation is only set to the receiver's solution, now and then or a little at a time (Separate). Tight: one
+/// filter takes the ranges themselves.
+enum class Coupling { Loose, Separate, Tight };
 /// A fix is used at its own time (Standard), or carried on by the inertial accelerations and used in parts until the next one
 /// (Aggressive).
 enum class LooseKind { Standard, Aggressive };
@@ -150,6 +152,7 @@ struct Settings {
     bool estimate_lever_arm = false;
     ImuSettings imu;
     GnssSettings gnss;
+    RangingFilterSettings ranging;
     BaroSettings baro;
     MagSettings mag;
     AidSettings aids;

@@ -116,16 +116,28 @@ void prepare_ranges(std::span<const SignalObservation> observations, Time tag, c
     }
 }
 
-namespace {
-
-/// Noise grows towards the horizon, and with weak signals: twice the sigma for 6 dB below 45 dB-Hz.
 double noise_factor(double elevation, double cn0) {
     const double s = std::max(std::sin(elevation), 0.05);
     const double weak = std::isfinite(cn0) && cn0 > 0.0 && cn0 < 45.0 ? std::pow(10.0, (45.0 - cn0) / 20.0) : 1.0;
     return std::sqrt(0.5 + 0.5 / (s * s)) * weak;
 }
 
-}  // namespace
+AtmosphericDelay atmospheric_delay(Time transmit, double frequency, const Geodetic& receiver, Direction direction,
+                                   const KlobucharCoefficients* klobuchar, const RangeSettings& settings) {
+    AtmosphericDelay out;
+    if (settings.ionosphere == IonosphereModel::Broadcast && klobuchar != nullptr && frequency > 0.0) {
+        const double scale = f_l1 / frequency;
+        out.delay = scale * scale * klobuchar_delay(*klobuchar, transmit, receiver, direction);
+        out.variance = 0.25 * out.delay * out.delay;  // the model removes half of it
+    }
+    if (settings.troposphere == TroposphereModel::Saastamoinen) {
+        const ZenithDelay zenith = saastamoinen_zenith(receiver, settings.relative_humidity);
+        out.delay += troposphere_delay(zenith, settings.mapping, transmit, receiver, direction.elevation);
+        const double rest = 0.1 / std::max(std::sin(direction.elevation), 0.05);
+        out.variance += rest * rest;
+    }
+    return out;
+}
 
 ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& geodetic, const KlobucharCoefficients* klobuchar,
                           const RangeSettings& settings) {
@@ -142,19 +154,9 @@ ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& 
     m.range = distance + sagnac;
     m.direction = direction_to({turned}, receiver, geodetic);
     const double code = settings.code_sigma * r.noise * noise_factor(m.direction.elevation, r.cn0);
-    m.variance = code * code + r.variance;
-    if (settings.ionosphere == IonosphereModel::Broadcast && klobuchar != nullptr) {
-        const double scale = f_l1 / r.frequency;
-        const double delay = scale * scale * klobuchar_delay(*klobuchar, r.transmit, geodetic, m.direction);
-        m.range += delay;
-        m.variance += 0.25 * delay * delay;  // the model removes half of it
-    }
-    if (settings.troposphere == TroposphereModel::Saastamoinen) {
-        const ZenithDelay zenith = saastamoinen_zenith(geodetic, settings.relative_humidity);
-        m.range += troposphere_delay(zenith, settings.mapping, r.transmit, geodetic, m.direction.elevation);
-        const double rest = 0.1 / std::max(std::sin(m.direction.elevation), 0.05);
-        m.variance += rest * rest;
-    }
+    const AtmosphericDelay air = atmospheric_delay(r.transmit, r.frequency, geodetic, m.direction, klobuchar, settings);
+    m.range += air.delay;
+    m.variance = code * code + r.variance + air.variance;
     return m;
 }
 

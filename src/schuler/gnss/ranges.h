@@ -64,6 +64,17 @@ struct ModelledRange {
     Direction direction;
     double variance = 0;  ///< m^2, of the whole pseudorange error
 };
+/// What the atmosphere adds to one satellite's pseudorange, with the variance of what the models leave, m and m^2.
+struct AtmosphericDelay {
+    double delay = 0, variance = 0;
+};
+/// `frequency` in Hz, 0: free of the ionosphere. `klobuchar` may be null.
+[[nodiscard]] AtmosphericDelay atmospheric_delay(Time transmit, double frequency, const Geodetic& receiver, Direction direction,
+                                                 const KlobucharCoefficients* klobuchar, const RangeSettings& settings);
+
+/// Factor on a sigma at the zenith with a strong signal: grows towards the horizon, and with weak signals (twice for 6 dB below 45 dB-Hz).
+[[nodiscard]] double noise_factor(double elevation, double cn0);
+
 /// math.md 5.3. `klobuchar` may be null.
 [[nodiscard]] ModelledRange model_range(const Range& range, const Ecef& receiver, const Geodetic& geodetic,
                                         const KlobucharCoefficients* klobuchar, const RangeSettings& settings);

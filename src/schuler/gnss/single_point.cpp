@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace schuler::gnss {
 namespace {
@@ -247,9 +248,18 @@ SinglePoint::SinglePoint(const SatelliteSource& source, std::optional<KlobucharC
 
 SinglePointSolution SinglePoint::solve(std::span<const SignalObservation> observations, Time tag,
                                        const GlonassChannels& channels) {
+    prepare_ranges(observations, tag, source_, channels, settings_.ranges, ranges_);
+    return solve_prepared(tag);
+}
+
+SinglePointSolution SinglePoint::solve(std::vector<Range> ranges, Time tag) {
+    ranges_ = std::move(ranges);
+    return solve_prepared(tag);
+}
+
+SinglePointSolution SinglePoint::solve_prepared(Time tag) {
     SinglePointSolution out;
     out.time = tag;
-    prepare_ranges(observations, tag, source_, channels, settings_.ranges, ranges_);
     Epoch epoch(ranges_, klobuchar_ ? &*klobuchar_ : nullptr, settings_);
     if (epoch.used() < epoch.unknowns() || !epoch.start()) return out;
     if (!epoch.refine()) {

@@ -69,7 +69,12 @@ public:
     [[nodiscard]] SinglePointSolution solve(std::span<const SignalObservation> observations, Time tag,
                                             const GlonassChannels& channels);
 
+    /// The same from ranges whose transmitters are known.
+    [[nodiscard]] SinglePointSolution solve(std::vector<Range> ranges, Time tag);
+
 private:
+    [[nodiscard]] SinglePointSolution solve_prepared(Time tag);
+
     const SatelliteSource& source_;
     std::optional<KlobucharCoefficients> klobuchar_;
     SinglePointSettings settings_;

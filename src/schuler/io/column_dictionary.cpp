@@ -257,6 +257,26 @@ const std::vector<Quantity> reference =
            "orientation_z | q3"},
           {"movement", D::Count, "movement moving motion in_motion"}});
 
+std::vector<Quantity> range_quantities() {
+    std::vector<Quantity> q = with(time_only, {{"source", D::Count, "source satellite sv prn sat transmitter | id"},
+                                               {"pseudorange_m", D::Length, "pseudorange pseudo_range prange code c1 | pr range"},
+                                               {"range_rate_m_s", D::Velocity, "range_rate pseudorange_rate rangerate prr"},
+                                               {"std_m", D::Length, "std sigma std_pseudorange pseudorange_std"},
+                                               {"std_rate_m_s", D::Velocity, "std_rate sigma_rate std_range_rate range_rate_std"},
+                                               {"cn0_db_hz", D::Count, "cn0_db_hz cn0 c_n0 cno snr"}});
+    q = with(q, three_axes("tx_@_m", D::Length, "tx_@ sat_@ sv_@"));
+    q = with(q, three_axes("tx_v@_m_s", D::Velocity, "tx_v@ sat_v@ sv_v@"));
+    return with(q, {{"tx_clock_s", D::Count, "tx_clock_s tx_clock sat_clock sv_clock"},
+                    {"tx_clock_rate", D::Count, "tx_clock_rate sat_clock_rate"}});
+}
+
+const std::vector<Quantity> ranges = range_quantities();
+
+const std::vector<Quantity> stations = {{"id", D::Count, "id name station icao"},
+                                        {"lat_deg", D::Angle, "lat latitude"},
+                                        {"lon_deg", D::Angle, "lon longitude long lng"},
+                                        {"height_m", D::Length, "height altitude alt hgt | h elevation"}};
+
 }  // namespace
 
 const std::vector<Quantity>& quantities(TableKind kind) {
@@ -266,6 +286,8 @@ const std::vector<Quantity>& quantities(TableKind kind) {
         case TableKind::Baro: return baro;
         case TableKind::Mag: return mag;
         case TableKind::Reference: return reference;
+        case TableKind::Ranges: return ranges;
+        case TableKind::Stations: return stations;
     }
     return imu;
 }

@@ -34,6 +34,8 @@ std::string_view name_of(TableKind kind) {
         case TableKind::Baro: return "baro";
         case TableKind::Mag: return "mag";
         case TableKind::Reference: return "reference";
+        case TableKind::Ranges:
+        case TableKind::Stations: return "stations";
     }
     return "";
 }

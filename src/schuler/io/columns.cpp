@@ -306,6 +306,7 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
         const ColumnPlan plan = match_columns(layout, kind);
         return std::all_of(needed.begin(), needed.end(), [&](std::string_view name) { return plan.find(name) != nullptr; });
     };
+    if (complete(TableKind::Ranges, {"time_s", "source", "pseudorange_m"})) return TableKind::Ranges;
     const bool attitude = complete(TableKind::Reference, {"time_s", "roll_deg", "pitch_deg"}) ||
                           complete(TableKind::Reference, {"time_s", "qw", "qx", "qy", "qz"});
     if (complete(TableKind::Imu,

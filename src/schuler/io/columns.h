@@ -12,7 +12,7 @@
 
 namespace schuler::io {
 
-enum class TableKind { Imu, Gnss, Baro, Mag, Reference };
+enum class TableKind { Imu, Gnss, Baro, Mag, Reference, Ranges, Stations };
 [[nodiscard]] std::string_view name_of(TableKind kind);  ///< "imu", "gnss", ...: the section of dataset.toml
 
 /// How a column's meaning was found.

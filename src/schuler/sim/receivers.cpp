@@ -106,7 +106,12 @@ std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath&
     std::vector<BaroSample> samples;
     for (std::size_t k = 0; k < epochs(s.rate, scenario.duration); ++k) {
         const double t = static_cast<double>(k) / s.rate;
-        if (k > 0) bias += s.bias_walk * std::sqrt(1.0 / s.rate) * walk.normal();
+        if (k > 0 && s.bias_time > 0.0) {
+            const double kept = std::exp(-1.0 / (s.rate * s.bias_time));
+            bias = kept * bias + std::sqrt(1.0 - kept * kept) * s.bias * walk.normal();
+        } else if (k > 0) {
+            bias += s.bias_walk * std::sqrt(1.0 / s.rate) * walk.normal();
+        }
         const double error = bias + s.white * white.normal() + faults.offset(t).x();
         if (silent(scenario, Channel::Baro, t) || faults.any(FaultKind::Dropout, t)) continue;
         BaroSample sample;

@@ -48,6 +48,7 @@ struct BaroSettings {
     double white = 0.5;              ///< sigma, m
     double bias = 0.0;               ///< constant, sigma over runs, m
     double bias_walk = 0.0;          ///< m/sqrt(s)
+    double bias_time = 0.0;          ///< s; not 0: the bias is a Gauss-Markov process with that correlation time, and does not walk
     bool pressure = false;           ///< the log has the static pressure, which its reader takes as that of the standard atmosphere
     double sea_level_pressure = 101325.0;   ///< Pa, of the day
     double temperature_offset = 0.0;        ///< K, of the day against the standard atmosphere at every height

@@ -1,0 +1,177 @@
+// [ranges] of scenario files: which satellites and stations, what hides them, how their ranges err.
+#include "schuler/app/option_builders.h"
+#include "schuler/app/range_error_options.h"
+#include "schuler/app/scenario_sections.h"
+#include "schuler/core/units.h"
+#include "schuler/gnss/constellation.h"
+#include "schuler/io/raw_input.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::app {
+namespace {
+
+using S = ScenarioConfig;
+constexpr double deg = units::deg;
+
+/// Numbers, texts and lists of texts of one table in a list, each to its place.
+struct Entry {
+    const char* name;
+    double* number = nullptr;
+    double factor = 1.0;
+    std::string* text = nullptr;
+    std::vector<std::string>* texts = nullptr;
+};
+
+void fill(const Value& v, const std::vector<Entry>& entries, const char* form) {
+    if (v.table() == nullptr) throw input_error(fmt::format("{} is no table", to_toml(v)), {}, form);
+    for (const auto& [name, x] : *v.table()) {
+        const auto e = std::ranges::find_if(entries, [&name = name](const Entry& entry) { return name == entry.name; });
+        if (e == entries.end()) throw input_error(fmt::format("has no \"{}\"", name), {}, form);
+        const bool names = x.list() != nullptr && std::ranges::all_of(*x.list(), [](const Value& item) { return item.text() != nullptr; });
+        if (e->number != nullptr && x.is_number() && std::abs(x.number()) < 1e12) *e->number = x.number() * e->factor;
+        else if (e->text != nullptr && x.text() != nullptr) *e->text = *x.text();
+        else if (e->texts != nullptr && names)
+            for (const Value& item : *x.list()) e->texts->push_back(*item.text());
+        else throw input_error(fmt::format("{} = {} has another kind", name, to_toml(x)), {}, form);
+    }
+}
+
+/// A list of tables of one kind.
+template <class Read>
+Option<S> list_of(const char* key, const char* form, const char* help, Read read) {
+    return special<S>(
+        key, form, help,
+        [=](S& s, const Value& v) {
+            if (v.list() == nullptr) throw input_error(fmt::format("is {}, expected a list", kind_of(v)), {}, form);
+            read(s, *v.list(), form);
+        },
+        [](const S&) { return std::optional<Value>(); });
+}
+
+void add_sources(OptionTable<S>& table) {
+    table
+        .add(list_of("ranges.stations", "[ { id, lat_deg, lon_deg, height_m }, ... ]", "ground stations that send ranges",
+                     [](S& s, const ValueList& list, const char* form) {
+                         s.ranging.settings.stations.clear();
+                         for (const Value& v : list) {
+                             sim::GroundStation g;
+                             fill(v, {{.name = "id", .text = &g.name},
+                                      {.name = "lat_deg", .number = &g.position.lat, .factor = deg},
+                                      {.name = "lon_deg", .number = &g.position.lon, .factor = deg},
+                                      {.name = "height_m", .number = &g.position.h}},
+                                  form);
+                             if (g.name.empty()) throw input_error("a station has no id", {}, form);
+                             s.ranging.settings.stations.push_back(g);
+                         }
+                     }))
+        .add(list_of("ranges.block", "[ { sources, start_s, duration_s }, ... ]",
+                     "sources that are silent for a time; without names all satellites, \"stations\" for all stations",
+                     [](S& s, const ValueList& list, const char* form) {
+                         s.ranging.settings.blocked.clear();
+                         for (const Value& v : list) {
+                             sim::Blocking b;
+                             fill(v, {{.name = "sources", .texts = &b.sources},
+                                      {.name = "start_s", .number = &b.start},
+                                      {.name = "duration_s", .number = &b.duration}},
+                                  form);
+                             s.ranging.settings.blocked.push_back(b);
+                         }
+                     }))
+        .add(list_of("ranges.limit", "[ { start_s, keep, variant }, ... ]",
+                     "from then on only so many satellites: up to four of the four with the best geometry, more: the highest",
+                     [](S& s, const ValueList& list, const char* form) {
+                         s.ranging.settings.limits.clear();
+                         for (const Value& v : list) {
+                             double start = 0.0, keep = 4.0, variant = 0.0;
+                             fill(v, {{.name = "start_s", .number = &start}, {.name = "keep", .number = &keep}, {.name = "variant", .number = &variant}},
+                                  form);
+                             if (keep < 0.0 || keep > 100.0 || variant < 0.0 || variant > 1e6)
+                                 throw input_error("keep or variant is negative or too large", {}, form);
+                             s.ranging.settings.limits.push_back({start, static_cast<std::size_t>(keep), static_cast<std::size_t>(variant)});
+                         }
+                     }))
+        .add(list_of("ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]", "ranges that are wrong",
+                     [](S& s, const ValueList& list, const char* form) {
+                         s.ranging.settings.faults.clear();
+                         for (const Value& v : list) {
+                             sim::RangeFault f;
+                             fill(v, {{.name = "source", .text = &f.source},
+                                      {.name = "start_s", .number = &f.start},
+                                      {.name = "duration_s", .number = &f.duration},
+                                      {.name = "offset_m", .number = &f.offset},
+                                      {.name = "ramp_m_s", .number = &f.ramp},
+                                      {.name = "rate_m_s", .number = &f.rate}},
+                                  form);
+                             s.ranging.settings.faults.push_back(f);
+                         }
+                     }));
+}
+
+}  // namespace
+
+void add_ranging_scenario_options(OptionTable<S>& table) {
+    const auto settings = [](auto field) { return [=](auto& s) -> auto& { return s.ranging.settings.*field; }; };
+    using R = sim::RangingSettings;
+    table
+        .add(number<S>("ranges.rate_hz", 1.0, 0, 1000, "rate of raw ranges (ranges.csv); 0 = none", [](auto& s) -> auto& { return s.ranging.rate; }))
+        .add(text<S>("ranges.systems", "nominal constellations: G = GPS, R = GLONASS, 24 satellites each; \"-\" = none",
+                     [](auto& s) -> auto& { return s.ranging.systems; }))
+        .add(text<S>("ranges.navigation", "a RINEX navigation file instead of nominal constellations",
+                     [](auto& s) -> auto& { return s.ranging.navigation; }))
+        .add(integer<S>("ranges.gps_week", 0, 20000, "GPS week of the start", [](auto& s) -> auto& { return s.ranging.week; }))
+        .add(number<S>("ranges.gps_second", 1.0, 0, 604800, "second of that week at the start", [](auto& s) -> auto& { return s.ranging.second; }))
+        .add(flag<S>("ranges.rinex", "write RINEX observations and navigation files too", [](auto& s) -> auto& { return s.ranging.rinex; }))
+        .add(number<S>("ranges.elevation_mask_deg", deg, -10, 90, "lower satellites are not seen",
+                       [](auto& s) -> auto& { return s.ranging.settings.masks.elevation; }))
+        .add(flag<S>("ranges.throughout", "only satellites above the mask during the whole scenario",
+                     [](auto& s) -> auto& { return s.ranging.settings.masks.throughout; }))
+        .add(number<S>("ranges.antenna_mask_deg", deg, -90, 90, "hidden below this angle over the antenna's plane, which banks with the body",
+                       [](auto& s) -> auto& { return s.ranging.settings.masks.antenna; }))
+        .add(list_of("ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]", "elevation hidden from an azimuth to the next one",
+                     [](S& s, const ValueList& list, const char* form) {
+                         auto& terrain = s.ranging.settings.masks.terrain;
+                         terrain.clear();
+                         for (const Value& v : list) {
+                             sim::Masks::Sector sector{};
+                             fill(v, {{.name = "azimuth_deg", .number = &sector.azimuth, .factor = deg},
+                                      {.name = "elevation_deg", .number = &sector.elevation, .factor = deg}},
+                                  form);
+                             terrain.push_back(sector);
+                         }
+                         std::ranges::stable_sort(terrain, {}, &sim::Masks::Sector::azimuth);
+                     }))
+        .add(number<S>("ranges.multipath_m", 1.0, 0, 1e3, "amplitude of reflections at the horizon",
+                       [](auto& s) -> auto& { return s.ranging.settings.multipath.amplitude; }))
+        .add(number<S>("ranges.multipath_period_s", 1.0, 0.01, 1e5, "their period", [](auto& s) -> auto& { return s.ranging.settings.multipath.period; }))
+        .add(flag<S>("ranges.atmosphere", "ranges are delayed by troposphere and ionosphere", settings(&R::atmosphere)));
+    add_sources(table);
+    add_range_error_options(table, [](auto& s) -> auto& { return s.ranging.settings.errors; });
+    table.add(number<S>("baro.bias_time_s", 1.0, 0, 1e7, "correlation time of the barometer's bias, which then does not walk; 0 = constant",
+                        [](auto& s) -> auto& { return s.sim.baro.bias_time; }));
+}
+
+std::optional<SimulatedRanging> simulate_ranging(const ScenarioConfig& s) {
+    if (!(s.ranging.rate > 0.0)) return std::nullopt;
+    SimulatedRanging out;
+    out.gps = Time::from_gps(s.ranging.week, s.ranging.second);
+    sim::RangingSettings r = s.ranging.settings;
+    r.rate = s.ranging.rate;
+    r.lever_arm_b = s.sim.gnss.lever_arm_b;
+    const Time end = out.gps + Duration::from_seconds(s.sim.duration);
+    if (!s.ranging.navigation.empty()) {
+        WarningLog unheard;
+        const std::filesystem::path file(s.ranging.navigation);
+        r.navigation = io::read_raw_input(file.is_absolute() ? file : s.folder / file, {}, unheard).navigation;
+    } else {
+        if (s.ranging.systems.find('G') != std::string::npos) r.navigation.add(gnss::nominal_gps(out.gps, end));
+        if (s.ranging.systems.find('R') != std::string::npos) r.navigation.add(gnss::nominal_glonass(out.gps, end));
+    }
+    const auto path = sim::make_path(s.sim.path, s.sim.earth.ellipsoid);
+    out.ranges = sim::simulate_ranges({s.sim.seed, s.sim.duration, s.sim.origin, out.gps, s.sim.earth}, *path, r);
+    out.navigation = std::move(r.navigation);
+    return out;
+}
+
+}  // namespace schuler::app

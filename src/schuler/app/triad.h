@@ -1,0 +1,53 @@
+// The experiments of paper D (math.md 5.4) as numbers: one run, and many over geometries and seeds.
+#pragma once
+
+#include "schuler/fusion/settings.h"
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+/// What is in view after the warm-up, and how good the instruments are.
+struct TriadCase {
+    std::string name;
+    std::size_t satellites = 4;          ///< 99: all in view
+    std::size_t stations = 0;            ///< the first so many of four
+    double stations_on = 0.0;            ///< s after the loss
+    bool tactical = false;               ///< otherwise navigation grade
+    bool tcxo = false;                   ///< otherwise OCXO
+    bool baro = true;
+    double baro_sigma = 30.0;            ///< m
+    fusion::Mechanization mechanization = fusion::Mechanization::Geographic;
+};
+
+/// The cases of math.md 5.5, in its order.
+[[nodiscard]] std::vector<TriadCase> triad_cases();
+
+inline constexpr std::size_t triad_epochs = 601;   ///< seconds after the loss, 0 to 600
+
+/// One run: errors against truth and what the filter says of them, second by second after the loss.
+struct TriadRun {
+    std::array<double, triad_epochs> horizontal, vertical;                   ///< m, of errors
+    std::array<double, triad_epochs> predicted_horizontal, predicted_vertical;  ///< m, one sigma
+    std::array<double, triad_epochs> nees3, nees9;                           ///< position; position, velocity, attitude
+};
+
+/// Run `k` of math.md 5.4: its own geometry, heading and noise. `seed` 0: noise seeded by k alone.
+[[nodiscard]] TriadRun run_triad(const TriadCase& which, std::size_t k, std::uint64_t seed = 0);
+
+/// Statistics over runs, from 300 s after the loss on where nothing else is said.
+struct TriadStatistics {
+    double median = 0, low = 0, high = 0;            ///< m, of the runs' root mean squares (2.5 and 97.5 %)
+    double pooled = 0, predicted = 0;                ///< m, root mean square over runs and epochs, horizontal
+    double vertical = 0, predicted_vertical = 0;     ///< m
+    double two_sigma = 0;                            ///< m, median over runs of twice the 3-D error's root mean square
+    double end = 0, predicted_end = 0;               ///< m, horizontal at 600 s
+    double at_300 = 0, at_330 = 0;                   ///< m, horizontal at those seconds
+    double nees3 = 0, nees9 = 0;                     ///< a degree of freedom
+};
+[[nodiscard]] TriadStatistics statistics_of(const std::vector<TriadRun>& runs);
+
+}  // namespace schuler::app

@@ -1,0 +1,107 @@
+// Pseudoranges and range rates along a truth path: satellites and ground stations, their errors, what hides and what spoils them.
+#pragma once
+
+#include "schuler/core/ranging.h"
+#include "schuler/gnss/ephemeris.h"
+#include "schuler/gnss/observation.h"
+#include "schuler/gnss/ranges.h"
+#include "schuler/sensor/range_errors.h"
+#include "schuler/sim/path.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::sim {
+
+/// A ground station of surveyed place that sends at known times.
+struct GroundStation {
+    std::string name;
+    Geodetic position;
+};
+
+/// Sources are silent for start <= t < start + duration, seconds of the scenario. No names: all satellites; "stations": all stations.
+struct Blocking {
+    std::vector<std::string> sources;
+    double start = 0.0, duration = 1e9;
+};
+
+/// From `start` on only some of the satellites in view. Up to four are taken from the four of least PDOP in the middle of the scenario,
+/// the highest first: three leave out number `variant` mod 4, two are pair `variant` mod 6, one is number `variant` mod 4. More than
+/// four: the highest.
+struct SatelliteLimit {
+    double start = 0.0;
+    std::size_t keep = 4;
+    std::size_t variant = 0;
+};
+
+/// A pseudorange that is wrong: offset + ramp (t - start); its rate by `ramp` and `rate`.
+struct RangeFault {
+    std::string source;
+    double start = 0.0, duration = 1e9;   ///< s
+    double offset = 0.0;                  ///< m
+    double ramp = 0.0, rate = 0.0;        ///< m/s
+};
+
+/// Reflections: amplitude cos(elevation) sin(2 pi t/period + phase), a phase for each source.
+struct Multipath {
+    double amplitude = 0.0;               ///< m
+    double period = 60.0;                 ///< s
+};
+
+/// What hides satellites: an elevation mask, one that changes with azimuth, one of the antenna's own plane.
+struct Masks {
+    double elevation = 0.13089969389957470;   ///< rad (7.5 degrees)
+    bool throughout = false;              ///< only satellites above `elevation` during the whole scenario
+    struct Sector {
+        double azimuth, elevation;        ///< rad: from this azimuth to the next sector's
+    };
+    std::vector<Sector> terrain;          ///< in order of azimuth, 0 to 2 pi; empty: flat
+    std::optional<double> antenna;        ///< rad above the antenna's plane (body axes), for a vehicle that banks
+};
+
+struct RangingSettings {
+    double rate = 1.0;                                         ///< Hz
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();     ///< IMU to antenna, m
+    gnss::Navigation navigation;                               ///< satellites; none: stations alone
+    std::vector<GroundStation> stations;
+    sensor::RangingErrorModel errors;
+    Masks masks;
+    std::vector<Blocking> blocked;
+    std::vector<SatelliteLimit> limits;
+    std::vector<RangeFault> faults;
+    Multipath multipath;
+    bool atmosphere = false;              ///< troposphere, and the ionosphere of the navigation data's coefficients
+};
+
+/// The frame of the simulation: what simulate() and the ranges share.
+struct RangingScenario {
+    std::uint64_t seed = 1;
+    double duration = 600.0;              ///< s
+    Time origin;                          ///< time of the first instant in the logs
+    Time gps;                             ///< GPS time of the first instant
+    earth::Earth earth;
+};
+
+/// Clock and offset at each epoch, for judging the filter.
+struct RangingTruth {
+    Time time;
+    double clock, drift;                  ///< m, m/s
+    double network;                       ///< m
+};
+
+struct SimulatedRanges {
+    RangingLog log;
+    std::vector<RangingTruth> truth;      ///< one an epoch
+};
+
+/// Ranges at k/rate, k = 1, 2, ..., by the receiver's clock. Light time is iterated on the path and the orbits themselves, range rates are
+/// differences of the ranges; no formula of the filter's rows is used. Each error has a random stream of its own.
+/// @throws Error(Input) naming the setting that is unusable.
+[[nodiscard]] SimulatedRanges simulate_ranges(const RangingScenario& scenario, const TruthPath& path, const RangingSettings& settings);
+
+/// The satellites' ranges as a receiver's log of code, Doppler and C/N0 in GPS time (`shift` is added to the epochs).
+[[nodiscard]] gnss::ObservationLog observations_of(const RangingLog& ranges, Duration shift);
+
+}  // namespace schuler::sim

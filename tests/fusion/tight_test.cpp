@@ -1,0 +1,207 @@
+// The tight filter on simulated ranges: clock, faults, jumps of the clock, few satellites, near stations, both mechanizations.
+#include "schuler/core/units.h"
+#include "schuler/earth/ellipsoid.h"
+#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/tight_run.h"
+#include "schuler/gnss/constellation.h"
+#include "schuler/math/rotation.h"
+#include "schuler/sim/ranging.h"
+#include "schuler/sim/simulate.h"
+#include "schuler/sim/weave.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace schuler::fusion {
+namespace {
+
+constexpr double deg = units::deg;
+using Eigen::Vector3d;
+
+struct Flight {
+    Recording recording;
+    Settings settings;
+    earth::Earth earth;
+};
+
+/// Two minutes at 10 Hz with a navigation-grade unit, all GPS satellites in view (and stations).
+Flight flight(const std::vector<sim::GroundStation>& stations = {}, std::vector<sim::SatelliteLimit> limits = {}) {
+    Flight f;
+    sim::Scenario s;
+    s.seed = 3;
+    s.duration = 120.0;
+    sim::WeavingFlight weave;
+    weave.start = {52.3 * deg, 104.3 * deg, 3000.0};
+    weave.duration = s.duration;
+    s.path = sim::weaving_path(weave, f.earth.ellipsoid);
+    s.imu.rate = 10.0;
+    s.imu.errors = sensor::imu_grade("navigation");
+    s.gnss.rate = 0.0;
+    s.reference_rate = 1.0;
+    f.recording = sim::simulate(s).recording;
+    sim::RangingScenario frame{s.seed, s.duration, {}, Time::from_gps(2300, 3600.0), f.earth};
+    sim::RangingSettings r;
+    r.lever_arm_b = {2.0, 0.5, -3.0};
+    r.navigation = gnss::nominal_gps(frame.gps, frame.gps + Duration::from_seconds(s.duration));
+    r.masks.throughout = true;
+    r.stations = stations;
+    r.limits = std::move(limits);
+    const auto path = sim::make_path(s.path, f.earth.ellipsoid);
+    f.recording.ranges = sim::simulate_ranges(frame, *path, r).log;
+    Settings& t = f.settings;
+    t.coupling = Coupling::Tight;
+    t.vehicle = VehicleKind::Air;
+    t.imu.kind = ImuKind::Increments;
+    t.imu.errors = s.imu.errors;
+    t.gnss.lever_arm_b = r.lever_arm_b;
+    t.aids.zero_velocity = false;
+    t.ranging.corrections.troposphere = gnss::TroposphereModel::None;
+    t.ranging.corrections.ionosphere = gnss::IonosphereModel::None;
+    t.output_rate = 1.0;
+    const ReferenceSample& truth = f.recording.reference.front();
+    t.initial = {truth.time, truth.position, truth.velocity_n, truth.rpy, Vector3d::Constant(10.0), Vector3d::Constant(0.1),
+                 Vector3d(1e-4, 1e-4, 1e-3), Vector3d::Zero(), Vector3d::Zero()};
+    return f;
+}
+
+Result run(const Flight& f) {
+    WarningLog unheard;
+    return run_loose(f.recording, f.settings, unheard);
+}
+
+/// Largest horizontal error from `from` seconds on, m.
+double largest_error(const Flight& f, const Result& result, double from) {
+    double out = 0.0;
+    for (const SolutionRow& row : result.forward.rows) {
+        const auto k = static_cast<std::size_t>(std::llround(row.time.seconds()));
+        if (row.time.seconds() < from || k >= f.recording.reference.size()) continue;
+        out = std::max(out, earth::ned_difference(f.earth, row.position, f.recording.reference[k].position).head<2>().norm());
+    }
+    return out;
+}
+
+/// Adds metres to a source's pseudoranges from a time on.
+void spoil(RangingLog& log, std::uint16_t source, double from, double metres) {
+    for (const RangeEpoch& e : log.epochs)
+        for (std::size_t i = e.first; e.time.seconds() >= from && i < e.first + e.count; ++i)
+            if (log.samples[i].source == source) log.samples[i].pseudorange += metres;
+}
+
+std::map<int, int> rejected_pseudoranges(const Result& result, double from, double to) {
+    std::map<int, int> out;
+    for (const AidRecord& r : result.aids)
+        if (r.kind == AidKind::Pseudorange && r.status == AidStatus::Rejected && r.time.seconds() >= from && r.time.seconds() < to)
+            ++out[static_cast<int>(std::lround(r.time.seconds()))];
+    return out;
+}
+
+/// Coasting from a perfect clock: 71 m after ten minutes with an OCXO, 1600 m with a TCXO (math.md 5.2).
+TEST(TightFilter, ClockCoastsAsItsDensitiesSay) {
+    for (const auto& [oscillator, expected] : {std::pair{sensor::ocxo, 71.5}, std::pair{sensor::tcxo, 1598.5}}) {
+        Settings settings;
+        settings.ranging.errors.clock = oscillator;
+        const TightModel model = make_tight_model(settings, false);
+        TightFilter<GeographicFrame> f;
+        NavState nav;
+        nav.position = {0.9, 1.0, 100.0};
+        f.inertial.set_nav(nav);
+        f.start(model, Eigen::Matrix<double, 16, 16>::Zero());
+        f.P.setZero();
+        for (int k = 1; k <= 6000; ++k) {
+            f.propagate(model, {Time::from_seconds(0.1 * k), 0.1, Vector3d::Zero(), Vector3d(0, 0, -0.98)}, {});
+            if (k % 7 == 0) f.bring_up(model);   // whenever it is wanted
+        }
+        f.bring_up(model);
+        EXPECT_NEAR(std::sqrt(f.P(TightLayout::clock, TightLayout::clock)), expected, 0.01 * expected);
+    }
+}
+
+TEST(TightFilter, BothMechanizationsAgree) {
+    Flight f = flight();
+    const Result n = run(f);
+    f.settings.mechanization = Mechanization::Ecef;
+    const Result e = run(f);
+    ASSERT_EQ(n.forward.rows.size(), e.forward.rows.size());
+    for (std::size_t i = 0; i < n.forward.rows.size(); ++i) {
+        EXPECT_LT(earth::ned_difference(f.earth, n.forward.rows[i].position, e.forward.rows[i].position).norm(), 2e-3);
+        EXPECT_LT((n.forward.rows[i].std_position - e.forward.rows[i].std_position).norm(), 1e-3);
+    }
+    EXPECT_LT(largest_error(f, n, 20.0), 8.0);
+}
+
+TEST(TightFilter, OneAndTwoFaultySatellitesAreLeftOut) {
+    const Flight clean = flight();
+    const double healthy = largest_error(clean, run(clean), 60.0);
+    for (const std::vector<std::uint16_t>& faulty : {std::vector<std::uint16_t>{2}, std::vector<std::uint16_t>{1, 4}}) {
+        Flight f = flight();
+        for (const std::uint16_t source : faulty) spoil(f.recording.ranges, source, 60.0, source == 4 ? -60.0 : 80.0);
+        f.settings.aids.recovery_time = 1e3;
+        const Result guarded = run(f);
+        const auto rejected = rejected_pseudoranges(guarded, 60.0, 121.0);
+        EXPECT_EQ(rejected.size(), 61U);
+        for (const auto& [second, count] : rejected) EXPECT_GE(count, static_cast<int>(faulty.size())) << second;
+        EXPECT_LT(largest_error(f, guarded, 60.0), healthy + 3.0);
+        f.settings.aids.gate_probability = 0.0;
+        EXPECT_GT(largest_error(f, run(f), 60.0), healthy + 8.0);
+    }
+}
+
+TEST(TightFilter, FollowsAJumpOfTheClock) {
+    Flight f = flight();
+    for (std::uint16_t source = 0; source < f.recording.ranges.sources.size(); ++source)
+        spoil(f.recording.ranges, source, 60.0, 299'792.458);   // a millisecond
+    const Result result = run(f);
+    EXPECT_LT(largest_error(f, result, 20.0), 8.0);
+    EXPECT_LE(rejected_pseudoranges(result, 60.0, 121.0).size(), 1U);
+}
+
+/// A single satellite holds its line of sight; without any the clock and the position go their way.
+TEST(TightFilter, OneSatelliteIsOfUse) {
+    Flight one = flight({}, {{60.0, 1, 0}}), none = flight({}, {{60.0, 0, 0}});
+    const Result with = run(one), without = run(none);
+    EXPECT_LT(with.forward.rows.back().std_position.norm(), 0.98 * without.forward.rows.back().std_position.norm());
+    EXPECT_TRUE(with.forward.rows.back().std_position.allFinite());
+    std::size_t used = 0;
+    for (const AidRecord& r : with.aids) used += r.kind == AidKind::Pseudorange && r.time.seconds() > 61.5 ? 1 : 0;
+    EXPECT_EQ(used, 59U);
+}
+
+/// A range to a station 600 m away is far from linear over 100 m: iterated, the update finds the place.
+TEST(RangeUpdate, IteratesNearStations) {
+    const earth::Earth earth;
+    NavState truth;
+    truth.position = {0.9, 1.0, 300.0};
+    Settings settings;
+    settings.ranging.corrections.troposphere = gnss::TroposphereModel::None;
+    settings.ranging.errors.station = {0.1, 0.0, 600.0, 0.1};
+    settings.ranging.errors.network = 0.0;
+    settings.ranging.errors.clock.bias = 1e-3;
+    const TightModel model = make_tight_model(settings, false);
+    RangingLog log;
+    const Vector3d offsets[] = {{600, 0, 200}, {-300, 520, 250}, {-300, -520, 150}};
+    for (const Vector3d& at : offsets) {
+        RangeSample m;
+        m.source = log.source("ADSB-" + std::to_string(log.sources.size()), true);
+        m.tx = earth::ecef_from_geodetic(earth.ellipsoid, earth::moved_by_ned(earth, truth.position, at));
+        const AntennaEstimate a = antenna_of(earth, truth, Eigen::Matrix3d::Identity(), Vector3d::Zero(), Vector3d::Zero());
+        m.pseudorange = range_rows(a, m.tx, Vector3d::Zero()).range;
+        log.samples.push_back(m);
+    }
+    log.epochs.push_back({Time{}, 0, log.samples.size()});
+    TightFilter<GeographicFrame> f;
+    NavState wrong = truth;
+    wrong.position = earth::moved_by_ned(earth, truth.position, {90.0, -70.0, 50.0});
+    f.inertial.set_nav(wrong);
+    Eigen::Matrix<double, 16, 16> P = Eigen::Matrix<double, 16, 16>::Zero();
+    P.diagonal().head<3>().setConstant(1e4);
+    f.start(model, P);
+    RangeEpochWork work;
+    (void)update_with_ranges(model, RangeTest(1e-4, 10.0), f, log, log.of(log.epochs.front()), work);
+    EXPECT_LT(earth::ned_difference(earth, f.inertial.nav.position, truth.position).norm(), 0.1);
+}
+
+}  // namespace
+}  // namespace schuler::fusion
