@@ -131,7 +131,7 @@ TEST(Scenario, ErrorsNamePlaceAndMend) {
         {"[imu]\ngyro_bias_deg_h = -1\n", {"s.toml:2", "imu.gyro_bias_deg_h", "out of range"}},
         {"[gnss]\nrate_hz = 1\ncorrelated_m = [1, -1, 1]\n", {"s.toml:3", "gnss.correlated_m", "out of range"}},
         {"[[fault]]\nstart_s = 1\nkind = \"melt\"\n", {"fault", "melt", "step, ramp, drift"}},
-        {"[compare]\nschemes = [\"tight\"]\n", {"s.toml:2", "tight", "separate"}},
+        {"[compare]\nschemes = [\"deepest\"]\n", {"s.toml:2", "deepest", "separate"}},
         {"[trajectory]\ntype = \"waypoints\"\nwaypoints = [ { north = 3 } ]\n", {"s.toml:3", "has no \"north\"", "north_m"}},
         {"[trajectory]\nstart = { lat_deg = 95 }\n", {"trajectory.start.lat_deg", "out of range"}},
         {"[trajectory]\nstart = { latitude_deg = 5 }\n", {"unknown key", "trajectory.start.lat_deg"}},

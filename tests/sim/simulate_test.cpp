@@ -401,7 +401,7 @@ TEST(Simulate, FaultsAreInTheLogAndNowhereElse) {
 
 TEST(Simulate, PressuresAreThoseOfTheDay) {
     Scenario s = at_rest(10.0);
-    s.baro = {1.0, 0.0, 0.0, 0.0, true, 99000.0, 20.0};
+    s.baro = {.rate = 1.0, .white = 0.0, .pressure = true, .sea_level_pressure = 99000.0, .temperature_offset = 20.0};
     const SimulatedData data = simulate(s);
     const double h = std::get<StaticPath>(s.path).start.h;
     // Near the ground p = p0 (1 - g h / (R T)) within 1e-4 of its change.
