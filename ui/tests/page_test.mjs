@@ -251,9 +251,9 @@ async function compare(runs) {
     (await page.locator("thead th").allInnerTexts()).includes("Flight with GNSS cut"),
     "the table of statistics has the runs",
   );
-  const overlaid = page.locator("figure.plot").first().locator(".u-legend .u-series");
+  const overlaid = page.locator("figure.plot:has(.u-legend)").first().locator(".u-legend .u-series");
   await overlaid.nth(3).waitFor().catch(() => {});   // a run's errors are drawn as they arrive
-  check((await overlaid.count()) === 4, "errors are overlaid");
+  check((await overlaid.count()) === 4, `errors are overlaid: ${await overlaid.allInnerTexts()}`);
   await page.waitForTimeout(800);
   await accessible("comparison");
   await shot("ui-compare");
