@@ -1,6 +1,6 @@
 // Speed of the loosely coupled filter alone: increments in memory, covariance propagated at every epoch, GNSS at 1 Hz.
 #include "schuler/core/units.h"
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 #include "schuler/math/rotation.h"
 #include "schuler/sim/simulate.h"
 
@@ -43,7 +43,7 @@ void forward(benchmark::State& state, bool scale_factors, fusion::Mechanization 
     double seconds = 0.0;
     for (auto _ : state) {
         WarningLog unheard;
-        const fusion::Result result = fusion::run_loose(data.recording, settings, unheard);
+        const fusion::Result result = fusion::run_filter(data.recording, settings, unheard);
         seconds += result.filter_seconds;
         state.SetIterationTime(result.filter_seconds);
     }

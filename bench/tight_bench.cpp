@@ -1,7 +1,7 @@
 // Speed of the tightly coupled filter alone: 200 Hz increments, 10 Hz epochs of 24 satellites with range and rate, correlated errors as
 // states.
 #include "schuler/core/units.h"
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 #include "schuler/gnss/constellation.h"
 #include "schuler/sim/ranging.h"
 #include "schuler/sim/simulate.h"
@@ -58,7 +58,7 @@ void forward(benchmark::State& state, fusion::Mechanization mechanization) {
     double seconds = 0.0;
     for (auto _ : state) {
         WarningLog unheard;
-        const fusion::Result result = fusion::run_loose(data, settings, unheard);
+        const fusion::Result result = fusion::run_filter(data, settings, unheard);
         seconds += result.filter_seconds;
         state.SetIterationTime(result.filter_seconds);
     }

@@ -17,7 +17,6 @@ build=(
     libcli11-dev            # command line
     libtomlplusplus-dev libyaml-cpp-dev nlohmann-json3-dev
     libhdf5-dev zlib1g-dev libfast-float-dev
-    libtbb-dev              # campaigns on all cores
     libkissfft-dev
     libboost-dev            # Multiprecision: ranks decided with a hundred digits
     libcpp-httplib-dev      # the server of `schuler ui`

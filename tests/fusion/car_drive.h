@@ -3,7 +3,7 @@
 
 #include "schuler/analysis/errors.h"
 #include "schuler/core/units.h"
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
 #include "schuler/sensor/grades.h"
@@ -71,7 +71,7 @@ inline void give_start(Settings& f, const Recording& recording, std::uint64_t se
 
 inline Result fuse(const Recording& recording, const Settings& settings) {
     WarningLog warnings;
-    return run_loose(recording, settings, warnings);
+    return run_filter(recording, settings, warnings);
 }
 
 /// Errors (east, north, up) at the epochs of the reference.

@@ -161,7 +161,7 @@ struct Flight {
         recording = sim::simulate(scenario).recording;
         give_start(settings, recording, scenario.seed);
         WarningLog warnings;
-        return run_loose(recording, settings, warnings);
+        return run_filter(recording, settings, warnings);
     }
 };
 

@@ -241,7 +241,7 @@ TEST(Run, RefusesDataWithoutOverlap) {
     for (GnssFix& fix : d.recording.gnss) fix.time = fix.time + Duration::from_seconds(1e5);
     // A complete initial state is a start of its own: inertial navigation alone, and a warning.
     WarningLog warnings;
-    EXPECT_NO_THROW((void)run_loose(d.recording, d.settings, warnings));
+    EXPECT_NO_THROW((void)run_filter(d.recording, d.settings, warnings));
     EXPECT_EQ(warnings.count("time.overlap"), 1u);
     d.settings.initial = {};
     EXPECT_THROW((void)fuse(d.recording, d.settings), Error);

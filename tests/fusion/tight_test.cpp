@@ -1,7 +1,7 @@
 // The tight filter on simulated ranges: clock, faults, jumps of the clock, few satellites, near stations, both mechanizations.
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 #include "schuler/fusion/tight_run.h"
 #include "schuler/gnss/constellation.h"
 #include "schuler/math/rotation.h"
@@ -69,7 +69,7 @@ Flight flight(const std::vector<sim::GroundStation>& stations = {}, std::vector<
 
 Result run(const Flight& f) {
     WarningLog unheard;
-    return run_loose(f.recording, f.settings, unheard);
+    return run_filter(f.recording, f.settings, unheard);
 }
 
 /// Largest horizontal error from `from` seconds on, m.

@@ -44,7 +44,7 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         fusion::Settings settings = bundle.data.config.filter;
         settings.output_rate = output_rate;
         settings.state_rows = !bundle.truth.sensors.empty();
-        bundle.result = fusion::run_loose(bundle.data.recording, settings, warnings, progress, rows);
+        bundle.result = fusion::run_filter(bundle.data.recording, settings, warnings, progress, rows);
     }
     bundle.timing.filter_s = seconds_since(begin);
     if (bundle.result.forward.rows.empty())

@@ -3,7 +3,7 @@
 
 #include "schuler/app/bundle.h"
 #include "schuler/app/commands.h"
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 
 #include <functional>
 
@@ -16,7 +16,7 @@ namespace schuler::app {
 /// Rate (Hz) at which the filter reports for the evaluation, 0 = every IMU epoch, whatever is written afterwards.
 [[nodiscard]] double internal_rate(const LoadedDataset& data);
 
-/// Fills result, evaluation and the time of the filter. `rows`: see fusion::run_loose. @throws Error
+/// Fills result, evaluation and the time of the filter. `rows`: see fusion::run_filter. @throws Error
 void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output_rate, const std::function<void(double)>& progress,
                        const fusion::RowSink& rows = {});
 

@@ -1,5 +1,5 @@
 #include "schuler/app/gravity.h"
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/gravimetry/resolution.h"
 #include "schuler/ins/step.h"
@@ -57,7 +57,7 @@ fusion::Result coarse(const LoadedDataset& data, WarningLog& warnings) {
     fusion::Settings s = data.config.filter;
     s.smooth = true;
     s.output_rate = 1.0;
-    fusion::Result result = fusion::run_loose(data.recording, s, warnings);
+    fusion::Result result = fusion::run_filter(data.recording, s, warnings);
     if (result.smoothed.rows.empty())
         throw computation_error("no start was found for gravimetry", "give [initial] position, velocity and attitude");
     return result;

@@ -2,7 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 #include "schuler/gnss/constellation.h"
 #include "schuler/ins/state_error.h"
 #include "schuler/math/random.h"
@@ -178,7 +178,7 @@ TriadRun run_triad(const TriadCase& which, std::size_t k, std::uint64_t seed) {
     recording.ranges = ranges_of(which, k, s);
     WarningLog unheard;
     const fusion::Result result =
-        fusion::run_loose(recording, settings_of(which, s, recording.reference.front()), unheard);
+        fusion::run_filter(recording, settings_of(which, s, recording.reference.front()), unheard);
     TriadRun out;
     std::size_t filled = 0;
     for (const fusion::StateRow& row : result.forward.states) {

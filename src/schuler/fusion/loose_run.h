@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/fusion/forward_pass.h"
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 
 namespace schuler::fusion {
 

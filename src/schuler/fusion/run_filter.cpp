@@ -1,4 +1,4 @@
-#include "schuler/fusion/run_loose.h"
+#include "schuler/fusion/run_filter.h"
 
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
@@ -94,7 +94,7 @@ std::size_t last_increment(const RunData& data, const Settings& settings) {
 
 }  // namespace
 
-Result run_loose(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
+Result run_filter(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                  const RowSink& rows) {
     check_settings(given);
     check_overlap(recording, given.initial, warnings);
