@@ -46,6 +46,7 @@ void add_processing(CLI::App& app, Options& o) {
         ->allow_extra_args(false);
     app.add_option("--settle", o.settle, "count errors from here; default: alignment + 60 s")->type_name("S");
     app.add_option("--outputs", o.outputs, "what is written: solution,summary,h5,report,kml,config (default all)")
+        ->delimiter(',')
         ->type_name("LIST");
     app.add_option("--output-rate", o.output_rate, "rate of the solution, default 10; 0 = every IMU epoch")->type_name("HZ");
     app.add_option("--progress", o.progress, "lines: \"progress 0.5\" on standard error, for programs")
@@ -117,6 +118,7 @@ void add_attitude_command(CLI::App& parser, Options& o) {
     ahrs->add_flag("--offline", o.offline, "forward filter and backward smoother (mekf)");
     ahrs->add_flag("--calibrate", o.calibrate, "ellipsoid fit of magnetometer and accelerometer from this log first");
     ahrs->add_option("--outputs", o.outputs, "what is written beside summary.json: solution,report,config (default all)")
+        ->delimiter(',')
         ->type_name("LIST");
     add_settings(*ahrs, o);
 }
@@ -168,17 +170,6 @@ void add_file_commands(CLI::App& parser, Options& o) {
 
 app::Setting text_setting(const std::string& key, const std::string& text, const std::string& option) {
     return {key, {text}, {option, 0, 0, {}}};
-}
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> out;
-    std::size_t begin = 0;
-    while (begin <= text.size()) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        if (end > begin) out.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return out;
 }
 
 app::Value time_value(const app::RunTime& t) {
@@ -235,7 +226,7 @@ app::SettingList settings_of(const Options& o) {
     if (!outages.empty()) out.push_back({"outage", {std::move(outages)}, {"--outage", 0, 0, {}}});
     if (!o.outputs.empty()) {
         app::ValueList files;
-        for (const std::string& name : split(o.outputs)) files.push_back({name});
+        for (const std::string& name : o.outputs) files.push_back({name});
         out.push_back({"output.files", {std::move(files)}, {"--outputs", 0, 0, {}}});
     }
     return out;

@@ -19,7 +19,8 @@ namespace schuler::cli {
 struct Options {
     std::string command;
     std::string input, second, output, config, format;
-    std::string scheme, mechanization, loop, start, stop, outputs;
+    std::string scheme, mechanization, loop, start, stop;
+    std::vector<std::string> outputs;
     std::vector<std::string> outages, set, loose_arguments;
     std::optional<double> settle, output_rate;
     std::optional<std::uint64_t> seed;

@@ -25,6 +25,7 @@ void add_gravity_command(CLI::App& parser, Options& o, const AddCommand& add_com
         ->allow_extra_args(false);
     app->add_option("--settle", o.settle, "count errors from here; default: 60 s")->type_name("S");
     app->add_option("--outputs", o.outputs, "beside gravity.csv: solution,summary,h5,report,kml,config (default all)")
+        ->delimiter(',')
         ->type_name("LIST");
     add_settings(*app, o);
 }

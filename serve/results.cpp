@@ -6,6 +6,7 @@
 #include "schuler/io/hdf5_file.h"
 #include "schuler/report/decimate.h"
 #include "serve/message.h"
+#include "serve/split.h"
 
 #include <fmt/format.h>
 
@@ -22,16 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t most_kept_values = 100'000'000;   // 800 MB
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> out;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        out.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return out;
-}
 
 std::string group_of(const std::string& path) { return path.substr(0, path.rfind('/')); }
 
@@ -57,8 +48,8 @@ ColumnTable read_table(const fs::path& folder, const std::string& path) {
     const io::Hdf5Table table = file.table(path);
     ColumnTable out;
     const bool time = path.ends_with("/time_s");
-    out.names = time ? std::vector<std::string>{"time"} : split(file.attribute(path, "columns"));
-    out.units = split(file.attribute(path, "units"));
+    out.names = time ? std::vector<std::string>{"time"} : split(file.attribute(path, "columns"), ',');
+    out.units = split(file.attribute(path, "units"), ',');
     out.names.resize(table.columns);
     out.units.resize(table.columns, out.units.empty() ? "" : out.units.front());
     out.columns.resize(table.columns);
@@ -224,8 +215,8 @@ Json Results::channels(const fs::path& folder) {
         for (const std::string& name : names) {
             if (name.starts_with("time_")) continue;
             const std::string path = group + "/" + name;
-            const std::vector<std::string> labels = split(file.attribute(path, "columns"));
-            add(path, labels, split(file.attribute(path, "units")));
+            const std::vector<std::string> labels = split(file.attribute(path, "columns"), ',');
+            add(path, labels, split(file.attribute(path, "units"), ','));
             if (name == "position" && labels.front() == "lat") add(group + "/local", {"north", "east", "up"}, {"m"});
         }
         const auto& t = time->columns.front();

@@ -5,6 +5,7 @@
 #include "serve/assets.h"
 #include "serve/forms.h"
 #include "serve/names.h"
+#include "serve/split.h"
 
 #include <fmt/format.h>
 
@@ -17,24 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string_view> segments(std::string_view path) {
-    std::vector<std::string_view> out;
-    for (std::size_t begin = 1; begin <= path.size();) {
-        const std::size_t end = std::min(path.find('/', begin), path.size());
-        out.push_back(path.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return out;
-}
-
 /// What the braces of the pattern stand for, or nothing where the path is another.
 bool matches(std::string_view pattern, std::string_view path, std::vector<std::string>& parts) {
-    const auto wanted = segments(pattern), given = segments(path);
+    const auto wanted = split(pattern, '/'), given = split(path, '/');
     parts.clear();
     if (wanted.size() != given.size()) return false;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
         if (wanted[i].starts_with('{'))
-            parts.emplace_back(given[i]);
+            parts.push_back(given[i]);
         else if (wanted[i] != given[i])
             return false;
     }
@@ -194,7 +185,7 @@ Json Service::openapi() const {
     Json paths = Json::object();
     for (const Route& route : routes_) {
         Json parameters = Json::array();
-        for (const std::string_view part : segments(route.path)) {
+        for (const std::string& part : split(route.path, '/')) {
             if (!part.starts_with('{')) continue;
             parameters.push_back({{"name", part.substr(1, part.size() - 2)},
                                   {"in", "path"},

@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <fstream>
 #include <random>
+#include <system_error>
+#include <vector>
 
 namespace schuler::inspect::test {
 namespace {
@@ -104,6 +106,14 @@ std::filesystem::path fresh_folder(const std::string& name) {
         ("schuler_inspect_" + std::to_string(::getpid()) + "_" + name);   // test programs run side by side
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
+    static struct Folders {
+        std::vector<std::filesystem::path> all;
+        ~Folders() {
+            std::error_code ec;
+            for (const auto& path : all) std::filesystem::remove_all(path, ec);
+        }
+    } made;   // gone with the program
+    made.all.push_back(folder);
     return folder;
 }
 

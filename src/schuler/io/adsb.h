@@ -37,8 +37,8 @@ struct AdsbLog {
 /// from one message near the last position; surface positions need `near`. @throws Error(Input): no such log, or without one good message.
 [[nodiscard]] AdsbLog read_adsb(const TextInput& input, std::optional<Geodetic> near, WarningLog& log);
 
-/// Addresses that stay within 30 m of their middle over at least five reports, as stations "ADSB-XXXXXX" at that middle; heights by
-/// pressure are taken as they are.
+/// Addresses that stay within 30 m of their middle over at least five reports, as stations at that middle, named "ADSB-" and the six
+/// hexadecimal digits of the address; heights by pressure are taken as they are.
 [[nodiscard]] std::vector<StationRow> stations_of(const AdsbLog& log);
 
 /// Remainder of a message of 14 bytes against its own parity field; 0: good.
