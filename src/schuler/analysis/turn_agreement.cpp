@@ -11,7 +11,7 @@ constexpr double stretch = 0.1;  // s; a quarter of a turn in it still shortens 
 constexpr double longest = 0.2;  // s; in a longer one the log has a gap
 
 /// Mean of a run of samples and their mean time, s.
-struct Mean {
+struct TimedMean {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double time = 0.0, n = 0.0;
 
@@ -30,15 +30,15 @@ TurnAgreement turn_agreement(std::span<const ImuSample> imu, std::size_t count, 
                              const std::function<Eigen::Vector3d(std::size_t)>& vector) {
     double cross = 0.0, expected2 = 0.0, measured2 = 0.0;
     std::size_t g = 0;
-    Mean before;
+    TimedMean before;
     for (std::size_t k = 0; k < count;) {
-        Mean now;
+        TimedMean now;
         const Time begin = time(k);
         for (; k < count && (time(k) - begin).seconds() < stretch; ++k) {
             if (vector(k).allFinite()) now.add((time(k) - imu.front().time).seconds(), vector(k));
         }
         if (now.n > 0.0 && before.n > 0.0 && now.at() - before.at() < longest) {
-            Mean rate;
+            TimedMean rate;
             for (; g < imu.size() && (imu[g].time - imu.front().time).seconds() <= now.at(); ++g) {
                 if (imu[g].gyro.allFinite() && (imu[g].time - imu.front().time).seconds() > before.at()) rate.add(0.0, imu[g].gyro);
             }

@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/atmosphere.h"
+#include "schuler/gnss/system_time.h"
 
 #include <Eigen/LU>
 
@@ -19,9 +20,6 @@ namespace {
 constexpr double deg = units::deg;
 constexpr double earth_rate = 7.2921151467e-5;
 constexpr double greenwich = 277.85 * deg;   ///< right ascension when the week begins
-constexpr std::int64_t week_ns = 604'800'000'000'000;
-
-double second_of_week(Time t) { return static_cast<double>(((t.ns % week_ns) + week_ns) % week_ns) * 1e-9; }
 
 /// A plane of GPS's nominal constellation: right ascension of the node and arguments of latitude, degrees.
 struct Plane {
@@ -52,10 +50,10 @@ Navigation nominal_gps(Time from, Time to) {
                 k.sqrt_a = std::sqrt(a);
                 k.i0 = 55.0 * deg;
                 // elements since the week of `from` began, so that a scenario may run into the next week
-                const double since = second_of_week(from) + (toe - from).seconds();
-                k.omega0 = plane.node * deg - greenwich - earth_rate * (since - second_of_week(toe));
+                const double since = week_second(from).second + (toe - from).seconds();
+                k.omega0 = plane.node * deg - greenwich - earth_rate * (since - week_second(toe).second);
                 k.m0 = std::remainder(latitude * deg + n * since, 2.0 * std::numbers::pi);
-                k.iode = k.iodc = static_cast<int>(second_of_week(toe) / 7200.0) % 256;
+                k.iode = k.iodc = static_cast<int>(week_second(toe).second / 7200.0) % 256;
                 k.accuracy = 0.01;
                 out.kepler.push_back(k);
             }
@@ -68,7 +66,7 @@ Navigation nominal_glonass(Time from, Time to) {
     constexpr double a = 25'508e3, mu = 3.986004418e14, inclination = 64.8 * deg;
     constexpr Duration every{1'800'000'000'000};
     const Time first{from.ns - from.ns % every.ns};
-    const double n = std::sqrt(mu / (a * a * a)), since = second_of_week(from) - (from - first).seconds();
+    const double n = std::sqrt(mu / (a * a * a)), since = week_second(from).second - (from - first).seconds();
     constexpr std::array<int, 24> channels{1, -4, 5, 6, 1, -4, 5, 6, -2, -7, 0, -1, -2, -7, 0, -1, 4, -3, 3, 2, 4, -3, 3, 2};
     Navigation out;
     for (std::uint8_t slot = 0; slot < 24; ++slot) {

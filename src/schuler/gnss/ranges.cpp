@@ -9,7 +9,6 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double f_l1 = 1575.42e6;
 
 /// Bands in order of preference. BeiDou's B1C and B2a need group delays that its D1 and D2 messages do not send.
 std::string_view bands_of(System system) {
@@ -126,7 +125,7 @@ AtmosphericDelay atmospheric_delay(Time transmit, double frequency, const Geodet
                                    const KlobucharCoefficients* klobuchar, const RangeSettings& settings) {
     AtmosphericDelay out;
     if (settings.ionosphere == IonosphereModel::Broadcast && klobuchar != nullptr && frequency > 0.0) {
-        const double scale = f_l1 / frequency;
+        const double scale = l1_frequency / frequency;
         out.delay = scale * scale * klobuchar_delay(*klobuchar, transmit, receiver, direction);
         out.variance = 0.25 * out.delay * out.delay;  // the model removes half of it
     }

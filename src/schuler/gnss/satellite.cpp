@@ -5,7 +5,7 @@ namespace {
 
 constexpr std::string_view letters = "GRECJSI";
 constexpr double mhz = 1e6;
-constexpr double f_l1 = 1575.42 * mhz, f_l2 = 1227.60 * mhz, f_l5 = 1176.45 * mhz;
+constexpr double f_l1 = l1_frequency, f_l2 = 1227.60 * mhz, f_l5 = 1176.45 * mhz;
 
 double glonass_frequency(char band, int channel) {
     switch (band) {

@@ -1,6 +1,7 @@
 #include "schuler/io/csv_ranges.h"
 
 #include "schuler/core/units.h"
+#include "schuler/gnss/satellite.h"
 #include "schuler/io/detail/position_columns.h"
 #include "schuler/io/detail/sample_rows.h"
 
@@ -100,7 +101,7 @@ RangesTable read_ranges_csv(const TextInput& input, const CsvOptions& options, W
         m.tx_velocity = {optional_number(row, f.vx), optional_number(row, f.vy), optional_number(row, f.vz)};
         m.tx_clock = or_zero(optional_number(row, f.clock));
         m.tx_clock_rate = or_zero(optional_number(row, f.clock_rate));
-        if (is_satellite(name)) m.frequency = 1575.42e6;
+        if (is_satellite(name)) m.frequency = gnss::l1_frequency;
         return true;
     };
     auto rows = detail::read_samples<TimedRange>(reader, audit, columns.layout().estimated_rows, options.time_offset, make);
