@@ -266,6 +266,15 @@ void withhold_before_ends(std::vector<Event>& events) {
 /// value, and at most one in these times.
 constexpr Duration baro_spacing{500'000'000}, mag_spacing{500'000'000};
 
+Event event_at(Time time, AidKind kind, std::uint8_t components, std::size_t index) {
+    Event e;
+    e.stamp = e.valid = time;
+    e.kind = kind;
+    e.components = components;
+    e.index = index;
+    return e;
+}
+
 void add_baro_events(const Recording& recording, std::vector<Event>& events) {
     Time last{INT64_MIN / 2};
     double value = not_given;
@@ -274,12 +283,7 @@ void add_baro_events(const Recording& recording, std::vector<Event>& events) {
         if (!std::isfinite(s.height) || s.height == value || s.time - last < baro_spacing) continue;
         last = s.time;
         value = s.height;
-        Event e;
-        e.stamp = e.valid = s.time;
-        e.kind = AidKind::Baro;
-        e.components = 4;
-        e.index = i;
-        events.push_back(e);
+        events.push_back(event_at(s.time, AidKind::Baro, 4, i));
     }
 }
 
@@ -289,12 +293,7 @@ void add_mag_events(const Recording& recording, std::vector<Event>& events) {
         const MagSample& s = recording.mag[i];
         if (!s.field_b.allFinite() || s.time - last < mag_spacing) continue;
         last = s.time;
-        Event e;
-        e.stamp = e.valid = s.time;
-        e.kind = AidKind::Mag;
-        e.components = 1;
-        e.index = i;
-        events.push_back(e);
+        events.push_back(event_at(s.time, AidKind::Mag, 1, i));
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/io/detail/calendar_text.h"
+#include "schuler/io/detail/first_lines.h"
 #include "schuler/io/detail/sample_rows.h"
 #include "schuler/io/fix_codes.h"
 #include "schuler/io/place.h"
@@ -335,12 +336,7 @@ NmeaLog read_nmea(const TextInput& input, WarningLog& log) {
 bool is_nmea(const TextInput& input) {
     try {
         LineBlocks blocks(input);
-        if (!blocks.next()) return false;
-        std::string_view text(blocks.begin(), static_cast<std::size_t>(blocks.end() - blocks.begin()));
-        for (int lines = 0; lines < 200 && !text.empty(); ++lines) {
-            const std::size_t stop = text.find('\n');
-            const std::string_view line = text.substr(0, stop);
-            text.remove_prefix(stop + 1);
+        for (const std::string_view line : detail::first_lines(blocks)) {
             const std::size_t dollar = line.find('$');
             if (dollar != std::string_view::npos && checked_fields(trimmed(line.substr(dollar)))) return true;
         }

@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/io/detail/calendar_text.h"
+#include "schuler/io/detail/first_lines.h"
 #include "schuler/io/detail/sample_rows.h"
 #include "schuler/io/fix_codes.h"
 #include "schuler/io/place.h"
@@ -326,12 +327,8 @@ RtklibPos read_rtklib_pos(const TextInput& input, WarningLog& log) {
 bool is_rtklib_pos(const TextInput& input) {
     try {
         LineBlocks blocks(input);
-        if (!blocks.next()) return false;
-        std::string_view text(blocks.begin(), static_cast<std::size_t>(blocks.end() - blocks.begin()));
-        for (int lines = 0; lines < 200 && !text.empty(); ++lines) {
-            const std::size_t stop = text.find('\n');
-            const std::string_view line = trimmed(text.substr(0, stop));
-            text.remove_prefix(stop + 1);
+        for (const std::string_view whole : detail::first_lines(blocks)) {
+            const std::string_view line = trimmed(whole);
             if (line.empty()) continue;
             if (line.front() == '%' && layout_from_header(line)) return true;
             if (line.front() != '%') {
