@@ -39,6 +39,9 @@ public:
     CodeError(const CorrelationPeak& peak, double spacing, CodeDiscriminator kind)
         : kind_(kind),
           limit_(spacing),
+          noise_(2.0 * (peak(0.0) - peak(spacing))),
+          squared_(kind == CodeDiscriminator::EarlyLatePower ? peak(0.0) + peak(spacing) : peak(0.0)),
+          amplitude_(kind == CodeDiscriminator::EarlyLatePower ? 2.0 * peak(spacing / 2.0) : peak(0.0)),
           gain_(-2.0 * peak.slope(spacing / 2.0) *
                 (kind == CodeDiscriminator::EarlyLatePower ? 2.0 * peak(spacing / 2.0) : peak(0.0))) {}
 
@@ -48,6 +51,12 @@ public:
     }
     /// Not held: what a filter wants that weighs by variance.
     [[nodiscard]] double unlimited(const Correlators& c, double power) const { return difference(c) / (gain_ * power); }
+    /// Variance of unlimited() for an aligned replica, chips^2: signal times noise and noise times noise, both linear in
+    /// the noise of late minus early.
+    [[nodiscard]] double variance(double power) const {
+        const double products = kind_ == CodeDiscriminator::EarlyLatePower ? 4.0 * squared_ : 2.0 * squared_;
+        return noise_ * (amplitude_ * amplitude_ * power + products) / (gain_ * gain_ * power * power);
+    }
 
 private:
     [[nodiscard]] double difference(const Correlators& c) const {
@@ -56,7 +65,7 @@ private:
     }
 
     CodeDiscriminator kind_;
-    double limit_, gain_;
+    double limit_, noise_, squared_, amplitude_, gain_;
 };
 
 }  // namespace schuler::receiver
