@@ -1,0 +1,166 @@
+#include "schuler/receiver/deep_channel.h"
+
+#include "schuler/core/error.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace schuler::receiver {
+
+namespace {
+
+constexpr double turn = 2.0 * std::numbers::pi;
+constexpr double unknown_phase = 1.0;        ///< rad^2
+constexpr double unknown_frequency = 100.0;  ///< Hz^2: the navigation holds 10 Hz
+
+}  // namespace
+
+void DeepSettings::check() const {
+    const auto between = [](double value, double low, double high, const char* key) {
+        if (!(value > low && value <= high))
+            throw input_error(fmt::format("{} is not between {} and {}", value, low, high), {.key = key});
+    };
+    between(spacing, 0.0, 1.0, "spacing");
+    between(cn0_time, 0.0, 100.0, "cn0_time");
+    between(lowest_db, -10.0, 60.0, "lowest_db");
+    between(acceleration, 0.0, 1e4, "acceleration");
+    between(followed, 0.0, 1.0, "followed");
+}
+
+DeepChannel::DeepChannel(const SignalStructure& signal, const CorrelationPeak& peak, const DeepSettings& settings)
+    : signal_(signal),
+      settings_((settings.check(), settings)),
+      code_error_(peak, settings.spacing, CodeDiscriminator::EarlyLatePower),
+      peak_(peak(0.0)),
+      slope_(-peak.slope(settings.spacing / 2.0)),
+      noise_(2.0 * (peak(0.0) - peak(settings.spacing))),
+      period_(signal.code_period()),
+      symbol_(static_cast<int>(std::lround(signal.symbol_duration / period_))),
+      cn0_(signal.symbol_duration / 2.0, settings.cn0_time, peak_, 1000.0) {}
+
+void DeepChannel::place() {
+    // The middle of the coming code period counts; the carrier's phase goes on as it was.
+    const double phase = replica_.carrier_phase;
+    const LineOfSight middle = predicted_.after(period_ / 2.0);
+    const double doppler = -middle.rate / signal_.wavelength();
+    replica_ = {-predicted_.range / signal_.chip_length(), doppler * signal_.chips_per_cycle(), phase, doppler};
+}
+
+void DeepChannel::start(const LineOfSight& predicted, int dumps_into_symbol, double cn0) {
+    predicted_ = predicted;
+    dump_ = ((dumps_into_symbol % symbol_) + symbol_) % symbol_;
+    counted_ = 0;
+    cn0_ = Cn0Estimator(signal_.symbol_duration / 2.0, settings_.cn0_time, peak_, cn0);
+    carrier_.setZero();
+    P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
+    halves_[0] = halves_[1] = {};
+    place();
+}
+
+void DeepChannel::command(const LineOfSight& predicted) {
+    predicted_ = predicted;
+    place();
+}
+
+std::optional<ChannelMeasurement> DeepChannel::step(const Correlators& dump) {
+    replica_ = replica_.after(period_);
+    predicted_ = predicted_.after(period_);
+    const bool whole = counted_ == dump_;   // a symbol joined in its middle is let pass
+    Correlators& half = halves_[2 * dump_ / symbol_];
+    half.early += dump.early;
+    half.prompt += dump.prompt;
+    half.late += dump.late;
+    dump_ = (dump_ + 1) % symbol_;
+    std::optional<ChannelMeasurement> out;
+    if (whole) ++counted_;
+    if (dump_ == 0) {
+        if (counted_ == symbol_) out = finish();
+        counted_ = 0;
+        halves_[0] = halves_[1] = {};
+    }
+    place();
+    return out;
+}
+
+void DeepChannel::follow_phase(std::complex<double> half) {
+    // Forward half a symbol: the frequency turns the phase, the unknown acceleration walks the frequency.
+    const double T = signal_.symbol_duration / 2.0, q = std::pow(settings_.acceleration / signal_.wavelength(), 2);
+    Eigen::Matrix2d F;
+    F << 1.0, turn * T, 0.0, 1.0;
+    Eigen::Matrix2d Q;
+    Q << turn * turn * T * T * T / 3.0, turn * T * T / 2.0, turn * T * T / 2.0, T;
+    carrier_ = F * carrier_;
+    P_ = (F * P_ * F.transpose()).eval() + q * Q;
+    // The sum knows the phase in the middle of the half symbol; its innovation modulo half a cycle is blind to the message.
+    const Eigen::RowVector2d H(1.0, -turn * T / 2.0);
+    const double power = 2.0 * cn0_.cn0() * T * peak_, variance = 1.0 / power * (1.0 + 1.0 / power);
+    const double innovation = costas_phase(half * std::polar(1.0, (H * carrier_).value()));
+    const double S = (H * P_ * H.transpose())(0) + variance;
+    const Eigen::Vector2d K = P_ * H.transpose() / S;
+    carrier_ += K * innovation;
+    P_ = (P_ - K * S * K.transpose()).eval();
+}
+
+ChannelMeasurement DeepChannel::finish() {
+    const double T = signal_.symbol_duration, half = T / 2.0, scale = 1.0 / std::sqrt(symbol_ / 2.0);
+    for (Correlators& c : halves_) {
+        c.early *= scale;
+        c.prompt *= scale;
+        c.late *= scale;
+        cn0_.add(c.prompt);
+    }
+    const double power = 2.0 * cn0_.cn0() * half;   // of each half symbol
+    ChannelMeasurement out;
+    out.duration = T;
+    out.cn0 = cn0_.cn0();
+    const bool strong = db_from_cn0(out.cn0) >= settings_.lowest_db;
+
+    // Noncoherent: the turn from half to half by its sine, whose noise stays what the formula says however weak the signal is.
+    const double code = 0.5 * (code_error_.unlimited(halves_[0], power) + code_error_.unlimited(halves_[1], power));
+    const double code_variance = 0.5 * code_error_.variance(power);
+    const double aligned = power * peak_ * peak_, per_turn = -1.0 / (turn * half * aligned);
+    const double frequency = per_turn * (halves_[1].prompt * std::conj(halves_[0].prompt)).imag();
+    const double frequency_variance = per_turn * per_turn * 2.0 * peak_ * (aligned + peak_);
+    const double chip = signal_.chip_length(), wavelength = signal_.wavelength();
+    if (strong) {
+        out.status = ChannelMeasurement::Status::Noncoherent;
+        out.range = -chip * code;
+        out.range_variance = chip * chip * code_variance;
+        out.rate = -wavelength * frequency;
+        out.rate_variance = wavelength * wavelength * frequency_variance;
+    }
+    if (settings_.prefilter == Prefilter::Noncoherent) return out;
+
+    // Coherent: about the frequency nothing is kept from symbol to symbol but the navigation's word, which is zero, so that no
+    // false frequency can last; and what leaves the channel is what this symbol says without that word, so that nothing is
+    // counted twice.
+    carrier_[1] = 0.0;
+    P_(0, 1) = P_(1, 0) = 0.0;
+    P_(1, 1) = unknown_frequency;
+    double sum = 0.0;
+    for (const Correlators& c : halves_) {
+        follow_phase(c.prompt);
+        // turned back to where the filter says the signal lies; the sign of the symbol decided by the prompt itself
+        const std::complex<double> back = std::polar(1.0, carrier_[0] - turn * carrier_[1] * half / 2.0);
+        sum += ((c.late - c.early) * back).real() * ((c.prompt * back).real() < 0.0 ? -1.0 : 1.0);
+    }
+    if (P_(0, 0) > unknown_phase) {
+        carrier_[0] = 0.0;
+        P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
+    }
+    carrier_[0] = std::remainder(carrier_[0], turn);
+    if (strong && P_(1, 1) < 0.5 * unknown_frequency && P_(0, 0) < settings_.followed * settings_.followed) {
+        const double gain = 2.0 * slope_ * std::sqrt(power);
+        out.status = ChannelMeasurement::Status::Coherent;
+        out.range = -chip * 0.5 * sum / gain;
+        out.range_variance = chip * chip * 0.5 * noise_ / (gain * gain);
+        const double own = 1.0 / (1.0 / P_(1, 1) - 1.0 / unknown_frequency);
+        out.rate = -wavelength * carrier_[1] * own / P_(1, 1);
+        out.rate_variance = wavelength * wavelength * own;
+    }
+    return out;
+}
+
+}  // namespace schuler::receiver

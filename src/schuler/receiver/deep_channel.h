@@ -1,0 +1,83 @@
+// One channel of a deeply coupled receiver: generators commanded by the navigation solution, correlators condensed into
+// residuals.
+#pragma once
+
+#include "schuler/receiver/discriminators.h"
+#include "schuler/receiver/lock.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+
+namespace schuler::receiver {
+
+enum class Prefilter {
+    Noncoherent,  ///< powers and products of neighbouring sums: blind to phase, works down into the noise
+    Coherent,  ///< a small filter follows the phase between commands; while it cannot, the noncoherent residuals are given
+};
+
+struct DeepSettings {
+    Prefilter prefilter = Prefilter::Noncoherent;
+    double spacing = 0.5;  ///< chips, early to late
+    double cn0_time = 1.0;  ///< s, time constant of the C/N0 estimate
+    double lowest_db = 10.0;  ///< dB-Hz below which a channel gives no measurement
+    double acceleration = 0.2;  ///< m/s^2/sqrt(Hz), what the navigation does not know of the line of sight's acceleration
+    double followed = 0.5;  ///< rad, largest one sigma of the phase that counts as followed
+
+    /// Throws Error(Input) naming the setting.
+    void check() const;
+};
+
+/// What one channel gives to the navigation filter after each symbol: predicted minus received pseudorange and rate, that is
+/// estimate minus truth as seen along this line of sight, mean over the symbol. Residuals of different symbols have independent
+/// noise, except for neighbouring coherent rates, which share a phase.
+struct ChannelMeasurement {
+    enum class Status { NoSignal, Noncoherent, Coherent } status = Status::NoSignal;
+    double range = 0.0;  ///< m
+    double range_variance = 0.0;  ///< m^2
+    double rate = 0.0;  ///< m/s
+    double rate_variance = 0.0;  ///< (m/s)^2
+    double cn0 = 0.0;  ///< Hz
+    double duration = 0.0;  ///< s
+};
+
+/// Linear within half a chip and a quarter of the inverse symbol (12 Hz for GPS): the navigation has to be better than that.
+/// Allocates nothing after construction.
+class DeepChannel {
+public:
+    DeepChannel(const SignalStructure& signal, const CorrelationPeak& peak, const DeepSettings& settings);
+
+    /// Puts the replica where `predicted` says, the first dump `dumps_into_symbol` into its symbol; cn0 (Hz) to begin with.
+    void start(const LineOfSight& predicted, int dumps_into_symbol, double cn0);
+    /// The navigation's word on the pseudorange now, clock included. Between symbols only: after a step that returned a
+    /// measurement.
+    void command(const LineOfSight& predicted);
+    /// Ends the code period just correlated with replica(); a measurement at the end of each symbol.
+    std::optional<ChannelMeasurement> step(const Correlators& dump);
+
+    [[nodiscard]] const Replica& replica() const { return replica_; }
+    [[nodiscard]] const LineOfSight& predicted() const { return predicted_; }
+
+private:
+    void place();
+    [[nodiscard]] ChannelMeasurement finish();
+    void follow_phase(std::complex<double> half);
+
+    SignalStructure signal_;
+    DeepSettings settings_;
+    CodeError code_error_;
+    double peak_, slope_, noise_, period_;
+    int symbol_;
+    Cn0Estimator cn0_;
+
+    Replica replica_;
+    LineOfSight predicted_;
+    int dump_ = 0;
+    int counted_ = 0;  ///< dumps of this symbol
+    Correlators halves_[2]{};
+    /// Phase (rad) and frequency (Hz) of replica minus signal at the end of the last half symbol.
+    Eigen::Vector2d carrier_ = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity();
+};
+
+}  // namespace schuler::receiver

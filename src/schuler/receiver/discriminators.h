@@ -1,0 +1,71 @@
+// What a correlator dump tells of the replica's error: estimates of replica minus signal.
+#pragma once
+
+#include "schuler/receiver/correlator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace schuler::receiver {
+
+/// Phase error modulo half a cycle, rad in (-pi/2, pi/2], blind to the message's sign: the two-quadrant arctangent of Costas
+/// loops [Kaplan2017:8.5].
+[[nodiscard]] inline double costas_phase(std::complex<double> prompt) {
+    return prompt.real() == 0.0 ? 0.0 : -std::atan(prompt.imag() / prompt.real());
+}
+
+/// Frequency error in Hz from two prompts `interval` s apart (middle to middle) that carry the same sign; within +-1/(2
+/// interval).
+[[nodiscard]] inline double frequency_between(std::complex<double> first, std::complex<double> second, double interval) {
+    return -std::arg(second * std::conj(first)) / (2.0 * std::numbers::pi * interval);
+}
+
+/// The same where the sign may have changed between them; within +-1/(4 interval).
+[[nodiscard]] inline double frequency_across_bits(std::complex<double> first, std::complex<double> second, double interval) {
+    return costas_phase(second * std::conj(first)) / (2.0 * std::numbers::pi * interval);
+}
+
+enum class CodeDiscriminator {
+    EarlyLatePower,  ///< |E|^2 - |L|^2
+    DotProduct,  ///< Re((E - L) P*): quasi-coherent
+};
+
+/// Code error in chips, for a peak and a spacing. Scaled by the power of the signal, known or estimated beforehand, and not by
+/// that of the same dump: the gain stays what the loop's bandwidth was computed for, down into the noise.
+class CodeError {
+public:
+    CodeError(const CorrelationPeak& peak, double spacing, CodeDiscriminator kind)
+        : kind_(kind),
+          limit_(spacing),
+          noise_(2.0 * (peak(0.0) - peak(spacing))),
+          squared_(kind == CodeDiscriminator::EarlyLatePower ? peak(0.0) + peak(spacing) : peak(0.0)),
+          amplitude_(kind == CodeDiscriminator::EarlyLatePower ? 2.0 * peak(spacing / 2.0) : peak(0.0)),
+          gain_(-2.0 * peak.slope(spacing / 2.0) *
+                (kind == CodeDiscriminator::EarlyLatePower ? 2.0 * peak(spacing / 2.0) : peak(0.0))) {}
+
+    /// @param power squared amplitude of an aligned prompt without band limit (2 C/N0 T). The result is held within +-spacing.
+    [[nodiscard]] double operator()(const Correlators& c, double power) const {
+        return std::clamp(difference(c) / (gain_ * power), -limit_, limit_);
+    }
+    /// Not held: what a filter wants that weighs by variance.
+    [[nodiscard]] double unlimited(const Correlators& c, double power) const { return difference(c) / (gain_ * power); }
+    /// Variance of unlimited() for an aligned replica, chips^2: signal times noise and noise times noise, both linear in
+    /// the noise of late minus early.
+    [[nodiscard]] double variance(double power) const {
+        const double products = kind_ == CodeDiscriminator::EarlyLatePower ? 4.0 * squared_ : 2.0 * squared_;
+        return noise_ * (amplitude_ * amplitude_ * power + products) / (gain_ * gain_ * power * power);
+    }
+
+private:
+    [[nodiscard]] double difference(const Correlators& c) const {
+        if (kind_ == CodeDiscriminator::EarlyLatePower) return std::norm(c.late) - std::norm(c.early);
+        return ((c.late - c.early) * std::conj(c.prompt)).real();
+    }
+
+    CodeDiscriminator kind_;
+    double limit_, noise_, squared_, amplitude_, gain_;
+};
+
+}  // namespace schuler::receiver

@@ -1,0 +1,75 @@
+// Lock detectors: how strong the signal is and whether the carrier is followed in phase.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+namespace schuler::receiver {
+
+/// C/N0 from the mean power of prompts, noise known to have unit variance in I and Q: an aligned prompt of T s has
+/// E|P|^2 = 2 C/N0 T R0^2 + 2 R0. Exponential average.
+class Cn0Estimator {
+public:
+    /// @param interval s a prompt; @param time_constant s; @param peak R0 = R(0) of the front end; @param guess Hz to begin with.
+    Cn0Estimator(double interval, double time_constant, double peak, double guess)
+        : time_constant_(time_constant), peak_(peak), cn0_(guess) {
+        change_interval(interval);
+    }
+
+    void add(std::complex<double> prompt) {
+        cn0_ += gain_ * ((std::norm(prompt) - 2.0 * peak_) / (2.0 * interval_ * peak_ * peak_) - cn0_);
+    }
+    void change_interval(double interval) {
+        interval_ = interval;
+        gain_ = std::min(1.0, interval / time_constant_);
+    }
+    /// Hz; not below 1 Hz.
+    [[nodiscard]] double cn0() const { return std::max(1.0, cn0_); }
+
+private:
+    double time_constant_, peak_, cn0_;
+    double interval_ = 0.0, gain_ = 0.0;
+};
+
+/// Narrow-band difference over narrow-band power, the low-passed (I^2 - Q^2) / (I^2 + Q^2) [VanDierendonck1996]: near cos(2 phi)
+/// for a followed carrier, near zero for noise or another frequency.
+class PhaseLockDetector {
+public:
+    PhaseLockDetector(double interval, double time_constant) : gain_(std::min(1.0, interval / time_constant)) {}
+
+    void add(std::complex<double> prompt) {
+        difference_ += gain_ * (prompt.real() * prompt.real() - prompt.imag() * prompt.imag() - difference_);
+        power_ += gain_ * (std::norm(prompt) - power_);
+    }
+    [[nodiscard]] double value() const { return power_ > 0.0 ? difference_ / power_ : 0.0; }
+
+private:
+    double gain_, difference_ = 0.0, power_ = 0.0;
+};
+
+/// Where the message's signs change: for each of the possible places the products of neighbouring prompts are added up, and the
+/// place of the symbols' beginning has the smallest sum. A frequency error much below the code's rate does not disturb it.
+class SymbolSync {
+public:
+    static constexpr int longest = 20;  ///< dumps a symbol
+    explicit SymbolSync(int dumps_per_symbol) : length_(dumps_per_symbol) {}
+
+    void add(std::complex<double> prompt) {
+        kept_[place_] += (prompt * std::conj(before_)).real();
+        before_ = prompt;
+        place_ = (place_ + 1) % length_;
+    }
+    /// For the next dump to come; 0 begins a symbol.
+    [[nodiscard]] int dumps_into_symbol() const {
+        const auto begin = static_cast<int>(std::min_element(kept_, kept_ + length_) - kept_);
+        return (place_ - begin + length_) % length_;
+    }
+
+private:
+    int length_, place_ = 0;
+    std::complex<double> before_ = 0.0;
+    double kept_[longest]{};
+};
+
+}  // namespace schuler::receiver

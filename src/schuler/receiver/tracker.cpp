@@ -1,0 +1,289 @@
+#include "schuler/receiver/tracker.h"
+
+#include "schuler/core/error.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace schuler::receiver {
+
+namespace {
+
+constexpr double cn0_time = 0.5;        ///< s, time constant of the C/N0 estimate
+constexpr double cn0_guess = 3000.0;    ///< Hz, until there is an estimate
+constexpr double lock_time = 0.25;      ///< s, of the phase lock detector
+constexpr double settled_aided = 2.0;   ///< s, of the frequency kept for after a loss
+constexpr double settled_alone = 0.2;   ///< s, likewise: without an aid it moves
+constexpr double assist = 3.0;          ///< Hz, frequency loop beside the phase loop while it locks
+constexpr double retry_time = 2.0;      ///< s between attempts at a lost carrier
+constexpr int most_attempts = 3;        ///< at the carrier without an aid
+
+int dumps_per_symbol(const SignalStructure& signal) {
+    return static_cast<int>(std::lround(signal.symbol_duration / signal.code_period()));
+}
+
+}  // namespace
+
+void TrackingSettings::check(const SignalStructure& signal) const {
+    const auto positive = [](double value, const char* key) {
+        if (!(value > 0.0 && std::isfinite(value))) throw input_error(fmt::format("{} is not positive", value), {.key = key});
+    };
+    const int symbol = dumps_per_symbol(signal);
+    if (symbol < 2 || symbol > SymbolSync::longest || symbol % 2 != 0)
+        throw input_error(fmt::format("a symbol of {} code periods is not tracked", symbol), {.key = "signal"}, "2 to 20, even");
+    if (integration < 1 || integration > symbol || symbol % integration != 0)
+        throw input_error(fmt::format("{} code periods do not divide a symbol of {}", integration, symbol),
+                          {.key = "integration"}, "give a divisor of it");
+    if (!(spacing > 0.0 && spacing <= 1.0))
+        throw input_error(fmt::format("correlator spacing {} chips", spacing), {.key = "spacing"}, "give at most 1 chip");
+    positive(pll_bandwidth, "pll_bandwidth");
+    positive(pull_in_fll, "pull_in_fll");
+    positive(pull_in_time, "pull_in_time");
+    positive(sync_time, "sync_time");
+    positive(phase_patience, "phase_patience");
+    positive(code_patience, "code_patience");
+    if (!(phase_lock > 0.0 && phase_lock < 1.0))
+        throw input_error(fmt::format("{} is no threshold of phase lock", phase_lock), {.key = "phase_lock"}, "give 0 to 1");
+}
+
+Tracker::Tracker(const SignalStructure& signal, const CorrelationPeak& peak, const TrackingSettings& settings)
+    : signal_(signal),
+      settings_((settings.check(signal), settings)),
+      peak_(peak(0.0)),
+      period_(signal.code_period()),
+      symbol_(dumps_per_symbol(signal)),
+      code_error_(peak, settings.spacing, settings.discriminator),
+      blind_(0.0, settings.pull_in_fll, 2.0 * period_),
+      listening_(0.0, settings.pull_in_fll / 4.0, 2.0 * period_),
+      aligned_(0.0, std::min(settings.pull_in_fll, 4.0), symbol_ * period_),
+      assisted_(settings.pll_bandwidth, std::max(assist, settings.fll_bandwidth), settings.integration * period_),
+      phase_(settings.pll_bandwidth, settings.fll_bandwidth, settings.integration * period_),
+      code_blind_(settings.pull_in_dll, 2.0 * period_),
+      code_aligned_(settings.pull_in_dll, symbol_ * period_),
+      code_phase_(settings.dll_bandwidth, settings.integration * period_),
+      code_only_(settings.code_only_dll, symbol_ * period_),
+      cn0_(period_, cn0_time, peak_, cn0_guess),
+      lock_(settings.integration * period_, lock_time),
+      sync_(symbol_) {}
+
+TrackState Tracker::state() const {
+    switch (mode_) {
+        case Mode::Idle: return TrackState::Idle;
+        case Mode::Blind:
+        case Mode::Aligned: return TrackState::PullIn;
+        case Mode::Assisted:
+        case Mode::Phase: return TrackState::Phase;
+        case Mode::CodeOnly: return TrackState::CodeOnly;
+        case Mode::Lost: break;
+    }
+    return TrackState::Lost;
+}
+
+int Tracker::dumps_per_update() const {
+    switch (mode_) {
+        case Mode::Blind: return 2;
+        case Mode::Aligned:
+        case Mode::CodeOnly: return symbol_;
+        default: return settings_.integration;
+    }
+}
+
+void Tracker::start(const Replica& replica, std::optional<int> dumps_into_symbol) {
+    replica_ = replica;
+    dump_ = dumps_into_symbol ? ((*dumps_into_symbol % symbol_) + symbol_) % symbol_ : 0;
+    attempts_ = 0;
+    aided_ = false;
+    code_rate_ = 0.0;   // a search tells the rate of the code by that of the carrier alone
+    loop_frequency_ = settled_ = replica.carrier_frequency;
+    aligned_.start(loop_frequency_);
+    sync_ = SymbolSync(symbol_);
+    mode_ = Mode::Idle;
+    cn0_ = Cn0Estimator(period_, cn0_time, peak_, cn0_guess);
+    enter(dumps_into_symbol ? Mode::Aligned : Mode::Blind);
+    command();
+}
+
+const CarrierLoop& Tracker::carrier() const {
+    switch (mode_) {
+        case Mode::Blind: return listening_;
+        case Mode::Assisted: return assisted_;
+        case Mode::Phase: return phase_;
+        default: return aligned_;
+    }
+}
+
+void Tracker::enter(Mode mode) {
+    // After a loss of phase the loop's own memory is what went wrong: begin from where it was quiet.
+    const bool lost_phase = mode_ == Mode::CodeOnly || mode == Mode::CodeOnly ||
+                            (mode == Mode::Aligned && (mode_ == Mode::Assisted || mode_ == Mode::Phase));
+    const double frequency = lost_phase ? settled_ : carrier().frequency(), rate = lost_phase ? 0.0 : carrier().rate();
+    if (lost_phase) loop_frequency_ = settled_;
+    for (CarrierLoop* loop : loops()) loop->start(frequency, rate);
+    // What an aided code drifts against its carrier is next to nothing; what a wide loop's memory holds is noise.
+    for (CodeLoop* loop : {&code_blind_, &code_aligned_, &code_phase_, &code_only_}) loop->start(0.0);
+    code_rate_ = 0.0;
+    mode_ = mode;
+    time_in_mode_ = unlocked_ = weak_ = 0.0;
+    sums_ = {};
+    before_ = slip_ = last_ = 0.0;
+    cn0_.change_interval((mode == Mode::Blind ? 1 : mode == Mode::Aligned ? symbol_ / 2 : dumps_per_update()) * period_);
+    if (mode == Mode::Assisted) lock_ = PhaseLockDetector(settings_.integration * period_, lock_time);
+}
+
+void Tracker::fail() {
+    if (aided_)
+        enter(Mode::CodeOnly);
+    else
+        enter(++attempts_ < most_attempts ? Mode::Aligned : Mode::Lost);
+}
+
+void Tracker::step(const Correlators& dump, const LineOfSight* aid) {
+    replica_ = replica_.after(period_);
+    if (aided_ != (aid != nullptr)) {
+        // The aid takes over, or gives back, its part of what the loops hold.
+        const LineOfSight& motion = aid != nullptr ? *aid : aid_;
+        const double sign = aid != nullptr ? -1.0 : 1.0;
+        const double frequency = sign * motion.rate / signal_.wavelength(),
+                     rate = sign * motion.acceleration / signal_.wavelength();
+        for (CarrierLoop* loop : loops()) loop->hand_over(frequency, rate);
+        loop_frequency_ -= frequency;
+        settled_ -= frequency;
+        aided_ = aid != nullptr;
+        if (!aided_ && mode_ == Mode::CodeOnly) enter(Mode::Aligned);
+    }
+    if (aided_) aid_ = *aid;
+    const bool waits = sums_.count == 0 && mode_ != Mode::Blind && dump_ % dumps_per_update() != 0;
+    dump_ = (dump_ + 1) % symbol_;
+    if (follows() && !waits) {
+        if (mode_ == Mode::Blind) {
+            sync_.add(dump.prompt);
+            cn0_.add(dump.prompt);
+        }
+        if (mode_ == Mode::Assisted) {
+            slip_ += dump.prompt * std::conj(last_);
+            last_ = dump.prompt;
+        }
+        sums_.all.early += dump.early;
+        sums_.all.prompt += dump.prompt;
+        sums_.all.late += dump.late;
+        if (++sums_.count == dumps_per_update() / 2) sums_.first = sums_.all.prompt;
+        if (sums_.count == dumps_per_update()) {
+            update();
+            sums_ = {};
+            transitions();
+        }
+    }
+    command();
+}
+
+void Tracker::update() {
+    const int count = sums_.count;
+    const double scale = 1.0 / std::sqrt(count), interval = count * period_;
+    const Correlators c{sums_.all.early * scale, sums_.all.prompt * scale, sums_.all.late * scale};
+    const std::complex<double> second = sums_.all.prompt - sums_.first;
+    time_in_mode_ += interval;
+    const double power = 2.0 * std::max(cn0_.cn0(), 10.0) * interval;   // 10 dB-Hz: a weak signal must not blow the gain up
+    const double across = before_ == 0.0 ? 0.0 : frequency_across_bits(before_, c.prompt, interval);
+    const double phase = costas_phase(c.prompt) / (2.0 * std::numbers::pi);
+    switch (mode_) {
+        case Mode::Blind:
+            // the wide reach first, though a change of sign within the pair spoils it; then the narrow one that is blind to signs
+            loop_frequency_ = time_in_mode_ < settings_.pull_in_time
+                                  ? blind_.update(0.0, frequency_between(sums_.first, second, interval / 2.0))
+                                  : listening_.update(0.0, frequency_across_bits(sums_.first, second, interval / 2.0));
+            code_rate_ = code_blind_.update(code_error_(c, power));
+            break;
+        case Mode::Aligned: {
+            const double half = std::sqrt(2.0) * scale;
+            cn0_.add(sums_.first * half);
+            cn0_.add(second * half);
+            loop_frequency_ = aligned_.update(0.0, frequency_between(sums_.first, second, interval / 2.0));
+            code_rate_ = code_aligned_.update(code_error_(c, power));
+            break;
+        }
+        case Mode::Assisted:
+        case Mode::Phase:
+            cn0_.add(c.prompt);
+            lock_.add(c.prompt);
+            loop_frequency_ = (mode_ == Mode::Phase ? phase_ : assisted_).update(phase, across);
+            code_rate_ = code_phase_.update(code_error_(c, power));
+            before_ = c.prompt;
+            break;
+        case Mode::CodeOnly:
+            cn0_.add(c.prompt);
+            code_rate_ = code_only_.update(code_error_(c, power));
+            break;
+        case Mode::Idle:
+        case Mode::Lost: break;
+    }
+}
+
+bool Tracker::leave_false_lock() {
+    // A frequency half a cycle an integration off looks like lock to both discriminators; single code periods tell it from the
+    // true one.
+    const double step = 0.5 / (settings_.integration * period_);
+    const double off = -std::arg(slip_) / (2.0 * std::numbers::pi * period_);
+    slip_ = last_ = 0.0;
+    const double steps = std::round(off / step);
+    if (steps == 0.0) return false;
+    assisted_.hand_over(steps * step, 0.0);
+    return true;
+}
+
+void Tracker::transitions() {
+    const double interval = dumps_per_update() * period_;
+    const auto longer = [&](double& clock, bool so) { return (clock = so ? clock + interval : 0.0); };
+    switch (mode_) {
+        case Mode::Blind:
+            // listening for symbols begins anew when the frequency has been pulled in
+            if (time_in_mode_ >= settings_.pull_in_time && time_in_mode_ - interval < settings_.pull_in_time) {
+                sync_ = SymbolSync(symbol_);
+                listening_.start(blind_.frequency(), blind_.rate());
+            }
+            if (time_in_mode_ >= settings_.pull_in_time + settings_.sync_time) {
+                dump_ = sync_.dumps_into_symbol();
+                enter(Mode::Aligned);
+            }
+            break;
+        case Mode::Aligned:
+            if (time_in_mode_ >= settings_.pull_in_time) enter(Mode::Assisted);
+            break;
+        case Mode::Assisted:
+            if (time_in_mode_ < settings_.pull_in_time) break;
+            if (leave_false_lock()) {
+                enter(Mode::Assisted);
+            } else if (lock_.value() >= settings_.phase_lock) {
+                settled_ = assisted_.frequency();
+                enter(Mode::Phase);
+            } else if (time_in_mode_ >= 2.0 * settings_.pull_in_time + settings_.phase_patience) {
+                fail();
+            }
+            break;
+        case Mode::Phase: {
+            const bool locked = lock_.value() >= settings_.phase_lock;
+            if (locked) settled_ += interval / (aided_ ? settled_aided : settled_alone) * (phase_.frequency() - settled_);
+            if (locked && time_in_mode_ > 5.0) attempts_ = 0;
+            if (longer(unlocked_, !locked) >= settings_.phase_patience) fail();
+            break;
+        }
+        case Mode::CodeOnly:
+            if (longer(weak_, cn0_.cn0() < std::pow(10.0, settings_.code_lost_db / 10.0)) >= settings_.code_patience)
+                enter(Mode::Lost);
+            else if (time_in_mode_ >= retry_time && cn0_.cn0() >= std::pow(10.0, settings_.retry_db / 10.0))
+                enter(Mode::Assisted);
+            break;
+        case Mode::Idle:
+        case Mode::Lost: break;
+    }
+}
+
+void Tracker::command() {
+    // Of an aid that moves within the next period the middle counts.
+    const double aid = aided_ ? -(aid_.rate + aid_.acceleration * period_ / 2.0) / signal_.wavelength() : 0.0;
+    replica_.carrier_frequency = aid + loop_frequency_;
+    replica_.code_rate = replica_.carrier_frequency * signal_.chips_per_cycle() + code_rate_;
+}
+
+}  // namespace schuler::receiver

@@ -1,0 +1,154 @@
+// Residuals of the pre-filters: unbiased, as noisy as they say, and good for holding a signal that a loop loses.
+#include "schuler/receiver/deep_channel.h"
+
+#include "schuler/core/error.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include <cmath>
+
+namespace schuler::receiver {
+namespace {
+
+struct Judged {
+    double range_mean = 0.0, rate_mean = 0.0, range_nis = 0.0, rate_nis = 0.0, rate_variance = 0.0, range_variance = 0.0;
+    int count = 0, coherent = 0;
+};
+
+/// Residuals of a navigation that is wrong by a constant: each symbol commanded anew.
+Judged judge(Prefilter kind, double db, double range_error, double rate_error, int symbols,
+             SignalStructure signal = gps_l1_ca()) {
+    DeepSettings settings;
+    settings.prefilter = kind;
+    settings.cn0_time = 4.0;
+    const CorrelatorModel model(CorrelationPeak(signal.chip_rate), settings.spacing);
+    DeepChannel channel(signal, model.peak(), settings);
+    math::Random random(21, "deep");
+    LineOfSight truth{2.1e7, 310.0, 3.0, 0.0};
+    const double cn0 = cn0_from_db(db), T = signal.code_period();
+    const auto predicted = [&] {
+        LineOfSight p = truth;
+        p.range += range_error;
+        p.rate += rate_error;
+        return p;
+    };
+    channel.start(predicted(), 0, cn0);
+    Judged out;
+    int sign = 1;
+    const int per_symbol = static_cast<int>(std::lround(signal.symbol_duration / T));
+    for (int i = 0; i < symbols * per_symbol; ++i) {
+        if (i % per_symbol == 0) sign = random.bits() % 2 == 0 ? 1 : -1;
+        const Correlators dump = model.dump(replica_error(signal, channel.replica(), truth, T), cn0, T, sign, random);
+        truth = truth.after(T);
+        const auto m = channel.step(dump);
+        if (!m) continue;
+        channel.command(predicted());
+        if (i < 100 * per_symbol || m->status == ChannelMeasurement::Status::NoSignal) continue;
+        ++out.count;
+        out.coherent += m->status == ChannelMeasurement::Status::Coherent ? 1 : 0;
+        const double middle = range_error + rate_error * signal.symbol_duration / 2.0;
+        out.range_mean += m->range;
+        out.rate_mean += m->rate;
+        out.range_nis += std::pow(m->range - middle, 2) / m->range_variance;
+        out.rate_nis += std::pow(m->rate - rate_error, 2) / m->rate_variance;
+        out.range_variance += m->range_variance;
+        out.rate_variance += m->rate_variance;
+    }
+    for (double* x : {&out.range_mean, &out.rate_mean, &out.range_nis, &out.rate_nis, &out.range_variance, &out.rate_variance})
+        *x /= out.count;
+    return out;
+}
+
+TEST(DeepChannel, NoncoherentResidualsAreUnbiasedAndAsNoisyAsTheySay) {
+    for (const double db : {18.0, 25.0, 35.0, 45.0}) {
+        const Judged j = judge(Prefilter::Noncoherent, db, 9.0, 0.3, 4000);
+        const double bias = 4.0 / std::sqrt(j.count);
+        // 10 and 8 %: the C/N0 that scales them is estimated from the same signal
+        EXPECT_NEAR(j.range_mean, 9.0, bias * std::sqrt(j.range_variance) + 0.9) << db;
+        EXPECT_NEAR(j.rate_mean, 0.3, bias * std::sqrt(j.rate_variance) + 0.03) << db;
+        EXPECT_NEAR(j.range_nis, 1.0, 0.2) << db;
+        EXPECT_NEAR(j.rate_nis, 1.0, 0.2) << db;
+    }
+}
+
+TEST(DeepChannel, CoherentResidualsAreSharperWhileThePhaseIsFollowed) {
+    for (const double db : {30.0, 40.0}) {
+        const Judged coherent = judge(Prefilter::Coherent, db, 9.0, 0.3, 3000),
+                     noncoherent = judge(Prefilter::Noncoherent, db, 9.0, 0.3, 3000);
+        EXPECT_EQ(coherent.coherent, coherent.count) << db;
+        EXPECT_LT(coherent.rate_variance, 0.6 * noncoherent.rate_variance) << db;
+        EXPECT_LT(coherent.range_variance, noncoherent.range_variance) << db;
+        EXPECT_NEAR(coherent.range_mean, 9.0, 1.2) << db;
+        EXPECT_NEAR(coherent.rate_mean, 0.3, 0.05) << db;
+        EXPECT_NEAR(coherent.range_nis, 1.0, 0.2) << db;
+        EXPECT_NEAR(coherent.rate_nis, 1.0, 0.25) << db;
+    }
+    const Judged weak = judge(Prefilter::Coherent, 15.0, 9.0, 0.3, 3000);
+    EXPECT_LT(weak.coherent, weak.count / 4) << "what is not followed is not called so";
+}
+
+TEST(DeepChannel, SeesGlonass) {
+    const Judged j = judge(Prefilter::Coherent, 40.0, 9.0, 0.2, 3000, glonass_l1_of(5));
+    EXPECT_NEAR(j.range_mean, 9.0, 1.5);
+    EXPECT_NEAR(j.range_nis, 1.0, 0.2);
+}
+
+TEST(DeepChannel, AnOutsideFilterHoldsWhatALoopWouldLose) {
+    // Range and rate of one line of sight, the motion known from an inertial system but for white 0.05 m/s^2/sqrt(Hz); 15 dB-Hz
+    // for a minute.
+    const SignalStructure signal = gps_l1_ca();
+    const CorrelatorModel model(CorrelationPeak(signal.chip_rate), 0.5);
+    DeepChannel channel(signal, model.peak(), {});
+    math::Random random(22, "hold");
+    LineOfSight truth{2.1e7, -200.0, 0.0, 0.0};
+    Eigen::Vector2d x(30.0, 0.5);  // error of the prediction, m and m/s
+    Eigen::Matrix2d P = Eigen::Vector2d(900.0, 0.25).asDiagonal();
+    const double T = signal.code_period(), cn0 = cn0_from_db(15.0), D = 0.020;
+    LineOfSight predicted = truth;
+    predicted.range += x[0];
+    predicted.rate += x[1];
+    channel.start(predicted, 0, cn0);
+    int measurements = 0;
+    for (int i = 0; i < 60'000; ++i) {
+        truth.acceleration = 15.0 * std::sin(i * 2e-3);
+        LineOfSight now = channel.predicted();
+        now.acceleration = truth.acceleration;
+        if (i % 20 == 0) channel.command(now);
+        const Correlators dump = model.dump(replica_error(signal, channel.replica(), truth, T), cn0, T, 1, random);
+        truth = truth.after(T);
+        const auto m = channel.step(dump);
+        if (!m) continue;
+        truth.rate += 0.05 * std::sqrt(D) * random.normal();
+        Eigen::Matrix2d F;
+        F << 1.0, D, 0.0, 1.0;
+        P = (F * P * F.transpose()).eval();
+        P(1, 1) += 0.0025 * D;
+        if (m->status == ChannelMeasurement::Status::NoSignal) continue;
+        ++measurements;
+        const Eigen::Matrix2d S = P + Eigen::Vector2d(m->range_variance, m->rate_variance).asDiagonal().toDenseMatrix();
+        const Eigen::Matrix2d K = P * S.inverse();
+        const Eigen::Vector2d dx = K * Eigen::Vector2d(m->range, m->rate);
+        P = (P - K * S * K.transpose()).eval();
+        LineOfSight corrected = channel.predicted();
+        corrected.range -= dx[0];
+        corrected.rate -= dx[1];
+        channel.command(corrected);
+    }
+    EXPECT_GT(measurements, 2000);
+    EXPECT_NEAR(channel.predicted().range - truth.range, 0.0, 4.0 * std::sqrt(P(0, 0)) + 5.0);
+    EXPECT_LT(std::sqrt(P(0, 0)), 20.0);
+    EXPECT_NEAR(channel.predicted().rate - truth.rate, 0.0, 1.0);
+}
+
+TEST(DeepChannel, RefusesSettings) {
+    DeepSettings settings;
+    settings.spacing = 0.0;
+    EXPECT_THROW(DeepChannel(gps_l1_ca(), CorrelationPeak(1.023e6), settings), Error);
+    settings.spacing = 0.5;
+    settings.followed = 2.0;
+    EXPECT_THROW(DeepChannel(gps_l1_ca(), CorrelationPeak(1.023e6), settings), Error);
+}
+
+}  // namespace
+}  // namespace schuler::receiver
