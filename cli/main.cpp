@@ -75,6 +75,15 @@ app::Outcome analyze(const cli::Options& o) {
         request.progress = [&bar](double done_part) { bar.show(done_part); };
         return o.command == "analyze budget" ? app::analyze_budget(request) : app::analyze_integrity(request);
     }
+    if (o.command == "analyze triad") {
+        app::TriadRequest request = o.triad;
+        request.seed = o.seed.value_or(request.seed);
+        request.output = o.output;
+        request.version = SCHULER_VERSION;
+        cli::ProgressBar bar(!o.quiet, o.progress == "lines");
+        request.progress = [&bar](double done_part) { bar.show(done_part); };
+        return app::analyze_triad(request);
+    }
     app::EquatorRequest request = o.equator;
     if (o.misalignment.size() == 3) request.misalignment = Eigen::Vector3d::Map(o.misalignment.data());
     request.output = o.output;

@@ -38,6 +38,7 @@ struct Options {
     app::RequirementsRequest requirements;
     app::StudyRequest study;
     app::ObservabilityRequest observability;
+    app::TriadRequest triad;
     std::vector<double> misalignment;   ///< three numbers or none
     std::optional<std::size_t> runs;    ///< of a campaign
     int jobs = 0;

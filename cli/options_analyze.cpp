@@ -132,6 +132,25 @@ void add_observability(CLI::App& analyze, Options& o, const AddCommand& add_comm
     app->add_flag("--json", o.json, "one JSON document");
 }
 
+void add_triad(CLI::App& analyze, Options& o, const AddCommand& add_command) {
+    CLI::App* app = add_command(analyze, "triad", "satellites, ADS-B stations and INS in one filter: paper D's experiments over 48 geometries",
+                                "  schuler analyze triad                                    the cases of the reference simulation, 48 runs each\n"
+                                "  schuler analyze triad --cases ce -n 480 -o out/triad     ten seeds on each geometry, with plots\n"
+                                "  schuler analyze triad --grade tactical --oscillator tcxo --baro 0");
+    app::TriadRequest& r = o.triad;
+    app->add_option("--cases", r.cases, "letters: a 4, b 3, c 2 satellites, d 4 stations, e 2 and 2, s those from 300 s on, f all, g f and 4 stations")
+        ->type_name("LETTERS");
+    app->add_option("--grade", r.grade, "of the inertial unit: navigation or tactical")->type_name("GRADE");
+    app->add_option("--oscillator", r.oscillator, "of the receiver: ocxo or tcxo")->type_name("KIND");
+    app->add_option("--baro", r.baro, "sigma of the barometer's bias, 0: no barometer; default 30")->type_name("M");
+    app->add_option("--mechanization", r.mechanization, "geographic or ecef")->type_name("FRAME");
+    app->add_option("-n,--runs", r.runs, "runs of each case, default 48: run j has geometry j mod 48")->check(CLI::PositiveNumber);
+    app->add_option("--jobs", r.jobs, "threads, default one a core")->check(CLI::NonNegativeNumber);
+    app->add_option("--seed", o.seed, "of the first 48 runs, default 1");
+    app->add_option("-o,--output", o.output, "folder of CSV files and a report with plots (default: none)")->type_name("DIR");
+    app->add_flag("--json", o.json, "one JSON document");
+}
+
 }  // namespace
 
 void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_command) {
@@ -143,6 +162,7 @@ void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_com
     add_schuler(*analyze, o, add_command);
     add_studies(*analyze, o, add_command);
     add_observability(*analyze, o, add_command);
+    add_triad(*analyze, o, add_command);
 }
 
 }  // namespace schuler::cli

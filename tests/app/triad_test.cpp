@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 namespace schuler::app {
@@ -43,6 +44,24 @@ TEST(TriadSlow, AgreesWithTheReferenceSimulation) {
     EXPECT_LT(ratio, 7.5);
     const TriadStatistics& on = found.at("e stations on at 300 s nav");
     EXPECT_LT(on.at_330, on.at_300 / 1.5);
+}
+
+/// Runs whose horizontal errors stay the same have closed forms: with one set geometries scatter, with several only noise does.
+TEST(Triad, StandardErrorIsThatOfSamplingTheRunsThatScatter) {
+    const auto of = [](double horizontal) {
+        TriadRun r{};
+        r.horizontal.fill(horizontal);
+        return r;
+    };
+    std::vector<TriadRun> one, two;
+    for (std::size_t k = 0; k < triad_geometries; ++k) one.push_back(of(k % 2 == 0 ? 3.0 : 4.0));
+    // squares 9 and 16 in equal shares: deviation 3.5, pooled sqrt(12.5); d sqrt(m) = dm / (2 sqrt(m))
+    EXPECT_NEAR(standard_error_of_a_set(one), 3.5 / std::sqrt(48.0) / (2.0 * std::sqrt(12.5)), 0.004);
+    two = one;
+    two.insert(two.end(), one.begin(), one.end());
+    EXPECT_LT(standard_error_of_a_set(two), 1e-6) << "both runs of each geometry are alike";
+    for (std::size_t k = 0; k < triad_geometries; ++k) two[triad_geometries + k] = of(k % 2 == 0 ? 4.0 : 3.0);
+    EXPECT_NEAR(standard_error_of_a_set(two), 3.5 / std::sqrt(48.0) / (2.0 * std::sqrt(12.5)), 0.004);
 }
 
 /// The same, quick: four geometries, ordering and prediction of one case.

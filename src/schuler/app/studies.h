@@ -1,4 +1,4 @@
-// `schuler analyze requirements|budget|integrity`: what a designer asks.
+// `schuler analyze requirements|budget|integrity|triad`: what a designer asks.
 #pragma once
 
 #include "schuler/app/commands.h"
@@ -37,5 +37,22 @@ struct StudyRequest {
 
 /// Detection, false alarms and time to alert of the receiver's faults.
 [[nodiscard]] Outcome analyze_integrity(const StudyRequest& request);
+
+/// The experiments of paper D over geometries and seeds. Run j has geometry j mod 48 and the seed `seed` + j / 48.
+struct TriadRequest {
+    std::string cases;                            ///< letters of arrangements; empty: all
+    std::string grade, oscillator;                ///< navigation | tactical, ocxo | tcxo; empty with no baro: the cases of math.md 5.5
+    std::optional<double> baro;                   ///< m, sigma of the barometer's bias; 0: no barometer
+    std::size_t runs = 48;
+    std::uint64_t seed = 1;
+    int jobs = 0;
+    std::string mechanization = "geographic";
+    std::filesystem::path output;                 ///< folder of CSV files and a report; empty: none
+    std::string version;
+    std::function<void(double)> progress;
+};
+/// Pooled errors beside those of math.md 5.5 with their standard errors, NEES, and the ratios the paper speaks of. @throws Error, Input
+/// with the option as key.
+[[nodiscard]] Outcome analyze_triad(const TriadRequest& request);
 
 }  // namespace schuler::app

@@ -13,7 +13,6 @@
 
 #include <Eigen/Cholesky>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -33,6 +32,15 @@ sensor::ImuErrorModel imu_of(bool tactical) {
     m.gyro_noise = (tactical ? 0.1 : 0.003) * units::deg_per_sqrt_hour;
     m.accel_bias = (tactical ? 1000.0 : 50.0) * units::ug;
     m.accel_noise = (tactical ? 0.1 : 0.02) * units::m_s_per_sqrt_hour;
+    return m;
+}
+
+sensor::RangingErrorModel range_errors_of(const TriadCase& which) {
+    sensor::RangingErrorModel m;
+    m.clock = which.tcxo ? sensor::tcxo : sensor::ocxo;
+    m.station.white = which.station_white;
+    m.station.correlated = which.station_correlated;
+    m.network = which.network;
     return m;
 }
 
@@ -81,7 +89,7 @@ RangingLog ranges_of(const TriadCase& which, std::size_t k, const sim::Scenario&
     r.lever_arm_b = lever_arm_b;
     r.navigation = gnss::nominal_gps(frame.gps, frame.gps + Duration::from_seconds(s.duration));
     r.stations = stations_about(path->at(480.0).position, s.earth, which.stations);
-    r.errors.clock = which.tcxo ? sensor::tcxo : sensor::ocxo;
+    r.errors = range_errors_of(which);
     r.masks.throughout = true;
     r.blocked.push_back({{"stations"}, 0.0, warm_up + which.stations_on + 0.5});   // first used a second later
     if (which.satellites < 99) r.limits.push_back({warm_up + 0.5, which.satellites, k});
@@ -99,7 +107,7 @@ fusion::Settings settings_of(const TriadCase& which, const sim::Scenario& s, con
     f.gnss.lever_arm_b = lever_arm_b;
     f.gnss.estimate_std = false;
     f.aids.zero_velocity = false;
-    f.ranging.errors.clock = which.tcxo ? sensor::tcxo : sensor::ocxo;
+    f.ranging.errors = range_errors_of(which);
     f.ranging.corrections.troposphere = gnss::TroposphereModel::None;
     f.ranging.corrections.ionosphere = gnss::IonosphereModel::None;
     f.ranging.corrections.elevation_mask = 0.0;
@@ -128,49 +136,6 @@ fusion::Settings settings_of(const TriadCase& which, const sim::Scenario& s, con
 }
 
 }  // namespace
-
-std::vector<TriadCase> triad_cases() {
-    const auto make = [](const char* name, std::size_t satellites, std::size_t stations) {
-        TriadCase c;
-        c.name = name;
-        c.satellites = satellites;
-        c.stations = stations;
-        return c;
-    };
-    std::vector<TriadCase> out;
-    const TriadCase a = make("a 4 SV", 4, 0), b = make("b 3 SV", 3, 0), c = make("c 2 SV", 2, 0), d = make("d 4 stations", 0, 4),
-                    e = make("e 2 SV+2 st.", 2, 2), f = make("f all in view", 99, 0);
-    const auto add = [&out](TriadCase x, bool tactical, bool tcxo, bool baro, const char* suffix) {
-        x.tactical = tactical;
-        x.tcxo = tcxo;
-        x.baro = baro;
-        x.name += suffix;
-        out.push_back(x);
-    };
-    add(a, false, false, true, " nav");
-    add(a, true, false, true, " tac");
-    add(b, false, false, true, " nav");
-    add(b, true, false, true, " tac");
-    add(b, true, true, true, " tac TCXO");
-    add(b, false, false, false, " nav no baro");
-    add(c, false, false, true, " nav");
-    add(c, false, true, true, " nav TCXO");
-    add(c, true, false, true, " tac");
-    add(c, true, true, true, " tac TCXO");
-    add(d, false, false, true, " nav");
-    add(d, true, false, true, " tac");
-    add(d, false, false, false, " nav no baro");
-    add(e, false, false, true, " nav");
-    add(e, true, false, true, " tac");
-    TriadCase on = e;
-    on.stations_on = 300.0;
-    on.name = "e stations on at 300 s";
-    add(on, false, false, true, " nav");
-    add(on, true, false, true, " tac");
-    add(f, false, false, true, " nav");
-    add(make("f all + 4 stations", 99, 4), false, false, true, " nav");
-    return out;
-}
 
 TriadRun run_triad(const TriadCase& which, std::size_t k, std::uint64_t seed) {
     const sim::Scenario s = flight_of(which, k, seed);
@@ -206,45 +171,6 @@ TriadRun run_triad(const TriadCase& which, std::size_t k, std::uint64_t seed) {
     }
     if (filled < triad_epochs) throw computation_error("a run of the triad ended early", "look at its settings");
     return out;
-}
-
-TriadStatistics statistics_of(const std::vector<TriadRun>& runs) {
-    constexpr std::size_t from = 300;
-    TriadStatistics s;
-    std::vector<double> each, three;
-    const double n = static_cast<double>(runs.size()), epochs = static_cast<double>(triad_epochs - from);
-    for (const TriadRun& r : runs) {
-        double h = 0.0, v = 0.0;
-        for (std::size_t i = from; i < triad_epochs; ++i) {
-            h += r.horizontal[i] * r.horizontal[i] / epochs;
-            v += r.vertical[i] * r.vertical[i] / epochs;
-            s.predicted += r.predicted_horizontal[i] * r.predicted_horizontal[i] / epochs / n;
-            s.predicted_vertical += r.predicted_vertical[i] * r.predicted_vertical[i] / epochs / n;
-            s.nees3 += r.nees3[i] / epochs / n;
-            s.nees9 += r.nees9[i] / epochs / n;
-        }
-        each.push_back(std::sqrt(h));
-        three.push_back(2.0 * std::sqrt(h + v));
-        s.pooled += h / n;
-        s.vertical += v / n;
-        s.end += r.horizontal.back() * r.horizontal.back() / n;
-        s.predicted_end += r.predicted_horizontal.back() * r.predicted_horizontal.back() / n;
-        s.at_300 += r.horizontal[300] * r.horizontal[300] / n;
-        s.at_330 += r.horizontal[330] * r.horizontal[330] / n;
-    }
-    for (double* x : {&s.pooled, &s.predicted, &s.vertical, &s.predicted_vertical, &s.end, &s.predicted_end, &s.at_300, &s.at_330})
-        *x = std::sqrt(*x);
-    const auto quantile = [](std::vector<double> x, double p) {
-        std::ranges::sort(x);
-        const double at = p * static_cast<double>(x.size() - 1);
-        const auto i = static_cast<std::size_t>(at);
-        return i + 1 < x.size() ? x[i] + (at - static_cast<double>(i)) * (x[i + 1] - x[i]) : x[i];
-    };
-    s.median = quantile(each, 0.5);
-    s.low = quantile(each, 0.025);
-    s.high = quantile(each, 0.975);
-    s.two_sigma = quantile(three, 0.5);
-    return s;
 }
 
 }  // namespace schuler::app
