@@ -4,6 +4,7 @@
 
 #include "schuler/app/ahrs.h"
 #include "schuler/app/analyze.h"
+#include "schuler/app/analyze_allan.h"
 #include "schuler/app/commands.h"
 #include "schuler/app/gravity.h"
 #include "schuler/core/error.h"
@@ -92,7 +93,7 @@ app::Outcome analyze(const cli::Options& o) {
 }
 
 app::Outcome perform(const cli::Options& o) {
-    if (o.command.starts_with("analyze")) return analyze(o);
+    if (o.command.starts_with("analyze") && o.command != "analyze allan") return analyze(o);
     app::ProcessRequest request;
     request.input = o.input;
     request.output = o.output;
@@ -102,6 +103,7 @@ app::Outcome perform(const cli::Options& o) {
     request.above = cli::settings_of(o);
     cli::ProgressBar bar(!o.quiet, o.progress == "lines");
     request.progress = [&bar](double done_part) { bar.show(done_part); };
+    if (o.command == "analyze allan") return app::analyze_allan(request);
     if (o.command == "process") return app::process_dataset(request);
     if (o.command == "gravity" && o.response) return app::gravity_response({request, 1});
     if (o.command == "gravity" && o.runs.value_or(1) > 1) return app::gravity_campaign({request, static_cast<int>(*o.runs)});

@@ -151,10 +151,24 @@ void add_triad(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     app->add_flag("--json", o.json, "one JSON document");
 }
 
+void add_allan(CLI::App& analyze, Options& o, const AddCommand& add_command) {
+    CLI::App* app = add_command(
+        analyze, "allan", "noise of the inertial sensors: Allan deviation, its coefficients, spectra",
+        "  schuler analyze allan bench/                              a log of an instrument at rest\n"
+        "  schuler analyze allan drive/ --set run.stop_s=300 --json   its first minutes, with the points of the curves\n"
+        "  schuler analyze allan examples/static.toml                the instrument of a scenario\n"
+        "Axes are those of the body. Only an instrument at rest shows its noise alone.");
+    app->add_option("INPUT", o.input, "data set or scenario file")->required();
+    app->add_option("--config", o.config, "settings over those of the data set")->type_name("FILE");
+    app->add_option("--seed", o.seed, "instead of the scenario's")->type_name("N");
+    app->add_option("--set", o.set, "one setting")->type_name("key=value")->allow_extra_args(false);
+    app->add_flag("--json", o.json, "one JSON document");
+}
+
 }  // namespace
 
 void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_command) {
-    CLI::App* analyze = add_command(parser, "analyze", "theory and studies: error solutions, modes, requirements, budgets, integrity",
+    CLI::App* analyze = add_command(parser, "analyze", "theory and studies: error solutions, modes, requirements, budgets, integrity, noise",
                                     "  schuler analyze equator --paper\n  schuler analyze schuler --tilt-east 1e-3 --time 5064\n"
                                     "`schuler analyze STUDY --help` tells the options of a study.");
     analyze->require_subcommand(1);
@@ -163,6 +177,7 @@ void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_com
     add_studies(*analyze, o, add_command);
     add_observability(*analyze, o, add_command);
     add_triad(*analyze, o, add_command);
+    add_allan(*analyze, o, add_command);
 }
 
 }  // namespace schuler::cli

@@ -227,36 +227,43 @@ async function cut(first) {
   return second;
 }
 
-/** Another scheme in the same scenario, then all of them compared. */
-async function compare(runs) {
-  const schemes = (await ask("api/options")).find((o) => o.key === "filter.scheme").choices;
-  const scheme = ["separate", "gnss"].find((x) => schemes.includes(x));
-  await page.goto(`${address}#/scenario?run=${runs[0]}`);
-  await page.getByText(/km, up to/).waitFor();
-  await page.getByPlaceholder("Find an option").fill("filter.scheme");
-  await page.locator("#option-filter-scheme").selectOption(scheme);
-  await page.getByLabel("Name", { exact: true }).fill(`Flight, ${scheme}`);
-  await page.waitForTimeout(500);
-  await page.getByRole("button", { name: /Run/ }).click();
-  const third = await done();
-  const state = (await ask(`api/runs/${third}`)).state;
-  check(state === "done", `the scheme ${scheme} runs`);
+/** Two satellites are left: ranges one by one carry the flight on, fixes do not. Both schemes compared. */
+async function compare() {
+  const ids = [];
+  for (const scheme of ["tight", "loose"]) {
+    await page.goto(`${address}#/scenario?example=triad-2sv`);
+    await page.getByText(/km, up to/).waitFor();
+    await page.getByPlaceholder("Find an option").fill("filter.scheme");
+    await page.locator("#option-filter-scheme").selectOption(scheme);
+    await page.getByLabel("Name", { exact: true }).fill(`Two satellites, ${scheme}`);
+    await page.waitForTimeout(500);
+    await page.getByRole("button", { name: /Run/ }).click();
+    ids.push(await done());
+    check((await ask(`api/runs/${ids.at(-1)}`)).summary.scheme === scheme, `the scheme is ${scheme}`);
+  }
   await page.goto(address);
-  for (const name of ["Flight", "Flight with GNSS cut", `Flight, ${scheme}`])
-    await page.getByRole("checkbox", { name: `Choose ${name}`, exact: true }).check();
+  for (const scheme of ["tight", "loose"])
+    await page.getByRole("checkbox", { name: `Choose Two satellites, ${scheme}`, exact: true }).check();
   await page.getByRole("button", { name: "Compare" }).click();
   await page.getByRole("heading", { name: "Comparison" }).waitFor();
   await page.locator("figure.plot canvas").first().waitFor();
+  const heads = await page.locator("thead th").allInnerTexts();
   check(
-    (await page.locator("thead th").allInnerTexts()).includes("Flight with GNSS cut"),
-    "the table of statistics has the runs",
+    ["Two satellites, tight", "Two satellites, loose"].every((name) => heads.includes(name)),
+    `the table of statistics has the runs: ${heads}`,
   );
+  const rms = async (id) => (await ask(`api/runs/${id}`)).summary.errors.position_m.horizontal.rms;
+  const [tight, loose] = [await rms(ids[0]), await rms(ids[1])];
+  check(tight < 0.3 * loose, `two ranges hold the position: tight ${tight} m, loose ${loose} m`);
+  const row = await page.locator("tr", { has: page.getByRole("rowheader", { name: /horizontal/ }) }).first().innerText();
+  check(row.includes(String(Number(tight.toPrecision(3)))) || row.includes(String(Number(tight.toPrecision(4)))), `the table shows ${tight}: ${row}`);
   const overlaid = page.locator("figure.plot:has(.u-legend)").first().locator(".u-legend .u-series");
-  await overlaid.nth(3).waitFor().catch(() => {});   // a run's errors are drawn as they arrive
-  check((await overlaid.count()) === 4, `errors are overlaid: ${await overlaid.allInnerTexts()}`);
+  await overlaid.nth(2).waitFor().catch(() => {});   // a run's errors are drawn as they arrive
+  check((await overlaid.count()) === 3, `errors are overlaid: ${await overlaid.allInnerTexts()}`);
   await page.waitForTimeout(800);
   await accessible("comparison");
   await shot("ui-compare");
+  return ids;
 }
 
 /** Files that are no logs: what is wrong is said. */
@@ -300,7 +307,7 @@ try {
   const first = await flight();
   await views(first);
   const second = await cut(first);
-  await compare([first, second]);
+  await compare();
   await upload();
   await dress(second);
 } catch (e) {
