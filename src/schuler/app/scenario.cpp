@@ -15,7 +15,7 @@ namespace {
 
 using Table = OptionTable<ScenarioConfig>;
 using S = ScenarioConfig;
-constexpr double deg = units::deg;
+using units::deg;
 
 /// An option of dataset.toml under the same key: it acts on `processing`.
 Option<S> of_processing(const Option<Config>& option) {

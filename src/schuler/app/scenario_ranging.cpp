@@ -13,7 +13,7 @@ namespace schuler::app {
 namespace {
 
 using S = ScenarioConfig;
-constexpr double deg = units::deg;
+using units::deg;
 
 /// Numbers, texts and lists of texts of one table in a list, each to its place.
 struct Entry {
