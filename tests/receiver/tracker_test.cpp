@@ -37,11 +37,7 @@ struct Scene {
 
     [[nodiscard]] int symbol() const { return static_cast<int>(std::lround(signal.symbol_duration / signal.code_period())); }
     [[nodiscard]] double time() const { return static_cast<double>(period) * signal.code_period(); }
-    [[nodiscard]] Replica aligned() const {
-        const double doppler = -truth.rate / signal.wavelength();
-        return {-truth.range / signal.chip_length(), doppler * signal.chips_per_cycle(), -truth.range / signal.wavelength(),
-                doppler};
-    }
+    [[nodiscard]] Replica aligned() const { return aligned_replica(signal, truth); }
     [[nodiscard]] ReplicaError error() const { return replica_error(signal, tracker.replica(), truth, 0.0); }
 
     void run(double seconds) {
