@@ -10,11 +10,6 @@ namespace {
 using namespace schuler::receiver;
 constexpr int channels = 12;
 
-Replica aligned(const SignalStructure& signal, const LineOfSight& truth) {
-    const double doppler = -truth.rate / signal.wavelength();
-    return {-truth.range / signal.chip_length(), doppler * signal.chips_per_cycle(), -truth.range / signal.wavelength(), doppler};
-}
-
 /// A second of twelve channels at 45 dB-Hz; `real_time` is seconds of signal a second of processor.
 void report(benchmark::State& state) {
     state.counters["real_time"] = benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
@@ -28,7 +23,7 @@ void correlator_level_tracking(benchmark::State& state) {
     std::vector<LineOfSight> truth;
     for (int i = 0; i < channels; ++i) {
         truth.push_back({2.2e7 + 1e5 * i, 100.0 * i - 600.0, 1.0, 0.0});
-        trackers[static_cast<std::size_t>(i)].start(aligned(signal, truth.back()), 0);
+        trackers[static_cast<std::size_t>(i)].start(aligned_replica(signal, truth.back()), 0);
     }
     const double cn0 = cn0_from_db(45.0), T = signal.code_period();
     for (auto _ : state) {
@@ -55,7 +50,7 @@ void correlator_level_deep(benchmark::State& state) {
     settings.prefilter = state.range(0) == 0 ? Prefilter::Noncoherent : Prefilter::Coherent;
     std::vector<DeepChannel> deep(channels, DeepChannel(signal, model.peak(), settings));
     LineOfSight truth{2.2e7, 300.0, 0.0, 0.0};
-    for (DeepChannel& c : deep) c.start(truth, 0, 3e4);
+    for (DeepChannel& c : deep) c.start(truth, 0);
     const double cn0 = cn0_from_db(45.0), T = signal.code_period();
     for (auto _ : state) {
         for (int ms = 0; ms < 1000; ++ms) {
@@ -83,7 +78,7 @@ void sample_level_tracking(benchmark::State& state) {
         for (std::size_t i = 0; i < channels; ++i) {
             Tracker tracker(signal, CorrelationPeak(signal.chip_rate), {});
             SampleCorrelator correlator(format, sky[i].prn, 0.5);
-            tracker.start(aligned(signal, sky[i].motion), 0);
+            tracker.start(aligned_replica(signal, sky[i].motion), 0);
             for (std::size_t ms = 0; ms < 1000; ++ms) {
                 const std::span<const IfSample> block(samples.data() + ms * n, n);
                 tracker.step(correlator.correlate(block, 1e-3 * static_cast<double>(ms), tracker.replica(), 24.0));

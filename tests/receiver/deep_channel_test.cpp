@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include <cmath>
+#include <optional>
 
 namespace schuler::receiver {
 namespace {
@@ -33,7 +34,7 @@ Judged judge(Prefilter kind, double db, double range_error, double rate_error, i
         p.rate += rate_error;
         return p;
     };
-    channel.start(predicted(), 0, cn0);
+    channel.start(predicted(), 0);
     Judged out;
     int sign = 1;
     const int per_symbol = static_cast<int>(std::lround(signal.symbol_duration / T));
@@ -94,51 +95,88 @@ TEST(DeepChannel, SeesGlonass) {
     EXPECT_NEAR(j.range_nis, 1.0, 0.2);
 }
 
-TEST(DeepChannel, AnOutsideFilterHoldsWhatALoopWouldLose) {
-    // Range and rate of one line of sight, the motion known from an inertial system but for white 0.05 m/s^2/sqrt(Hz); 15 dB-Hz
-    // for a minute.
-    const SignalStructure signal = gps_l1_ca();
-    const CorrelatorModel model(CorrelationPeak(signal.chip_rate), 0.5);
-    DeepChannel channel(signal, model.peak(), {});
-    math::Random random(22, "hold");
+/// Range and rate of one line of sight filtered outside, as a navigation filter would: the motion is known from an inertial
+/// system but for white acceleration `q` (m/s^2/sqrt(Hz)), simulated as well.
+struct OutsideFilter {
+    SignalStructure signal = gps_l1_ca();
+    CorrelatorModel model{CorrelationPeak(signal.chip_rate), 0.5};
+    DeepChannel channel;
+    math::Random random{22, "hold"};
     LineOfSight truth{2.1e7, -200.0, 0.0, 0.0};
-    Eigen::Vector2d x(30.0, 0.5);  // error of the prediction, m and m/s
-    Eigen::Matrix2d P = Eigen::Vector2d(900.0, 0.25).asDiagonal();
-    const double T = signal.code_period(), cn0 = cn0_from_db(15.0), D = 0.020;
-    LineOfSight predicted = truth;
-    predicted.range += x[0];
-    predicted.rate += x[1];
-    channel.start(predicted, 0, cn0);
+    Eigen::Matrix2d P;
+    double q;
     int measurements = 0;
-    for (int i = 0; i < 60'000; ++i) {
-        truth.acceleration = 15.0 * std::sin(i * 2e-3);
-        LineOfSight now = channel.predicted();
-        now.acceleration = truth.acceleration;
-        if (i % 20 == 0) channel.command(now);
-        const Correlators dump = model.dump(replica_error(signal, channel.replica(), truth, T), cn0, T, 1, random);
-        truth = truth.after(T);
-        const auto m = channel.step(dump);
-        if (!m) continue;
-        truth.rate += 0.05 * std::sqrt(D) * random.normal();
-        Eigen::Matrix2d F;
-        F << 1.0, D, 0.0, 1.0;
-        P = (F * P * F.transpose()).eval();
-        P(1, 1) += 0.0025 * D;
-        if (m->status == ChannelMeasurement::Status::NoSignal) continue;
-        ++measurements;
-        const Eigen::Matrix2d S = P + Eigen::Vector2d(m->range_variance, m->rate_variance).asDiagonal().toDenseMatrix();
-        const Eigen::Matrix2d K = P * S.inverse();
-        const Eigen::Vector2d dx = K * Eigen::Vector2d(m->range, m->rate);
-        P = (P - K * S * K.transpose()).eval();
-        LineOfSight corrected = channel.predicted();
-        corrected.range -= dx[0];
-        corrected.rate -= dx[1];
-        channel.command(corrected);
+
+    OutsideFilter(Prefilter kind, Eigen::Vector2d error, double noise)
+        : channel(signal, model.peak(), {.prefilter = kind}), q(noise) {
+        P = error.cwiseAbs2().asDiagonal();
+        LineOfSight predicted = truth;
+        predicted.range += error[0];
+        predicted.rate += error[1];
+        channel.start(predicted, 0);
     }
-    EXPECT_GT(measurements, 2000);
-    EXPECT_NEAR(channel.predicted().range - truth.range, 0.0, 4.0 * std::sqrt(P(0, 0)) + 5.0);
-    EXPECT_LT(std::sqrt(P(0, 0)), 20.0);
-    EXPECT_NEAR(channel.predicted().rate - truth.rate, 0.0, 1.0);
+    [[nodiscard]] double range_error() const { return channel.predicted().range - truth.range; }
+    [[nodiscard]] double rate_error() const { return channel.predicted().rate - truth.rate; }
+
+    void run(double seconds, double db) {
+        const double T = signal.code_period(), D = signal.symbol_duration, cn0 = cn0_from_db(db);
+        for (int i = 0; i < static_cast<int>(std::lround(seconds / D)); ++i) {
+            truth.acceleration = 15.0 * std::sin(0.04 * i);
+            LineOfSight now = channel.predicted();
+            now.acceleration = truth.acceleration;
+            channel.command(now);
+            std::optional<ChannelMeasurement> m;
+            for (int k = 0; k < 20; ++k) {
+                m = channel.step(
+                    model.dump(replica_error(signal, channel.replica(), truth, T), cn0, T, i % 3 == 0 ? 1 : -1, random));
+                truth = truth.after(T);
+            }
+            ASSERT_TRUE(m.has_value());
+            truth.rate += q * std::sqrt(D) * random.normal();
+            Eigen::Matrix2d F;
+            F << 1.0, D, 0.0, 1.0;
+            P = (F * P * F.transpose()).eval();
+            P(1, 1) += q * q * D;
+            if (m->status == ChannelMeasurement::Status::NoSignal) continue;
+            ++measurements;
+            const Eigen::Matrix2d R = Eigen::Vector2d(m->range_variance, m->rate_variance).asDiagonal();
+            const Eigen::Matrix2d S = P + R, K = P * S.inverse();
+            const Eigen::Vector2d dx = K * Eigen::Vector2d(m->range, m->rate);
+            P = (P - K * S * K.transpose()).eval();
+            LineOfSight corrected = channel.predicted();
+            corrected.range -= dx[0];
+            corrected.rate -= dx[1];
+            channel.command(corrected);
+        }
+    }
+};
+
+TEST(DeepChannel, AnOutsideFilterHoldsWhatALoopWouldLose) {
+    for (const Prefilter kind : {Prefilter::Noncoherent, Prefilter::Coherent}) {
+        OutsideFilter f(kind, {30.0, 0.5}, 0.05);
+        f.run(60.0, 15.0);
+        EXPECT_GT(f.measurements, 2500);
+        EXPECT_LT(std::sqrt(f.P(0, 0)), 20.0);
+        EXPECT_NEAR(f.range_error(), 0.0, 4.0 * std::sqrt(f.P(0, 0)));
+        EXPECT_NEAR(f.rate_error(), 0.0, 4.0 * std::sqrt(f.P(1, 1)));
+    }
+}
+
+TEST(DeepChannel, IsBackWithinASecondOfAnOutage) {
+    // Half a minute without a signal leaves tens of metres and 0.3 m/s; nothing is searched.
+    OutsideFilter f(Prefilter::Noncoherent, {10.0, 0.2}, 0.02);
+    f.run(10.0, 40.0);
+    EXPECT_NEAR(f.range_error(), 0.0, 6.0);
+    f.measurements = 0;
+    f.run(30.0, -20.0);
+    EXPECT_LT(f.measurements, 300) << "of 1500: noise is seldom to be taken for a signal";
+    EXPECT_NEAR(f.range_error(), 0.0, 4.0 * std::sqrt(f.P(0, 0)));
+    f.truth.range += 35.0;
+    f.truth.rate += 0.3;
+    f.P += Eigen::Vector2d(35.0 * 35.0, 0.09).asDiagonal().toDenseMatrix();
+    f.run(1.0, 40.0);
+    EXPECT_NEAR(f.range_error(), 0.0, 10.0);
+    EXPECT_NEAR(f.rate_error(), 0.0, 0.3);
 }
 
 TEST(DeepChannel, RefusesSettings) {

@@ -31,7 +31,7 @@ struct Spread {
 struct Case {
     double bandwidth, db_hz, interval;
 };
-constexpr int wanted = 4000;   ///< samples, each 1/bandwidth after the other: the estimate itself is good to 1.5 %
+constexpr int wanted = 2000;  ///< samples, each 1/bandwidth after the other: the estimate itself is good to 2 %
 
 /// A phase loop on a signal with random message bits; the frequency loop is left out.
 Spread run_pll(const Case& c, double jerk, int samples, bool noise) {

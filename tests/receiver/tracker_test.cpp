@@ -37,11 +37,7 @@ struct Scene {
 
     [[nodiscard]] int symbol() const { return static_cast<int>(std::lround(signal.symbol_duration / signal.code_period())); }
     [[nodiscard]] double time() const { return static_cast<double>(period) * signal.code_period(); }
-    [[nodiscard]] Replica aligned() const {
-        const double doppler = -truth.rate / signal.wavelength();
-        return {-truth.range / signal.chip_length(), doppler * signal.chips_per_cycle(), -truth.range / signal.wavelength(),
-                doppler};
-    }
+    [[nodiscard]] Replica aligned() const { return aligned_replica(signal, truth); }
     [[nodiscard]] ReplicaError error() const { return replica_error(signal, tracker.replica(), truth, 0.0); }
 
     void run(double seconds) {
@@ -179,7 +175,11 @@ TEST(Search, FindsAsOftenAsTheNoncentralChiSquareSays) {
     constexpr int runs = 4000;
     Search search(gps, model, settings, {0.2, 1.0}, centre);
     ASSERT_EQ(search.dwells_per_sweep(), 1);
-    for (int i = 0; i < runs; ++i) found += Search(search).step(truth, cn0, random) ? 1 : 0;
+    for (int i = 0; i < runs; ++i) {
+        Search once(search);
+        EXPECT_FALSE(once.step(truth, cn0, random)) << "not before it was confirmed";
+        found += once.candidate() ? 1 : 0;
+    }
     const double lambda = 10.0 * 2.0 * cn0 * 0.001;
     double probability = 0.0, weight = std::exp(-lambda / 2.0);
     for (int k = 0; k < 200; ++k, weight *= lambda / 2.0 / k)
@@ -191,8 +191,8 @@ TEST(Search, FindsAsOftenAsTheNoncentralChiSquareSays) {
 
 /// Time until the signal is found and followed in phase, s; -1 when not within `limit`.
 double start_time(const SearchWindow& window, const SearchSettings& settings, const Replica& offset, bool time_known, double db,
-                  bool aided, double limit) {
-    Scene s;
+                  bool aided, double limit, std::uint64_t seed = 1) {
+    Scene s({}, gps_l1_ca(), seed);
     s.cn0_db = [=](double) { return db; };
     s.aided = aided;
     Replica centre = s.aligned();
@@ -227,6 +227,14 @@ TEST(Search, ColdWarmAndInertialStarts) {
     EXPECT_GT(t_hot, 1.5);   // pulling in and listening for symbols
     EXPECT_GT(t_inertial, 0.0);
     EXPECT_LT(t_inertial, 1.3);
+    // A strong signal is found in its own bin and not in one beside it.
+    int found = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed)
+        found +=
+            start_time(cold, settings, {300.0, 0.0, 0.0, 520.0 * static_cast<double>(seed)}, false, 45.0, false, 5.0, seed) > 0.0
+                ? 1
+                : 0;
+    EXPECT_GE(found, 9);
     // A weak signal: the wide search does not find it in the time the narrow one needs.
     EXPECT_LT(start_time(cold, settings, {300.0, 0.0, 0.0, 4400.0}, false, 28.0, false, 6.0), 0.0);
     const double weak = start_time(inertial, deep, {0.2, 0.0, 0.0, 2.0}, true, 28.0, true, 6.0);

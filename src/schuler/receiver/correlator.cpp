@@ -16,6 +16,15 @@ Replica Replica::after(double dt) const {
     return {code_phase + code_rate * dt, code_rate, carrier_phase + carrier_frequency * dt, carrier_frequency};
 }
 
+Replica aligned_replica(const SignalStructure& signal, const LineOfSight& truth) {
+    const double doppler = -truth.rate / signal.wavelength();
+    return {-truth.range / signal.chip_length(), doppler * signal.chips_per_cycle(), -truth.range / signal.wavelength(), doppler};
+}
+
+LineOfSight followed(const SignalStructure& signal, const Replica& replica) {
+    return {-replica.code_phase * signal.chip_length(), -replica.carrier_frequency * signal.wavelength(), 0.0, 0.0};
+}
+
 ReplicaError replica_error(const SignalStructure& signal, const Replica& replica, const LineOfSight& truth, double duration) {
     const Replica middle = replica.after(duration / 2.0);
     const LineOfSight there = truth.after(duration / 2.0);

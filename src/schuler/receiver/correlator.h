@@ -36,6 +36,11 @@ struct Replica {
     [[nodiscard]] Replica after(double dt) const;
 };
 
+/// The replica that a signal moving as `truth` calls for, and what a replica says of the pseudorange and its rate (the carrier's
+/// phase does not say where it is, so it is left out).
+[[nodiscard]] Replica aligned_replica(const SignalStructure& signal, const LineOfSight& truth);
+[[nodiscard]] LineOfSight followed(const SignalStructure& signal, const Replica& replica);
+
 /// The error of a replica over the next `duration` s against the signal that moves as `truth` says (both at the dump's start).
 [[nodiscard]] ReplicaError replica_error(const SignalStructure& signal, const Replica& replica, const LineOfSight& truth,
                                          double duration);

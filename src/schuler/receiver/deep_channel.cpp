@@ -43,16 +43,17 @@ DeepChannel::DeepChannel(const SignalStructure& signal, const CorrelationPeak& p
 void DeepChannel::place() {
     // The middle of the coming code period counts; the carrier's phase goes on as it was.
     const double phase = replica_.carrier_phase;
-    const LineOfSight middle = predicted_.after(period_ / 2.0);
-    const double doppler = -middle.rate / signal_.wavelength();
-    replica_ = {-predicted_.range / signal_.chip_length(), doppler * signal_.chips_per_cycle(), phase, doppler};
+    replica_ = aligned_replica(signal_, {predicted_.range, predicted_.after(period_ / 2.0).rate});
+    replica_.carrier_phase = phase;
 }
 
-void DeepChannel::start(const LineOfSight& predicted, int dumps_into_symbol, double cn0) {
+void DeepChannel::start(const LineOfSight& predicted, int dumps_into_symbol) {
     predicted_ = predicted;
     dump_ = ((dumps_into_symbol % symbol_) + symbol_) % symbol_;
     counted_ = 0;
-    cn0_ = Cn0Estimator(signal_.symbol_duration / 2.0, settings_.cn0_time, peak_, cn0);
+    cn0_ = Cn0Estimator(signal_.symbol_duration / 2.0, settings_.cn0_time, peak_, 1.0);
+    cn0_.forget();
+    listened_ = 0.0;
     carrier_.setZero();
     P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
     halves_[0] = halves_[1] = {};
@@ -103,19 +104,34 @@ void DeepChannel::follow_phase(std::complex<double> half) {
     P_ = (P_ - K * S * K.transpose()).eval();
 }
 
+void DeepChannel::judge_power(double both) {
+    // A signal that comes back or breaks off is not averaged in: residuals scaled by the old power would be wrong by the ratio of
+    // both.
+    constexpr double appears = 8.0, breaks_off = 5.0;  // sigmas of two squared prompts
+    const double half = signal_.symbol_duration / 2.0, power = 2.0 * cn0_.cn0() * half * peak_ * peak_;
+    const double expected = 2.0 * (power + 2.0 * peak_), sigma = std::sqrt(8.0 * peak_ * (peak_ + power));
+    if (both > expected + appears * sigma || both < expected - breaks_off * sigma) {
+        listened_ = settings_.cn0_time;
+        cn0_.restart((0.5 * both - 2.0 * peak_) / (2.0 * half * peak_ * peak_));
+    } else {
+        listened_ += signal_.symbol_duration;
+        for (const Correlators& c : halves_) cn0_.add(c.prompt);
+    }
+}
+
 ChannelMeasurement DeepChannel::finish() {
     const double T = signal_.symbol_duration, half = T / 2.0, scale = 1.0 / std::sqrt(symbol_ / 2.0);
     for (Correlators& c : halves_) {
         c.early *= scale;
         c.prompt *= scale;
         c.late *= scale;
-        cn0_.add(c.prompt);
     }
-    const double power = 2.0 * cn0_.cn0() * half;   // of each half symbol
+    judge_power(std::norm(halves_[0].prompt) + std::norm(halves_[1].prompt));
+    const double power = 2.0 * cn0_.cn0() * half;  // of each half symbol
     ChannelMeasurement out;
     out.duration = T;
     out.cn0 = cn0_.cn0();
-    const bool strong = db_from_cn0(out.cn0) >= settings_.lowest_db;
+    const bool strong = listened_ >= 0.5 * settings_.cn0_time && db_from_cn0(out.cn0) >= settings_.lowest_db;
 
     // Noncoherent: the turn from half to half by its sine, whose noise stays what the formula says however weak the signal is.
     const double code = 0.5 * (code_error_.unlimited(halves_[0], power) + code_error_.unlimited(halves_[1], power));

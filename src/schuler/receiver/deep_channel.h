@@ -20,9 +20,9 @@ struct DeepSettings {
     Prefilter prefilter = Prefilter::Noncoherent;
     double spacing = 0.5;  ///< chips, early to late
     double cn0_time = 1.0;  ///< s, time constant of the C/N0 estimate
-    double lowest_db = 10.0;  ///< dB-Hz below which a channel gives no measurement
+    double lowest_db = 12.0;  ///< dB-Hz below which a channel gives no measurement
     double acceleration = 0.2;  ///< m/s^2/sqrt(Hz), what the navigation does not know of the line of sight's acceleration
-    double followed = 0.5;  ///< rad, largest one sigma of the phase that counts as followed
+    double followed = 0.4;  ///< rad, largest one sigma of the phase that counts as followed
 
     /// Throws Error(Input) naming the setting.
     void check() const;
@@ -47,8 +47,9 @@ class DeepChannel {
 public:
     DeepChannel(const SignalStructure& signal, const CorrelationPeak& peak, const DeepSettings& settings);
 
-    /// Puts the replica where `predicted` says, the first dump `dumps_into_symbol` into its symbol; cn0 (Hz) to begin with.
-    void start(const LineOfSight& predicted, int dumps_into_symbol, double cn0);
+    /// Puts the replica where `predicted` says, the first dump `dumps_into_symbol` into its symbol. A signal too weak to show in
+    /// one symbol is listened to for half of cn0_time before the first measurement.
+    void start(const LineOfSight& predicted, int dumps_into_symbol);
     /// The navigation's word on the pseudorange now, clock included. Between symbols only: after a step that returned a
     /// measurement.
     void command(const LineOfSight& predicted);
@@ -61,6 +62,7 @@ public:
 private:
     void place();
     [[nodiscard]] ChannelMeasurement finish();
+    void judge_power(double both);
     void follow_phase(std::complex<double> half);
 
     SignalStructure signal_;
@@ -74,6 +76,7 @@ private:
     LineOfSight predicted_;
     int dump_ = 0;
     int counted_ = 0;  ///< dumps of this symbol
+    double listened_ = 0.0;  ///< s
     Correlators halves_[2]{};
     /// Phase (rad) and frequency (Hz) of replica minus signal at the end of the last half symbol.
     Eigen::Vector2d carrier_ = Eigen::Vector2d::Zero();

@@ -18,8 +18,16 @@ public:
     }
 
     void add(std::complex<double> prompt) {
-        cn0_ += gain_ * ((std::norm(prompt) - 2.0 * peak_) / (2.0 * interval_ * peak_ * peak_) - cn0_);
+        mean_gain_ = std::max(gain_, mean_gain_ / (1.0 + mean_gain_));
+        cn0_ += mean_gain_ * ((std::norm(prompt) - 2.0 * peak_) / (2.0 * interval_ * peak_ * peak_) - cn0_);
     }
+    /// Goes on from a value known as well as an average over the time constant, or forgets all: the mean of what comes from now
+    /// on.
+    void restart(double cn0) {
+        cn0_ = cn0;
+        mean_gain_ = gain_;
+    }
+    void forget() { mean_gain_ = 1e9; }
     void change_interval(double interval) {
         interval_ = interval;
         gain_ = std::min(1.0, interval / time_constant_);
@@ -29,7 +37,7 @@ public:
 
 private:
     double time_constant_, peak_, cn0_;
-    double interval_ = 0.0, gain_ = 0.0;
+    double interval_ = 0.0, gain_ = 0.0, mean_gain_ = 0.0;
 };
 
 /// Narrow-band difference over narrow-band power, the low-passed (I^2 - Q^2) / (I^2 + Q^2) [VanDierendonck1996]: near cos(2 phi)

@@ -52,6 +52,7 @@ namespace {
 
 /// 0, 1, -1, 2, -2 ... for 0, 1, 2, 3, 4 ...
 int outward(int i) { return i % 2 == 1 ? (i + 1) / 2 : -i / 2; }
+double within_period(double chips, int length) { return chips - length * std::round(chips / length); }
 /// The inverse of outward().
 int place_of(long cell) { return static_cast<int>(cell > 0 ? 2 * cell - 1 : -2 * cell); }
 
@@ -66,6 +67,23 @@ bool Search::step(const LineOfSight& truth, double cn0, math::Random& random, co
     const Replica begin = centre_;
     centre_ = centre_.after(dwell_);
     elapsed_ += dwell_;
+    if (candidate_) {
+        // A strong signal shows in the bins beside its own as well: the largest of five is its own, and confirms it or not.
+        std::optional<Replica> best;
+        double largest = threshold_;
+        for (int beside = -2; beside <= 2; ++beside) {
+            Replica cell = *candidate_;
+            cell.carrier_frequency += beside * frequency_step_;
+            cell.code_rate = cell.carrier_frequency * signal_.chips_per_cycle();
+            const double power = power_in(cell, truth, cn0, random);
+            if (power <= largest) continue;
+            largest = power;
+            best = cell;
+        }
+        candidate_.reset();
+        if (best) centre_ = best->after(dwell_);
+        return best.has_value();
+    }
     if (penalty_ > 0) {
         --penalty_;
         return false;
@@ -78,26 +96,28 @@ bool Search::step(const LineOfSight& truth, double cn0, math::Random& random, co
     cell.code_rate = cell.carrier_frequency * signal_.chips_per_cycle();
     // the code cell nearest to the signal, if it belongs to this batch
     const ReplicaError middle = replica_error(signal_, cell, truth, dwell_);
-    const double length = signal_.code_length;
-    const double ahead = middle.code - length * std::round(middle.code / length);
-    const long nearest = std::lround(-ahead / settings_.code_step);
+    const long nearest = std::lround(-within_period(middle.code, signal_.code_length) / settings_.code_step);
     const int place = place_of(nearest);
     if (place < cells_ && place / settings_.parallel == batch) {
         cell.code_phase += static_cast<double>(nearest) * settings_.code_step;
-        const double coherent = dwell_ / settings_.noncoherent;
-        double sum = 0.0;
-        for (int i = 0; i < settings_.noncoherent; ++i) {
-            ReplicaError error = replica_error(signal_, cell.after(i * coherent), truth.after(i * coherent), coherent);
-            error.code -= length * std::round(error.code / length);
-            sum += std::norm(model_.dump(error, cn0, coherent, 1, random).prompt);
-        }
-        if (sum > threshold_) {
-            centre_ = cell.after(dwell_);
-            return true;
+        if (power_in(cell, truth, cn0, random) > threshold_) {
+            candidate_ = cell.after(dwell_);
+            return false;
         }
     }
     if (random.uniform() < any_false_alarm_) penalty_ = settings_.confirmations;
     return false;
+}
+
+double Search::power_in(const Replica& cell, const LineOfSight& truth, double cn0, math::Random& random) const {
+    const double coherent = dwell_ / settings_.noncoherent;
+    double sum = 0.0;
+    for (int i = 0; i < settings_.noncoherent; ++i) {
+        ReplicaError error = replica_error(signal_, cell.after(i * coherent), truth.after(i * coherent), coherent);
+        error.code = within_period(error.code, signal_.code_length);
+        sum += std::norm(model_.dump(error, cn0, coherent, 1, random).prompt);
+    }
+    return sum;
 }
 
 }  // namespace schuler::receiver

@@ -41,22 +41,27 @@ public:
 
     [[nodiscard]] double dwell() const { return dwell_; }  ///< s
     [[nodiscard]] int dwells_per_sweep() const { return bins_ * batches_; }
-    /// One dwell of a signal that moves as `truth` says from now; `cn0` in Hz. True when it was found: replica() is then its
-    /// cell, at the end of the dwell. Another `motion` than the centre's own is that of an aid, and moves the window.
+    /// One dwell of a signal that moves as `truth` says from now; `cn0` in Hz. A cell above the threshold becomes the
+    /// candidate(), the next dwell tries it and its neighbours in frequency: true when it was confirmed, replica() is then the
+    /// largest at the end of the dwell. An `aid` moves the window by what its rate changes.
     bool step(const LineOfSight& truth, double cn0, math::Random& random, const LineOfSight* aid = nullptr);
     [[nodiscard]] const Replica& replica() const { return centre_; }
     [[nodiscard]] double elapsed() const { return elapsed_; }  ///< s
     [[nodiscard]] double frequency_step() const { return frequency_step_; }  ///< Hz
 
+    [[nodiscard]] bool candidate() const { return candidate_.has_value(); }
     /// Sum of squared prompts above which a cell counts as found.
     [[nodiscard]] double threshold() const { return threshold_; }
 
 private:
+    [[nodiscard]] double power_in(const Replica& cell, const LineOfSight& truth, double cn0, math::Random& random) const;
+
     SignalStructure signal_;
     CorrelatorModel model_;
     SearchSettings settings_;
     Replica centre_;
     std::optional<double> aid_rate_;
+    std::optional<Replica> candidate_;
     double dwell_, frequency_step_, threshold_, any_false_alarm_;
     int bins_, cells_, batches_;
     int next_ = 0, penalty_ = 0;

@@ -24,10 +24,7 @@ Lost run(const ThresholdStudy& study, const CorrelatorModel& model, double cn0, 
     LineOfSight truth{2.2e7, -400.0, 0.0, 0.0};
     const double aid_error = study.aid_noise * random.normal(), T = signal.code_period(), strong = cn0_from_db(45.0);
     Tracker tracker(signal, model.peak(), study.tracking);
-    const double doppler = -truth.rate / signal.wavelength();
-    tracker.start(
-        {-truth.range / signal.chip_length(), doppler * signal.chips_per_cycle(), -truth.range / signal.wavelength(), doppler},
-        0);
+    tracker.start(aligned_replica(signal, truth), 0);
     const int symbol = static_cast<int>(std::lround(signal.symbol_duration / T));
     const long begin = std::lround(settle / T), end = begin + std::lround(study.duration / T);
     const auto cycles = [&] { return tracker.replica().carrier_phase + truth.range / signal.wavelength(); };
