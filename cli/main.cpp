@@ -85,6 +85,14 @@ app::Outcome analyze(const cli::Options& o) {
         request.progress = [&bar](double done_part) { bar.show(done_part); };
         return app::analyze_triad(request);
     }
+    if (o.command == "analyze protection") {
+        app::ProtectionRequest request = o.protection;
+        request.seed = o.seed.value_or(request.seed);
+        request.output = o.output;
+        cli::ProgressBar bar(!o.quiet, o.progress == "lines");
+        request.progress = [&bar](double done_part) { bar.show(done_part); };
+        return app::analyze_protection(request);
+    }
     app::EquatorRequest request = o.equator;
     if (o.misalignment.size() == 3) request.misalignment = Eigen::Vector3d::Map(o.misalignment.data());
     request.output = o.output;

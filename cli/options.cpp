@@ -37,7 +37,7 @@ namespace {
 /// Options of process, run and demo.
 void add_processing(CLI::App& app, Options& o) {
     add_settings(app, o);
-    app.add_option("--scheme", o.scheme, "coupling: loose, separate, or gnss for the receiver's own solution")->type_name("SCHEME");
+    app.add_option("--scheme", o.scheme, "coupling: loose, separate, tight, medium, or gnss for the receiver's own solution")->type_name("SCHEME");
     app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
     app.add_option("--loop", o.loop, "feedback of the estimated errors: closed, open or mixed")->type_name("LOOP");
     app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");

@@ -3,6 +3,7 @@
 
 #include "schuler/app/analyze.h"
 #include "schuler/app/analyze_observability.h"
+#include "schuler/app/protection.h"
 #include "schuler/app/studies.h"
 #include "schuler/app/value.h"
 
@@ -39,6 +40,7 @@ struct Options {
     app::StudyRequest study;
     app::ObservabilityRequest observability;
     app::TriadRequest triad;
+    app::ProtectionRequest protection;
     std::vector<double> misalignment;   ///< three numbers or none
     std::optional<std::size_t> runs;    ///< of a campaign
     int jobs = 0;

@@ -165,6 +165,21 @@ void add_allan(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     app->add_flag("--json", o.json, "one JSON document");
 }
 
+void add_protection(CLI::App& analyze, Options& o, const AddCommand& add_command) {
+    CLI::App* app = add_command(analyze, "protection", "wrong pseudoranges in the tight filter: missed detections, false alarms, protection levels",
+                                "  schuler analyze protection -n 10000                       single faults on the flights of paper D\n"
+                                "  schuler analyze protection -n 2000 --double --json");
+    app::ProtectionRequest& r = o.protection;
+    app->add_option("-n,--runs", r.runs, "faults, each a flight of its own, default 1000")->check(CLI::Range(1, 1'000'000));
+    app->add_flag("--double", r.double_fault, "two satellites wrong at once");
+    app->add_option("--missed-detection", r.settings.missed_detection, "stated risk of an epoch, default 0.001")->check(CLI::Range(1e-9, 0.1));
+    app->add_option("--false-alarm", r.settings.false_alarm, "of one test, default 1e-7")->check(CLI::Range(1e-15, 0.1));
+    app->add_option("--jobs", r.jobs, "threads, default one a core")->check(CLI::NonNegativeNumber);
+    app->add_option("--seed", o.seed, "default 1");
+    app->add_option("-o,--output", o.output, "folder of trials.csv (default: none)")->type_name("DIR");
+    app->add_flag("--json", o.json, "one JSON document");
+}
+
 }  // namespace
 
 void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_command) {
@@ -178,6 +193,7 @@ void add_analyze_command(CLI::App& parser, Options& o, const AddCommand& add_com
     add_observability(*analyze, o, add_command);
     add_triad(*analyze, o, add_command);
     add_allan(*analyze, o, add_command);
+    add_protection(*analyze, o, add_command);
 }
 
 }  // namespace schuler::cli

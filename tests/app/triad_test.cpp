@@ -61,7 +61,7 @@ TEST(Triad, StandardErrorIsThatOfSamplingTheRunsThatScatter) {
     two.insert(two.end(), one.begin(), one.end());
     EXPECT_LT(standard_error_of_a_set(two), 1e-6) << "both runs of each geometry are alike";
     for (std::size_t k = 0; k < triad_geometries; ++k) two[triad_geometries + k] = of(k % 2 == 0 ? 4.0 : 3.0);
-    EXPECT_NEAR(standard_error_of_a_set(two), 3.5 / std::sqrt(48.0) / (2.0 * std::sqrt(12.5)), 0.004);
+    EXPECT_NEAR(standard_error_of_a_set(two), std::sqrt(2.0) * 3.5 / std::sqrt(48.0) / (2.0 * std::sqrt(12.5)), 0.006);
 }
 
 /// The same, quick: four geometries, ordering and prediction of one case.

@@ -1,5 +1,7 @@
 """Ranges from outside: the triad of paper D, schemes with few satellites, stations from a receiver's log."""
 import json
+import math
+import re
 from pathlib import Path
 
 from program_test import check, main
@@ -24,5 +26,81 @@ def ranges_triad(program, source):
         program.fails("analyze", "triad", option, value, parts=[option])
 
 
+def ranges_schemes(program, source):
+    """One flight through the schemes with fewer and fewer satellites: below four the receiver has no fix, the tight filter has."""
+    rows = json.loads(program("run", source / "examples/schemes-satellites.toml", "-o", "few", "--json").stdout)["schemes"]
+    error = {(r["scheme"], r["satellites"]): r["horizontal_m"] for r in rows}
+    for scheme in ("tight", "medium"):
+        check(error[scheme, 8] < 6 and error[scheme, 4] < 8, f"{scheme} with four and more: {error}")
+        for few in (3, 2):
+            check(error[scheme, few] < 0.5 * error["loose", few], f"{scheme} with {few} satellites against loose coupling: {error}")
+    program("run", source / "examples/schemes-satellites.toml", "--scheme", "medium", "-o", "medium", "--set", "filter.protection.use=true", "-q")
+    table = (Path(program.folder) / "few/comparison.csv").read_text().splitlines()
+    check(table[0].startswith("scheme,satellites,") and len(table) == 21, f"comparison.csv: {table[0]}, {len(table)} lines")
+
+
+def ranges_protection(program, source):
+    """Faults against protection levels, in short; the files of a run that asks for them."""
+    done = json.loads(program("analyze", "protection", "-n", 40, "-o", "trials", "--json").stdout)
+    check(done["misleading_epochs"]["events"] == 0, f"errors above their levels: {done['misleading_epochs']}")
+    check(done["alarms"]["events"] + done["excluded"]["events"] > 20, f"faults are noticed: {done['alarms']}, {done['excluded']}")
+    check(len((Path(program.folder) / "trials/trials.csv").read_text().splitlines()) == 41, "a row a fault")
+    program("run", source / "examples/triad-4sv.toml", "--scheme", "medium", "--set", "filter.protection.use=true", "-o", "guarded", "-q")
+    rows = (Path(program.folder) / "guarded/protection.csv").read_text().splitlines()
+    check(rows[0] == "time_s,hpl_m,vpl_m,used,excluded,alarm" and len(rows) > 700, f"protection.csv: {rows[0]}, {len(rows)} lines")
+    check(len((Path(program.folder) / "guarded/receiver.csv").read_text().splitlines()) > 700, "receiver.csv")
+    program.fails("analyze", "protection", "--missed-detection", 2, parts=["--missed-detection"])
+    program.fails("run", source / "examples/triad-4sv.toml", "--set", "filter.protection.false_alarm=3", parts=["false_alarm"])
+
+
+def squitter(address, lat, lon, height_m, odd):
+    """An airborne position message of 1090 MHz, geometric height, as AVR text."""
+    zones = 59 if odd else 60
+    step = 360.0 / zones
+    yz = math.floor(131072 * (lat % step) / step + 0.5)
+    rlat = step * (yz / 131072 + math.floor(lat / step))
+    zone = math.floor(2 * math.pi / math.acos(1 - (1 - math.cos(math.pi / 30)) / math.cos(math.radians(rlat)) ** 2))
+    lon_step = 360.0 / max(zone - odd, 1)
+    xz = math.floor(131072 * (lon % lon_step) / lon_step + 0.5)
+    n = round((height_m / 0.3048 + 1000) / 25)
+    altitude = (n >> 4) << 5 | 0x10 | (n & 0xF)
+    bits = (17 << 107) | (5 << 104) | (address << 80) | (20 << 75) | (altitude << 60) | (odd << 58) | ((yz % 131072) << 41) | ((xz % 131072) << 24)
+    value = bits >> 24
+    rest = value << 24
+    for bit in range(111, 23, -1):
+        if rest >> bit & 1:
+            rest ^= 0x1FFF409 << (bit - 24)
+    return f"*{bits | rest:028X};\n"
+
+
+def ranges_adsb(program, source):
+    """Stations of a log of extended squitters instead of stations.csv."""
+    program("simulate", source / "examples/triad-2sv2st.toml", "-o", "flown", "-q")
+    folder = Path(program.folder) / "flown"
+    surveyed = json.loads(program("process", folder, "--scheme", "tight", "-o", "surveyed", "--json", "--settle", 479).stdout)["errors"]
+    stations = [line.split(",") for line in (folder / "stations.csv").read_text().splitlines()[1:]]
+    log, ranges = "", (folder / "ranges.csv").read_text()
+    for number, (name, lat, lon, height) in enumerate(stations):
+        address = 0xABC001 + number
+        ranges = re.sub(rf"\b{name}\b", f"ADSB-{address:06X}", ranges)
+        for k in range(12):
+            log += squitter(address, float(lat), float(lon), float(height), k % 2)
+    log += "*8D40621D58C386435CC412692AD7;\n"   # damaged: wrong parity
+    (folder / "ranges.csv").write_text(ranges)
+    (folder / "stations.csv").unlink()
+    (folder / "squitters.avr").write_text(log)
+    settings = (folder / "dataset.toml").read_text()
+    (folder / "dataset.toml").write_text(settings.replace("stations.csv", "squitters.avr"))
+    told = program("inspect", folder / "squitters.avr").stdout
+    check("ADSB-ABC001" in told and "ADSB-ABC002" in told, f"inspect tells the stations: {told}")
+    kinds = [f["kind"] for f in json.loads(program("inspect", folder / "squitters.avr", "--json").stdout)["files"]]
+    check(kinds == ["adsb"], f"inspect --json: {kinds}")
+    heard = json.loads(program("process", folder, "--scheme", "tight", "-o", "heard", "--json", "--settle", 479).stdout)["errors"]
+    one, two = (e["position_m"]["horizontal"]["rms"] for e in (surveyed, heard))
+    check(abs(one - two) < 6, f"places told to 5 m: {one} m surveyed, {two} m heard")
+    (folder / "squitters.avr").write_text(log[:60])
+    program.fails("process", folder, "--scheme", "tight", "-o", "none", parts=["squitters.avr", "stations.csv"])
+
+
 if __name__ == "__main__":
-    main({"ranges_triad": ranges_triad})
+    main({"ranges_triad": ranges_triad, "ranges_schemes": ranges_schemes, "ranges_protection": ranges_protection, "ranges_adsb": ranges_adsb})

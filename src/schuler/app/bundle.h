@@ -65,6 +65,11 @@ struct ResultBundle {
 /// run.h5 with solution, sensor errors, innovations, outages, and truth and errors where there is a reference.
 void write_run_h5(const std::filesystem::path& file, const ResultBundle& bundle);
 
+/// protection.csv: protection levels and alarms of the tight filter, an epoch of ranges a row.
+[[nodiscard]] std::string protection_csv(const ResultBundle& bundle);
+/// receiver.csv: the receiver's own filter of the medium coupling and its check against the tight one.
+[[nodiscard]] std::string receiver_csv(const ResultBundle& bundle);
+
 /// Writes a text under its name when complete.
 void write_text(const std::filesystem::path& file, const std::string& text);
 

@@ -4,6 +4,7 @@
 #include "schuler/app/option_builders.h"
 #include "schuler/app/scenario_sections.h"
 #include "schuler/app/detail/json.h"
+#include "schuler/core/error.h"
 #include "schuler/core/units.h"
 
 #include <fmt/format.h>
@@ -35,6 +36,7 @@ const std::vector<KnownScheme>& known_schemes() {
          {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {0.0}, {}}}},
         {"loose", "b loose, standard", {{"filter.scheme", {std::string("loose")}, {}}}},
         {"tight", "c tight", {{"filter.scheme", {std::string("tight")}, {}}}},
+        {"medium", "intermediate", {{"filter.scheme", {std::string("medium")}, {}}}},
         {"loose-aggressive",
          "b loose, aggressive",
          {{"filter.scheme", {std::string("loose")}, {}}, {"filter.loose", {std::string("aggressive")}, {}}}},
@@ -97,10 +99,42 @@ Option<ScenarioConfig> compared_option() {
             [](const ScenarioConfig&) { return std::optional<Value>(); }};
 }
 
+Option<ScenarioConfig> compared_satellites_option() {
+    OptionSpec spec = detail::spec("compare.satellites", Shape::Numbers, "... each with so many satellites from the first of ranges.limit on");
+    spec.form = "a list of whole numbers";
+    spec.low = 0;
+    spec.high = 99;
+    return {std::move(spec),
+            [](ScenarioConfig& s, const Value& v) {
+                s.compared_satellites.clear();
+                for (const Value& item : *v.list()) {
+                    if (item.number() != std::floor(item.number()))
+                        throw input_error(fmt::format("{:g} is not a number of satellites", item.number()), {}, "give whole numbers");
+                    s.compared_satellites.push_back(static_cast<std::size_t>(item.number()));
+                }
+            },
+            [](const ScenarioConfig&) { return std::optional<Value>(); }};
+}
+
+namespace {
+
+/// The scenario with so many satellites; as it is where the number is not given.
+ScenarioConfig with_satellites(const ScenarioConfig& scenario, std::optional<std::size_t> satellites) {
+    ScenarioConfig out = scenario;
+    if (!satellites) return out;
+    if (out.ranging.settings.limits.empty())
+        throw input_error("there is no limit whose number could change", {.file = {}, .key = "compare.satellites"},
+                          "give ranges.limit = [{ start_s = 60, keep = 4 }]");
+    out.ranging.settings.limits.front().keep = *satellites;
+    return out;
+}
+
+}  // namespace
+
 Outcome compare_schemes(const ProcessRequest& request) {
     const ScenarioConfig scenario = read_scenario(request.input, request.seed);
     Json rows = Json::array();
-    std::string table = fmt::format("{:<36}", scenario.name), csv = "scheme";
+    std::string table = fmt::format("{:<36}", scenario.name), csv = scenario.compared_satellites.empty() ? "scheme" : "scheme,satellites";
     for (const Column& c : columns) {
         table += fmt::format("{:>13}", c.title);
         csv += fmt::format(",{}", c.key);
@@ -108,28 +142,36 @@ Outcome compare_schemes(const ProcessRequest& request) {
     table += "\n";
     Outcome out;
     double done = 0.0;
-    for (const std::string& name : scenario.compared) {
-        const auto known = std::ranges::find(known_schemes(), name, [](const KnownScheme& k) { return std::string(k.name); });
-        SettingList over = request.over({});
-        over.insert(over.end(), known->settings.begin(), known->settings.end());
-        WarningLog warnings;
-        ResultBundle bundle = simulated_bundle(scenario, over, warnings);
-        fuse_and_evaluate(bundle, warnings, scenario.sim.reference_rate, {});
-        Json row{{"scheme", name}};
-        table += fmt::format("  {:<34}", known->title);
-        csv += "\n" + name;
-        for (const Column& c : columns) {
-            const double x = c.of(bundle);
-            row[c.key] = number(x);
-            table += fmt::format("{:>13}", cell(x));
-            if (std::string_view(c.key) != "filter_s") csv += std::isfinite(x) ? fmt::format(",{:.9g}", x) : ",";   // files repeat
+    std::vector<std::optional<std::size_t>> counts(scenario.compared_satellites.begin(), scenario.compared_satellites.end());
+    if (counts.empty()) counts.emplace_back();
+    const double each = 1.0 / static_cast<double>(counts.size() * scenario.compared.size());
+    for (const std::optional<std::size_t> satellites : counts) {
+        const ScenarioConfig flight = with_satellites(scenario, satellites);
+        if (satellites) table += fmt::format("{} satellites\n", *satellites);
+        for (const std::string& name : scenario.compared) {
+            const auto known = std::ranges::find(known_schemes(), name, [](const KnownScheme& k) { return std::string(k.name); });
+            SettingList over = request.over({});
+            over.insert(over.end(), known->settings.begin(), known->settings.end());
+            WarningLog warnings;
+            ResultBundle bundle = simulated_bundle(flight, over, warnings);
+            fuse_and_evaluate(bundle, warnings, scenario.sim.reference_rate, {});
+            Json row{{"scheme", name}};
+            if (satellites) row["satellites"] = *satellites;
+            table += fmt::format("  {:<34}", known->title);
+            csv += "\n" + name + (satellites ? fmt::format(",{}", *satellites) : "");
+            for (const Column& c : columns) {
+                const double x = c.of(bundle);
+                row[c.key] = number(x);
+                table += fmt::format("{:>13}", cell(x));
+                if (std::string_view(c.key) != "filter_s") csv += std::isfinite(x) ? fmt::format(",{:.9g}", x) : ",";   // files repeat
+            }
+            table += "\n";
+            rows.push_back(std::move(row));
+            for (const std::string& w : warnings.summary())
+                if (std::ranges::find(out.warnings, w) == out.warnings.end()) out.warnings.push_back(w);
+            done += each;
+            if (request.progress) request.progress(done);
         }
-        table += "\n";
-        rows.push_back(std::move(row));
-        for (const std::string& w : warnings.summary())
-            if (std::ranges::find(out.warnings, w) == out.warnings.end()) out.warnings.push_back(w);
-        done += 1.0 / static_cast<double>(scenario.compared.size());
-        if (request.progress) request.progress(done);
     }
     csv = csv.replace(csv.find(",filter_s"), 9, "") + "\n";
     table += "root mean squares after settling; NEES of the position over its three degrees of freedom (1: honest); the first outage's end\n";

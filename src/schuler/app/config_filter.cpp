@@ -132,10 +132,11 @@ void add_filter_options(OptionTable<Config>& table) {
     add_initial(table);
     using fusion::Mechanization;
     table.add(preset_option())
-        .add(staged_choice<Scheme>("filter.scheme", {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}, {"tight", Scheme::Tight}},
-                                   {"medium", "deep"},
+        .add(staged_choice<Scheme>("filter.scheme", {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}, {"tight", Scheme::Tight}, {"medium", Scheme::Medium}},
+                                   {"deep"},
                                    "coupling: loose = one filter of receiver and inertial unit; separate = the inertial unit is set to the "
-                                   "receiver now and then or little by little; tight = one filter of the ranges themselves; gnss = the receiver's own solution",
+                                   "receiver now and then or little by little; tight = one filter of the ranges themselves; "
+                                   "medium = tight, with a filter of the receiver alone beside it; gnss = the receiver's own solution",
                                    [](auto& c) -> auto& { return c.scheme; }))
         .add(choice<Config, Mechanization>(
             "filter.mechanization", {{"geographic", Mechanization::Geographic}, {"ecef", Mechanization::Ecef}},

@@ -143,7 +143,7 @@ void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings)
 void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
     const bool csv = !c.ranges.file.empty();
-    if (!csv && (c.raw.observations.empty() || c.scheme != Scheme::Tight)) return;
+    if (!csv && (c.raw.observations.empty() || (c.scheme != Scheme::Tight && c.scheme != Scheme::Medium))) return;
     RangingLog& log = out.recording.ranges;
     log = csv ? ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, warnings);
     const auto axis = own_axis(out.recording);

@@ -2,10 +2,13 @@
 
 #include "schuler/app/raw_gnss.h"
 #include "schuler/earth/ellipsoid.h"
+#include "schuler/gnss/sampled_ranges.h"
+#include "schuler/io/adsb.h"
 #include "schuler/io/csv_ranges.h"
 #include "schuler/io/raw_input.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace schuler::app {
 namespace {
@@ -54,6 +57,23 @@ void place_transmitters(RangingLog& log, const std::vector<io::StationRow>& stat
     log = std::move(out);
 }
 
+/// From a list, or from what the stations say of themselves in a receiver's log.
+std::vector<io::StationRow> stations_from(const fs::path& folder, const Config& c, WarningLog& warnings) {
+    if (c.station_coordinates.empty()) return {};
+    const io::TextInput input(resolved(folder, c.station_coordinates, "stations.coordinates"));
+    if (!io::is_adsb(input)) return io::read_stations_csv(input, {}, warnings);
+    std::vector<io::StationRow> stations = io::stations_of(io::read_adsb(input, {}, warnings));
+    const std::size_t all = stations.size();
+    std::erase_if(stations, [](const io::StationRow& s) { return !std::isfinite(s.position.h); });
+    if (stations.size() < all)
+        warnings.add("stations.height", "stations that report no height: left out", all - stations.size());
+    if (stations.empty())
+        throw input_error("no station reports its place in this log of extended squitters",
+                          {.file = c.station_coordinates, .line = 0, .column = 0, .key = {}},
+                          "a station stays where it is over five reports or more; otherwise give stations.csv");
+    return stations;
+}
+
 gnss::Navigation read_navigation(const fs::path& folder, const Config& c, WarningLog& warnings) {
     gnss::Navigation navigation;
     for (const std::string& file : c.raw.navigation)
@@ -69,9 +89,7 @@ RangingLog ranges_from_csv(const fs::path& folder, const Config& c, WarningLog& 
     options.scale = c.ranges.scale;
     options.time_offset = Duration::from_seconds(c.ranges.time_offset);
     RangingLog log = io::read_ranges_csv(resolved(folder, c.ranges.file, "stations.file"), options, warnings).log;
-    std::vector<io::StationRow> stations;
-    if (!c.station_coordinates.empty())
-        stations = io::read_stations_csv(resolved(folder, c.station_coordinates, "stations.coordinates"), {}, warnings);
+    const std::vector<io::StationRow> stations = stations_from(folder, c, warnings);
     const gnss::Navigation navigation = read_navigation(folder, c, warnings);
     const gnss::BroadcastSource orbits(navigation);
     const Duration to_gps = c.time.week ? Time::from_gps(*c.time.week, 0.0) - Time{} : Duration{};
@@ -122,23 +140,7 @@ std::vector<GnssFix> fixes_from_ranges(const RangingLog& log, const Config& c) {
     gnss::SinglePoint solver(nobody, c.filter.ranging.klobuchar, c.raw.solver);
     std::vector<GnssFix> out;
     for (const RangeEpoch& e : log.epochs) {
-        std::vector<gnss::Range> ranges;
-        for (const RangeSample& m : log.of(e)) {
-            const auto id = gnss::satellite_from(log.sources[m.source].name);
-            if (log.sources[m.source].station || !id) continue;
-            gnss::Range r;
-            r.satellite = *id;
-            r.transmit = e.time - Duration::from_seconds(m.pseudorange / gnss::speed_of_light);
-            r.pseudorange = m.pseudorange + gnss::speed_of_light * m.tx_clock;
-            r.range_rate = m.range_rate + gnss::speed_of_light * m.tx_clock_rate;
-            r.frequency = m.frequency;
-            r.cn0 = m.cn0;
-            r.position = m.tx;
-            r.velocity = m.tx_velocity;
-            r.variance = m.variance;
-            ranges.push_back(r);
-        }
-        const gnss::SinglePointSolution s = solver.solve(std::move(ranges), e.time);
+        const gnss::SinglePointSolution s = solver.solve(gnss::satellite_ranges(log, e), e.time);
         if (s.status == gnss::SinglePointStatus::Solved) out.push_back(fix_from(s));
     }
     return out;

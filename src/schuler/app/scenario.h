@@ -79,6 +79,7 @@ struct ScenarioConfig {
     std::vector<Variation> vary;
     Published published;
     std::vector<std::string> compared;          ///< schemes that `run` compares on this scenario
+    std::vector<std::size_t> compared_satellites;   ///< ... with so many satellites from the first limit of the ranges on; empty: as it is
     SettingList assumed;                        ///< imu.* settings that the filter is told instead of the simulated ones
     Config processing;                          ///< its [filter] section
 };

@@ -16,6 +16,8 @@ void add_trajectory_options(OptionTable<ScenarioConfig>& table);
 
 /// "compare.schemes": what `run` compares.
 [[nodiscard]] Option<ScenarioConfig> compared_option();
+/// "compare.satellites".
+[[nodiscard]] Option<ScenarioConfig> compared_satellites_option();
 
 /// "ranges.*".
 void add_ranging_scenario_options(OptionTable<ScenarioConfig>& table);

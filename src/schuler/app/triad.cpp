@@ -13,6 +13,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -47,10 +48,10 @@ sensor::RangingErrorModel range_errors_of(const TriadCase& which) {
 /// Everything random of one run comes from one seed.
 std::uint64_t seed_of(std::size_t k, std::uint64_t seed) { return 1000 * seed + k + 1; }
 
-sim::Scenario flight_of(const TriadCase& which, std::size_t k, std::uint64_t seed) {
+sim::Scenario flight_of(const TriadCase& which, std::size_t k, std::uint64_t seed, double duration) {
     sim::Scenario s;
     s.seed = seed_of(k, seed);
-    s.duration = warm_up + flight;
+    s.duration = duration;
     sim::WeavingFlight weave;
     weave.start = {52.3 * deg, 104.3 * deg, 10'000.0};
     weave.heading = std::fmod(static_cast<double>(k) * 137.508, 360.0) * deg;
@@ -88,7 +89,7 @@ RangingLog ranges_of(const TriadCase& which, std::size_t k, const sim::Scenario&
     sim::RangingSettings r;
     r.lever_arm_b = lever_arm_b;
     r.navigation = gnss::nominal_gps(frame.gps, frame.gps + Duration::from_seconds(s.duration));
-    r.stations = stations_about(path->at(480.0).position, s.earth, which.stations);
+    r.stations = stations_about(path->at(std::min(480.0, s.duration)).position, s.earth, which.stations);
     r.errors = range_errors_of(which);
     r.masks.throughout = true;
     r.blocked.push_back({{"stations"}, 0.0, warm_up + which.stations_on + 0.5});   // first used a second later
@@ -137,22 +138,29 @@ fusion::Settings settings_of(const TriadCase& which, const sim::Scenario& s, con
 
 }  // namespace
 
+TriadFlight triad_flight(const TriadCase& which, std::size_t k, std::uint64_t seed, double duration) {
+    const sim::Scenario s = flight_of(which, k, seed, duration);
+    TriadFlight out{sim::simulate(s).recording, {}, s.origin};
+    out.recording.ranges = ranges_of(which, k, s);
+    out.settings = settings_of(which, s, out.recording.reference.front());
+    return out;
+}
+
 TriadRun run_triad(const TriadCase& which, std::size_t k, std::uint64_t seed) {
-    const sim::Scenario s = flight_of(which, k, seed);
-    Recording recording = sim::simulate(s).recording;
-    recording.ranges = ranges_of(which, k, s);
+    const TriadFlight flown = triad_flight(which, k, seed, warm_up + flight);
+    const Recording& recording = flown.recording;
+    const earth::Earth& earth = flown.settings.earth;
     WarningLog unheard;
-    const fusion::Result result =
-        fusion::run_filter(recording, settings_of(which, s, recording.reference.front()), unheard);
+    const fusion::Result result = fusion::run_filter(recording, flown.settings, unheard);
     TriadRun out;
     std::size_t filled = 0;
     for (const fusion::StateRow& row : result.forward.states) {
-        const double t = (row.time - s.origin).seconds();
+        const double t = (row.time - flown.origin).seconds();
         const auto at = static_cast<std::size_t>(std::llround(t));
         if (t < warm_up - 1e-6 || at >= recording.reference.size() || std::abs(t - static_cast<double>(at)) > 1e-6) continue;
         const ReferenceSample& truth = recording.reference[at];
         ins::Vector9 error;
-        error.head<3>() = earth::ned_difference(s.earth, row.nav.position, truth.position);
+        error.head<3>() = earth::ned_difference(earth, row.nav.position, truth.position);
         error.segment<3>(3) = row.nav.v_eb_n - truth.velocity_n;
         // C_est = Exp(-[phi x]) C: the rotation from estimate to truth is phi
         const Eigen::Quaterniond q = math::quaternion_from_rpy(truth.rpy) * row.nav.q_nb.conjugate();

@@ -1,6 +1,7 @@
 // The experiments of paper D (math.md 5.4) as numbers: one run, and many over geometries and seeds.
 #pragma once
 
+#include "schuler/core/samples.h"
 #include "schuler/fusion/settings.h"
 
 #include <array>
@@ -53,6 +54,14 @@ struct TriadRun {
     std::array<double, triad_epochs> predicted_horizontal, predicted_vertical;  ///< m, one sigma
     std::array<double, triad_epochs> nees3, nees9;                           ///< position; position, velocity, attitude
 };
+
+/// The flight of run `k` as a log of ranges, inertial unit and barometer, and what the filter is told. `seed` 0: noise seeded by k alone.
+struct TriadFlight {
+    Recording recording;
+    fusion::Settings settings;
+    Time origin;                         ///< of the recording's times
+};
+[[nodiscard]] TriadFlight triad_flight(const TriadCase& which, std::size_t k, std::uint64_t seed, double duration = 780.0);
 
 /// Run `k` of math.md 5.4: its own geometry, heading and noise. `seed` 0: noise seeded by k alone.
 [[nodiscard]] TriadRun run_triad(const TriadCase& which, std::size_t k, std::uint64_t seed = 0);

@@ -77,7 +77,9 @@ double standard_error_of_a_set(const std::vector<TriadRun>& runs) {
         sum += std::sqrt(mean) / draws;
         sum_of_squares += mean / draws;
     }
-    return std::sqrt(std::max(0.0, sum_of_squares - sum * sum));
+    // drawing from few runs of a geometry scatters less than the geometry does
+    const double few = sets > 1 ? static_cast<double>(sets) / static_cast<double>(sets - 1) : 1.0;
+    return std::sqrt(few * std::max(0.0, sum_of_squares - sum * sum));
 }
 
 }  // namespace schuler::app

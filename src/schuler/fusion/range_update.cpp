@@ -243,6 +243,39 @@ void open_sources(const RangeTest& test, TightFilter<Frame>& f, const RangeEpoch
     }
 }
 
+/// The scalars in use once more, for the hypotheses of faults; f.P is that before the epoch.
+template <class Frame>
+void follow_faults(TightFilter<Frame>& f, const RangeEpochWork& work) {
+    for (const RangeScalar& s : work.all())
+        if (s.use && !s.is_rate) f.watch.begin(s.source, f.time());
+    TightMatrix P = f.P;
+    TightVector unused = TightVector::Zero();
+    for (const RangeScalar& s : work.all()) {
+        if (!s.use) continue;
+        f.watch.follow(P, s.row, s.sequential * std::sqrt(s.s), s.variance, f.used, s.is_rate ? -1 : s.source);
+        (void)estim::update_sparse<L::size>(unused, P, s.row, 0.0, s.variance, f.used);
+    }
+}
+
+/// A fault that the watch has found is estimated with the rest as if nothing had been known of its size [Friedland1969]: the estimate loses
+/// what it did, the covariance gains what its size is uncertain by, and the slow error of the source holds it from now on.
+template <class Frame>
+int repair_faults(const TightModel& model, const RangeTest& test, TightFilter<Frame>& f, const RangeEpochWork& work) {
+    const FaultHypothesis<L::size>* found = f.watch.found(test.watch);
+    if (found == nullptr) return -1;
+    const int source = found->source;
+    TightVector moved = found->response;
+    for (const RangeScalar& s : work.all())
+        if (s.source == source && s.slot >= 0) {
+            moved(s.slot) -= 1.0;   // what the slow error is from now on includes the fault
+            break;
+        }
+    f.P += moved * moved.transpose() / found->information;
+    f.apply(model, moved * (found->evidence / found->information));
+    f.watch.all.clear();
+    return source;
+}
+
 }  // namespace
 
 template <class Frame>
@@ -279,6 +312,7 @@ int update_with_ranges(const TightModel& model, const RangeTest& test, TightFilt
         }
     }
     const int taken = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
+    if (f.watch.on) follow_faults(f, work);
     f.P = P;
     open_sources(test, f, work);
     const int ranges = static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate; }));
@@ -295,6 +329,7 @@ int update_with_ranges(const TightModel& model, const RangeTest& test, TightFilt
         work.disagreeing = 0;
     }
     f.apply(model, dx);
+    work.alarm = f.watch.on ? repair_faults(model, test, f, work) : -1;
     return taken;
 }
 

@@ -14,6 +14,7 @@ namespace schuler::fusion {
 struct RangeTest {
     double single = 0.0;                          ///< of a squared normalised innovation
     std::array<double, 65> whole{};               ///< of their sum, by number
+    double watch = 0.0;                           ///< of the fault watch, 0: none is kept
     double recovery_time = 10.0;                  ///< s after which a source that goes on disagreeing has its slow error opened
 
     RangeTest() = default;
@@ -43,6 +44,7 @@ struct RangeEpochWork {
     std::size_t count = 0;
     int excluded = 0;                             ///< scalars
     bool clock_jump = false;
+    int alarm = -1;                               ///< source that the fault watch found wrong at this epoch
     int disagreeing = 0;                          ///< epochs in a row in which most ranges were excluded
 
     [[nodiscard]] std::span<RangeScalar> all() { return {scalars.data(), count}; }
@@ -52,16 +54,18 @@ struct RangeEpochWork {
 /// Index of a satellite system's offset among TightLayout::intersystem, -1 for GPS and those that share its clock.
 [[nodiscard]] int intersystem_of(const RangeSource& source);
 
-/// Fills the scalars of an epoch for an estimate: that of `filter` corrected by `dx`. Rows refer to errors of the filter as it stands, so
-/// that innovation = row . error + noise to first order about the corrected estimate (an iterated update).
+/// Fills the scalars of an epoch for an estimate: that of `filter` corrected by `dx`. Rows refer to errors of the filter as it
+/// stands, so that innovation = row . error + noise to first order about the corrected estimate (an iterated update).
 template <class Frame>
 void make_scalars(const TightModel& model, TightFilter<Frame>& filter, const RangingLog& log, std::span<const RangeSample> samples,
                   const TightVector& dx, RangeEpochWork& work);
 
-/// Updates the filter with an epoch at its own time (after bring_up). All scalars are used one by one; where the sum of squares or one of
-/// them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the inertial prediction
-/// (w_i = (S^-1 z)_i / sqrt((S^-1)_ii), normal without faults), the worst is left out, and so on until the rest agree: single and
-/// multiple faults. A jump of the receiver's clock, which all ranges share, is followed. Returns the number of scalars used.
+/// Updates the filter with an epoch at its own time (after bring_up). All scalars are used one by one; where the sum of squares
+/// or one of them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the inertial
+/// prediction (w_i = (S^-1 z)_i / sqrt((S^-1)_ii), normal without faults), the worst is left out, and so on until the rest agree:
+/// single and multiple faults. A jump of the receiver's clock, which all ranges share, is followed. Where a fault watch is kept,
+/// a source that it finds wrong raises an alarm: the estimate is freed of what the fault did, and the source's slow error takes
+/// it over. Returns the number of scalars used.
 template <class Frame>
 int update_with_ranges(const TightModel& model, const RangeTest& test, TightFilter<Frame>& filter, const RangingLog& log,
                        std::span<const RangeSample> samples, RangeEpochWork& work);

@@ -8,6 +8,16 @@
 
 namespace schuler::fusion {
 
+/// Watch for wrong pseudoranges that no single epoch shows, and protection levels (fusion/fault_watch.h). The stated risk: with one
+/// satellite's pseudorange wrong by a constant of any size since any moment, the error of the position exceeds its protection level
+/// without an alarm with a probability of at most `missed_detection` at an epoch; without a fault it does so with `fault_free`.
+struct ProtectionSettings {
+    bool use = false;
+    double missed_detection = 1e-3;               ///< as in RAIM [RTCA229]
+    double false_alarm = 1e-7;                    ///< of one test of a healthy source; some ten tests a source and epoch
+    double fault_free = 1e-7;
+};
+
 struct RangingFilterSettings {
     sensor::RangingErrorModel errors;             ///< white parts where the log states none; correlated ones are states
     gnss::RangeSettings corrections;              ///< mask, atmosphere, growth of the noise towards the horizon
@@ -15,6 +25,8 @@ struct RangingFilterSettings {
     bool sigma_by_elevation = false;              ///< where the log states none: the sigma grows towards the horizon
     bool use_rates = true;
     bool use_stations = true;
+    ProtectionSettings protection;
+    double receiver_acceleration = 3.0;           ///< m/s/sqrt(s), medium: white acceleration that the receiver's own filter expects
     double baro_bias_time = 0.0;                  ///< s, of the barometer's bias as a Gauss-Markov process; 0: a random walk
 };
 

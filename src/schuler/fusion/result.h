@@ -76,12 +76,30 @@ struct OutageEpoch {
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();   ///< predicted one sigma of that difference, m
 };
 
+/// How far off the position may be after an epoch of ranges, where Settings asks for protection levels (ProtectionSettings has the risk).
+struct ProtectionRow {
+    Time time{};
+    double horizontal = 0.0, vertical = 0.0;   ///< m
+    int used = 0, excluded = 0;                ///< pseudoranges and rates
+    int alarm = -1;                            ///< index into RangingLog::sources: found wrong at this epoch
+};
+
+/// Medium coupling: the receiver's own filter against the tight one, north, east, down, after an epoch of ranges.
+struct CrossCheck {
+    Time time{};
+    Eigen::Vector3d difference = Eigen::Vector3d::Zero();   ///< tight minus receiver, m, of the antenna
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();        ///< of it when both are right, m
+    bool agrees = true;
+    bool receiver_leads = false;                            ///< the solution is the receiver's
+};
+
 /// One pass over the data, forward or smoothed.
 struct Trajectory {
     std::vector<SolutionRow> rows;
     std::vector<SensorErrorRow> sensor_errors;     ///< at most 1 Hz
     std::vector<StateRow> states;                  ///< at most 1 Hz, forward pass only, where Settings::state_rows asks for it
     std::vector<OutageEpoch> outage_epochs;
+    std::vector<ProtectionRow> protection;         ///< one an epoch of ranges, forward pass only
 };
 
 /// What start-up and the estimators of settings found.
@@ -106,6 +124,8 @@ struct Counters {
 
 struct Result {
     Trajectory forward;                       ///< always filled
+    Trajectory receiver;                      ///< medium coupling: the receiver's own filter, of the antenna; attitude NaN
+    std::vector<CrossCheck> cross_checks;     ///< medium coupling
     Trajectory smoothed;                      ///< empty unless Settings::smooth
     std::vector<AidRecord> aids;              ///< of the forward pass
     std::vector<Alert> alerts;                ///< where exclusions begin and end

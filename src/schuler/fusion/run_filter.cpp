@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/loose_run.h"
+#include "schuler/fusion/medium_run.h"
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/tight_run.h"
 #include "schuler/fusion/tune.h"
@@ -142,8 +143,9 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     options.last_increment = last_increment(data, settings);
     options.progress = progress;
     options.rows = rows;
-    Result result = settings.coupling == Coupling::Tight ? run_tight_pass(data, settings, start, options, origin)
-                                                         : run_pass(data, settings, start, options);
+    Result result = settings.coupling == Coupling::Tight    ? run_tight_pass(data, settings, start, options, origin)
+                    : settings.coupling == Coupling::Medium ? run_medium_pass(data, settings, start, options, origin)
+                                                            : run_pass(data, settings, start, options);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;
     findings.position_latency = settings.gnss.latency;

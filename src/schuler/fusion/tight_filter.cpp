@@ -27,6 +27,7 @@ void TightFilter<Frame>::start(const TightModel& model, const Eigen::Matrix<doub
     inertial.P.setZero();
     gathered.reset();
     brought = inertial.time();
+    watch.on = model.ranging.protection.use;
 }
 
 template <class Frame>
@@ -66,6 +67,8 @@ void TightFilter<Frame>::bring_up(const TightModel& model) {
     P(L::drift, L::clock) = P(L::clock, L::drift);
     parameters(L::clock) += dt * parameters(L::drift);
     parameters.tail<N - L::network>() = parameters.tail<N - L::network>().cwiseProduct(decay.tail<N - L::network>());
+    watch.propagate(gathered, decay);
+    for (auto& h : watch.all) h.response(L::clock) += dt * h.response(L::drift);
     inertial.P.setZero();
     gathered.reset();
 }
@@ -92,8 +95,10 @@ int TightFilter<Frame>::slot_of(const TightModel& model, int source, bool statio
         if ((time() - slot.last).seconds() > forgotten * errors_of(model, slot.station).correlation_time) free = k;
     }
     if (free < 0) return -1;
+    watch.forget(slots[static_cast<std::size_t>(free)].source);
     slots[static_cast<std::size_t>(free)] = {source, station, time(), time()};
     const int state = L::source + free;
+    for (auto& h : watch.all) h.response(state) = 0.0;
     P.row(state).setZero();
     P.col(state).setZero();
     P(state, state) = m.correlated * m.correlated;

@@ -4,6 +4,7 @@
 
 #include "schuler/core/ranging.h"
 #include "schuler/estim/staged.h"
+#include "schuler/fusion/fault_watch.h"
 #include "schuler/fusion/inertial_filter.h"
 #include "schuler/fusion/ranging_settings.h"
 
@@ -47,6 +48,7 @@ struct TightFilter {
     TightVector parameters = TightVector::Zero();   ///< nominal values of the states from 16 on
     TightMatrix P = TightMatrix::Zero();  ///< at `brought`
     Time brought{};
+    FaultWatch<TightLayout::size, TightLayout::inertial> watch;
 
     /// The slot of a source.
     struct Slot {

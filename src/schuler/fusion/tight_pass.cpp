@@ -22,7 +22,9 @@ constexpr Duration tolerance{100'000};   // an event this near to an increment's
 template <class Frame>
 TightPass<Frame>::TightPass(const TightModel& model, const RunData& data, const Settings& settings, Time origin)
     : model_(model), data_(data), settings_(settings), origin_(origin),
-      test_(settings.aids.gate_probability, settings.aids.recovery_time) {}
+      test_(settings.aids.gate_probability, settings.aids.recovery_time) {
+    if (settings.ranging.protection.use) test_.watch = ProtectionLimits(settings.ranging.protection).test;
+}
 
 template <class Frame>
 bool TightPass<Frame>::in_outage(Time t) const {
@@ -141,6 +143,7 @@ AidRecord TightPass<Frame>::use(TightWalk<Frame>& w, AidKind kind, const LocalMe
         Row row;
         for (int k = 0; k < TightLayout::inertial; ++k)
             if (m.rows(k, i) != 0.0) row.add(k, m.rows(k, i));
+        f.watch.follow(f.P, row, m.innovation(i) - row.dot(dx), m.variance(i), f.used, -1);
         (void)estim::update_sparse<TightLayout::size>(dx, f.P, row, m.innovation(i), m.variance(i), f.used);
     }
     f.apply(model_, dx);

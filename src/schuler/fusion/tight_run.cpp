@@ -1,8 +1,10 @@
 #include "schuler/fusion/tight_run.h"
 
 #include "schuler/core/error.h"
+#include "schuler/earth/earth.h"
 #include "schuler/fusion/detail/loose_run_impl.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace schuler::fusion {
@@ -70,6 +72,21 @@ struct TightCollector : TightObserver<Frame> {
             r.nis = r.innovation(0) * r.innovation(0) / (r.sigma(0) * r.sigma(0));
             result.aids.push_back(r);
         }
+        if (settings.ranging.protection.use) protect(walk, epoch);
+        if (!after) return;
+        const TightFilter<Frame>& f = walk.filter;
+        const NavState nav = f.geographic(model);
+        const Eigen::Matrix3d C_nb = nav.q_nb.toRotationMatrix();
+        const Eigen::Vector3d lever_n = C_nb * model.lever_arm_b;
+        after(epoch, earth::moved_by_ned(model.inertial.earth, nav.position, lever_n), f.local_covariance(model).template topLeftCorner<3, 3>());
+    }
+    void protect(const TightWalk<Frame>& walk, const RangeEpoch& epoch) {
+        const TightFilter<Frame>& f = walk.filter;
+        const Matrix9 T = f.inertial.to_local_level(model.inertial);
+        const Matrix9 P = f.local_covariance(model);
+        const ProtectionLevels l = f.watch.levels(limits, P.template topLeftCorner<3, 3>(), T.template topRows<3>());
+        const int used = static_cast<int>(std::ranges::count_if(walk.work.all(), &RangeScalar::use));
+        result.forward.protection.push_back({epoch.time, l.horizontal, l.vertical, used, walk.work.excluded, walk.work.alarm});
     }
     void outage_epoch(const TightFilter<Frame>&, const Event& event, const AidRecord& r) override {
         result.forward.outage_epochs.push_back({event.outage, event.stamp, event.outage_end, r.innovation, r.sigma});
@@ -79,10 +96,13 @@ struct TightCollector : TightObserver<Frame> {
     const Settings& settings;
     Result& result;
     Time next_sensor;
+    AfterRanges after{};
+    ProtectionLimits limits = settings.ranging.protection.use ? ProtectionLimits(settings.ranging.protection) : ProtectionLimits{};
 };
 
 template <class Frame>
-Result run_in(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options, Time origin) {
+Result run_in(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options, Time origin,
+              const AfterRanges& after) {
     const TightModel model = make_tight_model(settings, !data.recording->baro.empty() && settings.baro.use);
     const Walk<Frame, TightLayout::inertial> first =
         first_step<Frame, TightLayout::inertial>(model.inertial, data, settings, start);
@@ -93,6 +113,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     walk.next_output = first.next_output;
     Result result;
     TightCollector<Frame> collector(model, settings, result, walk.filter.time());
+    collector.after = after;
     const TightPass<Frame> pass(model, data, settings, origin);
     const std::size_t end = std::min(options.last_increment, data.imu.increments.size() - 1);
     const auto begin = std::chrono::steady_clock::now();
@@ -107,12 +128,13 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
 
 }  // namespace
 
-Result run_tight_pass(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options, Time origin) {
+Result run_tight_pass(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options, Time origin,
+                      const AfterRanges& after) {
     if (data.recording->ranges.empty())
         throw input_error("there are no pseudoranges", {.file = {}, .key = "filter.scheme"},
                           "give raw measurements ([gnss] observations or [stations] file), or choose --scheme loose");
-    return settings.mechanization == Mechanization::Ecef ? run_in<EarthFixedFrame>(data, settings, start, options, origin)
-                                                         : run_in<GeographicFrame>(data, settings, start, options, origin);
+    return settings.mechanization == Mechanization::Ecef ? run_in<EarthFixedFrame>(data, settings, start, options, origin, after)
+                                                         : run_in<GeographicFrame>(data, settings, start, options, origin, after);
 }
 
 }  // namespace schuler::fusion

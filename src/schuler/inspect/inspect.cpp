@@ -97,7 +97,7 @@ void report_lacking(Study& study) {
             study.problem(Level::Info,
                           fmt::format("there is already a {}: what follows is inferred without it", file.report.path), "");
     }
-    const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("rtcm3") || any("sp3");
+    const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("rtcm3") || any("sp3") || any("adsb");
     if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("rtcm3") && !any("sp3")) {
         study.problem(Level::Warning, "there are raw measurements, and no ephemerides",
                       "put the navigation file of the same day beside them");

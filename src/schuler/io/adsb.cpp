@@ -294,7 +294,7 @@ std::vector<StationRow> stations_of(const AdsbLog& log) {
         const double lat = s.sum.lat / s.n;
         const double north = radius * (s.high.lat - s.low.lat), east = radius * std::cos(lat) * (s.high.lon - s.low.lon);
         if (s.n < 5.0 || std::hypot(north, east) > largest) continue;
-        out.push_back({fmt::format("ADSB-{:06X}", address & 0xffffff), {lat, s.sum.lon / s.n, s.heights > 0.0 ? s.sum.h / s.heights : 0.0}});
+        out.push_back({fmt::format("ADSB-{:06X}", address & 0xffffff), {lat, s.sum.lon / s.n, s.heights > 0.0 ? s.sum.h / s.heights : not_given}});
     }
     return out;
 }

@@ -38,7 +38,7 @@ struct AdsbLog {
 [[nodiscard]] AdsbLog read_adsb(const TextInput& input, std::optional<Geodetic> near, WarningLog& log);
 
 /// Addresses that stay within 30 m of their middle over at least five reports, as stations at that middle, named "ADSB-" and the six
-/// hexadecimal digits of the address; heights by pressure are taken as they are.
+/// hexadecimal digits of the address; heights by pressure are taken as they are, NaN where none is told.
 [[nodiscard]] std::vector<StationRow> stations_of(const AdsbLog& log);
 
 /// Remainder of a message of 14 bytes against its own parity field; 0: good.

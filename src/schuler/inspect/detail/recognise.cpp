@@ -1,6 +1,7 @@
 #include "schuler/inspect/detail/recognise.h"
 
 #include "schuler/inspect/detail/robust.h"
+#include "schuler/io/adsb.h"
 #include "schuler/io/kfgins.h"
 #include "schuler/io/nmea.h"
 #include "schuler/io/rtklib_pos.h"
@@ -246,6 +247,8 @@ void recognise_and_read(LoadedFile& file) {
     } else if (io::is_rtklib_pos(io::TextInput(file.path))) {
         file.report.kind = "rtklib_pos";
         read_receiver_solution(file);
+    } else if (io::is_adsb(io::TextInput(file.path))) {
+        read_squitters(file);
     } else if (io::is_nmea(io::TextInput(file.path))) {
         file.report.kind = "nmea";
         read_receiver_solution(file);

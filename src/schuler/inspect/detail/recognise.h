@@ -21,6 +21,8 @@ void read_receiver_solution(LoadedFile& file);
 
 /// Likewise for precise orbits (SP3).
 void read_precise_orbits(LoadedFile& file);
+/// Extended squitters of 1090 MHz: how many, and which senders stay where they are.
+void read_squitters(LoadedFile& file);
 
 /// Times of the rows are judged by their steps: a unit other than the one assumed by name or size, where the rate were absurd.
 void judge_time_unit(LoadedFile& file, const io::TableLayout& layout);

@@ -1,0 +1,142 @@
+// What a wrong pseudorange does to the tight filter, foretold by the fault watch, against running the filter twice; repair; levels.
+#include "fusion/range_flight.h"
+#include "schuler/fusion/fault_watch.h"
+#include "schuler/fusion/tight_run.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace schuler::fusion {
+namespace {
+
+using namespace test;
+using Eigen::Vector3d;
+
+/// Runs the tight filter along a flight up to `stop` seconds and returns it.
+TightFilter<GeographicFrame> filter_at(const Flight& f, double stop) {
+    WarningLog unheard;
+    RunData data;
+    data.recording = &f.recording;
+    data.imu = make_imu_timeline(f.recording.imu, f.settings.imu, unheard);
+    const TightModel model = make_tight_model(f.settings, false);
+    TightWalk<GeographicFrame> walk;
+    NavState nav;
+    nav.time = data.imu.increments.front().time;
+    nav.position = f.settings.initial.position;
+    nav.v_eb_n = f.settings.initial.velocity_n;
+    nav.q_nb = math::quaternion_from_rpy(f.settings.initial.rpy);
+    walk.filter.inertial.set_nav(nav);
+    Eigen::Matrix<double, 16, 16> P = Eigen::Matrix<double, 16, 16>::Zero();
+    P.diagonal().head<3>().setConstant(100.0);
+    P.diagonal().segment<3>(3).setConstant(4.0);
+    P.diagonal().segment<3>(6).setConstant(1e-6);
+    P.diagonal().segment<6>(9).setConstant(1e-10);
+    walk.filter.start(model, P);
+    walk.increment = 1;
+    TightObserver<GeographicFrame> nobody;
+    const TightPass<GeographicFrame> pass(model, data, f.settings, Time{});
+    std::size_t last = 0;
+    while (last + 1 < data.imu.increments.size() && data.imu.increments[last + 1].time.seconds() < stop + 0.01) ++last;
+    pass.advance(walk, last, nobody);
+    return walk.filter;
+}
+
+/// A metre on one satellite from the first epoch on moves the whole nonlinear filter as the hypothesis says, and the size that the
+/// watch estimates by a metre: the filter run twice is the oracle.
+TEST(FaultWatch, RespondsAsTheFilterRunTwice) {
+    Flight clean = flight();
+    clean.settings.aids.gate_probability = 0.0;
+    clean.settings.ranging.protection.use = true;
+    clean.settings.ranging.protection.false_alarm = 1e-15;
+    Flight spoilt = clean;
+    const std::uint16_t source = 3;
+    spoil(spoilt.recording.ranges, source, 0.0, 1.0);
+    const TightFilter<GeographicFrame> a = filter_at(clean, 45.0), b = filter_at(spoilt, 45.0);
+    const auto oldest = [&](const TightFilter<GeographicFrame>& f) {
+        return *std::ranges::find(f.watch.all, static_cast<int>(source), &FaultHypothesis<TightLayout::size>::source);
+    };
+    const auto of_a = oldest(a), of_b = oldest(b);
+    ASSERT_LT(of_a.since.seconds(), 1.5);
+    const Vector3d moved = earth::ned_difference(clean.earth, b.inertial.nav.position, a.inertial.nav.position);
+    EXPECT_GT(moved.norm(), 0.1);
+    EXPECT_LT((moved - of_a.response.head<3>()).norm(), 2e-3 * moved.norm());
+    const Vector3d faster = b.inertial.nav.v_eb_n - a.inertial.nav.v_eb_n;
+    EXPECT_LT((faster - of_a.response.segment<3>(3)).norm(), 5e-3 * faster.norm());
+    EXPECT_NEAR(b.parameters(TightLayout::clock) - a.parameters(TightLayout::clock), of_a.response(TightLayout::clock), 2e-3);
+    EXPECT_NEAR((of_b.evidence - of_a.evidence) / of_a.information, 1.0, 2e-3);
+    EXPECT_NEAR(of_b.information, of_a.information, 1e-3 * of_a.information);
+}
+
+/// Without the test of single epochs a fault of 60 m is found, named, and what it did is undone; with neither it stays.
+TEST(FaultWatch, FindsNamesAndRepairs) {
+    for (const Mechanization mechanization : {Mechanization::Geographic, Mechanization::Ecef}) {
+        Flight f = flight();
+        f.settings.mechanization = mechanization;
+        f.settings.aids.gate_probability = 0.0;
+        const double healthy = largest_error(f, run(f), 60.0);
+        spoil(f.recording.ranges, 2, 60.0, 60.0);
+        EXPECT_GT(largest_error(f, run(f), 70.0), healthy + 3.0);
+        f.settings.ranging.protection.use = true;
+        const Result watched = run(f);
+        EXPECT_LT(largest_error(f, watched, 70.0), healthy + 3.0);
+        int alarms = 0;
+        ASSERT_EQ(watched.forward.protection.size(), 120U);
+        for (const ProtectionRow& row : watched.forward.protection) {
+            if (row.alarm < 0) continue;
+            ++alarms;
+            EXPECT_EQ(row.alarm, 2);
+            EXPECT_GE(row.time.seconds(), 60.0 - 1e-3);
+            EXPECT_LT(row.time.seconds(), 64.0);
+        }
+        EXPECT_EQ(alarms, 1);
+    }
+}
+
+/// One state measured once: levels in closed form.
+TEST(FaultWatch, LevelsOfOneScalar) {
+    FaultWatch<TightLayout::size, TightLayout::inertial> watch;
+    TightMatrix P = TightMatrix::Zero();
+    P(0, 0) = 9.0;
+    estim::SparseRow<RangeScalar::most_entries> row;
+    row.add(0, 1.0);
+    watch.begin(7, Time{});
+    watch.follow(P, row, 2.0, 16.0, 52, 7);
+    ASSERT_EQ(watch.all.size(), 1U);
+    EXPECT_NEAR(watch.all[0].information, 1.0 / 25.0, 1e-15);
+    EXPECT_NEAR(watch.all[0].evidence / watch.all[0].information, -2.0, 1e-12);
+    EXPECT_NEAR(watch.all[0].response(0), 9.0 / 25.0, 1e-15);
+    ProtectionSettings settings;
+    settings.missed_detection = 1e-3;
+    settings.false_alarm = 1e-7;
+    settings.fault_free = 1e-7;
+    const ProtectionLimits limits(settings);
+    EXPECT_NEAR(limits.test, 5.326724, 1e-5);    // quantiles of the normal distribution
+    EXPECT_NEAR(limits.bias, 3.090232, 1e-5);
+    EXPECT_NEAR(limits.vertical, 3.290527, 1e-5);
+    Eigen::Matrix<double, 3, 9> T = Eigen::Matrix<double, 3, 9>::Zero();
+    T(0, 0) = 1.0;
+    Eigen::Matrix3d after = Eigen::Matrix3d::Zero();
+    after(0, 0) = 9.0 * 16.0 / 25.0;
+    after(2, 2) = 1.0;
+    const ProtectionLevels l = watch.levels(limits, after, T);
+    EXPECT_NEAR(l.horizontal, (limits.test + limits.bias) * 5.0 * 9.0 / 25.0 + std::sqrt(-2.0 * std::log(1e-3)) * 2.4, 1e-9);
+    EXPECT_NEAR(l.vertical, limits.vertical_free, 1e-9);
+}
+
+/// Starts are kept at ages that about double, the first and the last always.
+TEST(FaultWatch, KeepsYoungAndOldStarts) {
+    FaultWatch<TightLayout::size, TightLayout::inertial> watch;
+    for (int t = 1; t <= 1000; ++t) watch.begin(1, Time::from_seconds(t));
+    ASSERT_EQ(watch.all.size(), watch.most_ages);
+    EXPECT_EQ(watch.all.front().since, Time::from_seconds(1));
+    EXPECT_EQ(watch.all.back().since, Time::from_seconds(1000));
+    for (std::size_t i = 0; i + 2 < watch.all.size(); ++i) {
+        const double older = 1000.0 - watch.all[i].since.seconds(), younger = 1000.0 - watch.all[i + 1].since.seconds();
+        EXPECT_GT(older, younger);
+        EXPECT_LT(older, 6.0 * younger);
+    }
+}
+
+}  // namespace
+}  // namespace schuler::fusion
