@@ -15,7 +15,7 @@ function figures(run: RunDetails): HTMLElement | null {
   if (!g) return null;
   const rows = (["vertical", "north", "east"] as const).map((axis) => {
     const c = (g[`${axis}_mgal`] ?? {}) as Record<string, number | null>;
-    return [t(axis), ...["estimate", "sigma", "final", "rms", "spread"].map((k) => number(c[k] ?? null, 3))];
+    return [t(axis === "vertical" ? "up" : axis), ...["estimate", "sigma", "final", "rms", "spread"].map((k) => number(c[k] ?? null, 3))];
   });
   const head = ["table.quantity", "gravity.at_end", "gravity.sigma", "gravity.final", "table.rms", "gravity.spread"];
   return h("div", { class: "figures" }, typeof g["statement"] === "string" && h("p", null, g["statement"]), table(head.map((x) => t(x)), rows, t("gravity.table")));
