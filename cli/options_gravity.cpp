@@ -1,6 +1,8 @@
 // `gravity`.
 #include "options.h"
 
+#include <CLI/CLI.hpp>
+
 namespace schuler::cli {
 
 void add_gravity_command(CLI::App& parser, Options& o, const AddCommand& add_command) {
@@ -27,6 +29,7 @@ void add_gravity_command(CLI::App& parser, Options& o, const AddCommand& add_com
     app->add_option("--outputs", o.outputs, "beside gravity.csv: solution,summary,h5,report,kml,config (default all)")
         ->delimiter(',')
         ->type_name("LIST");
+    app->add_option("--progress", o.progress, "lines: \"progress 0.5\" on standard error, for programs")->check(CLI::IsMember({"lines"}))->type_name("FORM");
     add_settings(*app, o);
 }
 

@@ -5,6 +5,7 @@
 #include "schuler/earth/earth.h"
 #include "schuler/io/hdf5_file.h"
 #include "schuler/report/decimate.h"
+#include "serve/csv_columns.h"
 #include "serve/message.h"
 #include "serve/split.h"
 
@@ -33,9 +34,16 @@ fs::path h5_of(const fs::path& folder) {
     return folder / "run.h5";
 }
 
+/// The CSV file that holds the table, or none.
+fs::path csv_of(const fs::path& folder, const std::string& path) {
+    for (const CsvGroup& g : csv_groups())
+        if (group_of(path) == g.group) return folder / g.file;
+    return {};
+}
+
 /// Changes when the file does.
 std::string key_of(const fs::path& folder, const std::string& path) {
-    const fs::path file = h5_of(folder);
+    const fs::path csv = csv_of(folder, path), file = csv.empty() ? h5_of(folder) : csv;
     std::error_code ec;
     return fmt::format("{}|{}|{}|{}", file.string(), fs::last_write_time(file, ec).time_since_epoch().count(),
                        fs::file_size(file, ec), path);
@@ -44,6 +52,7 @@ std::string key_of(const fs::path& folder, const std::string& path) {
 double origin_of(const io::Hdf5Reader& file) { return std::strtod(file.attribute("/", "origin_s").c_str(), nullptr); }
 
 ColumnTable read_table(const fs::path& folder, const std::string& path) {
+    if (const fs::path csv = csv_of(folder, path); !csv.empty()) return csv_columns(csv, path.ends_with("/time_s"));
     const io::Hdf5Reader file(h5_of(folder));
     const io::Hdf5Table table = file.table(path);
     ColumnTable out;
@@ -197,13 +206,31 @@ Results::Table Results::local(const fs::path& folder, const std::string& group, 
 Json Results::channels(const fs::path& folder) {
     const std::lock_guard lock(mutex_);
     Json out = Json::array();
+    std::error_code ec;
+    const auto add_group = [&](const std::string& group, const Json& columns) {
+        const auto& t = table(folder, group + "/time_s")->columns.at(0);
+        out.push_back({{"group", group},
+                       {"rows", t.size()},
+                       {"start_s", t.empty() ? Json(nullptr) : Json(t.front())},
+                       {"stop_s", t.empty() ? Json(nullptr) : Json(t.back())},
+                       {"columns", columns}});
+    };
+    for (const CsvGroup& g : csv_groups()) {
+        if (!fs::is_regular_file(folder / g.file, ec)) continue;
+        const std::string path = std::string(g.group) + "/table";
+        const Table all = table(folder, path);
+        Json columns = Json::array();
+        for (std::size_t c = 0; c < all->names.size(); ++c)
+            columns.push_back({{"id", path + ":" + all->names[c]}, {"name", all->names[c]}, {"unit", all->units[c]}});
+        add_group(g.group, columns);
+    }
+    if (!out.empty() && !fs::is_regular_file(folder / "run.h5", ec)) return out;
     std::vector<std::pair<std::string, std::vector<std::string>>> groups;
     {
         const io::Hdf5Reader file(h5_of(folder));
         for (const std::string& group : groups_of(file)) groups.emplace_back(group, file.names(group));
     }
     for (const auto& [group, names] : groups) {
-        const Table time = table(folder, group + "/time_s");
         Json columns = Json::array();
         const auto add = [&](const std::string& path, const std::vector<std::string>& labels,
                              const std::vector<std::string>& units) {
@@ -217,14 +244,11 @@ Json Results::channels(const fs::path& folder) {
             const std::string path = group + "/" + name;
             const std::vector<std::string> labels = split(file.attribute(path, "columns"), ',');
             add(path, labels, split(file.attribute(path, "units"), ','));
+            if (labels.front() == "number")
+                columns[columns.size() - labels.size()]["names"] = split(file.attribute(path, "names"), ',');
             if (name == "position" && labels.front() == "lat") add(group + "/local", {"north", "east", "up"}, {"m"});
         }
-        const auto& t = time->columns.front();
-        out.push_back({{"group", group},
-                       {"rows", t.size()},
-                       {"start_s", t.empty() ? Json(nullptr) : Json(t.front())},
-                       {"stop_s", t.empty() ? Json(nullptr) : Json(t.back())},
-                       {"columns", columns}});
+        add_group(group, columns);
     }
     return out;
 }

@@ -39,7 +39,8 @@ inline constexpr std::size_t most_rows = 20'000;
 class Results {
 public:
     /// [{group, rows, start_s, stop_s, columns: [{id, name, unit}]}]. Beside the tables of the file, every group with positions
-    /// has PATH/local: north, east, up in metres from the run's first position.
+    /// has PATH/local: north, east, up in metres from the run's first position. Result tables in CSV are groups too: /gravity
+    /// (gravity.csv), /ensemble (epochs.csv of a Monte Carlo campaign).
     [[nodiscard]] Json channels(const std::filesystem::path& folder);
 
     /// A JSON document as above. `origin`: the run whose first position is the origin of "local". @throws Refusal 404, 422

@@ -52,6 +52,7 @@ Service::Service(ServiceSettings settings)
     add_dataset_routes();
     add_run_routes();
     add_result_routes();
+    add_noise_routes();
     for (const Json& run : workspace_.runs()) {
         if (run["state"] != "running" && run["state"] != "waiting") continue;
         workspace_.note(run["id"], {{"state", "failed"}, {"message", "the server ended before the run did"}});

@@ -62,9 +62,14 @@ private:
     void add_dataset_routes();
     void add_run_routes();
     void add_result_routes();
+    void add_noise_routes();
     [[nodiscard]] Reply dispatch(Request& request);
     [[nodiscard]] Reply start_run(const Json& order);
     [[nodiscard]] Json inspected(const std::string& dataset);
+    /// What the program prints as JSON, asked of a child that may read only `readable`. @throws Refusal 422
+    [[nodiscard]] Json asked_of_program(const std::string& what, std::vector<std::string> arguments,
+                                        const std::filesystem::path& readable, const std::filesystem::path& writable);
+    [[nodiscard]] Json noise_of_run(const std::string& run);
     [[nodiscard]] Json run_now(const std::string& id) const;
     void check_dataset(const std::filesystem::path& folder) const;
     [[nodiscard]] Confinement confinement(const std::filesystem::path& readable, const std::filesystem::path& writable) const;

@@ -78,6 +78,17 @@ std::string type_of(const std::string& name) {
     return "application/octet-stream";
 }
 
+/// What a scenario or data set is given to; empty where the order names nothing that can be done with it.
+std::vector<std::string> words_of(const Json& order, Form form, const std::string& input) {
+    const std::string command = order.value("command", "run");
+    if (command == "run") return {form == Form::Scenario ? "run" : "process", input};
+    if (command == "gravity") return {"gravity", input};
+    if (command != "montecarlo" || form != Form::Scenario) return {};
+    const int runs = order.value("runs", 100);
+    if (runs < 2 || runs > 100'000) throw Refusal{422, "a campaign has 2 to 100000 runs", {}, "runs"};
+    return {"montecarlo", input, "-n", fmt::format("{}", runs)};
+}
+
 }  // namespace
 
 void Service::check_dataset(const fs::path& folder) const {
@@ -89,14 +100,14 @@ void Service::check_dataset(const fs::path& folder) const {
     }
 }
 
-Json Service::inspected(const std::string& dataset) {
+Json Service::asked_of_program(const std::string& what, std::vector<std::string> arguments, const fs::path& readable,
+                               const fs::path& writable) {
     static std::atomic<unsigned> number{0};
-    const fs::path folder = workspace_.dataset_folder(dataset);
     JobOrder order;
-    order.id = fmt::format("inspect {}", ++number);
+    order.id = fmt::format("aside {}", ++number);
     order.program = settings_.program;
-    order.arguments = {"inspect", folder.string(), "--json"};
-    order.confinement = confinement(folder, {});
+    order.arguments = std::move(arguments);
+    order.confinement = confinement(readable, writable);
     order.keep_output = order.aside = true;
     order.limit_s = 120.0;
     const std::string id = order.id;
@@ -104,8 +115,13 @@ Json Service::inspected(const std::string& dataset) {
     const JobReport report = jobs_.wait(id);
     jobs_.forget(id);
     if (report.state != JobState::Done)
-        throw Refusal{422, report.message.empty() ? "the data set cannot be looked at" : report.message};
-    Json out = Json::parse(report.output);
+        throw Refusal{422, report.message.empty() ? "the " + what + " cannot be looked at" : report.message};
+    return Json::parse(report.output);
+}
+
+Json Service::inspected(const std::string& dataset) {
+    const fs::path folder = workspace_.dataset_folder(dataset);
+    Json out = asked_of_program("data set", {"inspect", folder.string(), "--json"}, folder, {});
     out["path"] = dataset;
     // a dataset.toml of the user's own is what counts; otherwise the one that was inferred
     const std::string own = text_of(folder / "dataset.toml");
@@ -150,9 +166,12 @@ void Service::add_dataset_routes() {
 }
 
 Reply Service::start_run(const Json& order) {
-    const std::string kind = order.value("kind", "scenario");
+    const std::string kind = order.value("kind", "scenario"), command = order.value("command", "run");
     if (kind != "scenario" && kind != "dataset") throw Refusal{422, "kind is scenario or dataset", {}, "kind"};
     const Form form = kind == "scenario" ? Form::Scenario : Form::Dataset;
+    if (words_of(order, form, {}).empty())
+        throw Refusal{422, fmt::format("\"{}\" is nothing to be done with a {}", command, kind),
+                      "run and gravity, and of a scenario montecarlo, are", "command"};
     app::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
                                                        : settings_from_json(order.value("settings", Json::object()), form);
     check_file_settings(settings);
@@ -169,19 +188,20 @@ Reply Service::start_run(const Json& order) {
         if (s.key == "name" && s.value.text() != nullptr && !s.value.text()->empty()) name = *s.value.text();
     const std::string id = workspace_.new_run(
         title_of(order, name),
-        {{"kind", kind}, {"state", "waiting"}, {"message", ""}, {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
+        {{"kind", command == "run" ? kind : command},
+         {"state", "waiting"},
+         {"message", ""},
+         {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
     const fs::path folder = workspace_.run_folder(id);
     const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
     app::write_text(file, toml_of(settings, form));
     JobOrder job;
     job.id = id;
     job.program = settings_.program;
-    if (form == Form::Scenario)
-        job.arguments = {"run", file.string()};
-    else
-        job.arguments = {"process", input.string(), "--config", file.string()};
+    job.arguments = words_of(order, form, form == Form::Scenario ? file.string() : input.string());
+    if (form == Form::Dataset) job.arguments.insert(job.arguments.end(), {"--config", file.string()});
     job.arguments.insert(job.arguments.end(), {"-o", folder.string(), "--progress", "lines"});
-    if (order.contains("output_rate_hz"))
+    if (order.contains("output_rate_hz") && command == "run")
         job.arguments.insert(job.arguments.end(), {"--output-rate", fmt::format("{}", order["output_rate_hz"].get<double>())});
     job.confinement = confinement(input, folder);
     jobs_.start(std::move(job));
@@ -236,7 +256,8 @@ void Service::add_run_routes() {
                        "/api/runs",
                        "starts a run",
                        {},
-                       "{kind: scenario or dataset, title, settings: {key: value} or toml: text, dataset: name, output_rate_hz}",
+                       "{kind: scenario or dataset, command: run (default), gravity or montecarlo (of a scenario, with runs: how many "
+                       "seeds), title, settings: {key: value} or toml: text, dataset: name, output_rate_hz}",
                        "201 and the run",
                        [this](const Request& r) { return start_run(Json::parse(r.body)); }});
     routes_.push_back({"GET",
@@ -298,6 +319,36 @@ void Service::add_run_routes() {
                        }});
 }
 
+Json Service::noise_of_run(const std::string& run) {
+    const fs::path folder = workspace_.run_folder(run);
+    std::error_code ec;
+    if (fs::is_regular_file(folder / "scenario.toml", ec))
+        return asked_of_program("run", {"analyze", "allan", (folder / "scenario.toml").string(), "--json"}, folder, {});
+    const Json dataset = workspace_.run(run)["dataset"];
+    if (!dataset.is_string() || !fs::is_regular_file(folder / "settings.toml", ec))
+        throw Refusal{404, "the IMU log of this run is not known here", "start it from the page, or use `schuler analyze allan`"};
+    const fs::path input = workspace_.dataset_folder(dataset);
+    check_dataset(input);
+    // the settings lie in the run's folder, the logs in that of the data set; neither is written
+    return asked_of_program("run", {"analyze", "allan", input.string(), "--config", (folder / "settings.toml").string(), "--json"},
+                            input, folder);
+}
+
+void Service::add_noise_routes() {
+    const std::string answer =
+        "as `schuler analyze allan --json`: {name, rate_hz, duration_s, gaps, axes: [{sensor, axis, unit, density_unit, white, "
+        "bias_instability, random_walk, ramp, quantization: {value, unit}, allan: {tau_s, deviation, relative_sigma}, spectrum: "
+        "{frequency_hz, density}}]}";
+    routes_.push_back({"GET", "/api/runs/{run}/noise", "Allan deviations and spectra of the IMU of a run that was started here", {},
+                       "", answer, [this](const Request& r) { return json(noise_of_run(r.parts[0])); }});
+    routes_.push_back({"GET", "/api/datasets/{dataset}/noise", "the same of a data set's IMU log", {}, "", answer,
+                       [this](const Request& r) {
+                           const fs::path folder = workspace_.dataset_folder(r.parts[0]);
+                           check_dataset(folder);
+                           return json(asked_of_program("data set", {"analyze", "allan", folder.string(), "--json"}, folder, {}));
+                       }});
+}
+
 void Service::add_result_routes() {
     const std::vector<Parameter> range{
         {"from", "number", "start of the range, s"},
@@ -308,7 +359,7 @@ void Service::add_result_routes() {
                        "which columns the run has",
                        {},
                        "",
-                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit}]}]",
+                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: what its numbers stand for, where that is a list}]}]",
                        [this](const Request& r) { return json(results_.channels(workspace_.run_folder(r.parts[0]))); }});
     std::vector<Parameter> query{
         {"columns", "string", "ids of /channels with commas, all of one group"},

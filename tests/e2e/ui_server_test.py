@@ -462,9 +462,8 @@ def hostile(program, source):
             check(server.ask("GET", "/api/runs", headers={"Cookie": cookie.split(";")[0]})[0].status == 200, "the cookie opens")
 
 
-def main():
+def main(topics):
     parser = argparse.ArgumentParser()
-    topics = {"api": api, "datasets": datasets, "hostile": hostile}
     parser.add_argument("topic", choices=topics)
     parser.add_argument("--program", required=True)
     parser.add_argument("--source", required=True)
@@ -475,4 +474,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main({"api": api, "datasets": datasets, "hostile": hostile}))

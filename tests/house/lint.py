@@ -4,6 +4,7 @@
 
 A rule is a function from the repository root to its findings; selftest.py shows for each that it can fail.
 """
+import json
 import re
 import sys
 from pathlib import Path
@@ -261,7 +262,31 @@ def error_models(root):
     return found
 
 
-RULES = {rule.__name__: rule for rule in (rooms, third_party, silence, citations, documents, frames, length, jacobians, error_models)}
+def messages(root):
+    """The page's texts: every language has those of en.json, none empty, with the same {names}; those the page asks for are there.
+    Another language may have more only for the option table (option., label., key.), whose English stands in the program."""
+    def texts(path):
+        return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+
+    folder, found = root / "ui/src", []
+    english = texts(folder / "messages/en.json")
+    for path in sorted((folder / "messages").glob("*.json")):
+        own = texts(path)
+        found += [finding(root, path, 1, f"{key} is missing") for key in english if key not in own]
+        found += [finding(root, path, 1, f"{key} is not in en.json") for key in own
+                  if key not in english and not key.startswith(("option.", "label.", "key."))]
+        found += [finding(root, path, 1, f"{key} is empty") for key, text in own.items() if not text.strip()]
+        found += [finding(root, path, 1, f"{key} has other names in braces than in en.json") for key, text in own.items()
+                  if set(re.findall(r"{\w+}", text)) != set(re.findall(r"{\w+}", english.get(key, text)))]
+    for path in files(root, "ui/src", suffixes=(".ts",)):
+        for number, line in lines(path):
+            found += [finding(root, path, number, f"{key} is in no message file") for key in re.findall(r'\bt\("([\w.]+)"', line)
+                      if key not in english]
+    return found
+
+
+RULES = {rule.__name__: rule for rule in (rooms, third_party, silence, citations, documents, frames, length, jacobians, error_models,
+                                        messages)}
 
 if __name__ == "__main__":
     if len(sys.argv) != 3 or sys.argv[1] not in RULES:

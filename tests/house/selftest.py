@@ -27,6 +27,9 @@ GOOD = {
     "tests/house/filters.txt": "# comment\nsrc/schuler/math/filter.cpp LevelFrame\n",
     "tests/math/filters_test.cpp": "SCHULER_ERROR_MODEL(A, \"math.LevelFrame.error_b.error_by_name\", LevelFrame)\n",
     "tests/math/b_test.cpp": "#include \"support/perturbation.h\"\nSCHULER_JACOBIAN(error_b, \"math.error_b\") {}\nSCHULER_JACOBIAN(other, \"a.at_rest\") {}\n",
+    "ui/src/messages/en.json": '{"a.b": "in {n} runs", "c": "c"}',
+    "ui/src/messages/uk.json": '{"a.b": "у {n} прогонах", "c": "ц", "option.x": "довідка"}',
+    "ui/src/main.ts": 'h("p", null, t("a.b", { n: 1 }), t(`tab.${name}`));\n',
 }
 
 # Rule, file, what is put in place of what ("" appends), part of the finding that must come.
@@ -64,6 +67,11 @@ BAD = [
     ("error_models", "src/schuler/math/b.cpp", "", "estim::propagate<24>(P);\n", "math/b.cpp:1: propagates a covariance"),
     ("error_models", "tests/house/filters.txt", "LevelFrame", "LevelFrame OtherFrame", "OtherFrame is not registered"),
     ("error_models", "tests/house/filters.txt", "", "src/gone.cpp A\n", "there is no src/gone.cpp"),
+    ("messages", "ui/src/messages/uk.json", '"c"', '"option.c"', "c is missing"),
+    ("messages", "ui/src/messages/uk.json", '"option.x"', '"d"', "d is not in en.json"),
+    ("messages", "ui/src/messages/uk.json", '"ц"', '" "', "c is empty"),
+    ("messages", "ui/src/messages/uk.json", "{n}", "{m}", "a.b has other names in braces"),
+    ("messages", "ui/src/main.ts", '"a.b"', '"a.c"', "a.c is in no message file"),
 ]
 
 

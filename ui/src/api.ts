@@ -89,6 +89,10 @@ export interface Summary {
   errors: Record<string, Record<string, Spread> | null> | null;
   outages: Outage[] | null;
   consistency: Record<string, unknown> | null;
+  /** Of `schuler gravity`. */
+  gravity?: Record<string, unknown>;
+  /** Of a campaign. */
+  montecarlo?: { runs: number; failed: number; runs_per_s: number | null };
   timing: Record<string, number> | null;
   warnings: string[];
 }
@@ -112,6 +116,8 @@ export interface Column {
   id: string;
   name: string;
   unit: string;
+  /** What its numbers stand for, where that is a list of names. */
+  names?: string[];
 }
 
 export interface Group {
@@ -128,6 +134,33 @@ export interface Series {
   time_s: number[];
   columns: Record<string, (number | null)[]>;
   units: Record<string, string>;
+}
+
+export interface Figure {
+  value: number | null;
+  unit: string;
+}
+
+export interface AxisNoise {
+  sensor: "gyro" | "accel";
+  axis: string;
+  unit: string;
+  density_unit: string;
+  quantization: Figure;
+  white: Figure;
+  bias_instability: Figure;
+  random_walk: Figure;
+  ramp: Figure;
+  allan: { tau_s: number[]; deviation: number[]; relative_sigma: number[] };
+  spectrum: { frequency_hz: number[]; density: number[] };
+}
+
+export interface Noise {
+  name: string;
+  rate_hz: number;
+  duration_s: number;
+  gaps: number;
+  axes: AxisNoise[];
 }
 
 export interface DatasetInfo {
@@ -228,6 +261,8 @@ export const api = {
   },
   difference: (run: string, other: string, range: Range = {}, signal?: AbortSignal) =>
     get<Series>(`/api/runs/${id(run)}/difference?${ranged(new URLSearchParams({ with: other }), range)}`, signal),
+  noise: (of: "runs" | "datasets", name: string) => get<Noise>(`/api/${of}/${id(name)}/noise`),
+  fileText: async (run: string, file: string) => (await reply(await fetch(`/api/runs/${id(run)}/files/${id(file)}`))).text(),
   fileUrl: (run: string, file: string, save = false) => `/api/runs/${id(run)}/files/${id(file)}${save ? "?save=1" : ""}`,
 };
 

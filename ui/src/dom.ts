@@ -56,8 +56,18 @@ export function saveAs(blob: Blob, name: string): void {
   window.setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
+const colours = new Map<string, string>();
+let coloursOf = "";
+
+/** A variable of the style sheet. Kept as long as the theme stays: asking the browser makes it lay out the page anew. */
 export function css(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const theme = document.documentElement.dataset.theme ?? "";
+  if (theme !== coloursOf) colours.clear();
+  coloursOf = theme;
+  let value = colours.get(name);
+  if (value === undefined)
+    colours.set(name, (value = getComputedStyle(document.documentElement).getPropertyValue(name).trim()));
+  return value;
 }
 
 /** A message at the foot of the page for some seconds; read out by screen readers. */

@@ -12,13 +12,11 @@ export function labelOf(key: string): string {
       .split(".")
       .slice(/^(filter\.(assumed|initial_error|separate|integrity)|trajectory\.(start|vibration|waves))\./.test(key) ? 2 : 1)
       .join(" ") || key;
-  return maybe(
-    `key.${key}`,
-    last
-      .replace(/_time_s$/, "_time")
-      .replace(units, "")
-      .replaceAll("_", " "),
-  );
+  const words = last
+    .replace(/_time_s$/, "_time")
+    .replace(units, "")
+    .replaceAll("_", " ");
+  return maybe(`key.${key}`, maybe(`label.${words}`, words));
 }
 
 function sectionOf(key: string): string {

@@ -266,6 +266,98 @@ async function compare() {
   return ids;
 }
 
+/** Satellites, sensor noise: what is drawn is what the run says. */
+async function ranges(tight, loose) {
+  await page.goto(`${address}#/run/${tight}/sky`);
+  await page.locator(".sky-now").first().waitFor();
+  await page.locator("figure.plot canvas").nth(2).waitFor();
+  const names = (await ask(`api/runs/${tight}/channels`)).find((g) => g.group === "/sky").columns.find((c) => c.names).names;
+  check(names.every((n) => /^G\d\d$/.test(n)), `sources have their names: ${names}`);
+  check((await page.locator(".sky-name").allTextContents()).sort().join() === [...names].sort().join(), "each satellite stands in the sky");
+  check((await page.locator(".sky-now.status-0").count()) === 2, "two of them are still there at the end");
+  check((await page.locator(".table-block tbody tr").count()) === names.length, "the table has the sources");
+  await accessible("satellites");
+  await shot("ui-sky");
+  await page.goto(`${address}#/run/${loose}/sky`);
+  await page.reload();
+  await page.locator(".sky-name").first().waitFor();
+  check((await page.locator(".sky-now.status-0").count()) === 0, "a scheme that uses fixes uses no ranges");
+}
+
+/** Ten minutes at rest: the noise that the scenario has is read from the log. */
+async function noise() {
+  await page.goto(`${address}#/scenario?example=static`);
+  await page.getByText(/km, up to/).waitFor();
+  await page.getByLabel("Name", { exact: true }).fill("At rest");
+  await page.waitForTimeout(400);
+  await page.getByRole("button", { name: /Run/ }).click();
+  const id = await done();
+  await page.getByRole("tab", { name: "Noise" }).click();
+  await page.locator(".table-block tbody tr").nth(5).waitFor({ timeout: 60_000 });
+  await page.locator("figure.plot canvas").nth(1).waitFor();
+  const settings = await ask(`api/runs/${id}/settings`);
+  const set = settings.used["imu.gyro_noise_deg_sqrt_h"];
+  const told = (await ask(`api/runs/${id}/noise`)).axes[0].white.value;
+  check(Math.abs(told / set - 1) < 0.05, `white noise of the gyro is that of the scenario: ${told}, ${set} deg/sqrt(h)`);
+  const row = await page.locator(".table-block tbody tr").first().innerText();
+  check(row.includes(String(Number(told.toPrecision(3)))), `the table says so: ${row}`);
+  await accessible("noise");
+  await shot("ui-noise");
+}
+
+/** Monte Carlo: how many runs, progress, cancel; then a short campaign with its table and plots. */
+async function campaign() {
+  const order = async (name, runs) => {
+    await page.goto(address);
+    await page.goto(`${address}#/scenario?example=triad-2sv`);
+    await page.getByText(/km, up to/).waitFor();
+    await page.getByLabel("What to do").selectOption("montecarlo");
+    await page.getByLabel("Number of runs").fill(String(runs));
+    await page.getByLabel("Name", { exact: true }).fill(name);
+    await page.waitForTimeout(400);
+    await page.getByRole("button", { name: /Run/ }).click();
+  };
+  await order("Long campaign", 500);
+  const told = async () => Number(await page.locator("progress").getAttribute("value")) > 0;
+  check((await soon(told)) || (await soon(told)) || (await soon(told)), "progress is told");
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.getByText("cancelled", { exact: false }).first().waitFor();
+  await order("Campaign", 4);
+  const id = await done();
+  await page.getByRole("tab", { name: "Ensemble" }).click();
+  await page.locator("figure.plot canvas").first().waitFor();
+  check((await page.locator(".table-block tbody tr").count()) === 4, "a row a run");
+  const run = await ask(`api/runs/${id}`);
+  check(run.summary.montecarlo.runs === 4 && run.summary.montecarlo.failed === 0, "four runs went through");
+  await accessible("campaign");
+  await shot("ui-ensemble");
+}
+
+/** Gravity along the track. */
+async function gravity() {
+  await page.goto(`${address}#/scenario?example=gravity-flight`);
+  await page.getByText(/km, up to/).waitFor();
+  check((await page.getByLabel("What to do").inputValue()) === "gravity", "a survey is suggested where the scenario has one");
+  await page.getByLabel("Name", { exact: true }).fill("Survey");
+  await page.waitForTimeout(400);
+  await page.getByRole("button", { name: /Run/ }).click();
+  const id = await done();
+  await page.getByRole("tab", { name: "Gravity" }).click();
+  await page.locator("figure.plot canvas").nth(2).waitFor();
+  const shown = await page.evaluate(() => {
+    const { data, settings } = document.querySelector("figure.plot").plot;
+    return { labels: settings.lines.map((l) => l.label), last: data.y.map((y) => y.at(-1)), km: data.x.at(-1) };
+  });
+  const { gravity } = (await ask(`api/runs/${id}`)).summary;
+  // the summary speaks of up, the plot of down
+  check(Math.abs(shown.last[0] + gravity.vertical_mgal.estimate) < 0.01, `the last estimate: ${shown.last} ${shown.labels}`);
+  const truth = shown.last[shown.labels.indexOf("truth")];
+  check(Math.abs(shown.last[0] - truth + gravity.vertical_mgal.final) < 0.01, `and the truth: ${truth}`);
+  check(shown.km > 100, `along ${shown.km} km`);
+  await accessible("gravity");
+  await shot("ui-gravity");
+}
+
 /** Files that are no logs: what is wrong is said. */
 async function upload() {
   const bad = join(folder, "imu.csv");
@@ -307,7 +399,10 @@ try {
   const first = await flight();
   await views(first);
   const second = await cut(first);
-  await compare();
+  await ranges(...(await compare()));
+  await noise();
+  await campaign();
+  await gravity();
   await upload();
   await dress(second);
 } catch (e) {

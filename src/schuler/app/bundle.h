@@ -62,7 +62,7 @@ struct ResultBundle {
 [[nodiscard]] report::ReportInput report_page(const ResultBundle& bundle);
 [[nodiscard]] std::string report_html(const ResultBundle& bundle);
 
-/// run.h5 with solution, sensor errors, innovations, outages, and truth and errors where there is a reference.
+/// run.h5 with solution, sensor errors, innovations, sky, outages, and truth and errors where there is a reference (docs/ui.md).
 void write_run_h5(const std::filesystem::path& file, const ResultBundle& bundle);
 
 /// protection.csv: protection levels and alarms of the tight filter, an epoch of ranges a row.

@@ -1,4 +1,5 @@
 #include "schuler/app/bundle.h"
+#include "schuler/app/sky.h"
 #include "schuler/core/units.h"
 #include "schuler/io/hdf5_file.h"
 
@@ -110,6 +111,25 @@ void add_innovations(io::Hdf5Writer& file, const std::vector<fusion::AidRecord>&
     }
 }
 
+/// One row a source and epoch; the sources' names are an attribute of the table, in the order of their numbers.
+void add_sky(io::Hdf5Writer& file, const RangingLog& log, const std::vector<SkyRow>& rows) {
+    if (rows.empty()) return;
+    add_times(file, "/sky", rows);
+    add_table(file, "/sky/source", rows, 2, "number,station", "1", [](const SkyRow& r, std::vector<double>& out) {
+        out.push_back(r.source);
+        out.push_back(r.station ? 1.0 : 0.0);
+    });
+    add_table(file, "/sky/direction", rows, 2, "azimuth,elevation", "deg", [](const SkyRow& r, std::vector<double>& out) {
+        out.push_back(r.azimuth / units::deg);
+        out.push_back(r.elevation / units::deg);
+    });
+    add_table(file, "/sky/range", rows, 3, "status (0 used 1 rejected 2 not asked),residual,sigma", "1,m,m",
+              [](const SkyRow& r, std::vector<double>& out) { push(out, {static_cast<double>(r.use), r.residual, r.sigma}); });
+    std::string names;
+    for (const RangeSource& s : log.sources) names += (names.empty() ? "" : ",") + s.name;
+    file.attribute("/sky/source", "names", names);
+}
+
 void add_errors(io::Hdf5Writer& file, const std::string& group, const std::vector<analysis::ErrorRow>& rows) {
     using Row = analysis::ErrorRow;
     if (rows.empty()) return;
@@ -162,6 +182,7 @@ void write_run_h5(const std::filesystem::path& path, const ResultBundle& b) {
     add_sensor_truth(file, b.truth.sensors);
     add_fixes(file, b.data.recording.gnss);
     add_innovations(file, b.result.aids);
+    add_sky(file, b.data.recording.ranges, sky_rows(b));
     add_outages(file, "/outages", b.solution().outage_epochs);
     add_reference(file, b.data.recording.reference);
     add_errors(file, "/errors", b.evaluation.errors);

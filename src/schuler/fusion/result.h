@@ -33,6 +33,7 @@ struct AidRecord {
     AidKind kind;
     AidStatus status;
     int dof = 0;                     ///< how many components are used; the others have sigma 0 (GNSS: north, east, down in place)
+    int source = -1;                 ///< of a range: index into RangingLog::sources
     Eigen::Vector3d innovation = Eigen::Vector3d::Zero();  ///< estimate minus measured (NED for GNSS), before its own update
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();       ///< predicted one sigma of the innovation
     Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero(); ///< the part of it that is the filter's own uncertainty

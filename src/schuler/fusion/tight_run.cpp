@@ -64,6 +64,7 @@ struct TightCollector : TightObserver<Frame> {
             r.time = walk.filter.time();
             r.stamp = epoch.time;
             r.kind = s.is_rate ? AidKind::RangeRate : AidKind::Pseudorange;
+            r.source = s.source;
             r.status = s.use ? AidStatus::Accepted : AidStatus::Rejected;
             r.dof = 1;
             r.sigma(0) = s.use ? std::sqrt(s.s) : std::sqrt(s.variance);

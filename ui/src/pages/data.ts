@@ -5,7 +5,8 @@ import { OptionForm } from "../form";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
 import { OutageLine } from "../plots/timeline";
-import { runButton } from "./runbutton";
+import { noiseView } from "./noise";
+import { CommandChoice, runButton } from "./runbutton";
 
 function problems(list: Inspection["problems"]): HTMLElement {
   const icon = { error: "✗", warning: "⚠", info: "ℹ" };
@@ -132,11 +133,13 @@ export async function dataPage(name: string): Promise<Page> {
     ),
   );
   const title = h("input", { type: "text", class: "run-name", value: found.path, "aria-label": t("run.title") });
+  const command = new CommandChoice(["run", "gravity"]);
   const start = runButton(t("data.run"), () => ({
     kind: "dataset",
     dataset: name,
     title: title.value.trim() || name,
     settings: form.settings,
+    ...command.order,
   }));
   form.load(found.form);
   form.doubts(found.findings);
@@ -145,6 +148,21 @@ export async function dataPage(name: string): Promise<Page> {
     problem.hidden = form.blame(found.form.problem);
     problem.textContent = found.form.problem.text;
   }
+  // asked for only when it is opened: the whole log is read for it
+  const noise = h("details", { class: "card" }, h("summary", null, t("noise.title")));
+  let view: { redraw: () => void } | null = null;
+  noise.addEventListener("toggle", () => {
+    if (!noise.open || noise.children.length > 1) return;
+    const wait = h("p", { class: "muted" }, t("noise.wait"));
+    noise.append(wait);
+    void noiseView("datasets", name).then(
+      (v) => {
+        view = v;
+        wait.replaceWith(v.element);
+      },
+      (e: Error) => (wait.textContent = e.message),
+    );
+  });
   const doubts = found.findings.filter((f) => f.confidence < 0.9).length;
   const element = h(
     "div",
@@ -154,6 +172,7 @@ export async function dataPage(name: string): Promise<Page> {
       { class: "bar" },
       h("h1", null, `${t("data.title")}: ${name}`),
       title,
+      command.element,
       start,
       h("button", { type: "button", onClick: () => saveAs(new Blob([toml.textContent ?? ""]), "dataset.toml") }, t("data.save")),
     ),
@@ -172,6 +191,7 @@ export async function dataPage(name: string): Promise<Page> {
       h("p", { class: "muted" }, doubts > 0 ? t("data.doubts", { n: doubts }) : t("data.no_doubts")),
       findings(found),
     ),
+    noise,
     outages.element,
     h(
       "div",
@@ -187,5 +207,5 @@ export async function dataPage(name: string): Promise<Page> {
     ),
   );
   replace(element, ...[...element.children]);
-  return { title: name, element, redraw: () => outages.draw() };
+  return { title: name, element, redraw: () => (outages.draw(), view?.redraw()) };
 }

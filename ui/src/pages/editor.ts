@@ -8,7 +8,7 @@ import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { OutageLine, type Outage } from "../plots/timeline";
-import { runButton } from "./runbutton";
+import { CommandChoice, runButton } from "./runbutton";
 
 function gnssOutages(settings: Settings): Outage[] {
   const list = settings["outage"];
@@ -107,7 +107,12 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     if (now.problem)
       problem.textContent = known ? t("editor.see_field", { key: now.problem.key }) : now.problem.text + "; " + now.problem.mend;
     start.disabled = now.problem !== null;
+    const keys = Object.keys(form.settings);
+    const runs = form.settings["montecarlo.runs"];
+    if (keys.some((k) => k.startsWith("gravity.") || k === "anomaly")) command.suggest("gravity");
+    else if (typeof runs === "number") command.suggest("montecarlo", runs);
   };
+  const command = new CommandChoice(["run", "montecarlo", "gravity"]);
   const ask = quietly(150, async () => {
     request?.abort();
     request = new AbortController();
@@ -138,6 +143,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     kind: "scenario",
     title: title.value.trim() || String(form.settings["name"] ?? "scenario"),
     settings: form.settings,
+    ...command.order,
   }));
   const file = () => {
     const input = h("input", { type: "file", accept: ".toml" });
@@ -152,6 +158,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       { class: "bar" },
       h("h1", null, t("editor.title")),
       title,
+      command.element,
       start,
       h("button", { type: "button", onClick: file }, t("editor.load")),
       h(

@@ -1,11 +1,15 @@
 // One run: live while it works, then its views.
-import { api, watchRuns, type RunDetails, type RunEvent } from "../api";
+import { api, watchRuns, type Group, type RunDetails, type RunEvent } from "../api";
 import { h, replace, saveAs, tell } from "../dom";
 import { t } from "../i18n";
 import type { Page } from "../page";
 import { Linked } from "../plots/linked";
 import { TimePlot, linkCursors } from "../plots/timeplot";
+import { ensembleView } from "./ensemble";
+import { gravityView } from "./gravity";
+import { noiseView } from "./noise";
 import { overview } from "./overview";
+import { skyView } from "./sky";
 import { stateBadge } from "./start";
 import { trackView, type View } from "./track";
 import { tableView } from "./values";
@@ -61,10 +65,52 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
   return { title: run.title, element, close: () => (stop(), window.clearInterval(timer)) };
 }
 
-const tabs = ["overview", "track", "errors", "sensors", "innovations", "motion", "table", "report", "log"] as const;
+const tabs = [
+  "overview",
+  "ensemble",
+  "gravity",
+  "track",
+  "errors",
+  "sensors",
+  "innovations",
+  "sky",
+  "motion",
+  "noise",
+  "table",
+  "report",
+  "log",
+] as const;
+
+/** Whether a run has what a tab shows. */
+function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): boolean {
+  const has = (start: string) => groups.some((g) => g.group.startsWith(start));
+  switch (tab) {
+    case "track":
+    case "motion":
+      return has("/solution");
+    case "errors":
+      return has("/errors") || has("/solution");
+    case "sensors":
+      return has("/sensor_errors");
+    case "innovations":
+    case "sky":
+    case "gravity":
+    case "ensemble":
+      return has(`/${tab}`);
+    case "table":
+      return groups.length > 0;
+    case "noise":
+      return run.kind !== "montecarlo" && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
+    case "report":
+      return run.files.includes("report.html");
+    default:
+      return true;
+  }
+}
 
 async function finished(run: RunDetails, first: string): Promise<Page> {
-  const groups = run.files.includes("run.h5") ? await api.channels(run.id) : [];
+  const drawn = ["run.h5", "gravity.csv", "epochs.csv"].some((f) => run.files.includes(f));
+  const groups = drawn ? await api.channels(run.id) : [];
   const stops = groups.map((g) => g.stop_s).filter((x): x is number => x !== null);
   const linked = new Linked(0, Math.max(1e-3, ...stops));
   linked.spans = (run.summary?.outages ?? []).map((o) => ({
@@ -90,6 +136,15 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
         return plotsView(sensorPlots(run.id, groups, linked), linked);
       case "innovations":
         return plotsView(innovationPlots(run.id, groups, linked), linked);
+      case "sky":
+        return skyView(run.id, groups, linked);
+      case "gravity":
+        return gravityView(run, groups, linked);
+      case "ensemble":
+        return ensembleView(run, groups, linked);
+      case "noise":
+        replace(place, h("p", { class: "muted" }, t("noise.wait")));
+        return noiseView("runs", run.id);
       case "motion":
         return plotsView(motionPlots(run.id, groups, linked), linked);
       case "table":
@@ -127,8 +182,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
     }
   };
   const buttons = tabs
-    .filter((name) => !["track", "errors", "sensors", "innovations", "motion", "table"].includes(name) || groups.length > 0)
-    .filter((name) => name !== "report" || run.files.includes("report.html"))
+    .filter((name) => shown(name, run, groups))
     .map((name) =>
       h(
         "button",

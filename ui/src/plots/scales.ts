@@ -2,16 +2,28 @@
 import type uPlot from "uplot";
 import type { Linked } from "./linked";
 
-/** Powers of ten only on a logarithmic axis. */
+/** Powers of ten on a logarithmic axis; where it has less than two of them, 2 and 5 times those too. */
 export const powers: Partial<uPlot.Axis> = {
   splits: (_, __, min, max) => {
     const out: number[] = [];
-    for (let p = Math.ceil(Math.log10(min)); p <= Math.log10(max) + 1e-9; ++p) out.push(10 ** p);
-    return out;
+    const steps = Math.log10(max / min) < 2 ? [1, 2, 5] : [1];
+    for (let p = Math.floor(Math.log10(min)); p <= Math.log10(max) + 1e-9; ++p)
+      for (const k of steps) out.push(k * 10 ** p);
+    return out.filter((v) => v >= min * (1 - 1e-9) && v <= max * (1 + 1e-9));
   },
   filter: (_, splits) => splits,
   values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),
 };
+
+/** A name at each whole number. */
+export function named(names: string[]): Partial<uPlot.Axis> {
+  return {
+    splits: () => names.map((_, i) => i),
+    filter: (_, splits) => splits,
+    values: () => names,
+    size: 24 + 7.5 * Math.max(...names.map((n) => n.length)),
+  };
+}
 
 /**
  * Limits that leave out one value in a hundred where those are far from the others, and how many of the lines' values (not of the

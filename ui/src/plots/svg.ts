@@ -13,7 +13,14 @@ interface Shown {
 
 const escaped = (text: string) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]!);
 
-export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], band: string | null, spans: Span[]): string {
+export interface Words {
+  title: string;
+  unit: string;
+  /** Of the x axis, with its unit. */
+  along: string;
+}
+
+export function svgOf(u: uPlot, words: Words, lines: Shown[], band: string | null, spans: Span[]): string {
   const first = band ? 3 : 1;
   const left = 70,
     top = 34,
@@ -22,8 +29,10 @@ export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], ban
   const { min: x0, max: x1 } = u.scales.x as { min: number; max: number };
   const { min: y0, max: y1 } = u.scales.y as { min: number; max: number };
   const log = u.scales.y!.distr === 3;
-  const px = (v: number) => left + ((v - x0) / (x1 - x0)) * width;
-  const scaled = (v: number) => (log ? Math.log10(Math.max(v, 1e-12)) : v);
+  const logX = u.scales.x!.distr === 3;
+  const power = (v: number, by: boolean) => (by ? Math.log10(Math.max(v, 1e-12)) : v);
+  const px = (v: number) => left + ((power(v, logX) - power(x0, logX)) / (power(x1, logX) - power(x0, logX))) * width;
+  const scaled = (v: number) => power(v, log);
   const py = (v: number) => top + (1 - (scaled(v) - scaled(y0)) / (scaled(y1) - scaled(y0))) * height;
   const x = u.data[0] as number[];
   const seen: number[] = [];
@@ -67,15 +76,17 @@ export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], ban
     out.push(
       `<path d="M${a[0].toFixed(1)},${a[1].toFixed(1)}L${b[0].toFixed(1)},${b[1].toFixed(1)}" stroke="${css("--grid")}"/>`,
     );
-  for (const v of ticks(x0, x1)) {
+  const marks = (a: number, b: number, by: boolean) =>
+    by
+      ? ticks(power(a, true), power(b, true))
+          .filter(Number.isInteger)
+          .map((p) => 10 ** p)
+      : ticks(a, b);
+  for (const v of marks(x0, x1, logX)) {
     line([px(v), top], [px(v), top + height]);
     text([px(v), top + height + 16], String(v), 'text-anchor="middle"');
   }
-  for (const v of log
-    ? ticks(scaled(y0), scaled(y1))
-        .filter(Number.isInteger)
-        .map((p) => 10 ** p)
-    : ticks(y0, y1)) {
+  for (const v of marks(y0, y1, log)) {
     line([left, py(v)], [left + width, py(v)]);
     text([left - 6, py(v) + 4], String(v), 'text-anchor="end"');
   }
@@ -97,8 +108,8 @@ export function svgOf(u: uPlot, title: string, unit: string, lines: Shown[], ban
       }
   });
   out.push("</g>");
-  text([left, 20], `${title}, ${unit}`, 'font-weight="600" font-size="14"');
-  text([left + width / 2, top + height + 34], "t, s", 'text-anchor="middle"');
+  text([left, 20], `${words.title}, ${words.unit}`, 'font-weight="600" font-size="14"');
+  text([left + width / 2, top + height + 34], words.along, 'text-anchor="middle"');
   let at = left + width;
   for (const l of [...lines].reverse()) {
     if (l.hidden) continue;

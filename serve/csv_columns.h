@@ -1,0 +1,23 @@
+// Result tables that a run keeps as CSV, as columns for drawing.
+#pragma once
+
+#include "serve/results.h"
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace schuler::serve {
+
+/// A CSV file of a run whose first column is time_s on the axis of the run, and the group it is shown as. The table of a group is
+/// GROUP/table.
+struct CsvGroup {
+    const char *file, *group;
+};
+[[nodiscard]] std::span<const CsvGroup> csv_groups();
+
+/// Every column but the time, or the time alone; what is no number is NaN. Units stand at the end of the names.
+/// @throws Error(Input)
+[[nodiscard]] ColumnTable csv_columns(const std::filesystem::path& file, bool time);
+
+}  // namespace schuler::serve

@@ -1,0 +1,42 @@
+// What a plot is made of.
+export interface Along {
+  label: string;
+  unit: string;
+  /** Of the column in CSV. */
+  name: string;
+  log?: boolean;
+}
+
+export interface Line {
+  label: string;
+  ink?: number;
+  dash?: number[];
+  width?: number;
+  /** Only points, no line: measurements. */
+  dots?: boolean;
+}
+
+export interface Data {
+  x: number[];
+  /** One for each line, in order; then, for a band, its half width. */
+  y: (number | null)[][];
+}
+
+export interface PlotSettings {
+  title: string;
+  unit: string;
+  lines: Line[];
+  /** Name of the band; the loader then gives lower and upper edge after the lines. */
+  band?: string;
+  height?: number;
+  logY?: boolean;
+  /** The range of y is that of nearly all values, not of the few largest ones; the plot says how many lie outside. */
+  robust?: boolean;
+  /** Always inside the range of y. */
+  include?: number[];
+  /** Names that stand for 0, 1, 2 … along y. */
+  names?: string[];
+  /** What stands along x where that is not time. */
+  along?: Along;
+  load: (from: number | undefined, to: number | undefined, points: number, signal: AbortSignal) => Promise<Data>;
+}
