@@ -20,7 +20,8 @@ void read_rows(const TextInput& input, const std::vector<std::string>& columns, 
     const auto add = [&](const std::string& name, FieldKind kind, bool needed) {
         const auto found = std::ranges::find(layout.names, name);
         if (found != layout.names.end())
-            fields.push_back({.column = static_cast<int>(found - layout.names.begin()), .kind = kind, .name = name});
+            fields.push_back(
+                {.column = static_cast<int>(found - layout.names.begin()), .kind = kind, .required = needed, .name = name});
         else if (needed)
             throw input_error(fmt::format("needs a column {}", name), {layout.file, layout.header_line, 0, name},
                               fmt::format("write the header time_s,{}", fmt::join(columns, ",")));
