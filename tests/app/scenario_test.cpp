@@ -2,6 +2,7 @@
 #include "schuler/app/dataset.h"
 #include "schuler/app/toml_file.h"
 
+#include "schuler/core/units.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -126,6 +127,11 @@ TEST(Scenario, ErrorsNamePlaceAndMend) {
          {"s.toml:3", "trajectory.waypoints[0]", "sharper than 160"}},
         {"[trajectory]\ntype = \"takeoff\"\nspeed_m_s = 5\n", {"s.toml:3", "trajectory.speed_m_s", "not the speed of an aircraft"}},
         {"[trajectory]\ntype = \"table\"\n", {"trajectory.moves", "no moves"}},
+        {"[trajectory]\ntype = \"survey\"\nsurvey = { lines = 0 }\n", {"s.toml:3", "trajectory.survey.lines", "out of range"}},
+        {"[trajectory]\ntype = \"survey\"\ndrape = { clearance_m = 100, file = \"none.csv\" }\n", {"none.csv"}},
+        {"[anomaly_field]\nmodel = \"egm2008\"\nfolder = \"nowhere\"\n", {"nowhere/egm2008", "geographiclib-get-gravity"}},
+        {"[anomaly_field]\nmodel = \"egm96\"\nfile = \"grid.csv\"\n", {"s.toml:2", "anomaly_field.model", "contradicts"}},
+        {"[gauges]\nlever_arms_m = [[1, 2]]\n", {"s.toml:2", "gauges.lever_arms_m", "[[0, 0, 0]"}},
         {"[trajectory]\ntype = \"table\"\nmoves = [ { yaw_deg = 3 } ]\n", {"s.toml:3", "has no \"yaw_deg\""}},
         {"[trajectory]\ntype = \"file\"\n", {"trajectory.file", "no trajectory"}},
         {"[imu]\ngyro_bias_deg_h = -1\n", {"s.toml:2", "imu.gyro_bias_deg_h", "out of range"}},
@@ -183,6 +189,34 @@ TEST(Scenario, PressuresAndMagnetometerPassTheirReaders) {
     for (std::size_t k = 0; k < 41; ++k) ASSERT_EQ(read.recording.mag[k].field_b, held.recording.mag[k].field_b);
     EXPECT_NEAR(read.recording.baro[5].height, 300.0 + simulated.truth.baro_truth[5].bias, 2.0);
     EXPECT_GT(simulated.truth.baro_truth[5].bias, 100.0);
+}
+
+TEST(Scenario, InstrumentsOfASurveyPassTheirReaders) {
+    const SimulatedDataset simulated =
+        simulate_dataset(parse("name = \"ship\"\nduration_s = 20\n[trajectory]\ntype = \"ship\"\nstart = { height_m = 3 }\n[imu]\nrate_hz = 10\n"
+                               "[gauges]\nrate_hz = 2\nlever_arms_m = [[0, 0, 1], [30, 0, 2]]\nbias_m = 0.7\n[log]\nrate_hz = 1\n"
+                               "scale_factor_ppm = 4000\nmisalignment_deg = 0.5\nlever_arm_m = [3, 0, 2]\n[compass]\nrate_hz = 5\nbias_deg = 2\n"));
+    const TemporaryFolder folder("survey_instruments");
+    write_dataset(simulated, folder.path());
+    const Dataset dataset = open_dataset(folder.path());
+    WarningLog warnings;
+    const LoadedDataset read = load_dataset(dataset, config_from(dataset.settings), warnings);
+    const AidLog &a = read.aids, &b = simulated.aids;
+    ASSERT_EQ(a.gauges.size(), 41U);
+    ASSERT_EQ(a.velocities.size(), 21U);
+    ASSERT_EQ(a.headings.size(), 101U);
+    for (std::size_t i = 0; i < a.gauges.size(); ++i) {
+        EXPECT_EQ(a.gauges[i].time, b.gauges[i].time);
+        EXPECT_EQ(a.gauges[i].height.head<2>(), b.gauges[i].height.head<2>());
+        EXPECT_TRUE(std::isnan(a.gauges[i].height(2)));
+    }
+    for (std::size_t i = 0; i < a.velocities.size(); ++i) EXPECT_EQ(a.velocities[i].velocity_b, b.velocities[i].velocity_b);
+    for (std::size_t i = 0; i < a.headings.size(); ++i) EXPECT_EQ(a.headings[i].heading, b.headings[i].heading);
+    const AidsConfig& told = read.config.aids;
+    EXPECT_EQ(told.gauges.lever_arms_b.size(), 2U);
+    EXPECT_NEAR(told.gauges.bias, 0.7, 1e-12);
+    EXPECT_NEAR(told.log.scale, 4e-3, 1e-12);
+    EXPECT_NEAR(told.compass.bias, 2.0 * units::deg, 1e-12);
 }
 
 TEST(Scenario, ExamplesAreRead) {

@@ -64,6 +64,34 @@ def gravity(program, source):
     response = json.loads(program("gravity", "survey.toml", "--response", "-o", "r", "--json").stdout)
     check(response["response"][-1]["forward"]["gain"] < 0.7, "a model of a constant follows no harmonic")
 
+    # The filter's expectation of the fixes: kept by the model of the truth, broken by a model of a constant over a wave.
+    seen = found["innovations"]
+    check(seen["low"] < 1.0 < seen["high"] and 0.97 * seen["low"] < seen["nis"] < 1.03 * seen["high"], f"innovations {seen}")
+    wave = 'kind = "harmonic"\nlength_m = 900\nsize_mgal = [0, 0, 100]'
+    (folder / "wave.toml").write_text(SURVEY.replace('kind = "constant"\nsize_mgal = [0, 0, 10]', wave))
+    seen = json.loads(program("gravity", "wave.toml", "-o", "w", "--json").stdout)["gravity"]["innovations"]
+    check(seen["nis"] > 1.1 * seen["high"], f"a wave under a model of a constant breaks the innovations: {seen}")
+
+    # A log of velocity, gauges and a compass: written, read again, taken; the innovations are of the fixes and stay what they were.
+    aids = ("[log]\nrate_hz = 1\nscale_factor_ppm = 3000\nmisalignment_deg = 0.3\n[compass]\nrate_hz = 1\nbias_deg = 1\n"
+            "[gauges]\nrate_hz = 1\nbias_m = 2\nlever_arms_m = [[0, 0, 1], [10, 0, 1], [0, 4, 1]]\n")
+    (folder / "aided.toml").write_text(SURVEY + aids)
+    aided = json.loads(program("gravity", "aided.toml", "-o", "a", "--json").stdout)["gravity"]
+    seen, better = aided["innovations"], aided["vertical_mgal"]
+    check(0.97 * seen["low"] < seen["nis"] < 1.03 * seen["high"], f"innovations with aids {seen}")
+    check(abs(better["final"]) < 4 * better["sigma"] and better["sigma"] <= up["sigma"], f"more measurements, less sigma: {better}")
+    program("simulate", "aided.toml", "-o", "aided_logs")
+    again = json.loads(program("gravity", "aided_logs", "-o", "b", "--json").stdout)["gravity"]["vertical_mgal"]
+    check(again["estimate"] == better["estimate"], "the logs of the aided scenario give the same")
+    (folder / "aided_logs/compass.csv").write_text("time_s,heading_deg\n0,45\n0,46\n")
+    program.fails("gravity", "aided_logs", parts=["compass.csv:3", "time_s", "does not rise"])
+
+    # A survey over a field of the ground: the crossovers are those of the disturbance itself.
+    example = json.loads(program("gravity", source / "examples/gravity-survey.toml", "-o", "s", "--json").stdout)["gravity"]
+    cross = example["crossovers"]
+    check(cross["count"] >= 8 and cross["levelled_rms_mgal"] < cross["rms_mgal"] < 2.0, f"crossovers over the ground {cross}")
+    check(example["vertical_mgal"]["spread"] < 1.0, "the field is found but for its level")
+
     # Logs that cannot show gravity say so instead of numbers.
     (folder / "poor.toml").write_text(SURVEY.replace('accel_turn_on_bias_mg = 1e-4', "accel_turn_on_bias_mg = 2"))
     poor = program("gravity", "poor.toml", "-o", "p", "--json")

@@ -1,7 +1,7 @@
 // F, G and H of the gravi-inertial model against differences of its mechanization; the disturbance processes against their
 // correlation functions; F against the entries that math.md section 4 was checked with.
 #include "schuler/gravimetry/discretize.h"
-#include "schuler/gravimetry/survey_state.h"
+#include "schuler/gravimetry/survey_aids.h"
 
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include <iterator>
 #include <limits>
 #include <random>
 #include <string>
@@ -57,7 +58,9 @@ std::vector<Point> points() {
         for (int k = 0; k < 2; ++k) {
             Point p;
             p.name = "kind " + std::to_string(static_cast<int>(kind)) + ", point " + std::to_string(k);
-            p.disturbance = {kind, 40.0 + 30.0 * k, Vector3d(2e-4, 3e-4, 5e-4), true};   // by time: the pace is constant; along the track below
+            p.disturbance = {kind, 40.0 + 30.0 * k, Vector3d(2e-4, 3e-4, 5e-4), true,
+                             k == 0 ? DisturbanceAxes::LocalLevel
+                                    : DisturbanceAxes::EarthFixed};   // by time: the pace is constant; along the track below
             NavState nav;
             nav.position = {1.3 * unit(generator), 3.0 * unit(generator), 2000.0};
             nav.v_eb_n = vector(80.0);
@@ -66,7 +69,9 @@ std::vector<Point> points() {
             p.state.parameters.segment<3>(accel_bias) = vector(1e-3);
             p.state.parameters.segment<3>(gyro_bias) = vector(1e-4);
             p.state.parameters.segment<3>(gnss_position) = vector(1.0);
-            p.state.parameters.segment<3>(systematic) = vector(1e-3);
+            p.state.parameters.segment<3>(systematic) = vector(1e-4);
+            p.state.parameters.segment<3>(height_bias) = vector(30.0);
+            p.state.parameters.segment<4>(heading_bias) = Eigen::Vector4d(0.02, -0.015, 0.01, 0.03);
             p.f_b = nav.q_nb.conjugate() * (Vector3d(0.0, 0.0, -9.8) + vector(3.0));
             p.w_b = vector(0.02);
             p.lever_arm_b = vector(3.0);
@@ -85,13 +90,13 @@ StateVector error_between(const SurveyState& estimate, const SurveyState& truth)
 }
 
 VectorXd three(std::initializer_list<double> sizes) {
-    VectorXd x = VectorXd::Zero(max_states);
+    VectorXd x = VectorXd::Constant(max_states, std::data(sizes)[sizes.size() - 1]);   // the last one goes on
     Eigen::Index i = 0;
     for (const double size : sizes) x.segment<3>(3 * i++).setConstant(size);
     return x;
 }
-const VectorXd step = three({1e3, 1.0, 1e-3, 1e-2, 1e-4, 10.0, 1.0, 1e-2, 1e-2, 1e-4, 1e-6, 1.0});
-const VectorXd floor_of_rate = three({1e-7, 3e-8, 1e-12, 1e-12, 1e-14, 1e-9, 1e-10, 1e-10, 1e-10, 1e-12, 1e-14, 1e-9});
+const VectorXd step = three({1e3, 1.0, 1e-3, 1e-2, 1e-4, 10.0, 1.0, 1e-2, 1e-2, 1e-4, 1e-6, 1.0, 1e-3});
+const VectorXd floor_of_rate = three({1e-7, 3e-8, 1e-12, 1e-12, 1e-14, 1e-9, 1e-10, 1e-10, 1e-10, 1e-12, 1e-14, 1e-9, 1e-12});
 
 /// (error after dt - error before)/dt, extrapolated to dt = 0.
 template <class After>
@@ -151,6 +156,49 @@ SCHULER_JACOBIAN(gravity_gnss, "gravimetry.gravity_gnss_rows") {
     return models;
 }
 
+/// Rows of an aid at every point against differences of its innovation, which is told the rate less the gyros' error.
+template <class Rows, class Innovation>
+std::vector<LinearModel> aid_models(Rows rows, Innovation innovation, double floor) {
+    std::vector<LinearModel> models;
+    VectorXd size = step;
+    size.head<3>().setConstant(100.0);
+    for (const Point& p : points()) {
+        const MatrixXd H = rows(p);
+        const auto output = [p, innovation](const VectorXd& dx) -> VectorXd {
+            return innovation(p, perturbed(p.state, dx), p.w_b - dx.segment<3>(gyro_bias));
+        };
+        models.push_back(
+            {p.name, H, output, size, tolerance_of(H, 1e-6, VectorXd::Constant(H.rows(), floor), size.cwiseInverse())});
+    }
+    return models;
+}
+
+SCHULER_JACOBIAN(gravity_height, "gravimetry.gravity_height_row") {
+    return aid_models([](const Point& p) { return MatrixXd(gravity_height_row(p.earth, p.state, p.lever_arm_b, 1).transpose()); },
+                      [](const Point& p, const SurveyState& s, const Vector3d&) {
+                          return VectorXd::Constant(1, height_innovation(p.earth, s, p.lever_arm_b, {Time{}, 1990.0, 1.0, 1}));
+                      },
+                      1e-7);
+}
+
+SCHULER_JACOBIAN(gravity_log, "gravimetry.gravity_body_velocity_rows") {
+    return aid_models(
+        [](const Point& p) { return MatrixXd(gravity_body_velocity_rows(p.earth, p.state, p.lever_arm_b, p.w_b)); },
+        [](const Point& p, const SurveyState& s, const Vector3d& w_ib_b) {
+            return VectorXd(body_velocity_innovation(p.earth, s, p.lever_arm_b, w_ib_b, {Time{}, Vector3d(5.0, 1.0, 0.0)}));
+        },
+        1e-8);
+}
+
+SCHULER_JACOBIAN(gravity_heading, "gravimetry.gravity_heading_row") {
+    return aid_models([](const Point& p) { return MatrixXd(gravity_heading_row(p.earth, p.state).transpose()); },
+                      [](const Point& p, const SurveyState& s, const Vector3d&) {
+                          const double near = heading_innovation(p.earth, p.state, {Time{}, 0.0});
+                          return VectorXd::Constant(1, heading_innovation(p.earth, s, {Time{}, near}));
+                      },
+                      1e-9);
+}
+
 TEST(GravityModel, EntriesOfThePapersScenario) {
     // Earth-fixed specific force and w0^2 of math.md section 4 (point-mass gradient: 0.5 % of it is the Earth's flattening).
     const earth::Earth earth;
@@ -162,7 +210,7 @@ TEST(GravityModel, EntriesOfThePapersScenario) {
     const earth::EarthTerms terms = earth::terms_at(earth, nav.position, nav.v_eb_n);
     const Vector3d f_n = (2.0 * terms.w_ie_n + terms.w_en_n).cross(nav.v_eb_n) + Vector3d(0.0, 0.0, -9.8156);
     const StateMatrix F = gravity_error_dynamics(
-        earth, {DisturbanceKind::FirstOrder, 3600.0, Vector3d::Ones(), true},
+        earth, {DisturbanceKind::FirstOrder, 3600.0, Vector3d::Ones(), true, DisturbanceAxes::EarthFixed},
         {s.position, s.v_eb_e, s.q_eb.toRotationMatrix(), earth::C_en(nav.position.lat, nav.position.lon) * f_n});
     EXPECT_NEAR(F(velocity + 0, attitude + 1), -8.11939621608, 1e-8);
     EXPECT_NEAR(F(velocity + 1, attitude + 2), -4.37575397291, 1e-8);
@@ -177,11 +225,14 @@ TEST(GravityModel, EntriesOfThePapersScenario) {
 TEST(GravityModel, DisturbancesStayInTheirStationaryState) {
     // And their correlation is the closed function of the distance; across a change of speed, for they run along the track.
     for (const DisturbanceKind kind : {DisturbanceKind::FirstOrder, DisturbanceKind::SecondOrder, DisturbanceKind::ThirdOrder}) {
-        const DisturbanceModel model{kind, 5000.0, Vector3d(2e-4, 3e-4, 5e-4), false};
+        const DisturbanceModel model{
+            kind, 5000.0, Vector3d(2e-4, 3e-4, 5e-4), false,
+            kind == DisturbanceKind::SecondOrder ? DisturbanceAxes::EarthFixed : DisturbanceAxes::LocalLevel};
         const earth::Earth earth;
         const Ecef place = earth::ecef_from_geodetic(earth.ellipsoid, {0.9, 0.4, 500.0});
         const Matrix3d C_en = earth::C_en(0.9, 0.4);
-        const Matrix3d sigma = C_en * model.sigma_n.cwiseAbs2().asDiagonal() * C_en.transpose();
+        const Matrix3d axes = model.from_local_level(C_en);
+        const Matrix3d sigma = axes * model.sigma_n.cwiseAbs2().asDiagonal() * axes.transpose();
         StateMatrix P = StateMatrix::Zero(), Phi = StateMatrix::Identity();
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) P.block<3, 3>(random + 3 * i, random + 3 * j) = model.stationary()(i, j) * sigma;

@@ -7,7 +7,7 @@
 #include "schuler/ins/step.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
-#include "schuler/sim/survey.h"
+#include "schuler/sim/simulate.h"
 
 #include <gtest/gtest.h>
 
@@ -22,32 +22,44 @@ using Eigen::Vector3d;
 constexpr double gyro = 0.01 * units::deg_per_hour;
 const Geodetic start{55.8114694 * units::deg, 37.4998612 * units::deg, 164.15};
 
-/// Paper E's instruments with a carrier-phase receiver, and a filter that believes what is simulated.
-sim::SurveyInstruments papers_instruments() {
-    sim::SurveyInstruments in;
-    in.gyro_bias = in.gyro_noise = gyro;
-    in.accel_bias = in.accel_noise = 1e-6;
-    in.gnss_position_bias = in.gnss_position_noise = 0.05;
-    in.gnss_velocity_bias = in.gnss_velocity_noise = 0.05;
-    return in;
+/// Paper E's instruments with a carrier-phase receiver at the IMU, twice and once a second.
+sim::Scenario papers_scenario(const sim::PathSettings& path, double duration, std::uint64_t seed) {
+    sim::Scenario s;
+    s.seed = seed;
+    s.duration = duration;
+    s.path = path;
+    s.reference_rate = 1.0;
+    s.imu.rate = 2.0;
+    s.imu.errors.gyro_turn_on_bias = gyro;
+    s.imu.errors.gyro_noise = gyro / std::sqrt(s.imu.rate);
+    s.imu.errors.accel_turn_on_bias = 1e-6;
+    s.imu.errors.accel_noise = 1e-6 / std::sqrt(s.imu.rate);
+    s.gnss.white_position.setConstant(0.05);
+    s.gnss.white_velocity.setConstant(0.05);
+    s.gnss.errors.correlated_position.setConstant(0.05);
+    s.gnss.errors.correlated_velocity.setConstant(0.05);
+    s.gnss.errors.correlated_time = s.gnss.errors.correlated_velocity_time = 1e15;
+    return s;
 }
-SurveySettings papers_settings(const sim::SurveyInstruments& in) {
+SurveySettings papers_settings() {
     SurveySettings s;
-    s.noise = {gyro * gyro / in.imu_rate, 1e-12 / in.imu_rate};
+    s.noise = {gyro * gyro / 2.0, 1e-12 / 2.0};
     s.prior.attitude_n = {1e-4, 1e-4, 1e-3};
     s.prior.gyro_bias = gyro;
     return s;
 }
 
-SurveyInput input_of(const sim::SimulatedSurvey& data, const sim::TruthPath& path, const SurveySettings& settings,
-                     const sim::SurveyInstruments& in, std::uint64_t seed) {
+SurveyInput input_of(const sim::Scenario& scenario, const sim::SimulatedData& data, const SurveySettings& settings) {
     SurveyInput input;
-    input.imu = data.imu;
-    for (const sim::EcefFix& fix : data.fixes)
-        input.fixes.push_back({fix.time, fix.position, fix.velocity, Vector3d::Constant(in.gnss_position_noise),
-                               Vector3d::Constant(in.gnss_velocity_noise)});
-    math::Random random(seed, "start errors");
-    NavState right = sim::nav_state(path.at(0.0), Time{});
+    for (const ImuSample& s : data.recording.imu) input.imu.push_back({s.time, 1.0 / scenario.imu.rate, s.gyro, s.accel});
+    for (const GnssFix& fix : data.recording.gnss) {
+        const Eigen::Matrix3d C_en = earth::C_en(fix.position.lat, fix.position.lon);
+        input.fixes.push_back({fix.time, earth::ecef_from_geodetic(scenario.earth.ellipsoid, fix.position).r,
+                               C_en * fix.velocity_n, scenario.gnss.white_position, scenario.gnss.white_velocity});
+    }
+    math::Random random(scenario.seed, "start errors");
+    const ReferenceSample& first = data.recording.reference.front();
+    NavState right{first.time, first.position, first.velocity_n, math::quaternion_from_rpy(first.rpy)};
     const Vector3d tilt = settings.prior.attitude_n.cwiseProduct(random.normal3());
     right.q_nb = math::quaternion_from_rotation_vector(tilt) * right.q_nb;
     input.start = ins::to_ecef(settings.earth, right);
@@ -57,15 +69,14 @@ SurveyInput input_of(const sim::SimulatedSurvey& data, const sim::TruthPath& pat
 }
 
 struct Flown {
-    sim::SimulatedSurvey data;
+    sim::SimulatedData data;
     SurveyResult result;
+    /// At the i-th fix of the result; the truth has the start too.
+    [[nodiscard]] const Vector3d& truth(std::size_t i) const { return data.sensor_truth[i + 1].disturbance_n; }
 };
-Flown run(const sim::PathSettings& path_settings, const std::vector<sim::AnomalyPart>& parts, const SurveySettings& settings,
-        const sim::SurveyInstruments& in, double duration, std::uint64_t seed) {
-    const auto path = sim::make_path(path_settings, settings.earth.ellipsoid);
-    const sim::AnomalyTrack anomaly(parts, sim::distance_along(*path, duration), duration, seed);
-    Flown out{sim::simulate_survey(settings.earth, *path, anomaly, in, duration, seed), {}};
-    out.result = run_survey(settings, input_of(out.data, *path, settings, in, seed), true);
+Flown run(const sim::Scenario& scenario, const SurveySettings& settings) {
+    Flown out{sim::simulate(scenario), {}};
+    out.result = run_survey(settings, input_of(scenario, out.data, settings), true);
     return out;
 }
 
@@ -76,8 +87,7 @@ double median(std::vector<double> x) {
 
 TEST(SurveySlow, ConstantDisturbanceOfThePapersScenario) {
     // Half an hour of the car. The disturbance is drawn from its prior; its level cannot be better than the accelerometer's error.
-    const sim::SurveyInstruments in = papers_instruments();
-    const SurveySettings settings = papers_settings(in);
+    const SurveySettings settings = papers_settings();
     const sim::GreatCirclePath path{start, 45.0 * units::deg, std::sqrt(2.0)};
     std::vector<double> errors;
     double nees = 0.0, nees_smoothed = 0.0;
@@ -85,11 +95,13 @@ TEST(SurveySlow, ConstantDisturbanceOfThePapersScenario) {
     for (int seed = 1; seed <= seeds; ++seed) {
         math::Random random(static_cast<std::uint64_t>(seed), "disturbance");
         const sim::AnomalyPart constant{sim::AnomalyPart::Kind::Constant, 1e-4 * random.normal3()};
-        const Flown r = run(path, {constant}, settings, in, 1800.0, static_cast<std::uint64_t>(seed));
+        sim::Scenario scenario = papers_scenario(path, 1800.0, static_cast<std::uint64_t>(seed));
+        scenario.anomaly = {constant};
+        const Flown r = run(scenario, settings);
         const SurveyEpoch& last = r.result.forward.back();
         const SurveyEpoch& middle = r.result.smoothed[300];
-        const double error = last.disturbance_n.z() - r.data.truth.back().disturbance_n.z();
-        const double smoothed_error = middle.disturbance_n.z() - r.data.truth[300].disturbance_n.z();
+        const double error = last.disturbance_n.z() - r.data.sensor_truth.back().disturbance_n.z();
+        const double smoothed_error = middle.disturbance_n.z() - r.truth(300).z();
         errors.push_back(std::abs(error));
         nees += std::pow(error / last.sigma_disturbance_n.z(), 2) / seeds;
         nees_smoothed += std::pow(smoothed_error / middle.sigma_disturbance_n.z(), 2) / seeds;
@@ -108,17 +120,18 @@ TEST(SurveySlow, ConstantDisturbanceOfThePapersScenario) {
 
 TEST(SurveySlow, AnomalyThatChangesAlongTheTrack) {
     // 60 m/s over a second-order process of 5 km: filter and smoother stay within their sigmas, and the smoother is the better.
-    sim::SurveyInstruments in = papers_instruments();
-    SurveySettings settings = papers_settings(in);
+    SurveySettings settings = papers_settings();
     settings.prior.disturbance_n.setConstant(1e-5);
     settings.disturbance = {DisturbanceKind::SecondOrder, 5000.0, Vector3d::Constant(3e-4), false};
     const sim::AnomalyPart field{sim::AnomalyPart::Kind::GaussMarkov2, Vector3d::Constant(3e-4), 0.0, 5000.0};
     double forward = 0.0, smoothed = 0.0, nees = 0.0, nees_smoothed = 0.0;
     int count = 0;
     for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
-        const Flown r = run(sim::GreatCirclePath{start, 0.5, 60.0}, {field}, settings, in, 1200.0, seed);
+        sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 60.0}, 1200.0, seed);
+        scenario.anomaly = {field};
+        const Flown r = run(scenario, settings);
         for (std::size_t i = 200; i < 1000; i += 40, ++count) {
-            const double truth = r.data.truth[i].disturbance_n.z();
+            const double truth = r.truth(i).z();
             const SurveyEpoch &f = r.result.forward[i], &s = r.result.smoothed[i];
             const double ef = f.disturbance_n.z() - truth, es = s.disturbance_n.z() - truth;
             forward += ef * ef;
@@ -142,30 +155,34 @@ TEST(SurveySlow, AnomalyThatChangesAlongTheTrack) {
 
 TEST(Survey, PerfectInstrumentsShowTheDisturbance) {
     // No noise, no errors: what is left is the discretisation. 10 mGal down and a tilt's worth of horizontal one.
-    sim::SurveyInstruments in;
-    SurveySettings settings = papers_settings(in);
+    SurveySettings settings = papers_settings();
     settings.prior.attitude_n.setConstant(1e-9);
     settings.prior.position = 1e-3;
     settings.prior.velocity = 1e-4;
     settings.prior.accel_bias = settings.prior.gyro_bias = 0.0;
-    settings.prior.gnss_position = settings.prior.gnss_velocity = 0.0;
+    settings.prior.gnss_position_n.setZero();
+    settings.prior.gnss_velocity = 0.0;
     settings.noise = {1e-22, 1e-16};
-    in.gnss_position_noise = 1e-3;
+    sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 10.0}, 300.0, 1);
+    scenario.imu.errors = {};
+    scenario.gnss.errors = {};
+    scenario.gnss.white_position.setConstant(1e-3);
+    scenario.gnss.white_velocity.setConstant(1e-6);
     const sim::AnomalyPart constant{sim::AnomalyPart::Kind::Constant, {3e-5, -4e-5, 1e-4}};
-    const Flown r = run(sim::GreatCirclePath{start, 0.5, 10.0}, {constant}, settings, in, 300.0, 1);
+    scenario.anomaly = {constant};
+    const Flown r = run(scenario, settings);
     EXPECT_LT((r.result.forward.back().disturbance_n - constant.size_n).norm(), 1e-7);
     EXPECT_LT((r.result.smoothed.front().disturbance_n - constant.size_n).norm(), 1e-7);
 }
 
 TEST(Survey, LogsThatDoNotFitAreRefused) {
-    const sim::SurveyInstruments in = papers_instruments();
-    const SurveySettings settings = papers_settings(in);
-    const auto path = sim::make_path(sim::GreatCirclePath{start, 0.5, 10.0}, settings.earth.ellipsoid);
-    const sim::SimulatedSurvey data = sim::simulate_survey(settings.earth, *path, {{}, 100.0, 10.0, 1}, in, 10.0, 1);
-    SurveyInput input = input_of(data, *path, settings, in, 1);
+    const SurveySettings settings = papers_settings();
+    const sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 10.0}, 10.0, 1);
+    const sim::SimulatedData data = sim::simulate(scenario);
+    SurveyInput input = input_of(scenario, data, settings);
     input.imu.erase(input.imu.begin() + 5);
     EXPECT_THROW((void)run_survey(settings, input, false), Error);
-    input = input_of(data, *path, settings, in, 1);
+    input = input_of(scenario, data, settings);
     input.fixes.clear();
     EXPECT_THROW((void)run_survey(settings, input, false), Error);
 }

@@ -2,6 +2,8 @@
 #include "schuler/sim/anomaly.h"
 
 #include "schuler/core/error.h"
+#include "schuler/math/rotation.h"
+#include "schuler/sim/simulate.h"
 
 #include <gtest/gtest.h>
 
@@ -41,6 +43,30 @@ TEST(Anomaly, RandomPartsHaveTheirCorrelation) {
 TEST(Anomaly, UnusablePartsAreRefused) {
     EXPECT_THROW(AnomalyTrack({{Kind::Harmonic, Vector3d::Ones(), 0.0, 0.0}}, 1.0, 1.0, 1), Error);
     EXPECT_THROW(AnomalyTrack({{Kind::GaussMarkov1, Vector3d::Ones(), 0.0, 1e-6}}, 1e5, 1.0, 1), Error);
+}
+
+TEST(Anomaly, AFieldOverTheGroundIsThatOfThePlaceAndIsFeltByTheAccelerometers) {
+    // Two ways over one place meet one value; the accelerometers miss what the truth says.
+    const GroundField field = [](const Geodetic& p) {
+        return Vector3d(1e-4 * std::sin(p.lat * 6.4e6 / 900.0), 2e-5, 3e-4 * std::cos(p.lon * 4e6 / 1300.0));
+    };
+    Scenario scenario;
+    scenario.duration = 60.0;
+    scenario.path = GreatCirclePath{{0.9, 0.3, 500.0}, 0.7, 40.0};
+    scenario.reference_rate = 1.0;
+    const SimulatedData quiet = simulate(scenario);
+    scenario.anomaly_field = field;
+    const SimulatedData felt = simulate(scenario);
+    Vector3d missing = Vector3d::Zero(), expected = Vector3d::Zero();
+    for (std::size_t k = 0; k < felt.sensor_truth.size(); ++k) {
+        const Vector3d there = field(felt.recording.reference[k].position);
+        EXPECT_LT((felt.sensor_truth[k].disturbance_n - there).norm(), 1e-12);
+        expected += (k == 0 || k + 1 == felt.sensor_truth.size() ? 0.5 : 1.0) * there;
+    }
+    for (std::size_t k = 0; k < felt.recording.imu.size(); ++k)
+        missing += math::dcm_from_rpy(felt.recording.reference[k / 100].rpy) *
+                   (quiet.recording.imu[k].accel - felt.recording.imu[k].accel);
+    EXPECT_LT((missing - expected).norm(), 2e-3 * expected.norm());
 }
 
 }  // namespace

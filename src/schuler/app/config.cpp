@@ -20,6 +20,7 @@ OptionTable<Config> make_table() {
     add_filter_options(table);
     add_coupling_options(table);
     add_gravity_options(table);
+    add_aid_options(table);
     add_ranging_options(table);
     add_run_options(table);
     return table;

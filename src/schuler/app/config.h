@@ -1,6 +1,7 @@
 // Everything a user can set about processing one data set: what the files mean, the filter, what is written.
 #pragma once
 
+#include "schuler/app/config_aids.h"
 #include "schuler/app/gravity_config.h"
 #include "schuler/app/option_table.h"
 #include "schuler/core/time.h"
@@ -89,6 +90,7 @@ struct Config {
     double sea_level_pressure = 101325.0;        ///< Pa, by which pressures of a barometer become heights
     fusion::Settings filter;
     GravityConfig gravity;
+    AidsConfig aids;
     RunConfig run;
     OutputConfig output;
 

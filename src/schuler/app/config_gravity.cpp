@@ -8,6 +8,7 @@
 namespace schuler::app {
 namespace {
 
+using gravimetry::DisturbanceAxes;
 using gravimetry::DisturbanceKind;
 using sim::AnomalyPart;
 
@@ -133,6 +134,10 @@ void add_gravity_options(OptionTable<Config>& table) {
                                              "what is estimated: a constant, and beside it a process along the track (ramp: a "
                                              "ramp and a first-order one)",
                                              [](auto& c) -> auto& { return c.gravity.model; }))
+        .add(choice<Config, DisturbanceAxes>("gravity.axes",
+                                             {{"ned", DisturbanceAxes::LocalLevel}, {"ecef", DisturbanceAxes::EarthFixed}},
+                                             "axes in which that model holds: north, east, down or the paper's Earth-fixed ones",
+                                             [](auto& c) -> auto& { return c.gravity.axes; }))
         .add(number<Config>("gravity.length_m", 1.0, 1.0, 1e9, "correlation length of the process along the track",
                             gravity(&GravityConfig::length)))
         .add(number<Config>("gravity.time_s", 1.0, 1.0, 1e9, "its correlation time where it runs by time instead",

@@ -12,6 +12,7 @@ void add_raw_gnss_options(OptionTable<Config>& table);  ///< raw measurements
 void add_filter_options(OptionTable<Config>& table);   ///< baro, mag, initial, filter
 void add_coupling_options(OptionTable<Config>& table); ///< filter.loose, filter.separate, filter.integrity
 void add_gravity_options(OptionTable<Config>& table);  ///< gravity, anomaly
+void add_aid_options(OptionTable<Config>& table);       ///< gauges, log, compass
 void add_ranging_options(OptionTable<Config>& table);  ///< ranges
 void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
 

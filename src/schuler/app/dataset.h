@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/app/config.h"
+#include "schuler/core/aid_samples.h"
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
 
@@ -30,6 +31,7 @@ enum class Needs { Imu, ImuAndGnss };
 /// A recording with what loading it has told about the settings.
 struct LoadedDataset {
     Recording recording;                 ///< times on the data set's own axis
+    AidLog aids;
     Config config;
     Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch
     bool true_reference = false;         ///< the reference is simulated truth

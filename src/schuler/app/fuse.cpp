@@ -24,6 +24,7 @@ ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList&
     bundle.seed = simulated.seed;
     bundle.published = scenario.published;
     bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
+    bundle.data.aids = std::move(simulated.aids);
     bundle.data.true_reference = true;
     bundle.truth = hidden_truth(simulated.truth, bundle.data.config.filter.imu);
     return bundle;

@@ -5,6 +5,7 @@
 #include "schuler/app/toml_file.h"
 #include "schuler/core/units.h"
 #include "schuler/gravimetry/resolution.h"
+#include "schuler/math/chi_square.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
@@ -135,6 +136,23 @@ GravityErrors errors_of(const GravityBundle& b) {
     return out;
 }
 
+GravityInnovations innovations_of(const GravityBundle& b) {
+    GravityInnovations out;
+    double sum = 0.0;
+    int freedoms = 0;
+    for (const SurveyEpoch& e : b.survey.forward) {
+        if (e.time < b.run.evaluation.settled || e.measured == 0) continue;
+        sum += e.nis;
+        freedoms += e.measured;
+        ++out.epochs;
+    }
+    if (freedoms == 0) return out;
+    out.nis = sum / freedoms;
+    out.low = math::chi_square_quantile(0.025, freedoms) / freedoms;
+    out.high = math::chi_square_quantile(0.975, freedoms) / freedoms;
+    return out;
+}
+
 /// From loaded data to the survey and its numbers.
 void estimate(GravityBundle& b, WarningLog& warnings) {
     b.run.command = "gravity";
@@ -160,6 +178,7 @@ void estimate(GravityBundle& b, WarningLog& warnings) {
     b.run.evaluation = evaluate(b.run.data, b.run.result, b.run.truth);
     if (!b.run.truth.sensors.empty()) b.truth = truth_at(b.survey.forward, b.run.truth.sensors);
     b.errors = errors_of(b);
+    b.innovations = innovations_of(b);
     b.attainable = attainability(input, b.survey.forward, c.gravity);
     b.classical = classical_gravity(b, input);
     b.lines = gravity_lines(b);
@@ -212,6 +231,7 @@ GravityBundle gravity_of_scenario(const ScenarioConfig& scenario, const ProcessR
     b.run = simulated_bundle(scenario, request.over({}), warnings);
     b.run.data.read_seconds = seconds_since(begin);
     b.run.version = request.version;
+    b.over_ground = scenario.sim.anomaly.empty();
     estimate(b, warnings);
     return b;
 }

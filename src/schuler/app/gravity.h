@@ -39,6 +39,14 @@ struct Attainability {
     std::string statement;  ///< one or two sentences for people
 };
 
+/// The fixes against what the filter expected of them: mean of the squares of the innovations by their variance, a degree of
+/// freedom, after settling; near one where the filter knows its instruments.
+struct GravityInnovations {
+    double nis = not_given;
+    double low = not_given, high = not_given;  ///< between which it lies in 95 of 100 runs of a consistent filter
+    std::size_t epochs = 0;
+};
+
 /// Errors of the disturbance (estimate minus truth), north, east, down, m/s^2.
 struct GravityErrors {
     Eigen::Vector3d rms = not_given3();  ///< of the smoothed (or forward) disturbance after settling
@@ -46,8 +54,8 @@ struct GravityErrors {
     Eigen::Vector3d last = not_given3();  ///< at the last fix
 };
 
-/// The survey as lines, with the levels that make their crossovers agree. Values are down, m/s^2. A simulated anomaly runs along
-/// the track, not over the ground: there the crossovers are those of the errors, as they would be over a field of the ground.
+/// The survey as lines, with the levels that make their crossovers agree. Values are down, m/s^2. Where a simulated anomaly runs
+/// along the track, not over the ground, the crossovers are those of the errors.
 struct GravityLines {
     std::vector<gravimetry::SurveyLine> lines;
     std::vector<gravimetry::Crossover> crossings;
@@ -70,8 +78,10 @@ struct GravityBundle {
     ResultBundle run;
     gravimetry::SurveyResult survey;
     std::vector<Eigen::Vector3d> truth;  ///< disturbance at the forward epochs, north, east, down; empty: not known
+    bool over_ground = false;  ///< the simulated disturbance is a field of places alone
     Attainability attainable;
     GravityErrors errors;
+    GravityInnovations innovations;
     ClassicalGravity classical;
     GravityLines lines;
     [[nodiscard]] const std::vector<gravimetry::SurveyEpoch>& epochs() const {

@@ -34,15 +34,16 @@ std::pair<double, double> error_of(const GravityBundle& b, const std::vector<dou
     return {std::sqrt(squares / n), std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n)))};
 }
 
+/// A disturbance that was simulated along the track is taken off: a crossing would meet two places of it.
 std::vector<gravimetry::TrackPoint> track_of(const GravityBundle& b) {
     const earth::Earth& earth = b.run.data.config.filter.earth;
     const std::vector<SolutionRow>& rows = b.run.solution().rows;
     std::vector<gravimetry::TrackPoint> out;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Eigen::Vector3d from_start = earth::ned_difference(earth, rows[i].position, rows.front().position);
-        const double truth = b.truth.empty() ? 0.0 : b.truth[i].z();
+        const double along_track = b.truth.empty() || b.over_ground ? 0.0 : b.truth[i].z();
         const double course = std::atan2(rows[i].v_eb_n.y(), rows[i].v_eb_n.x());
-        out.push_back({from_start.head<2>(), course, b.epochs()[i].disturbance_n.z() - truth});
+        out.push_back({from_start.head<2>(), course, b.epochs()[i].disturbance_n.z() - along_track});
     }
     return out;
 }
@@ -76,7 +77,7 @@ GravityLines gravity_lines(const GravityBundle& b) {
     std::vector<double> t, error;
     for (std::size_t i = 0; i < track.size(); ++i) {
         t.push_back((rows[i].time - rows.front().time).seconds());
-        error.push_back(track[i].value);
+        error.push_back(b.epochs()[i].disturbance_n.z() - b.truth[i].z());
     }
     std::vector<double> slow = gravimetry::low_passed(t, error, b.attainable.resolved_period);
     for (std::size_t i = 0; i < slow.size(); ++i) slow[i] = out.line_of[i] < 0 ? not_given : slow[i] + b.truth[i].z();

@@ -15,12 +15,13 @@ namespace schuler::app {
 /// Section [gravity]. Vectors are east, north, up, as a user writes them.
 struct GravityConfig {
     gravimetry::DisturbanceKind model = gravimetry::DisturbanceKind::SecondOrder;
+    gravimetry::DisturbanceAxes axes = gravimetry::DisturbanceAxes::LocalLevel;
     double length = 5000.0;                      ///< of the random part, m along the track
     double time = not_given;                     ///< of the random part, s; given: it runs by time
     Eigen::Vector3d sigma_enu{20.0 * units::mgal, 20.0 * units::mgal, 20.0 * units::mgal};   ///< of the random part, m/s^2
     Eigen::Vector3d prior_enu{50.0 * units::mgal, 50.0 * units::mgal, 50.0 * units::mgal};   ///< of the systematic part, m/s^2
     double slope = 0.0;                          ///< of a ramp, m/s^2 per metre (per second where it runs by time)
-    double gnss_position = not_given;            ///< systematic error of the fixes, m; not given: mean of the horizontal gnss.correlated_m
+    double gnss_position = not_given;  ///< systematic error of the fixes, m; not given: gnss.correlated_m
     double gnss_velocity = 0.0;                  ///< m/s
     double lowpass = not_given;                  ///< of the classical pipeline, s; not given: as the smoother resolves
     bool smooth = true;

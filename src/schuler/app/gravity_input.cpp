@@ -20,8 +20,8 @@ Vector3d or_default(const Vector3d& given, const Vector3d& otherwise) { return (
 Vector3d ned_sigma(const Vector3d& enu) { return {enu.y(), enu.x(), enu.z()}; }
 
 /// The white part of a sigma of which `systematic` is a state of its own.
-Vector3d without(const Vector3d& sigma, double systematic) {
-    return (sigma.cwiseAbs2().array() - systematic * systematic).max(0.01 * sigma.cwiseAbs2().array()).sqrt().matrix();
+Vector3d without(const Vector3d& sigma, const Vector3d& systematic) {
+    return (sigma.cwiseAbs2() - systematic.cwiseAbs2()).array().max(0.01 * sigma.cwiseAbs2().array()).sqrt().matrix();
 }
 
 bool withheld(const fusion::Settings& s, Time time, Time origin) {
@@ -42,11 +42,12 @@ std::vector<AntennaFix> fixes_of(const LoadedDataset& data, const gravimetry::Pr
         a.time = fix.time - Duration::from_seconds(s.gnss.latency + fix.position_age);
         a.position = earth::ecef_from_geodetic(s.earth.ellipsoid, fix.position).r;
         a.sigma_position_n = without(
-            or_default(fix.std_position, s.gnss.default_std_position).cwiseMax(s.gnss.std_floor_position), prior.gnss_position);
+            or_default(fix.std_position, s.gnss.default_std_position).cwiseMax(s.gnss.std_floor_position), prior.gnss_position_n);
         const bool moving = s.gnss.use_velocity && fix.velocity_n.allFinite();
         a.velocity = moving ? Vector3d(C_en * fix.velocity_n) : Vector3d::Zero();
-        a.sigma_velocity_n = moving ? without(or_default(fix.std_velocity, s.gnss.default_std_velocity), prior.gnss_velocity)
-                                    : Vector3d::Constant(std::numeric_limits<double>::infinity());
+        a.sigma_velocity_n =
+            moving ? without(or_default(fix.std_velocity, s.gnss.default_std_velocity), Vector3d::Constant(prior.gnss_velocity))
+                   : Vector3d::Constant(std::numeric_limits<double>::infinity());
         out.push_back(a);
     }
     return out;
@@ -91,7 +92,7 @@ gravimetry::SurveySettings settings_of(const Config& c, const SolutionRow& start
     s.earth = c.filter.earth;
     s.lever_arm_b = c.filter.gnss.lever_arm_b;
     const bool by_time = std::isfinite(g.time);
-    s.disturbance = {g.model, by_time ? g.time : g.length, ned_sigma(g.sigma_enu), by_time};
+    s.disturbance = {g.model, by_time ? g.time : g.length, ned_sigma(g.sigma_enu), by_time, g.axes};
     const auto walk = [](double sigma, double time) { return std::isfinite(time) ? 2.0 * sigma * sigma / time : 0.0; };
     s.noise = {imu.gyro_noise * imu.gyro_noise, imu.accel_noise * imu.accel_noise, walk(imu.gyro_bias, imu.gyro_bias_time),
                walk(imu.accel_bias, imu.accel_bias_time)};
@@ -102,12 +103,44 @@ gravimetry::SurveySettings settings_of(const Config& c, const SolutionRow& start
     p.position = start.std_position.maxCoeff();
     p.accel_bias = imu.accel_initial_bias();
     p.gyro_bias = imu.gyro_initial_bias();
-    p.gnss_position =
-        std::isfinite(g.gnss_position) ? g.gnss_position : c.filter.gnss.errors.correlated_position.head<2>().mean();
+    p.gnss_position_n =
+        std::isfinite(g.gnss_position) ? Vector3d(Vector3d::Constant(g.gnss_position)) : c.filter.gnss.errors.correlated_position;
     p.gnss_velocity = g.gnss_velocity;
     p.disturbance_n = ned_sigma(g.prior_enu);
     p.slope = g.slope;
     return s;
+}
+
+/// Gauges, log of velocity and compass, and the barometer where gravity is to have it: measurements and priors.
+void take_aids(const LoadedDataset& data, GravityInput& out) {
+    const Config& c = data.config;
+    const AidsConfig& aids = c.aids;
+    gravimetry::SurveySettings& settings = out.settings;
+    gravimetry::Prior& prior = settings.prior;
+    if (c.gravity.height_aid) {
+        const SourcePlace place{{}, 0, 0, "gravity.height_aid"};
+        if (data.recording.baro.empty())
+            throw input_error("there is no barometer or depth gauge to take", place,
+                              "name its log in [baro], or leave the key out");
+        if (!data.aids.gauges.empty())
+            throw input_error("the gauges of [gauges] are taken already", place, "leave out one of them");
+        prior.height_bias = c.filter.baro.bias_std;
+        for (const BaroSample& b : data.recording.baro)
+            if (std::isfinite(b.height)) out.survey.heights.push_back({b.time, b.height, c.filter.baro.std, 0});
+    }
+    if (!data.aids.gauges.empty()) prior.height_bias = aids.gauges.bias;
+    for (std::size_t i = 0; i < aids.gauges.lever_arms_b.size(); ++i)
+        settings.gauge_lever_arms_b[i] = aids.gauges.lever_arms_b[i];
+    for (const GaugeSample& s : data.aids.gauges)
+        for (int i = 0; i < static_cast<int>(aids.gauges.lever_arms_b.size()); ++i)
+            if (std::isfinite(s.height(i))) out.survey.heights.push_back({s.time, s.height(i), aids.gauges.white, i});
+    settings.log_lever_arm_b = aids.log.lever_arm_b;
+    prior.log_scale = aids.log.scale;
+    prior.log_misalignment = aids.log.misalignment;
+    for (const BodyVelocitySample& s : data.aids.velocities)
+        out.survey.velocities.push_back({s.time, s.velocity_b, Vector3d::Constant(aids.log.white)});
+    prior.heading_bias = aids.compass.bias;
+    for (const HeadingSample& s : data.aids.headings) out.survey.headings.push_back({s.time, s.heading, aids.compass.white});
 }
 
 }  // namespace
@@ -155,14 +188,7 @@ GravityInput gravity_input(const LoadedDataset& data, WarningLog& warnings) {
     if (out.survey.fixes.empty())
         throw input_error("no satellite fix can be used", {}, "check the times of both logs with `schuler inspect`");
     for (const double t : c.gravity.steps) out.survey.steps.push_back(data.origin + Duration::from_seconds(t));
-    if (c.gravity.height_aid) {
-        if (data.recording.baro.empty())
-            throw input_error("there is no barometer or depth gauge to take", {{}, 0, 0, "gravity.height_aid"},
-                              "name its log in [baro], or leave the key out");
-        out.settings.prior.height_bias = c.filter.baro.bias_std;
-        for (const BaroSample& b : data.recording.baro)
-            if (std::isfinite(b.height)) out.survey.heights.push_back({b.time, b.height, c.filter.baro.std});
-    }
+    take_aids(data, out);
     const AntennaFix& a = out.survey.fixes.front();
     double distance = 0.0;
     for (std::size_t i = 1; i < out.survey.fixes.size(); ++i)

@@ -99,6 +99,11 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
         {"attainable_vertical_mgal", in_mgal(a.vertical)},
         {"attainable_horizontal_mgal", in_mgal(a.horizontal)},
         {"resolved_period_s", number(a.resolved_period)},
+        {"innovations",
+         {{"nis", number(b.innovations.nis)},
+          {"low", number(b.innovations.low)},
+          {"high", number(b.innovations.high)},
+          {"epochs", b.innovations.epochs}}},
         {"usable", a.usable},
         {"statement", a.statement},
         {"epochs", rows},
@@ -120,6 +125,9 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
 std::string gravity_tables(const GravityBundle& b) {
     std::string out = summary_tables(b.run);
     out += fmt::format("\n{}\n", b.attainable.statement);
+    if (std::isfinite(b.innovations.nis))
+        out += fmt::format("innovations: NIS {:.3f} a degree of freedom, {:.3f} to {:.3f} in 95 of 100 consistent runs\n",
+                           b.innovations.nis, b.innovations.low, b.innovations.high);
     if (!b.attainable.usable) return out;
     const gravimetry::SurveyEpoch& last = b.epochs().back();
     out += fmt::format("{:<28}{:>11}{:>11}", "disturbance, mGal", "at the end", "sigma");

@@ -4,6 +4,7 @@
 #include "schuler/app/raw_gnss.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/atmosphere.h"
+#include "schuler/io/csv_aids.h"
 #include "schuler/io/csv_recording.h"
 #include "schuler/io/kfgins.h"
 #include "schuler/io/nmea.h"
@@ -180,6 +181,12 @@ void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warning
             for (MagSample& m : out.recording.mag) m.field_b = C_imu_mag * m.field_b;
         }
     }
+    if (!c.aids.gauges.file.empty())
+        out.aids.gauges = io::read_gauges_csv(io::TextInput(resolved(folder, c.aids.gauges.file, "gauges.file")));
+    if (!c.aids.log.file.empty())
+        out.aids.velocities = io::read_log_csv(io::TextInput(resolved(folder, c.aids.log.file, "log.file")));
+    if (!c.aids.compass.file.empty())
+        out.aids.headings = io::read_compass_csv(io::TextInput(resolved(folder, c.aids.compass.file, "compass.file")));
     if (!c.reference.file.empty()) {
         out.recording.reference = read_reference(resolved(folder, c.reference.file, "reference.file"), c.reference, c, warnings);
     }

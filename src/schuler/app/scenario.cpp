@@ -249,8 +249,10 @@ Table make_table() {
     Table table;
     add_general(table);
     add_trajectory_options(table);
+    add_survey_options(table);
     add_imu(table);
     add_receivers(table);
+    add_aid_scenario_options(table);
     add_ranging_scenario_options(table);
     table.add(outage_option()).add(fault_option());
     add_filter(table);
@@ -302,6 +304,7 @@ ScenarioConfig scenario_from(const SettingList& settings) {
         s.sim.path = path_of(s);
         const auto path = sim::make_path(s.sim.path, s.sim.earth.ellipsoid);
         sim::require_above_ground(*path, s.sim.duration, s.ground.value_or(ground_of(s)));
+        s.sim.anomaly_field = field_of(s);
     });
     return s;
 }

@@ -5,8 +5,10 @@
 #include "schuler/app/option_table.h"
 #include "schuler/app/published.h"
 #include "schuler/io/csv_ranges.h"
+#include "schuler/sim/aids.h"
 #include "schuler/sim/ranging.h"
 #include "schuler/sim/simulate.h"
+#include "schuler/sim/survey_route.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -18,7 +20,20 @@
 namespace schuler::app {
 
 enum class TrajectoryType {
-    Static, GreatCircle, PaperA, Car, Waypoints, Takeoff, Racetrack, Approach, Figure8, Ship, Table, File, Weave
+    Static,
+    GreatCircle,
+    PaperA,
+    Car,
+    Waypoints,
+    Takeoff,
+    Racetrack,
+    Approach,
+    Figure8,
+    Ship,
+    Table,
+    File,
+    Weave,
+    Survey
 };
 
 /// Errors of the initial state given to the filter, one sigma; NaN: the filter starts by itself.
@@ -48,12 +63,28 @@ struct RangingScenarioConfig {
     sim::RangingSettings settings; ///< its rate, lever arm and navigation are filled in
 };
 
+/// The ground that a path keeps its height over; not given clearance: none.
+struct SurveyGround {
+    double clearance = not_given;  ///< m
+    double climb = 0.05;  ///< steepest, rad
+    double smoothing = not_given;  ///< m; not given: ten seconds' way
+    std::string file;  ///< grid of heights; empty: the hills below
+    double height = 0.0;  ///< m, mean
+    double amplitude = 0.0;  ///< m
+    double wavelength = 10e3;  ///< m
+};
+
+/// Disturbance of gravity over the ground: a grid or a model; both empty: none.
+struct AnomalyFieldConfig {
+    std::string file, model, folder;
+};
+
 struct ScenarioConfig {
     std::string name = "scenario";
     sim::Scenario sim;                          ///< path is filled from the members below
     TrajectoryType type = TrajectoryType::Car;
     Geodetic start{0.0, 0.0, 0.0};
-    bool start_given = false;
+    bool start_given = false, standstill_given = false;
     Eigen::Vector3d attitude = Eigen::Vector3d::Zero();  ///< static: roll, pitch, heading, rad
     sim::GreatCirclePath great_circle;
     sim::PaperAPath paper_a;
@@ -66,6 +97,10 @@ struct ScenarioConfig {
     sim::FigureEightPath figure8;
     sim::ShipPath ship;
     sim::TablePath table;
+    sim::SurveyPattern survey;
+    SurveyGround survey_ground;
+    AnomalyFieldConfig field;
+    sim::AidErrors aids;
     RangingScenarioConfig ranging;
     sim::RecordedPath recorded;                 ///< how a recording is smoothed
     std::string file;                           ///< of that recording
@@ -101,6 +136,7 @@ struct SimulatedDataset {
     SettingList settings;
     Recording recording;
     sim::SimulatedData truth;
+    AidLog aids;
     std::vector<io::StationRow> stations;
     std::vector<std::pair<std::string, std::string>> texts;   ///< further files by name
     std::uint64_t seed = 1;

@@ -168,32 +168,36 @@ void add_motions(Table& table) {
 }  // namespace
 
 void add_trajectory_options(Table& table) {
-    table.add(choice<S, TrajectoryType>(
-        "trajectory.type",
-        {{"static", TrajectoryType::Static},
-         {"great_circle", TrajectoryType::GreatCircle},
-         {"paper_a", TrajectoryType::PaperA},
-         {"car", TrajectoryType::Car},
-         {"waypoints", TrajectoryType::Waypoints},
-         {"takeoff", TrajectoryType::Takeoff},
-         {"racetrack", TrajectoryType::Racetrack},
-         {"approach", TrajectoryType::Approach},
-         {"figure8", TrajectoryType::Figure8},
-         {"ship", TrajectoryType::Ship},
-         {"table", TrajectoryType::Table},
-         {"file", TrajectoryType::File},
-         {"weave", TrajectoryType::Weave}},
-        "static, great_circle (constant height and speed), paper_a (its flight), car (a town drive), waypoints, takeoff (and climb), racetrack "
-        "(holding pattern), approach (and landing), figure8, ship (in waves), table (turntable), file (a recording flown again), weave "
-        "(straight legs and turns to and fro)",
-        [](auto& s) -> auto& { return s.type; }));
+    table.add(choice<S, TrajectoryType>("trajectory.type",
+                                        {{"static", TrajectoryType::Static},
+                                         {"great_circle", TrajectoryType::GreatCircle},
+                                         {"paper_a", TrajectoryType::PaperA},
+                                         {"car", TrajectoryType::Car},
+                                         {"waypoints", TrajectoryType::Waypoints},
+                                         {"takeoff", TrajectoryType::Takeoff},
+                                         {"racetrack", TrajectoryType::Racetrack},
+                                         {"approach", TrajectoryType::Approach},
+                                         {"figure8", TrajectoryType::Figure8},
+                                         {"ship", TrajectoryType::Ship},
+                                         {"table", TrajectoryType::Table},
+                                         {"file", TrajectoryType::File},
+                                         {"weave", TrajectoryType::Weave},
+                                         {"survey", TrajectoryType::Survey}},
+                                        "static, great_circle (constant height and speed), paper_a (its flight), car (a town "
+                                        "drive), waypoints, takeoff (and climb), racetrack "
+                                        "(holding pattern), approach (and landing), figure8, ship (in waves), table (turntable), "
+                                        "file (a recording flown again), weave "
+                                        "(straight legs and turns to and fro), survey (parallel lines and tie lines)",
+                                        [](auto& s) -> auto& { return s.type; }));
     add_start(table);
     table
         .add(vector3<S>("trajectory.attitude_deg", deg, -360, 360, "static, table: roll, pitch, heading",
                         [](auto& s) -> auto& { return s.attitude; }))
-        .add(number<S>("trajectory.heading_deg", deg, -360, 360, "great_circle, flights, figure8, ship: heading at the start",
+        .add(number<S>("trajectory.heading_deg", deg, -360, 360,
+                       "great_circle, flights, figure8, ship, survey: heading at the start",
                        [](auto& s) -> auto& { return s.heading; }))
-        .add(number<S>("trajectory.speed_m_s", 1.0, 0, 1e4, "great_circle, flights, ship: speed; default: 200, 130, 6",
+        .add(number<S>("trajectory.speed_m_s", 1.0, 0, 1e4,
+                       "great_circle, flights, ship, survey: speed; default: 200, 130, 6, 60",
                        [](auto& s) -> auto& { return s.speed; }))
         .add(number<S>("trajectory.ground_height_m", 1.0, -1e4, 1e5,
                        "a path below this is an error; default: 0 for what flies, the start of a take-off, -500 otherwise",
@@ -205,11 +209,19 @@ void add_trajectory_options(Table& table) {
         return [=](auto& s) -> auto& { return s.route.vibration.*field; };
     };
     using R = sim::RoutePath;
+    Option<S> standstill =
+        number<S>("trajectory.standstill_s", 1.0, 0, 1e6, "car, waypoints, survey: at rest before the start; default: 30, 30, 0",
+                  route(&R::standstill));
+    standstill.set = [set = standstill.set](S& s, const Value& v) {
+        set(s, v);
+        s.standstill_given = true;
+    };
     table.add(waypoints_option())
-        .add(number<S>("trajectory.standstill_s", 1.0, 0, 1e6, "car, waypoints: at rest before the start", route(&R::standstill)))
-        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: on its way from the start on", route(&R::start_speed)))
-        .add(number<S>("trajectory.knot_spacing_m", 1.0, 0.5, 1e4, "car, waypoints: how far bends and climbs are smoothed; aircraft: 50",
-                       route(&R::knot_spacing)))
+        .add(std::move(standstill))
+        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: on its way from the start on",
+                       route(&R::start_speed)))
+        .add(number<S>("trajectory.knot_spacing_m", 1.0, 0.5, 1e4,
+                       "car, waypoints: how far bends and climbs are smoothed; aircraft: 50", route(&R::knot_spacing)))
         .add(number<S>("trajectory.corner_radius_m", 1.0, 0.1, 1e6, "car, waypoints: radius of the corners",
                        route(&R::corner_radius)))
         .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 100, "car, waypoints: limit in corners",
@@ -229,14 +241,29 @@ void add_trajectory_options(Table& table) {
 
 namespace {
 
+/// A path with the start, heading and speed of the scenario, as far as it has them; standstill and duration where it needs them.
+template <class Path>
+Path led(Path path, const ScenarioConfig& s) {
+    path.start = s.start;
+    path.heading = s.heading;
+    if constexpr (requires { path.speed; }) path.speed = s.speed.value_or(path.speed);
+    if constexpr (requires { path.duration; }) path.duration = s.sim.duration;
+    return path;
+}
+
 sim::FlightPhase phase_of(const ScenarioConfig& s) {
-    sim::FlightPhase phase = s.phase;
-    phase.start = s.start;
-    phase.heading = s.heading;
-    phase.speed = s.speed.value_or(phase.speed);
+    sim::FlightPhase phase = led(s.phase, s);
     phase.standstill = s.route.standstill;
-    phase.duration = s.sim.duration;
     return phase;
+}
+
+sim::RoutePath survey_of(const ScenarioConfig& s) {
+    sim::SurveyPattern pattern = led(s.survey, s);
+    pattern.standstill = s.standstill_given ? s.route.standstill : 0.0;
+    sim::RoutePath route = sim::survey_route(pattern);
+    route.vibration = s.route.vibration;
+    route.drape = drape_of(s, pattern.speed);
+    return route;
 }
 
 sim::RecordedPath recorded_path(const ScenarioConfig& s) {
@@ -260,13 +287,7 @@ sim::RecordedPath recorded_path(const ScenarioConfig& s) {
 sim::PathSettings path_of(const ScenarioConfig& s) {
     switch (s.type) {
         case TrajectoryType::Static: return sim::StaticPath{s.start, s.attitude};
-        case TrajectoryType::GreatCircle: {
-            sim::GreatCirclePath path = s.great_circle;
-            path.start = s.start;
-            path.heading = s.heading;
-            path.speed = s.speed.value_or(path.speed);
-            return path;
-        }
+        case TrajectoryType::GreatCircle: return led(s.great_circle, s);
         case TrajectoryType::PaperA: {
             sim::PaperAPath path = s.paper_a;
             if (s.start_given) path.start = s.start;
@@ -281,24 +302,14 @@ sim::PathSettings path_of(const ScenarioConfig& s) {
             sim::RoutePath path = s.route;
             if (path.start_speed > 0.0) path.standstill = 0.0;
             path.start = s.start;
+            path.drape = drape_of(s, path.waypoints.front().speed);
             return path;
         }
         case TrajectoryType::Takeoff: return sim::takeoff_route(phase_of(s));
         case TrajectoryType::Racetrack: return sim::holding_route(phase_of(s));
         case TrajectoryType::Approach: return sim::approach_route(phase_of(s));
-        case TrajectoryType::Figure8: {
-            sim::FigureEightPath path = s.figure8;
-            path.start = s.start;
-            path.heading = s.heading;
-            return path;
-        }
-        case TrajectoryType::Ship: {
-            sim::ShipPath path = s.ship;
-            path.start = s.start;
-            path.heading = s.heading;
-            path.speed = s.speed.value_or(path.speed);
-            return path;
-        }
+        case TrajectoryType::Figure8: return led(s.figure8, s);
+        case TrajectoryType::Ship: return led(s.ship, s);
         case TrajectoryType::Table: {
             sim::TablePath path = s.table;
             path.start = s.start;
@@ -307,14 +318,8 @@ sim::PathSettings path_of(const ScenarioConfig& s) {
             return path;
         }
         case TrajectoryType::File: return recorded_path(s);
-        case TrajectoryType::Weave: {
-            sim::WeavingFlight flight;
-            flight.start = s.start;
-            flight.heading = s.heading;
-            flight.speed = s.speed.value_or(flight.speed);
-            flight.duration = s.sim.duration;
-            return sim::weaving_path(flight, s.sim.earth.ellipsoid);
-        }
+        case TrajectoryType::Weave: return sim::weaving_path(led(sim::WeavingFlight{}, s), s.sim.earth.ellipsoid);
+        case TrajectoryType::Survey: return survey_of(s);
         case TrajectoryType::Car: break;
     }
     // the drive is as long as the scenario; what the user set about it stays
@@ -349,6 +354,7 @@ fusion::VehicleKind vehicle_of(TrajectoryType type) {
         case TrajectoryType::Racetrack:
         case TrajectoryType::Approach:
         case TrajectoryType::Weave:
+        case TrajectoryType::Survey:
         case TrajectoryType::Figure8: return fusion::VehicleKind::Air;
         case TrajectoryType::Ship: return fusion::VehicleKind::Ship;
         case TrajectoryType::Table:

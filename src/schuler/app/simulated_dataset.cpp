@@ -65,6 +65,30 @@ void round_to_files(Recording& r) {
     }
 }
 
+void round_to_files(AidLog& log) {
+    for (GaugeSample& s : log.gauges)
+        for (double& h : s.height)
+            if (std::isfinite(h)) h = rounded<length_decimals>(h);
+    for (BodyVelocitySample& s : log.velocities) s.velocity_b = rounded<length_decimals>(s.velocity_b);
+    for (HeadingSample& s : log.headings) s.heading = rounded_angle(s.heading);
+}
+
+/// What the filter is told of those instruments: what is simulated.
+void describe(const sim::AidErrors& simulated, const AidLog& log, AidsConfig& told) {
+    if (!log.gauges.empty()) told.gauges.file = "gauges.csv";
+    if (!log.velocities.empty()) told.log.file = "log.csv";
+    if (!log.headings.empty()) told.compass.file = "compass.csv";
+    told.gauges.white = std::max(simulated.gauges.white, 1e-3);
+    told.gauges.bias = simulated.gauges.bias;
+    told.gauges.lever_arms_b = simulated.gauges.lever_arms_b;
+    told.log.white = std::max(simulated.log.white, 1e-4);
+    told.log.scale = simulated.log.scale;
+    told.log.misalignment = simulated.log.misalignment;
+    told.log.lever_arm_b = simulated.log.lever_arm_b;
+    told.compass.white = std::max(simulated.compass.white, 1e-5);
+    told.compass.bias = simulated.compass.bias;
+}
+
 /// A table as text, written column by column.
 class TextTable {
 public:
@@ -138,6 +162,28 @@ std::string baro_csv(const std::vector<BaroSample>& samples) {
 std::string mag_csv(const std::vector<MagSample>& samples) {
     TextTable out("time_s,mag_x_ut,mag_y_ut,mag_z_ut");
     for (const MagSample& s : samples) out.time(s.time).vector<field_decimals>(s.field_b / 1e-6).end_row();
+    return out.text();
+}
+
+std::string gauges_csv(const std::vector<GaugeSample>& samples) {
+    TextTable out("time_s,height_1_m,height_2_m,height_3_m");
+    for (const GaugeSample& s : samples) {
+        out.time(s.time);
+        for (const double h : s.height) std::isfinite(h) ? out.number<length_decimals>(h) : out.word("");
+        out.end_row();
+    }
+    return out.text();
+}
+
+std::string log_csv(const std::vector<BodyVelocitySample>& samples) {
+    TextTable out("time_s,vel_x_m_s,vel_y_m_s,vel_z_m_s");
+    for (const BodyVelocitySample& s : samples) out.time(s.time).vector<length_decimals>(s.velocity_b).end_row();
+    return out.text();
+}
+
+std::string compass_csv(const std::vector<HeadingSample>& samples) {
+    TextTable out("time_s,heading_deg");
+    for (const HeadingSample& s : samples) out.time(s.time).number<angle_decimals>(s.heading / units::deg).end_row();
     return out.text();
 }
 
@@ -238,6 +284,9 @@ bool is_relevant(const std::string& key, const Config& c, bool gravimetry) {
     if (key.starts_with("baro.")) return !c.baro.file.empty();
     if (key.starts_with("ranges.") || key.starts_with("stations.")) return !c.ranges.file.empty();
     if (key.starts_with("mag.")) return !c.mag.file.empty();
+    if (key.starts_with("gauges.")) return !c.aids.gauges.file.empty();
+    if (key.starts_with("log.")) return !c.aids.log.file.empty();
+    if (key.starts_with("compass.")) return !c.aids.compass.file.empty();
     if (key.starts_with("gravity.")) return gravimetry;
     return !key.starts_with("output.") && !key.ends_with(".time_offset_s") &&
            key != "reference.quaternion";
@@ -268,13 +317,17 @@ SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const Scenario
         }
     }
     round_to_files(out.recording);
+    const auto path = sim::make_path(scenario.sim.path, scenario.sim.earth.ellipsoid);
+    out.aids = sim::simulate_aids(scenario.aids, scenario.sim.earth, *path, scenario.sim.duration, scenario.sim.origin, out.seed);
+    round_to_files(out.aids);
     Config c = described(believed, out.recording);
+    describe(believed.aids, out.aids, c.aids);
     if (scenario.initial_error.given() && !out.recording.reference.empty()) {
         give_initial_state(c, scenario.initial_error, out.recording.reference.front(), scenario.sim.earth, out.seed);
         state_initial_sigmas(c.filter.initial, believed.initial_error);
     }
     for (Setting& s : config_table().used(c)) {
-        if (is_relevant(s.key, c, !scenario.sim.anomaly.empty())) out.settings.push_back(std::move(s));
+        if (is_relevant(s.key, c, scenario.sim.disturbed())) out.settings.push_back(std::move(s));
     }
     out.settings.insert(out.settings.end(), believed.assumed.begin(), believed.assumed.end());
     return out;
@@ -292,6 +345,9 @@ void write_dataset(const SimulatedDataset& data, const std::filesystem::path& fo
     if (!r.gnss.empty()) io::write_file(folder / "gnss.csv", gnss_csv(r.gnss));
     if (!r.baro.empty()) io::write_file(folder / "baro.csv", baro_csv(r.baro));
     if (!r.mag.empty()) io::write_file(folder / "mag.csv", mag_csv(r.mag));
+    if (!data.aids.gauges.empty()) io::write_file(folder / "gauges.csv", gauges_csv(data.aids.gauges));
+    if (!data.aids.velocities.empty()) io::write_file(folder / "log.csv", log_csv(data.aids.velocities));
+    if (!data.aids.headings.empty()) io::write_file(folder / "compass.csv", compass_csv(data.aids.headings));
     if (!r.ranges.empty()) io::write_file(folder / "ranges.csv", io::ranges_csv(r.ranges));
     if (!data.stations.empty()) io::write_file(folder / "stations.csv", io::stations_csv(data.stations));
     for (const auto& [name, text] : data.texts) io::write_file(folder / name, text);

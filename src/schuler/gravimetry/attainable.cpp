@@ -24,7 +24,8 @@ Motion motion_at(const earth::Earth& earth, const LevelSurvey& survey, const Geo
 
 }  // namespace
 
-Attained attained(double t, const StateMatrix& P, const Matrix3d& C_en, const Matrix3d& C_eb) {
+Attained attained(const DisturbanceModel& disturbance, double t, const StateMatrix& P, const Matrix3d& C_en,
+                  const Matrix3d& C_eb) {
     const Matrix3d C_nb = C_en.transpose() * C_eb;
     const auto sigma = [](const Matrix3d& C, const Matrix3d& block) {
         return Vector3d((C.transpose() * block * C).diagonal().cwiseMax(0.0).cwiseSqrt());
@@ -36,7 +37,8 @@ Attained attained(double t, const StateMatrix& P, const Matrix3d& C_en, const Ma
             sigma(C_en, block(velocity, velocity)),
             sigma(C_en, block(position, position)),
             sigma(C_nb.transpose(), block(gyro_bias, gyro_bias)),
-            sigma(C_en, block(systematic, systematic) + block(random, random) + crossed + crossed.transpose())};
+            sigma(disturbance.from_local_level(C_en),
+                  block(systematic, systematic) + block(random, random) + crossed + crossed.transpose())};
 }
 
 std::vector<Attained> attainable(const SurveySettings& settings, const LevelSurvey& survey, const std::vector<int>& times) {
@@ -63,7 +65,7 @@ std::vector<Attained> attainable(const SurveySettings& settings, const LevelSurv
                 (void)estim::update_scalar<max_states>(dx, P, H.row(i).transpose(), 0.0, sigma * sigma);
             }
         }
-        out.push_back(attained(time, P, earth::C_en(place.lat, place.lon), motion.C_eb));
+        out.push_back(attained(settings.disturbance, time, P, earth::C_en(place.lat, place.lon), motion.C_eb));
     }
     return out;
 }

@@ -28,7 +28,8 @@ struct Attained {
 };
 
 /// Sigmas of NED components: attitude, velocity, position, gyro bias and disturbance of a covariance.
-[[nodiscard]] Attained attained(double t, const StateMatrix& P, const Eigen::Matrix3d& C_en, const Eigen::Matrix3d& C_eb);
+[[nodiscard]] Attained attained(const DisturbanceModel& disturbance, double t, const StateMatrix& P, const Eigen::Matrix3d& C_en,
+                                const Eigen::Matrix3d& C_eb);
 
 /// Follows the covariance over the survey and reports it after each of `times` (whole seconds, rising).
 /// @throws Error(Input) from the disturbance model.

@@ -91,8 +91,10 @@ StateMatrix gravity_error_dynamics(const earth::Earth& earth, const DisturbanceM
     F.topLeftCorner<9, 9>() = ins::matrix(ins::error_e(earth, motion.position, motion.f_e));
     F.block<3, 3>(velocity, accel_bias) = -motion.C_eb;
     F.block<3, 3>(attitude, gyro_bias) = motion.C_eb;
-    F.block<3, 3>(velocity, systematic).setIdentity();
-    F.block<3, 3>(velocity, random).setIdentity();
+    const Geodetic place = earth::geodetic_from_ecef(earth.ellipsoid, motion.position);
+    const Matrix3d felt = disturbance.to_earth_fixed(earth::C_en(place.lat, place.lon));
+    F.block<3, 3>(velocity, systematic) = felt;
+    F.block<3, 3>(velocity, random) = felt;
     const double pace = disturbance.pace(motion.v_eb_e);
     const Chain chain = chain_of(disturbance);
     for (int i = 0; i < 3; ++i)
@@ -109,8 +111,9 @@ NoiseMatrix gravity_noise_input(const earth::Earth& earth, const DisturbanceMode
     NoiseMatrix G = NoiseMatrix::Zero();
     G.block<3, 3>(attitude, 0) = -std::sqrt(noise.gyro_psd) * motion.C_eb;
     G.block<3, 3>(velocity, 3) = std::sqrt(noise.accel_psd) * motion.C_eb;
-    G.block<3, 3>(random + 3 * chain.driven, 6) =
-        std::sqrt(disturbance.pace(motion.v_eb_e) * chain.psd) * earth::C_en(place.lat, place.lon) * disturbance.sigma_n.asDiagonal();
+    G.block<3, 3>(random + 3 * chain.driven, 6) = std::sqrt(disturbance.pace(motion.v_eb_e) * chain.psd) *
+                                                  disturbance.from_local_level(earth::C_en(place.lat, place.lon)) *
+                                                  disturbance.sigma_n.asDiagonal();
     G.block<3, 3>(accel_bias, 9) = std::sqrt(noise.accel_bias_psd) * Matrix3d::Identity();
     G.block<3, 3>(gyro_bias, 12) = std::sqrt(noise.gyro_bias_psd) * Matrix3d::Identity();
     return G;

@@ -8,21 +8,29 @@ using Eigen::Vector3d;
 StateMatrix prior_covariance(const SurveySettings& settings, const Ecef& position_e) {
     const Geodetic place = earth::geodetic_from_ecef(settings.earth.ellipsoid, position_e);
     const Matrix3d C_en = earth::C_en(place.lat, place.lon);
-    const auto turned = [&](const Vector3d& sigma_n) { return Matrix3d(C_en * sigma_n.cwiseAbs2().asDiagonal() * C_en.transpose()); };
+    const auto turned = [](const Matrix3d& C, const Vector3d& sigma_n) {
+        return Matrix3d(C * sigma_n.cwiseAbs2().asDiagonal() * C.transpose());
+    };
+    const Matrix3d axes = settings.disturbance.from_local_level(C_en);
     StateMatrix P = StateMatrix::Zero();
     const auto set = [&P](int first, const Matrix3d& block) { P.block<3, 3>(first, first) = block; };
     const auto even = [](double sigma) { return Matrix3d(sigma * sigma * Matrix3d::Identity()); };
     const Prior& prior = settings.prior;
     set(position, even(prior.position));
     set(velocity, even(prior.velocity));
-    set(attitude, turned(prior.attitude_n));
+    set(attitude, turned(C_en, prior.attitude_n));
     set(accel_bias, even(prior.accel_bias));
     set(gyro_bias, even(prior.gyro_bias));
-    set(gnss_position, even(prior.gnss_position));
+    set(gnss_position, turned(C_en, prior.gnss_position_n));
     set(gnss_velocity, even(prior.gnss_velocity));
-    set(systematic, turned(prior.disturbance_n));
-    P(height_bias, height_bias) = prior.height_bias * prior.height_bias;
-    const Matrix3d stationary = settings.disturbance.stationary(), random_part = turned(settings.disturbance.sigma_n);
+    set(systematic, turned(axes, prior.disturbance_n));
+    const auto alone = [&P](int i, double sigma) { P(i, i) = sigma * sigma; };
+    for (int gauge = 0; gauge < max_gauges; ++gauge) alone(height_bias + gauge, prior.height_bias);
+    alone(heading_bias, prior.heading_bias);
+    alone(log_scale, prior.log_scale);
+    alone(log_misalignment, prior.log_misalignment);
+    alone(log_misalignment + 1, prior.log_misalignment);
+    const Matrix3d stationary = settings.disturbance.stationary(), random_part = turned(axes, settings.disturbance.sigma_n);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) P.block<3, 3>(random + 3 * i, random + 3 * j) = stationary(i, j) * random_part;
     if (settings.disturbance.kind == DisturbanceKind::RampAndFirstOrder) set(slope, even(prior.slope));

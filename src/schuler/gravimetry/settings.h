@@ -3,6 +3,8 @@
 
 #include "schuler/gravimetry/model.h"
 
+#include <array>
+
 namespace schuler::gravimetry {
 
 /// One-sigma priors. Vectors are north, east, down; scalars hold for each axis.
@@ -12,10 +14,13 @@ struct Prior {
     double position = 10.0;          ///< m
     double accel_bias = 1e-6;        ///< m/s^2
     double gyro_bias = 4.8e-8;       ///< rad/s
-    double gnss_position = 0.05;     ///< systematic error of the receiver, m
+    Eigen::Vector3d gnss_position_n = Eigen::Vector3d::Constant(0.05);   ///< systematic error of the receiver, m
     double gnss_velocity = 0.05;     ///< m/s
     Eigen::Vector3d disturbance_n = Eigen::Vector3d::Constant(1e-4);   ///< systematic part, m/s^2
-    double height_bias = 0.0;        ///< of a depth gauge or barometer, m; 0: there is none
+    double height_bias = 0.0;        ///< of each depth gauge or barometer, m; 0: there is none
+    double heading_bias = 0.0;       ///< of a compass, rad; 0: there is none
+    double log_scale = 0.0;          ///< of a log of velocity in body axes
+    double log_misalignment = 0.0;   ///< of the same, rad
     double slope = 0.0;              ///< of a ramp, m/s^2 per metre (per second where the disturbance runs by time)
 };
 
@@ -25,6 +30,9 @@ struct SurveySettings {
     SensorNoise noise;
     Prior prior;
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< IMU to antenna, m
+    Eigen::Vector3d log_lever_arm_b = Eigen::Vector3d::Zero();  ///< IMU to the log of velocity, m
+    std::array<Eigen::Vector3d, max_gauges> gauge_lever_arms_b{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                                               Eigen::Vector3d::Zero()};
 };
 
 /// P at a start with the errors of the prior; the random part of the disturbance is in its stationary state.

@@ -58,15 +58,50 @@ void SurveyFilter::open_disturbance() {
     P_.block<3, 3>(systematic, systematic) += prior.block<3, 3>(systematic, systematic);
 }
 
+double FixStep::nis() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < used; ++i) sum += updates[i].innovation * updates[i].innovation / updates[i].s;
+    return sum;
+}
+
+/// Of the last increment, less the estimated errors, rad/s.
+Vector3d SurveyFilter::body_rate() const {
+    return previous_.dt > 0.0 ? Vector3d(previous_.dtheta / previous_.dt) : Vector3d::Zero();
+}
+
 FixStep SurveyFilter::take(const HeightFix& fix) {
     FixStep record = carried();
     record.satellites = false;
-    const Geodetic place = earth::geodetic_from_ecef(settings_.earth.ellipsoid, state_.nav.position);
-    StateVector h = StateVector::Zero(), dx = StateVector::Zero();
-    h.segment<3>(position) = -earth::C_en(place.lat, place.lon).col(2);
-    h(height_bias) = 1.0;
-    const double z = place.h + state_.parameters(height_bias) - fix.height;
-    record.updates[record.used++] = estim::update_scalar<max_states>(dx, P_, h, z, fix.sigma * fix.sigma);
+    const Vector3d& lever_arm_b = settings_.gauge_lever_arms_b[static_cast<std::size_t>(fix.gauge)];
+    StateVector dx = StateVector::Zero();
+    record.updates[record.used++] =
+        estim::update_scalar<max_states>(dx, P_, gravity_height_row(settings_.earth, state_, lever_arm_b, fix.gauge),
+                                         height_innovation(settings_.earth, state_, lever_arm_b, fix), fix.sigma * fix.sigma);
+    correct(dx);
+    return record;
+}
+
+FixStep SurveyFilter::take(const BodyVelocityFix& fix) {
+    FixStep record = carried();
+    record.satellites = false;
+    const BodyVelocityRows H = gravity_body_velocity_rows(settings_.earth, state_, settings_.log_lever_arm_b, body_rate());
+    const Vector3d z = body_velocity_innovation(settings_.earth, state_, settings_.log_lever_arm_b, body_rate(), fix);
+    StateVector dx = StateVector::Zero();
+    for (int i = 0; i < 3; ++i)
+        if (std::isfinite(fix.sigma_b(i)))
+            record.updates[record.used++] =
+                estim::update_scalar<max_states>(dx, P_, H.row(i).transpose(), z(i), fix.sigma_b(i) * fix.sigma_b(i));
+    correct(dx);
+    return record;
+}
+
+FixStep SurveyFilter::take(const HeadingFix& fix) {
+    FixStep record = carried();
+    record.satellites = false;
+    StateVector dx = StateVector::Zero();
+    record.updates[record.used++] =
+        estim::update_scalar<max_states>(dx, P_, gravity_heading_row(settings_.earth, state_),
+                                         heading_innovation(settings_.earth, state_, fix), fix.sigma * fix.sigma);
     correct(dx);
     return record;
 }
@@ -74,7 +109,7 @@ FixStep SurveyFilter::take(const HeightFix& fix) {
 FixStep SurveyFilter::take(const AntennaFix& fix) {
     FixStep record = carried();
     const Matrix3d C_eb = state_.nav.q_eb.toRotationMatrix();
-    const Vector3d w_ib_b = previous_.dt > 0.0 ? Vector3d(previous_.dtheta / previous_.dt) : Vector3d::Zero();
+    const Vector3d w_ib_b = body_rate();
     const Vector3d w_eb_b = w_ib_b - C_eb.transpose() * Vector3d(0.0, 0.0, settings_.earth.ellipsoid.w_ie);
     const GnssRows H = gravity_gnss_rows(C_eb, settings_.lever_arm_b, w_eb_b);
     const Eigen::Matrix<double, 6, 1> z = gnss_innovation(settings_.earth, state_, settings_.lever_arm_b, w_ib_b, fix);

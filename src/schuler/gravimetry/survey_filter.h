@@ -3,7 +3,7 @@
 
 #include "schuler/estim/scalar_update.h"
 #include "schuler/gravimetry/settings.h"
-#include "schuler/gravimetry/survey_state.h"
+#include "schuler/gravimetry/survey_aids.h"
 
 #include <array>
 
@@ -15,6 +15,8 @@ struct FixStep {
     std::array<estim::ScalarUpdate<max_states>, 6> updates;
     std::size_t used = 0;   ///< of them
     bool satellites = true; ///< of an AntennaFix
+    /// Sum of the squares of the innovations by their variance: chi-square of `used` degrees of freedom.
+    [[nodiscard]] double nis() const;
     Eigen::Vector3d f_e = Eigen::Vector3d::Zero();   ///< mean specific force since the fix before, m/s^2
 };
 
@@ -26,8 +28,10 @@ public:
     void advance(const ImuIncrement& raw);
     /// Carries the covariance to now and takes a fix of now.
     FixStep take(const AntennaFix& fix);
-    /// Takes a height of now; the covariance is carried on as by take().
+    /// Takes another instrument's measurement of now; the covariance is carried on as by a fix.
     FixStep take(const HeightFix& fix);
+    FixStep take(const BodyVelocityFix& fix);
+    FixStep take(const HeadingFix& fix);
     /// The systematic part of the disturbance may have changed by its prior.
     void open_disturbance();
 
@@ -36,6 +40,7 @@ public:
 
 private:
     FixStep carried();
+    [[nodiscard]] Eigen::Vector3d body_rate() const;
     void correct(const StateVector& dx);
     SurveySettings settings_;
     SurveyState state_;

@@ -32,20 +32,22 @@ Reported reported_block(const Columns& columns) {
     return out;
 }
 
-SurveyEpoch epoch_of(const earth::Earth& earth, const SurveyState& state, const Reported& P, const Vector3d& f_e) {
-    const Geodetic place = earth::geodetic_from_ecef(earth.ellipsoid, state.nav.position);
+SurveyEpoch epoch_of(const SurveySettings& settings, const SurveyState& state, const Reported& P, const FixStep& step) {
+    const Geodetic place = earth::geodetic_from_ecef(settings.earth.ellipsoid, state.nav.position);
     const Matrix3d C_ne = earth::C_en(place.lat, place.lon).transpose();
-    const auto sigma = [&](const Matrix3d& block) {
-        return Vector3d((C_ne * block * C_ne.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
+    const Matrix3d to_ned = settings.disturbance.from_local_level(C_ne.transpose()).transpose();   // of the disturbance
+    const auto turned = [](const Matrix3d& C, const Matrix3d& block) {
+        return Vector3d((C * block * C.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
     };
+    const auto sigma = [&](const Matrix3d& block) { return turned(C_ne, block); };
     const auto block = [&P](int i, int j) { return Matrix3d(P.block<3, 3>(i, j)); };
     const auto sigma_b = [&block](int i) { return Vector3d(block(i, i).diagonal().cwiseMax(0.0).cwiseSqrt()); };
     constexpr int s = kept_first, r = kept_first + 3;   // systematic and random part
     return {state.nav.time,
             state.nav,
-            C_ne * state.disturbance_e(),
-            sigma(block(s, s) + block(r, r) + block(s, r) + block(r, s)),
-            sigma(block(r, r)),
+            to_ned * state.disturbance(),
+            turned(to_ned, block(s, s) + block(r, r) + block(s, r) + block(r, s)),
+            turned(to_ned, block(r, r)),
             sigma(block(attitude, attitude)),
             sigma(block(velocity, velocity)),
             sigma(block(position, position)),
@@ -53,7 +55,9 @@ SurveyEpoch epoch_of(const earth::Earth& earth, const SurveyState& state, const 
             state.parameters.segment<3>(gyro_bias),
             sigma_b(accel_bias),
             sigma_b(gyro_bias),
-            C_ne * f_e};
+            C_ne * step.f_e,
+            step.nis(),
+            static_cast<int>(step.used)};
 }
 
 /// What the way back needs of a fix.
@@ -63,7 +67,7 @@ struct Kept {
     Columns P;
 };
 
-std::vector<SurveyEpoch> smoothed(const earth::Earth& earth, const std::vector<Kept>& kept) {
+std::vector<SurveyEpoch> smoothed(const SurveySettings& settings, const std::vector<Kept>& kept) {
     std::vector<SurveyEpoch> out;
     estim::Adjoint<max_states> adjoint;
     for (std::size_t k = kept.size(); k-- > 0;) {
@@ -76,7 +80,7 @@ std::vector<SurveyEpoch> smoothed(const earth::Earth& earth, const std::vector<K
             whole.head<kept_first>() = dx.head<kept_first>();
             whole.segment<6>(systematic) = dx.tail<6>();
             out.push_back(
-                epoch_of(earth, corrected(here.state, whole), reported_block(here.P) - here.P.transpose() * LP, here.step.f_e));
+                epoch_of(settings, corrected(here.state, whole), reported_block(here.P) - here.P.transpose() * LP, here.step));
         }
         for (std::size_t i = here.step.used; i-- > 0;) adjoint.undo(here.step.updates[i]);
         adjoint.lambda = here.step.Phi.transpose().lazyProduct(adjoint.lambda).eval();
@@ -94,6 +98,8 @@ SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input
     std::vector<Kept> kept;
     auto fix = input.fixes.begin();
     auto height = input.heights.begin();
+    auto velocity_fix = input.velocities.begin();
+    auto heading = input.headings.begin();
     auto step = input.steps.begin();
     for (const ImuIncrement& increment : input.imu) {
         const double gap = (increment.time - filter.state().nav.time).seconds() - increment.dt;
@@ -108,24 +114,29 @@ SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input
         const double half = 0.5 * increment.dt;
         const auto due = [&](const auto& measured) { return (measured.time - increment.time).seconds() < half; };
         const auto late = [&](const auto& measured) { return (increment.time - measured.time).seconds(); };
-        for (; height != input.heights.end() && due(*height); ++height) {
-            if (late(*height) > half) continue;
-            const FixStep taken = filter.take(*height);
-            if (smooth) kept.push_back({taken, filter.state(), {}});
-        }
+        const auto take_due = [&](auto& next, const auto& all) {
+            for (; next != all.end() && due(*next); ++next) {
+                if (late(*next) > half) continue;
+                const FixStep taken = filter.take(*next);
+                if (smooth) kept.push_back({taken, filter.state(), {}});
+            }
+        };
+        take_due(height, input.heights);
+        take_due(velocity_fix, input.velocities);
+        take_due(heading, input.headings);
         for (; fix != input.fixes.end() && due(*fix); ++fix) {
             if (late(*fix) > half) continue;   // before the first increment
             AntennaFix now = *fix;
             if (std::isfinite(now.sigma_velocity_n.sum())) now.position += late(*fix) * now.velocity;
             const FixStep taken = filter.take(now);
             const Columns P = reported_columns(filter.P());
-            result.forward.push_back(epoch_of(settings.earth, filter.state(), reported_block(P), taken.f_e));
+            result.forward.push_back(epoch_of(settings, filter.state(), reported_block(P), taken));
             if (smooth) kept.push_back({taken, filter.state(), P});
         }
     }
     if (result.forward.empty())
         throw input_error("no satellite fix lies within the IMU log", {}, "check the time stamps of both");
-    if (smooth) result.smoothed = smoothed(settings.earth, kept);
+    if (smooth) result.smoothed = smoothed(settings, kept);
     return result;
 }
 

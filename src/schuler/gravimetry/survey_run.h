@@ -3,7 +3,7 @@
 
 #include "schuler/core/samples.h"
 #include "schuler/gravimetry/settings.h"
-#include "schuler/gravimetry/survey_state.h"
+#include "schuler/gravimetry/survey_aids.h"
 
 #include <vector>
 
@@ -13,7 +13,9 @@ struct SurveyInput {
     NavStateEcef start;                  ///< at the start of the first increment
     std::vector<ImuIncrement> imu;       ///< body axes, without gaps
     std::vector<AntennaFix> fixes;       ///< rising times
-    std::vector<HeightFix> heights{};    ///< rising times; may be empty
+    std::vector<HeightFix> heights{};    ///< rising times, gauge by gauge of one time; may be empty, like the next two
+    std::vector<BodyVelocityFix> velocities{};
+    std::vector<HeadingFix> headings{};
     std::vector<Time> steps{};           ///< rising: the systematic part of the disturbance may have changed there
 };
 
@@ -28,6 +30,8 @@ struct SurveyEpoch {
     Eigen::Vector3d sigma_velocity_n, sigma_position_n;      ///< m/s, m
     Eigen::Vector3d accel_bias, gyro_bias, sigma_accel_bias, sigma_gyro_bias;   ///< body axes, m/s^2 and rad/s
     Eigen::Vector3d f_n;                 ///< mean specific force since the fix before, of the forward filter, m/s^2
+    double nis = 0.0;  ///< squares of the fix's innovations by their variance, of the forward filter
+    int measured = 0;  ///< degrees of freedom of that
 };
 
 struct SurveyResult {
@@ -36,7 +40,7 @@ struct SurveyResult {
 };
 
 /// Closed loop: every fix corrects the nominal state. A fix is used at the last increment that ends at most half a sample after
-/// it, moved there by the velocity. Smoothing takes 21 kB of memory a fix.
+/// it, moved there by the velocity. Smoothing takes 24 kB of memory a fix.
 /// @throws Error(Input) where increments do not follow each other or no fix lies among them.
 [[nodiscard]] SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input, bool smooth);
 

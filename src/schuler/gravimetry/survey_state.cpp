@@ -21,7 +21,9 @@ SurveyState advanced(const earth::Earth& earth, const DisturbanceModel& disturba
                      const ins::CompensatedIncrement& increment) {
     // The disturbance acts like a specific force; over a step its change (below 1e-9 m/s^2) and the Earth's turn do not count.
     ins::CompensatedIncrement felt = increment;
-    felt.dv += increment.dt * (state.nav.q_eb.conjugate() * state.disturbance_e());
+    const Geodetic place = earth::geodetic_from_ecef(earth.ellipsoid, state.nav.position);
+    const Matrix3d to_earth_fixed = disturbance.to_earth_fixed(earth::C_en(place.lat, place.lon));
+    felt.dv += increment.dt * (state.nav.q_eb.conjugate() * Vector3d(to_earth_fixed * state.disturbance()));
     SurveyState next = state;
     next.nav = ins::step_e(earth, state.nav, felt);
     if (disturbance.kind == DisturbanceKind::Constant) return next;

@@ -9,13 +9,15 @@
 namespace schuler::gravimetry {
 
 /// Nominal state. `parameters` from `accel_bias` on: what sensors show beyond the truth, and the disturbance (gravity less normal
-/// gravity, Earth-fixed axes); the first nine are unused.
+/// gravity, in the axes of its model); the first nine are unused.
 struct SurveyState {
     NavStateEcef nav;
     StateVector parameters = StateVector::Zero();
 
-    /// Disturbance of gravity, Earth-fixed axes, m/s^2.
-    [[nodiscard]] Eigen::Vector3d disturbance_e() const { return parameters.segment<3>(systematic) + parameters.segment<3>(random); }
+    /// Disturbance of gravity in the axes of its model, m/s^2.
+    [[nodiscard]] Eigen::Vector3d disturbance() const {
+        return parameters.segment<3>(systematic) + parameters.segment<3>(random);
+    }
 };
 
 /// Position and velocity of an antenna, Earth-fixed axes; sigmas of their white errors north, east, down.
@@ -24,13 +26,6 @@ struct AntennaFix {
     Eigen::Vector3d position, velocity;   ///< m, m/s
     Eigen::Vector3d sigma_position_n = Eigen::Vector3d::Ones();             ///< m
     Eigen::Vector3d sigma_velocity_n = Eigen::Vector3d::Constant(0.05);     ///< m/s; infinite: not measured
-};
-
-/// Height above the ellipsoid by another instrument at the IMU.
-struct HeightFix {
-    Time time;
-    double height = 0.0;    ///< m
-    double sigma = 1.0;     ///< white part, m
 };
 
 /// The increment less the estimated sensor errors.

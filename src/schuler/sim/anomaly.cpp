@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace schuler::sim {
 
@@ -51,6 +52,14 @@ std::vector<Vector3d> drawn(const AnomalyPart& part, double extent, math::Random
     return values;
 }
 
+/// Between points that are one apart; beyond the ends, those.
+Vector3d between(const std::vector<Vector3d>& points, double place) {
+    place = std::clamp(place, 0.0, static_cast<double>(points.size() - 1));
+    const auto left = std::min(static_cast<std::size_t>(place), points.size() - 2);
+    const double share = place - static_cast<double>(left);
+    return (1.0 - share) * points[left] + share * points[left + 1];
+}
+
 }  // namespace
 
 AnomalyTrack::AnomalyTrack(std::vector<AnomalyPart> parts, double extent, double duration, std::uint64_t seed) {
@@ -70,8 +79,15 @@ AnomalyTrack::AnomalyTrack(std::vector<AnomalyPart> parts, double extent, double
     }
 }
 
+AnomalyTrack::AnomalyTrack(std::vector<AnomalyPart> parts, const GroundField& field, const TruthPath& path, double duration,
+                           std::uint64_t seed)
+    : AnomalyTrack(std::move(parts), distance_along(path, duration), duration, seed) {
+    if (!field) return;
+    for (double t = 0.0; t < duration + 2.0; t += 1.0) under_path_.push_back(field(path.at(t).position));
+}
+
 Vector3d AnomalyTrack::at(double distance, double t) const {
-    Vector3d sum = Vector3d::Zero();
+    Vector3d sum = under_path_.empty() ? Vector3d(Vector3d::Zero()) : between(under_path_, t);
     for (const Drawn& one : parts_) {
         const AnomalyPart& part = one.part;
         const double s = (part.by_time ? t : distance) - part.start;
@@ -81,14 +97,9 @@ Vector3d AnomalyTrack::at(double distance, double t) const {
             case AnomalyPart::Kind::Ramp: sum += std::clamp(s / part.length, 0.0, 1.0) * part.size_n; break;
             case AnomalyPart::Kind::Harmonic: sum += std::sin(2.0 * std::numbers::pi * s / part.length) * part.size_n; break;
             case AnomalyPart::Kind::GaussMarkov1:
-            case AnomalyPart::Kind::GaussMarkov2: {
-                const double last = static_cast<double>(one.values.size() - 1);
-                const double place = std::clamp((s + part.start) / part.length * points_a_length, 0.0, last);
-                const auto left = std::min(static_cast<std::size_t>(place), one.values.size() - 2);
-                const double share = place - static_cast<double>(left);
-                sum += (1.0 - share) * one.values[left] + share * one.values[left + 1];
+            case AnomalyPart::Kind::GaussMarkov2:
+                sum += between(one.values, (s + part.start) / part.length * points_a_length);
                 break;
-            }
         }
     }
     return sum;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace schuler::sim {
@@ -27,12 +28,20 @@ struct AnomalyPart {
     bool by_time = false;
 };
 
-/// The sum of parts. Immutable; random parts are drawn once, at 64 points a length, joined by straight lines.
+/// A field over the ground: north, east, down, m/s^2, at a place.
+using GroundField = std::function<Eigen::Vector3d(const Geodetic&)>;
+
+/// The sum of parts, and of a field under the path. Immutable; random parts are drawn once, at 64 points a length, joined by
+/// straight lines.
 class AnomalyTrack {
 public:
     /// extent: how far the track goes (m), duration: how long (s). The same seed gives the same track; a part keeps its numbers
     /// when others are added behind it. @throws Error(Input) naming the value that is unusable.
     AnomalyTrack(std::vector<AnomalyPart> parts, double extent, double duration, std::uint64_t seed);
+
+    /// The same with a field, which is looked at once a second along the path.
+    AnomalyTrack(std::vector<AnomalyPart> parts, const GroundField& field, const TruthPath& path, double duration,
+                 std::uint64_t seed);
 
     /// North, east, down, m/s^2. Beyond the extent random parts keep their last value.
     [[nodiscard]] Eigen::Vector3d at(double distance, double t) const;
@@ -43,6 +52,7 @@ private:
         std::vector<Eigen::Vector3d> values;   ///< of a random part
     };
     std::vector<Drawn> parts_;
+    std::vector<Eigen::Vector3d> under_path_;  ///< of the field, at whole seconds; empty: there is none
 };
 
 /// Length of the path, m, from the speed over the ellipsoid once a second.

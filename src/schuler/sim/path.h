@@ -8,7 +8,9 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -72,6 +74,14 @@ struct Vibration {
     double accel = 0.0;              ///< amplitude of the vertical acceleration, m/s^2
 };
 
+/// Height over the ground instead of the waypoints' heights.
+struct Drape {
+    std::function<double(double lat, double lon)> ground;  ///< height of the ground, m; rad
+    double clearance = 300.0;  ///< m, kept everywhere
+    double slope = 0.05;  ///< steepest climb and descent
+    double smoothing = 600.0;  ///< m over which slopes change
+};
+
 /// A wheeled vehicle (or an aircraft, by its coefficients) along waypoints: straight legs, rounded corners, speeds limited by the
 /// lateral and longitudinal acceleration, stops. The x axis points along the velocity (but for dive and vibration). At rest
 /// before the first and after the last waypoint; the first leg starts at `start`, which is not in the list.
@@ -87,6 +97,7 @@ struct RoutePath {
     Vibration vibration;
     double knot_spacing = 2.0;                   ///< m between control points of the curve: how far a bend is smoothed
     double start_speed = 0.0;                    ///< m/s; other than zero: already on its way, without a standstill
+    std::optional<Drape> drape{};
 };
 
 /// A figure of eight about `start`, where it crosses itself: Gerono's lemniscate, entered along its long axis, banked.

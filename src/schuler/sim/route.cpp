@@ -8,8 +8,18 @@
 
 namespace schuler::sim {
 
+namespace {
+
+RoutePlan draped(const RoutePath& settings, const earth::Ellipsoid& ellipsoid) {
+    RoutePlan plan = plan_route(settings);
+    if (settings.drape) drape(plan, *settings.drape, LocalChart(ellipsoid, settings.start));
+    return plan;
+}
+
+}  // namespace
+
 Route::Route(const RoutePath& settings, const earth::Ellipsoid& ellipsoid)
-    : Route(settings, ellipsoid, plan_route(settings)) {}
+    : Route(settings, ellipsoid, draped(settings, ellipsoid)) {}
 
 Route::Route(const RoutePath& settings, const earth::Ellipsoid& ellipsoid, const RoutePlan& plan)
     : s_(settings),

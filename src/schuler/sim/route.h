@@ -21,6 +21,9 @@ struct RoutePlan {
 /// Rounds the corners and plans speeds and stops. Throws Error(Input) naming the waypoint that cannot be driven.
 [[nodiscard]] RoutePlan plan_route(const RoutePath& settings);
 
+/// Heights of the plan over the ground: never below the clearance, never steeper than the slope, rounded over its smoothing.
+void drape(RoutePlan& plan, const Drape& settings, const LocalChart& chart);
+
 /// The path of a plan. Everything is smooth because the plan's values are control values of quintic splines; position is the
 /// curve at the length of the moment, so that velocity and the rest follow by differentiation.
 class Route final : public TruthPath {

@@ -96,8 +96,9 @@ SimulatedData simulate(const Scenario& s) {
     out.accel_gain = accel.gain();
     const auto samples = static_cast<std::size_t>(std::floor(s.duration * s.imu.rate + 1e-6));
     const auto references = static_cast<std::size_t>(std::floor(s.duration * s.reference_rate + 1e-6)) + 1;
-    const bool disturbed = !s.anomaly.empty();
-    const AnomalyTrack anomaly(s.anomaly, disturbed ? distance_along(*path, s.duration) : 0.0, s.duration, s.seed);
+    const bool disturbed = s.disturbed();
+    const AnomalyTrack anomaly = disturbed ? AnomalyTrack(s.anomaly, s.anomaly_field, *path, s.duration, s.seed)
+                                           : AnomalyTrack({}, 0.0, s.duration, s.seed);
     double distance = 0.0;
     out.recording.imu.reserve(samples);
     out.recording.reference.reserve(references);

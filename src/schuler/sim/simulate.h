@@ -103,6 +103,7 @@ struct Scenario {
     earth::Earth earth;
     PathSettings path;
     std::vector<AnomalyPart> anomaly;   ///< of gravity along the path, beyond the Earth's model
+    GroundField anomaly_field;  ///< and of gravity over the ground; empty: none
     ImuSettings imu;
     GnssSettings gnss;
     BaroSettings baro;
@@ -110,6 +111,9 @@ struct Scenario {
     std::vector<Fault> faults;       ///< in the log, as the readers will meet them
     double reference_rate = 10.0;    ///< of the truth, Hz
     std::vector<SimulatedOutage> outages;
+
+    /// Gravity is not that of the Earth's model alone.
+    [[nodiscard]] bool disturbed() const { return !anomaly.empty() || anomaly_field; }
 };
 
 /// True sensor errors in sensor axes, and the disturbance of gravity, at the instants of the reference.

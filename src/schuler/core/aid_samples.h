@@ -1,0 +1,35 @@
+// Instruments of a survey beside IMU and receiver: gauges of height or depth, a log of velocity, a compass. SI units.
+#pragma once
+
+#include "schuler/core/samples.h"
+
+#include <vector>
+
+namespace schuler {
+
+/// Heights by up to three gauges, m; NaN where one is not there.
+struct GaugeSample {
+    Time time;
+    Eigen::Vector3d height = not_given3();
+};
+
+/// Velocity against the Earth at a log, body axes, m/s.
+struct BodyVelocitySample {
+    Time time;
+    Eigen::Vector3d velocity_b;
+};
+
+/// True heading by a compass, rad.
+struct HeadingSample {
+    Time time;
+    double heading;
+};
+
+/// In order of time each; empty where there is no such instrument.
+struct AidLog {
+    std::vector<GaugeSample> gauges;
+    std::vector<BodyVelocitySample> velocities;
+    std::vector<HeadingSample> headings;
+};
+
+}  // namespace schuler

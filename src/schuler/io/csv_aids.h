@@ -1,0 +1,19 @@
+// gauges.csv, log.csv and compass.csv of a survey, and their text.
+#pragma once
+
+#include "schuler/core/aid_samples.h"
+#include "schuler/io/text_input.h"
+
+#include <string>
+#include <vector>
+
+namespace schuler::io {
+
+/// time_s, height_1_m [, height_2_m, height_3_m]; time_s, vel_x_m_s, vel_y_m_s, vel_z_m_s (forward, right, down); time_s,
+/// heading_deg. Columns in any order, others ignored. @throws Error(Input) with the line: a field that is no number, a time that
+/// does not rise; with the column: one that is missing.
+[[nodiscard]] std::vector<GaugeSample> read_gauges_csv(const TextInput& input);
+[[nodiscard]] std::vector<BodyVelocitySample> read_log_csv(const TextInput& input);
+[[nodiscard]] std::vector<HeadingSample> read_compass_csv(const TextInput& input);
+
+}  // namespace schuler::io
