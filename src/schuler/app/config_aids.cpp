@@ -9,7 +9,7 @@
 namespace schuler::app {
 namespace {
 
-constexpr double deg = units::deg;
+using units::deg;
 using Places = std::vector<Eigen::Vector3d>;
 
 Places places_from(const Value& v) {

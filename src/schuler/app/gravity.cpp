@@ -58,7 +58,7 @@ fusion::Trajectory trajectory_of(const earth::Earth& earth, const std::vector<Su
     return out;
 }
 
-std::string mgal(double x, int digits = 2) { return fmt::format("{:.{}g} mGal", x / units::mgal, digits); }
+std::string in_mgal(double x, int digits = 2) { return fmt::format("{:.{}g} mGal", x / units::mgal, digits); }
 
 Attainability attainability(const GravityInput& in, const std::vector<SurveyEpoch>& forward, const GravityConfig& g) {
     Attainability a;
@@ -85,12 +85,12 @@ Attainability attainability(const GravityInput& in, const std::vector<SurveyEpoc
         a.statement = fmt::format(
             "this log cannot show the disturbance of gravity: covariance analysis leaves {} of the {} that were believed "
             "before (accelerometers known to {}); no gravity is written",
-            mgal(a.vertical), mgal(a.prior_vertical), mgal(accel));
+            in_mgal(a.vertical), in_mgal(a.prior_vertical), in_mgal(accel));
     } else {
         a.statement = fmt::format(
             "covariance analysis: the vertical disturbance is known to {} at the end, the horizontal one to {}; its level cannot "
             "be told from the accelerometers' constant error ({})",
-            mgal(a.vertical), mgal(a.horizontal), mgal(accel));
+            in_mgal(a.vertical), in_mgal(a.horizontal), in_mgal(accel));
         if (std::isfinite(a.resolved_period))
             a.statement += fmt::format(
                 "; a wavelength of {:.3g} s{} keeps half its amplitude", a.resolved_period,

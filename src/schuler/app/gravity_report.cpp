@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 using report::Ink;
 
-constexpr double mgal = units::mgal;
+using units::mgal;
 constexpr std::array names{"east", "north", "up"};
 
 /// Values of rows as a series.

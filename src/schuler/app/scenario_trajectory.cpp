@@ -14,7 +14,7 @@ namespace {
 
 using Table = OptionTable<ScenarioConfig>;
 using S = ScenarioConfig;
-constexpr double deg = units::deg;
+using units::deg;
 
 void add_start(Table& table) {
     const struct {

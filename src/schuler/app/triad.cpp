@@ -22,7 +22,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double deg = units::deg;
+using units::deg;
 constexpr double warm_up = 180.0, flight = 600.0;   // s
 const Vector3d lever_arm_b(2.0, 0.5, -3.0);
 constexpr double level_nav = 0.005 * deg, heading_nav = 0.05 * deg, level_tac = 0.1 * deg, heading_tac = 0.5 * deg;

@@ -17,7 +17,7 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double deg = units::deg;
+using units::deg;
 constexpr double earth_rate = 7.2921151467e-5;
 constexpr double greenwich = 277.85 * deg;   ///< right ascension when the week begins
 

@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sim/detail/require.h"
 #include "schuler/sim/receivers.h"
 
 #include <cmath>
@@ -13,9 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-void require(bool ok, const char* key, const char* what, const char* mend) {
-    if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
-}
+using detail::require;
+
 bool size(double x) { return std::isfinite(x) && x >= 0.0; }
 bool rate(double x) { return size(x) && x <= 1000.0; }
 

@@ -1,6 +1,7 @@
 // Motions in closed form: a figure of eight, a ship in waves, a turntable.
 #include "schuler/core/error.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sim/detail/require.h"
 #include "schuler/sim/path_kinds.h"
 
 #include <fmt/format.h>
@@ -18,9 +19,7 @@ namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-void require(bool ok, std::string key, const char* what, const char* mend) {
-    if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = std::move(key)}, mend);
-}
+using detail::require;
 
 bool positive(double x) { return std::isfinite(x) && x > 0.0; }
 

@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sim/detail/require.h"
 #include "schuler/sim/path_kinds.h"
 #include "schuler/sim/route.h"
 
@@ -16,14 +17,12 @@ namespace schuler::sim {
 
 namespace {
 
-void require(bool ok, const char* what, const char* key, const char* mend) {
-    if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
-}
+using detail::require;
 
 void require_start(const Geodetic& start) {
-    require(std::isfinite(start.lat) && std::isfinite(start.lon) && std::isfinite(start.h), "the start is not a number",
-            "trajectory.start", "give latitude, longitude and height");
-    require(std::abs(start.lat) < 1.5533, "the start is within a degree of a pole", "trajectory.start.lat_deg",
+    require(std::isfinite(start.lat) && std::isfinite(start.lon) && std::isfinite(start.h), "trajectory.start",
+            "the start is not a number", "give latitude, longitude and height");
+    require(std::abs(start.lat) < 1.5533, "trajectory.start.lat_deg", "the start is within a degree of a pole",
             "paths are described in latitude and longitude: stay below 89 deg");
 }
 
@@ -31,7 +30,7 @@ class AtRest final : public TruthPath {
 public:
     explicit AtRest(const StaticPath& settings) {
         require_start(settings.start);
-        require(settings.rpy.allFinite(), "the attitude is not a number", "trajectory", "give roll, pitch and heading");
+        require(settings.rpy.allFinite(), "trajectory", "the attitude is not a number", "give roll, pitch and heading");
         rest_ = {settings.start, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), settings.rpy, Eigen::Vector3d::Zero()};
         rest_.rpy.z() = math::wrap_2pi(rest_.rpy.z());
     }
@@ -45,8 +44,8 @@ class GreatCircle final : public TruthPath {
 public:
     GreatCircle(const GreatCirclePath& s, const earth::Ellipsoid& ellipsoid) : ellipsoid_(ellipsoid), h_(s.start.h) {
         require_start(s.start);
-        require(std::isfinite(s.heading), "the heading is not a number", "trajectory.heading_deg", "give a number");
-        require(std::isfinite(s.speed) && s.speed > 0.0, "the speed is not positive", "trajectory.speed_m_s",
+        require(std::isfinite(s.heading), "trajectory.heading_deg", "the heading is not a number", "give a number");
+        require(std::isfinite(s.speed) && s.speed > 0.0, "trajectory.speed_m_s", "the speed is not positive",
                 "use type = \"static\" for a body at rest");
         const Eigen::Matrix3d C_en = earth::C_en(s.start.lat, s.start.lon);
         // Turn of the normal that gives the wanted speed at the start: v_N = (R_M + h) times its north part, v_E likewise.
@@ -57,7 +56,7 @@ public:
         normal_ = -C_en.col(2);
         tangent_ = C_en * turn.normalized();
         const double highest = std::acos(std::abs(normal_.cross(tangent_).z()));
-        require(highest < 1.5533, "the great circle passes within a degree of a pole", "trajectory.heading_deg",
+        require(highest < 1.5533, "trajectory.heading_deg", "the great circle passes within a degree of a pole",
                 "choose a heading away from the meridian");
     }
     Kinematics at(double t) const override {
@@ -84,10 +83,10 @@ public:
     PaperA(const PaperAPath& s, const earth::Ellipsoid& ellipsoid) : s_(s), ellipsoid_(ellipsoid) {
         require_start(s.start);
         for (const Oscillation* o : {&s.lat, &s.lon, &s.height}) {
-            require(std::isfinite(o->period) && o->period > 0.0, "a period is not positive", "trajectory.period_s",
+            require(std::isfinite(o->period) && o->period > 0.0, "trajectory.period_s", "a period is not positive",
                     "give three periods in seconds");
             require(std::isfinite(o->rate) && std::isfinite(o->amplitude) && std::isfinite(o->phase),
-                    "a rate, amplitude or phase is not a number", "trajectory", "give numbers");
+                    "trajectory", "a rate, amplitude or phase is not a number", "give numbers");
         }
     }
     Kinematics at(double t) const override {

@@ -7,6 +7,7 @@
 #include "schuler/gnss/single_point.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sim/detail/require.h"
 
 #include <fmt/format.h>
 
@@ -20,9 +21,7 @@ namespace {
 
 constexpr double c = gnss::speed_of_light;
 
-void require(bool ok, const char* key, const char* what, const char* mend) {
-    if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
-}
+using detail::require;
 
 void check(const RangingSettings& s) {
     const auto good = [](const sensor::RangeErrorModel& m) {

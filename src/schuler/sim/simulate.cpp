@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sim/detail/require.h"
 #include "schuler/sim/faults.h"
 #include "schuler/sim/imu_errors.h"
 #include "schuler/sim/inverse_imu.h"
@@ -14,9 +15,7 @@ namespace schuler::sim {
 
 namespace {
 
-void require(bool ok, const char* key, const char* what, const char* mend) {
-    if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
-}
+using detail::require;
 
 bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }

@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
+#include "schuler/sim/detail/require.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,9 +18,7 @@ constexpr double smoothing_margin = 1.25;          // the smoothed curve passes 
 constexpr double slowest_turn = 20.0;              // s to go one radius: ships turn so, whatever their bank
 constexpr double leg_per_tangent = 2.3;            // a route gives a corner at most 0.45 of a leg
 
-void require(bool ok, const char* key, const char* what, const char* mend) {
-    if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
-}
+using detail::require;
 
 void check(const SurveyPattern& p) {
     const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
