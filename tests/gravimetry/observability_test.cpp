@@ -120,7 +120,7 @@ TEST(Observability, TheSeriesBeginWithTheFiltersModel) {
     const Vector3d g_n(0.0, 0.0, earth::gravity_down(earth.gravity, m.start.lat, m.start.h));
     const Vector3d f_n = (2.0 * terms.w_ie_n + terms.w_en_n).cross(m.v_eb_n) - g_n;
     const StateMatrix expected = gravity_error_dynamics(
-        earth, {DisturbanceKind::FirstOrder, 3600.0, Vector3d::Ones(), true},
+        earth, {DisturbanceKind::FirstOrder, 3600.0, Vector3d::Ones(), true, DisturbanceAxes::EarthFixed},
         {earth::ecef_from_geodetic(earth.ellipsoid, m.start), C_en * m.v_eb_n, C_en * math::dcm_from_rpy(m.rpy), C_en * f_n});
     StateMatrix found = StateMatrix::Zero();
     for (const detail::SeriesEntry& e : model.F)

@@ -15,7 +15,8 @@
 namespace schuler::gravimetry {
 
 /// A steady motion. By default a great circle: radius vector, body and the force it feels turn together at a constant rate about
-/// an axis that is fixed in the Earth, as in the reference numbers of math.md section 4; the heading may turn beside that.
+/// an axis that is fixed in the Earth, as in the reference numbers of math.md section 4; the heading may turn beside that. The disturbance is
+/// constant in Earth-fixed axes, as the paper has it.
 struct ObservedMotion {
     Geodetic start{55.8114694 * units::deg, 37.4998612 * units::deg, 164.15};   ///< [PaperE]
     Eigen::Vector3d v_eb_n = Eigen::Vector3d::Zero();   ///< m/s

@@ -31,15 +31,25 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
   const bar = h("progress", { max: 1, value: run.progress ?? 0, "aria-label": t("run.working") });
   const log = h("pre", { class: "log", tabIndex: 0 });
   const words = h("p", null, t(run.state === "waiting" ? "run.queue" : "run.working"));
-  const refresh = async () => (log.textContent = await api.log(run.id));
-  const timer = window.setInterval(() => void refresh(), 1500);
+  let over = false;
+  const ended = (state: RunDetails["state"]) => {
+    if (over || state === "waiting" || state === "running") return;
+    over = true;
+    done();
+  };
+  // a short run may have ended before anyone listened, and a stream of events may break off: the state is asked for as well
+  const refresh = async () => {
+    log.textContent = await api.log(run.id);
+    ended((await api.run(run.id)).state);
+  };
+  const timer = window.setInterval(() => void refresh().catch(() => undefined), 1500);
   const stop = watchRuns((e: RunEvent) => {
     if (e.id !== run.id) return;
     bar.value = e.progress;
     words.textContent = `${t(e.state === "waiting" ? "run.queue" : "run.working")} ${Math.round(100 * e.progress)} %`;
-    if (e.state !== "waiting" && e.state !== "running") done();
+    ended(e.state);
   });
-  void refresh();
+  void refresh().catch(() => undefined);
   const element = h(
     "div",
     null,
@@ -62,7 +72,7 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
       log,
     ),
   );
-  return { title: run.title, element, close: () => (stop(), window.clearInterval(timer)) };
+  return { title: run.title, element, close: () => ((over = true), stop(), window.clearInterval(timer)) };
 }
 
 const tabs = [
