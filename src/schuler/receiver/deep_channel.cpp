@@ -5,13 +5,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace schuler::receiver {
 
 namespace {
 
-constexpr double turn = 2.0 * std::numbers::pi;
 constexpr double unknown_phase = 1.0;        ///< rad^2
 constexpr double unknown_frequency = 100.0;  ///< Hz^2: the navigation holds 10 Hz
 

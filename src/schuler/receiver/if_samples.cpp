@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace schuler::receiver {
 
@@ -16,7 +15,6 @@ namespace {
 constexpr double period = 1e-3;       ///< s
 constexpr double chip_rate = 1.023e6;
 constexpr int guard = 2;              ///< chips before the period in a correlator's table
-constexpr double turn = 2.0 * std::numbers::pi;
 
 double fraction(double x) { return x - std::floor(x); }
 

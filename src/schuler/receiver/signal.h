@@ -3,7 +3,11 @@
 
 #include "schuler/gnss/satellite.h"
 
+#include <numbers>
+
 namespace schuler::receiver {
+
+inline constexpr double turn = 2.0 * std::numbers::pi;   ///< rad, a cycle of the carrier
 
 /// A code-division or frequency-division signal with a binary code, one period a millisecond.
 struct SignalStructure {

@@ -5,14 +5,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace schuler::receiver {
 
 namespace {
 
 constexpr double settle = 2.0;   ///< s at 45 dB-Hz before
-constexpr double turn = 2.0 * std::numbers::pi;
 
 struct Lost {
     bool carrier, code;
