@@ -1,6 +1,7 @@
 #include "schuler/analysis/ensemble.h"
 
 #include "schuler/math/chi_square.h"
+#include "schuler/math/quantile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +9,6 @@
 namespace schuler::analysis {
 
 namespace {
-
-/// Between ranks, linear; the values are sorted.
-double quantile(const std::vector<double>& sorted, double p) {
-    const double rank = p * static_cast<double>(sorted.size() - 1);
-    const auto below = static_cast<std::size_t>(rank);
-    const std::size_t above = std::min(below + 1, sorted.size() - 1);
-    return sorted[below] + (rank - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
 
 struct Mean {
     double sum = 0.0, n = 0.0;
@@ -37,9 +30,9 @@ Quantiles quantiles_of(std::vector<double> values) {
     for (const double x : values) square += x * x;
     std::ranges::sort(values);
     out.rms = std::sqrt(square / static_cast<double>(values.size()));
-    out.q05 = quantile(values, 0.05);
-    out.median = quantile(values, 0.5);
-    out.q95 = quantile(values, 0.95);
+    out.q05 = math::quantile_of_sorted(values, 0.05);
+    out.median = math::quantile_of_sorted(values, 0.5);
+    out.q95 = math::quantile_of_sorted(values, 0.95);
     return out;
 }
 

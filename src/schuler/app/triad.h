@@ -66,7 +66,7 @@ struct TriadFlight {
 /// Run `k` of math.md 5.4: its own geometry, heading and noise. `seed` 0: noise seeded by k alone.
 [[nodiscard]] TriadRun run_triad(const TriadCase& which, std::size_t k, std::uint64_t seed = 0);
 
-/// Statistics over runs, from 300 s after the loss on where nothing else is said.
+/// Statistics over runs, every ten seconds from 300 s after the loss on (math.md 5.5) where nothing else is said.
 struct TriadStatistics {
     double median = 0, low = 0, high = 0;            ///< m, of the runs' root mean squares (2.5 and 97.5 %)
     double pooled = 0, predicted = 0;                ///< m, root mean square over runs and epochs, horizontal

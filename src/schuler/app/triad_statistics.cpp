@@ -1,6 +1,7 @@
 // What many runs of the triad say together, and how surely.
 #include "schuler/app/triad.h"
 
+#include "schuler/math/quantile.h"
 #include "schuler/math/random.h"
 
 #include <algorithm>
@@ -9,24 +10,18 @@
 namespace schuler::app {
 namespace {
 
-constexpr std::size_t from = 300;   // s after the loss
-
-double interpolated_quantile(std::vector<double> x, double p) {
-    std::ranges::sort(x);
-    const double at = p * static_cast<double>(x.size() - 1);
-    const auto i = static_cast<std::size_t>(at);
-    return i + 1 < x.size() ? x[i] + (at - static_cast<double>(i)) * (x[i + 1] - x[i]) : x[i];
-}
+constexpr std::size_t from = 300, step = 10;   // s after the loss; the reference counts its errors at the same instants
+constexpr std::size_t instants = (triad_epochs - from - 1) / step + 1;
 
 }  // namespace
 
 TriadStatistics statistics_of(const std::vector<TriadRun>& runs) {
     TriadStatistics s;
     std::vector<double> each, three;
-    const double n = static_cast<double>(runs.size()), epochs = static_cast<double>(triad_epochs - from);
+    const double n = static_cast<double>(runs.size()), epochs = static_cast<double>(instants);
     for (const TriadRun& r : runs) {
         double h = 0.0, v = 0.0;
-        for (std::size_t i = from; i < triad_epochs; ++i) {
+        for (std::size_t i = from; i < triad_epochs; i += step) {
             h += r.horizontal[i] * r.horizontal[i] / epochs;
             v += r.vertical[i] * r.vertical[i] / epochs;
             s.predicted += r.predicted_horizontal[i] * r.predicted_horizontal[i] / epochs / n;
@@ -46,10 +41,12 @@ TriadStatistics statistics_of(const std::vector<TriadRun>& runs) {
     for (double* x :
          {&s.pooled, &s.predicted, &s.vertical, &s.predicted_vertical, &s.end, &s.predicted_end, &s.at_300, &s.at_330})
         *x = std::sqrt(*x);
-    s.median = interpolated_quantile(each, 0.5);
-    s.low = interpolated_quantile(each, 0.025);
-    s.high = interpolated_quantile(each, 0.975);
-    s.two_sigma = interpolated_quantile(three, 0.5);
+    std::ranges::sort(each);
+    std::ranges::sort(three);
+    s.median = math::quantile_of_sorted(each, 0.5);
+    s.low = math::quantile_of_sorted(each, 0.025);
+    s.high = math::quantile_of_sorted(each, 0.975);
+    s.two_sigma = math::quantile_of_sorted(three, 0.5);
     return s;
 }
 
@@ -57,8 +54,8 @@ double standard_error_of_a_set(const std::vector<TriadRun>& runs) {
     std::vector<double> squares;
     for (const TriadRun& r : runs) {
         double sum = 0.0;
-        for (std::size_t i = from; i < triad_epochs; ++i) sum += r.horizontal[i] * r.horizontal[i];
-        squares.push_back(sum / static_cast<double>(triad_epochs - from));
+        for (std::size_t i = from; i < triad_epochs; i += step) sum += r.horizontal[i] * r.horizontal[i];
+        squares.push_back(sum / static_cast<double>(instants));
     }
     const std::size_t sets = runs.size() / triad_geometries;
     const std::size_t one = std::min(runs.size(), triad_geometries);

@@ -15,4 +15,11 @@ double quantile(std::vector<double> values, double p) {
     return *nth;
 }
 
+double quantile_of_sorted(std::span<const double> sorted, double p) {
+    const double rank = std::clamp(p, 0.0, 1.0) * static_cast<double>(sorted.size() - 1);
+    const auto below = static_cast<std::size_t>(rank);
+    const std::size_t above = std::min(below + 1, sorted.size() - 1);
+    return sorted[below] + (rank - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
 }  // namespace schuler::math
