@@ -4,6 +4,7 @@
 #include "schuler/app/dataset.h"
 #include "schuler/app/evaluate.h"
 #include "schuler/app/published.h"
+#include "schuler/app/simulated_receiver.h"
 #include "schuler/fusion/result.h"
 
 #include <chrono>
@@ -33,6 +34,8 @@ struct ResultBundle {
     std::string name;
     std::optional<std::uint64_t> seed;
     LoadedDataset data;
+    std::shared_ptr<const SimulatedSky> sky;     ///< a simulated receiver's, which takes part in medium and deep runs; or null
+    std::vector<ReceiverRow> receiver_rows;      ///< what became of its channels in such a run
     fusion::Result result;
     HiddenTruth truth;                           ///< simulated data
     Evaluation evaluation;

@@ -37,6 +37,7 @@ const std::vector<KnownScheme>& known_schemes() {
         {"loose", "b loose, standard", {{"filter.scheme", {std::string("loose")}, {}}}},
         {"tight", "c tight", {{"filter.scheme", {std::string("tight")}, {}}}},
         {"medium", "intermediate", {{"filter.scheme", {std::string("medium")}, {}}}},
+        {"deep", "d deep", {{"filter.scheme", {std::string("deep")}, {}}}},
         {"loose-aggressive",
          "b loose, aggressive",
          {{"filter.scheme", {std::string("loose")}, {}}, {"filter.loose", {std::string("aggressive")}, {}}}},

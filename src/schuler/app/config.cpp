@@ -64,6 +64,7 @@ Config config_from(const SettingList& settings) {
     config.filter.coupling = config.scheme == Scheme::Separate ? fusion::Coupling::Separate
                              : config.scheme == Scheme::Tight  ? fusion::Coupling::Tight
                              : config.scheme == Scheme::Medium ? fusion::Coupling::Medium
+                             : config.scheme == Scheme::Deep   ? fusion::Coupling::Deep
                                                                : fusion::Coupling::Loose;
     config.filter.ranging.corrections = config.raw.solver.ranges;
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;

@@ -40,7 +40,7 @@ struct RawGnssConfig {
     bool phase_velocity = false;                 ///< velocity from phases instead of Doppler
 };
 
-enum class Scheme { Gnss, Separate, Loose, Tight, Medium };
+enum class Scheme { Gnss, Separate, Loose, Tight, Medium, Deep };
 enum class Quaternion { BodyToNed, SensorToEnu };
 
 /// An outage as a user gives it.

@@ -108,23 +108,6 @@ Option<Config> preset_option() {
             [](const Config& c) -> std::optional<Value> { return Value{c.preset}; }};
 }
 
-/// A choice of which only some names work in this version: the others get an honest message.
-template <class Enum, class Access>
-Option<Config> staged_choice(std::string key, std::vector<std::pair<std::string, Enum>> names, std::vector<std::string> later,
-                             std::string help, Access access) {
-    Option<Config> option = choice<Config, Enum>(std::move(key), std::move(names), std::move(help), access);
-    option.spec.form = accepted_form(option.spec);
-    const std::vector<std::string> now = option.spec.choices;
-    option.spec.choices.insert(option.spec.choices.end(), later.begin(), later.end());
-    option.set = [set = option.set, later = std::move(later), form = option.spec.form](Config& c, const Value& v) {
-        if (std::ranges::find(later, *v.text()) != later.end()) {
-            throw input_error(fmt::format("\"{}\" is not in this version", *v.text()), {}, fmt::format("use {}", form));
-        }
-        set(c, v);
-    };
-    return option;
-}
-
 }  // namespace
 
 void add_filter_options(OptionTable<Config>& table) {
@@ -132,12 +115,14 @@ void add_filter_options(OptionTable<Config>& table) {
     add_initial(table);
     using fusion::Mechanization;
     table.add(preset_option())
-        .add(staged_choice<Scheme>("filter.scheme", {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}, {"tight", Scheme::Tight}, {"medium", Scheme::Medium}},
-                                   {"deep"},
-                                   "coupling: loose = one filter of receiver and inertial unit; separate = the inertial unit is set to the "
-                                   "receiver now and then or little by little; tight = one filter of the ranges themselves; "
-                                   "medium = tight, with a filter of the receiver alone beside it; gnss = the receiver's own solution",
-                                   [](auto& c) -> auto& { return c.scheme; }))
+        .add(choice<Config, Scheme>(
+            "filter.scheme",
+            {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}, {"tight", Scheme::Tight},
+             {"medium", Scheme::Medium}, {"deep", Scheme::Deep}},
+            "coupling: loose = one filter of receiver and inertial unit; separate = the inertial unit is set to the receiver now and then or "
+            "little by little; tight = one filter of the ranges themselves; medium = tight, with a filter of the receiver alone beside it; "
+            "deep = tight, and the receiver's channels follow its solution (scenarios with [receiver]); gnss = the receiver's own solution",
+            [](auto& c) -> auto& { return c.scheme; }))
         .add(choice<Config, Mechanization>(
             "filter.mechanization", {{"geographic", Mechanization::Geographic}, {"ecef", Mechanization::Ecef}},
             "frame of the strapdown equations", [](auto& c) -> auto& { return c.filter.mechanization; }))

@@ -25,6 +25,7 @@ ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList&
     bundle.published = scenario.published;
     bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
     bundle.data.aids = std::move(simulated.aids);
+    bundle.sky = std::move(simulated.sky);
     bundle.data.true_reference = true;
     bundle.truth = hidden_truth(simulated.truth, bundle.data.config.filter.imu);
     return bundle;
@@ -45,7 +46,12 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         fusion::Settings settings = bundle.data.config.filter;
         settings.output_rate = output_rate;
         settings.state_rows = !bundle.truth.sensors.empty();
-        bundle.result = fusion::run_filter(bundle.data.recording, settings, warnings, progress, rows);
+        std::optional<SimulatedReceiver> receiver;
+        if (bundle.sky && settings.coupling == fusion::Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);
+        if (bundle.sky && settings.coupling == fusion::Coupling::Medium) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
+        bundle.result =
+            fusion::run_filter(bundle.data.recording, settings, warnings, progress, rows, receiver ? &*receiver : nullptr);
+        if (receiver) bundle.receiver_rows = receiver->rows();
     }
     bundle.timing.filter_s = seconds_since(begin);
     if (bundle.result.forward.rows.empty())

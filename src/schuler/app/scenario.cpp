@@ -254,6 +254,7 @@ Table make_table() {
     add_receivers(table);
     add_aid_scenario_options(table);
     add_ranging_scenario_options(table);
+    add_receiver_scenario_options(table);
     table.add(outage_option()).add(fault_option());
     add_filter(table);
     add_montecarlo(table);

@@ -6,12 +6,15 @@
 #include "schuler/app/published.h"
 #include "schuler/io/csv_ranges.h"
 #include "schuler/sim/aids.h"
+#include "schuler/receiver/bank.h"
 #include "schuler/sim/ranging.h"
+#include "schuler/sim/signals.h"
 #include "schuler/sim/simulate.h"
 #include "schuler/sim/survey_route.h"
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -63,6 +66,17 @@ struct RangingScenarioConfig {
     sim::RangingSettings settings; ///< its rate, lever arm and navigation are filled in
 };
 
+/// A receiver at correlator level, whose ranges are what it tracks.
+struct ReceiverScenarioConfig {
+    double rate = 0.0;             ///< Hz of its ranges; 0: no such receiver
+    double cn0 = 45.0;             ///< dB-Hz
+    std::vector<sim::StrengthPoint> profile;
+    std::vector<sim::Jammer> jammers;
+    receiver::BankSettings bank;   ///< guidance and oscillator are filled in
+    double clock_flicker = 0.0;    ///< h_-1 of the oscillator, beside ranges.clock
+    double clock_per_g = 0.0;      ///< its fractional frequency a g, on each axis
+};
+
 /// The ground that a path keeps its height over; not given clearance: none.
 struct SurveyGround {
     double clearance = not_given;  ///< m
@@ -102,6 +116,7 @@ struct ScenarioConfig {
     AnomalyFieldConfig field;
     sim::AidErrors aids;
     RangingScenarioConfig ranging;
+    ReceiverScenarioConfig receiver_channels;
     sim::RecordedPath recorded;                 ///< how a recording is smoothed
     std::string file;                           ///< of that recording
     std::filesystem::path folder;               ///< of the scenario file
@@ -131,12 +146,14 @@ struct ScenarioConfig {
 
 /// A simulated data set: the recording exactly as its files carry it, the settings of its dataset.toml, and the truth that no
 /// file has.
+class SimulatedSky;
 struct SimulatedDataset {
     std::string name;
     SettingList settings;
     Recording recording;
     sim::SimulatedData truth;
     AidLog aids;
+    std::shared_ptr<const SimulatedSky> sky;   ///< of a receiver at correlator level; null without one
     std::vector<io::StationRow> stations;
     std::vector<std::pair<std::string, std::string>> texts;   ///< further files by name
     std::uint64_t seed = 1;

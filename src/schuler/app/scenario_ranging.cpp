@@ -1,5 +1,5 @@
 // [ranges] of scenario files: which satellites and stations, what hides them, how their ranges err.
-#include "schuler/app/option_builders.h"
+#include "schuler/app/list_options.h"
 #include "schuler/app/range_error_options.h"
 #include "schuler/app/scenario_sections.h"
 #include "schuler/core/units.h"
@@ -15,44 +15,9 @@ namespace {
 using S = ScenarioConfig;
 using units::deg;
 
-/// Numbers, texts and lists of texts of one table in a list, each to its place.
-struct Entry {
-    const char* name;
-    double* number = nullptr;
-    double factor = 1.0;
-    std::string* text = nullptr;
-    std::vector<std::string>* texts = nullptr;
-};
-
-void fill(const Value& v, const std::vector<Entry>& entries, const char* form) {
-    if (v.table() == nullptr) throw input_error(fmt::format("{} is no table", to_toml(v)), {}, form);
-    for (const auto& [name, x] : *v.table()) {
-        const auto e = std::ranges::find_if(entries, [&name = name](const Entry& entry) { return name == entry.name; });
-        if (e == entries.end()) throw input_error(fmt::format("has no \"{}\"", name), {}, form);
-        const bool names = x.list() != nullptr && std::ranges::all_of(*x.list(), [](const Value& item) { return item.text() != nullptr; });
-        if (e->number != nullptr && x.is_number() && std::abs(x.number()) < 1e12) *e->number = x.number() * e->factor;
-        else if (e->text != nullptr && x.text() != nullptr) *e->text = *x.text();
-        else if (e->texts != nullptr && names)
-            for (const Value& item : *x.list()) e->texts->push_back(*item.text());
-        else throw input_error(fmt::format("{} = {} has another kind", name, to_toml(x)), {}, form);
-    }
-}
-
-/// A list of tables of one kind.
-template <class Read>
-Option<S> list_of(const char* key, const char* form, const char* help, Read read) {
-    return special<S>(
-        key, form, help,
-        [=](S& s, const Value& v) {
-            if (v.list() == nullptr) throw input_error(fmt::format("is {}, expected a list", kind_of(v)), {}, form);
-            read(s, *v.list(), form);
-        },
-        [](const S&) { return std::optional<Value>(); });
-}
-
 void add_sources(OptionTable<S>& table) {
     table
-        .add(list_of("ranges.stations", "[ { id, lat_deg, lon_deg, height_m }, ... ]", "ground stations that send ranges",
+        .add(list_of<S>("ranges.stations", "[ { id, lat_deg, lon_deg, height_m }, ... ]", "ground stations that send ranges",
                      [](S& s, const ValueList& list, const char* form) {
                          s.ranging.settings.stations.clear();
                          for (const Value& v : list) {
@@ -66,7 +31,7 @@ void add_sources(OptionTable<S>& table) {
                              s.ranging.settings.stations.push_back(g);
                          }
                      }))
-        .add(list_of("ranges.block", "[ { sources, start_s, duration_s }, ... ]",
+        .add(list_of<S>("ranges.block", "[ { sources, start_s, duration_s }, ... ]",
                      "sources that are silent for a time; without names all satellites, \"stations\" for all stations",
                      [](S& s, const ValueList& list, const char* form) {
                          s.ranging.settings.blocked.clear();
@@ -79,7 +44,7 @@ void add_sources(OptionTable<S>& table) {
                              s.ranging.settings.blocked.push_back(b);
                          }
                      }))
-        .add(list_of("ranges.limit", "[ { start_s, keep, variant }, ... ]",
+        .add(list_of<S>("ranges.limit", "[ { start_s, keep, variant }, ... ]",
                      "from then on only so many satellites: up to four of the four with the best geometry, more: the highest",
                      [](S& s, const ValueList& list, const char* form) {
                          s.ranging.settings.limits.clear();
@@ -92,7 +57,7 @@ void add_sources(OptionTable<S>& table) {
                              s.ranging.settings.limits.push_back({start, static_cast<std::size_t>(keep), static_cast<std::size_t>(variant)});
                          }
                      }))
-        .add(list_of("ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]", "ranges that are wrong",
+        .add(list_of<S>("ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]", "ranges that are wrong",
                      [](S& s, const ValueList& list, const char* form) {
                          s.ranging.settings.faults.clear();
                          for (const Value& v : list) {
@@ -129,7 +94,7 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
                      [](auto& s) -> auto& { return s.ranging.settings.masks.throughout; }))
         .add(number<S>("ranges.antenna_mask_deg", deg, -90, 90, "hidden below this angle over the antenna's plane, which banks with the body",
                        [](auto& s) -> auto& { return s.ranging.settings.masks.antenna; }))
-        .add(list_of("ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]", "elevation hidden from an azimuth to the next one",
+        .add(list_of<S>("ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]", "elevation hidden from an azimuth to the next one",
                      [](S& s, const ValueList& list, const char* form) {
                          auto& terrain = s.ranging.settings.masks.terrain;
                          terrain.clear();
@@ -152,24 +117,34 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
                         [](auto& s) -> auto& { return s.sim.baro.bias_time; }));
 }
 
-std::optional<SimulatedRanging> simulate_ranging(const ScenarioConfig& s) {
-    if (!(s.ranging.rate > 0.0)) return std::nullopt;
-    SimulatedRanging out;
-    out.gps = Time::from_gps(s.ranging.week, s.ranging.second);
+sim::RangingScenario ranging_frame(const ScenarioConfig& s) {
+    return {s.sim.seed, s.sim.duration, s.sim.origin, Time::from_gps(s.ranging.week, s.ranging.second), s.sim.earth};
+}
+
+sim::RangingSettings ranging_settings(const ScenarioConfig& s) {
     sim::RangingSettings r = s.ranging.settings;
-    r.rate = s.ranging.rate;
+    const Time begin = ranging_frame(s).gps, end = begin + Duration::from_seconds(s.sim.duration);
+    if (s.ranging.rate > 0.0) r.rate = s.ranging.rate;
     r.lever_arm_b = s.sim.gnss.lever_arm_b;
-    const Time end = out.gps + Duration::from_seconds(s.sim.duration);
     if (!s.ranging.navigation.empty()) {
         WarningLog unheard;
         const std::filesystem::path file(s.ranging.navigation);
         r.navigation = io::read_raw_input(file.is_absolute() ? file : s.folder / file, {}, unheard).navigation;
     } else {
-        if (s.ranging.systems.find('G') != std::string::npos) r.navigation.add(gnss::nominal_gps(out.gps, end));
-        if (s.ranging.systems.find('R') != std::string::npos) r.navigation.add(gnss::nominal_glonass(out.gps, end));
+        if (s.ranging.systems.find('G') != std::string::npos) r.navigation.add(gnss::nominal_gps(begin, end));
+        if (s.ranging.systems.find('R') != std::string::npos) r.navigation.add(gnss::nominal_glonass(begin, end));
     }
+    return r;
+}
+
+std::optional<SimulatedRanging> simulate_ranging(const ScenarioConfig& s) {
+    if (!(s.ranging.rate > 0.0)) return std::nullopt;
+    SimulatedRanging out;
+    sim::RangingSettings r = ranging_settings(s);
     const auto path = sim::make_path(s.sim.path, s.sim.earth.ellipsoid);
-    out.ranges = sim::simulate_ranges({s.sim.seed, s.sim.duration, s.sim.origin, out.gps, s.sim.earth}, *path, r);
+    const sim::RangingScenario frame = ranging_frame(s);
+    out.gps = frame.gps;
+    out.ranges = sim::simulate_ranges(frame, *path, r);
     out.navigation = std::move(r.navigation);
     return out;
 }

@@ -33,6 +33,13 @@ void add_aid_scenario_options(OptionTable<ScenarioConfig>& table);
 /// "ranges.*".
 void add_ranging_scenario_options(OptionTable<ScenarioConfig>& table);
 
+/// What raw ranges and a simulated receiver share: the frame, and satellites, masks and errors with their ephemerides.
+[[nodiscard]] sim::RangingScenario ranging_frame(const ScenarioConfig& scenario);
+[[nodiscard]] sim::RangingSettings ranging_settings(const ScenarioConfig& scenario);
+
+/// "receiver.*": a receiver at correlator level.
+void add_receiver_scenario_options(OptionTable<ScenarioConfig>& table);
+
 /// Ranges of a scenario with the ephemerides they were made from; nothing where it has none.
 struct SimulatedRanging {
     sim::SimulatedRanges ranges;

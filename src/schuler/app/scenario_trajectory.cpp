@@ -224,7 +224,7 @@ void add_trajectory_options(Table& table) {
                        "car, waypoints: how far bends and climbs are smoothed; aircraft: 50", route(&R::knot_spacing)))
         .add(number<S>("trajectory.corner_radius_m", 1.0, 0.1, 1e6, "car, waypoints: radius of the corners",
                        route(&R::corner_radius)))
-        .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 100, "car, waypoints: limit in corners",
+        .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 1000, "car, waypoints: limit in corners",
                        route(&R::lateral_accel)))
         .add(number<S>("trajectory.longitudinal_accel_m_s2", 1.0, 0.01, 100, "car, waypoints: limit when speeding up and braking",
                        route(&R::longitudinal_accel)))

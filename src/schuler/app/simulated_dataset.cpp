@@ -1,6 +1,7 @@
 #include "schuler/app/option_builders.h"
 #include "schuler/app/scenario.h"
 #include "schuler/app/scenario_sections.h"
+#include "schuler/app/simulated_receiver.h"
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/fixed_point.h"
@@ -307,6 +308,10 @@ SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const Scenario
             out.texts = {{"observations.rnx", io::rinex_observations_text(log)},
                          {"navigation.rnx", io::rinex_navigation_text(ranging->navigation)}};
         }
+    }
+    if (scenario.receiver_channels.rate > 0.0) {
+        out.sky = std::make_shared<SimulatedSky>(scenario);
+        out.recording.ranges = SimulatedReceiver(*out.sky, receiver::Guidance::None).run_alone();
     }
     out.seed = scenario.sim.seed;
     out.name = scenario.name;

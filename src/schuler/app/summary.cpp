@@ -130,6 +130,7 @@ std::string_view scheme_name(Scheme scheme) {
         case Scheme::Separate: return "separate";
         case Scheme::Tight: return "tight";
         case Scheme::Medium: return "medium";
+        case Scheme::Deep: return "deep";
         default: return "loose";
     }
 }

@@ -96,8 +96,11 @@ std::size_t last_increment(const RunData& data, const Settings& settings) {
 }  // namespace
 
 Result run_filter(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
-                 const RowSink& rows) {
+                  const RowSink& rows, ReceiverInLoop* receiver) {
     check_settings(given);
+    if (given.coupling == Coupling::Deep && receiver == nullptr)
+        throw input_error("deep coupling commands the correlators of a receiver, and a log has none", {.file = {}, .key = "filter.scheme"},
+                          "give a scenario with [receiver], or choose tight");
     check_overlap(recording, given.initial, warnings);
     Settings settings = given;
     if (settings.coupling == Coupling::Separate) settings.loop = Loop::Closed;   // the corrections are the coupling
@@ -143,7 +146,16 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     options.last_increment = last_increment(data, settings);
     options.progress = progress;
     options.rows = rows;
-    Result result = settings.coupling == Coupling::Tight    ? run_tight_pass(data, settings, start, options, origin)
+    Recording live;
+    if (receiver != nullptr) {
+        live = recording;
+        live.ranges = {};
+        data.recording = &live;
+        options.receiver = receiver;
+        options.heard = &live.ranges;
+    }
+    Result result = settings.coupling == Coupling::Tight || settings.coupling == Coupling::Deep
+                        ? run_tight_pass(data, settings, start, options, origin)
                     : settings.coupling == Coupling::Medium ? run_medium_pass(data, settings, start, options, origin)
                                                             : run_pass(data, settings, start, options);
 

@@ -3,6 +3,7 @@
 
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
+#include "schuler/fusion/receiver_in_loop.h"
 #include "schuler/fusion/result.h"
 #include "schuler/fusion/settings.h"
 
@@ -20,7 +21,8 @@ using RowSink = std::function<void(std::span<const SolutionRow>)>;
 /// Fuses one recording with the scheme of the settings. Where `rows` is given the forward rows go there and of them only the first
 /// and the last are in the result: a long log at every epoch then needs no memory for them. Throws Error(Input) where the data
 /// cannot be used (no overlap, no fixes, no start) and Error(Computation) where the filter diverges (time and channel named).
+/// `receiver`: takes part in a tight, medium or deep run, whose ranges are then its own and not the recording's. Deep needs one.
 [[nodiscard]] Result run_filter(const Recording& recording, const Settings& settings, WarningLog& warnings,
-                                const Progress& progress = {}, const RowSink& rows = {});
+                                const Progress& progress = {}, const RowSink& rows = {}, ReceiverInLoop* receiver = nullptr);
 
 }  // namespace schuler::fusion

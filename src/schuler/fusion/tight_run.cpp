@@ -101,6 +101,25 @@ struct TightCollector : TightObserver<Frame> {
     ProtectionLimits limits = settings.ranging.protection.use ? ProtectionLimits(settings.ranging.protection) : ProtectionLimits{};
 };
 
+/// What the filter tells a receiver. The covariance is that of the last update: it serves the search for signals.
+template <class Frame>
+Guide guide_of(const TightModel& model, const TightWalk<Frame>& walk, const ImuIncrement& last) {
+    const TightFilter<Frame>& f = walk.filter;
+    const Estimate e = estimate_of(model.inertial, f.inertial);
+    const Eigen::Vector3d f_b = last.dv / last.dt - e.parameters.template segment<3>(Layout::accel_bias);
+    Guide g;
+    g.time = f.time();
+    g.antenna = antenna_motion(model.inertial.earth, e.nav, f_b, e.w_ib_b, model.lever_arm_b);
+    g.C_en = earth::C_en(e.nav.position.lat, e.nav.position.lon);
+    g.P = f.local_covariance(model).template topLeftCorner<6, 6>();
+    const double since = (f.time() - f.brought).seconds();
+    g.drift = f.parameters(TightLayout::drift);
+    g.clock = f.parameters(TightLayout::clock) + since * g.drift;
+    g.std_clock = std::sqrt(std::max(0.0, f.P(TightLayout::clock, TightLayout::clock)));
+    g.std_drift = std::sqrt(std::max(0.0, f.P(TightLayout::drift, TightLayout::drift)));
+    return g;
+}
+
 template <class Frame>
 Result run_in(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options, Time origin,
               const AfterRanges& after) {
@@ -118,9 +137,15 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     const TightPass<Frame> pass(model, data, settings, origin);
     const std::size_t end = std::min(options.last_increment, data.imu.increments.size() - 1);
     const auto begin = std::chrono::steady_clock::now();
-    for (std::size_t last = walk.increment; walk.increment <= end; last += 16 * stretch) {
-        pass.advance(walk, std::min(last + 16 * stretch, end), collector);
-        if (options.progress) options.progress(static_cast<double>(walk.increment) / static_cast<double>(end + 1));
+    const std::size_t block = options.receiver != nullptr ? 1 : 16 * stretch;
+    for (std::size_t last = walk.increment - 1; walk.increment <= end;) {
+        last = std::min(last + block, end);
+        if (options.receiver != nullptr) {
+            const ImuIncrement& known = data.imu.increments[last > 0 ? last - 1 : 0];
+            options.receiver->run(guide_of(model, walk, known), data.imu.increments[last].time, *options.heard);
+        }
+        pass.advance(walk, last, collector);
+        if (options.progress && (block > 1 || last % stretch == 0)) options.progress(static_cast<double>(walk.increment) / static_cast<double>(end + 1));
     }
     result.filter_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (options.rows) options.rows(result.forward.rows);
@@ -131,7 +156,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
 
 Result run_tight_pass(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options, Time origin,
                       const AfterRanges& after) {
-    if (data.recording->ranges.empty())
+    if (data.recording->ranges.empty() && options.receiver == nullptr)
         throw input_error("there are no pseudoranges", {.file = {}, .key = "filter.scheme"},
                           "give raw measurements ([gnss] observations or [stations] file), or choose --scheme loose");
     return settings.mechanization == Mechanization::Ecef ? run_in<EarthFixedFrame>(data, settings, start, options, origin, after)

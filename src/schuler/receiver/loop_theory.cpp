@@ -11,6 +11,14 @@ double pll_jitter(double bandwidth, double cn0, double interval) {
     return std::sqrt(bandwidth / cn0 * (1.0 + 1.0 / (2.0 * interval * cn0)));
 }
 
+double pll_command_jitter(double bandwidth, double cn0, double interval) {
+    using loop::a3, loop::b3;
+    const double w = loop::third_order(bandwidth), power = 2.0 * cn0 * interval;
+    const double each = (1.0 + 1.0 / power) / power / std::pow(2.0 * std::numbers::pi, 2);   // cycles^2 of one sum
+    const double memory = w * w * w * (a3 * a3 * a3 + 1.0) / (2.0 * (a3 * b3 - 1.0));
+    return std::sqrt(each * (std::pow(b3 * w, 2) * (1.0 + 2.0 * bandwidth * interval) + memory * interval));
+}
+
 double fll_jitter(double bandwidth, double cn0, double interval) {
     return std::sqrt(4.0 * bandwidth / cn0 * (1.0 + 1.0 / (interval * cn0))) / (2.0 * std::numbers::pi * interval);
 }

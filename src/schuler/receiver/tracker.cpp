@@ -18,6 +18,7 @@ constexpr double settled_aided = 2.0;   ///< s, of the frequency kept for after 
 constexpr double settled_alone = 0.2;   ///< s, likewise: without an aid it moves
 constexpr double assist = 3.0;          ///< Hz, frequency loop beside the phase loop while it locks
 constexpr double retry_time = 2.0;      ///< s between attempts at a lost carrier
+constexpr int most_moves = 2;           ///< away from a false lock, an attempt
 constexpr int most_attempts = 3;        ///< at the carrier without an aid
 
 int dumps_per_symbol(const SignalStructure& signal) {
@@ -125,6 +126,7 @@ void Tracker::enter(Mode mode) {
     for (CodeLoop* loop : {&code_blind_, &code_aligned_, &code_phase_, &code_only_}) loop->start(0.0);
     code_rate_ = 0.0;
     mode_ = mode;
+    moves_ = 0;
     time_in_mode_ = unlocked_ = weak_ = 0.0;
     sums_ = {};
     before_ = slip_ = last_ = 0.0;
@@ -253,7 +255,14 @@ void Tracker::transitions() {
         case Mode::Assisted:
             if (time_in_mode_ < settings_.pull_in_time) break;
             if (leave_false_lock()) {
-                enter(Mode::Assisted);
+                // noise goes on looking like one false lock after another
+                const int moves = moves_ + 1;
+                if (moves > most_moves) {
+                    fail();
+                } else {
+                    enter(Mode::Assisted);
+                    moves_ = moves;
+                }
             } else if (lock_.value() >= settings_.phase_lock) {
                 settled_ = assisted_.frequency();
                 enter(Mode::Phase);

@@ -1,0 +1,79 @@
+// A receiver at correlator level on a simulated flight: alone, or in the loop of the navigation filter.
+#pragma once
+
+#include "schuler/app/scenario.h"
+#include "schuler/fusion/receiver_in_loop.h"
+#include "schuler/gnss/satellite_source.h"
+
+#include <memory>
+#include <vector>
+
+namespace schuler::app {
+
+/// The signals of a scenario with [receiver], its path and its orbits. Immutable.
+class SimulatedSky final : public receiver::SignalField {
+public:
+    /// @throws Error(Input) with the key of what is unusable.
+    explicit SimulatedSky(const ScenarioConfig& scenario);
+
+    [[nodiscard]] std::size_t size() const override { return signals_.size(); }
+    [[nodiscard]] receiver::SignalStructure structure(std::size_t signal) const override;
+    [[nodiscard]] receiver::LineOfSight motion(std::size_t signal, double t) const override;
+    [[nodiscard]] double cn0(std::size_t signal, double t) const override { return signals_.cn0(signal, t); }
+    [[nodiscard]] bool in_view(std::size_t signal, double t) const override { return signals_.in_view(signal, t); }
+
+    [[nodiscard]] const sim::Signals& signals() const { return signals_; }
+    /// Specific force, body axes, m/s^2, to 0.1 m/s^2: what shakes an oscillator.
+    [[nodiscard]] Eigen::Vector3d force(double t) const;
+    /// Seconds of the scenario.
+    [[nodiscard]] double seconds(Time t) const { return (t - frame_.origin).seconds(); }
+    [[nodiscard]] Time time(double t) const { return frame_.origin + Duration::from_seconds(t); }
+    /// The satellite that sent at `t`.
+    [[nodiscard]] std::optional<gnss::SatelliteState> satellite(std::size_t signal, double t) const;
+
+    [[nodiscard]] const ReceiverScenarioConfig& settings() const { return settings_; }
+    [[nodiscard]] const sim::RangingScenario& frame() const { return frame_; }
+
+private:
+    ReceiverScenarioConfig settings_;
+    sim::RangingScenario frame_;
+    sim::RangingSettings ranging_;
+    std::unique_ptr<const sim::TruthPath> path_;
+    sim::Signals signals_;
+    gnss::BroadcastSource orbits_;
+};
+
+/// What became of the channels, ten times a second.
+struct ReceiverRow {
+    Time time;
+    double cn0 = 0.0;              ///< dB-Hz, of the signals that are there, true; NaN without one
+    int heard = 0;                 ///< satellites that are there
+    int code = 0, phase = 0;       ///< channels that follow the code, and the carrier's phase too
+};
+
+class SimulatedReceiver final : public fusion::ReceiverInLoop {
+public:
+    SimulatedReceiver(const SimulatedSky& sky, receiver::Guidance guidance);
+
+    void run(const fusion::Guide& guide, Time until, RangingLog& log) override;
+    /// The whole flight without guidance.
+    [[nodiscard]] RangingLog run_alone();
+    [[nodiscard]] const std::vector<ReceiverRow>& rows() const { return rows_; }
+
+private:
+    void begin(double t);
+    void listen(double until, RangingLog& log);
+    void measure(RangingLog& log);
+    void note();
+
+    const SimulatedSky& sky_;
+    receiver::BankSettings settings_;
+    double interval_;                                   ///< s between epochs
+    std::optional<receiver::Bank> bank_;
+    std::vector<receiver::Prediction> predictions_;
+    std::vector<receiver::BankMeasurement> measured_;
+    std::vector<ReceiverRow> rows_;
+    std::int64_t ticks_ = 0;
+};
+
+}  // namespace schuler::app

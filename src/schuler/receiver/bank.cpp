@@ -1,0 +1,209 @@
+#include "schuler/receiver/bank.h"
+
+#include "schuler/receiver/loop_theory.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::receiver {
+
+namespace {
+
+constexpr double c = gnss::speed_of_light;
+/// Beyond these a prediction may lie outside what a deep channel's discriminators reach (half a chip, a quarter of the inverse symbol).
+constexpr double deep_range = 40.0, deep_rate = 0.8;   // m, m/s, one sigma
+constexpr int pause = 100;   // code periods from one search that found to the next, while the navigation uses it
+
+}  // namespace
+
+Bank::Channel::Channel(const SignalStructure& signal_, const BankSettings& settings, std::uint64_t seed, std::size_t number)
+    : signal(signal_),
+      peak(signal_.chip_rate, settings.front_end),
+      model(peak, (settings.guidance == Guidance::Generators  ? settings.deep.spacing
+                   : settings.guidance == Guidance::Loops ? settings.aided.spacing
+                                                          : settings.alone.spacing)),
+      noise(seed, "bank.noise." + std::to_string(number)),
+      message(seed, "bank.message." + std::to_string(number)),
+      tracker(signal_, peak, settings.guidance == Guidance::Loops ? settings.aided : settings.alone),
+      deep(signal_, peak, settings.deep),
+      symbol(static_cast<int>(std::lround(signal_.symbol_duration / period))),
+      // the flight of the signals is tens of milliseconds longer for one than for another
+      phase(static_cast<int>(7 * number) % symbol) {}
+
+Bank::Bank(const SignalField& field, const BankSettings& settings, std::uint64_t seed, double start)
+    : field_(field),
+      settings_(settings),
+      oscillator_noise_(seed, "bank.oscillator"),
+      oscillator_((settings.oscillator.check(), settings.oscillator), oscillator_noise_),
+      predictions_(field.size()),
+      ticks_(std::llround(start / period)) {
+    settings.search.check();
+    settings.aided_search.check();
+    channels_.reserve(field.size());
+    for (std::size_t i = 0; i < field.size(); ++i) channels_.emplace_back(field.structure(i), settings, seed, i);
+}
+
+void Bank::guide(std::span<const Prediction> predictions, double t) {
+    std::ranges::copy(predictions.first(predictions_.size()), predictions_.begin());
+    guided_at_ = t;
+}
+
+LineOfSight Bank::predicted(std::size_t i, double t) const { return predictions_[i].motion.after(t - guided_at_); }
+
+void Bank::step(const Eigen::Vector3d& f_b) {
+    const double t = now(), before = clock_;
+    oscillator_.step(period, f_b, oscillator_noise_);
+    clock_ = c * oscillator_.offset();
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+        Channel& ch = channels_[i];
+        if (ch.phase == 0) ch.sign = ch.message.uniform() < 0.5 ? -1 : 1;
+        LineOfSight truth = field_.motion(i, t);
+        truth.range += before;
+        truth.rate += (clock_ - before) / period;
+        const bool view = field_.in_view(i, t);
+        const double cn0 = view ? field_.cn0(i, t) : 0.0;
+        if (settings_.guidance == Guidance::Generators) step_deep(i, truth, cn0, view);
+        else step_alone(i, truth, cn0, view);
+        ch.phase = (ch.phase + 1) % ch.symbol;
+    }
+    ++ticks_;
+}
+
+Search Bank::new_search(std::size_t i, const LineOfSight& truth) {
+    Channel& ch = channels_[i];
+    if (settings_.guidance != Guidance::None) {
+        const Prediction& p = predictions_[i];
+        return {ch.signal, ch.model, settings_.aided_search, predicted_window(ch.signal, p.std_range, p.std_rate),
+                aligned_replica(ch.signal, predicted(i, now()))};
+    }
+    LineOfSight guess = truth;
+    guess.range += settings_.hot_range * ch.noise.normal();
+    guess.rate += settings_.hot_rate * ch.noise.normal();
+    return {ch.signal, ch.model, settings_.search, predicted_window(ch.signal, settings_.hot_range, settings_.hot_rate),
+            aligned_replica(ch.signal, guess)};
+}
+
+bool Bank::search(std::size_t i, const LineOfSight& truth, double cn0) {
+    Channel& ch = channels_[i];
+    if (ch.wait == 0) {
+        if (ch.search && ch.found) {
+            ch.found = false;
+            return true;
+        }
+        if (!ch.search) ch.search = new_search(i, truth);
+        const LineOfSight aid = predicted(i, now());
+        ch.found = ch.search->step(truth, cn0, ch.noise, settings_.guidance != Guidance::None ? &aid : nullptr);
+        ch.wait = std::max(1, static_cast<int>(std::lround(ch.search->dwell() / period)));
+    }
+    --ch.wait;
+    return false;
+}
+
+void Bank::step_alone(std::size_t i, const LineOfSight& truth, double cn0, bool view) {
+    Channel& ch = channels_[i];
+    const bool guided = settings_.guidance == Guidance::Loops;
+    const TrackState state = ch.tracker.state();
+    if (state == TrackState::Idle || state == TrackState::Lost) {
+        if (!view) ch.search.reset();
+        if (!view || !search(i, truth, cn0)) return;
+        // the coarse search of a receiver alone leaves more in frequency than sums over half symbols reach
+        ch.tracker.start(ch.search->replica(), guided ? std::optional(ch.phase) : std::nullopt);
+        ch.search.reset();
+    }
+    const ReplicaError error = replica_error(ch.signal, ch.tracker.replica(), truth, period);
+    const LineOfSight aid = predicted(i, now() + period);
+    ch.tracker.step(ch.model.dump(error, cn0, period, ch.sign, ch.noise), guided ? &aid : nullptr);
+}
+
+void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool view) {
+    Channel& ch = channels_[i];
+    if (!view) {
+        ch.running = ch.fresh = false;
+        ch.search.reset();
+        return;
+    }
+    const Prediction& p = predictions_[i];
+    if (!(p.std_range < deep_range && p.std_rate < deep_rate)) {
+        // a prediction that may lie beyond the discriminators' reach would make measurements that are none: look for the signal
+        if (!search(i, truth, cn0)) return;
+        ch.running = false;
+        ch.measured = {};
+        ch.measured.status = ChannelMeasurement::Status::Noncoherent;
+        ch.measured.range_variance = std::pow(settings_.aided_search.code_step * ch.signal.chip_length(), 2) / 4.0;
+        ch.measured.rate_variance = std::pow(ch.search->frequency_step() * ch.signal.wavelength(), 2) / 4.0;
+        ch.expected = followed(ch.signal, ch.search->replica());
+        ch.at = now();
+        ch.fresh = true;
+        ch.search.reset();
+        ch.wait = pause;
+        return;
+    }
+    if (!ch.running) {
+        ch.search.reset();
+        ch.wait = 0;
+        ch.deep.start(predicted(i, now()), ch.phase);
+        ch.running = true;
+    }
+    const ReplicaError error = replica_error(ch.signal, ch.deep.replica(), truth, period);
+    const auto out = ch.deep.step(ch.model.dump(error, cn0, period, ch.sign, ch.noise));
+    if (!out) return;
+    ch.measured = *out;
+    ch.expected = ch.deep.predicted();
+    ch.at = now() + period;
+    ch.fresh = out->status != ChannelMeasurement::Status::NoSignal;
+    ch.deep.command(predicted(i, now() + period));
+}
+
+void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
+    out.clear();
+    const double late = clock_ / c;   // s by which the receiver's clock showed now before it was now
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+        Channel& ch = channels_[i];
+        BankMeasurement m;
+        m.signal = i;
+        if (settings_.guidance == Guidance::Generators) {
+            if (!ch.fresh) continue;
+            ch.fresh = false;
+            const LineOfSight here = ch.expected.after(now() - ch.at - late);
+            m.range = here.range - ch.measured.range;
+            m.range_variance = ch.measured.range_variance;
+            m.rate = here.rate - ch.measured.rate;
+            m.rate_variance = ch.measured.rate_variance;
+            m.cn0 = ch.measured.cn0;
+            out.push_back(m);
+            continue;
+        }
+        const bool locked = ch.tracker.phase_locked(), code_only = ch.tracker.state() == TrackState::CodeOnly;
+        if (!locked && !code_only) continue;
+        const TrackingSettings& s = settings_.guidance == Guidance::Loops ? settings_.aided : settings_.alone;
+        const LineOfSight here = followed(ch.signal, ch.tracker.replica()).after(-late);
+        const double dll = locked ? s.dll_bandwidth : s.code_only_dll, sum = (locked ? s.integration : ch.symbol) * period;
+        m.cn0 = std::max(ch.tracker.cn0(), 10.0);
+        // a loop's output changes once in 1/(2 bandwidth): read more often it says less each time
+        m.range = here.range;
+        m.range_variance = std::pow(ch.signal.chip_length() * theory::dll_jitter(dll, m.cn0, sum, ch.peak, s.spacing, s.discriminator), 2) *
+                           std::max(1.0, 1.0 / (2.0 * dll * interval));
+        if (locked) {
+            m.rate = here.rate;
+            m.rate_variance = std::pow(ch.signal.wavelength() * theory::pll_command_jitter(s.pll_bandwidth, m.cn0, sum), 2);
+        }
+        out.push_back(m);
+    }
+}
+
+ChannelState Bank::state(std::size_t signal) const {
+    const Channel& ch = channels_[signal];
+    if (settings_.guidance == Guidance::Generators) {
+        if (!ch.running || ch.measured.status == ChannelMeasurement::Status::NoSignal) return ChannelState::Idle;
+        return ch.measured.status == ChannelMeasurement::Status::Coherent ? ChannelState::DeepCoherent : ChannelState::Deep;
+    }
+    if (ch.search) return ChannelState::Searching;
+    switch (ch.tracker.state()) {
+        case TrackState::PullIn: return ChannelState::PullIn;
+        case TrackState::Phase: return ch.tracker.phase_locked() ? ChannelState::Phase : ChannelState::PullIn;
+        case TrackState::CodeOnly: return ChannelState::CodeOnly;
+        default: return ChannelState::Idle;
+    }
+}
+
+}  // namespace schuler::receiver

@@ -1,0 +1,74 @@
+// What arrives at the antenna along a truth path: the motion of every satellite's signal and its strength, jammed or not. A receiver
+// at the level of correlators listens to it.
+#pragma once
+
+#include "schuler/sim/ranging.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace schuler::sim {
+
+/// A transmitter of noise in the receiver's band, at rest.
+struct Jammer {
+    Geodetic position;
+    double power = 1.0;                  ///< W, radiated equally in all directions
+    double spread = 2.22;                ///< Q: 1 a tone, 1.5 a signal like the receiver's, 2.22 noise as wide as the code [Kaplan2017]
+    double start = 0.0, duration = 1e9;  ///< s of the scenario
+};
+
+/// Carrier to noise density at a time, linear in dB from point to point and constant before and behind them.
+struct StrengthPoint {
+    double time;                         ///< s of the scenario
+    double cn0;                          ///< dB-Hz
+};
+
+struct SignalSettings {
+    RangingSettings ranging;             ///< satellites, masks, blocking and limits, slow errors, lever arm; its rate is not used
+    double cn0 = 45.0;                   ///< dB-Hz, of every satellite without jamming
+    std::vector<StrengthPoint> profile;  ///< instead of it; in order of time
+    std::vector<Jammer> jammers;
+};
+
+/// Range of one signal less the receiver's clock, with derivatives.
+struct SignalMotion {
+    double range, rate, acceleration, jerk;   ///< m, m/s, m/s^2, m/s^3
+};
+
+/// Immutable. Between samples at 20 Hz ranges are cubics whose slopes are differences of fourth order: off by 2e-5 m and 1e-3 m/s where
+/// a vehicle goes from none to 20 g within a second. Slow errors of the ranges delay the code alone.
+class Signals {
+public:
+    /// Throws Error(Input) naming the setting that is unusable; ground stations, faults of ranges and reflections are none of a
+    /// correlator's.
+    Signals(const RangingScenario& scenario, const TruthPath& path, const SignalSettings& settings);
+
+    [[nodiscard]] std::size_t size() const { return tracks_.size(); }   ///< satellites that are in view at some time
+    [[nodiscard]] gnss::SatelliteId satellite(std::size_t i) const { return tracks_[i].satellite; }
+    /// `t` in seconds of the scenario.
+    [[nodiscard]] SignalMotion motion(std::size_t i, double t) const;
+    /// Above the masks, so that an almanac says that it could be heard.
+    [[nodiscard]] bool in_view(std::size_t i, double t) const;
+    /// Hz, jammers included; 0 where it is blocked or out of view.
+    [[nodiscard]] double cn0(std::size_t i, double t) const;
+    /// Slow error of the code, m.
+    [[nodiscard]] double code_delay(std::size_t i, double t) const;
+    /// Of all jammers together against one satellite, dB; minus infinity without any.
+    [[nodiscard]] double jammer_to_signal(double t) const;
+
+private:
+    struct Track {
+        gnss::SatelliteId satellite;
+        std::vector<double> range;        ///< m, from two samples before the start on
+        std::vector<float> delay;         ///< m
+        std::vector<char> state;          ///< 0 out of view, 1 blocked, 2 heard
+    };
+    [[nodiscard]] std::size_t index(double t, double& part) const;
+
+    std::vector<Track> tracks_;
+    std::vector<float> clean_, jammed_;   ///< C/N0 without and with jammers, dB-Hz
+    std::vector<float> ratio_;            ///< J/S, dB
+};
+
+}  // namespace schuler::sim

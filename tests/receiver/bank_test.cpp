@@ -1,0 +1,135 @@
+// The whole receiver on signals of known motion: what it measures, what it states of it, and how it comes back.
+#include "schuler/receiver/bank.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace schuler::receiver {
+namespace {
+
+/// Satellites on steady ways, one every 100 m/s, with a strength that all share.
+class Steady final : public SignalField {
+public:
+    explicit Steady(std::size_t size) : size_(size) {}
+    [[nodiscard]] std::size_t size() const override { return size_; }
+    [[nodiscard]] SignalStructure structure(std::size_t) const override { return gps_l1_ca(); }
+    [[nodiscard]] LineOfSight motion(std::size_t i, double t) const override {
+        const auto k = static_cast<double>(i);
+        const LineOfSight m{2.1e7 + 1e5 * k, -300.0 + 100.0 * k, 0.1, 0.0};
+        // a swing of 5 m/s^2
+        const double w = 2.0 * std::numbers::pi / 10.0, a = 5.0;
+        LineOfSight out = m.after(t);
+        out.range -= a / w / w * std::sin(w * t + k);
+        out.rate -= a / w * std::cos(w * t + k);
+        out.acceleration += a * std::sin(w * t + k);
+        out.jerk += a * w * std::cos(w * t + k);
+        return out;
+    }
+    [[nodiscard]] double cn0(std::size_t, double t) const override { return t >= silent_from && t < silent_to ? 0.0 : cn0_from_db(db); }
+    [[nodiscard]] bool in_view(std::size_t, double) const override { return true; }
+
+    double db = 45.0, silent_from = 1e9, silent_to = 1e9;
+
+private:
+    std::size_t size_;
+};
+
+/// Predictions as a navigation would give them: off by a steady error.
+void guide(Bank& bank, const Steady& field, double range_error, double rate_error, double std_range, double std_rate) {
+    std::vector<Prediction> p(field.size());
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        p[i].motion = field.motion(i, bank.now());
+        p[i].motion.range += bank.clock() + range_error;
+        p[i].motion.rate += rate_error;
+        p[i].std_range = std_range;
+        p[i].std_rate = std_rate;
+    }
+    bank.guide(p, bank.now());
+}
+
+BankSettings quiet_clock(Guidance guidance) {
+    BankSettings s;
+    s.guidance = guidance;
+    s.oscillator = {0.0, 0.0, 0.0, 0.0, Eigen::Vector3d::Zero()};
+    return s;
+}
+
+TEST(Bank, AloneItLosesAndFindsAgainByItself) {
+    Steady field(4);
+    field.silent_from = 20.0;
+    field.silent_to = 30.0;
+    Bank bank(field, quiet_clock(Guidance::None), 3);
+    std::vector<BankMeasurement> out;
+    double back = -1.0;
+    for (int k = 0; k < 60'000; ++k) {
+        bank.step(Eigen::Vector3d::Zero());
+        if (k % 200 != 199) continue;
+        bank.measure(out, 0.2);
+        if (k > 30'000 && back < 0.0 && out.size() == 4) back = bank.now();
+    }
+    EXPECT_LT(back, 40.0);
+}
+
+/// Commanded by a navigation that is wrong by a steady error, deep channels tell that error: mean and variance as stated.
+TEST(Bank, GeneratorsTellTheErrorOfTheirCommand) {
+    Steady field(4);
+    field.db = 30.0;
+    Bank bank(field, quiet_clock(Guidance::Generators), 5);
+    std::vector<BankMeasurement> out;
+    double range = 0.0, rate = 0.0, range_nis = 0.0, rate_nis = 0.0, n = 0.0;
+    for (int k = 0; k < 20'000; ++k) {
+        if (k % 10 == 0) guide(bank, field, 6.0, -0.3, 5.0, 0.2);
+        bank.step(Eigen::Vector3d::Zero());
+        if (k % 20 != 19) continue;
+        bank.measure(out, 0.02);
+        if (bank.now() < 2.0) continue;
+        for (const BankMeasurement& m : out) {
+            const LineOfSight truth = field.motion(m.signal, bank.now());
+            const double dp = m.range - truth.range, dv = m.rate - truth.rate;
+            range += dp;
+            rate += dv;
+            range_nis += dp * dp / m.range_variance;
+            rate_nis += dv * dv / m.rate_variance;
+            n += 1.0;
+        }
+    }
+    ASSERT_GT(n, 3000.0);
+    EXPECT_NEAR(range / n, 0.0, 0.6);   // of 6 m; noise 16 m a symbol
+    EXPECT_NEAR(rate / n, 0.0, 0.03);
+    EXPECT_NEAR(range_nis / n, 1.0, 0.12);
+    EXPECT_NEAR(rate_nis / n, 1.0, 0.12);
+}
+
+/// Unaided and aided loops: errors as large as they are said to be.
+TEST(Bank, StatesTheSigmasOfItsRangesAndRates) {
+    for (const double db : {45.0, 35.0}) {
+        for (const Guidance guidance : {Guidance::None, Guidance::Loops}) {
+            Steady field(8);
+            field.db = db;
+            Bank bank(field, quiet_clock(guidance), 7);
+            std::vector<BankMeasurement> out;
+            double range_nis = 0.0, rate_nis = 0.0, n = 0.0;
+            for (int k = 0; k < 60'000; ++k) {
+                if (guidance == Guidance::Loops && k % 10 == 0) guide(bank, field, 6.0, -0.3, 5.0, 0.2);
+                bank.step(Eigen::Vector3d::Zero());
+                if (k % 1000 != 999) continue;
+                bank.measure(out, 1.0);
+                if (bank.now() < 10.0) continue;
+                for (const BankMeasurement& m : out) {
+                    const LineOfSight truth = field.motion(m.signal, bank.now());
+                    range_nis += std::pow(m.range - truth.range, 2) / m.range_variance;
+                    rate_nis += std::pow(m.rate - truth.rate, 2) / m.rate_variance;
+                    n += 1.0;
+                }
+            }
+            ASSERT_GT(n, 300.0);
+            EXPECT_NEAR(range_nis / n, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");
+            EXPECT_NEAR(rate_nis / n, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");
+        }
+    }
+}
+
+}  // namespace
+}  // namespace schuler::receiver

@@ -1,0 +1,113 @@
+// Simulated signals against the ranges that are simulated without them, and against free space.
+#include "schuler/core/error.h"
+#include "schuler/core/units.h"
+#include "schuler/earth/ellipsoid.h"
+#include "schuler/gnss/constellation.h"
+#include "schuler/sim/signals.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace schuler::sim {
+namespace {
+
+constexpr double deg = units::deg;
+const Geodetic place{52.3 * deg, 104.3 * deg, 500.0};
+
+RangingScenario frame() { return {1, 60.0, {}, Time::from_gps(2300, 7200.0), {}}; }
+
+SignalSettings quiet() {
+    SignalSettings s;
+    s.ranging.navigation = gnss::nominal_gps(frame().gps, frame().gps + Duration::from_seconds(60.0));
+    s.ranging.errors.satellite = {0.0, 0.0, 600.0, 0.0};
+    s.ranging.errors.clock = {0.0, 0.0, 0.0, 0.0};
+    return s;
+}
+
+/// 20 g in a figure of eight: range at every epoch, at instants between samples too, and its derivatives by differences.
+TEST(Signals, MotionIsThatOfTheRangesAndItsDerivativesFit) {
+    SignalSettings s = quiet();
+    FigureEightPath eight;
+    eight.start = place;
+    eight.length = 1000.0;
+    eight.width = 400.0;
+    eight.period = 12.0;
+    const auto path = make_path(eight, earth::wgs84);
+    s.ranging.rate = 7.0;   // not in step with the samples
+    const SimulatedRanges ranges = simulate_ranges(frame(), *path, s.ranging);
+    const Signals signals(frame(), *path, s);
+    int compared = 0;
+    for (std::size_t i = 0; i < signals.size(); ++i) {
+        for (const RangeEpoch& e : ranges.log.epochs)
+            for (const RangeSample& m : ranges.log.of(e)) {
+                if (ranges.log.sources[m.source].name != gnss::name_of(signals.satellite(i))) continue;
+                const double t = e.time.seconds();
+                EXPECT_NEAR(signals.motion(i, t).range, m.pseudorange, 1e-4);
+                ++compared;
+            }
+        for (const double t : {3.01, 17.333, 40.049}) {
+            constexpr double h = 1e-4;
+            const SignalMotion m = signals.motion(i, t), before = signals.motion(i, t - h), after = signals.motion(i, t + h);
+            EXPECT_NEAR(m.rate, (after.range - before.range) / (2.0 * h), 1e-3);
+            EXPECT_NEAR(m.acceleration, (after.rate - before.rate) / (2.0 * h), 1e-2);
+            EXPECT_NEAR(m.jerk, (after.acceleration - before.acceleration) / (2.0 * h), 1e-1);
+        }
+    }
+    EXPECT_GT(compared, 2000);
+}
+
+TEST(Signals, WeakenAsFreeSpaceAndProfileSay) {
+    SignalSettings s = quiet();
+    s.profile = {{10.0, 45.0}, {20.0, 35.0}};
+    const auto path = make_path(StaticPath{place, {}}, earth::wgs84);
+    const double distance = 10e3, power = 2.0;
+    Jammer j;
+    j.position = place;
+    j.position.h += distance;
+    j.power = power;
+    j.start = 30.0;
+    j.duration = 10.0;
+    s.jammers = {j};
+    s.ranging.blocked = {{{}, 50.0, 5.0}};
+    const Signals signals(frame(), *path, s);
+    const auto db = [&](double t) { return 10.0 * std::log10(signals.cn0(0, t)); };
+    EXPECT_NEAR(db(5.0), 45.0, 1e-4);
+    EXPECT_NEAR(db(14.0), 41.0, 1e-4);
+    EXPECT_NEAR(db(25.0), 35.0, 1e-4);
+    // 2 W at 10 km: 3.01 dBW - 20 log10(4 pi 10 km / 19.03 cm) + 158.5 dBW
+    const double js = 10.0 * std::log10(power) - 20.0 * std::log10(4.0 * std::numbers::pi * distance / 0.19029367) + 158.5;
+    EXPECT_NEAR(signals.jammer_to_signal(35.0), js, 1e-3);
+    EXPECT_NEAR(js, 45.09, 0.01);
+    // far above the noise of 35 dB-Hz, the jammer alone decides: Q Rc / (J/S)
+    const double jammed = 10.0 * std::log10(2.22 * 1.023e6) - js;
+    EXPECT_NEAR(db(35.0), -10.0 * std::log10(std::pow(10.0, -3.5) + std::pow(10.0, -jammed / 10.0)), 1e-3);
+    EXPECT_EQ(signals.cn0(0, 52.0), 0.0);
+    EXPECT_TRUE(signals.in_view(0, 52.0));
+    EXPECT_NEAR(db(56.0), 35.0, 1e-4);
+}
+
+TEST(Signals, RefusesWhatCorrelatorsDoNotHave) {
+    const auto path = make_path(StaticPath{place, {}}, earth::wgs84);
+    const auto refused = [&](const SignalSettings& s) {
+        try {
+            const Signals signals(frame(), *path, s);
+        } catch (const Error& e) {
+            return e.place().key;
+        }
+        return std::string("nothing");
+    };
+    SignalSettings s = quiet();
+    s.ranging.faults = {{"G05", 0.0, 10.0, 5.0}};
+    EXPECT_EQ(refused(s), "ranges.fault");
+    s = quiet();
+    s.profile = {{10.0, 45.0}, {10.0, 40.0}};
+    EXPECT_EQ(refused(s), "receiver.cn0_profile");
+    s = quiet();
+    s.jammers = {{place, 0.0}};
+    EXPECT_EQ(refused(s), "jammer");
+}
+
+}  // namespace
+}  // namespace schuler::sim
