@@ -94,7 +94,8 @@ void SimulatedReceiver::run(const fusion::Guide& guide, Time until, RangingLog& 
         const auto sent = sky_.satellite(i, now - tau);
         if (!sent) continue;
         const fusion::LineOfSightAid aid = fusion::line_of_sight_aid(guide.antenna, at_reception(*sent, w, tau), guide.C_en, guide.P);
-        predictions_[i] = {{aid.range + guide.clock - c * sent->clock, aid.rate + guide.drift - c * sent->clock_rate, aid.acceleration, 0.0},
+        const double jerk = guide.jerk_e.dot((guide.antenna.r_e - sent->position.r).normalized());
+        predictions_[i] = {{aid.range + guide.clock - c * sent->clock, aid.rate + guide.drift - c * sent->clock_rate, aid.acceleration, jerk},
                            std::hypot(aid.std_range, guide.std_clock),
                            std::hypot(aid.std_rate, guide.std_drift)};
     }

@@ -10,6 +10,7 @@ namespace schuler::fusion {
 struct Guide {
     Time time;
     EarthFixedMotion antenna;
+    Eigen::Vector3d jerk_e = Eigen::Vector3d::Zero();   ///< m/s^3, by the change of the specific force
     Eigen::Matrix3d C_en;
     Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();   ///< position, velocity, north, east, down
     double clock = 0.0, drift = 0.0;             ///< c times the receiver's clock error, m, and its rate, m/s

@@ -101,16 +101,19 @@ struct TightCollector : TightObserver<Frame> {
     ProtectionLimits limits = settings.ranging.protection.use ? ProtectionLimits(settings.ranging.protection) : ProtectionLimits{};
 };
 
-/// What the filter tells a receiver. The covariance is that of the last update: it serves the search for signals.
+/// What the filter tells a receiver after `last`, which followed `before`: their means tell the force at the end of the last and how it
+/// changes. The covariance is that of the last update: it serves the search for signals.
 template <class Frame>
-Guide guide_of(const TightModel& model, const TightWalk<Frame>& walk, const ImuIncrement& last) {
+Guide guide_of(const TightModel& model, const TightWalk<Frame>& walk, const ImuIncrement& before, const ImuIncrement& last) {
     const TightFilter<Frame>& f = walk.filter;
     const Estimate e = estimate_of(model.inertial, f.inertial);
-    const Eigen::Vector3d f_b = last.dv / last.dt - e.parameters.template segment<3>(Layout::accel_bias);
+    const Eigen::Vector3d mean = last.dv / last.dt, change = (mean - before.dv / before.dt) / (0.5 * (last.dt + before.dt));
+    const Eigen::Vector3d f_b = mean + 0.5 * last.dt * change - e.parameters.template segment<3>(Layout::accel_bias);
     Guide g;
     g.time = f.time();
     g.antenna = antenna_motion(model.inertial.earth, e.nav, f_b, e.w_ib_b, model.lever_arm_b);
     g.C_en = earth::C_en(e.nav.position.lat, e.nav.position.lon);
+    g.jerk_e = g.C_en * (e.C_nb * change);
     g.P = f.local_covariance(model).template topLeftCorner<6, 6>();
     const double since = (f.time() - f.brought).seconds();
     g.drift = f.parameters(TightLayout::drift);
@@ -141,8 +144,8 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     for (std::size_t last = walk.increment - 1; walk.increment <= end;) {
         last = std::min(last + block, end);
         if (options.receiver != nullptr) {
-            const ImuIncrement& known = data.imu.increments[last > 0 ? last - 1 : 0];
-            options.receiver->run(guide_of(model, walk, known), data.imu.increments[last].time, *options.heard);
+            const auto back = [&](std::size_t n) -> const ImuIncrement& { return data.imu.increments[last - std::min(last, n)]; };
+            options.receiver->run(guide_of(model, walk, back(2), back(1)), back(0).time, *options.heard);
         }
         pass.advance(walk, last, collector);
         if (options.progress && (block > 1 || last % stretch == 0)) options.progress(static_cast<double>(walk.increment) / static_cast<double>(end + 1));

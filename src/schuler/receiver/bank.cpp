@@ -90,7 +90,9 @@ bool Bank::search(std::size_t i, const LineOfSight& truth, double cn0) {
             ch.found = false;
             return true;
         }
-        if (!ch.search) ch.search = new_search(i, truth);
+        // after each sweep from what is known by then: the window of a long search would stay where the signal was
+        const bool swept = ch.search && !ch.search->candidate() && ch.search->elapsed() >= ch.search->dwells_per_sweep() * ch.search->dwell();
+        if (!ch.search || swept) ch.search.emplace(new_search(i, truth));
         const LineOfSight aid = predicted(i, now());
         ch.found = ch.search->step(truth, cn0, ch.noise, settings_.guidance != Guidance::None ? &aid : nullptr);
         ch.wait = std::max(1, static_cast<int>(std::lround(ch.search->dwell() / period)));

@@ -42,7 +42,7 @@ struct BankSettings {
     Guidance guidance = Guidance::None;
     TrackingSettings alone;                    ///< loops without an aid
     TrackingSettings aided;                    ///< and with it
-    SearchSettings search{.coherent = 1, .noncoherent = 10};
+    SearchSettings search{.coherent = 5, .noncoherent = 10};
     SearchSettings aided_search{.coherent = 10, .noncoherent = 10};
     DeepSettings deep;
     double front_end = std::numeric_limits<double>::infinity();   ///< Hz, two-sided band
