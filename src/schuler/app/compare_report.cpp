@@ -16,9 +16,9 @@ using report::Panel;
 /// The windows shaded, outages hatched.
 std::vector<report::Span> marks_of(const Comparison& c) {
     std::vector<report::Span> out;
-    for (const OutageSpan& o : c.outages) out.push_back({o.start, o.start + o.duration, "outage", true});
     for (const CompareWindow& w : c.windows) out.push_back({w.start, w.end, w.name, false});
-    std::ranges::stable_sort(out, {}, &report::Span::start);   // labels take their room in this order
+    for (const OutageSpan& o : c.outages) out.push_back({o.start, o.start + o.duration, "outage", true});
+    std::ranges::stable_sort(out, {}, &report::Span::start);   // labels take their room in this order, windows first
     return out;
 }
 
