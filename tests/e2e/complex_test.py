@@ -1,7 +1,10 @@
 """Paper A's complex from outside: its table, couplings, studies and refusals."""
+import csv
 import json
 import math
+import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 from program_test import check, main
 
@@ -54,6 +57,65 @@ def complex_schemes(program, source):
     check(row["loose-15"]["nees_position"] > 20, "without the receiver's slow errors as states NEES fails")
 
 
+def complex_windows(program, source):
+    """Spans of a comparison: files that agree with each other and repeat, a page, refusals in one line."""
+    folder = Path(program.folder)
+    text = (source / "examples/schemes.toml").read_text()
+    text = text.replace("duration_s = 800", "duration_s = 300").replace("start_s = 600", "start_s = 100")
+    text = re.sub(r"schemes = .*", 'schemes = ["gnss", "separate-restart", "loose"]\\nlimit_m = 25', text)
+    windows = "".join(f'[[compare.window]]\nname = "{name}"\nstart_s = {start}\nend_s = {end}\n'
+                      for name, start, end in (("without", 100, 190), ("calm", 40, 100)))
+    (folder / "plain.toml").write_text(text)
+    (folder / "s.toml").write_text(text + windows)
+    told = {name: program("run", "s.toml", "-o", name).stdout for name in ("one", "two")}["one"]
+    program("run", "plain.toml", "-o", "plain", "-q")
+    one, two, plain = ({path.name: path.read_bytes() for path in (folder / name).iterdir()} for name in ("one", "two", "plain"))
+    check(sorted(one) == ["comparison.csv", "report.html", "summary.json", "windows.csv"], f"files: {sorted(one)}")
+    check("windows.csv" not in plain and plain["comparison.csv"] == one["comparison.csv"], "windows change nothing else")
+    for name in ("comparison.csv", "report.html", "windows.csv"):
+        check(one[name] == two[name], f"{name} repeats")
+
+    rows = list(csv.DictReader(one["windows.csv"].decode().splitlines()))
+    row = {(r["scheme"], r["window"]): r for r in rows}
+    check(list(rows[0]) == ["scheme", "window", "start_s", "end_s", "horizontal_rms_m", "horizontal_max_m", "vertical_max_m",
+                            "solution_share", "recovery_s"] and len(rows) == 6, f"windows.csv: {rows}")
+    for r in json.loads(one["summary.json"])["schemes"]:
+        for w in r["windows"]:
+            for key, value in w.items():
+                right = row[r["scheme"], w["name"]]["window" if key == "name" else key]
+                same = right == "" if value is None else right == value or abs(float(right) - value) < 1e-8 * abs(value) + 1e-12
+                check(same, f"{key}: {right} in windows.csv, {value} in summary.json")
+    # a fix at 100 s, a solution for 1.5 s more, or 16 of 901 instants; the next one at 200 s
+    check(abs(float(row["gnss", "without"]["solution_share"]) - 16 / 901) < 1e-6, f"receiver in its outage: {row['gnss', 'without']}")
+    check(row["gnss", "without"]["recovery_s"] == "10", f"receiver after its outage: {row['gnss', 'without']}")
+    check(row["gnss", "calm"]["solution_share"] == row["loose", "without"]["solution_share"] == "1", "no gaps")
+    check(float(row["loose", "without"]["recovery_s"]) == 0, "the coupled solution stays below the limit")
+    restarted = row["separate-restart", "without"]
+    check(float(restarted["horizontal_max_m"]) > 25 and restarted["recovery_s"] == "10", f"an inertial unit alone drifts: {restarted}")
+
+    blocks = told[told.index("window without"):]
+    check("window calm, 40 to 100 s" in blocks and "below 25 m" in blocks, f"a block a window: {blocks}")
+    check(max(map(len, blocks.split("wrote")[0].splitlines())) <= 130, "the blocks fit 130 columns")
+    page = one["report.html"].decode()
+    ElementTree.fromstring(page.replace("<!DOCTYPE html>", ""))
+    for part in ("horizontal error", "vertical error", "limit 25 m", "without: 100 to 190", "outage: 100 to 200",
+                 "window calm", "Settings"):
+        check(part in page, f"report.html: no {part}")
+
+    for name, (old, new, parts) in {
+            "backwards": ("end_s = 190", "end_s = 90", ["compare.window[0].end_s", "after start_s"]),
+            "late": ("end_s = 190", "end_s = 301", ["compare.window[0].end_s", "duration_s = 300"]),
+            "twice": ('"calm"', '"without"', ["compare.window[1].name", "already"]),
+            "unknown": ("end_s = 190", "stop_s = 190", ["compare.window[0].stop_s", "write [[compare.window]]"]),
+            "nameless": ('name = "calm"\n', "", ["compare.window[1]", "lacks name"])}.items():
+        bad = (text + windows).replace(old, new, 1)
+        (folder / "bad.toml").write_text(bad)
+        program.fails("run", "bad.toml", "-o", name, parts=["bad.toml:", *parts])
+        check(not (folder / name).exists(), f"{name} leaves nothing behind")
+    (folder / "bad.toml").write_text(re.sub(r"schemes = .*\n", "", text) + windows)
+    program.fails("run", "bad.toml", "-o", "schemeless", parts=["bad.toml:", "compare.window[0]", "schemes = ["])
+
+
 def complex_faults(program, source):
     flight = source / "examples/paper-a-flight.toml"
     done = json.loads(program("analyze", "integrity", flight, "--kind", "ramp", "step", "--size", "2,50", "-n", 3, "--json").stdout)
@@ -103,5 +165,5 @@ def complex_refusals(program, source):
 
 
 if __name__ == "__main__":
-    main({"complex_numbers": complex_numbers, "complex_schemes": complex_schemes, "complex_faults": complex_faults,
-          "complex_refusals": complex_refusals})
+    main({"complex_numbers": complex_numbers, "complex_schemes": complex_schemes, "complex_windows": complex_windows,
+          "complex_faults": complex_faults, "complex_refusals": complex_refusals})

@@ -1,122 +1,14 @@
 // One flight through several schemes (paper A, table 1.1.1, as numbers).
+#include "schuler/app/compare.h"
+
 #include "schuler/app/commands.h"
 #include "schuler/app/fuse.h"
-#include "schuler/app/option_builders.h"
-#include "schuler/app/scenario_sections.h"
-#include "schuler/app/detail/json.h"
 #include "schuler/core/error.h"
-#include "schuler/core/units.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace schuler::app {
-namespace {
-
-namespace fs = std::filesystem;
-
-/// A scheme by its name in compare.schemes: settings that make it.
-struct KnownScheme {
-    const char* name;
-    const char* title;
-    SettingList settings;
-};
-
-const std::vector<KnownScheme>& known_schemes() {
-    static const std::vector<KnownScheme> list{
-        {"gnss", "receiver alone", {{"filter.scheme", {std::string("gnss")}, {}}}},
-        {"separate-restart",
-         "a separate, restarted every minute",
-         {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {60.0}, {}}}},
-        {"separate",
-         "a separate, continuous correction",
-         {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {0.0}, {}}}},
-        {"loose", "b loose, standard", {{"filter.scheme", {std::string("loose")}, {}}}},
-        {"tight", "c tight", {{"filter.scheme", {std::string("tight")}, {}}}},
-        {"medium", "intermediate", {{"filter.scheme", {std::string("medium")}, {}}}},
-        {"deep", "d deep", {{"filter.scheme", {std::string("deep")}, {}}}},
-        {"loose-aggressive",
-         "b loose, aggressive",
-         {{"filter.scheme", {std::string("loose")}, {}}, {"filter.loose", {std::string("aggressive")}, {}}}},
-        {"loose-15",
-         "b loose, 15 states",
-         {{"filter.scheme", {std::string("loose")}, {}},
-          {"filter.preset", {std::string("ins15")}, {}},
-          {"gnss.correlated_m", {0.0}, {}},
-          {"gnss.correlated_velocity_m_s", {0.0}, {}}}},
-        {"loose-open", "b loose, open loop", {{"filter.scheme", {std::string("loose")}, {}}, {"filter.loop", {std::string("open")}, {}}}}};
-    return list;
-}
-
-/// A number of the comparison: key of JSON and CSV, title of the table, and how it is got.
-struct Column {
-    const char* key;
-    const char* title;
-    double (*of)(const ResultBundle&);
-};
-double outage(const ResultBundle& b, double analysis::OutageStatistics::*field) {
-    return b.evaluation.outages.empty() ? not_given : b.evaluation.outages.front().*field;
-}
-const std::array<Column, 10> columns{{
-    {"horizontal_m", "horiz., m", [](const ResultBundle& b) { return b.evaluation.summary.horizontal.rms; }},
-    {"up_m", "up, m", [](const ResultBundle& b) { return b.evaluation.summary.up.rms; }},
-    {"velocity_m_s", "vel., m/s",
-     [](const ResultBundle& b) {
-         const analysis::ErrorSummary& s = b.evaluation.summary;
-         return std::hypot(s.v_east.rms, s.v_north.rms, s.v_up.rms);
-     }},
-    {"tilt_deg", "tilt, deg",
-     [](const ResultBundle& b) { return std::hypot(b.evaluation.summary.roll.rms, b.evaluation.summary.pitch.rms) / units::deg; }},
-    {"heading_deg", "head., deg", [](const ResultBundle& b) { return b.evaluation.summary.heading.rms / units::deg; }},
-    {"nees_position", "NEES pos.",
-     [](const ResultBundle& b) { return b.evaluation.consistency ? b.evaluation.consistency->position.mean / 3.0 : not_given; }},
-    {"outage_end_horizontal_m", "outage, m", [](const ResultBundle& b) { return outage(b, &analysis::OutageStatistics::end_horizontal); }},
-    {"outage_end_vertical_m", "vertical, m", [](const ResultBundle& b) { return outage(b, &analysis::OutageStatistics::end_vertical); }},
-    {"gnss_rejected", "rejected", [](const ResultBundle& b) { return static_cast<double>(b.result.counters.gnss_rejected); }},
-    {"filter_s", "time, s", [](const ResultBundle& b) { return b.timing.filter_s; }},
-}};
-
-std::string cell(double x) {
-    if (!std::isfinite(x)) return "-";
-    const double a = std::abs(x);
-    return a != 0.0 && (a < 1e-3 || a >= 1e5) ? fmt::format("{:.2e}", x) : fmt::format("{:.4g}", x);
-}
-
-}  // namespace
-
-Option<ScenarioConfig> compared_option() {
-    OptionSpec spec = detail::spec("compare.schemes", Shape::Texts, "`run` takes the same flight through these schemes and compares them");
-    for (const KnownScheme& k : known_schemes()) spec.choices.emplace_back(k.name);
-    spec.form = "a list out of";
-    for (const KnownScheme& scheme : known_schemes()) spec.form += fmt::format(" \"{}\"", scheme.name);
-    return {std::move(spec),
-            [](ScenarioConfig& s, const Value& v) {
-                s.compared.clear();
-                for (const Value& item : *v.list()) s.compared.push_back(*item.text());
-            },
-            [](const ScenarioConfig&) { return std::optional<Value>(); }};
-}
-
-Option<ScenarioConfig> compared_satellites_option() {
-    OptionSpec spec = detail::spec("compare.satellites", Shape::Numbers, "... each with so many satellites from the first of ranges.limit on");
-    spec.form = "a list of whole numbers";
-    spec.low = 0;
-    spec.high = 99;
-    return {std::move(spec),
-            [](ScenarioConfig& s, const Value& v) {
-                s.compared_satellites.clear();
-                for (const Value& item : *v.list()) {
-                    if (item.number() != std::floor(item.number()))
-                        throw input_error(fmt::format("{:g} is not a number of satellites", item.number()), {}, "give whole numbers");
-                    s.compared_satellites.push_back(static_cast<std::size_t>(item.number()));
-                }
-            },
-            [](const ScenarioConfig&) { return std::optional<Value>(); }};
-}
-
 namespace {
 
 /// The scenario with so many satellites; as it is where the number is not given.
@@ -130,25 +22,62 @@ ScenarioConfig with_satellites(const ScenarioConfig& scenario, std::optional<std
     return out;
 }
 
+/// Points that a curve keeps from its run to the page.
+constexpr std::size_t drawn_points = 6000;
+
+ComparedRun run_of(const ResultBundle& bundle, const ScenarioConfig& scenario) {
+    const auto seconds = [&scenario](Time t) { return (t - scenario.sim.origin).seconds(); };
+    ErrorCourse errors;
+    for (const analysis::ErrorRow& e : bundle.evaluation.errors) {
+        if (!e.position.allFinite()) continue;
+        errors.t.push_back(seconds(e.time));
+        errors.horizontal.push_back(e.position.head<2>().norm());
+        errors.vertical.push_back(std::abs(e.position.z()));
+    }
+    std::vector<double> solution, reference;
+    for (const SolutionRow& row : bundle.solution().rows)
+        if (std::isfinite(row.position.lat)) solution.push_back(seconds(row.time));
+    for (const ReferenceSample& sample : bundle.data.recording.reference) reference.push_back(seconds(sample.time));
+    ComparedRun out;
+    out.numbers = compared_numbers(bundle);
+    for (const CompareWindow& w : scenario.windows)
+        out.windows.push_back(window_statistics(w, scenario.window_rules, errors, solution, reference));
+    out.course = drawn_course(errors, scenario.window_rules.age, drawn_points);
+    return out;
+}
+
+/// The scenario as it was read, the last word on each key, and what stands above the settings of its data set.
+std::string settings_text(const SettingList& settings, const SettingList& over) {
+    SettingList used;
+    for (const Setting& s : settings) {
+        std::erase_if(used, [&s](const Setting& earlier) { return earlier.key == s.key; });
+        used.push_back(s);
+    }
+    const std::string above =
+        over.empty() ? "" : "\n# above the settings of its data set\n" + to_toml(over, config_table().specs(), false);
+    return to_toml(used, scenario_table().specs(), false) + above;
+}
+
 }  // namespace
 
 Outcome compare_schemes(const ProcessRequest& request) {
-    const ScenarioConfig scenario = read_scenario(request.input, request.seed);
-    Json rows = Json::array();
-    std::string table = fmt::format("{:<36}", scenario.name), csv = scenario.compared_satellites.empty() ? "scheme" : "scheme,satellites";
-    for (const Column& c : columns) {
-        table += fmt::format("{:>13}", c.title);
-        csv += fmt::format(",{}", c.key);
-    }
-    table += "\n";
-    Outcome out;
+    const SettingList settings = scenario_settings(request.input, request.seed);
+    const ScenarioConfig scenario = scenario_from(settings);
+    Comparison c{.name = scenario.name,
+                 .version = request.version,
+                 .seed = scenario.sim.seed,
+                 .duration = scenario.sim.duration,
+                 .windows = scenario.windows,
+                 .rules = scenario.window_rules,
+                 .outages = scenario.outages,
+                 .settings = settings_text(settings, request.over({}))};
     double done = 0.0;
+    bool report_wanted = false;
     std::vector<std::optional<std::size_t>> counts(scenario.compared_satellites.begin(), scenario.compared_satellites.end());
     if (counts.empty()) counts.emplace_back();
     const double each = 1.0 / static_cast<double>(counts.size() * scenario.compared.size());
     for (const std::optional<std::size_t> satellites : counts) {
         const ScenarioConfig flight = with_satellites(scenario, satellites);
-        if (satellites) table += fmt::format("{} satellites\n", *satellites);
         for (const std::string& name : scenario.compared) {
             const auto known = std::ranges::find(known_schemes(), name, [](const KnownScheme& k) { return std::string(k.name); });
             SettingList over = request.over({});
@@ -156,31 +85,26 @@ Outcome compare_schemes(const ProcessRequest& request) {
             WarningLog warnings;
             ResultBundle bundle = simulated_bundle(flight, over, warnings);
             fuse_and_evaluate(bundle, warnings, scenario.sim.reference_rate, {});
-            Json row{{"scheme", name}};
-            if (satellites) row["satellites"] = *satellites;
-            table += fmt::format("  {:<34}", known->title);
-            csv += "\n" + name + (satellites ? fmt::format(",{}", *satellites) : "");
-            for (const Column& c : columns) {
-                const double x = c.of(bundle);
-                row[c.key] = number(x);
-                table += fmt::format("{:>13}", cell(x));
-                if (std::string_view(c.key) != "filter_s") csv += std::isfinite(x) ? fmt::format(",{:.9g}", x) : ",";   // files repeat
-            }
-            table += "\n";
-            rows.push_back(std::move(row));
+            report_wanted = bundle.data.config.output.wants("report");
+            ComparedRun& run = c.runs.emplace_back(run_of(bundle, scenario));
+            run.scheme = &*known;
+            run.satellites = satellites;
             for (const std::string& w : warnings.summary())
-                if (std::ranges::find(out.warnings, w) == out.warnings.end()) out.warnings.push_back(w);
+                if (std::ranges::find(c.warnings, w) == c.warnings.end()) c.warnings.push_back(w);
             done += each;
             if (request.progress) request.progress(done);
         }
     }
-    csv = csv.replace(csv.find(",filter_s"), 9, "") + "\n";
-    table += "root mean squares after settling; NEES of the position over its three degrees of freedom (1: honest); the first outage's end\n";
-    out.folder = request.output.empty() ? fs::path("out") / scenario.name : request.output;
+    Outcome out;
+    out.warnings = c.warnings;
+    out.folder = request.folder_for(scenario.name);
     make_folder(out.folder);
-    out.json = text_of(Json{{"name", scenario.name}, {"command", "run"}, {"seed", scenario.sim.seed}, {"schemes", rows}});
-    out.tables = table;
-    const std::pair<const char*, std::string> files[] = {{"comparison.csv", csv}, {"summary.json", out.json}};
+    out.json = comparison_json(c);
+    out.tables = comparison_tables(c);
+    std::vector<std::pair<const char*, std::string>> files{{"comparison.csv", comparison_csv(c)}};
+    if (!c.windows.empty()) files.emplace_back("windows.csv", windows_csv(c));
+    if (report_wanted) files.emplace_back("report.html", report::render(comparison_report(c)));
+    files.emplace_back("summary.json", out.json);   // last: who waits for it finds all
     for (const auto& [name, text] : files) write_text(out.files.emplace_back(out.folder / name), text);
     return out;
 }

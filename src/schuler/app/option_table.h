@@ -98,7 +98,10 @@ public:
                 option.set(target, last->value);
             } catch (const Error& e) {
                 if (!e.place().file.empty()) throw;
-                throw Error(e.kind(), e.reason(), last->place, e.mend());
+                SourcePlace place = last->place;   // or a place within the value, where the setter names one
+                if (e.place().line > 0) place.line = e.place().line;
+                if (e.place().key.starts_with(place.key)) place.key = e.place().key;
+                throw Error(e.kind(), e.reason(), place, e.mend());
             }
         }
     }

@@ -259,7 +259,7 @@ Table make_table() {
     add_filter(table);
     add_montecarlo(table);
     add_published(table);
-    table.add(compared_option()).add(compared_satellites_option());
+    add_compare_options(table);
     for (const OptionSpec& spec : config_table().specs())
         if (spec.key.starts_with("gravity.")) table.add(of_processing(*config_table().find(spec.key)));
     table.add({anomaly_spec("disturbance of gravity along the path: [[anomaly]] with kind, size_mgal = [east, north, up], start and "

@@ -1,6 +1,7 @@
 // Scenario files: what is simulated, and what the filter is told about it.
 #pragma once
 
+#include "schuler/app/compare_windows.h"
 #include "schuler/app/config.h"
 #include "schuler/app/option_table.h"
 #include "schuler/app/published.h"
@@ -130,6 +131,8 @@ struct ScenarioConfig {
     Published published;
     std::vector<std::string> compared;          ///< schemes that `run` compares on this scenario
     std::vector<std::size_t> compared_satellites;   ///< ... with so many satellites from the first limit of the ranges on; empty: as it is
+    std::vector<CompareWindow> windows;         ///< ... told apart in these spans
+    WindowRules window_rules;
     SettingList assumed;                        ///< imu.* settings that the filter is told instead of the simulated ones
     Config processing;                          ///< its [filter] section
 };

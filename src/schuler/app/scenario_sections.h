@@ -25,10 +25,8 @@ void add_aid_scenario_options(OptionTable<ScenarioConfig>& table);
 [[nodiscard]] double ground_of(const ScenarioConfig& scenario);
 [[nodiscard]] fusion::VehicleKind vehicle_of(TrajectoryType type);
 
-/// "compare.schemes": what `run` compares.
-[[nodiscard]] Option<ScenarioConfig> compared_option();
-/// "compare.satellites".
-[[nodiscard]] Option<ScenarioConfig> compared_satellites_option();
+/// "compare.*": what `run` compares.
+void add_compare_options(OptionTable<ScenarioConfig>& table);
 
 /// "ranges.*".
 void add_ranging_scenario_options(OptionTable<ScenarioConfig>& table);

@@ -1,0 +1,76 @@
+// One flight through several schemes: what is compared, and what is made of it for people and files.
+#pragma once
+
+#include "schuler/app/bundle.h"
+#include "schuler/app/compare_windows.h"
+#include "schuler/app/scenario.h"
+#include "schuler/report/report.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+/// A scheme by its name in compare.schemes: settings that make it.
+struct KnownScheme {
+    const char* name;
+    const char* title;
+    SettingList settings;
+};
+[[nodiscard]] const std::vector<KnownScheme>& known_schemes();
+
+/// One scheme on the flight.
+struct ComparedRun {
+    const KnownScheme* scheme = nullptr;
+    std::optional<std::size_t> satellites;     ///< compare.satellites
+    std::vector<double> numbers;               ///< of the table, see compared_numbers
+    std::vector<WindowStatistics> windows;     ///< one a window of the comparison
+    ErrorCourse course;                        ///< as it is drawn
+};
+
+struct Comparison {
+    std::string name{}, version{};
+    std::uint64_t seed = 0;
+    double duration = 0.0;                     ///< s
+    std::vector<CompareWindow> windows{};
+    WindowRules rules{};
+    std::vector<OutageSpan> outages{};         ///< of GNSS
+    std::vector<ComparedRun> runs{};           ///< those of one number of satellites stand together
+    std::vector<std::string> warnings{};
+    std::string settings{};                    ///< TOML
+    /// Further plots for the report, over the time of the scenario: the windows and outages are marked in them as in the others.
+    std::vector<report::Panel> plots{};
+};
+
+/// The numbers of the table for a run that has been evaluated.
+[[nodiscard]] std::vector<double> compared_numbers(const ResultBundle& bundle);
+
+/// The table, under it one a window.
+[[nodiscard]] std::string comparison_tables(const Comparison& comparison);
+/// comparison.csv and windows.csv. No timing: the same input gives the same bytes.
+[[nodiscard]] std::string comparison_csv(const Comparison& comparison);
+[[nodiscard]] std::string windows_csv(const Comparison& comparison);
+[[nodiscard]] std::string comparison_json(const Comparison& comparison);
+/// report.html: the tables, horizontal and vertical errors of all schemes over time, and the further plots.
+[[nodiscard]] report::ReportInput comparison_report(const Comparison& comparison);
+
+/// A number of the comparison as text; "-" where there is none.
+[[nodiscard]] std::string compared_text(double x);
+
+/// Numbers of the table, and of a window, that the report shows: titles and texts.
+struct ComparedColumn {
+    const char* key;     ///< of JSON and CSV
+    const char* title;   ///< of the tables
+};
+[[nodiscard]] const std::vector<ComparedColumn>& compared_columns();
+[[nodiscard]] const std::vector<ComparedColumn>& window_columns();
+/// In the order of window_columns().
+[[nodiscard]] std::vector<double> window_numbers(const WindowStatistics& statistics);
+/// "window jammed, 300 to 420 s".
+[[nodiscard]] std::string window_title(const CompareWindow& window);
+/// What the numbers of windows mean.
+[[nodiscard]] std::string window_note(const WindowRules& rules);
+
+}  // namespace schuler::app
