@@ -35,7 +35,7 @@ struct ResultBundle {
     std::optional<std::uint64_t> seed;
     LoadedDataset data;
     std::shared_ptr<const SimulatedSky> sky;     ///< a simulated receiver's, which takes part in medium and deep runs; or null
-    std::vector<ReceiverRow> receiver_rows;      ///< what became of its channels in such a run
+    std::vector<ReceiverRow> receiver_rows;      ///< what became of its channels
     fusion::Result result;
     HiddenTruth truth;                           ///< simulated data
     Evaluation evaluation;

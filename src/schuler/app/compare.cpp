@@ -42,6 +42,9 @@ ComparedRun run_of(const ResultBundle& bundle, const ScenarioConfig& scenario) {
     out.numbers = compared_numbers(bundle);
     for (const CompareWindow& w : scenario.windows)
         out.windows.push_back(window_statistics(w, scenario.window_rules, errors, solution, reference));
+    for (std::size_t k = 0; k < scenario.windows.size(); ++k)
+        add_signal_statistics(out.windows[k], scenario.windows[k], bundle.receiver_rows, scenario.sim.origin);
+    out.receiver = bundle.receiver_rows;
     out.course = drawn_course(errors, scenario.window_rules.age, drawn_points);
     return out;
 }
@@ -95,6 +98,7 @@ Outcome compare_schemes(const ProcessRequest& request) {
             if (request.progress) request.progress(done);
         }
     }
+    c.plots = signal_panels(c, scenario.sim.origin);
     Outcome out;
     out.warnings = c.warnings;
     out.folder = request.folder_for(scenario.name);

@@ -28,6 +28,7 @@ struct ComparedRun {
     std::vector<double> numbers;               ///< of the table, see compared_numbers
     std::vector<WindowStatistics> windows;     ///< one a window of the comparison
     ErrorCourse course;                        ///< as it is drawn
+    std::vector<ReceiverRow> receiver;         ///< of a receiver at correlator level
 };
 
 struct Comparison {
@@ -65,12 +66,17 @@ struct ComparedColumn {
     const char* title;   ///< of the tables
 };
 [[nodiscard]] const std::vector<ComparedColumn>& compared_columns();
-[[nodiscard]] const std::vector<ComparedColumn>& window_columns();
-/// In the order of window_columns().
+[[nodiscard]] std::vector<ComparedColumn> window_columns(const Comparison& comparison);
+/// In the order of window_columns(), which has two more where there is a receiver at correlator level.
 [[nodiscard]] std::vector<double> window_numbers(const WindowStatistics& statistics);
 /// "window jammed, 300 to 420 s".
 [[nodiscard]] std::string window_title(const CompareWindow& window);
+/// Of the signals' strength and of what each scheme's receiver follows; nothing without a receiver.
+[[nodiscard]] std::vector<report::Panel> signal_panels(const Comparison& comparison, Time origin);
+
 /// What the numbers of windows mean.
-[[nodiscard]] std::string window_note(const WindowRules& rules);
+[[nodiscard]] std::string window_note(const Comparison& comparison);
+/// held and back of a window's statistics.
+void add_signal_statistics(WindowStatistics& out, const CompareWindow& window, const std::vector<ReceiverRow>& rows, Time origin);
 
 }  // namespace schuler::app

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -64,7 +65,8 @@ std::string table_of(const Comparison& c, const std::string& title, const std::v
         if (run.satellites != satellites) out += fmt::format("{} satellites\n", *run.satellites);
         satellites = run.satellites;
         out += fmt::format("  {:<34}", run.scheme->title);
-        for (const double x : numbers(run)) out += fmt::format("{:>13}", compared_text(x));
+        const std::vector<double> values = numbers(run);
+        for (std::size_t i = 0; i < head.size(); ++i) out += fmt::format("{:>13}", compared_text(values[i]));
         out += "\n";
     }
     return out;
@@ -87,17 +89,21 @@ const std::vector<ComparedColumn>& compared_columns() {
     return list;
 }
 
-const std::vector<ComparedColumn>& window_columns() {
-    static const std::vector<ComparedColumn> list{{"horizontal_rms_m", "h. rms, m"},
-                                                  {"horizontal_max_m", "h. max, m"},
-                                                  {"vertical_max_m", "v. max, m"},
-                                                  {"solution_share", "solution"},
-                                                  {"recovery_s", "recovery, s"}};
+std::vector<ComparedColumn> window_columns(const Comparison& comparison) {
+    std::vector<ComparedColumn> list{{"horizontal_rms_m", "h. rms, m"},
+                                     {"horizontal_max_m", "h. max, m"},
+                                     {"vertical_max_m", "v. max, m"},
+                                     {"solution_share", "solution"},
+                                     {"recovery_s", "recovery, s"}};
+    if (std::ranges::any_of(comparison.runs, [](const ComparedRun& r) { return !r.receiver.empty(); })) {
+        list.push_back({"held_db_hz", "held, dB-Hz"});
+        list.push_back({"back_s", "back, s"});
+    }
     return list;
 }
 
 std::vector<double> window_numbers(const WindowStatistics& s) {
-    return {s.horizontal_rms, s.horizontal_max, s.vertical_max, s.share, s.recovery};
+    return {s.horizontal_rms, s.horizontal_max, s.vertical_max, s.share, s.recovery, s.held, s.back};
 }
 
 std::string compared_text(double x) {
@@ -108,11 +114,14 @@ std::string compared_text(double x) {
 
 std::string window_title(const CompareWindow& w) { return fmt::format("window {}, {:g} to {:g} s", w.name, w.start, w.end); }
 
-std::string window_note(const WindowRules& rules) {
-    return fmt::format(
+std::string window_note(const Comparison& c) {
+    std::string out = fmt::format(
         "h., v.: horizontal and vertical error; solution: share of the time with one not older than {:g} s; recovery: time "
         "after the window until the horizontal error is below {:g} m for {:g} s",
-        rules.age, rules.limit, rules.hold);
+        c.rules.age, c.rules.limit, c.rules.hold);
+    if (window_columns(c).size() > 5)
+        out += "; held: lowest C/N0 with four satellites followed; back: time after the window until four, or all there are, are followed";
+    return out;
 }
 
 std::string comparison_tables(const Comparison& c) {
@@ -121,11 +130,12 @@ std::string comparison_tables(const Comparison& c) {
         "root mean squares after settling; NEES of the position over its three degrees of freedom (1: honest); the first "
         "outage's end\n";
     for (std::size_t k = 0; k < c.windows.size(); ++k)
-        out += "\n" + table_of(c, window_title(c.windows[k]), window_columns(),
+        out += "\n" + table_of(c, window_title(c.windows[k]), window_columns(c),
                                [k](const ComparedRun& r) { return window_numbers(r.windows[k]); });
     if (c.windows.empty()) return out;
-    std::string note = window_note(c.rules);
-    note.replace(note.find("; recovery"), 2, ";\n");
+    std::string note = window_note(c);
+    for (const char* part : {"; recovery", "; held"})
+        if (const auto at = note.find(part); at != std::string::npos) note.replace(at, 2, ";\n");
     return out + note + "\n";
 }
 
@@ -143,12 +153,14 @@ std::string comparison_csv(const Comparison& c) {
 
 std::string windows_csv(const Comparison& c) {
     std::string out = csv_name_header(c) + ",window,start_s,end_s";
-    for (const ComparedColumn& column : window_columns()) out += fmt::format(",{}", column.key);
+    const std::vector<ComparedColumn> head = window_columns(c);
+    for (const ComparedColumn& column : head) out += fmt::format(",{}", column.key);
     for (const ComparedRun& run : c.runs) {
         for (std::size_t k = 0; k < c.windows.size(); ++k) {
             const CompareWindow& w = c.windows[k];
             out += fmt::format("\n{},{},{:.9g},{:.9g}", csv_name(run), w.name, w.start, w.end);
-            for (const double x : window_numbers(run.windows[k])) out += csv_number(x);
+            const std::vector<double> numbers = window_numbers(run.windows[k]);
+            for (std::size_t i = 0; i < head.size(); ++i) out += csv_number(numbers[i]);
         }
     }
     return out + "\n";
@@ -156,6 +168,7 @@ std::string windows_csv(const Comparison& c) {
 
 std::string comparison_json(const Comparison& c) {
     Json rows = Json::array();
+    const std::vector<ComparedColumn> head = window_columns(c);
     for (const ComparedRun& run : c.runs) {
         Json row{{"scheme", run.scheme->name}};
         if (run.satellites) row["satellites"] = *run.satellites;
@@ -163,7 +176,7 @@ std::string comparison_json(const Comparison& c) {
         for (std::size_t k = 0; k < c.windows.size(); ++k) {
             Json window{{"name", c.windows[k].name}, {"start_s", c.windows[k].start}, {"end_s", c.windows[k].end}};
             const std::vector<double> numbers = window_numbers(run.windows[k]);
-            for (std::size_t i = 0; i < numbers.size(); ++i) window[window_columns()[i].key] = number(numbers[i]);
+            for (std::size_t i = 0; i < head.size(); ++i) window[head[i].key] = number(numbers[i]);
             row["windows"].push_back(std::move(window));
         }
         rows.push_back(std::move(row));

@@ -72,7 +72,8 @@ report::TableBlock table_of(const Comparison& c, const std::string& title, const
         std::vector<std::string>& row = table.rows.emplace_back();
         row.emplace_back(run.scheme->title);
         if (run.satellites) row.push_back(fmt::format("{}", *run.satellites));
-        for (const double x : numbers(run)) row.push_back(report::number(x));
+        const std::vector<double> values = numbers(run);
+        for (std::size_t i = 0; i < head.size(); ++i) row.push_back(report::number(values[i]));
     }
     return table;
 }
@@ -102,10 +103,10 @@ report::ReportInput comparison_report(const Comparison& c) {
     report::Section schemes{
         "Schemes", "NEES of the position over its three degrees of freedom (1: honest); outage: at the end of the first one."};
     schemes.groups.push_back({"", {}, {errors_table(c)}});
-    report::Section windows{"Windows", window_note(c.rules) + "."};
+    report::Section windows{"Windows", window_note(c) + "."};
     report::Group& tables = windows.groups.emplace_back();
     for (std::size_t k = 0; k < c.windows.size(); ++k)
-        tables.tables.push_back(table_of(c, window_title(c.windows[k]), window_columns(),
+        tables.tables.push_back(table_of(c, window_title(c.windows[k]), window_columns(c),
                                          [k](const ComparedRun& r) { return window_numbers(r.windows[k]); }));
 
     report::Section errors{"Errors over time", "Where a scheme has no solution its line has a gap."};

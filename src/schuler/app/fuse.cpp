@@ -26,6 +26,7 @@ ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList&
     bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
     bundle.data.aids = std::move(simulated.aids);
     bundle.sky = std::move(simulated.sky);
+    bundle.receiver_rows = std::move(simulated.receiver_rows);
     bundle.data.true_reference = true;
     bundle.truth = hidden_truth(simulated.truth, bundle.data.config.filter.imu);
     return bundle;

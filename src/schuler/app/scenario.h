@@ -147,9 +147,18 @@ struct ScenarioConfig {
 /// Built-in scenarios by name ("demo", ...), TOML text as in examples/. Empty for an unknown name.
 [[nodiscard]] std::string_view built_in_scenario(std::string_view name);
 
+class SimulatedSky;
+
+/// What became of a receiver's channels, ten times a second.
+struct ReceiverRow {
+    Time time;
+    double cn0 = not_given;        ///< dB-Hz, of the signals that are there, true
+    int heard = 0;                 ///< satellites that are there
+    int code = 0, phase = 0;       ///< channels that follow the code, and the carrier's phase too
+};
+
 /// A simulated data set: the recording exactly as its files carry it, the settings of its dataset.toml, and the truth that no
 /// file has.
-class SimulatedSky;
 struct SimulatedDataset {
     std::string name;
     SettingList settings;
@@ -157,6 +166,7 @@ struct SimulatedDataset {
     sim::SimulatedData truth;
     AidLog aids;
     std::shared_ptr<const SimulatedSky> sky;   ///< of a receiver at correlator level; null without one
+    std::vector<ReceiverRow> receiver_rows;    ///< of that receiver alone
     std::vector<io::StationRow> stations;
     std::vector<std::pair<std::string, std::string>> texts;   ///< further files by name
     std::uint64_t seed = 1;

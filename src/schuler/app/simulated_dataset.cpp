@@ -311,7 +311,9 @@ SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const Scenario
     }
     if (scenario.receiver_channels.rate > 0.0) {
         out.sky = std::make_shared<SimulatedSky>(scenario);
-        out.recording.ranges = SimulatedReceiver(*out.sky, receiver::Guidance::None).run_alone();
+        SimulatedReceiver alone(*out.sky, receiver::Guidance::None);
+        out.recording.ranges = alone.run_alone();
+        out.receiver_rows = alone.rows();
     }
     out.seed = scenario.sim.seed;
     out.name = scenario.name;

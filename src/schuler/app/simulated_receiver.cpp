@@ -156,7 +156,6 @@ void SimulatedReceiver::note() {
     ReceiverRow row;
     const double t = bank_->now();
     row.time = sky_.time(t);
-    row.cn0 = not_given;
     for (std::size_t i = 0; i < sky_.size(); ++i) {
         const double cn0 = sky_.cn0(i, t);
         if (cn0 > 0.0) {

@@ -43,14 +43,6 @@ private:
     gnss::BroadcastSource orbits_;
 };
 
-/// What became of the channels, ten times a second.
-struct ReceiverRow {
-    Time time;
-    double cn0 = 0.0;              ///< dB-Hz, of the signals that are there, true; NaN without one
-    int heard = 0;                 ///< satellites that are there
-    int code = 0, phase = 0;       ///< channels that follow the code, and the carrier's phase too
-};
-
 class SimulatedReceiver final : public fusion::ReceiverInLoop {
 public:
     SimulatedReceiver(const SimulatedSky& sky, receiver::Guidance guidance);

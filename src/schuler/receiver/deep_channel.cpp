@@ -10,6 +10,7 @@ namespace schuler::receiver {
 
 namespace {
 
+constexpr double quicker = 0.1;              ///< time constant of the second C/N0 estimate over that of the first
 constexpr double unknown_phase = 1.0;        ///< rad^2
 constexpr double unknown_frequency = 100.0;  ///< Hz^2: the navigation holds 10 Hz
 
@@ -36,7 +37,8 @@ DeepChannel::DeepChannel(const SignalStructure& signal, const CorrelationPeak& p
       noise_(2.0 * (peak(0.0) - peak(settings.spacing))),
       period_(signal.code_period()),
       symbol_(static_cast<int>(std::lround(signal.symbol_duration / period_))),
-      cn0_(signal.symbol_duration / 2.0, settings.cn0_time, peak_, 1000.0) {}
+      cn0_(signal.symbol_duration / 2.0, settings.cn0_time, peak_, 1000.0),
+      quick_(signal.symbol_duration / 2.0, quicker * settings.cn0_time, peak_, 1000.0) {}
 
 void DeepChannel::place() {
     // The middle of the coming code period counts; the carrier's phase goes on as it was.
@@ -51,6 +53,8 @@ void DeepChannel::start(const LineOfSight& predicted, int dumps_into_symbol) {
     counted_ = 0;
     cn0_ = Cn0Estimator(signal_.symbol_duration / 2.0, settings_.cn0_time, peak_, 1.0);
     cn0_.forget();
+    quick_ = Cn0Estimator(signal_.symbol_duration / 2.0, quicker * settings_.cn0_time, peak_, 1.0);
+    quick_.forget();
     listened_ = 0.0;
     carrier_.setZero();
     P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
@@ -106,15 +110,24 @@ void DeepChannel::judge_power(double both) {
     // A signal that comes back or breaks off is not averaged in: residuals scaled by the old power would be wrong by the ratio of
     // both.
     constexpr double appears = 8.0, breaks_off = 5.0;  // sigmas of two squared prompts
+    constexpr double changes = 4.0;  // of the quick mean
     const double half = signal_.symbol_duration / 2.0, power = 2.0 * cn0_.cn0() * half * peak_ * peak_;
     const double expected = 2.0 * (power + 2.0 * peak_), sigma = std::sqrt(8.0 * peak_ * (peak_ + power));
     if (both > expected + appears * sigma || both < expected - breaks_off * sigma) {
         listened_ = settings_.cn0_time;
         cn0_.restart((0.5 * both - 2.0 * peak_) / (2.0 * half * peak_ * peak_));
-    } else {
-        listened_ += signal_.symbol_duration;
-        for (const Correlators& c : halves_) cn0_.add(c.prompt);
+        quick_.restart(cn0_.cn0());
+        return;
     }
+    listened_ += signal_.symbol_duration;
+    for (const Correlators& c : halves_) {
+        cn0_.add(c.prompt);
+        quick_.add(c.prompt);
+    }
+    // of a mean over n prompts, whose squares scatter by 2 sqrt(R0 (R0 + P))
+    const double n = std::max(1.0, 2.0 * quicker * settings_.cn0_time / half);
+    const double scatter = 2.0 * std::sqrt(peak_ * (peak_ + power) / n) / (2.0 * half * peak_ * peak_);
+    if (std::abs(quick_.cn0() - cn0_.cn0()) > changes * scatter) cn0_.restart(quick_.cn0());
 }
 
 ChannelMeasurement DeepChannel::finish() {

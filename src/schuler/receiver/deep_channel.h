@@ -70,7 +70,7 @@ private:
     CodeError code_error_;
     double peak_, slope_, noise_, period_;
     int symbol_;
-    Cn0Estimator cn0_;
+    Cn0Estimator cn0_, quick_;  ///< the second over a tenth of the time: notices that the strength changes
 
     Replica replica_;
     LineOfSight predicted_;
