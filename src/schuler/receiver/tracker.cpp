@@ -19,6 +19,7 @@ constexpr double settled_alone = 0.2;   ///< s, likewise: without an aid it move
 constexpr double assist = 3.0;          ///< Hz, frequency loop beside the phase loop while it locks
 constexpr double retry_time = 2.0;      ///< s between attempts at a lost carrier
 constexpr int most_attempts = 3;        ///< at the carrier without an aid
+constexpr int most_escapes = 4;         ///< from false locks in one attempt
 
 int dumps_per_symbol(const SignalStructure& signal) {
     return static_cast<int>(std::lround(signal.symbol_duration / signal.code_period()));
@@ -93,7 +94,7 @@ int Tracker::dumps_per_update() const {
 void Tracker::start(const Replica& replica, std::optional<int> dumps_into_symbol) {
     replica_ = replica;
     dump_ = dumps_into_symbol ? ((*dumps_into_symbol % symbol_) + symbol_) % symbol_ : 0;
-    attempts_ = 0;
+    attempts_ = escapes_ = 0;
     aided_ = false;
     code_rate_ = 0.0;   // a search tells the rate of the code by that of the carrier alone
     loop_frequency_ = settled_ = replica.carrier_frequency;
@@ -133,6 +134,7 @@ void Tracker::enter(Mode mode) {
 }
 
 void Tracker::fail() {
+    escapes_ = 0;
     if (aided_)
         enter(Mode::CodeOnly);
     else
@@ -253,9 +255,14 @@ void Tracker::transitions() {
         case Mode::Assisted:
             if (time_in_mode_ < settings_.pull_in_time) break;
             if (leave_false_lock()) {
-                enter(Mode::Assisted);
+                // noise alone looks so again and again
+                if (++escapes_ > most_escapes)
+                    fail();
+                else
+                    enter(Mode::Assisted);
             } else if (lock_.value() >= settings_.phase_lock) {
                 settled_ = assisted_.frequency();
+                escapes_ = 0;
                 enter(Mode::Phase);
             } else if (time_in_mode_ >= 2.0 * settings_.pull_in_time + settings_.phase_patience) {
                 fail();
