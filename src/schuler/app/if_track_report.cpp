@@ -64,8 +64,7 @@ report::Panel over_time(const TrackedRecording& run, const std::vector<int>& prn
 report::Panel prompts_in_phase(const TrackedRecording& run, const std::vector<int>& prns) {
     report::Panel panel{"Prompt over 20 ms, while in phase", "I, noise has 1", "Q, noise has 1"};
     panel.time_axis = false;
-    panel.equal_axes = true;
-    panel.height = 320;
+    panel.height = 260;
     for (std::size_t i = 0; i < prns.size(); ++i) {
         report::Series dots{fmt::format("G{:02}", prns[i]), {}, {}, ink_of(i), i < 8 ? report::Mark::Dots : report::Mark::Squares};
         for (const ChannelSample& s : run.thinned) {

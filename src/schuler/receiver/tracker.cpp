@@ -192,7 +192,7 @@ void Tracker::update() {
     switch (mode_) {
         case Mode::Blind:
             // the wide reach first, though a change of sign within the pair spoils it; then the narrow one that is blind to signs
-            loop_frequency_ = time_in_mode_ < settings_.pull_in_time
+            loop_frequency_ = time_in_mode_ - interval < settings_.pull_in_time
                                   ? blind_.update(0.0, frequency_between(sums_.first, second, interval / 2.0))
                                   : listening_.update(0.0, frequency_across_bits(sums_.first, second, interval / 2.0));
             code_rate_ = code_blind_.update(code_error_(c, power));
