@@ -26,8 +26,8 @@ def judge(summary, sky, what):
         cn0, doppler, delay = sky[name]
         row = rows[name]
         check(row["state"] == "locked" and 2.0 < row["phase_lock_s"] - row["found_at_s"] < 3.0, f"{what}: {name} {row}")
-        # Phase jitter of 15 Hz at 41 dB-Hz is 0.035 rad: 0.008 Hz over a second. Code jitter of 0.5 Hz is 0.003 chip, and the code is
-        # sampled every quarter of a chip.
+        # Phase jitter of 15 Hz at 41 dB-Hz is 0.035 rad: 0.008 Hz over a second. Code jitter of 0.5 Hz is 0.003 chip, and the code
+        # is sampled every quarter of a chip.
         check(abs(row["doppler_hz"] - doppler) < 0.05, f"{what}: Doppler of {name} {row['doppler_hz']}")
         error = row["code_delay_chips"] - (delay - doppler * CHIPS_PER_CYCLE * row["time_s"])
         check(abs(math.remainder(error, 1023)) < 0.03, f"{what}: code delay of {name} is {error} chips off")
@@ -35,7 +35,8 @@ def judge(summary, sky, what):
         check(abs(row["search"]["doppler_hz"] - doppler) <= 500, f"{what}: search of {name}")
         symbols = row["symbols"]
         check(symbols["count"] > 40 and symbols["changes"] > 10, f"{what}: symbols of {name} {symbols}")
-        check(symbols["at_edges"] > 0.9 * symbols["sign_changes"], f"{what}: signs of {name} change at the symbols' edges: {symbols}")
+        check(symbols["at_edges"] > 0.9 * symbols["sign_changes"],
+              f"{what}: signs of {name} change at the symbols' edges: {symbols}")
     return rows
 
 
@@ -68,7 +69,8 @@ def recordings(program, source):
     (folder / "sky.ishort").write_bytes(array.array("h", [37 * x for x in head]).tobytes())
     (folder / "sky.floats").write_bytes(array.array("f", [1e-3 * x for x in head]).tobytes())
     for name, form in (("sky.ibyte", "ibyte"), ("sky.ishort", "ishort"), ("sky.floats", "gr_complex")):
-        done = program("receiver", "track", name, "--sample-rate", 4e6, "--format", form, "--seconds", 0.02, "-o", "short", "--json")
+        done = program("receiver", "track", name, "--sample-rate", 4e6, "--format", form, "--seconds", 0.02, "-o", "short",
+                       "--json")
         check("no phase lock" in done.stderr, "a short recording is warned of")
         found = [row["satellite"] for row in json.loads(done.stdout)["satellites"] if row["found"]]
         check(found == list(SKY), f"{form}: {found}")
@@ -77,7 +79,8 @@ def recordings(program, source):
     program("receiver", "generate", "if.ibyte", "--satellites", "G25:46:7654.5:700", "--sample-rate", "6e6",
             "--intermediate-frequency", "-1.25e6", "--seconds", 4, "-q")
     at = ["--sample-rate", "6e6", "--intermediate-frequency", "-1.25e6"]
-    judge(json.loads(program("receiver", "track", "if.ibyte", *at, "--doppler", 8000, "-o", "shifted", "--json").stdout), shifted, "shifted")
+    done = program("receiver", "track", "if.ibyte", *at, "--doppler", 8000, "-o", "shifted", "--json")
+    judge(json.loads(done.stdout), shifted, "shifted")
     program.fails("receiver", "track", "if.ibyte", *at, "-o", "nothing", "--seconds", 1, "-q", status=1,
                   parts=["if.ibyte", "none of 32 satellites", "--doppler"])
     check(not (folder / "nothing").exists(), "nothing is written where nothing was found")
@@ -107,7 +110,8 @@ def refusals(program, source):
     for name, form, parts in [
         ("none", "ibyte", ["no such file"]), (".", "ibyte", ["folder"]), ("empty", "ibyte", ["no samples"]),
         ("odd", "ibyte", ["end within a sample", "cut short"]), ("odd", "ishort", ["end within a sample"]),
-        ("short", "ibyte", ["9 ms", "10 ms are needed", "--search-ms"]), ("silent", "ibyte", ["one value throughout", "beginning"]),
+        ("short", "ibyte", ["9 ms", "10 ms are needed", "--search-ms"]),
+        ("silent", "ibyte", ["one value throughout", "beginning"]),
         ("spread", "ibyte", ["saturated, compressed", "gr_complex"]), ("saturated", "ibyte", ["saturated", "less gain"]),
         ("text", "ibyte", ["constant", "format"]), ("one_channel", "ibyte", ["I and Q differ in power", "made complex"]),
         ("unsigned", "ibyte", ["unsigned", "ubyte"]), ("unsigned", "ishort", ["pairs of bytes", "ubyte"]),
@@ -117,11 +121,14 @@ def refusals(program, source):
     ]:
         program.fails("receiver", "track", name, "--sample-rate", 4e6, "--format", form, "-o", "bad", parts=[name, *parts])
     for option, values, parts in [
-        ("--sample-rate", ["0", "-4e6", "1e3", "2e6", "1e12"], ["2.046e6", "200e6"]), ("--sample-rate", ["nan", "inf"], ["finite"]),
+        ("--sample-rate", ["0", "-4e6", "1e3", "2e6", "1e12"], ["2.046e6", "200e6"]),
+        ("--sample-rate", ["nan", "inf"], ["finite"]),
         ("--sample-rate", ["fast"], ["track --help"]), ("--intermediate-frequency", ["3e6", "-1e6"], ["half the sample rate"]),
-        ("--intermediate-frequency", ["nan"], ["finite"]), ("--satellites", ["G33", "R05", "", "G007"], ["unknown satellite", "G32"]),
+        ("--intermediate-frequency", ["nan"], ["finite"]),
+        ("--satellites", ["G33", "R05", "", "G007"], ["unknown satellite", "G32"]),
         ("--satellites", ["G03,3"], ["twice"]), ("--start", ["-1"], ["0 or more"]), ("--start", ["60"], ["begin earlier"]),
-        ("--seconds", ["0", "-2"], ["more than 0"]), ("--seconds", ["0.001"], ["1 ms"]), ("--search-ms", ["0", "5000"], ["1 to 1000"]),
+        ("--seconds", ["0", "-2"], ["more than 0"]), ("--seconds", ["0.001"], ["1 ms"]),
+        ("--search-ms", ["0", "5000"], ["1 to 1000"]),
         ("--doppler", ["-1", "1e7"], ["0 to 100000"]),
     ]:
         for value in values:
@@ -130,7 +137,8 @@ def refusals(program, source):
     program.fails("receiver", "track", "sky.ibyte", parts=["--sample-rate", "track --help"])
     program.fails("receiver", "track", "sky.ibyte", "--sample-rate", 4e6, "-o", "text/below", "-q", parts=["text/below", "-o"])
     for arguments, parts in {
-        ("--seconds", "0"): ["--seconds"], ("--seconds", "1e9"): ["--seconds", "3600"], ("--sample-rate", "4000000.5"): ["--sample-rate", "1000"],
+        ("--seconds", "0"): ["--seconds"], ("--seconds", "1e9"): ["--seconds", "3600"],
+        ("--sample-rate", "4000000.5"): ["--sample-rate", "1000"],
         ("--sample-rate", "1e6"): ["--sample-rate"], ("--intermediate-frequency", "1e6"): ["--intermediate-frequency"],
         ("--satellites", "G07:90"): ["--satellites", "10 to 60"], ("--satellites", "G07:45:fast"): ["Doppler", "50000"],
         ("--satellites", "G07:45:0:1024"): ["code delay", "1023"], ("--satellites", "G07:1:2:3:4"): ["four"],

@@ -32,7 +32,9 @@ protected:
     static std::string noise(double std, double middle = 0.0) {
         math::Random random(1, "if_file");
         std::vector<T> out(8000);
-        for (T& x : out) x = static_cast<T>(std::is_integral_v<T> ? std::floor(middle + std * random.normal() + 0.5) : middle + std * random.normal());
+        for (T& x : out)
+            x = static_cast<T>(std::is_integral_v<T> ? std::floor(middle + std * random.normal() + 0.5)
+                                                     : middle + std * random.normal());
         return written(out);
     }
     std::string complaint(const std::string& bytes, const char* format, std::uintmax_t start = 0) {

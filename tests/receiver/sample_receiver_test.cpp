@@ -25,7 +25,8 @@ struct Signal {
     [[nodiscard]] std::complex<double> at(double t) const {
         const double c = chips(t), periods = std::floor(c / 1023.0);
         const int sign = symbol(static_cast<long>(std::floor(periods / 20.0)));
-        const double amplitude = noise_std * std::sqrt(2.0 * cn0 / rate) * sign * code[static_cast<std::size_t>(c - 1023.0 * periods)];
+        const double amplitude =
+            noise_std * std::sqrt(2.0 * cn0 / rate) * sign * code[static_cast<std::size_t>(c - 1023.0 * periods)];
         return std::polar(1.0, 2.0 * std::numbers::pi * std::fmod(doppler * t, 1.0)) * amplitude;
     }
 };
@@ -90,7 +91,8 @@ TEST(SampleReceiver, SearchesAgainAndNoticesALoss) {
     settings.satellites = {5, 9};
     settings.search_interval = 1.0;
     SampleReceiver receiver(format, settings);
-    const IfSatellite both[] = {{5, {2.1e7, 100.0, 0.0, 0.0}, cn0_from_db(47.0), 1}, {9, {2.2e7, -300.0, 0.0, 0.0}, cn0_from_db(46.0), 2}};
+    const IfSatellite both[] = {{5, {2.1e7, 100.0, 0.0, 0.0}, cn0_from_db(47.0), 1},
+                                {9, {2.2e7, -300.0, 0.0, 0.0}, cn0_from_db(46.0), 2}};
     IfGenerator first(format, std::span(both, 1), 1), second(format, std::span(both + 1, 1), 2);
     std::vector<IfSample> piece(receiver.piece());
     const std::size_t period = format.samples_per_period();

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double longest = 3600.0;     // s
 constexpr double transit = 67.0;       // code periods of the shortest way from a satellite
-const std::vector<std::string> six_satellites{"G03:47:-2210:118.25", "G07:45:1200:300.5",     "G11:43:-640.5:871.75",
-                                              "G18:40:3105.25:512.125", "G22:48:310:42",      "G30:38:-4020:990.5"};
+const std::vector<std::string> six_satellites{"G03:47:-2210:118.25",    "G07:45:1200:300.5", "G11:43:-640.5:871.75",
+                                              "G18:40:3105.25:512.125", "G22:48:310:42",     "G30:38:-4020:990.5"};
 
 struct Wanted {
     int prn = 0;
@@ -43,7 +43,8 @@ Wanted wanted_from(const std::string& text) {
     const auto number_in = [&](std::size_t i, double& value, const char* what, double low, double high) {
         if (i >= parts.size() || parts[i].empty()) return;
         value = io::number_from(parts[i]);
-        if (!(value >= low && value <= high)) refuse(fmt::format("\"{}\" is no {}", parts[i], what), fmt::format("give {:g} to {:g}", low, high));
+        if (!(value >= low && value <= high))
+            refuse(fmt::format("\"{}\" is no {}", parts[i], what), fmt::format("give {:g} to {:g}", low, high));
     };
     number_in(1, w.cn0_db, "C/N0 in dB-Hz", 10.0, 60.0);
     number_in(2, w.doppler, "Doppler in Hz", -50e3, 50e3);
@@ -57,7 +58,8 @@ std::vector<Wanted> all_wanted(const std::vector<std::string>& texts) {
         out.push_back(wanted_from(text));
         for (std::size_t i = 0; i + 1 < out.size(); ++i)
             if (out[i].prn == out.back().prn)
-                throw input_error(fmt::format("G{:02} stands there twice", out.back().prn), {.key = "--satellites"}, "give it once");
+                throw input_error(fmt::format("G{:02} stands there twice", out.back().prn), {.key = "--satellites"},
+                                  "give it once");
     }
     return out;
 }
@@ -75,7 +77,8 @@ receiver::IfSatellite made_of(const Wanted& w, std::uint64_t seed) {
 Outcome generated(const GenerateRequest& request) {
     const std::vector<Wanted> wanted = all_wanted(request.satellites);
     if (!(request.seconds >= 1e-3 && request.seconds <= longest))
-        throw input_error(fmt::format("{} s of samples", request.seconds), {.key = "--seconds"}, fmt::format("give 0.001 to {:g}", longest));
+        throw input_error(fmt::format("{} s of samples", request.seconds), {.key = "--seconds"},
+                          fmt::format("give 0.001 to {:g}", longest));
     const receiver::IfFormat format{request.sample_rate, request.intermediate_frequency};
     std::vector<receiver::IfSatellite> satellites;
     for (const Wanted& w : wanted) {
@@ -103,9 +106,9 @@ Outcome generated(const GenerateRequest& request) {
               {"seed", request.seed},
               {"satellites", Json::array()}};
     Outcome out;
-    out.tables = fmt::format("{:g} s at {:g} samples/s, intermediate frequency {:g} Hz, signed bytes I and Q (ibyte)\n{:<9}{:>12}{:>12}{:>18}\n",
-                             seconds, format.sample_rate, format.intermediate_frequency, "satellite", "C/N0 dB-Hz", "Doppler Hz",
-                             "code delay chips");
+    out.tables = fmt::format(
+        "{:g} s at {:g} samples/s, intermediate frequency {:g} Hz, signed bytes I and Q (ibyte)\n{:<9}{:>12}{:>12}{:>18}\n",
+        seconds, format.sample_rate, format.intermediate_frequency, "satellite", "C/N0 dB-Hz", "Doppler Hz", "code delay chips");
     for (const Wanted& w : wanted) {
         out.tables += fmt::format("G{:02}      {:>12g}{:>12g}{:>18g}\n", w.prn, w.cn0_db, w.doppler, w.code_delay);
         json["satellites"].push_back({{"satellite", fmt::format("G{:02}", w.prn)},

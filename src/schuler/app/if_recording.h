@@ -19,10 +19,10 @@ struct GenerateRequest {
     double seconds = 5.0;
     double sample_rate = 4e6;               ///< complex samples/s
     double intermediate_frequency = 0.0;    ///< Hz
-    std::vector<std::string> satellites;    ///< "G07:45:1200:300.5": number, C/N0 in dB-Hz, Doppler in Hz, code delay in chips; the
-                                            ///< last ones may be missing; empty: six satellites
+    std::vector<std::string> satellites;  ///< "G07:45:1200:300.5": number, C/N0 in dB-Hz, Doppler in Hz, code delay in chips; the
+        ///< last ones may be missing; empty: six satellites
     std::uint64_t seed = 1;
-    std::function<void(double)> progress;   ///< may be empty
+    std::function<void(double)> progress;  ///< may be empty
 };
 
 /// Writes signals of GPS L1 C/A in white noise as signed bytes, I and Q in turn. @throws Error(Input) with the option as key
@@ -34,12 +34,12 @@ struct TrackRequest {
     std::string format = "ibyte";
     double sample_rate = 0.0;
     double intermediate_frequency = 0.0;
-    double start = 0.0;                     ///< s of the recording, whole milliseconds
-    std::optional<double> seconds;          ///< from `start` on; nothing: to the end
-    std::vector<std::string> satellites;    ///< "G07"; empty: all
-    double doppler = 5000.0;                ///< Hz, half width of the search
-    int search_ms = 10;                     ///< code periods summed in a search
-    std::filesystem::path output;           ///< folder; empty: out/NAME
+    double start = 0.0;  ///< s of the recording, whole milliseconds
+    std::optional<double> seconds;  ///< from `start` on; nothing: to the end
+    std::vector<std::string> satellites;  ///< "G07"; empty: all
+    double doppler = 5000.0;  ///< Hz, half width of the search
+    int search_ms = 10;  ///< code periods summed in a search
+    std::filesystem::path output;  ///< folder; empty: out/NAME
     std::string version;
     std::function<void(double)> progress;
 };
@@ -53,11 +53,11 @@ struct TrackRequest {
 
 /// What a run of `receiver track` has to tell beside its files.
 struct TrackedRecording {
-    std::string title;                      ///< one line: file, span, rates
+    std::string title;  ///< one line: file, span, rates
     double seconds = 0.0;
     int search_periods = 0;
     std::vector<receiver::SatelliteRecord> satellites;
-    std::vector<receiver::ChannelSample> thinned;   ///< of all channels, in order of time; times of the recording
+    std::vector<receiver::ChannelSample> thinned;  ///< of all channels, in order of time; times of the recording
 };
 
 [[nodiscard]] std::string tracking_table(const TrackedRecording& run);

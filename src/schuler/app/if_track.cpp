@@ -44,7 +44,8 @@ private:
         if (file_) return;
         make_folder(folder_);
         file_ = std::make_unique<io::AtomicFile>(folder_ / "tracking.csv");
-        text_ = "time_s,satellite,state,cn0_db_hz,doppler_hz,code_delay_chips,carrier_phase_cycles,phase_lock,prompt_i,prompt_q\n";
+        text_ =
+            "time_s,satellite,state,cn0_db_hz,doppler_hz,code_delay_chips,carrier_phase_cycles,phase_lock,prompt_i,prompt_q\n";
     }
     void flush() {
         file_->write(text_);
@@ -64,7 +65,8 @@ Json json_of(const SatelliteRecord& r, double zero, int search_periods) {
              {"threshold", number(r.acquired.threshold)}};
     if (!r.found) return row;
     row["found_at_s"] = number(zero + r.found_at);
-    row["search"] = {{"doppler_hz", r.acquired.replica.carrier_frequency}, {"code_delay_chips", -r.acquired.replica.code_phase},
+    row["search"] = {{"doppler_hz", r.acquired.replica.carrier_frequency},
+                     {"code_delay_chips", -r.acquired.replica.code_phase},
                      {"cn0_db_hz", number(receiver::db_from_cn0(r.acquired.cn0(search_periods)))}};
     row["state"] = !r.tracked ? "lost" : r.locked ? "locked" : "not locked";
     row["losses"] = r.losses;
@@ -73,7 +75,8 @@ Json json_of(const SatelliteRecord& r, double zero, int search_periods) {
     row["doppler_hz"] = number(r.last.doppler);
     row["code_delay_chips"] = number(r.last.code_delay);
     row["cn0_db_hz"] = number(receiver::db_from_cn0(r.last.cn0));
-    row["symbols"] = {{"count", r.symbols}, {"changes", r.changes}, {"sign_changes", r.dump_changes}, {"at_edges", r.edge_changes}};
+    row["symbols"] = {
+        {"count", r.symbols}, {"changes", r.changes}, {"sign_changes", r.dump_changes}, {"at_edges", r.edge_changes}};
     return row;
 }
 
@@ -116,19 +119,22 @@ Outcome tracked(const TrackRequest& request) {
         wanted = static_cast<std::uintmax_t>(std::llround(*request.seconds * format.sample_rate));
     const double seconds = static_cast<double>(wanted) / format.sample_rate;
     if (wanted < channels.piece())
-        throw input_error(fmt::format("{:.4g} ms of samples are too few to search, {} ms are needed", 1e3 * seconds, request.search_ms),
-                          {.key = wanted < file.size() ? "--seconds" : "--search-ms"}, "give a longer recording, or a shorter --search-ms");
+        throw input_error(
+            fmt::format("{:.4g} ms of samples are too few to search, {} ms are needed", 1e3 * seconds, request.search_ms),
+            {.key = wanted < file.size() ? "--seconds" : "--search-ms"}, "give a longer recording, or a shorter --search-ms");
 
     Outcome out;
     if (seconds < pulling_in)
-        out.warnings.push_back(
-            fmt::format("{:.4g} s of samples: pulling in takes about {:g} s, so no phase lock is to be expected", seconds, pulling_in));
+        out.warnings.push_back(fmt::format(
+            "{:.4g} s of samples: pulling in takes about {:g} s, so no phase lock is to be expected", seconds, pulling_in));
     TrackedRecording run;
     run.seconds = seconds;
     run.search_periods = request.search_ms;
-    run.title = fmt::format("{}: {:.6g} s from {:.6g} s on, {:.9g} samples/s, intermediate frequency {:.9g} Hz, {}", request.file.string(),
-                            seconds, zero, format.sample_rate, format.intermediate_frequency, request.format);
-    const std::filesystem::path folder = request.output.empty() ? std::filesystem::path("out") / request.file.stem() : request.output;
+    run.title =
+        fmt::format("{}: {:.6g} s from {:.6g} s on, {:.9g} samples/s, intermediate frequency {:.9g} Hz, {}",
+                    request.file.string(), seconds, zero, format.sample_rate, format.intermediate_frequency, request.format);
+    const std::filesystem::path folder =
+        request.output.empty() ? std::filesystem::path("out") / request.file.stem() : request.output;
     TrackingFile table(folder, zero);
     const double every = seconds / shown;
     std::array<double, 33> next_shown{};
@@ -153,8 +159,8 @@ Outcome tracked(const TrackRequest& request) {
     const auto found = std::ranges::count_if(run.satellites, [](const SatelliteRecord& r) { return r.found; });
     if (found == 0)
         throw computation_error(
-            fmt::format("{}: none of {} satellites was found within {:g} Hz of {:g} Hz", request.file.string(), run.satellites.size(),
-                        request.doppler, request.intermediate_frequency),
+            fmt::format("{}: none of {} satellites was found within {:g} Hz of {:g} Hz", request.file.string(),
+                        run.satellites.size(), request.doppler, request.intermediate_frequency),
             "look at --sample-rate, --intermediate-frequency and --format, or search wider (--doppler) and longer (--search-ms)");
 
     table.close(out);

@@ -12,7 +12,7 @@ namespace {
 using receiver::ChannelSample;
 using receiver::SatelliteRecord;
 
-const std::vector<std::string> columns{"satellite",   "Doppler Hz", "code delay chips", "C/N0 dB-Hz", "at s",
+const std::vector<std::string> columns{"satellite",    "Doppler Hz", "code delay chips", "C/N0 dB-Hz", "at s",
                                        "phase lock s", "symbols",    "changes",          "at edges",   "state"};
 
 /// "-" where not finite.
@@ -22,8 +22,15 @@ std::string fixed(double x, int digits) { return std::isfinite(x) ? fmt::format(
 std::vector<std::string> cells_of(const SatelliteRecord& r, int search_periods) {
     const receiver::Acquired& a = r.acquired;
     if (!std::isfinite(r.locked_at))
-        return {fmt::format("G{:02}", r.prn), fixed(a.replica.carrier_frequency, 0), fixed(-a.replica.code_phase, 1),
-                fixed(receiver::db_from_cn0(a.cn0(search_periods)), 0), fixed(r.found_at, 2), "-", "-", "-", "-",
+        return {fmt::format("G{:02}", r.prn),
+                fixed(a.replica.carrier_frequency, 0),
+                fixed(-a.replica.code_phase, 1),
+                fixed(receiver::db_from_cn0(a.cn0(search_periods)), 0),
+                fixed(r.found_at, 2),
+                "-",
+                "-",
+                "-",
+                "-",
                 r.tracked ? "not locked" : "lost"};
     const auto share = static_cast<double>(r.edge_changes) / static_cast<double>(r.dump_changes);
     return {fmt::format("G{:02}", r.prn),
@@ -35,7 +42,9 @@ std::vector<std::string> cells_of(const SatelliteRecord& r, int search_periods) 
             fmt::format("{}", r.symbols),
             fmt::format("{}", r.changes),
             std::isfinite(share) ? fmt::format("{:.0f} %", 100.0 * share) : "-",
-            !r.tracked ? "lost" : r.locked ? "locked" : "not locked"};
+            !r.tracked ? "lost"
+            : r.locked ? "locked"
+                       : "not locked"};
 }
 
 report::Ink ink_of(std::size_t i) {
@@ -46,8 +55,8 @@ report::Ink ink_of(std::size_t i) {
 
 /// One line a satellite over time; the ninth and further ones are broken.
 template <class Value>
-report::Panel over_time(const TrackedRecording& run, const std::vector<int>& prns, const std::string& title, const std::string& unit,
-                        Value value) {
+report::Panel over_time(const TrackedRecording& run, const std::vector<int>& prns, const std::string& title,
+                        const std::string& unit, Value value) {
     report::Panel panel{title, "time, s", unit};
     for (std::size_t i = 0; i < prns.size(); ++i) {
         report::Series line{fmt::format("G{:02}", prns[i]), {}, {}, ink_of(i), i < 8 ? report::Mark::Line : report::Mark::Dashed};
@@ -66,7 +75,8 @@ report::Panel prompts_in_phase(const TrackedRecording& run, const std::vector<in
     panel.time_axis = false;
     panel.height = 260;
     for (std::size_t i = 0; i < prns.size(); ++i) {
-        report::Series dots{fmt::format("G{:02}", prns[i]), {}, {}, ink_of(i), i < 8 ? report::Mark::Dots : report::Mark::Squares};
+        report::Series dots{
+            fmt::format("G{:02}", prns[i]), {}, {}, ink_of(i), i < 8 ? report::Mark::Dots : report::Mark::Squares};
         for (const ChannelSample& s : run.thinned) {
             if (s.prn != prns[i] || !s.locked) continue;
             dots.x.push_back(s.prompt.real());
@@ -95,7 +105,8 @@ std::string tracking_table(const TrackedRecording& run) {
     std::vector<std::string> missing;
     const auto line = [&](const std::vector<std::string>& cells) {
         for (std::size_t i = 0; i < cells.size(); ++i)
-            out += i == 0 ? fmt::format("{:<9}", cells[i]) : fmt::format("{:>{}}", cells[i], columns[i].size() + (i == 9 ? 7 : 2));
+            out +=
+                i == 0 ? fmt::format("{:<9}", cells[i]) : fmt::format("{:>{}}", cells[i], columns[i].size() + (i == 9 ? 7 : 2));
         out += '\n';
     };
     line(columns);
@@ -106,7 +117,9 @@ std::string tracking_table(const TrackedRecording& run) {
             missing.push_back(fmt::format("G{:02}", r.prn));
     }
     if (!missing.empty()) out += fmt::format("not found: {}\n", fmt::join(missing, " "));
-    return out + "Doppler, code delay and C/N0 are means over the last second in phase, about the time beside them;\nwithout phase lock they are those of the search, to 250 Hz and 2 dB.\n";
+    return out +
+           "Doppler, code delay and C/N0 are means over the last second in phase, about the time beside them;\nwithout phase "
+           "lock they are those of the search, to 250 Hz and 2 dB.\n";
 }
 
 void write_tracking_report(Outcome& out, const TrackedRecording& run, const std::string& version) {
@@ -125,15 +138,17 @@ void write_tracking_report(Outcome& out, const TrackedRecording& run, const std:
     page.cards = {{"satellites found", fmt::format("{}", prns.size()), fmt::format("of {} searched for", run.satellites.size())},
                   {"in phase at the end", fmt::format("{}", locked)},
                   {"recording", fmt::format("{:.4g} s", run.seconds)}};
-    report::Section section{"Satellites", "GPS L1 C/A, found by FFT and tracked; figures of the table are means over the last second in phase."};
+    report::Section section{
+        "Satellites", "GPS L1 C/A, found by FFT and tracked; figures of the table are means over the last second in phase."};
     section.groups.push_back({"", {}, {table}});
     report::Section tracking{"Tracking", "Every symbol's duration, from the search on."};
-    tracking.groups.push_back({"",
-                               {over_time(run, prns, "C/N0", "dB-Hz", [](const ChannelSample& s) { return receiver::db_from_cn0(s.cn0); }),
-                                over_time(run, prns, "Doppler", "Hz", [](const ChannelSample& s) { return s.doppler; }),
-                                over_time(run, prns, "Phase lock detector", "1: in phase", [](const ChannelSample& s) { return s.phase_lock; }),
-                                prompts_in_phase(run, prns)},
-                               {}});
+    tracking.groups.push_back(
+        {"",
+         {over_time(run, prns, "C/N0", "dB-Hz", [](const ChannelSample& s) { return receiver::db_from_cn0(s.cn0); }),
+          over_time(run, prns, "Doppler", "Hz", [](const ChannelSample& s) { return s.doppler; }),
+          over_time(run, prns, "Phase lock detector", "1: in phase", [](const ChannelSample& s) { return s.phase_lock; }),
+          prompts_in_phase(run, prns)},
+         {}});
     page.sections = {section, tracking};
     write_report(out, out.folder, page);
 }

@@ -14,15 +14,13 @@ namespace schuler::io {
 namespace {
 
 constexpr std::size_t looked_at = 65536, least_looked_at = 1000;  // samples, to tell a format
-constexpr float wanted_rms = 24.0F;                               // steps: quantization costs 0.001 dB, clipping is 5 sigma away
-constexpr unsigned sign_bit = 0x80U;   ///< turned over, signed bytes become unsigned ones less 128
+constexpr float wanted_rms = 24.0F;  // steps: quantization costs 0.001 dB, clipping is 5 sigma away
+constexpr unsigned sign_bit = 0x80U;  ///< turned over, signed bytes become unsigned ones less 128
 constexpr const char* own_format = "give the format it was written in: ibyte, ubyte, ishort or gr_complex";
 
 static_assert(std::endian::native == std::endian::little, "words and floats are read as they lie");
 
-std::size_t bytes_of(IfEncoding encoding) {
-    return encoding == IfEncoding::Floats ? 8 : encoding == IfEncoding::Words ? 4 : 2;
-}
+std::size_t bytes_of(IfEncoding encoding) { return encoding == IfEncoding::Floats ? 8 : encoding == IfEncoding::Words ? 4 : 2; }
 
 template <class T>
 float value_at(const char* raw) {
@@ -35,8 +33,7 @@ float value_at(const char* raw) {
 std::complex<float> sample_at(const char* raw, IfEncoding encoding) {
     switch (encoding) {
         case IfEncoding::SignedBytes: return {value_at<std::int8_t>(raw), value_at<std::int8_t>(raw + 1)};
-        case IfEncoding::UnsignedBytes:
-            return {value_at<std::uint8_t>(raw) - 127.5F, value_at<std::uint8_t>(raw + 1) - 127.5F};
+        case IfEncoding::UnsignedBytes: return {value_at<std::uint8_t>(raw) - 127.5F, value_at<std::uint8_t>(raw + 1) - 127.5F};
         case IfEncoding::Words: return {value_at<std::int16_t>(raw), value_at<std::int16_t>(raw + 2)};
         case IfEncoding::Floats: break;
     }
@@ -63,7 +60,7 @@ bool words_made_of_bytes(std::span<const char> raw, unsigned turned_over) {
         high += b * b;
     }
     const double words = static_cast<double>(raw.size()) / 2.0;
-    constexpr double even = 128.0 * 128.0 / 3.0;   // mean square of a byte spread evenly
+    constexpr double even = 128.0 * 128.0 / 3.0;  // mean square of a byte spread evenly
     return high > words && low < 0.65 * even * words && std::max(low, high) < 4.0 * std::min(low, high);
 }
 
@@ -86,7 +83,8 @@ Moments moments_of(std::span<const std::complex<float>> samples) {
 
 void check_numbers(std::span<const std::complex<float>> samples, const SourcePlace& place) {
     const auto absurd = [](const std::complex<float>& s) { return !(std::abs(s.real()) < 1e30F && std::abs(s.imag()) < 1e30F); };
-    if (std::ranges::any_of(samples, absurd)) throw input_error("holds values that are no numbers of a signal", place, own_format);
+    if (std::ranges::any_of(samples, absurd))
+        throw input_error("holds values that are no numbers of a signal", place, own_format);
     const Moments m = moments_of(samples);
     const double power = m.power_i + m.power_q;
     if (!(power > 0.0))
@@ -96,8 +94,8 @@ void check_numbers(std::span<const std::complex<float>> samples, const SourcePla
         throw input_error(fmt::format("I and Q differ in power, {:.3g} and {:.3g}", m.power_i, m.power_q), place,
                           std::string(own_format) + "; real samples have to be made complex");
     if (std::norm(m.mean) > power)
-        throw input_error(fmt::format("a constant of {:.3g} stands above a noise of {:.3g}", std::abs(m.mean), std::sqrt(power)), place,
-                          own_format);
+        throw input_error(fmt::format("a constant of {:.3g} stands above a noise of {:.3g}", std::abs(m.mean), std::sqrt(power)),
+                          place, own_format);
 }
 
 void check_bytes(std::span<const char> raw, IfEncoding encoding, const SourcePlace& place) {
@@ -110,9 +108,10 @@ void check_bytes(std::span<const char> raw, IfEncoding encoding, const SourcePla
     if (outer_share(raw, is_signed ? sign_bit : 0U) < 0.02)
         throw input_error(fmt::format("its bytes look {}, or saturated", is_signed ? "unsigned" : "signed"), place,
                           fmt::format("give the format {}, or a recording with less gain", is_signed ? "ubyte" : "ibyte"));
-    throw input_error(fmt::format("{:.0f} % of its bytes lie near the ends of the scale: saturated, compressed or of another format",
-                                  100.0 * outer),
-                      place, own_format);
+    throw input_error(
+        fmt::format("{:.0f} % of its bytes lie near the ends of the scale: saturated, compressed or of another format",
+                    100.0 * outer),
+        place, own_format);
 }
 
 }  // namespace
@@ -173,7 +172,8 @@ std::vector<std::complex<float>> IfFile::head() {
 bool IfFile::read(std::span<std::complex<std::int8_t>> out) {
     const std::size_t each = bytes_of(encoding_);
     if (encoding_ == IfEncoding::SignedBytes)
-        return static_cast<bool>(file_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(each * out.size())));
+        return static_cast<bool>(
+            file_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(each * out.size())));
     raw_.resize(each * out.size());
     if (!file_.read(raw_.data(), static_cast<std::streamsize>(raw_.size()))) return false;
     if (encoding_ == IfEncoding::UnsignedBytes) {

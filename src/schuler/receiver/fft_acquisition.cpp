@@ -25,7 +25,7 @@ std::size_t quick_size(std::size_t n) {
 /// Mean square of a C/A code's side lobes over the peak's: that of a random code's at whole chips, two thirds of it between them.
 constexpr double side_lobes = 2.0 / 3.0 / 1023.0;
 
-/// Mean of the cells of a Doppler more than a chip and a half from the peak: in other Dopplers the signal itself is spread over all.
+/// Mean of the cells of a Doppler more than a chip and a half from the peak: in other Dopplers the signal is spread over all.
 double mean_beside(std::span<const float> power, std::size_t peak) {
     const std::size_t n = power.size(), reach = 3 * n / (2 * 1023) + 1;
     double sum = 0.0;

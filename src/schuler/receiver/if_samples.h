@@ -85,8 +85,8 @@ struct Acquired {
     [[nodiscard]] double cn0(int periods) const;
 };
 
-/// Searches code and Doppler with circular correlations by FFT, one code period coherent, `periods` of them noncoherently. Where a
-/// period has a number of samples whose transform is slow, some of them are left out.
+/// Searches code and Doppler with circular correlations by FFT, one code period coherent, `periods` of them noncoherently. Where
+/// a period has a number of samples whose transform is slow, some of them are left out.
 class FftAcquisition {
 public:
     /// @param doppler Hz, half width of the search; @param false_alarm probability over all the cells.

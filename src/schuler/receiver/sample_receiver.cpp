@@ -80,7 +80,8 @@ void SampleReceiver::search(std::span<const IfSample> samples, std::uint64_t fir
         if (!r.found) r.found_at = begin;
         r.found = r.tracked = true;
         // to the sample at which the code begins
-        const auto ahead = static_cast<std::uint64_t>(std::lround(-acquired.replica.code_phase / signal.chip_rate * format_.sample_rate));
+        const auto ahead =
+            static_cast<std::uint64_t>(std::lround(-acquired.replica.code_phase / signal.chip_rate * format_.sample_rate));
         Replica replica = acquired.replica;
         replica.code_phase -= signal.chip_rate * begin;
         channels_.push_back({&r, SampleCorrelator(format_, r.prn, settings_.tracking.spacing),
@@ -129,7 +130,7 @@ void SampleReceiver::dump(Channel& channel, const Correlators& c, const Sink& si
     const double time = static_cast<double>(channel.next) / format_.sample_rate;
     const bool locked = r.locked = tracker.phase_locked();
     if (locked && !(r.locked_at <= time)) r.locked_at = time;
-    const int into = tracker.dumps_into_symbol();   // of the next dump
+    const int into = tracker.dumps_into_symbol();  // of the next dump
     if (locked && channel.locked_dumps > 0 && (c.prompt.real() < 0.0) != (channel.before.real() < 0.0)) {
         ++r.dump_changes;
         if (into == 1) ++r.edge_changes;
@@ -163,7 +164,8 @@ void SampleReceiver::dump(Channel& channel, const Correlators& c, const Sink& si
     }
     if (!locked) channel.recent.clear();
     if (locked) {
-        if (!channel.recent.empty() && time - channel.recent.front().time >= averaged) channel.recent.erase(channel.recent.begin());
+        if (!channel.recent.empty() && time - channel.recent.front().time >= averaged)
+            channel.recent.erase(channel.recent.begin());
         channel.recent.push_back(sample);
         r.last = means_of(channel.recent);
     }

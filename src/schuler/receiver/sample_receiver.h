@@ -78,11 +78,11 @@ private:
         SatelliteRecord* record;
         SampleCorrelator correlator;
         Tracker tracker;
-        double noise_ratio;          ///< noise that the code's band sees over the noise of all samples
-        std::uint64_t next;          ///< first sample of the next dump
+        double noise_ratio;  ///< noise that the code's band sees over the noise of all samples
+        std::uint64_t next;  ///< first sample of the next dump
         std::complex<double> sum = 0.0, before = 0.0;
         int dumps = 0, locked_dumps = 0;
-        int symbol = 0;              ///< sign of the last whole one, 0 for none
+        int symbol = 0;  ///< sign of the last whole one, 0 for none
         std::vector<ChannelSample> recent{};
     };
 
@@ -97,7 +97,7 @@ private:
     std::vector<SatelliteRecord> records_;
     std::list<Channel> channels_;
     std::vector<IfSample> window_;
-    std::uint64_t base_ = 0;         ///< number of the window's first sample
+    std::uint64_t base_ = 0;  ///< number of the window's first sample
     double noise_ = 0.0, next_search_ = 0.0;
 };
 
