@@ -100,7 +100,26 @@ app::Outcome analyze(const cli::Options& o) {
     return app::analyze_equator(request);
 }
 
+app::Outcome receive(const cli::Options& o) {
+    cli::ProgressBar bar(!o.quiet, o.progress == "lines");
+    const auto progress = [&bar](double done_part) { bar.show(done_part); };
+    if (o.command == "receiver generate") {
+        app::GenerateRequest request = o.generate;
+        request.file = o.output;
+        request.seed = o.seed.value_or(request.seed);
+        request.progress = progress;
+        return app::generate_recording(request);
+    }
+    app::TrackRequest request = o.track;
+    request.file = o.input;
+    request.output = o.output;
+    request.version = SCHULER_VERSION;
+    request.progress = progress;
+    return app::track_recording(request);
+}
+
 app::Outcome perform(const cli::Options& o) {
+    if (o.command.starts_with("receiver")) return receive(o);
     if (o.command.starts_with("analyze") && o.command != "analyze allan") return analyze(o);
     app::ProcessRequest request;
     request.input = o.input;

@@ -194,6 +194,7 @@ void add_commands(CLI::App& parser, Options& o) {
         return add_command(parent, o, name, purpose, examples);
     };
     add_gravity_command(parser, o, add);
+    add_receiver_command(parser, o, add);
     add_analyze_command(parser, o, add);
     add_ui_command(parser, o, add);
 }

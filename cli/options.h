@@ -3,6 +3,7 @@
 
 #include "schuler/app/analyze.h"
 #include "schuler/app/analyze_observability.h"
+#include "schuler/app/if_recording.h"
 #include "schuler/app/protection.h"
 #include "schuler/app/studies.h"
 #include "schuler/app/value.h"
@@ -41,6 +42,8 @@ struct Options {
     app::ObservabilityRequest observability;
     app::TriadRequest triad;
     app::ProtectionRequest protection;
+    app::GenerateRequest generate;
+    app::TrackRequest track;
     std::vector<double> misalignment;   ///< three numbers or none
     std::optional<std::size_t> runs;    ///< of a campaign
     int jobs = 0;
@@ -65,6 +68,9 @@ void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& a
 /// -o; and settings over those of the data set with the result as JSON: of every command that processes one.
 void add_output(CLI::App& app, Options& options);
 void add_settings(CLI::App& app, Options& options);
+
+/// `receiver` with `generate` and `track`; Options::command becomes "receiver track" and so on.
+void add_receiver_command(CLI::App& parser, Options& options, const AddCommand& add_command);
 
 /// `gravity`.
 void add_gravity_command(CLI::App& parser, Options& options, const AddCommand& add_command);

@@ -70,7 +70,7 @@ def files_of(folder):
 def commands(program, source):
     folder = Path(program.folder)
     done = program("--help")
-    for name in ("demo", "simulate", "process", "run", "ahrs", "evaluate", "inspect", "convert", "analyze"):
+    for name in ("demo", "simulate", "process", "run", "ahrs", "evaluate", "inspect", "convert", "receiver", "analyze"):
         check(re.search(rf"^  {name}\b", done.stdout, re.M), f"--help does not list {name}")
         help_text = program(name, "--help").stdout
         check("Examples:" in help_text and f"schuler {name}" in help_text, f"{name} --help has no example")

@@ -20,7 +20,7 @@ TEST(Threshold, ANarrowAidedLoopHoldsLongerSlow) {
     aided.tracking.integration = 20;
     aided.tracking.dll_bandwidth = 0.1;
     const LossThresholds a = loss_thresholds(alone), b = loss_thresholds(aided);
-    // 15 Hz slips where its jitter reaches a quarter of a radian or so [Kaplan2017:8.6]: 22 to 28 dB-Hz
+    // 15 Hz slips where its jitter reaches a quarter of a radian or so [Kaplan2017]: 22 to 28 dB-Hz
     EXPECT_GT(a.carrier_db, 20.0);
     EXPECT_LT(a.carrier_db, 29.0);
     EXPECT_LT(b.carrier_db, a.carrier_db - 4.0);

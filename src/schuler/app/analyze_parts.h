@@ -5,6 +5,7 @@
 #include "schuler/core/error.h"
 #include "schuler/report/report.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <initializer_list>
 #include <string>
@@ -12,14 +13,17 @@
 
 namespace schuler::app {
 
-/// Runs work; an Error about the value "speed" becomes one about the option --speed.
+/// Runs work; an Error about the value "sample_rate" becomes one about the option --sample-rate.
 template <class Work>
 auto with_option_names(Work work) {
     try {
         return work();
     } catch (const Error& e) {
         SourcePlace place = e.place();
-        if (!place.key.empty() && place.key.front() != '-') place.key.insert(0, "--");
+        if (!place.key.empty() && place.key.front() != '-') {
+            std::ranges::replace(place.key, '_', '-');
+            place.key.insert(0, "--");
+        }
         throw Error(e.kind(), e.reason(), place, e.mend());
     }
 }

@@ -1,4 +1,4 @@
-// Recordings of an intermediate frequency: signed bytes, I and Q in turn.
+// Recordings of an intermediate frequency: complex samples without a header, in the forms that recorders write.
 #pragma once
 
 #include <complex>
@@ -7,23 +7,39 @@
 #include <fstream>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace schuler::io {
 
-/// What gnss-sdr and common recorders call "ibyte": one signed byte of I, one of Q, no header. The sample rate and the
-/// intermediate frequency are not in the file.
+/// How a sample is written, I before Q: signed bytes, unsigned bytes about 127.5, signed 16-bit words, 32-bit floats; the wider
+/// ones little-endian.
+enum class IfEncoding { SignedBytes, UnsignedBytes, Words, Floats };
+
+/// "ibyte", "ubyte", "ishort" or "gr_complex", as gnss-sdr names them where it has a name; throws Error(Input) for another.
+[[nodiscard]] IfEncoding if_encoding(std::string_view name);
+
+/// A recording read from its beginning to its end as samples of 8 bits. The sample rate and the intermediate frequency are not in
+/// the file. Words and floats are scaled so that the first samples have a root mean square of 24 steps in I and in Q.
 class IfFile {
 public:
-    /// Throws Error(Input) when `path` cannot be read, is empty or ends within a sample, or `format` is not "ibyte".
-    explicit IfFile(const std::filesystem::path& path, std::string_view format = "ibyte");
+    /// Leaves out the first `start` samples. Throws Error(Input) when `path` cannot be read, is empty, ends within a sample or
+    /// before `start`, or when the samples from there on cannot be what `format` says: one value throughout, no numbers, I and Q
+    /// of different power, a constant above the noise, bytes of the other sign, saturated or spread evenly.
+    explicit IfFile(const std::filesystem::path& path, std::string_view format = "ibyte", std::uintmax_t start = 0);
 
-    [[nodiscard]] std::uintmax_t size() const { return size_; }  ///< complex samples
+    [[nodiscard]] std::uintmax_t size() const { return size_; }  ///< complex samples from `start` on
     /// Fills `out` with the next samples; false, and `out` unspecified, when fewer are left.
     [[nodiscard]] bool read(std::span<std::complex<std::int8_t>> out);
 
 private:
+    std::vector<std::complex<float>> head();
+
+    std::filesystem::path path_;
+    IfEncoding encoding_;
     std::ifstream file_;
+    std::vector<char> raw_;
     std::uintmax_t size_ = 0;
+    float scale_ = 1.0F;  ///< steps a unit, of words and floats
 };
 
 }  // namespace schuler::io

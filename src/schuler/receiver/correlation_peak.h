@@ -7,7 +7,7 @@
 namespace schuler::receiver {
 
 /// R(tau) = integral over |f| < b of sinc^2(f) cos(2 pi f tau) df, b half the two-sided band in chip rates: a rectangular code of
-/// random chips through an ideal front end [Groves2013:9.1.4]. R is at once the signal's amplitude at a code error tau and the
+/// random chips through an ideal front end [Groves2013]. R is at once the signal's amplitude at a code error tau and the
 /// covariance of the noise of two correlators tau apart, because the same filter has shaped both. Side lobes of a particular
 /// code are left out: beyond two chips R is zero.
 class CorrelationPeak {

@@ -45,7 +45,7 @@ struct Replica {
 [[nodiscard]] ReplicaError replica_error(const SignalStructure& signal, const Replica& replica, const LineOfSight& truth,
                                          double duration);
 
-/// Correlator outputs of one signal [Groves2013:9.1.4][Kaplan2017:8.4]: amplitude sqrt(2 C/N0 T) R(tau) sinc(df T) sign e^{-j
+/// Correlator outputs of one signal [Groves2013][Kaplan2017]: amplitude sqrt(2 C/N0 T) R(tau) sinc(df T) sign e^{-j
 /// phi}, noise of the three taps correlated as the front end and their spacing make it. The change of frequency within a dump is
 /// left out: of 20 g it costs 0.2 dB in 20 ms and nothing in 1 ms.
 class CorrelatorModel {

@@ -11,7 +11,7 @@
 namespace schuler::receiver {
 
 /// Phase error modulo half a cycle, rad in (-pi/2, pi/2], blind to the message's sign: the two-quadrant arctangent of Costas
-/// loops [Kaplan2017:8.5].
+/// loops [Kaplan2017].
 [[nodiscard]] inline double costas_phase(std::complex<double> prompt) {
     return prompt.real() == 0.0 ? 0.0 : -std::atan(prompt.imag() / prompt.real());
 }

@@ -24,10 +24,6 @@ void IfFormat::check() const {
     if (!(sample_rate >= 2.0 * chip_rate && sample_rate <= 200e6))
         throw input_error(fmt::format("sample rate {} Hz", sample_rate), {.key = "sample_rate"},
                           "give 2.046e6 to 200e6 complex samples a second");
-    const double samples = sample_rate * period;
-    if (std::abs(samples - std::round(samples)) > 1e-9 * samples)
-        throw input_error(fmt::format("sample rate {} Hz has no whole number of samples a millisecond", sample_rate),
-                          {.key = "sample_rate"}, "resample, or give the exact rate");
     if (!(std::abs(intermediate_frequency) + chip_rate <= 0.5 * sample_rate))
         throw input_error(fmt::format("the signal at {} Hz does not fit into {} samples/s", intermediate_frequency, sample_rate),
                           {.key = "intermediate_frequency"}, "give less than half the sample rate less 1.023 MHz");
@@ -37,6 +33,10 @@ std::size_t IfFormat::samples_per_period() const { return static_cast<std::size_
 
 IfGenerator::IfGenerator(const IfFormat& format, std::span<const IfSatellite> satellites, std::uint64_t seed, double noise_std)
     : format_((format.check(), format)), sum_(format.samples_per_period()), random_(seed, "if"), noise_std_(noise_std) {
+    const double samples = format.sample_rate * period;
+    if (std::abs(samples - std::round(samples)) > 1e-9 * samples)
+        throw input_error(fmt::format("sample rate {} Hz has no whole number of samples a millisecond", format.sample_rate),
+                          {.key = "sample_rate"}, "give a multiple of 1000 Hz");
     if (!(noise_std > 0.5 && noise_std < 42.0))
         throw input_error(fmt::format("noise of {} steps does not fit 8 bits", noise_std), {.key = "noise_std"},
                           "give 0.5 to 42");

@@ -16,13 +16,13 @@ namespace schuler::receiver {
 using IfSample = std::complex<std::int8_t>;
 
 struct IfFormat {
-    double sample_rate = 4e6;              ///< complex samples/s; a whole number a code period
+    double sample_rate = 4e6;              ///< complex samples/s
     double intermediate_frequency = 0.0;   ///< Hz
 
-    /// Throws Error(Input) below two samples a chip, above 200 MHz, for no whole number of samples a millisecond, or when the
-    /// signal's main lobe does not fit between the frequencies of half the sample rate.
+    /// Throws Error(Input) below two samples a chip, above 200 MHz, or when the signal's main lobe does not fit between the
+    /// frequencies of half the sample rate.
     void check() const;
-    [[nodiscard]] std::size_t samples_per_period() const;  ///< of a millisecond
+    [[nodiscard]] std::size_t samples_per_period() const;  ///< nearest to a millisecond
 };
 
 /// A satellite to be made. Time counts from the first sample, when `motion` holds.
@@ -36,6 +36,7 @@ struct IfSatellite {
 /// GPS L1 C/A in white noise, 8 bits, a noise of `noise_std` steps in I and in Q.
 class IfGenerator {
 public:
+    /// Throws Error(Input) for no whole number of samples a millisecond, and a noise that does not fit.
     IfGenerator(const IfFormat& format, std::span<const IfSatellite> satellites, std::uint64_t seed, double noise_std = 24.0);
     /// The next code period's samples.
     void generate(std::span<IfSample> out);
@@ -78,9 +79,14 @@ struct Acquired {
     Replica replica;  ///< at the first sample
     double statistic = 0.0;  ///< twice the largest cell over the mean of all: chi-square for noise
     double threshold = 0.0;
+    double noise = 0.0;  ///< of I and of Q, steps: what white noise needs for the mean of the cells, as the code's band sees it
+
+    /// Hz, from the statistic of a search over `periods` milliseconds: a decibel or two low between cells.
+    [[nodiscard]] double cn0(int periods) const;
 };
 
-/// Searches code and Doppler with circular correlations by FFT, one code period coherent, `periods` of them noncoherently.
+/// Searches code and Doppler with circular correlations by FFT, one code period coherent, `periods` of them noncoherently. Where
+/// a period has a number of samples whose transform is slow, some of them are left out.
 class FftAcquisition {
 public:
     /// @param doppler Hz, half width of the search; @param false_alarm probability over all the cells.
@@ -90,6 +96,8 @@ public:
     [[nodiscard]] std::size_t samples_needed() const;
 
 private:
+    [[nodiscard]] std::size_t beginning(int number) const;  ///< first sample of a code period
+
     IfFormat format_;
     double doppler_, step_, false_alarm_;
     int periods_;

@@ -4,7 +4,7 @@
 namespace schuler::receiver {
 
 /// Natural frequency (rad/s) of a loop for its one-sided noise bandwidth (Hz), and the damping terms of the standard form
-/// [Kaplan2017:table 8.23]: second order s^2 + a2 w s + w^2, third order s^3 + b3 w s^2 + a3 w^2 s + w^3.
+/// [Kaplan2017]: second order s^2 + a2 w s + w^2, third order s^3 + b3 w s^2 + a3 w^2 s + w^3.
 namespace loop {
 inline constexpr double a2 = 1.414, a3 = 1.1, b3 = 2.4;
 [[nodiscard]] constexpr double second_order(double bandwidth) { return bandwidth * 4.0 * a2 / (1.0 + a2 * a2); }

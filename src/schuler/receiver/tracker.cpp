@@ -18,8 +18,8 @@ constexpr double settled_aided = 2.0;   ///< s, of the frequency kept for after 
 constexpr double settled_alone = 0.2;   ///< s, likewise: without an aid it moves
 constexpr double assist = 3.0;          ///< Hz, frequency loop beside the phase loop while it locks
 constexpr double retry_time = 2.0;      ///< s between attempts at a lost carrier
-constexpr int most_moves = 2;           ///< away from a false lock, an attempt
 constexpr int most_attempts = 3;        ///< at the carrier without an aid
+constexpr int most_escapes = 4;         ///< from false locks in one attempt
 
 int dumps_per_symbol(const SignalStructure& signal) {
     return static_cast<int>(std::lround(signal.symbol_duration / signal.code_period()));
@@ -94,7 +94,7 @@ int Tracker::dumps_per_update() const {
 void Tracker::start(const Replica& replica, std::optional<int> dumps_into_symbol) {
     replica_ = replica;
     dump_ = dumps_into_symbol ? ((*dumps_into_symbol % symbol_) + symbol_) % symbol_ : 0;
-    attempts_ = 0;
+    attempts_ = escapes_ = 0;
     aided_ = false;
     code_rate_ = 0.0;   // a search tells the rate of the code by that of the carrier alone
     loop_frequency_ = settled_ = replica.carrier_frequency;
@@ -126,7 +126,6 @@ void Tracker::enter(Mode mode) {
     for (CodeLoop* loop : {&code_blind_, &code_aligned_, &code_phase_, &code_only_}) loop->start(0.0);
     code_rate_ = 0.0;
     mode_ = mode;
-    moves_ = 0;
     time_in_mode_ = unlocked_ = weak_ = 0.0;
     sums_ = {};
     before_ = slip_ = last_ = 0.0;
@@ -135,6 +134,7 @@ void Tracker::enter(Mode mode) {
 }
 
 void Tracker::fail() {
+    escapes_ = 0;
     if (aided_)
         enter(Mode::CodeOnly);
     else
@@ -192,7 +192,7 @@ void Tracker::update() {
     switch (mode_) {
         case Mode::Blind:
             // the wide reach first, though a change of sign within the pair spoils it; then the narrow one that is blind to signs
-            loop_frequency_ = time_in_mode_ < settings_.pull_in_time
+            loop_frequency_ = time_in_mode_ - interval < settings_.pull_in_time
                                   ? blind_.update(0.0, frequency_between(sums_.first, second, interval / 2.0))
                                   : listening_.update(0.0, frequency_across_bits(sums_.first, second, interval / 2.0));
             code_rate_ = code_blind_.update(code_error_(c, power));
@@ -255,16 +255,14 @@ void Tracker::transitions() {
         case Mode::Assisted:
             if (time_in_mode_ < settings_.pull_in_time) break;
             if (leave_false_lock()) {
-                // noise goes on looking like one false lock after another
-                const int moves = moves_ + 1;
-                if (moves > most_moves) {
+                // noise alone looks so again and again
+                if (++escapes_ > most_escapes)
                     fail();
-                } else {
+                else
                     enter(Mode::Assisted);
-                    moves_ = moves;
-                }
             } else if (lock_.value() >= settings_.phase_lock) {
                 settled_ = assisted_.frequency();
+                escapes_ = 0;
                 enter(Mode::Phase);
             } else if (time_in_mode_ >= 2.0 * settings_.pull_in_time + settings_.phase_patience) {
                 fail();

@@ -55,6 +55,8 @@ public:
     void start(const Replica& replica, std::optional<int> dumps_into_symbol = {});
     /// Ends the code period just correlated; `aid` is the inertial pseudorange motion at this moment, null without one.
     void step(const Correlators& dump, const LineOfSight* aid = nullptr);
+    /// Lets `dt` s pass without a dump, or takes them back: dumps of samples begin where the code does, not every millisecond.
+    void pass(double dt) { replica_ = replica_.after(dt); }
 
     [[nodiscard]] const Replica& replica() const { return replica_; }
     [[nodiscard]] TrackState state() const;
@@ -99,7 +101,7 @@ private:
     std::complex<double> before_ = 0.0;  ///< prompt of the last update, for the assisting frequency loop
     std::complex<double> slip_ = 0.0, last_ = 0.0;  ///< turn of the prompts of single code periods while the phase locks
     int dump_ = 0;
-    int attempts_ = 0, moves_ = 0;
+    int attempts_ = 0, escapes_ = 0;
     double time_in_mode_ = 0.0, unlocked_ = 0.0, weak_ = 0.0;
     double loop_frequency_ = 0.0, code_rate_ = 0.0;  ///< commands beyond the aids, Hz and chips/s
     double settled_ = 0.0;  ///< Hz, loop frequency while locked, slowly averaged
