@@ -16,4 +16,7 @@ void add_aid_options(OptionTable<Config>& table);       ///< gauges, log, compas
 void add_ranging_options(OptionTable<Config>& table);  ///< ranges
 void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
 
+/// A polynomial of the disturbance needs the sigmas of its coefficients. @throws Error(Input) at the setting of the model.
+void check_gravity(const GravityConfig& gravity, const SettingList& settings);
+
 }  // namespace schuler::app

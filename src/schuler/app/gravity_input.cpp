@@ -1,4 +1,5 @@
 #include "schuler/app/gravity.h"
+#include "schuler/fusion/correction_period.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/gravimetry/resolution.h"
@@ -108,6 +109,11 @@ gravimetry::SurveySettings settings_of(const Config& c, const SolutionRow& start
     p.gnss_velocity = g.gnss_velocity;
     p.disturbance_n = ned_sigma(g.prior_enu);
     p.slope = g.slope;
+    p.curvature = g.curvature;
+    s.loop = c.filter.loop;
+    // A disturbance that nobody corrects for acts like an accelerometer's error.
+    const auto bounds = fusion::three_sigma(level, p.gyro_bias, std::hypot(p.accel_bias, p.disturbance_n.head<2>().maxCoeff()));
+    s.feedback_period = c.filter.feedback_period.value_or(fusion::correction_period(bounds, c.filter.feedback_attitude));
     return s;
 }
 
