@@ -125,7 +125,8 @@ void add_observability(CLI::App& analyze, Options& o, const AddCommand& add_comm
     app->add_option("--turn-deg-s", r.turn_deg_s, "rate of the heading, default 0")->type_name("DEG_S");
     app->add_option("--correlation-time", r.correlation_time, "of the disturbance's random part; 0 (default): constant")
         ->type_name("S");
-    app->add_option("--polynomial", r.polynomial, "degree of its systematic part along the track: 0 (default), 1, 2")->type_name("N");
+    app->add_option("--polynomial", r.polynomial, "degree of its systematic part along the track: 0 (default), 1, 2")
+        ->type_name("N");
     app->add_option("--tolerance", r.tolerance, "smallest pivot that counts; 0 (default): exact rank");
     app->add_flag("--rhumb", r.rhumb, "constant course and velocity against north instead of a great circle");
     app->add_flag("--frozen", r.frozen, "hold the model as it is at the start");

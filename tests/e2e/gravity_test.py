@@ -61,11 +61,12 @@ def gravity(program, source):
 
     # The loops agree where the errors stay small, the smoother works in each, and the summary says which it was.
     for loop in ("open", "mixed"):
-        other = json.loads(program("gravity", "survey.toml", "-o", "l", "--loop", loop, "--set", "filter.feedback_period_s=200", "--json").stdout)
+        other = json.loads(program("gravity", "survey.toml", "-o", "l", "--loop", loop, "--set", "filter.feedback_period_s=200",
+                                   "--json").stdout)
         apart = abs(other["gravity"]["vertical_mgal"]["estimate"] - up["estimate"])
         check(other["loop"] == loop and 0 < apart < 0.02, f"loop {loop}: {apart} mGal from the closed one")
     # A disturbance that bends: a parabola along the track is found by a model that has one.
-    bent = SURVEY.replace('kind = "constant"\nsize_mgal = [0, 0, 10]', 'kind = "harmonic"\nlength_m = 45000\nsize_mgal = [0, 0, 10]')
+    bent = SURVEY.replace('kind = "constant"\nsize', 'kind = "harmonic"\nlength_m = 45000\nsize')
     spreads = {}
     for model in ("constant", "quadratic"):
         (folder / "bent.toml").write_text(bent + "sigma_mgal = [0, 0, 0]\nslope_mgal_km = 2\ncurvature_mgal_km2 = 1\n")
@@ -123,7 +124,8 @@ def gravity(program, source):
                           ["wrong.toml:24", "gravity.model", "give gravity.curvature_mgal_km2"]),
                          (SURVEY.replace('model = "constant"', 'model = "cubic"'), ["wrong.toml:24", "cubic", "quadratic"]),
                          (SURVEY + "curvature_mgal_km2 = -1\n", ["wrong.toml:26", "curvature_mgal_km2"]),
-                         (SURVEY.replace("[gravity]", 'loop = "ajar"\n[gravity]'), ["wrong.toml:23", "filter.loop", "ajar", "mixed"])):
+                         (SURVEY.replace("[gravity]", 'loop = "ajar"\n[gravity]'),
+                          ["wrong.toml:23", "filter.loop", "ajar", "mixed"])):
         (folder / "wrong.toml").write_text(wrong)
         program.fails("gravity", "wrong.toml", parts=parts)
     program.fails("gravity", "nowhere", parts=["nowhere"])

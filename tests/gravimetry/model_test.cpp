@@ -282,8 +282,9 @@ TEST(GravityModel, PolynomialsFollowTheDistance) {
         for (int second = 0; second < 200; ++second) {
             const double speed = second < 100 ? 20.0 : 60.0;
             const Motion motion{place, C_en * Vector3d(speed, 0.0, 0.0), Matrix3d::Identity(), Vector3d::Zero()};
-            x = (discretized(gravity_error_dynamics(earth, model, motion), gravity_noise_input(earth, model, {}, motion), 1.0).Phi *
-                 x).eval();
+            const DiscreteStep one = discretized(gravity_error_dynamics(earth, model, motion),
+                                                 gravity_noise_input(earth, model, {}, motion), 1.0);
+            x = (one.Phi * x).eval();
             s += speed;
         }
         EXPECT_NEAR(x(systematic + 2), value + s * by_metre + (degree > 1 ? 0.5 * s * s * by_square_metre : 0.0), 1e-12);

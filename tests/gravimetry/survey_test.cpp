@@ -210,8 +210,8 @@ Flown looped(estim::Loop loop, double duration, double period = 600.0) {
 }
 
 TEST(Survey, LoopsAgreeWhileTheErrorsAreSmall) {
-    // A quarter of an hour. Uncorrected, the start's 10 m and the disturbance take the height off by some fifty metres: linear enough.
-    // An azimuth that is off by its prior of 1e-3 rad shows the terms of second order first, in a tenth of its sigma.
+    // A quarter of an hour. Uncorrected, the start's 10 m and the disturbance take the height off by some fifty metres: linear
+    // enough. An azimuth that is off by its prior of 1e-3 rad shows the terms of second order first, in a tenth of its sigma.
     const Flown closed = looped(estim::Loop::Closed, 900.0);
     for (const auto& [loop, period] : {std::pair{estim::Loop::Open, 0.0}, std::pair{estim::Loop::Mixed, 200.0}}) {
         const Flown other = looped(loop, 900.0, period);
@@ -232,8 +232,8 @@ TEST(Survey, LoopsAgreeWhileTheErrorsAreSmall) {
 }
 
 TEST(SurveySlow, TheOpenLoopOutrunsItsLinearModel) {
-    // The height's error grows by cosh(1.76e-3 t), to a hundred kilometres after an hour and a half, and the gradient of gravity is not
-    // that of the start any more. A correction every ten minutes keeps it linear.
+    // The height's error grows by cosh(1.76e-3 t), to a hundred kilometres after an hour and a half, and the gradient of gravity
+    // is not that of the start any more. A correction every ten minutes keeps it linear.
     const Flown closed = looped(estim::Loop::Closed, 5400.0), mixed = looped(estim::Loop::Mixed, 5400.0),
                 open = looped(estim::Loop::Open, 5400.0);
     const auto apart = [&](const Flown& other, std::size_t i) {
@@ -245,7 +245,7 @@ TEST(SurveySlow, TheOpenLoopOutrunsItsLinearModel) {
 }
 
 TEST(Survey, TheUncorrectedMechanizationDivergesAsItsVerticalChannel) {
-    // d'' = k^2 d - a for a height that is off by d: k^2 is the gradient of gravity, a a disturbance (up) that nobody corrects for.
+    // d'' = k^2 d - a for a height that is off by d: k^2 is the gradient of gravity, a the disturbance (up), not corrected for.
     SurveySettings settings = papers_settings();
     settings.loop = estim::Loop::Open;
     sim::Scenario scenario = papers_scenario(sim::StaticPath{start, Vector3d::Zero()}, 1800.0, 1);
@@ -263,7 +263,9 @@ TEST(Survey, TheUncorrectedMechanizationDivergesAsItsVerticalChannel) {
         filter.advance(increment);
         for (; fix != input.fixes.end() && fix->time <= increment.time; ++fix) (void)filter.take(*fix);
     }
-    const auto height = [&](const SurveyState& s) { return earth::geodetic_from_ecef(settings.earth.ellipsoid, s.nav.position).h - right.h; };
+    const auto height = [&](const SurveyState& s) {
+        return earth::geodetic_from_ecef(settings.earth.ellipsoid, s.nav.position).h - right.h;
+    };
     const auto gravity = [&](double h) { return earth::gravity_down(settings.earth.gravity, right.lat, h); };
     const double gradient = (gravity(right.h - 50.0) - gravity(right.h + 50.0)) / 100.0;
     const double k = std::sqrt(gradient), rest = up / gradient;

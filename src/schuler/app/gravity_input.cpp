@@ -58,6 +58,7 @@ std::vector<AntennaFix> fixes_of(const LoadedDataset& data, const gravimetry::Pr
 fusion::Result coarse(const LoadedDataset& data, WarningLog& warnings) {
     fusion::Settings s = data.config.filter;
     s.smooth = true;
+    s.loop = fusion::Loop::Closed;   // filter.loop is that of the survey
     s.output_rate = 1.0;
     fusion::Result result = fusion::run_filter(data.recording, s, warnings);
     if (result.smoothed.rows.empty())

@@ -47,8 +47,8 @@ struct Observability {
     std::vector<SeenCombination> combinations;
 };
 
-/// Observability matrix N_0 = H, N_{k+1} = N_k F + dN_k/dt up to k = 32, of position and velocity fixes, with the derivatives of F
-/// along the motion (math.md section 4; a point mass draws, as in [PaperE]). Computed with 50 decimal digits: a
+/// Observability matrix N_0 = H, N_{k+1} = N_k F + dN_k/dt up to k = 32, of position and velocity fixes, with the derivatives of
+/// F along the motion (math.md section 4; a point mass draws, as in [PaperE]). Computed with 50 decimal digits: a
 /// pivot below 1e-30 is zero, so the rank is that of exact arithmetic as long as the printed gap is wide. `tolerance`: pivots
 /// below it do not count (0: all do). @throws Error(Input) naming the value that is unusable.
 [[nodiscard]] Observability observability(const earth::Earth& earth, const ObservedMotion& motion, double tolerance = 0.0);

@@ -62,8 +62,8 @@ void SurveyFilter::correct(const StateVector& dx) {
     error_ += dx;
     const bool due = settings_.loop == estim::Loop::Mixed && reference_.nav.time >= next_feedback_;
     if (due || settings_.loop == estim::Loop::Closed) {
-        // What is left of an attitude error is counted from the new reference: e + a x e/2 for a correction by a. A tilt of 1e-4 rad
-        // moves an azimuth error of 1e-3 by 1e-7 rad, more than is known of the tilt by then; after a single fix it is nothing.
+        // What is left of an attitude error is counted from the new reference: e + a x e/2 for a correction by a. A tilt of 1e-4
+        // rad turns an azimuth error of 1e-3 into 1e-7 rad of tilt, which shows by then; after a single fix it is nothing.
         if (due) turn_ += 0.5 * math::skew(error_.segment<3>(attitude));
         reference_ = corrected(reference_, error_);
         error_.setZero();
