@@ -119,13 +119,13 @@ def gravity(program, source):
                          (SURVEY.replace("prior_mgal", "prior_mgals"), ["prior_mgals", "gravity.prior_mgal"]),
                          (SURVEY.replace("[gravity]", "[gravity]\nsteps_s = 5"), ["steps_s"]),
                          (SURVEY.replace('model = "constant"', 'model = "quadratic"'),
-                          ["wrong.toml:24", "gravity.model", "give gravity.slope_mgal_km"]),
+                          ["wrong.toml:25", "gravity.model", "give gravity.slope_mgal_km"]),
                          (SURVEY.replace('model = "constant"', 'model = "quadratic"') + "slope_mgal_km = 1\n",
-                          ["wrong.toml:24", "gravity.model", "give gravity.curvature_mgal_km2"]),
-                         (SURVEY.replace('model = "constant"', 'model = "cubic"'), ["wrong.toml:24", "cubic", "quadratic"]),
-                         (SURVEY + "curvature_mgal_km2 = -1\n", ["wrong.toml:26", "curvature_mgal_km2"]),
+                          ["wrong.toml:25", "gravity.model", "give gravity.curvature_mgal_km2"]),
+                         (SURVEY.replace('model = "constant"', 'model = "cubic"'), ["wrong.toml:25", "cubic", "quadratic"]),
+                         (SURVEY + "curvature_mgal_km2 = -1\n", ["wrong.toml:27", "curvature_mgal_km2"]),
                          (SURVEY.replace("[gravity]", 'loop = "ajar"\n[gravity]'),
-                          ["wrong.toml:23", "filter.loop", "ajar", "mixed"])):
+                          ["wrong.toml:24", "filter.loop", "ajar", "mixed"])):
         (folder / "wrong.toml").write_text(wrong)
         program.fails("gravity", "wrong.toml", parts=parts)
     program.fails("gravity", "nowhere", parts=["nowhere"])

@@ -122,12 +122,11 @@ std::optional<Value> value_of(const std::vector<AnomalyPart>& parts) {
 
 OptionSpec anomaly_spec(const std::string& help) { return detail::spec("anomaly", Shape::Tables, help); }
 
-void check_gravity(const GravityConfig& gravity, const SettingList& settings) {
+void check_gravity(const GravityConfig& gravity) {
     const int degree = gravimetry::DisturbanceModel{.kind = gravity.model}.degree();
     const bool slope = degree < 1 || std::isfinite(gravity.slope), curvature = degree < 2 || std::isfinite(gravity.curvature);
     if (slope && curvature) return;
-    const auto model = std::ranges::find(settings.rbegin(), settings.rend(), "gravity.model", &Setting::key);
-    throw input_error("the polynomial lacks a prior", model == settings.rend() ? SourcePlace{} : model->place,
+    throw input_error("the polynomial lacks a prior", {{}, 0, 0, "gravity.model"},
                       fmt::format("give gravity.{}, one sigma at the start", slope ? "curvature_mgal_km2" : "slope_mgal_km"));
 }
 

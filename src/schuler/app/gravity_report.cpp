@@ -30,8 +30,7 @@ std::vector<double> times(const std::vector<GravityRow>& rows) {
 /// Estimate with three sigma, and the truth.
 report::Panel component_panel(const std::vector<GravityRow>& rows, bool truth, int axis) {
     const auto value = [axis](const GravityRow& r) { return enu_from_ned(r.disturbance_n)(axis) / mgal; };
-    const int ned = axis == 0 ? 1 : axis == 1 ? 0 : 2;
-    const auto sigma = [ned](const GravityRow& r) { return r.sigma_n(ned) / mgal; };
+    const auto sigma = [axis](const GravityRow& r) { return earth::sigma_swapped(r.sigma_n)(axis) / mgal; };
     report::Panel p{fmt::format("disturbance {}", names[static_cast<std::size_t>(axis)]), "time, s", "mGal"};
     const std::vector<double> t = times(rows);
     p.bands.push_back({"one sigma", t, column(rows, [&](const GravityRow& r) { return value(r) - sigma(r); }),
