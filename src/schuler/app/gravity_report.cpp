@@ -68,7 +68,9 @@ report::Panel error_panel(const GravityBundle& b) {
     const double settled = b.run.relative(b.run.evaluation.settled);
     for (std::size_t i = 0; i < b.survey.forward.size(); ++i) {
         t.push_back(b.run.relative(b.survey.forward[i].time));
-        const bool shown = t.back() >= settled;
+        // How it settles is on the panel before.
+        const double known = b.survey.forward[i].sigma_disturbance_n.z() / b.survey.forward.back().sigma_disturbance_n.z();
+        const bool shown = t.back() >= settled && known < 3.0;
         forward.push_back(shown ? -(b.survey.forward[i].disturbance_n.z() - b.truth[i].z()) / mgal : not_given);
         if (!b.survey.smoothed.empty()) smoothed.push_back(-(b.survey.smoothed[i].disturbance_n.z() - b.truth[i].z()) / mgal);
         sigma.push_back(b.epochs()[i].sigma_disturbance_n.z() / mgal);
