@@ -32,15 +32,8 @@ void add_settings(CLI::App& app, Options& o) {
     app.add_flag("--json", o.json, "summary.json on standard output instead of the tables");
 }
 
-namespace {
-
-/// Options of process, run and demo.
-void add_processing(CLI::App& app, Options& o) {
-    add_settings(app, o);
-    app.add_option("--scheme", o.scheme, "coupling: loose, separate, tight, medium, or gnss for the receiver's own solution")->type_name("SCHEME");
-    app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
+void add_run_options(CLI::App& app, Options& o) {
     app.add_option("--loop", o.loop, "feedback of the estimated errors: closed, open or mixed")->type_name("LOOP");
-    app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");
     app.add_option("--outage", o.outages, "withhold GNSS for T < t < T+DUR and compare there")
         ->type_name("T:DUR[,T:DUR...]")
         ->allow_extra_args(false);
@@ -48,10 +41,21 @@ void add_processing(CLI::App& app, Options& o) {
     app.add_option("--outputs", o.outputs, "what is written: solution,summary,h5,report,kml,config (default all)")
         ->delimiter(',')
         ->type_name("LIST");
-    app.add_option("--output-rate", o.output_rate, "rate of the solution, default 10; 0 = every IMU epoch")->type_name("HZ");
     app.add_option("--progress", o.progress, "lines: \"progress 0.5\" on standard error, for programs")
         ->check(CLI::IsMember({"lines"}))
         ->type_name("FORM");
+}
+
+namespace {
+
+/// Options of process, run and demo.
+void add_processing(CLI::App& app, Options& o) {
+    add_settings(app, o);
+    app.add_option("--scheme", o.scheme, "coupling: loose, separate, tight, medium, or gnss for the receiver's own solution")->type_name("SCHEME");
+    app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
+    app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");
+    add_run_options(app, o);
+    app.add_option("--output-rate", o.output_rate, "rate of the solution, default 10; 0 = every IMU epoch")->type_name("HZ");
 }
 
 CLI::App* add_command(CLI::App& parser, Options& o, const std::string& name, const std::string& purpose,

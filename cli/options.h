@@ -67,6 +67,8 @@ void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& a
 
 /// -o; and settings over those of the data set with the result as JSON: of every command that processes one.
 void add_output(CLI::App& app, Options& options);
+/// Loop, outages, what is counted and written, progress: of every command that runs a filter once.
+void add_run_options(CLI::App& app, Options& options);
 void add_settings(CLI::App& app, Options& options);
 
 /// `receiver` with `generate` and `track`; Options::command becomes "receiver track" and so on.

@@ -109,7 +109,7 @@ void add_studies(CLI::App& analyze, Options& o, const AddCommand& add_command) {
 
 void add_observability(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     CLI::App* app = add_command(
-        analyze, "observability", "what position and velocity fixes tell of the 27 states of strapdown gravimetry (paper E)",
+        analyze, "observability", "what position and velocity fixes tell of the states of strapdown gravimetry (paper E)",
         "  schuler analyze observability --paper                     at rest and at 1 m/s, beside the paper\n"
         "  schuler analyze observability --vn 1 --ve 1 --json        exact rank, pivots, combinations\n"
         "  schuler analyze observability --vn 1 --ve 1 --tolerance 1e-7\n"
@@ -125,6 +125,8 @@ void add_observability(CLI::App& analyze, Options& o, const AddCommand& add_comm
     app->add_option("--turn-deg-s", r.turn_deg_s, "rate of the heading, default 0")->type_name("DEG_S");
     app->add_option("--correlation-time", r.correlation_time, "of the disturbance's random part; 0 (default): constant")
         ->type_name("S");
+    app->add_option("--polynomial", r.polynomial, "degree of its systematic part along the track: 0 (default), 1, 2")
+        ->type_name("N");
     app->add_option("--tolerance", r.tolerance, "smallest pivot that counts; 0 (default): exact rank");
     app->add_flag("--rhumb", r.rhumb, "constant course and velocity against north instead of a great circle");
     app->add_flag("--frozen", r.frozen, "hold the model as it is at the start");

@@ -22,14 +22,7 @@ void add_gravity_command(CLI::App& parser, Options& o, const AddCommand& add_com
         ->check(CLI::Range(1, 100000))
         ->type_name("N");
     app->add_flag("--response", o.response, "amplitude and phase of the estimator along a scenario's track, by added harmonics");
-    app->add_option("--outage", o.outages, "withhold GNSS for T < t < T+DUR")
-        ->type_name("T:DUR[,T:DUR...]")
-        ->allow_extra_args(false);
-    app->add_option("--settle", o.settle, "count errors from here; default: 60 s")->type_name("S");
-    app->add_option("--outputs", o.outputs, "beside gravity.csv: solution,summary,h5,report,kml,config (default all)")
-        ->delimiter(',')
-        ->type_name("LIST");
-    app->add_option("--progress", o.progress, "lines: \"progress 0.5\" on standard error, for programs")->check(CLI::IsMember({"lines"}))->type_name("FORM");
+    add_run_options(*app, o);
     add_settings(*app, o);
 }
 

@@ -59,6 +59,21 @@ def gravity(program, source):
     injected = json.loads(program("gravity", "logs", "-o", "i", "--config", "step.toml", "--json").stdout)["gravity"]["vertical_mgal"]
     check(abs(injected["estimate"] - up["estimate"] + 3.0) < 0.02, f"an injected disturbance is found: {injected}")
 
+    # The loops agree where the errors stay small, the smoother works in each, and the summary says which it was.
+    for loop in ("open", "mixed"):
+        other = json.loads(program("gravity", "survey.toml", "-o", "l", "--loop", loop, "--set", "filter.feedback_period_s=200",
+                                   "--json").stdout)
+        apart = abs(other["gravity"]["vertical_mgal"]["estimate"] - up["estimate"])
+        check(other["loop"] == loop and 0 < apart < 0.02, f"loop {loop}: {apart} mGal from the closed one")
+    # A disturbance that bends: a parabola along the track is found by a model that has one.
+    bent = SURVEY.replace('kind = "constant"\nsize', 'kind = "harmonic"\nlength_m = 45000\nsize')
+    spreads = {}
+    for model in ("constant", "quadratic"):
+        (folder / "bent.toml").write_text(bent + "sigma_mgal = [0, 0, 0]\nslope_mgal_km = 2\ncurvature_mgal_km2 = 1\n")
+        spreads[model] = json.loads(program("gravity", "bent.toml", "-o", "q", "--set", f"gravity.model={model}",
+                                            "--json").stdout)["gravity"]["vertical_mgal"]["spread"]
+    check(spreads["quadratic"] < 0.3 < 1.0 < spreads["constant"], f"a parabola follows what a constant does not: {spreads}")
+
     runs = json.loads(program("gravity", "survey.toml", "--runs", 3, "--json").stdout)
     check(runs["montecarlo"]["runs"] == 3 and runs["errors"]["disturbance up"]["median"] < 1.0, "--runs tells medians")
     response = json.loads(program("gravity", "survey.toml", "--response", "-o", "r", "--json").stdout)
@@ -102,7 +117,15 @@ def gravity(program, source):
     for wrong, parts in ((SURVEY.replace("size_mgal = [0, 0, 10]", "size_mgal = [0, 10]"), ["wrong.toml:9", "anomaly", "size_mgal"]),
                          (SURVEY.replace('kind = "constant"', 'kind = "bump"'), ["anomaly", "bump", "harmonic"]),
                          (SURVEY.replace("prior_mgal", "prior_mgals"), ["prior_mgals", "gravity.prior_mgal"]),
-                         (SURVEY.replace("[gravity]", "[gravity]\nsteps_s = 5"), ["steps_s"])):
+                         (SURVEY.replace("[gravity]", "[gravity]\nsteps_s = 5"), ["steps_s"]),
+                         (SURVEY.replace('model = "constant"', 'model = "quadratic"'),
+                          ["wrong.toml:25", "gravity.model", "give gravity.slope_mgal_km"]),
+                         (SURVEY.replace('model = "constant"', 'model = "quadratic"') + "slope_mgal_km = 1\n",
+                          ["wrong.toml:25", "gravity.model", "give gravity.curvature_mgal_km2"]),
+                         (SURVEY.replace('model = "constant"', 'model = "cubic"'), ["wrong.toml:25", "cubic", "quadratic"]),
+                         (SURVEY + "curvature_mgal_km2 = -1\n", ["wrong.toml:27", "curvature_mgal_km2"]),
+                         (SURVEY.replace("[gravity]", 'loop = "ajar"\n[gravity]'),
+                          ["wrong.toml:24", "filter.loop", "ajar", "mixed"])):
         (folder / "wrong.toml").write_text(wrong)
         program.fails("gravity", "wrong.toml", parts=parts)
     program.fails("gravity", "nowhere", parts=["nowhere"])
@@ -110,6 +133,9 @@ def gravity(program, source):
     ranks = json.loads(program("analyze", "observability", "--vn", 1, "--ve", 1, "--json").stdout)
     check(ranks["rank"] == 22 and ranks["states"] == 27 and len(ranks["pivots"]) == 22, "rank of the moving system")
     program.fails("analyze", "observability", "--latitude-deg", 90, parts=["--latitude-deg"])
+    ranks = json.loads(program("analyze", "observability", "--vn", 1, "--ve", 1, "--polynomial", 2, "--json").stdout)
+    check(ranks["rank"] == 28 and ranks["states"] == 33, "rank of a parabola along the track")
+    program.fails("analyze", "observability", "--polynomial", 3, parts=["--polynomial", "0, 1 or 2"])
 
 
 if __name__ == "__main__":

@@ -72,7 +72,7 @@ End sail(const sim::Scenario& scenario, const SurveySettings& settings, const st
                                     scenario.gnss.white_position, Vector3d::Constant(std::numeric_limits<double>::infinity())}));
         ++next;
     }
-    end.state = filter.state();
+    end.state = filter.estimate();
     end.P = filter.P();
     end.truth = data.recording.reference.back();
     return end;

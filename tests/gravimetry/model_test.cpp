@@ -15,6 +15,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 
 namespace schuler::gravimetry {
 namespace {
@@ -27,7 +28,8 @@ using schuler::test::LinearModel;
 using schuler::test::tolerance_of;
 
 constexpr DisturbanceKind kinds[] = {DisturbanceKind::Constant, DisturbanceKind::FirstOrder, DisturbanceKind::RampAndFirstOrder,
-                                     DisturbanceKind::SecondOrder, DisturbanceKind::ThirdOrder};
+                                     DisturbanceKind::QuadraticAndFirstOrder, DisturbanceKind::SecondOrder,
+                                     DisturbanceKind::ThirdOrder};
 
 struct Point {
     std::string name;
@@ -260,6 +262,34 @@ TEST(GravityModel, DisturbancesStayInTheirStationaryState) {
             EXPECT_LT((slopes - k2 / 3.0 * sigma).norm(), 1e-3 * k2 * sigma.norm());
             EXPECT_LT((curves - k2 * k2 * sigma).norm(), 1e-3 * k2 * k2 * sigma.norm());
         }
+    }
+}
+
+TEST(GravityModel, PolynomialsFollowTheDistance) {
+    // Across a change of speed: value, slope and second derivative of a parabola at the place that was reached.
+    const earth::Earth earth;
+    const Ecef place = earth::ecef_from_geodetic(earth.ellipsoid, {0.9, 0.4, 500.0});
+    const Matrix3d C_en = earth::C_en(0.9, 0.4);
+    const double value = 3e-4, by_metre = -2e-8, by_square_metre = 5e-12;
+    for (const auto& [kind, degree] : {std::pair{DisturbanceKind::RampAndFirstOrder, 1},
+                                       std::pair{DisturbanceKind::QuadraticAndFirstOrder, 2}}) {
+        const DisturbanceModel model{kind, 5000.0, Vector3d::Zero()};
+        StateVector x = StateVector::Zero();
+        x(systematic + 2) = value;
+        x(slope + 2) = by_metre;
+        x(curvature + 2) = degree > 1 ? by_square_metre : 0.0;
+        double s = 0.0;
+        for (int second = 0; second < 200; ++second) {
+            const double speed = second < 100 ? 20.0 : 60.0;
+            const Motion motion{place, C_en * Vector3d(speed, 0.0, 0.0), Matrix3d::Identity(), Vector3d::Zero()};
+            const DiscreteStep one = discretized(gravity_error_dynamics(earth, model, motion),
+                                                 gravity_noise_input(earth, model, {}, motion), 1.0);
+            x = (one.Phi * x).eval();
+            s += speed;
+        }
+        EXPECT_NEAR(x(systematic + 2), value + s * by_metre + (degree > 1 ? 0.5 * s * s * by_square_metre : 0.0), 1e-12);
+        EXPECT_NEAR(x(slope + 2), by_metre + (degree > 1 ? s * by_square_metre : 0.0), 1e-16);
+        EXPECT_EQ(model.states(), 27 + 3 * degree);
     }
 }
 

@@ -65,6 +65,19 @@ TEST(ObservabilitySlow, RanksInMotion) {
     expect_rank(turning(hour), 22);
 }
 
+TEST(ObservabilitySlow, APolynomialsDerivativesAreSeenInMotionOnly) {
+    for (const int degree : {1, 2}) {
+        ObservedMotion still = moving(Vector3d::Zero(), 0.0), course = moving({1.0, 1.0, 0.0}, 0.0);
+        still.degree = course.degree = degree;
+        const Observability seen = observability({}, course);
+        EXPECT_EQ(observability({}, still).rank, 15);
+        EXPECT_EQ(seen.rank, 22 + 3 * degree);
+        EXPECT_EQ(seen.states, 27 + 3 * degree);
+        EXPECT_LT(seen.next, 1e-40);
+        EXPECT_LT(seen.pivots.back(), 1e-15);   // a matter of principle only: 9e-17 and 4e-21
+    }
+}
+
 TEST(Observability, RanksOfTheFrozenModelAreThoseAtRest) {
     ObservedMotion m = moving({1.0, 1.0, 0.0}, 0.0);
     m.frozen = true;
@@ -114,20 +127,22 @@ TEST(Observability, TheSeriesBeginWithTheFiltersModel) {
     m.rpy = {0.1, -0.2, 2.0};
     m.centrifugal = true;
     m.rhumb = true;
+    m.degree = 2;
     const detail::ModelSeries model = detail::model_series(earth, m);
     const earth::EarthTerms terms = earth::terms_at(earth, m.start, m.v_eb_n);
     const Matrix3d C_en = earth::C_en(m.start.lat, m.start.lon);
     const Vector3d g_n(0.0, 0.0, earth::gravity_down(earth.gravity, m.start.lat, m.start.h));
     const Vector3d f_n = (2.0 * terms.w_ie_n + terms.w_en_n).cross(m.v_eb_n) - g_n;
     const StateMatrix expected = gravity_error_dynamics(
-        earth, {DisturbanceKind::FirstOrder, 3600.0, Vector3d::Ones(), true, DisturbanceAxes::EarthFixed},
+        earth,
+        {DisturbanceKind::QuadraticAndFirstOrder, m.v_eb_n.norm() / hour, Vector3d::Ones(), false, DisturbanceAxes::EarthFixed},
         {earth::ecef_from_geodetic(earth.ellipsoid, m.start), C_en * m.v_eb_n, C_en * math::dcm_from_rpy(m.rpy), C_en * f_n});
     StateMatrix found = StateMatrix::Zero();
     for (const detail::SeriesEntry& e : model.F)
         found(e.row, e.column) += static_cast<double>(e.value[0]) * model.scale[static_cast<std::size_t>(e.row)] /
                                   model.scale[static_cast<std::size_t>(e.column)] / model.time_scale;
-    for (int i = 0; i < 27; ++i)
-        for (int j = 0; j < 27; ++j) {
+    for (int i = 0; i < Observability::most; ++i)
+        for (int j = 0; j < Observability::most; ++j) {
             const bool gradient = i / 3 * 3 == velocity && j / 3 * 3 == position;
             EXPECT_NEAR(found(i, j), expected(i, j), gradient ? 0.01 * 1.54e-6 : 1e-12 * std::abs(expected(i, j)) + 1e-15)
                 << i << ", " << j;

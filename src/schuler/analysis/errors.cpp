@@ -1,5 +1,6 @@
 #include "schuler/analysis/errors.h"
 
+#include "schuler/earth/enu.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
@@ -8,8 +9,6 @@
 namespace schuler::analysis {
 
 namespace {
-
-Eigen::Vector3d enu_from_ned(const Eigen::Vector3d& v) { return {v.y(), v.x(), -v.z()}; }
 
 SolutionRow between(const earth::Earth& earth, const SolutionRow& a, const SolutionRow& b, Time time) {
     const double dt = (b.time - a.time).seconds();
@@ -51,12 +50,12 @@ ErrorRow error_between(const earth::Earth& earth, const SolutionRow& estimate, c
                : earth::moved_by_ned(earth, estimate.position, math::dcm_from_rpy(estimate.rpy) * lever_arm_b);
     ErrorRow row;
     row.time = reference.time;
-    row.position = enu_from_ned(earth::ned_difference(earth, point, reference.position));
-    row.velocity = at_imu ? enu_from_ned(estimate.v_eb_n - reference.velocity_n) : not_given3();
+    row.position = earth::enu_from_ned(earth::ned_difference(earth, point, reference.position));
+    row.velocity = at_imu ? earth::enu_from_ned(estimate.v_eb_n - reference.velocity_n) : not_given3();
     const Eigen::Vector3d turned = estimate.rpy - reference.rpy;
     for (Eigen::Index i = 0; i < 3; ++i) row.rpy[i] = std::isnan(turned[i]) ? not_given : math::wrap_pi(turned[i]);
-    row.std_position = {estimate.std_position.y(), estimate.std_position.x(), estimate.std_position.z()};
-    row.std_velocity = {estimate.std_velocity.y(), estimate.std_velocity.x(), estimate.std_velocity.z()};
+    row.std_position = earth::sigma_swapped(estimate.std_position);
+    row.std_velocity = earth::sigma_swapped(estimate.std_velocity);
     row.std_rpy = estimate.std_rpy;
     return row;
 }

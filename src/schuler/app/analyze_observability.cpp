@@ -26,6 +26,7 @@ ObservedMotion motion_of(const ObservabilityRequest& r) {
     m.rpy.z() = r.heading_deg * units::deg;
     m.heading_rate = r.turn_deg_s * units::deg;
     m.random_rate = r.correlation_time != 0.0 ? 1.0 / r.correlation_time : 0.0;
+    m.degree = r.polynomial;
     m.frozen = r.frozen;
     m.rhumb = r.rhumb;
     return m;
@@ -39,7 +40,7 @@ std::string text_of(const gravimetry::SeenCombination& c) {
 }
 
 std::string tables_of(const ObservabilityRequest& r, const Observability& o) {
-    std::string out = fmt::format("rank {} of {} ({}), position and velocity fixes\n", o.rank, Observability::states,
+    std::string out = fmt::format("rank {} of {} ({}), position and velocity fixes\n", o.rank, o.states,
                                   r.tolerance > 0.0 ? fmt::format("pivots from {:g} on count", r.tolerance) : "exact");
     out += fmt::format("pivots: {} .. {}, the next is {}\n", short_number(o.pivots.front(), 4), short_number(o.pivots.back(), 4),
                        short_number(o.next, 2));
@@ -56,7 +57,7 @@ Json json_of(const Observability& o) {
         combinations.push_back({{"state", c.state}, {"with", with}});
     }
     return {{"rank", o.rank},
-            {"states", Observability::states},
+            {"states", o.states},
             {"pivots", o.pivots},
             {"next_pivot", o.next},
             {"combinations", combinations}};
@@ -81,6 +82,7 @@ Json papers_cases(const ObservabilityRequest& r, std::string& text) {
     for (const Case& c : cases) {
         ObservabilityRequest one = r;
         one.vn = one.ve = c.v;
+        one.polynomial = 0;
         one.frozen = c.frozen;
         one.rhumb = c.rhumb;
         const Observability o = gravimetry::observability({}, motion_of(one), c.tolerance);

@@ -11,6 +11,7 @@ struct ObservabilityRequest {
     double vn = 0.0, ve = 0.0, vd = 0.0;            ///< m/s
     double heading_deg = 45.0, turn_deg_s = 0.0;
     double correlation_time = 0.0;                  ///< of the random part of the disturbance, s; 0: constant
+    int polynomial = 0;                             ///< degree along the track of the other part
     double tolerance = 0.0;                         ///< smallest pivot that counts; 0: exact
     bool frozen = false;
     bool rhumb = false;                             ///< constant heading and velocity against north instead of a great circle

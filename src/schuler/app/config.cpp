@@ -61,6 +61,7 @@ Config config_from(const SettingList& settings) {
         if (!given("gnss.correlated_distance_m")) g.correlated_distance = 250e3;
         if (!given("gnss.correlated_velocity_time_s")) g.correlated_velocity_time = 20.0;
     }
+    with_places(settings, [&config] { check_gravity(config.gravity); });
     config.filter.coupling = config.scheme == Scheme::Separate ? fusion::Coupling::Separate
                              : config.scheme == Scheme::Tight  ? fusion::Coupling::Tight
                              : config.scheme == Scheme::Medium ? fusion::Coupling::Medium

@@ -4,6 +4,7 @@
 #include "schuler/app/option_builders.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace schuler::app {
 namespace {
@@ -121,6 +122,14 @@ std::optional<Value> value_of(const std::vector<AnomalyPart>& parts) {
 
 OptionSpec anomaly_spec(const std::string& help) { return detail::spec("anomaly", Shape::Tables, help); }
 
+void check_gravity(const GravityConfig& gravity) {
+    const int degree = gravimetry::DisturbanceModel{.kind = gravity.model}.degree();
+    const bool slope = degree < 1 || std::isfinite(gravity.slope), curvature = degree < 2 || std::isfinite(gravity.curvature);
+    if (slope && curvature) return;
+    throw input_error("the polynomial lacks a prior", {{}, 0, 0, "gravity.model"},
+                      fmt::format("give gravity.{}, one sigma at the start", slope ? "curvature_mgal_km2" : "slope_mgal_km"));
+}
+
 void add_gravity_options(OptionTable<Config>& table) {
     constexpr double per_km = units::mgal / 1000.0;
     const auto vector = [](Eigen::Vector3d GravityConfig::*field) { return [=](auto& c) -> auto& { return c.gravity.*field; }; };
@@ -129,10 +138,11 @@ void add_gravity_options(OptionTable<Config>& table) {
                                              {{"constant", DisturbanceKind::Constant},
                                               {"gauss_markov_1", DisturbanceKind::FirstOrder},
                                               {"ramp", DisturbanceKind::RampAndFirstOrder},
+                                              {"quadratic", DisturbanceKind::QuadraticAndFirstOrder},
                                               {"gauss_markov_2", DisturbanceKind::SecondOrder},
                                               {"gauss_markov_3", DisturbanceKind::ThirdOrder}},
-                                             "what is estimated: a constant, and beside it a process along the track (ramp: a "
-                                             "ramp and a first-order one)",
+                                             "what is estimated: a constant, and beside it a process along the track (ramp, "
+                                             "quadratic: a polynomial and a first-order one)",
                                              [](auto& c) -> auto& { return c.gravity.model; }))
         .add(choice<Config, DisturbanceAxes>("gravity.axes",
                                              {{"ned", DisturbanceAxes::LocalLevel}, {"ecef", DisturbanceAxes::EarthFixed}},
@@ -146,7 +156,10 @@ void add_gravity_options(OptionTable<Config>& table) {
                              vector(&GravityConfig::sigma_enu)))
         .add(vector3<Config>("gravity.prior_mgal", units::mgal, 0, 1e5, "one sigma of the constant part, east, north, up",
                              vector(&GravityConfig::prior_enu)))
-        .add(number<Config>("gravity.slope_mgal_km", per_km, 0, 1e5, "one sigma of the ramp", gravity(&GravityConfig::slope)))
+        .add(number<Config>("gravity.slope_mgal_km", per_km, 0, 1e5, "one sigma of a polynomial's slope at the start",
+                            gravity(&GravityConfig::slope)))
+        .add(number<Config>("gravity.curvature_mgal_km2", 1e-3 * per_km, 0, 1e5, "one sigma of its second derivative there",
+                            gravity(&GravityConfig::curvature)))
         .add(number<Config>("gravity.gnss_systematic_m", 1.0, 0, 100,
                             "constant error of the fixes, one sigma; default: their slowly varying error",
                             gravity(&GravityConfig::gnss_position)))

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/app/option_table.h"
+#include "schuler/earth/enu.h"
 #include "schuler/sim/anomaly.h"
 
 #include <optional>
@@ -10,9 +11,8 @@
 
 namespace schuler::app {
 
-/// East, north, up of the gravity options is north, east, down inside; and back.
-[[nodiscard]] inline Eigen::Vector3d ned_from_enu(const Eigen::Vector3d& enu) { return {enu.y(), enu.x(), -enu.z()}; }
-[[nodiscard]] inline Eigen::Vector3d enu_from_ned(const Eigen::Vector3d& ned) { return {ned.y(), ned.x(), -ned.z()}; }
+using earth::enu_from_ned;
+using earth::ned_from_enu;
 
 /// Entries of [[anomaly]]. @throws Error(Input) without a place.
 [[nodiscard]] std::vector<sim::AnomalyPart> anomalies_from(const ValueList& tables);

@@ -2,6 +2,9 @@
 #pragma once
 
 #include "schuler/app/config.h"
+#include "schuler/core/error.h"
+
+#include <string>
 
 namespace schuler::app {
 
@@ -15,5 +18,25 @@ void add_gravity_options(OptionTable<Config>& table);  ///< gravity, anomaly
 void add_aid_options(OptionTable<Config>& table);       ///< gauges, log, compass
 void add_ranging_options(OptionTable<Config>& table);  ///< ranges
 void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
+
+/// Runs work; an error that knows only its key gets the place of the setting it is about.
+template <class Work>
+void with_places(const SettingList& settings, Work work) {
+    try {
+        work();
+    } catch (const Error& e) {
+        if (e.kind() != ErrorKind::Input || e.place().line > 0 || e.place().key.empty()) throw;
+        const std::string key = e.place().key, bare = key.substr(0, key.find('['));
+        const Setting* best = nullptr;
+        for (const Setting& s : settings) {
+            if (s.key == bare || (best == nullptr && s.key.starts_with(bare + "."))) best = &s;
+        }
+        if (best == nullptr) throw;
+        throw input_error(e.reason(), {best->place.file, best->place.line, best->place.column, key}, e.mend());
+    }
+}
+
+/// A polynomial of the disturbance needs the sigmas of its coefficients. @throws Error(Input), gravity.model.
+void check_gravity(const GravityConfig& gravity);
 
 }  // namespace schuler::app

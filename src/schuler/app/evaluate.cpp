@@ -1,5 +1,6 @@
 #include "schuler/app/evaluate.h"
 
+#include "schuler/earth/enu.h"
 #include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 
@@ -13,8 +14,6 @@ namespace {
 using fusion::AidKind;
 
 constexpr double default_settle = 60.0;  // s after alignment, from the interface contract
-
-Eigen::Vector3d enu_from_ned(const Eigen::Vector3d& ned) { return {ned.y(), ned.x(), -ned.z()}; }
 
 analysis::OutageSpan span_of(const fusion::Outage& outage, Time origin) {
     return {origin + Duration::from_seconds(outage.start), Duration::from_seconds(outage.duration)};
@@ -55,7 +54,7 @@ std::vector<analysis::OutageStatistics> outages_of(const LoadedDataset& data, co
         std::vector<analysis::OutageError> errors;
         for (const fusion::OutageEpoch& e : trajectory.outage_epochs) {
             if (e.outage != static_cast<int>(k)) continue;
-            errors.push_back({e.time, enu_from_ned(e.error), Eigen::Vector3d(e.sigma.y(), e.sigma.x(), e.sigma.z())});
+            errors.push_back({e.time, earth::enu_from_ned(e.error), earth::sigma_swapped(e.sigma)});
         }
         out.push_back(analysis::outage_statistics(span, errors));
     }

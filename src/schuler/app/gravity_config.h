@@ -20,7 +20,8 @@ struct GravityConfig {
     double time = not_given;                     ///< of the random part, s; given: it runs by time
     Eigen::Vector3d sigma_enu{20.0 * units::mgal, 20.0 * units::mgal, 20.0 * units::mgal};   ///< of the random part, m/s^2
     Eigen::Vector3d prior_enu{50.0 * units::mgal, 50.0 * units::mgal, 50.0 * units::mgal};   ///< of the systematic part, m/s^2
-    double slope = 0.0;                          ///< of a ramp, m/s^2 per metre (per second where it runs by time)
+    double slope = not_given;      ///< of a polynomial at the start, m/s^2 per metre (per second where it runs by time)
+    double curvature = not_given;  ///< its second derivative there, m/s^2 per square metre (or second)
     double gnss_position = not_given;  ///< systematic error of the fixes, m; not given: gnss.correlated_m
     double gnss_velocity = 0.0;                  ///< m/s
     double lowpass = not_given;                  ///< of the classical pipeline, s; not given: as the smoother resolves

@@ -1,4 +1,6 @@
 #include "schuler/app/gravity.h"
+#include "schuler/earth/enu.h"
+#include "schuler/fusion/correction_period.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/gravimetry/resolution.h"
@@ -16,8 +18,6 @@ using Eigen::Vector3d;
 using gravimetry::AntennaFix;
 
 Vector3d or_default(const Vector3d& given, const Vector3d& otherwise) { return (given.array() > 0.0).all() ? given : otherwise; }
-
-Vector3d ned_sigma(const Vector3d& enu) { return {enu.y(), enu.x(), enu.z()}; }
 
 /// The white part of a sigma of which `systematic` is a state of its own.
 Vector3d without(const Vector3d& sigma, const Vector3d& systematic) {
@@ -57,6 +57,7 @@ std::vector<AntennaFix> fixes_of(const LoadedDataset& data, const gravimetry::Pr
 fusion::Result coarse(const LoadedDataset& data, WarningLog& warnings) {
     fusion::Settings s = data.config.filter;
     s.smooth = true;
+    s.loop = fusion::Loop::Closed;   // filter.loop is that of the survey
     s.output_rate = 1.0;
     fusion::Result result = fusion::run_filter(data.recording, s, warnings);
     if (result.smoothed.rows.empty())
@@ -92,7 +93,7 @@ gravimetry::SurveySettings settings_of(const Config& c, const SolutionRow& start
     s.earth = c.filter.earth;
     s.lever_arm_b = c.filter.gnss.lever_arm_b;
     const bool by_time = std::isfinite(g.time);
-    s.disturbance = {g.model, by_time ? g.time : g.length, ned_sigma(g.sigma_enu), by_time, g.axes};
+    s.disturbance = {g.model, by_time ? g.time : g.length, earth::sigma_swapped(g.sigma_enu), by_time, g.axes};
     const auto walk = [](double sigma, double time) { return std::isfinite(time) ? 2.0 * sigma * sigma / time : 0.0; };
     s.noise = {imu.gyro_noise * imu.gyro_noise, imu.accel_noise * imu.accel_noise, walk(imu.gyro_bias, imu.gyro_bias_time),
                walk(imu.accel_bias, imu.accel_bias_time)};
@@ -106,8 +107,13 @@ gravimetry::SurveySettings settings_of(const Config& c, const SolutionRow& start
     p.gnss_position_n =
         std::isfinite(g.gnss_position) ? Vector3d(Vector3d::Constant(g.gnss_position)) : c.filter.gnss.errors.correlated_position;
     p.gnss_velocity = g.gnss_velocity;
-    p.disturbance_n = ned_sigma(g.prior_enu);
+    p.disturbance_n = earth::sigma_swapped(g.prior_enu);
     p.slope = g.slope;
+    p.curvature = g.curvature;
+    s.loop = c.filter.loop;
+    // A disturbance that nobody corrects for acts like an accelerometer's error.
+    const auto bounds = fusion::three_sigma(level, p.gyro_bias, std::hypot(p.accel_bias, p.disturbance_n.head<2>().maxCoeff()));
+    s.feedback_period = c.filter.feedback_period.value_or(fusion::correction_period(bounds, c.filter.feedback_attitude));
     return s;
 }
 

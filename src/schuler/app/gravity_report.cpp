@@ -30,8 +30,7 @@ std::vector<double> times(const std::vector<GravityRow>& rows) {
 /// Estimate with three sigma, and the truth.
 report::Panel component_panel(const std::vector<GravityRow>& rows, bool truth, int axis) {
     const auto value = [axis](const GravityRow& r) { return enu_from_ned(r.disturbance_n)(axis) / mgal; };
-    const int ned = axis == 0 ? 1 : axis == 1 ? 0 : 2;
-    const auto sigma = [ned](const GravityRow& r) { return r.sigma_n(ned) / mgal; };
+    const auto sigma = [axis](const GravityRow& r) { return earth::sigma_swapped(r.sigma_n)(axis) / mgal; };
     report::Panel p{fmt::format("disturbance {}", names[static_cast<std::size_t>(axis)]), "time, s", "mGal"};
     const std::vector<double> t = times(rows);
     p.bands.push_back({"one sigma", t, column(rows, [&](const GravityRow& r) { return value(r) - sigma(r); }),
@@ -69,7 +68,9 @@ report::Panel error_panel(const GravityBundle& b) {
     const double settled = b.run.relative(b.run.evaluation.settled);
     for (std::size_t i = 0; i < b.survey.forward.size(); ++i) {
         t.push_back(b.run.relative(b.survey.forward[i].time));
-        const bool shown = t.back() >= settled;
+        // How it settles is on the panel before.
+        const double known = b.survey.forward[i].sigma_disturbance_n.z() / b.survey.forward.back().sigma_disturbance_n.z();
+        const bool shown = t.back() >= settled && known < 3.0;
         forward.push_back(shown ? -(b.survey.forward[i].disturbance_n.z() - b.truth[i].z()) / mgal : not_given);
         if (!b.survey.smoothed.empty()) smoothed.push_back(-(b.survey.smoothed[i].disturbance_n.z() - b.truth[i].z()) / mgal);
         sigma.push_back(b.epochs()[i].sigma_disturbance_n.z() / mgal);
@@ -78,7 +79,11 @@ report::Panel error_panel(const GravityBundle& b) {
     p.bands.push_back({"one sigma", t, minus, sigma});
     p.series.push_back({"forward filter", t, forward, Ink::Vermillion});
     std::vector<double> classical;
-    for (std::size_t i = 0; i < b.classical.down.size(); ++i) classical.push_back(-(b.classical.down[i] - b.truth[i].z()) / mgal);
+    // Its edges, where the low-pass has no full window, would rule the scale.
+    for (std::size_t i = 0; i < b.classical.down.size(); ++i)
+        classical.push_back(t[i] - t.front() < b.classical.period || t.back() - t[i] < b.classical.period
+                                ? not_given
+                                : -(b.classical.down[i] - b.truth[i].z()) / mgal);
     p.series.push_back({"classical", t, classical, Ink::Muted, report::Mark::Dashed, 1.0});
     if (!smoothed.empty()) p.series.push_back({"smoother", t, smoothed});
     return p;

@@ -1,5 +1,6 @@
 #include "schuler/app/bundle.h"
 #include "schuler/core/units.h"
+#include "schuler/earth/enu.h"
 #include "schuler/report/run_report.h"
 
 #include <algorithm>
@@ -9,15 +10,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-Vector3d ned_from_enu(const Vector3d& enu) { return {enu.y(), enu.x(), -enu.z()}; }
-Vector3d ned_sigma_from_enu(const Vector3d& enu) { return {enu.y(), enu.x(), enu.z()}; }
-
 std::vector<report::ErrorPoint> points_of(const std::vector<analysis::ErrorRow>& rows) {
     std::vector<report::ErrorPoint> out;
     out.reserve(rows.size());
     for (const analysis::ErrorRow& r : rows) {
-        out.push_back({r.time, ned_from_enu(r.position), ned_from_enu(r.velocity), r.rpy, ned_sigma_from_enu(r.std_position),
-                       ned_sigma_from_enu(r.std_velocity), r.std_rpy});
+        out.push_back({r.time, earth::ned_from_enu(r.position), earth::ned_from_enu(r.velocity), r.rpy,
+                       earth::sigma_swapped(r.std_position), earth::sigma_swapped(r.std_velocity), r.std_rpy});
     }
     return out;
 }

@@ -1,6 +1,7 @@
 #include "schuler/app/scenario.h"
 
 #include "schuler/app/config_gravity.h"
+#include "schuler/app/config_sections.h"
 #include "schuler/app/gnss_error_options.h"
 #include "schuler/app/imu_error_options.h"
 #include "schuler/app/option_builders.h"
@@ -269,23 +270,6 @@ Table make_table() {
     return table;
 }
 
-/// Runs work; an error that knows only its key gets the place of the setting it is about.
-template <class Work>
-void with_places(const SettingList& settings, Work work) {
-    try {
-        work();
-    } catch (const Error& e) {
-        if (e.kind() != ErrorKind::Input || e.place().line > 0 || e.place().key.empty()) throw;
-        const std::string key = e.place().key, bare = key.substr(0, key.find('['));
-        const Setting* best = nullptr;
-        for (const Setting& s : settings) {
-            if (s.key == bare || (best == nullptr && s.key.starts_with(bare + "."))) best = &s;
-        }
-        if (best == nullptr) throw;
-        throw input_error(e.reason(), {best->place.file, best->place.line, best->place.column, key}, e.mend());
-    }
-}
-
 }  // namespace
 
 const OptionTable<ScenarioConfig>& scenario_table() {
@@ -306,6 +290,7 @@ ScenarioConfig scenario_from(const SettingList& settings) {
         const auto path = sim::make_path(s.sim.path, s.sim.earth.ellipsoid);
         sim::require_above_ground(*path, s.sim.duration, s.ground.value_or(ground_of(s)));
         s.sim.anomaly_field = field_of(s);
+        check_gravity(s.processing.gravity);
     });
     return s;
 }

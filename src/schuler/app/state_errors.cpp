@@ -1,6 +1,7 @@
 #include "schuler/app/state_errors.h"
 
 #include "schuler/core/units.h"
+#include "schuler/earth/enu.h"
 #include "schuler/math/rotation.h"
 
 #include <Eigen/Cholesky>
@@ -23,8 +24,6 @@ const typename Series::value_type* at(const Series& series, Time time) {
     const auto it = std::ranges::lower_bound(series, time.ns - same_instant_ns, {}, [](const auto& s) { return s.time.ns; });
     return it == series.end() || it->time.ns > time.ns + same_instant_ns ? nullptr : &*it;
 }
-
-Vector3d enu(const Vector3d& ned) { return {ned.y(), ned.x(), -ned.z()}; }
 
 double normalised(const Vector3d& error, const Matrix3d& covariance, int dof) {
     const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(covariance.topLeftCorner(dof, dof)));
@@ -67,7 +66,7 @@ std::vector<StateErrors> state_errors(const std::vector<fusion::StateRow>& rows,
         e.time = row.time;
         std::size_t k = 0;
         const auto add = [&](const Vector3d& error, const Matrix3d& covariance, int dof, bool level) {
-            e.error[k] = level ? enu(error) : error;
+            e.error[k] = level ? earth::enu_from_ned(error) : error;
             e.nees[k++] = normalised(error, covariance, dof);
         };
         const auto add_block = [&](const fusion::StateBlock& block, const Vector3d* value, bool level) {

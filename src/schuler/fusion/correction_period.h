@@ -10,6 +10,11 @@ struct InertialErrorBounds {
     double accel = 0.0;        ///< m/s^2
 };
 
+/// Bounds at three sigma.
+[[nodiscard]] constexpr InertialErrorBounds three_sigma(double attitude, double gyro, double accel) {
+    return {3.0 * attitude, 3.0 * gyro, 3.0 * accel};
+}
+
 /// Attitude error (rad) that grows in t seconds without correction, for t well below the Schuler period: gyro t +
 /// [(attitude g + accel) t^2 / 2 + g gyro t^3 / 6] / R [PaperA:3.4].
 [[nodiscard]] double attitude_growth(const InertialErrorBounds& bounds, double t);

@@ -3,6 +3,7 @@
 
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
+#include "schuler/estim/loop.h"
 #include "schuler/fusion/ranging_settings.h"
 #include "schuler/sensor/gnss_errors.h"
 #include "schuler/sensor/grades.h"
@@ -17,9 +18,7 @@ namespace schuler::fusion {
 
 enum class VehicleKind { Car, Air, Ship, Hand, Static };
 enum class Mechanization { Geographic, Ecef };
-/// Feedback of the estimated errors: into the inertial computation after every update (Closed), never, the estimates correcting a
-/// copy (Open), or now and then, a copy in between (Mixed).
-enum class Loop { Closed, Open, Mixed };
+using estim::Loop;
 /// How receiver and inertial unit work together where both have solutions of their own (paper A, 1.1): one filter estimates the
 /// errors (Loose), or the inertial computation is only set to the receiver's solution, now and then or a little at a time (Separate). Tight: one
 /// filter takes the ranges themselves. Medium: the same, and beside it a filter of the receiver alone (fusion/medium_run.h). Deep: the

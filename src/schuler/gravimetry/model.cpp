@@ -31,6 +31,7 @@ Chain chain_of(const DisturbanceModel& m) {
         case DisturbanceKind::Constant: break;
         case DisturbanceKind::FirstOrder:
         case DisturbanceKind::RampAndFirstOrder:
+        case DisturbanceKind::QuadraticAndFirstOrder:
             c.F(0, 0) = -k;
             c.psd = 2.0 * k;
             break;
@@ -65,6 +66,7 @@ int DisturbanceModel::states() const {
         case DisturbanceKind::FirstOrder: return slope;
         case DisturbanceKind::RampAndFirstOrder:
         case DisturbanceKind::SecondOrder: return curvature;
+        case DisturbanceKind::QuadraticAndFirstOrder:
         case DisturbanceKind::ThirdOrder: break;
     }
     return curvature + 3;
@@ -99,8 +101,8 @@ StateMatrix gravity_error_dynamics(const earth::Earth& earth, const DisturbanceM
     const Chain chain = chain_of(disturbance);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) F.block<3, 3>(random + 3 * i, random + 3 * j) = pace * chain.F(i, j) * Matrix3d::Identity();
-    if (disturbance.kind == DisturbanceKind::RampAndFirstOrder)
-        F.block<3, 3>(systematic, slope) = pace * Matrix3d::Identity();
+    if (disturbance.degree() > 0) F.block<3, 3>(systematic, slope) = pace * Matrix3d::Identity();
+    if (disturbance.degree() > 1) F.block<3, 3>(slope, curvature) = pace * Matrix3d::Identity();
     return F;
 }
 

@@ -21,8 +21,8 @@ enum StateIndex : int {
     gnss_velocity = 18,   ///< m/s
     systematic = 21,      ///< constant part of the disturbance, m/s^2
     random = 24,          ///< its random part, m/s^2
-    slope = 27,           ///< of the systematic part (ramp) or of the random one, m/s^2 per metre along the track
-    curvature = 30,       ///< of the random part, m/s^2 per square metre
+    slope = 27,           ///< of the systematic part (polynomial) or of the random one, m/s^2 per metre along the track
+    curvature = 30,       ///< second derivative of the same, m/s^2 per square metre
     height_bias = 33,     ///< one component for each of max_gauges: constant error of a depth gauge or barometer, m
     heading_bias = 36,    ///< one component: of a compass, rad
     log_scale = 37,       ///< one component: of a log of velocity in body axes
@@ -39,7 +39,8 @@ using GnssRows = Eigen::Matrix<double, 6, max_states>;
 enum class DisturbanceKind {
     Constant,           ///< the systematic part alone
     FirstOrder,         ///< and a first-order Gauss-Markov process: the paper's
-    RampAndFirstOrder,  ///< constant + ramp + first order
+    RampAndFirstOrder,  ///< constant + ramp + first order (no more than the polynomial where sigma is zero)
+    QuadraticAndFirstOrder,   ///< constant + ramp + parabola + first order
     SecondOrder,        ///< constant + second-order Gauss-Markov, correlation (1 + x) exp(-x), x = distance / length
     ThirdOrder,         ///< constant + third order, (1 + x + x^2/3) exp(-x): smooth enough for a slope of a slope
 };
@@ -60,6 +61,10 @@ struct DisturbanceModel {
     void check() const;
     /// Error states of the model: 27, 30 or 33.
     [[nodiscard]] int states() const;
+    /// Of the polynomial along the track that the systematic part is.
+    [[nodiscard]] int degree() const {
+        return kind == DisturbanceKind::QuadraticAndFirstOrder ? 2 : kind == DisturbanceKind::RampAndFirstOrder ? 1 : 0;
+    }
     /// Metres along the track (seconds where by_time) in a second at an Earth-fixed velocity.
     [[nodiscard]] double pace(const Eigen::Vector3d& v_eb_e) const { return by_time ? 1.0 : v_eb_e.norm(); }
     /// The disturbance's components to Earth-fixed axes, at a place with this C_en.

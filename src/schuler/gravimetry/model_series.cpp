@@ -125,12 +125,14 @@ ModelSeries model_series(const earth::Earth& earth, const ObservedMotion& motion
     const double T = std::sqrt(distance * distance * distance / earth.ellipsoid.gm);   // 1/w0
     ModelSeries model;
     model.time_scale = T;
-    for (int i = 0; i < Observability::states; ++i) {
+    for (int i = 0; i < Observability::most; ++i) {
         const int group = i / 3 * 3;
         model.scale[static_cast<std::size_t>(i)] = group == position || group == gnss_position   ? g * T * T
                                                    : group == velocity || group == gnss_velocity ? g * T
                                                    : group == attitude                           ? 1.0
                                                    : group == gyro_bias                          ? 1.0 / T
+                                                   : group == slope                              ? 1.0 / (T * T)
+                                                   : group == curvature                          ? 1.0 / (g * std::pow(T, 4))
                                                                                                  : g;
     }
 
@@ -161,6 +163,8 @@ ModelSeries model_series(const earth::Earth& earth, const ObservedMotion& motion
         add(position, velocity + i, one);
         add(velocity, systematic + i, one);
         add(velocity, random + i, one);
+        if (motion.degree > 0) add(systematic, slope + i, Series(Real(motion.v_eb_n.norm() / (g * T))));
+        if (motion.degree > 1) add(slope, curvature + i, Series(Real(motion.v_eb_n.norm() / (g * T))));
         if (motion.random_rate > 0.0) add(random, random + i, Series(Real(-motion.random_rate * T)));
         for (int j = 0; j < 3; ++j) {
             const auto column = static_cast<std::size_t>(j);

@@ -15,7 +15,7 @@ using detail::Series;
 
 namespace {
 
-constexpr int states = Observability::states;
+constexpr int states = Observability::most;   // those that a model does not have are columns of zeros
 constexpr std::size_t blocks = Series::terms;
 const Real zero_pivot("1e-30");
 
@@ -109,6 +109,7 @@ void check(const ObservedMotion& m, double tolerance) {
     if (!(std::abs(m.heading_rate) <= 10.0)) refuse("turn-deg-s", "must be below 570 deg/s", "give degrees a second");
     if (!(m.random_rate >= 0.0 && m.random_rate <= 1.0))
         refuse("correlation-time", "the correlation time must be at least 1 s", "give seconds, 0 for a constant");
+    if (!(m.degree >= 0 && m.degree <= 2)) refuse("polynomial", "must be 0, 1 or 2", "0 for a constant");
     if (!(tolerance >= 0.0 && tolerance < 1.0))
         refuse("tolerance", "must lie between 0 and 1", "0 for the exact rank, 1e-7 for the paper's");
 }
@@ -118,7 +119,8 @@ void check(const ObservedMotion& m, double tolerance) {
 std::array<std::string, states> state_names() {
     std::array<std::string, states> names;
     constexpr std::array groups{"position",      "velocity",      "attitude",   "accel_bias", "gyro_bias",
-                                "gnss_position", "gnss_velocity", "systematic", "random"};
+                                "gnss_position", "gnss_velocity", "systematic", "random",     "slope",
+                                "curvature"};
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = std::string(groups[i / 3]) + "_" + "xyz"[i % 3];
     return names;
 }
@@ -130,6 +132,7 @@ Observability observability(const earth::Earth& earth, const ObservedMotion& mot
     const Elimination done(matrix, std::max(zero_pivot, Real(tolerance)));
     const std::array<std::string, states> names = state_names();
     Observability out;
+    out.states += 3 * motion.degree;
     out.rank = static_cast<int>(done.columns.size());
     out.pivots = done.pivots;
     out.next = done.next;

@@ -1,4 +1,4 @@
-// Which combinations of the 27 states the measurements can tell apart: rank of the observability matrix of a moving system.
+// Which combinations of the model's states the measurements can tell apart: rank of the observability matrix of a moving system.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -23,6 +23,7 @@ struct ObservedMotion {
     Eigen::Vector3d rpy = {0.0, 0.0, 45.0 * units::deg};   ///< at the start, rad
     double heading_rate = 0.0;      ///< rad/s
     double random_rate = 0.0;  ///< mu of the random part, 1/s; 0: it is a second constant, as the paper's count of states has it
+    int degree = 0;  ///< of the polynomial along the track that the systematic part is: 0 (constant), 1 or 2
     bool rhumb = false;  ///< instead, constant velocity north, east, down and heading against north over the ellipsoid
     bool frozen = false;  ///< F of the start held: what a test that ignores the motion of the model would find
     bool centrifugal = false;  ///< the gradient of the centrifugal acceleration beside the point mass's (0.35 % of it)
@@ -35,22 +36,24 @@ struct SeenCombination {
 };
 
 struct Observability {
-    static constexpr int states = 27;
+    static constexpr int most = 33;
+    int states = 27;  ///< of the model: three more for each degree of the polynomial
     int rank = 0;
     /// Of the elimination with complete pivoting, in the order found, down to the rank; states are scaled by time 1/w0, velocity
-    /// g/w0, length g/w0^2, acceleration g, so a pivot is a share of what gravity itself does in 13 minutes.
+    /// g/w0, length g/w0^2, acceleration g, so a pivot is a share of what gravity itself does in 13 minutes; derivatives of the
+    /// disturbance are scaled by g over powers of that length.
     std::vector<double> pivots;
     double next = 0.0;  ///< the largest number left: of rounding (below 1e-40), or below the tolerance
     std::vector<SeenCombination> combinations;
 };
 
-/// Observability matrix N_0 = H, N_{k+1} = N_k F + dN_k/dt up to k = 26, of position and velocity fixes, with the derivatives of F
-/// along the motion (math.md section 4; a point mass draws, as in [PaperE]). Computed with 50 decimal digits: a
+/// Observability matrix N_0 = H, N_{k+1} = N_k F + dN_k/dt up to k = 32, of position and velocity fixes, with the derivatives of
+/// F along the motion (math.md section 4; a point mass draws, as in [PaperE]). Computed with 50 decimal digits: a
 /// pivot below 1e-30 is zero, so the rank is that of exact arithmetic as long as the printed gap is wide. `tolerance`: pivots
 /// below it do not count (0: all do). @throws Error(Input) naming the value that is unusable.
 [[nodiscard]] Observability observability(const earth::Earth& earth, const ObservedMotion& motion, double tolerance = 0.0);
 
-/// Names of the 27 states, in the order of the model: position_x ... random_z.
-[[nodiscard]] std::array<std::string, Observability::states> state_names();
+/// Names of the states, in the order of the model: position_x ... random_z, slope_x ... curvature_z.
+[[nodiscard]] std::array<std::string, Observability::most> state_names();
 
 }  // namespace schuler::gravimetry

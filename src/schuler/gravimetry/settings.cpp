@@ -33,7 +33,8 @@ StateMatrix prior_covariance(const SurveySettings& settings, const Ecef& positio
     const Matrix3d stationary = settings.disturbance.stationary(), random_part = turned(axes, settings.disturbance.sigma_n);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) P.block<3, 3>(random + 3 * i, random + 3 * j) = stationary(i, j) * random_part;
-    if (settings.disturbance.kind == DisturbanceKind::RampAndFirstOrder) set(slope, even(prior.slope));
+    if (settings.disturbance.degree() > 0) set(slope, even(prior.slope));
+    if (settings.disturbance.degree() > 1) set(curvature, even(prior.curvature));
     return P;
 }
 

@@ -1,6 +1,7 @@
 // What a survey is believed to be: instruments, priors, the model of the disturbance.
 #pragma once
 
+#include "schuler/estim/loop.h"
 #include "schuler/gravimetry/model.h"
 
 #include <array>
@@ -22,6 +23,7 @@ struct Prior {
     double log_scale = 0.0;          ///< of a log of velocity in body axes
     double log_misalignment = 0.0;   ///< of the same, rad
     double slope = 0.0;              ///< of a ramp, m/s^2 per metre (per second where the disturbance runs by time)
+    double curvature = 0.0;          ///< second derivative of a parabola, m/s^2 per square metre (or second)
 };
 
 struct SurveySettings {
@@ -29,6 +31,8 @@ struct SurveySettings {
     DisturbanceModel disturbance;
     SensorNoise noise;
     Prior prior;
+    estim::Loop loop = estim::Loop::Closed;
+    double feedback_period = 60.0;   ///< least time between corrections of the mixed loop, s
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< IMU to antenna, m
     Eigen::Vector3d log_lever_arm_b = Eigen::Vector3d::Zero();  ///< IMU to the log of velocity, m
     std::array<Eigen::Vector3d, max_gauges> gauge_lever_arms_b{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),

@@ -20,11 +20,13 @@ struct FixStep {
     Eigen::Vector3d f_e = Eigen::Vector3d::Zero();   ///< mean specific force since the fix before, m/s^2
 };
 
+/// The reference trajectory is the mechanization as it runs. In the closed loop every measurement corrects it; in the open loop
+/// nothing does, and in the mixed one a measurement now and then: the estimated errors are kept beside it and carried along it.
 class SurveyFilter {
 public:
     SurveyFilter(const SurveySettings& settings, const NavStateEcef& start);
 
-    /// Advances the nominal state by one raw increment.
+    /// Advances the reference trajectory by one raw increment.
     void advance(const ImuIncrement& raw);
     /// Carries the covariance to now and takes a fix of now.
     FixStep take(const AntennaFix& fix);
@@ -35,7 +37,9 @@ public:
     /// The systematic part of the disturbance may have changed by its prior.
     void open_disturbance();
 
-    [[nodiscard]] const SurveyState& state() const { return state_; }
+    [[nodiscard]] const SurveyState& reference() const { return reference_; }
+    /// The reference trajectory less the errors that are kept beside it, at the last measurement.
+    [[nodiscard]] SurveyState estimate() const;
     [[nodiscard]] const StateMatrix& P() const { return P_; }
 
 private:
@@ -43,8 +47,11 @@ private:
     [[nodiscard]] Eigen::Vector3d body_rate() const;
     void correct(const StateVector& dx);
     SurveySettings settings_;
-    SurveyState state_;
+    SurveyState reference_;
+    StateVector error_ = StateVector::Zero();   ///< estimated, of reference_; zero in the closed loop
     StateMatrix P_;
+    Time next_feedback_;                 ///< of the mixed loop
+    Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();   ///< of attitude errors, to the reference that was corrected last
     ImuIncrement previous_{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
     // Sums over the increments since the last fix, times dt.
     double elapsed_ = 0.0;

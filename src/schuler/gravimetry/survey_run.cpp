@@ -67,11 +67,11 @@ struct Kept {
     Columns P;
 };
 
-std::vector<SurveyEpoch> smoothed(const SurveySettings& settings, const std::vector<Kept>& kept) {
-    std::vector<SurveyEpoch> out;
-    estim::Adjoint<max_states> adjoint;
-    for (std::size_t k = kept.size(); k-- > 0;) {
-        const Kept& here = kept[k];
+/// Steps back over a stretch; epochs are appended, the last one first.
+void rewind(const SurveySettings& settings, const std::vector<Kept>& tape, estim::Adjoint<max_states>& adjoint,
+            std::vector<SurveyEpoch>& out) {
+    for (std::size_t k = tape.size(); k-- > 0;) {
+        const Kept& here = tape[k];
         if (here.step.satellites) {
             const Eigen::Matrix<double, reported, 1> dx = -here.P.transpose().lazyProduct(adjoint.lambda);
             Columns LP;
@@ -86,57 +86,81 @@ std::vector<SurveyEpoch> smoothed(const SurveySettings& settings, const std::vec
         adjoint.lambda = here.step.Phi.transpose().lazyProduct(adjoint.lambda).eval();
         estim::propagate_adjoint<max_states>(adjoint.Lambda, here.step.Phi);
     }
-    std::ranges::reverse(out);
-    return out;
 }
 
-}  // namespace
+/// The filter and the next of everything. Copying it is saving the run.
+struct Walk {
+    SurveyFilter filter;
+    std::size_t increment = 0, fix = 0, height = 0, velocity = 0, heading = 0, step = 0;
 
-SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input, bool smooth) {
-    SurveyFilter filter(settings, input.start);
-    SurveyResult result;
-    std::vector<Kept> kept;
-    auto fix = input.fixes.begin();
-    auto height = input.heights.begin();
-    auto velocity_fix = input.velocities.begin();
-    auto heading = input.headings.begin();
-    auto step = input.steps.begin();
-    for (const ImuIncrement& increment : input.imu) {
-        const double gap = (increment.time - filter.state().nav.time).seconds() - increment.dt;
-        if (!(increment.dt > 0.0) || std::abs(gap) > 0.5 * increment.dt)
-            throw input_error(fmt::format("the increment at {:.3f} s does not follow the one before", increment.time.seconds()),
-                              {}, "gravimetry needs an IMU log without gaps");
-        if (step != input.steps.end() && *step <= increment.time) {
+    /// Advances by one increment and takes what is due at its end; `taken(FixStep)` is called for each.
+    template <class Taken>
+    void advance(const SurveyInput& input, Taken&& taken) {
+        const ImuIncrement& now = input.imu[increment++];
+        const double gap = (now.time - filter.reference().nav.time).seconds() - now.dt;
+        if (!(now.dt > 0.0) || std::abs(gap) > 0.5 * now.dt)
+            throw input_error(fmt::format("the increment at {:.3f} s does not follow the one before", now.time.seconds()), {},
+                              "gravimetry needs an IMU log without gaps");
+        if (step < input.steps.size() && input.steps[step] <= now.time) {
             filter.open_disturbance();
             ++step;
         }
-        filter.advance(increment);
-        const double half = 0.5 * increment.dt;
-        const auto due = [&](const auto& measured) { return (measured.time - increment.time).seconds() < half; };
-        const auto late = [&](const auto& measured) { return (increment.time - measured.time).seconds(); };
-        const auto take_due = [&](auto& next, const auto& all) {
-            for (; next != all.end() && due(*next); ++next) {
-                if (late(*next) > half) continue;
-                const FixStep taken = filter.take(*next);
-                if (smooth) kept.push_back({taken, filter.state(), {}});
+        filter.advance(now);
+        const double half = 0.5 * now.dt;
+        const auto each_due = [&](std::size_t& next, const auto& all, auto take) {
+            for (; next < all.size() && (all[next].time - now.time).seconds() < half; ++next) {
+                const double late = (now.time - all[next].time).seconds();
+                if (late <= half) taken(take(all[next], late));   // the others lie before the first increment
             }
         };
-        take_due(height, input.heights);
-        take_due(velocity_fix, input.velocities);
-        take_due(heading, input.headings);
-        for (; fix != input.fixes.end() && due(*fix); ++fix) {
-            if (late(*fix) > half) continue;   // before the first increment
-            AntennaFix now = *fix;
-            if (std::isfinite(now.sigma_velocity_n.sum())) now.position += late(*fix) * now.velocity;
-            const FixStep taken = filter.take(now);
-            const Columns P = reported_columns(filter.P());
-            result.forward.push_back(epoch_of(settings, filter.state(), reported_block(P), taken));
-            if (smooth) kept.push_back({taken, filter.state(), P});
+        const auto as_it_is = [&](const auto& measured, double) { return filter.take(measured); };
+        each_due(height, input.heights, as_it_is);
+        each_due(velocity, input.velocities, as_it_is);
+        each_due(heading, input.headings, as_it_is);
+        each_due(fix, input.fixes, [&](AntennaFix moved, double late) {
+            if (std::isfinite(moved.sigma_velocity_n.sum())) moved.position += late * moved.velocity;
+            return filter.take(moved);
+        });
+    }
+    [[nodiscard]] Kept kept(const FixStep& taken) const {
+        return {taken, filter.estimate(), taken.satellites ? reported_columns(filter.P()) : Columns::Zero()};
+    }
+};
+
+}  // namespace
+
+SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input, bool smooth, std::size_t stretch) {
+    Walk walk{SurveyFilter(settings, input.start)};
+    SurveyResult result;
+    std::vector<Walk> checkpoints;
+    std::vector<Kept> tape;
+    while (walk.increment < input.imu.size()) {
+        if (smooth && (checkpoints.empty() || tape.size() >= stretch)) {
+            checkpoints.push_back(walk);
+            tape.clear();
         }
+        walk.advance(input, [&](const FixStep& taken) {
+            const Kept here = walk.kept(taken);
+            if (taken.satellites) result.forward.push_back(epoch_of(settings, here.state, reported_block(here.P), taken));
+            if (smooth) tape.push_back(here);
+        });
     }
     if (result.forward.empty())
         throw input_error("no satellite fix lies within the IMU log", {}, "check the time stamps of both");
-    if (smooth) result.smoothed = smoothed(settings, kept);
+    estim::Adjoint<max_states> adjoint;
+    std::size_t end = input.imu.size();
+    for (std::size_t k = checkpoints.size(); k-- > 0;) {
+        Walk& replay = checkpoints[k];
+        const std::size_t first = replay.increment;
+        if (k + 1 < checkpoints.size()) {   // the last stretch is on the tape already
+            tape.clear();
+            while (replay.increment < end)
+                replay.advance(input, [&](const FixStep& taken) { tape.push_back(replay.kept(taken)); });
+        }
+        rewind(settings, tape, adjoint, result.smoothed);
+        end = first;
+    }
+    std::ranges::reverse(result.smoothed);
     return result;
 }
 

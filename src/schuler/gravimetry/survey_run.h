@@ -5,6 +5,7 @@
 #include "schuler/gravimetry/settings.h"
 #include "schuler/gravimetry/survey_aids.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace schuler::gravimetry {
@@ -39,9 +40,10 @@ struct SurveyResult {
     std::vector<SurveyEpoch> smoothed;   ///< empty where not asked for; as many as forward otherwise
 };
 
-/// Closed loop: every fix corrects the nominal state. A fix is used at the last increment that ends at most half a sample after
-/// it, moved there by the velocity. Smoothing takes 24 kB of memory a fix.
+/// A fix is used at the last increment that ends at most half a sample after it, moved there by the velocity. Smoothing
+/// keeps 24 kB for each of `stretch` measurements and one filter a stretch: longer logs are filtered twice, a stretch at a time.
 /// @throws Error(Input) where increments do not follow each other or no fix lies among them.
-[[nodiscard]] SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input, bool smooth);
+[[nodiscard]] SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input, bool smooth,
+                                      std::size_t stretch = 16384);
 
 }  // namespace schuler::gravimetry

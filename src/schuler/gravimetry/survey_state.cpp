@@ -34,9 +34,10 @@ SurveyState advanced(const earth::Earth& earth, const DisturbanceModel& disturba
     const Eigen::Map<const Matrix3d> before(state.parameters.data() + random);   // columns: value, slope, curvature
     Eigen::Map<Matrix3d> after(next.parameters.data() + random);
     after = before * growth.transpose();
-    if (disturbance.kind == DisturbanceKind::RampAndFirstOrder) {
-        after.col(1) = before.col(1);
-        next.parameters.segment<3>(systematic) += distance * before.col(1);
+    if (disturbance.degree() > 0) {   // no part of the process: Taylor's series of the systematic part
+        const Vector3d bend = disturbance.degree() > 1 ? Vector3d(distance * before.col(2)) : Vector3d(Vector3d::Zero());
+        after.col(1) = before.col(1) + bend;
+        next.parameters.segment<3>(systematic) += distance * (before.col(1) + 0.5 * bend);
     }
     return next;
 }

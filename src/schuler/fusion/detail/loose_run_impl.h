@@ -132,8 +132,8 @@ Walk<Frame, N> first_step(const InertialModel<N>& model, const RunData& data, co
     set_slow(L.gnss_position, Layout::position, settings.gnss.errors.correlated_position, start.position_of_fix);
     set_slow(L.gnss_velocity, Layout::velocity, settings.gnss.errors.correlated_velocity, start.velocity_of_fix);
 
-    const InertialErrorBounds bounds{3.0 * start.std_rpy.head<2>().maxCoeff(), 3.0 * start.std_gyro_bias.maxCoeff(),
-                                     3.0 * start.std_accel_bias.maxCoeff()};
+    const InertialErrorBounds bounds =
+        three_sigma(start.std_rpy.head<2>().maxCoeff(), start.std_gyro_bias.maxCoeff(), start.std_accel_bias.maxCoeff());
     walk.feedback_period =
         Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
     walk.next_feedback = start.nav.time + walk.feedback_period;

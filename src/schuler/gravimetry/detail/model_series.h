@@ -15,7 +15,7 @@ struct SeriesEntry {
 };
 struct ModelSeries {
     std::vector<SeriesEntry> F;
-    std::array<double, Observability::states> scale;   ///< a state in SI units = its scaled number times this
+    std::array<double, Observability::most> scale;   ///< a state in SI units = its scaled number times this
     double time_scale;                                 ///< s
 };
 

@@ -11,10 +11,10 @@ namespace schuler::gravimetry::detail {
 
 using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 
-/// Coefficients of t^0 to t^26: the 27 blocks of the observability matrix need no more.
+/// Coefficients of t^0 to t^32: the 33 blocks of the observability matrix need no more.
 class Series {
 public:
-    static constexpr std::size_t terms = 27;
+    static constexpr std::size_t terms = 33;
 
     Series() = default;
     Series(const Real& constant) { c_[0] = constant; }   // NOLINT: a number is a series
