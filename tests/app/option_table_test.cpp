@@ -86,7 +86,7 @@ TEST(OptionTable, NamesFileLineKeyAndMend) {
         {"[gnss]\nfix_codes = { 1 = \"fixed\" }\n", {"unknown fix type \"fixed\"", "rtk_fixed"}},
         {"[time]\ndate = 2025-13-01\n", {"dataset.toml:2", "TOML"}},
         {"[time]\ndate = \"yesterday\"\n", {"is not a date"}},
-        {"[filter]\nscheme = \"deep\"\n", {"not in this version", "\"loose\""}},
+        {"[filter]\nscheme = \"deeper\"\n", {"unknown value", "\"deep\""}},
         {"imu = 3\n", {"expected a section", "[imu]"}},
         {"[imu\n", {"dataset.toml:1", "not valid TOML"}},
         {"[imu]\nfile = \"a.csv\"\nfile = \"b.csv\"\n", {"dataset.toml:3", "not valid TOML"}},

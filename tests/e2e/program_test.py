@@ -164,7 +164,7 @@ def bad_input(program, source):
         ("--set", "imu.gyro_bias=3"): ["unknown key", "imu.gyro_bias_deg_h"],
         ("--set", "imu.gyro_bias_deg_h=lots"): ["imu.gyro_bias_deg_h", "text"],
         ("--set", "gnss.lever_arm_m=[0,0,1e6]"): ["gnss.lever_arm_m", "out of range"],
-        ("--scheme", "deep"): ["not in this version"],
+        ("--scheme", "deep"): ["a log has none", "choose tight"],
         ("--scheme", "loos"): ["loose"],
         ("--outputs", "solution,pdf"): ["pdf", "summary"],
         ("--config", "none.toml"): ["none.toml", "no such file"],

@@ -151,5 +151,44 @@ def refusals(program, source):
     check(files_of(folder) == before, "refused runs leave nothing behind")
 
 
+def jamming(program, source):
+    """Deep coupling goes on 6 dB below the loss of lock of a receiver by itself, and is back within a second of an outage."""
+    example = (source / "examples/jamming.toml").read_text()
+    start, end = example.index("[[compare.window]]\nname = \"jammer"), example.index("[trajectory]")
+    short = example[:start] + example[end:]
+    short = short.replace("duration_s = 700", "duration_s = 450")
+    short = short.replace('["gnss", "separate", "loose", "tight", "medium", "deep"]', '["tight", "medium", "deep"]')
+    scenario = Path(program.folder) / "jamming.toml"
+    scenario.write_text(short)
+    rows = json.loads(program("run", scenario, "-o", "jamming", "--json").stdout)["schemes"]
+    window = {r["scheme"]: {w["name"]: w for w in r["windows"]} for r in rows}
+    alone, deep = window["tight"]["45 to 15 dB-Hz"], window["deep"]["45 to 15 dB-Hz"]
+    # a phase loop of 15 Hz over 10 ms loses lock at 25.2 dB-Hz (docs/receiver.md); the detectors take half a second to notice
+    check(22.0 < alone["held_db_hz"] < 27.0, f"by itself it holds to {alone['held_db_hz']} dB-Hz")
+    check(deep["held_db_hz"] < alone["held_db_hz"] - 6.0, f"deep holds to {deep['held_db_hz']} dB-Hz")
+    check(deep["horizontal_max_m"] < 20.0 and deep["solution_share"] == 1.0, f"deep while it fades: {deep}")
+    check(window["medium"]["45 to 15 dB-Hz"]["held_db_hz"] < alone["held_db_hz"] - 6.0, "aided code loops hold as long")
+    back = {scheme: w["outage of 30 s"]["back_s"] for scheme, w in window.items()}
+    check(back["deep"] <= 1.0 < back["medium"] < back["tight"] < 5.0, f"after the outage: {back}")
+    check(window["deep"]["20 g"]["horizontal_max_m"] < 3.0, f"20 g: {window['deep']['20 g']}")
+    for row in rows:
+        check(0.2 < row["nees_position"] < 4.0, f"NEES of {row['scheme']}: {row['nees_position']}")
+
+    program("run", scenario, "--scheme", "deep", "--set", "compare.schemes=[]", "-o", "x", status=2)   # no setting of a data set
+    program("simulate", scenario, "-o", "log", "-q")
+    program.fails("process", "log", "--scheme", "deep", "-o", "x", parts=["filter.scheme: deep coupling", "a log has none"])
+    for old, new, parts in (("rate_hz = 5\n", "rate_hz = 5\nintegration_ms = 7\n", [":", "receiver.integration_ms: 7 ms do not divide"]),
+                            ("time_s = 260", "time_s = 100", ["receiver.cn0_profile: 100 s is not after"]),
+                            ("power_w = 1", "power_w = 0", ["receiver.jammer: a jammer without power"]),
+                            ("systems = \"G\"", "systems = \"-\"", ["no satellite is ever in view"]),
+                            ("systems = \"G\"", "systems = \"G\"\nrate_hz = 1", ["ranges.rate_hz: ranges are measured by the receiver"]),
+                            ("correlated_m = 0.5", "fault = [{ source = \"G05\" }]", ["ranges.fault: are faults of ranges"])):
+        bad = Path(program.folder) / "bad.toml"
+        check(old in short, f"{old!r} is in the example")
+        bad.write_text(short.replace(old, new, 1))
+        program.fails("run", bad, "-o", "x", parts=parts)
+    check(not (Path(program.folder) / "x").exists(), "nothing is left of what was refused")
+
+
 if __name__ == "__main__":
-    main({"receiver_recordings": recordings, "receiver_refusals": refusals})
+    main({"receiver_recordings": recordings, "receiver_refusals": refusals, "receiver_jamming": jamming})

@@ -12,7 +12,12 @@ using units::deg;
 /// Milliseconds a coherent sum, the code period being one.
 template <class Access>
 Option<S> integration(const char* key, std::string help, Access access) {
-    return integer<S>(key, 1, 20, std::move(help), access);
+    Option<S> option = integer<S>(key, 1, 20, std::move(help), access);
+    option.set = [set = option.set](S& s, const Value& v) {
+        if (20 % *v.integer() != 0) throw input_error(fmt::format("{} ms do not divide a bit of 20 ms", *v.integer()), {}, "use 1, 2, 4, 5, 10 or 20");
+        set(s, v);
+    };
+    return option;
 }
 
 }  // namespace
@@ -35,6 +40,8 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                             for (const Value& v : list) {
                                 sim::StrengthPoint p{0.0, 45.0};
                                 fill(v, {{.name = "time_s", .number = &p.time}, {.name = "cn0_db_hz", .number = &p.cn0}}, form);
+                                if (!s.receiver_channels.profile.empty() && !(p.time > s.receiver_channels.profile.back().time))
+                                    throw input_error(fmt::format("{:g} s is not after the point before", p.time), {}, "sort it by time_s");
                                 s.receiver_channels.profile.push_back(p);
                             }
                         }))
@@ -52,6 +59,8 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                                          {.name = "start_s", .number = &j.start},
                                          {.name = "duration_s", .number = &j.duration}},
                                      form);
+                                if (!(j.power > 0.0 && j.spread > 0.0 && j.duration > 0.0))
+                                    throw input_error("a jammer without power, spread or duration", {}, "give positive numbers");
                                 s.receiver_channels.jammers.push_back(j);
                             }
                         }))
