@@ -110,6 +110,8 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
         .add(number<S>("ranges.multipath_m", 1.0, 0, 1e3, "amplitude of reflections at the horizon",
                        [](auto& s) -> auto& { return s.ranging.settings.multipath.amplitude; }))
         .add(number<S>("ranges.multipath_period_s", 1.0, 0.01, 1e5, "their period", [](auto& s) -> auto& { return s.ranging.settings.multipath.period; }))
+        .add(number<S>("ranges.receiver_acceleration_m_s_sqrt_s", 1.0, 1e-4, 1e3, "medium: white acceleration that the receiver's own filter is "
+                       "told", [](auto& s) -> auto& { return s.processing.filter.ranging.receiver_acceleration; }))
         .add(flag<S>("ranges.atmosphere", "ranges are delayed by troposphere and ionosphere", settings(&R::atmosphere)));
     add_sources(table);
     add_range_error_options(table, [](auto& s) -> auto& { return s.ranging.settings.errors; });

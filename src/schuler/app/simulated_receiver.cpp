@@ -97,7 +97,8 @@ void SimulatedReceiver::run(const fusion::Guide& guide, Time until, RangingLog& 
         const double jerk = guide.jerk_e.dot((guide.antenna.r_e - sent->position.r).normalized());
         predictions_[i] = {{aid.range + guide.clock - c * sent->clock, aid.rate + guide.drift - c * sent->clock_rate, aid.acceleration, jerk},
                            std::hypot(aid.std_range, guide.std_clock),
-                           std::hypot(aid.std_rate, guide.std_drift)};
+                           std::hypot(aid.std_rate, guide.std_drift),
+                           guide.drift};
     }
     bank_->guide(predictions_, now);
     listen(sky_.seconds(until), log);

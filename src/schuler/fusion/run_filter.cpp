@@ -21,6 +21,11 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// The couplings whose filter is the tight one.
+bool is_tight(Coupling coupling) {
+    return coupling == Coupling::Tight || coupling == Coupling::Medium || coupling == Coupling::Deep;
+}
+
 void check_settings(const Settings& s) {
     if (!(s.gnss.lever_arm_b.norm() < 1000.0))
         throw input_error(fmt::format("the lever arm is {:.6g} m long", s.gnss.lever_arm_b.norm()),
@@ -104,6 +109,13 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     check_overlap(recording, given.initial, warnings);
     Settings settings = given;
     if (settings.coupling == Coupling::Separate) settings.loop = Loop::Closed;   // the corrections are the coupling
+    if (is_tight(settings.coupling)) {
+        // no states of the tight filter: of the specific force that is always there they make biases
+        sensor::ImuErrorModel& imu = settings.imu.errors;
+        const double gain = std::hypot(settings.scale_factors ? imu.accel_scale : 0.0, settings.misalignments ? imu.accel_misalignment : 0.0);
+        imu.accel_turn_on_bias = std::hypot(imu.accel_turn_on_bias, gain * units::g0);
+        settings.scale_factors = settings.misalignments = false;
+    }
     if (const int states = make_layout(settings, !recording.baro.empty(), !recording.mag.empty()).size; states > max_states)
         throw input_error(fmt::format("the filter would have {} states, more than {}", states, max_states),
                           {.file = {}, .key = "filter.misalignments"},
@@ -154,10 +166,9 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
         options.receiver = receiver;
         options.heard = &live.ranges;
     }
-    Result result = settings.coupling == Coupling::Tight || settings.coupling == Coupling::Deep
-                        ? run_tight_pass(data, settings, start, options, origin)
-                    : settings.coupling == Coupling::Medium ? run_medium_pass(data, settings, start, options, origin)
-                                                            : run_pass(data, settings, start, options);
+    Result result = settings.coupling == Coupling::Medium ? run_medium_pass(data, settings, start, options, origin)
+                    : is_tight(settings.coupling)         ? run_tight_pass(data, settings, start, options, origin)
+                                                          : run_pass(data, settings, start, options);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;
     findings.position_latency = settings.gnss.latency;

@@ -1,5 +1,7 @@
 #include "schuler/fusion/tight_filter.h"
 
+#include "schuler/core/units.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +13,17 @@ namespace {
 
 const sensor::RangeErrorModel& errors_of(const TightModel& model, bool station) {
     return station ? model.ranging.errors.station : model.ranging.errors.satellite;
+}
+
+/// Scale factors and misalignments act where the vehicle turns and where its specific force is not that of rest, which the biases
+/// take over: as white noise that leaves, after a manoeuvre of `manoeuvre` seconds, the error that they do.
+BridgeNoise with_gain_errors(const TightModel& model, const ImuIncrement& increment, const BridgeNoise& bridge) {
+    constexpr double manoeuvre = 10.0;   // s
+    const double dt2 = increment.dt * increment.dt, g0 = units::g0;
+    const double beyond_rest = std::max(0.0, increment.dv.squaredNorm() / dt2 - g0 * g0);
+    const double turning = increment.dtheta.squaredNorm() / dt2;
+    return {bridge.gyro_psd + model.gyro_gain * model.gyro_gain * turning * manoeuvre,
+            bridge.accel_psd + model.accel_gain * model.accel_gain * beyond_rest * manoeuvre};
 }
 
 }  // namespace
@@ -33,7 +46,7 @@ void TightFilter<Frame>::start(const TightModel& model, const Eigen::Matrix<doub
 template <class Frame>
 void TightFilter<Frame>::propagate(const TightModel& model, const ImuIncrement& increment, const BridgeNoise& bridge) {
     estim::Transition<L::inertial> phi;
-    inertial.propagate(model.inertial, increment, bridge, phi);
+    inertial.propagate(model.inertial, increment, with_gain_errors(model, increment, bridge), phi);
     gathered.then(phi);
 }
 

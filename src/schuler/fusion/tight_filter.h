@@ -35,6 +35,7 @@ struct TightModel {
     InertialModel<TightLayout::inertial> inertial;
     RangingFilterSettings ranging;
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< IMU to antenna, m
+    double gyro_gain = 0.0, accel_gain = 0.0;   ///< one sigma of scale factor and misalignment, which have no states here
 };
 
 /// A plain copyable struct. The estimate is always fed back (closed loop).

@@ -21,6 +21,9 @@ TightModel make_tight_model(const Settings& settings, bool with_baro) {
     closed.loop = Loop::Closed;
     TightModel model{make_model<TightLayout::inertial>(closed, tight_inertial_layout(with_baro)), settings.ranging,
                      settings.gnss.lever_arm_b};
+    const sensor::ImuErrorModel& imu = settings.imu.errors;
+    model.gyro_gain = std::hypot(imu.gyro_scale, imu.gyro_misalignment);
+    model.accel_gain = std::hypot(imu.accel_scale, imu.accel_misalignment);
     const double time = settings.ranging.baro_bias_time, sigma = settings.baro.bias_std;
     if (with_baro && time > 0.0) model.inertial.process[TightLayout::baro_bias] = {1.0 / time, 2.0 * sigma * sigma / time};
     return model;

@@ -113,7 +113,8 @@ void Bank::step_alone(std::size_t i, const LineOfSight& truth, double cn0, bool 
         ch.search.reset();
     }
     const ReplicaError error = replica_error(ch.signal, ch.tracker.replica(), truth, period);
-    const LineOfSight aid = predicted(i, now() + period);
+    LineOfSight aid = predicted(i, now() + period);
+    aid.rate -= predictions_[i].drift;
     ch.tracker.step(ch.model.dump(error, cn0, period, ch.sign, ch.noise), guided ? &aid : nullptr);
 }
 

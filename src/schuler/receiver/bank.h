@@ -56,6 +56,7 @@ struct BankSettings {
 struct Prediction {
     LineOfSight motion;
     double std_range = 0.0, std_rate = 0.0;    ///< one sigma, m, m/s
+    double drift = 0.0;                        ///< m/s, the clock's part of motion.rate: loops keep it themselves, for its estimate jumps
 };
 
 /// One signal measured: pseudorange and its rate now, receiver's clock included.
