@@ -105,10 +105,11 @@ struct TightCollector : TightObserver<Frame> {
 };
 
 /// What the filter tells a receiver after `last`, which followed `before`: their means tell the force at the end of the last and how it
-/// changes. The covariance is that of the last update: it serves the search for signals.
+/// changes.
 template <class Frame>
-Guide guide_of(const TightModel& model, const TightWalk<Frame>& walk, const ImuIncrement& before, const ImuIncrement& last) {
-    const TightFilter<Frame>& f = walk.filter;
+Guide guide_of(const TightModel& model, TightWalk<Frame>& walk, const ImuIncrement& before, const ImuIncrement& last) {
+    TightFilter<Frame>& f = walk.filter;
+    f.bring_up(model);   // sigmas that do not grow while nothing is received would look for it where it was
     const Estimate e = estimate_of(model.inertial, f.inertial);
     const Eigen::Vector3d mean = last.dv / last.dt, change = (mean - before.dv / before.dt) / (0.5 * (last.dt + before.dt));
     const Eigen::Vector3d f_b = mean + 0.5 * last.dt * change - e.parameters.template segment<3>(Layout::accel_bias);
@@ -118,9 +119,8 @@ Guide guide_of(const TightModel& model, const TightWalk<Frame>& walk, const ImuI
     g.C_en = earth::C_en(e.nav.position.lat, e.nav.position.lon);
     g.jerk_e = g.C_en * (e.C_nb * change);
     g.P = f.local_covariance(model).template topLeftCorner<6, 6>();
-    const double since = (f.time() - f.brought).seconds();
     g.drift = f.parameters(TightLayout::drift);
-    g.clock = f.parameters(TightLayout::clock) + since * g.drift;
+    g.clock = f.parameters(TightLayout::clock);
     g.std_clock = std::sqrt(std::max(0.0, f.P(TightLayout::clock, TightLayout::clock)));
     g.std_drift = std::sqrt(std::max(0.0, f.P(TightLayout::drift, TightLayout::drift)));
     return g;

@@ -126,7 +126,9 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
         return;
     }
     const Prediction& p = predictions_[i];
-    if (!(p.std_range < deep_range && p.std_rate < deep_rate)) {
+    // what runs is kept longer: a signal too weak to be found may still be followed
+    const double patience = ch.running ? 2.0 : 1.0;
+    if (!(p.std_range < patience * deep_range && p.std_rate < patience * deep_rate)) {
         // a prediction that may lie beyond the discriminators' reach would make measurements that are none: look for the signal
         if (!search(i, truth, cn0)) return;
         ch.running = false;
