@@ -153,6 +153,7 @@ class SimulatedSky;
 struct ReceiverRow {
     Time time;
     double cn0 = not_given;        ///< dB-Hz, of the signals that are there, true
+    double jammed = not_given;     ///< dB, J/S of all jammers; minus infinity without one
     int heard = 0;                 ///< satellites that are there
     int code = 0, phase = 0;       ///< channels that follow the code, and the carrier's phase too
 };

@@ -162,6 +162,7 @@ void SimulatedReceiver::note() {
     ReceiverRow row;
     const double t = bank_->now();
     row.time = sky_.time(t);
+    row.jammed = sky_.signals().jammer_to_signal(t);
     for (std::size_t i = 0; i < sky_.size(); ++i) {
         const double cn0 = sky_.cn0(i, t);
         if (cn0 > 0.0) {
