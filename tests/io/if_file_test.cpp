@@ -7,9 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
 
 namespace schuler::io {
 namespace {
@@ -32,9 +34,13 @@ protected:
     static std::string noise(double std, double middle = 0.0) {
         math::Random random(1, "if_file");
         std::vector<T> out(8000);
-        for (T& x : out)
-            x = static_cast<T>(std::is_integral_v<T> ? std::floor(middle + std * random.normal() + 0.5)
-                                                     : middle + std * random.normal());
+        for (T& x : out) {
+            const double value = middle + std * random.normal();
+            if constexpr (std::is_integral_v<T>)   // a converter saturates
+                x = static_cast<T>(std::clamp<double>(std::floor(value + 0.5), std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
+            else
+                x = static_cast<T>(value);
+        }
         return written(out);
     }
     std::string complaint(const std::string& bytes, const char* format, std::uintmax_t start = 0) {
