@@ -168,8 +168,10 @@ TEST(AhrsCalibration, EllipsoidIsUndone) {
     distortion << 1.1, 0.05, -0.02, 0.05, 0.92, 0.03, -0.02, 0.03, 1.04;
     const Vector3d iron(12e-6, -7e-6, 20e-6);
     std::vector<Vector3d> readings;
-    for (int i = 0; i < 3000; ++i)
-        readings.push_back(distortion * (48e-6 * random.normal3().normalized()) + iron + 1e-7 * random.normal3());
+    for (int i = 0; i < 3000; ++i) {
+        const Vector3d field = 48e-6 * random.normal3().normalized(), noise = 1e-7 * random.normal3();
+        readings.push_back(distortion * field + iron + noise);
+    }
     readings[5] = Vector3d(9e-5, 9e-5, 9e-5);
     const auto fit = fit_ellipsoid(readings, 48e-6);
     ASSERT_TRUE(fit.has_value());

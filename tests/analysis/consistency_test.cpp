@@ -1,6 +1,7 @@
 #include "schuler/analysis/consistency.h"
 
 #include "schuler/math/chi_square.h"
+#include "support/draws.h"
 
 #include <gtest/gtest.h>
 
@@ -47,12 +48,12 @@ TEST(Nees, CorrelatedSamplesWidenTheBounds) {
     double effective = 0.0;
     const int runs = 200, n = 5000;
     for (int run = 0; run < runs; ++run) {
-        Vector3d x(normal(rng), normal(rng), normal(rng));
+        Vector3d x = test::draw3(normal, rng);
         std::vector<double> values;
         for (int i = 0; i < n; ++i) {
             values.push_back(x.squaredNorm());
             const double b = std::sqrt(1.0 - a * a);
-            x = a * x + b * Vector3d(normal(rng), normal(rng), normal(rng));
+            x = a * x + b * test::draw3(normal, rng);
         }
         const NeesStatistics s = nees_statistics(values, 3.0);
         inside += s.mean > s.low95 && s.mean < s.high95;
@@ -83,11 +84,11 @@ TEST(Nis, MeanCountsAndNeighbourCorrelation) {
     std::normal_distribution<double> normal;
     const double a = 0.6;
     std::vector<InnovationSample> samples;
-    Vector3d z(normal(rng), normal(rng), normal(rng));
+    Vector3d z = test::draw3(normal, rng);
     double sum = 0.0;
     for (int i = 0; i < 20000; ++i) {
         const double b = std::sqrt(1.0 - a * a);
-        z = a * z + b * Vector3d(normal(rng), normal(rng), normal(rng));
+        z = a * z + b * test::draw3(normal, rng);
         samples.push_back({z.head<2>().squaredNorm(), 2, true, {z.x(), z.y(), i % 2 == 0 ? 1e3 : -1e3}});  // third: unused
         sum += samples.back().nis;
         if (i % 100 == 0) samples.push_back({1e6, 2, false, {1e3, 1e3, 0.0}});

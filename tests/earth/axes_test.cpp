@@ -23,7 +23,7 @@ std::vector<Eigen::Vector3d> attitudes() {
     std::mt19937_64 rng(7);
     std::uniform_real_distribution<double> u(-1, 1);
     std::vector<Eigen::Vector3d> result{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 1.0}};
-    for (int i = 0; i < 40; ++i) result.emplace_back(3.1 * u(rng), 1.5 * u(rng), 3.14 + 3.1 * u(rng));
+    for (int i = 0; i < 40; ++i) result.push_back({3.1 * u(rng), 1.5 * u(rng), 3.14 + 3.1 * u(rng)});
     return result;
 }
 

@@ -45,7 +45,7 @@ TEST(EarthTerms, TransportRateIsTheRotationOfLocalLevel) {
     for (int i = 0; i < 50; ++i) {
         const Earth earth{i % 2 == 0 ? wgs84 : international1924, GravityModel::Somigliana};
         const Geodetic p{1.4 * u(rng), 3.1 * u(rng), 1e4 * u(rng)};
-        const Eigen::Vector3d v(300 * u(rng), 300 * u(rng), 20 * u(rng));
+        const Eigen::Vector3d v{300 * u(rng), 300 * u(rng), 20 * u(rng)};
         const double dt = 0.5;
         const Geodetic after = moved_by_ned(earth, p, dt * v), before = moved_by_ned(earth, p, -dt * v);
         const Eigen::Matrix3d rate = (C_en(after.lat, after.lon) - C_en(before.lat, before.lon)) / (2 * dt);
@@ -92,9 +92,10 @@ TEST(Displacement, MovedByIsTheInverseOfDifference) {
     std::uniform_real_distribution<double> u(-1, 1);
     const Earth earth;
     for (int i = 0; i < 1000; ++i) {
-        const double lon = i % 3 == 0 ? std::copysign(std::numbers::pi - 1e-6 * std::abs(u(rng)), u(rng)) : 3.0 * u(rng);
+        const double side = u(rng), off = u(rng);
+        const double lon = i % 3 == 0 ? std::copysign(std::numbers::pi - 1e-6 * std::abs(off), side) : 3.0 * side;
         const Geodetic from{1.5 * u(rng), lon, 2e4 * u(rng)};
-        const Eigen::Vector3d ned(5000 * u(rng), 5000 * u(rng), 500 * u(rng));
+        const Eigen::Vector3d ned{5000 * u(rng), 5000 * u(rng), 500 * u(rng)};
         const Geodetic to = moved_by_ned(earth, from, ned);
         EXPECT_LE(std::abs(to.lon), std::numbers::pi);
         EXPECT_LT((ned_difference(earth, to, from) - ned).norm(), 1e-8);

@@ -6,6 +6,7 @@
 #include "schuler/fusion/forward_pass.h"
 #include "schuler/ins/state_error.h"
 #include "schuler/math/rotation.h"
+#include "support/draws.h"
 #include "support/perturbation.h"
 
 #include <gtest/gtest.h>
@@ -69,7 +70,7 @@ struct Point {
 std::vector<Point> random_points(int count) {
     std::mt19937_64 generator(20250301);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    const auto vector = [&](double size) { return Vector3d(size * Vector3d(unit(generator), unit(generator), unit(generator))); };
+    const auto vector = [&](double size) { return Vector3d(size * test::draw3(unit, generator)); };
     std::vector<Point> points;
     for (int k = 0; k < count; ++k) {
         Point p;
@@ -107,25 +108,28 @@ Estimate erring(const Estimate& truth, const VectorXd& dx) {
     return e;
 }
 
-/// Models of an aid at random points. attitude_floor: what the rows leave out on purpose for an attitude error, per radian.
+/// An aid, a function of the estimate, at a point. attitude_floor: what the rows leave out on purpose for an attitude error,
+/// per radian.
+template <class Aid>
+LinearModel model_at(const Point& p, Aid aid, double attitude_floor = 1e-9) {
+    const LocalMeasurement m = aid(p.truth);
+    EXPECT_GT(m.dof, 0) << p.name;
+    const MatrixXd H = m.rows.leftCols(m.dof).transpose();
+    const auto output = [aid, truth = p.truth](const VectorXd& dx) {
+        const LocalMeasurement at = aid(erring(truth, dx));
+        return VectorXd(at.innovation.head(at.dof));
+    };
+    // Metres per metre: the radii of parallels some metres apart differ by 1e-5 near the poles.
+    VectorXd column = VectorXd::Constant(N, 1e-8);
+    column.head<3>().setConstant(1e-5);
+    column.segment<3>(6).setConstant(attitude_floor);
+    return {p.name, H, output, sizes(10.0, 0.1, 1e-3), tolerance_of(H, 1e-7, VectorXd::Ones(m.dof), column)};
+}
+
 template <class Aid>
 std::vector<LinearModel> models_of(Aid aid, double attitude_floor = 1e-9) {
     std::vector<LinearModel> models;
-    for (const Point& p : random_points(12)) {
-        const Estimate& truth = p.truth;
-        const LocalMeasurement m = aid(truth);
-        EXPECT_GT(m.dof, 0);
-        const MatrixXd H = m.rows.leftCols(m.dof).transpose();
-        const auto output = [aid, truth](const VectorXd& dx) {
-            const LocalMeasurement at = aid(erring(truth, dx));
-            return VectorXd(at.innovation.head(at.dof));
-        };
-        // Metres per metre: the radii of parallels some metres apart differ by 1e-5 near the poles.
-        VectorXd column = VectorXd::Constant(N, 1e-8);
-        column.head<3>().setConstant(1e-5);
-        column.segment<3>(6).setConstant(attitude_floor);
-        models.push_back({p.name, H, output, sizes(10.0, 0.1, 1e-3), tolerance_of(H, 1e-7, VectorXd::Ones(m.dof), column)});
-    }
+    for (const Point& p : random_points(12)) models.push_back(model_at(p, aid, attitude_floor));
     return models;
 }
 
@@ -165,10 +169,9 @@ SCHULER_JACOBIAN(baro_height, "fusion.baro_height") {
 SCHULER_JACOBIAN(magnetic_azimuth, "fusion.magnetic_azimuth") {
     // A field that points north and down at the truth, seen in the body.
     std::vector<LinearModel> models;
-    const std::vector<Point> points = random_points(12);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-        const Vector3d field_b = points[k].truth.C_nb.transpose() * Vector3d(20.0, 3.0, 40.0);
-        models.push_back(models_of([field_b](const Estimate& e) { return magnetic_azimuth(e, field_b, 0.1, 0.01); })[k]);
+    for (const Point& p : random_points(12)) {
+        const Vector3d field_b = p.truth.C_nb.transpose() * Vector3d(20.0, 3.0, 40.0);
+        models.push_back(model_at(p, [field_b](const Estimate& e) { return magnetic_azimuth(e, field_b, 0.1, 0.01); }));
     }
     return models;
 }

@@ -3,6 +3,7 @@
 #include "schuler/fusion/aid/range.h"
 #include "schuler/ins/state_error.h"
 #include "schuler/math/rotation.h"
+#include "support/draws.h"
 #include "support/perturbation.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +54,7 @@ MatrixXd analytic(const Point& p) {
 std::vector<Point> points() {
     std::mt19937_64 generator(7);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    const auto vector = [&](double size) { return Vector3d(size * Vector3d(unit(generator), unit(generator), unit(generator))); };
+    const auto vector = [&](double size) { return Vector3d(size * test::draw3(unit, generator)); };
     std::vector<Point> out;
     for (int k = 0; k < 8; ++k) {
         Point p;
@@ -64,7 +65,7 @@ std::vector<Point> points() {
         p.lever_b = vector(3.0);
         const Ecef place = earth::ecef_from_geodetic(wgs84.ellipsoid, p.nav.position);
         const bool satellite = k % 2 == 0;
-        const Vector3d out_e = earth::C_en(p.nav.position.lat, p.nav.position.lon) * Vector3d(unit(generator), unit(generator), -1.0);
+        const Vector3d out_e = earth::C_en(p.nav.position.lat, p.nav.position.lon) * Vector3d{unit(generator), unit(generator), -1.0};
         p.transmitter.r = place.r + (satellite ? 21e6 * out_e.normalized() : Vector3d(vector(60e3)));
         p.velocity = satellite ? vector(2500.0) : Vector3d(Vector3d::Zero());
         p.name = (satellite ? "satellite " : "station ") + std::to_string(k);

@@ -7,6 +7,7 @@
 #include "schuler/core/units.h"
 #include "schuler/ins/step.h"
 #include "schuler/math/rotation.h"
+#include "support/draws.h"
 #include "support/perturbation.h"
 
 #include <Eigen/Geometry>
@@ -54,7 +55,7 @@ struct Point {
 std::vector<Point> points() {
     std::mt19937_64 generator(7);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    const auto vector = [&](double size) { return Vector3d(size * Vector3d(unit(generator), unit(generator), unit(generator))); };
+    const auto vector = [&](double size) { return Vector3d(size * test::draw3(unit, generator)); };
     std::vector<Point> out;
     for (const DisturbanceKind kind : kinds) {
         for (int k = 0; k < 2; ++k) {

@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/math/rotation.h"
+#include "support/draws.h"
 
 #include <gtest/gtest.h>
 
@@ -49,15 +50,15 @@ TEST(Alignment, PredictedSigmasAreThoseOfManyAlignments) {
     const double accel_std = 0.02, gyro_std = 0.02 * units::deg_per_hour;  // 2.5 and 2 mrad of heading
     std::mt19937_64 generator(11);
     std::normal_distribution<double> normal;
-    const auto noise = [&](double s) { return Vector3d(s * Vector3d(normal(generator), normal(generator), normal(generator))); };
+    const auto noise = [&](double s) { return Vector3d(s * test::draw3(normal, generator)); };
     const int runs = 4000;
-    Vector3d sum2 = Vector3d::Zero(), predicted;
+    const Vector3d predicted = gyrocompass(earth_model, place, r.f_b, r.w_b, accel_std, gyro_std).std_rpy;
+    Vector3d sum2 = Vector3d::Zero();
     for (int k = 0; k < runs; ++k) {
         const Vector3d f = r.f_b + noise(accel_std), w = r.w_b + noise(gyro_std);
         const Gyrocompass g = gyrocompass(earth_model, place, f, w, accel_std, gyro_std);
         const Vector3d e = g.rpy - rpy;
         sum2 += e.cwiseProduct(e);
-        predicted = g.std_rpy;
     }
     const Vector3d ratio = (sum2 / runs).cwiseSqrt().cwiseQuotient(predicted);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(ratio(k), 1.0, 0.04) << k;
@@ -93,9 +94,9 @@ TEST(Alignment, AttitudeFromSpecificForceAndHeading) {
     std::mt19937_64 generator(5);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     for (int k = 0; k < 1000; ++k) {
-        const Vector3d rpy(0.6 * unit(generator), 0.6 * unit(generator), 3.1 * (unit(generator) + 1.0));
+        const Vector3d rpy = Vector3d(0.0, 0.0, 3.1) + Vector3d(0.6, 0.6, 3.1).cwiseProduct(test::draw3(unit, generator));
         const Quaterniond truth = math::quaternion_from_rpy(rpy);
-        const Vector3d f_n(6.0 * unit(generator), 6.0 * unit(generator), -9.8);
+        const Vector3d f_n = Vector3d(0.0, 0.0, -9.8) + Vector3d(6.0, 6.0, 0.0).cwiseProduct(test::draw3(unit, generator));
         const Vector3d f_b = 1.01 * (truth.conjugate() * f_n);  // a scale factor must not matter
         const Quaterniond q = attitude_from_specific_force(f_b, f_n, rpy.z());
         EXPECT_LT(math::rotation_vector_from_quaternion(q * truth.conjugate()).norm(), 1e-7) << rpy.transpose();

@@ -5,6 +5,7 @@
 #include "schuler/ins/state_error.h"
 #include "schuler/ins/step.h"
 #include "schuler/math/rotation.h"
+#include "support/draws.h"
 #include "support/perturbation.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +37,7 @@ struct Point {
 std::vector<Point> random_points(int count) {
     std::mt19937_64 generator(20240611);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    const auto vector = [&](double size) { return Vector3d(size * Vector3d(unit(generator), unit(generator), unit(generator))); };
+    const auto vector = [&](double size) { return Vector3d(size * test::draw3(unit, generator)); };
     std::vector<Point> points;
     for (int k = 0; k < count; ++k) {
         Point p;

@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/ins/step.h"
 #include "schuler/math/rotation.h"
+#include "support/draws.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,7 @@ TEST(StateError, CorrectedUndoesPerturbed) {
     const earth::Earth earth;
     std::mt19937_64 generator(7);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    const auto vector = [&](double size) { return Vector3d(size * Vector3d(unit(generator), unit(generator), unit(generator))); };
+    const auto vector = [&](double size) { return Vector3d(size * test::draw3(unit, generator)); };
     for (int k = 0; k < 2000; ++k) {
         NavState x;
         x.time = Time{k};

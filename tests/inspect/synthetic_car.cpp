@@ -1,4 +1,5 @@
 #include "inspect/synthetic_car.h"
+#include "support/draws.h"
 
 #include <Eigen/Geometry>
 
@@ -64,7 +65,7 @@ void write_car(const std::filesystem::path& folder, const CarLog& car) {
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
     const auto noise = [&](double sigma) {
-        return Eigen::Vector3d(sigma * normal(random), sigma * normal(random), sigma * normal(random));
+        return Eigen::Vector3d(sigma * schuler::test::draw3(normal, random));
     };
     char line[512];
     const char* s = car.separator.c_str();

@@ -4,6 +4,7 @@
 #include "schuler/core/samples.h"
 
 #include "io/io_fixture.h"
+#include "support/draws.h"
 
 #include <cmath>
 #include <cstdio>
@@ -42,7 +43,7 @@ TEST(FixedPoint, AgreesWithPrintf) {
     };
     int different = 0;
     for (int i = 0; i < 100000; ++i) {
-        const double value = unit(rng) * std::pow(10.0, power(rng));
+        const double magnitude = std::pow(10.0, power(rng)), value = magnitude * unit(rng);
         different += compare(fixed<0>(value), value, 0) ? 0 : 1;
         different += compare(fixed<1>(value), value, 1) ? 0 : 1;
         different += compare(fixed<3>(value), value, 3) ? 0 : 1;
@@ -77,7 +78,7 @@ class Solution : public test::IoTest {};
 
 SolutionRow row(std::mt19937_64& rng, std::int64_t ns) {
     std::uniform_real_distribution<double> u(-1.0, 1.0);
-    const auto three = [&](double size) { return Eigen::Vector3d(size * u(rng), size * u(rng), size * u(rng)); };
+    const auto three = [&](double size) { return Eigen::Vector3d(size * schuler::test::draw3(u, rng)); };
     SolutionRow r;
     r.time.ns = ns;
     r.position = {1.57 * u(rng), std::numbers::pi * u(rng), 9000.0 * u(rng)};

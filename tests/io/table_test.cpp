@@ -43,7 +43,7 @@ TEST(Number, RandomNumbersAgreeWithTheCLibrary) {
     std::uniform_real_distribution<double> power(-30.0, 25.0);
     std::normal_distribution<double> unit;
     for (int i = 0; i < 200000; ++i) {
-        const double value = unit(rng) * std::pow(10.0, power(rng));
+        const double magnitude = std::pow(10.0, power(rng)), value = magnitude * unit(rng);
         char text[128];
         std::snprintf(text, sizeof text, i % 3 == 0 ? "%.15e" : i % 3 == 1 ? "%.9f" : "%.18g", value);
         ASSERT_EQ(number_from(text), std::strtod(text, nullptr)) << text;

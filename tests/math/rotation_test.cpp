@@ -50,7 +50,7 @@ TEST(Euler, RoundTripAndQuaternionAgree) {
     std::mt19937 rng(7);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
     for (int i = 0; i < 1000; ++i) {
-        const Vector3d rpy(std::numbers::pi * u(rng), 1.55 * u(rng), std::numbers::pi * (1.0 + u(rng)));
+        const Vector3d rpy{std::numbers::pi * u(rng), 1.55 * u(rng), std::numbers::pi * (1.0 + u(rng))};
         const Matrix3d C = dcm_from_rpy(rpy);
         const Matrix3d by_axes = (Eigen::AngleAxisd(rpy.z(), Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(rpy.x(), Vector3d::UnitX()))

@@ -7,6 +7,7 @@
 #include "schuler/math/rotation.h"
 #include "schuler/sim/inverse_imu.h"
 #include "schuler/theory/equator.h"
+#include "support/draws.h"
 
 #include <gtest/gtest.h>
 
@@ -118,7 +119,7 @@ template <class Frame>
 void expect_derivative_of_mechanization() {
     std::mt19937_64 generator(77);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    const auto vector = [&](double size) { return Vector3d(size * Vector3d(unit(generator), unit(generator), unit(generator))); };
+    const auto vector = [&](double size) { return Vector3d(size * draw3(unit, generator)); };
     for (int point = 0; point < 40; ++point) {
         earth::Earth earth;
         earth.gravity = point % 2 == 0 ? earth::GravityModel::KfGins : earth::GravityModel::PaperC;

@@ -36,8 +36,8 @@ TEST(LevelDynamics, TheFiltersModelIsSimilar) {
         earth::Earth earth;
         earth.gravity = point % 2 == 0 ? earth::GravityModel::KfGins : earth::GravityModel::PaperC;
         const Geodetic p{1.4 * unit(generator), unit(generator), 5000.0 * (1.0 + unit(generator))};
-        const Vector3d v(250.0 * unit(generator), 250.0 * unit(generator), 30.0 * unit(generator));
-        const Vector3d f(4.0 * unit(generator), 4.0 * unit(generator), 9.8);
+        const Vector3d v{250.0 * unit(generator), 250.0 * unit(generator), 30.0 * unit(generator)};
+        const Vector3d f{4.0 * unit(generator), 4.0 * unit(generator), 9.8};
         const auto T = [&](double lat_, double h) {
             const earth::Radii r = earth::radii(earth.ellipsoid, lat_);
             Matrix9 M = Matrix9::Zero();

@@ -33,7 +33,8 @@ void inject(ProtectionTrial& trial, RangingLog& log, Time origin, math::Random& 
             const auto which = static_cast<std::size_t>(random.uniform() * static_cast<double>(first->count));
             trial.satellite[at] = log.samples[first->first + std::min(which, first->count - 1)].source;
         } while (at == 1 && trial.satellite[1] == trial.satellite[0]);
-        trial.size[at] = (least_size + (most_size - least_size) * random.uniform()) * (random.uniform() < 0.5 ? -1.0 : 1.0);
+        const double size = least_size + (most_size - least_size) * random.uniform();
+        trial.size[at] = random.uniform() < 0.5 ? -size : size;
         for (std::size_t k = first->first; k < log.samples.size(); ++k)
             if (log.samples[k].source == trial.satellite[at]) log.samples[k].pseudorange += trial.size[at];
     }

@@ -62,7 +62,8 @@ AidLog simulate_aids(const AidErrors& e, const earth::Earth& earth, const TruthP
         out.gauges.push_back(sample);
     });
     const double gain = 1.0 + e.log.scale * constant.normal();
-    const Vector3d turned(0.0, e.log.misalignment * constant.normal(), e.log.misalignment * constant.normal());
+    const double about_y = e.log.misalignment * constant.normal(), about_z = e.log.misalignment * constant.normal();
+    const Vector3d turned(0.0, about_y, about_z);
     at_epochs(e.log.rate, duration, path, [&](double t, const Kinematics& k) {
         const PointMotion point = point_motion(earth, k, e.log.lever_arm_b);
         const Vector3d v_b = math::dcm_from_rpy(k.rpy).transpose() * point.v_n;
