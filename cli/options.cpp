@@ -15,9 +15,11 @@ void add_everywhere(CLI::App& app, Options& o) {
 
 }  // namespace
 
-void add_output(CLI::App& app, Options& o) {
-    app.add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
+void add_output(CLI::App& app, Options& o, const char* what) {
+    app.add_option("-o,--output", o.output, what)->type_name("DIR");
 }
+
+void add_json(CLI::App& app, Options& o, const char* what) { app.add_flag("--json", o.json, what); }
 
 void add_settings(CLI::App& app, Options& o) {
     app.add_option("--config", o.config, "settings over those of the data set: keys as in dataset.toml")->type_name("FILE.toml");
@@ -29,7 +31,7 @@ void add_settings(CLI::App& app, Options& o) {
         ->allow_extra_args(false);
     // `--set a=1 b=2`: what follows the first pair arrives as arguments of no option
     app.add_option("more_settings", o.loose_arguments)->group("");
-    app.add_flag("--json", o.json, "summary.json on standard output instead of the tables");
+    add_json(app, o, "summary.json on standard output instead of the tables");
 }
 
 void add_run_options(CLI::App& app, Options& o) {
@@ -51,7 +53,10 @@ namespace {
 /// Options of process, run and demo.
 void add_processing(CLI::App& app, Options& o) {
     add_settings(app, o);
-    app.add_option("--scheme", o.scheme, "coupling: loose, separate, tight, medium, or gnss for the receiver's own solution")->type_name("SCHEME");
+    app.add_option("--scheme", o.scheme,
+                   "coupling: loose, separate, tight, medium, deep (of a scenario with [receiver]), or gnss for the receiver's own "
+                   "solution")
+        ->type_name("SCHEME");
     app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
     app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");
     add_run_options(app, o);
@@ -73,7 +78,7 @@ CLI::App* add_command(CLI::App& parser, Options& o, const std::string& name, con
 void add_data_commands(CLI::App& parser, Options& o) {
     CLI::App* demo = add_command(parser, o, "demo", "simulate a drive, process its logs, evaluate, write a report",
                                  "  schuler demo\n  schuler demo -o /tmp/demo");
-    demo->add_option("-o,--output", o.output, "folder to write to (default out/demo)")->type_name("DIR");
+    add_output(*demo, o, "folder to write to (default out/demo)");
     add_processing(*demo, o);
 
     CLI::App* simulate = add_command(
@@ -136,7 +141,7 @@ void add_montecarlo_command(CLI::App& parser, Options& o) {
     app->add_option("SCENARIO", o.input, "scenario file")->required();
     app->add_option("-n,--runs", o.runs, "number of runs (default: the scenario's, else 100)")->type_name("RUNS")->check(CLI::Range(1, 1000000));
     app->add_option("-j,--jobs", o.jobs, "runs at once (default: one a core)")->type_name("J")->check(CLI::Range(0, 1024));
-    app->add_option("-o,--output", o.output, "folder to write to (default out/NAME-montecarlo)")->type_name("DIR");
+    add_output(*app, o, "folder to write to (default out/NAME-montecarlo)");
     app->add_option("--seed", o.seed, "of the first run, instead of the scenario's")->type_name("N");
     add_processing(*app, o);
 }
@@ -149,13 +154,13 @@ void add_file_commands(CLI::App& parser, Options& o) {
     evaluate->add_option("REFERENCE", o.second, "reference.csv, a solution, or ten columns: t lat lon h vN vE vD roll pitch yaw")
         ->required();
     evaluate->add_option("--settle", o.settle, "leave out the first S seconds")->type_name("S")->check(CLI::NonNegativeNumber);
-    evaluate->add_flag("--json", o.json, "one JSON document with the fields of summary.json");
+    add_json(*evaluate, o, "one JSON document with the fields of summary.json");
 
     CLI::App* inspect =
         add_command(parser, o, "inspect", "what is in a file or folder, what is wrong, a dataset.toml to start from",
                     "  schuler inspect drive/\n  schuler inspect imu.csv --json");
     inspect->add_option("PATH", o.input, "file or folder")->required();
-    inspect->add_flag("--json", o.json, "one JSON document");
+    add_json(*inspect, o);
 
     CLI::App* convert =
         add_command(parser, o, "convert", "a solution from one format to another",

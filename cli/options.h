@@ -65,11 +65,14 @@ void serve_page(const Options& options);
 /// `analyze` and its studies; Options::command becomes "analyze equator" and so on.
 void add_analyze_command(CLI::App& parser, Options& options, const AddCommand& add_command);
 
-/// -o; and settings over those of the data set with the result as JSON: of every command that processes one.
-void add_output(CLI::App& app, Options& options);
+/// -o.
+void add_output(CLI::App& app, Options& options, const char* what = "folder to write to (default out/NAME)");
+/// --json.
+void add_json(CLI::App& app, Options& options, const char* what = "one JSON document");
+/// Settings over those of the data set, with the result as JSON: of every command that processes one.
+void add_settings(CLI::App& app, Options& options);
 /// Loop, outages, what is counted and written, progress: of every command that runs a filter once.
 void add_run_options(CLI::App& app, Options& options);
-void add_settings(CLI::App& app, Options& options);
 
 /// `receiver` with `generate` and `track`; Options::command becomes "receiver track" and so on.
 void add_receiver_command(CLI::App& parser, Options& options, const AddCommand& add_command);

@@ -45,8 +45,8 @@ void add_equator(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     app->add_option("--vn", r.north_speed, "north velocity of a comparison")->type_name("M_S");
     app->add_option("--vh", r.up_speed, "up velocity of a comparison")->type_name("M_S");
     app->add_flag("--ellipsoid", r.ellipsoid, "a comparison with the paper's e^2 instead of a sphere");
-    app->add_option("-o,--output", o.output, "folder of the comparison's report (default out/equator)")->type_name("DIR");
-    app->add_flag("--json", o.json, "one JSON document");
+    add_output(*app, o, "folder of the comparison's report (default out/equator)");
+    add_json(*app, o);
 }
 
 void add_schuler(CLI::App& analyze, Options& o, const AddCommand& add_command) {
@@ -73,8 +73,8 @@ void add_schuler(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     app->add_option("--baro-time", r.baro_time, "time constant of the loop, default 100")->type_name("S");
     app->add_option("--baro", r.baro, "constant error of the barometer")->type_name("M");
     app->add_flag("--paper", r.paper, "cases of paper A, section 4.1");
-    app->add_option("-o,--output", o.output, "folder of a report with plots (default: none)")->type_name("DIR");
-    app->add_flag("--json", o.json, "one JSON document");
+    add_output(*app, o, "folder of a report with plots (default: none)");
+    add_json(*app, o);
 }
 
 void add_studies(CLI::App& analyze, Options& o, const AddCommand& add_command) {
@@ -84,7 +84,7 @@ void add_studies(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     requirements->add_option("--budget", o.requirements.budget, "horizontal position error that is allowed, default 5")->type_name("M");
     requirements->add_option("--outage", o.requirements.outages, "default 10 s to an hour")->delimiter(',')->type_name("S[,S...]");
     requirements->add_option("--device", o.requirements.devices, "how long an outage may it have? default: all")->delimiter(',')->type_name("NAME");
-    requirements->add_flag("--json", o.json, "one JSON document");
+    add_json(*requirements, o);
     const auto add_study = [&](const char* name, const char* purpose, const char* examples) {
         CLI::App* app = add_command(analyze, name, purpose, examples);
         app->add_option("SCENARIO", o.input, "scenario file")->required();
@@ -92,7 +92,7 @@ void add_studies(CLI::App& analyze, Options& o, const AddCommand& add_command) {
         app->add_option("--jobs", o.study.jobs, "threads, default one a core")->check(CLI::NonNegativeNumber);
         app->add_option("--seed", o.seed, "of the first run");
         app->add_option("--set", o.set, "settings of the filter")->type_name("key=value")->allow_extra_args(false);
-        app->add_flag("--json", o.json, "one JSON document");
+        add_json(*app, o);
         return app;
     };
     add_study("budget", "errors by source: one at a time, the filter believing in all",
@@ -131,7 +131,7 @@ void add_observability(CLI::App& analyze, Options& o, const AddCommand& add_comm
     app->add_flag("--rhumb", r.rhumb, "constant course and velocity against north instead of a great circle");
     app->add_flag("--frozen", r.frozen, "hold the model as it is at the start");
     app->add_flag("--paper", r.paper, "the paper's motions too");
-    app->add_flag("--json", o.json, "one JSON document");
+    add_json(*app, o);
 }
 
 void add_triad(CLI::App& analyze, Options& o, const AddCommand& add_command) {
@@ -149,8 +149,8 @@ void add_triad(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     app->add_option("-n,--runs", r.runs, "runs of each case, default 48: run j has geometry j mod 48")->check(CLI::PositiveNumber);
     app->add_option("--jobs", r.jobs, "threads, default one a core")->check(CLI::NonNegativeNumber);
     app->add_option("--seed", o.seed, "of the first 48 runs, default 1");
-    app->add_option("-o,--output", o.output, "folder of CSV files and a report with plots (default: none)")->type_name("DIR");
-    app->add_flag("--json", o.json, "one JSON document");
+    add_output(*app, o, "folder of CSV files and a report with plots (default: none)");
+    add_json(*app, o);
 }
 
 void add_allan(CLI::App& analyze, Options& o, const AddCommand& add_command) {
@@ -164,7 +164,7 @@ void add_allan(CLI::App& analyze, Options& o, const AddCommand& add_command) {
     app->add_option("--config", o.config, "settings over those of the data set")->type_name("FILE");
     app->add_option("--seed", o.seed, "instead of the scenario's")->type_name("N");
     app->add_option("--set", o.set, "one setting")->type_name("key=value")->allow_extra_args(false);
-    app->add_flag("--json", o.json, "one JSON document");
+    add_json(*app, o);
 }
 
 void add_protection(CLI::App& analyze, Options& o, const AddCommand& add_command) {
@@ -178,8 +178,8 @@ void add_protection(CLI::App& analyze, Options& o, const AddCommand& add_command
     app->add_option("--false-alarm", r.settings.false_alarm, "of one test, default 1e-7")->check(CLI::Range(1e-15, 0.1));
     app->add_option("--jobs", r.jobs, "threads, default one a core")->check(CLI::NonNegativeNumber);
     app->add_option("--seed", o.seed, "default 1");
-    app->add_option("-o,--output", o.output, "folder of trials.csv (default: none)")->type_name("DIR");
-    app->add_flag("--json", o.json, "one JSON document");
+    add_output(*app, o, "folder of trials.csv (default: none)");
+    add_json(*app, o);
 }
 
 }  // namespace

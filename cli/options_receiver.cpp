@@ -7,6 +7,13 @@ namespace schuler::cli {
 
 namespace {
 
+/// Of the recording, read or written.
+CLI::Option* add_sampling(CLI::App& app, double& sample_rate, double& intermediate_frequency) {
+    app.add_option("--intermediate-frequency", intermediate_frequency, "of the carrier without Doppler, default 0")
+        ->type_name("HZ");
+    return app.add_option("--sample-rate", sample_rate, "complex samples a second")->type_name("HZ");
+}
+
 void add_generate(CLI::App& receiver, Options& o, const AddCommand& add_command) {
     CLI::App* app = add_command(receiver, "generate", "write a recording of GPS L1 C/A signals in noise",
                                 "  schuler receiver generate sky.ibyte                     six satellites, 5 s at 4 MHz\n"
@@ -16,14 +23,12 @@ void add_generate(CLI::App& receiver, Options& o, const AddCommand& add_command)
     app::GenerateRequest& r = o.generate;
     app->add_option("FILE", o.output, "file to write")->required();
     app->add_option("--seconds", r.seconds, "length, default 5")->type_name("S");
-    app->add_option("--sample-rate", r.sample_rate, "complex samples a second, default 4e6")->type_name("HZ");
-    app->add_option("--intermediate-frequency", r.intermediate_frequency, "of the carrier without Doppler, default 0")
-        ->type_name("HZ");
+    add_sampling(*app, r.sample_rate, r.intermediate_frequency)->description("complex samples a second, default 4e6");
     app->add_option("--satellites", r.satellites, "number, C/N0 in dB-Hz, Doppler in Hz, code delay in chips at the first sample")
         ->delimiter(',')
         ->type_name("G07:45:1200:300.5[,...]");
     app->add_option("--seed", o.seed, "of noise and messages, default 1")->type_name("N");
-    app->add_flag("--json", o.json, "one JSON document");
+    add_json(*app, o);
 }
 
 void add_track(CLI::App& receiver, Options& o, const AddCommand& add_command) {
@@ -37,9 +42,7 @@ void add_track(CLI::App& receiver, Options& o, const AddCommand& add_command) {
         "Writes tracking.csv, summary.json and report.html. Exit status 1 where no satellite is found.");
     app::TrackRequest& r = o.track;
     app->add_option("FILE", o.input, "recording: complex samples without a header")->required();
-    app->add_option("--sample-rate", r.sample_rate, "complex samples a second")->required()->type_name("HZ");
-    app->add_option("--intermediate-frequency", r.intermediate_frequency, "of the carrier without Doppler, default 0")
-        ->type_name("HZ");
+    add_sampling(*app, r.sample_rate, r.intermediate_frequency)->required();
     app->add_option("--format", r.format,
                     "ibyte (default), ubyte, ishort or gr_complex: signed or unsigned bytes, 16-bit words, floats")
         ->type_name("FORMAT");
@@ -52,8 +55,8 @@ void add_track(CLI::App& receiver, Options& o, const AddCommand& add_command) {
     app->add_option("--search-ms", r.search_ms,
                     "samples that a search sums, default 10; ten times as many find 5 dB weaker signals")
         ->type_name("MS");
-    app->add_option("-o,--output", o.output, "folder to write to (default out/NAME)")->type_name("DIR");
-    app->add_flag("--json", o.json, "summary.json on standard output instead of the table");
+    add_output(*app, o);
+    add_json(*app, o, "summary.json on standard output instead of the table");
 }
 
 }  // namespace
