@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -72,6 +74,30 @@ TEST(TightFilter, OneAndTwoFaultySatellitesAreLeftOut) {
         f.settings.aids.gate_probability = 0.0;
         EXPECT_GT(largest_error(f, run(f), 60.0), healthy + 8.0);
     }
+}
+
+/// A source that was not heard has not disagreed: one false range when it is back leaves its slow error as it was.
+TEST(TightFilter, SilenceDoesNotSpeakAgainstASource) {
+    constexpr std::uint16_t source = 2;
+    Flight f = flight();
+    for (const RangeEpoch& e : f.recording.ranges.epochs)
+        for (std::size_t i = e.first; i < e.first + e.count; ++i) {
+            RangeSample& m = f.recording.ranges.samples[i];
+            const double t = e.time.seconds();
+            if (m.source != source || t < 40.0 || t >= 81.0) continue;
+            if (t < 80.0) m.pseudorange = m.range_rate = std::numeric_limits<double>::quiet_NaN();
+            else m.pseudorange += 1000.0;
+        }
+    int rejected = 0, used = 0;
+    double largest = 0.0;
+    for (const AidRecord& r : run(f).aids) {
+        if (r.kind != AidKind::Pseudorange || r.source != source || r.time.seconds() < 79.5) continue;
+        ++(r.status == AidStatus::Rejected ? rejected : used);
+        if (r.status == AidStatus::Accepted) largest = std::max(largest, r.sigma(0));
+    }
+    EXPECT_EQ(rejected, 1);
+    EXPECT_EQ(used, 40);
+    EXPECT_LT(largest, 10.0);
 }
 
 TEST(TightFilter, FollowsAJumpOfTheClock) {

@@ -102,6 +102,28 @@ TEST(Bank, GeneratorsTellTheErrorOfTheirCommand) {
     EXPECT_NEAR(rate_nis / n, 1.0, 0.12);
 }
 
+/// A navigation that knew nothing for a while commands again: the channel starts from what is known then.
+TEST(Bank, GeneratorsResumeFromWhatIsKnownThen) {
+    Steady field(4);
+    field.db = 18.0;   // so weak that a symbol without it does not tell
+    Bank bank(field, quiet_clock(Guidance::Generators), 9);
+    std::vector<BankMeasurement> out;
+    int measured = 0;
+    for (int k = 0; k < 42'000; ++k) {
+        const bool lost = k >= 6'000 && k < 39'000;
+        if (k % 10 == 0) guide(bank, field, 0.0, 0.0, lost ? 500.0 : 5.0, lost ? 5.0 : 0.2);
+        bank.step(Eigen::Vector3d::Zero());
+        if (k % 20 != 19) continue;
+        bank.measure(out, 0.02);
+        if (bank.now() < 39.0) continue;
+        for (const BankMeasurement& m : out) {
+            EXPECT_LT(std::abs(m.range - field.motion(m.signal, bank.now()).range), 6.0 * std::sqrt(m.range_variance)) << bank.now();
+            ++measured;
+        }
+    }
+    EXPECT_GT(measured, 200);
+}
+
 /// Unaided and aided loops: errors as large as they are said to be.
 TEST(Bank, StatesTheSigmasOfItsRangesAndRates) {
     for (const double db : {45.0, 35.0}) {

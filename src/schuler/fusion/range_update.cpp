@@ -236,10 +236,11 @@ void open_sources(const RangeTest& test, TightFilter<Frame>& f, const RangeEpoch
     for (const RangeScalar& s : work.all()) {
         if (s.is_rate || s.slot < 0) continue;
         auto& slot = f.slots[static_cast<std::size_t>(s.slot - L::source)];
-        if (s.use) slot.good = f.time();
-        if ((f.time() - slot.good).seconds() < test.recovery_time) continue;
+        if (s.use) slot.doubted.reset();
+        else if (!slot.doubted) slot.doubted = f.time();   // from here: silence before does not speak against the source
+        if (!slot.doubted || (f.time() - *slot.doubted).seconds() < test.recovery_time) continue;
         f.P(s.slot, s.slot) += s.innovation * s.innovation;
-        slot.good = f.time();
+        slot.doubted.reset();
     }
 }
 
@@ -317,8 +318,11 @@ int update_with_ranges(const TightModel& model, const RangeTest& test, TightFilt
     open_sources(test, f, work);
     const int ranges = static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate; }));
     const int good = static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate && s.use; }));
-    work.disagreeing = 2 * good < ranges ? work.disagreeing + 1 : 0;
-    if (work.disagreeing >= 10) {
+    if (2 * good >= ranges) work.disagreeing = 0;
+    else if (work.disagreeing++ == 0) work.disagreeing_since = f.time();
+    constexpr int long_run = 10;
+    constexpr double long_time = 1.0;   // s: a deep receiver's epochs come fifty a second
+    if (work.disagreeing >= long_run && (f.time() - work.disagreeing_since).seconds() >= long_time) {
         // most ranges contradict the inertial prediction for long: then that is wrong by about as much
         double size = 0.0;
         for (const RangeScalar& s : work.all())

@@ -46,6 +46,7 @@ struct RangeEpochWork {
     bool clock_jump = false;
     int alarm = -1;                               ///< source that the fault watch found wrong at this epoch
     int disagreeing = 0;                          ///< epochs in a row in which most ranges were excluded
+    Time disagreeing_since{};
 
     [[nodiscard]] std::span<RangeScalar> all() { return {scalars.data(), count}; }
     [[nodiscard]] std::span<const RangeScalar> all() const { return {scalars.data(), count}; }

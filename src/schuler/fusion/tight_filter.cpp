@@ -109,7 +109,7 @@ int TightFilter<Frame>::slot_of(const TightModel& model, int source, bool statio
     }
     if (free < 0) return -1;
     watch.forget(slots[static_cast<std::size_t>(free)].source);
-    slots[static_cast<std::size_t>(free)] = {source, station, time(), time()};
+    slots[static_cast<std::size_t>(free)] = {source, station, time(), {}};
     const int state = L::source + free;
     for (auto& h : watch.all) h.response(state) = 0.0;
     P.row(state).setZero();

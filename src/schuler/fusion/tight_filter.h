@@ -56,7 +56,7 @@ struct TightFilter {
         int source = -1;                  ///< index into RangingLog::sources; -1: free
         bool station = false;
         Time last{};                      ///< when it was measured last
-        Time good{};                      ///< when it was accepted last
+        std::optional<Time> doubted{};    ///< of the first that was rejected since one was accepted
     };
     std::array<Slot, TightLayout::slots> slots{};
     int used = 24;                        ///< states in use, a multiple of 4

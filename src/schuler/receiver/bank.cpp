@@ -130,8 +130,8 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
     const double patience = ch.running ? 2.0 : 1.0;
     if (!(p.std_range < patience * deep_range && p.std_rate < patience * deep_rate)) {
         // a prediction that may lie beyond the discriminators' reach would make measurements that are none: look for the signal
+        ch.running = false;   // what runs again runs from what is known then
         if (!search(i, truth, cn0)) return;
-        ch.running = false;
         ch.measured = {};
         ch.measured.status = ChannelMeasurement::Status::Noncoherent;
         ch.measured.range_variance = std::pow(settings_.aided_search.code_step * ch.signal.chip_length(), 2) / 4.0;
