@@ -144,9 +144,11 @@ ChannelMeasurement DeepChannel::finish() {
     out.cn0 = cn0_.cn0();
     const bool strong = listened_ >= 0.5 * settings_.cn0_time && db_from_cn0(out.cn0) >= settings_.lowest_db;
 
-    // Noncoherent: the turn from half to half by its sine, whose noise stays what the formula says however weak the signal is.
-    const double code = 0.5 * (code_error_.unlimited(halves_[0], power) + code_error_.unlimited(halves_[1], power));
-    const double code_variance = 0.5 * code_error_.variance(power);
+    // Noncoherent: code from the whole symbol (its halves are out of step by 43 degrees at 12 Hz, which costs 0.6 dB); the turn
+    // from half to half by its sine, whose noise stays what the formula says however weak the signal is.
+    const auto whole = [&](std::complex<double> Correlators::*sum) { return (halves_[0].*sum + halves_[1].*sum) / std::sqrt(2.0); };
+    const Correlators symbol{whole(&Correlators::early), whole(&Correlators::prompt), whole(&Correlators::late)};
+    const double code = code_error_.unlimited(symbol, 2.0 * power), code_variance = code_error_.variance(2.0 * power);
     const double aligned = power * peak_ * peak_, per_turn = -1.0 / (turn * half * aligned);
     const double frequency = per_turn * (halves_[1].prompt * std::conj(halves_[0].prompt)).imag();
     const double frequency_variance = per_turn * per_turn * 2.0 * peak_ * (aligned + peak_);
