@@ -13,8 +13,10 @@ namespace schuler::receiver {
 namespace {
 
 struct Judged {
-    double range_mean = 0.0, rate_mean = 0.0, range_nis = 0.0, rate_nis = 0.0, rate_variance = 0.0, range_variance = 0.0;
+    double range_mean = 0.0, rate_mean = 0.0, range_nis = 0.0, rate_nis = 0.0, range_variance = 0.0, rate_variance = 0.0;
     int count = 0, coherent = 0;
+    double carrier_rate = 0.0, carrier_nis = 0.0, carrier_variance = 0.0;   ///< rates over fifty symbols from the phases at their ends
+    int spans = 0;
 };
 
 /// Residuals of a navigation that is wrong by a constant: each symbol commanded anew.
@@ -36,6 +38,7 @@ Judged judge(Prefilter kind, double db, double range_error, double rate_error, i
     };
     channel.start(predicted(), 0);
     Judged out;
+    std::optional<ChannelMeasurement> begin;
     int sign = 1;
     const int per_symbol = static_cast<int>(std::lround(signal.symbol_duration / T));
     for (int i = 0; i < symbols * per_symbol; ++i) {
@@ -44,10 +47,22 @@ Judged judge(Prefilter kind, double db, double range_error, double rate_error, i
         truth = truth.after(T);
         const auto m = channel.step(dump);
         if (!m) continue;
-        channel.command(predicted());
+        channel.command(predicted(), 0.1);
         if (i < 100 * per_symbol || m->status == ChannelMeasurement::Status::NoSignal) continue;
         ++out.count;
-        out.coherent += m->status == ChannelMeasurement::Status::Coherent ? 1 : 0;
+        if (m->status != ChannelMeasurement::Status::Coherent) {
+            begin.reset();
+        } else if (++out.coherent % 50 == 0) {
+            if (begin) {
+                const double span = 50.0 * signal.symbol_duration, rate = (m->carrier - begin->carrier) / span;
+                const double variance = (m->carrier_variance + begin->carrier_variance) / (span * span);
+                out.carrier_rate += rate;
+                out.carrier_nis += (rate - rate_error) * (rate - rate_error) / variance;
+                out.carrier_variance += variance;
+                ++out.spans;
+            }
+            begin = *m;
+        }
         const double middle = range_error + rate_error * signal.symbol_duration / 2.0;
         out.range_mean += m->range;
         out.rate_mean += m->rate;
@@ -58,6 +73,7 @@ Judged judge(Prefilter kind, double db, double range_error, double rate_error, i
     }
     for (double* x : {&out.range_mean, &out.rate_mean, &out.range_nis, &out.rate_nis, &out.range_variance, &out.rate_variance})
         *x /= out.count;
+    for (double* x : {&out.carrier_rate, &out.carrier_nis, &out.carrier_variance}) *x /= out.spans;
     return out;
 }
 
@@ -73,20 +89,27 @@ TEST(DeepChannel, NoncoherentResidualsAreUnbiasedAndAsNoisyAsTheySay) {
     }
 }
 
-TEST(DeepChannel, CoherentResidualsAreSharperWhileThePhaseIsFollowed) {
-    for (const double db : {30.0, 40.0}) {
-        const Judged coherent = judge(Prefilter::Coherent, db, 9.0, 0.3, 3000),
-                     noncoherent = judge(Prefilter::Noncoherent, db, 9.0, 0.3, 3000);
-        EXPECT_EQ(coherent.coherent, coherent.count) << db;
-        EXPECT_LT(coherent.rate_variance, 0.6 * noncoherent.rate_variance) << db;
+TEST(DeepChannel, PhasesTellTheRateWhileTheyAreFollowed) {
+    for (const double db : {25.0, 30.0, 40.0}) {
+        constexpr double off = 0.3;   // three times what the command is said to be off
+        const Judged coherent = judge(Prefilter::Coherent, db, 9.0, off, 6000),
+                     noncoherent = judge(Prefilter::Noncoherent, db, 9.0, off, 6000);
+        EXPECT_GT(coherent.coherent, coherent.count * 95 / 100) << db;
+        // against the mean of the fifty symbols' own rates
+        EXPECT_LT(coherent.carrier_variance, 0.05 * noncoherent.rate_variance / 50.0) << db;
         EXPECT_LT(coherent.range_variance, noncoherent.range_variance) << db;
+        EXPECT_NEAR(coherent.carrier_rate, off, 4.0 * std::sqrt(coherent.carrier_variance / coherent.spans)) << db;
+        EXPECT_LT(coherent.carrier_nis, 1.3) << db;
+        EXPECT_GT(coherent.carrier_nis, 0.2) << db;
         EXPECT_NEAR(coherent.range_mean, 9.0, 1.2) << db;
-        EXPECT_NEAR(coherent.rate_mean, 0.3, 0.05) << db;
         EXPECT_NEAR(coherent.range_nis, 1.0, 0.2) << db;
-        EXPECT_NEAR(coherent.rate_nis, 1.0, 0.25) << db;
+    }
+    for (const double rate_error : {4.75, 9.5}) {   // 25 and 50 Hz: the phase is not what it seems
+        const Judged lost = judge(Prefilter::Coherent, 40.0, 0.0, rate_error, 1000);
+        EXPECT_LT(lost.coherent, lost.count / 20) << rate_error;
     }
     const Judged weak = judge(Prefilter::Coherent, 15.0, 9.0, 0.3, 3000);
-    EXPECT_LT(weak.coherent, weak.count / 4) << "what is not followed is not called so";
+    EXPECT_LT(weak.coherent, weak.count / 20) << "what is not followed is not called so";
 }
 
 TEST(DeepChannel, SeesGlonass) {
@@ -124,7 +147,7 @@ struct OutsideFilter {
             truth.acceleration = 15.0 * std::sin(0.04 * i);
             LineOfSight now = channel.predicted();
             now.acceleration = truth.acceleration;
-            channel.command(now);
+            channel.command(now, 1.0);
             std::optional<ChannelMeasurement> m;
             for (int k = 0; k < 20; ++k) {
                 m = channel.step(
@@ -146,7 +169,7 @@ struct OutsideFilter {
             LineOfSight corrected = channel.predicted();
             corrected.range -= dx[0];
             corrected.rate -= dx[1];
-            channel.command(corrected);
+            channel.command(corrected, 1.0);
         }
     }
 };

@@ -129,9 +129,7 @@ void SimulatedReceiver::measure(RangingLog& log) {
     const double t = bank_->now() - bank_->clock() / c;   // true time when the receiver's clock shows now
     // The clock's white frequency noise, a mean over what a rate is measured over, is the same for all channels and no state of the
     // filter: so many rates with so many times its variance say of the drift what one of them does.
-    const double bandwidth = (settings_.guidance == receiver::Guidance::Loops ? settings_.aided : settings_.alone).pll_bandwidth;
-    const double averaged = settings_.guidance == receiver::Guidance::Generators ? deep_interval : 0.5 / bandwidth;
-    const double clock_variance = 0.5 * c * c * settings_.oscillator.h0 / averaged * static_cast<double>(measured_.size());
+    const double clock_density = 0.5 * c * c * settings_.oscillator.h0 * static_cast<double>(measured_.size());
     for (const receiver::BankMeasurement& m : measured_) {
         const auto guess = sky_.satellite(m.signal, t - (m.range - bank_->clock()) / c);
         if (!guess) continue;
@@ -144,7 +142,7 @@ void SimulatedReceiver::measure(RangingLog& log) {
         s.std = std::sqrt(m.range_variance);
         if (std::isfinite(m.rate_variance)) {
             s.range_rate = m.rate;
-            s.std_rate = std::sqrt(m.rate_variance + clock_variance);
+            s.std_rate = std::sqrt(m.rate_variance + clock_density / m.rate_span);
         }
         s.cn0 = receiver::db_from_cn0(m.cn0);
         s.tx = sent->position;

@@ -168,13 +168,17 @@ template <class Frame>
 bool follow_clock_jump(TightFilter<Frame>& f, const RangeEpochWork& work) {
     std::array<double, RangeEpochWork::most> z;
     std::size_t n = 0;
-    for (const RangeScalar& s : work.all())
-        if (!s.is_rate && !s.station) z[n++] = s.innovation;
+    double noise = 0.0;
+    for (const RangeScalar& s : work.all()) {
+        if (s.is_rate || s.station) continue;
+        z[n++] = s.innovation;
+        noise = std::max(noise, s.variance);
+    }
     if (n < 2) return false;
     const auto middle = z.begin() + static_cast<std::ptrdiff_t>(n / 2), end = z.begin() + static_cast<std::ptrdiff_t>(n);
     std::nth_element(z.begin(), middle, end);
     const double jump = *middle;
-    const double sigma = std::sqrt(f.P(L::clock, L::clock) + f.P.diagonal().template head<3>().sum());
+    const double sigma = std::sqrt(f.P(L::clock, L::clock) + f.P.diagonal().template head<3>().sum() + noise);
     const auto near = std::count_if(z.begin(), end, [&](double x) { return std::abs(x - jump) < 0.2 * std::abs(jump); });
     if (std::abs(jump) < 30.0 + 6.0 * sigma || 3 * static_cast<std::size_t>(near) < 2 * n) return false;
     f.P(L::clock, L::clock) += jump * jump;

@@ -12,6 +12,7 @@ namespace {
 constexpr double c = gnss::speed_of_light;
 /// Beyond these a prediction may lie outside what a deep channel's discriminators reach (half a chip, a quarter of the inverse symbol).
 constexpr double deep_range = 40.0, deep_rate = 0.8;   // m, m/s, one sigma
+constexpr int rate_span = 200;   // code periods over which a followed phase tells a rate
 constexpr int pause = 100;   // code periods from one search that found to the next, while the navigation uses it
 
 }  // namespace
@@ -136,6 +137,7 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
         ch.measured.status = ChannelMeasurement::Status::Noncoherent;
         ch.measured.range_variance = std::pow(settings_.aided_search.code_step * ch.signal.chip_length(), 2) / 4.0;
         ch.measured.rate_variance = std::pow(ch.search->frequency_step() * ch.signal.wavelength(), 2) / 4.0;
+        ch.measured.duration = ch.search->dwell();
         ch.expected = followed(ch.signal, ch.search->replica());
         ch.at = now();
         ch.fresh = true;
@@ -156,7 +158,9 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
     ch.expected = ch.deep.predicted();
     ch.at = now() + period;
     ch.fresh = out->status != ChannelMeasurement::Status::NoSignal;
-    ch.deep.command(predicted(i, now() + period));
+    // the oscillator's white noise of frequency, a mean over the symbol, is more than the navigation says
+    const double clock_noise = c * std::sqrt(0.5 * settings_.oscillator.h0 / ch.signal.symbol_duration);
+    ch.deep.command(predicted(i, now() + period), std::hypot(p.std_rate, clock_noise));
 }
 
 void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
@@ -167,13 +171,19 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
         BankMeasurement m;
         m.signal = i;
         if (settings_.guidance == Guidance::Generators) {
-            if (!ch.fresh) continue;
+            if (!ch.fresh) {
+                ch.span.reset();
+                continue;
+            }
             ch.fresh = false;
             const LineOfSight here = ch.expected.after(now() - ch.at - late);
             m.range = here.range - ch.measured.range;
             m.range_variance = ch.measured.range_variance;
-            m.rate = here.rate - ch.measured.rate;
-            m.rate_variance = ch.measured.rate_variance;
+            if (const auto span = ch.span.add(ch.measured, ch.at, ticks_ % rate_span == 0)) {
+                m.rate = here.rate - span->rate;
+                m.rate_variance = span->variance;
+                m.rate_span = span->duration;
+            }
             m.cn0 = ch.measured.cn0;
             out.push_back(m);
             continue;
@@ -191,6 +201,7 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
         if (locked) {
             m.rate = here.rate;
             m.rate_variance = std::pow(ch.signal.wavelength() * theory::pll_command_jitter(s.pll_bandwidth, m.cn0, sum), 2);
+            m.rate_span = 0.5 / s.pll_bandwidth;
         }
         out.push_back(m);
     }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "schuler/receiver/correlator.h"
-#include "schuler/receiver/deep_channel.h"
 #include "schuler/receiver/oscillator.h"
+#include "schuler/receiver/rate_span.h"
 #include "schuler/receiver/search.h"
 #include "schuler/receiver/tracker.h"
 
@@ -64,6 +64,7 @@ struct BankMeasurement {
     std::size_t signal = 0;
     double range = 0.0, range_variance = 0.0;  ///< m, m^2
     double rate = 0.0, rate_variance = std::numeric_limits<double>::infinity();   ///< m/s; infinite variance: none
+    double rate_span = 0.0;                    ///< s over which the rate is a mean
     double cn0 = 0.0;                          ///< Hz, as estimated
 };
 
@@ -109,6 +110,7 @@ private:
         ChannelMeasurement measured;
         LineOfSight expected;                  ///< deep: at the end of that symbol
         double at = 0.0;                       ///< s, its time
+        RateSpan span;                         ///< deep
     };
     bool search(std::size_t i, const LineOfSight& truth, double cn0);
     void step_alone(std::size_t i, const LineOfSight& truth, double cn0, bool view);

@@ -13,6 +13,9 @@ namespace {
 constexpr double quicker = 0.1;              ///< time constant of the second C/N0 estimate over that of the first
 constexpr double unknown_phase = 1.0;        ///< rad^2
 constexpr double unknown_frequency = 100.0;  ///< Hz^2: the navigation holds 10 Hz
+constexpr double unsaid_frequency = 0.25;    ///< Hz^2: beyond what the navigation's sigma says
+constexpr double said_time = 1.0;            ///< s, correlation time of the navigation's error
+constexpr double agreed = 0.25;              ///< least cosine of the turn from half to half of a phase that is followed
 
 }  // namespace
 
@@ -57,12 +60,14 @@ void DeepChannel::start(const LineOfSight& predicted, int dumps_into_symbol) {
     quick_.forget();
     listened_ = 0.0;
     carrier_.setZero();
+    turns_ = agreement_ = 0.0;
     P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
     halves_[0] = halves_[1] = {};
     place();
 }
 
-void DeepChannel::command(const LineOfSight& predicted) {
+void DeepChannel::command(const LineOfSight& predicted, double std_rate) {
+    std_rate_ = std_rate;
     predicted_ = predicted;
     place();
 }
@@ -96,10 +101,12 @@ void DeepChannel::follow_phase(std::complex<double> half) {
     Q << turn * turn * T * T * T / 3.0, turn * T * T / 2.0, turn * T * T / 2.0, T;
     carrier_ = F * carrier_;
     P_ = (F * P_ * F.transpose()).eval() + q * Q;
-    // The sum knows the phase in the middle of the half symbol; its innovation modulo half a cycle is blind to the message.
+    // The sum knows the phase in the middle of the half symbol, modulo half a cycle, blind to the message; I times Q and not their
+    // arctangent, whose slope falls in noise.
     const Eigen::RowVector2d H(1.0, -turn * T / 2.0);
     const double power = 2.0 * cn0_.cn0() * T * peak_, variance = 1.0 / power * (1.0 + 1.0 / power);
-    const double innovation = costas_phase(half * std::polar(1.0, (H * carrier_).value()));
+    const std::complex<double> turned = half * std::polar(1.0, (H * carrier_).value());
+    const double innovation = -turned.real() * turned.imag() / (power * peak_);
     const double S = (H * P_ * H.transpose())(0) + variance;
     const Eigen::Vector2d K = P_ * H.transpose() / S;
     carrier_ += K * innovation;
@@ -131,65 +138,76 @@ void DeepChannel::judge_power(double both) {
 }
 
 ChannelMeasurement DeepChannel::finish() {
-    const double T = signal_.symbol_duration, half = T / 2.0, scale = 1.0 / std::sqrt(symbol_ / 2.0);
+    const double scale = 1.0 / std::sqrt(symbol_ / 2.0);
     for (Correlators& c : halves_) {
         c.early *= scale;
         c.prompt *= scale;
         c.late *= scale;
     }
     judge_power(std::norm(halves_[0].prompt) + std::norm(halves_[1].prompt));
-    const double power = 2.0 * cn0_.cn0() * half;  // of each half symbol
     ChannelMeasurement out;
-    out.duration = T;
+    out.duration = signal_.symbol_duration;
     out.cn0 = cn0_.cn0();
     const bool strong = listened_ >= 0.5 * settings_.cn0_time && db_from_cn0(out.cn0) >= settings_.lowest_db;
+    if (strong) measure(out);
+    if (settings_.prefilter == Prefilter::Coherent) follow(out);
+    return out;
+}
 
-    // Noncoherent: code from the whole symbol (its halves are out of step by 43 degrees at 12 Hz, which costs 0.6 dB); the turn
-    // from half to half by its sine, whose noise stays what the formula says however weak the signal is.
+void DeepChannel::measure(ChannelMeasurement& out) const {
+    // Code from the whole symbol (its halves are out of step by 43 degrees at 12 Hz, which costs 0.6 dB); the turn from half to half
+    // by its sine, whose noise stays what the formula says however weak the signal is.
+    const double half = out.duration / 2.0, power = 2.0 * out.cn0 * half;  // of each half symbol
     const auto whole = [&](std::complex<double> Correlators::*sum) { return (halves_[0].*sum + halves_[1].*sum) / std::sqrt(2.0); };
     const Correlators symbol{whole(&Correlators::early), whole(&Correlators::prompt), whole(&Correlators::late)};
-    const double code = code_error_.unlimited(symbol, 2.0 * power), code_variance = code_error_.variance(2.0 * power);
     const double aligned = power * peak_ * peak_, per_turn = -1.0 / (turn * half * aligned);
     const double frequency = per_turn * (halves_[1].prompt * std::conj(halves_[0].prompt)).imag();
-    const double frequency_variance = per_turn * per_turn * 2.0 * peak_ * (aligned + peak_);
     const double chip = signal_.chip_length(), wavelength = signal_.wavelength();
-    if (strong) {
-        out.status = ChannelMeasurement::Status::Noncoherent;
-        out.range = -chip * code;
-        out.range_variance = chip * chip * code_variance;
-        out.rate = -wavelength * frequency;
-        out.rate_variance = wavelength * wavelength * frequency_variance;
-    }
-    if (settings_.prefilter == Prefilter::Noncoherent) return out;
+    out.status = ChannelMeasurement::Status::Noncoherent;
+    out.range = -chip * code_error_.unlimited(symbol, 2.0 * power);
+    out.range_variance = chip * chip * code_error_.variance(2.0 * power);
+    out.rate = -wavelength * frequency;
+    out.rate_variance = std::pow(wavelength * per_turn, 2) * 2.0 * peak_ * (aligned + peak_);
+}
 
-    // Coherent: about the frequency nothing is kept from symbol to symbol but the navigation's word, which is zero, so that no
-    // false frequency can last; and what leaves the channel is what this symbol says without that word, so that nothing is
-    // counted twice.
-    carrier_[1] = 0.0;
-    P_(0, 1) = P_(1, 0) = 0.0;
-    P_(1, 1) = unknown_frequency;
-    double sum = 0.0;
+void DeepChannel::follow(ChannelMeasurement& out) {
+    const bool strong = out.status != ChannelMeasurement::Status::NoSignal;
+    const double half = out.duration / 2.0, power = 2.0 * out.cn0 * half, aligned = power * peak_ * peak_;
+    // A false frequency turns the halves against each other, while the phase, which is blind to half cycles, may look steady on it.
+    // The mean is so long that it is good to a quarter; a strong signal shows in one symbol.
+    const double scatter = 2.0 * peak_ * (aligned + peak_) / (aligned * aligned), share = std::min(1.0, 0.125 / scatter);
+    agreement_ += share * ((halves_[1].prompt * std::conj(halves_[0].prompt)).real() / aligned - agreement_);
+    if (!strong) agreement_ = 0.0;
+    // The frequency is the error of the navigation's word, which changes as the navigation learns.
+    const double chip = signal_.chip_length(), wavelength = signal_.wavelength();
+    const double kept = std::exp(-out.duration / said_time);
+    const double said = std::min(unknown_frequency, std::pow(std_rate_ / wavelength, 2) + unsaid_frequency);
+    carrier_[1] *= kept;
+    P_(0, 1) = P_(1, 0) = kept * P_(0, 1);
+    P_(1, 1) = kept * kept * P_(1, 1) + (1.0 - kept * kept) * said;
+    double prompt = 0.0, late_less_early = 0.0;
     for (const Correlators& c : halves_) {
         follow_phase(c.prompt);
-        // turned back to where the filter says the signal lies; the sign of the symbol decided by the prompt itself
-        const std::complex<double> back = std::polar(1.0, carrier_[0] - turn * carrier_[1] * half / 2.0);
-        sum += ((c.late - c.early) * back).real() * ((c.prompt * back).real() < 0.0 ? -1.0 : 1.0);
+        // turned back to where the filter says the signal lay in the half's middle
+        const std::complex<double> back = std::polar(std::sqrt(0.5), carrier_[0] - turn * carrier_[1] * half / 2.0);
+        prompt += (c.prompt * back).real();
+        late_less_early += ((c.late - c.early) * back).real();
     }
     if (P_(0, 0) > unknown_phase) {
         carrier_[0] = 0.0;
         P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
     }
-    carrier_[0] = std::remainder(carrier_[0], turn);
-    if (strong && P_(1, 1) < 0.5 * unknown_frequency && P_(0, 0) < settings_.followed * settings_.followed) {
-        const double gain = 2.0 * slope_ * std::sqrt(power);
-        out.status = ChannelMeasurement::Status::Coherent;
-        out.range = -chip * 0.5 * sum / gain;
-        out.range_variance = chip * chip * 0.5 * noise_ / (gain * gain);
-        const double own = 1.0 / (1.0 / P_(1, 1) - 1.0 / unknown_frequency);
-        out.rate = -wavelength * carrier_[1] * own / P_(1, 1);
-        out.rate_variance = wavelength * wavelength * own;
-    }
-    return out;
+    const double within = std::remainder(carrier_[0], turn);
+    turns_ += carrier_[0] - within;
+    carrier_[0] = within;
+    if (!strong || agreement_ < agreed || P_(0, 0) > settings_.followed * settings_.followed) return;
+    // the prompt brings the message's sign, and noise of its own that is known however weak the signal is
+    const double gain = 4.0 * slope_ * peak_ * power;
+    out.status = ChannelMeasurement::Status::Coherent;
+    out.range = -chip * late_less_early * prompt / gain;
+    out.range_variance = chip * chip * noise_ * (2.0 * aligned + peak_) / (gain * gain);
+    out.carrier = -wavelength * (turns_ + within) / turn;
+    out.carrier_variance = std::pow(wavelength / turn, 2) * P_(0, 0);
 }
 
 }  // namespace schuler::receiver

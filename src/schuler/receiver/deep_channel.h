@@ -13,16 +13,16 @@ namespace schuler::receiver {
 
 enum class Prefilter {
     Noncoherent,  ///< powers and products of neighbouring sums: blind to phase, works down into the noise
-    Coherent,  ///< a small filter follows the phase between commands; while it cannot, the noncoherent residuals are given
+    Coherent,  ///< a small filter follows the phase about the navigation's word; while it cannot, as Noncoherent
 };
 
 struct DeepSettings {
-    Prefilter prefilter = Prefilter::Noncoherent;
+    Prefilter prefilter = Prefilter::Coherent;
     double spacing = 0.5;  ///< chips, early to late
     double cn0_time = 1.0;  ///< s, time constant of the C/N0 estimate
     double lowest_db = 12.0;  ///< dB-Hz below which a channel gives no measurement
     double acceleration = 0.2;  ///< m/s^2/sqrt(Hz), what the navigation does not know of the line of sight's acceleration
-    double followed = 0.4;  ///< rad, largest one sigma of the phase that counts as followed
+    double followed = 0.3;  ///< rad, largest one sigma of the phase that counts as followed
 
     /// Throws Error(Input) naming the setting.
     void check() const;
@@ -30,13 +30,15 @@ struct DeepSettings {
 
 /// What one channel gives to the navigation filter after each symbol: predicted minus received pseudorange and rate, that is
 /// estimate minus truth as seen along this line of sight, mean over the symbol. Residuals of different symbols have independent
-/// noise, except for neighbouring coherent rates, which share a phase.
+/// noise.
 struct ChannelMeasurement {
     enum class Status { NoSignal, Noncoherent, Coherent } status = Status::NoSignal;
     double range = 0.0;  ///< m
     double range_variance = 0.0;  ///< m^2
     double rate = 0.0;  ///< m/s
     double rate_variance = 0.0;  ///< (m/s)^2
+    double carrier = 0.0;  ///< m, integral of the rate up to the symbol's end by the phase, from any constant; coherent only
+    double carrier_variance = 0.0;  ///< m^2
     double cn0 = 0.0;  ///< Hz
     double duration = 0.0;  ///< s
 };
@@ -50,9 +52,9 @@ public:
     /// Puts the replica where `predicted` says, the first dump `dumps_into_symbol` into its symbol. A signal too weak to show in
     /// one symbol is listened to for half of cn0_time before the first measurement.
     void start(const LineOfSight& predicted, int dumps_into_symbol);
-    /// The navigation's word on the pseudorange now, clock included. Between symbols only: after a step that returned a
-    /// measurement.
-    void command(const LineOfSight& predicted);
+    /// The navigation's word on the pseudorange now, clock included, with one sigma of its rate, m/s.
+    /// Between symbols only: after a step that returned a measurement.
+    void command(const LineOfSight& predicted, double std_rate);
     /// Ends the code period just correlated with replica(); a measurement at the end of each symbol.
     std::optional<ChannelMeasurement> step(const Correlators& dump);
 
@@ -62,6 +64,8 @@ public:
 private:
     void place();
     [[nodiscard]] ChannelMeasurement finish();
+    void measure(ChannelMeasurement& out) const;
+    void follow(ChannelMeasurement& out);
     void judge_power(double both);
     void follow_phase(std::complex<double> half);
 
@@ -76,6 +80,9 @@ private:
     LineOfSight predicted_;
     int dump_ = 0;
     int counted_ = 0;  ///< dumps of this symbol
+    double std_rate_ = 0.0;  ///< m/s
+    double turns_ = 0.0;  ///< rad taken out of carrier_
+    double agreement_ = 0.0;  ///< mean cosine of the turn from half to half of a symbol
     double listened_ = 0.0;  ///< s
     Correlators halves_[2]{};
     /// Phase (rad) and frequency (Hz) of replica minus signal at the end of the last half symbol.

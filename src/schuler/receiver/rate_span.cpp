@@ -1,0 +1,29 @@
+#include "schuler/receiver/rate_span.h"
+
+#include <cmath>
+
+namespace schuler::receiver {
+
+std::optional<RateSpan::Rate> RateSpan::add(const ChannelMeasurement& symbol, double at, bool ends) {
+    const bool coherent = symbol.status == ChannelMeasurement::Status::Coherent;
+    weight_ += 1.0 / symbol.rate_variance;
+    weighted_ += symbol.rate / symbol.rate_variance;
+    duration_ += symbol.duration;
+    if (open_ && coherent && !ends) return std::nullopt;
+    Rate out = of_symbols();
+    if (open_ && coherent) {
+        constexpr double agree = 4.0;   // sigmas
+        const double duration = at - begin_, rate = (symbol.carrier - carrier_) / duration;
+        const double variance = (symbol.carrier_variance + carrier_variance_) / (duration * duration);
+        // a phase that slips says nothing of the rate
+        if (std::abs(rate - out.rate) < agree * std::sqrt(variance + out.variance)) out = {rate, variance, duration};
+    }
+    weight_ = weighted_ = duration_ = 0.0;
+    open_ = coherent && (open_ || ends);
+    begin_ = at;
+    carrier_ = symbol.carrier;
+    carrier_variance_ = symbol.carrier_variance;
+    return out;
+}
+
+}  // namespace schuler::receiver
