@@ -290,6 +290,16 @@ TEST(GravityModel, PolynomialsFollowTheDistance) {
         EXPECT_NEAR(x(systematic + 2), value + s * by_metre + 0.5 * s * s * by_square_metre, 1e-12);
         EXPECT_NEAR(x(slope + 2), by_metre + s * by_square_metre, 1e-16);
         EXPECT_EQ(model.states(), 27 + 3 * degree);
+
+        // the nominal state, in one long step
+        SurveyState fast{{{}, earth::ecef_from_geodetic({}, passed), Vector3d(0.0, 800.0, 0.0), Eigen::Quaterniond::Identity()}};
+        fast.parameters(systematic + 2) = value;
+        fast.parameters(slope + 2) = by_metre;
+        fast.parameters(curvature + 2) = by_square_metre;
+        const SurveyState next = advanced({}, model, fast, {Time{1'000'000'000}, 1.0, Vector3d::Zero(), Vector3d::Zero()});
+        const double d = 0.5 * (fast.nav.v_eb_e + next.nav.v_eb_e).norm();
+        EXPECT_NEAR(next.parameters(systematic + 2), value + d * by_metre + 0.5 * d * d * by_square_metre, 1e-15);
+        EXPECT_NEAR(next.parameters(slope + 2), by_metre + d * by_square_metre, 1e-18);
     }
 }
 
