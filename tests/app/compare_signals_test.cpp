@@ -39,7 +39,8 @@ TEST(CompareSignals, ItIsBackWhenFourOrAllThereAreStayForASecond) {
     EXPECT_NEAR(of(from(22.35, 4)).back, 2.1, 1e-9);
     EXPECT_EQ(of(from(20.25, 4)).back, 0.0);
     EXPECT_EQ(of(from(0.0, 4)).back, 0.0);
-    EXPECT_NEAR(of([](double t) { return (t > 20.85 && t < 21.85) || t > 23.75 ? 4 : 3; }).back, 3.5, 1e-9);   // 0.9 s is too short
+    // 0.9 s is too short
+    EXPECT_NEAR(of([](double t) { return (t > 20.85 && t < 21.85) || t > 23.75 ? 4 : 3; }).back, 3.5, 1e-9);
     EXPECT_NEAR(of([](double t) { return (t > 20.85 && t < 21.95) || t > 23.75 ? 4 : 3; }).back, 0.6, 1e-9);
     EXPECT_NEAR(of(from(22.35, 2), 2).back, 2.1, 1e-9);
     EXPECT_TRUE(std::isnan(of(from(22.35, 0), 0).back));

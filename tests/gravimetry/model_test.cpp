@@ -227,8 +227,7 @@ TEST(GravityModel, EntriesOfThePapersScenario) {
 
 const Geodetic passed{0.9, 0.4, 500.0};
 
-/// Steps of a second at a place that is passed at 20 m/s a hundred times and at 60 m/s a hundred times more: disturbances run along
-/// the track. Metres.
+/// A hundred steps of a second at 20 m/s and a hundred at 60 m/s, for disturbances run along the track. Metres.
 template <class Each>
 double sped_up(const DisturbanceModel& model, Each each) {
     const earth::Earth earth;

@@ -290,8 +290,8 @@ TEST(Survey, TheUncorrectedMechanizationDivergesAsItsVerticalChannel) {
 }
 
 TEST(Survey, AnOpenLoopCountsWithWhatItKnowsOfItsReference) {
-    // The reference keeps a wrong velocity and the sensors' biases. The disturbance's pace, the lever arm's velocity and the specific
-    // force are the vehicle's.
+    // The reference keeps a wrong velocity and the sensors' biases. The disturbance's pace, the lever arm's velocity and the
+    // specific force are the vehicle's.
     SurveySettings settings = perfect_settings();
     settings.loop = estim::Loop::Open;
     settings.disturbance = {DisturbanceKind::RampAndFirstOrder, 5000.0, Vector3d::Zero()};

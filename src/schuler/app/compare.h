@@ -76,8 +76,8 @@ struct ComparedColumn {
 
 /// What the numbers of windows mean.
 [[nodiscard]] std::string window_note(const Comparison& comparison);
-/// Of a receiver's rows: `held`, the lowest C/N0 inside at which it followed four satellites, and `back`, the time after the window
-/// until it follows four, or all there are, for a second: 0 where it did at the end and goes on.
+/// Of a receiver's rows: `held`, the lowest C/N0 inside at which it followed four satellites, and `back`, the time after the
+/// window until it follows four, or all there are, for a second: 0 where it did at the end and goes on.
 void add_signal_statistics(WindowStatistics& out, const CompareWindow& window, const std::vector<ReceiverRow>& rows, Time origin);
 
 }  // namespace schuler::app

@@ -88,10 +88,8 @@ report::ReportInput comparison_report(const Comparison& c) {
 
     report::Section schemes{
         "Schemes", "NEES of the position over its three degrees of freedom (1: honest); outage: at the end of the first one."};
-    schemes.groups.push_back({"",
-                              {},
-                              {table_of(c, "After settling, root mean squares", repeated_columns(),
-                                        [](const ComparedRun& r) { return r.numbers; })}});
+    const auto all = [](const ComparedRun& r) { return r.numbers; };
+    schemes.groups.push_back({"", {}, {table_of(c, "After settling, root mean squares", repeated_columns(), all)}});
     report::Section windows{"Windows", window_note(c) + "."};
     report::Group& tables = windows.groups.emplace_back();
     for (std::size_t k = 0; k < c.windows.size(); ++k)

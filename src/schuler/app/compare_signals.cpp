@@ -17,8 +17,10 @@ void add_signal_statistics(WindowStatistics& out, const CompareWindow& window, c
         if (inside && row.heard >= enough && row.code >= enough) out.held = std::fmin(out.held, row.cn0);
         if (t < window.end - same_instant || std::isfinite(out.back)) continue;
         const bool follows = row.heard > 0 && row.code >= std::min(enough, row.heard);
-        if (!follows) since = not_given;
-        else if (!std::isfinite(since)) since = t <= window.end + same_instant ? window.end : t;
+        if (!follows)
+            since = not_given;
+        else if (!std::isfinite(since))
+            since = t <= window.end + same_instant ? window.end : t;
         if (t - since >= hold - same_instant) out.back = since - window.end;
     }
 }
