@@ -106,7 +106,7 @@ TEST(CompareWindows, WrongOnesAreToldAtTheirLine) {
         std::string text;
         std::vector<const char*> parts;
     } cases[] = {
-        {head + "[[compare.window]]\nname = \"a\"\nstart_s = 6\nend_s = 5\n",
+        {head + "[[compare.window]]\nname = \"a\"\nstart_s = 5\nend_s = 5\n",
          {"s.toml:7: compare.window[0].end_s: 5 s is not after", "write"}},
         {head + good + "[[compare.window]]\nname = \"b\"\nstart_s = 6\nend_s = 21\n",
          {"s.toml:11: compare.window[1].end_s", "duration_s = 20"}},

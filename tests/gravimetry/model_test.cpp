@@ -16,7 +16,7 @@
 #include <limits>
 #include <random>
 #include <string>
-#include <utility>
+#include <tuple>
 
 namespace schuler::gravimetry {
 namespace {
@@ -225,31 +225,40 @@ TEST(GravityModel, EntriesOfThePapersScenario) {
     EXPECT_EQ(F(velocity + 1, systematic + 1), 1.0);
 }
 
+const Geodetic passed{0.9, 0.4, 500.0};
+
+/// A hundred steps of a second at 20 m/s and a hundred at 60 m/s, for disturbances run along the track. Metres.
+template <class Each>
+double sped_up(const DisturbanceModel& model, Each each) {
+    const earth::Earth earth;
+    const Ecef place = earth::ecef_from_geodetic(earth.ellipsoid, passed);
+    const Matrix3d C_en = earth::C_en(passed.lat, passed.lon);
+    double distance = 0.0;
+    for (int second = 0; second < 200; ++second) {
+        const double speed = second < 100 ? 20.0 : 60.0;
+        const Motion motion{place, C_en * Vector3d(speed, 0.0, 0.0), Matrix3d::Identity(), Vector3d::Zero()};
+        each(discretized(gravity_error_dynamics(earth, model, motion), gravity_noise_input(earth, model, {}, motion), 1.0));
+        distance += speed;
+    }
+    return distance;
+}
+
 TEST(GravityModel, DisturbancesStayInTheirStationaryState) {
-    // And their correlation is the closed function of the distance; across a change of speed, for they run along the track.
+    // And their correlation is the closed function of the distance.
     for (const DisturbanceKind kind : {DisturbanceKind::FirstOrder, DisturbanceKind::SecondOrder, DisturbanceKind::ThirdOrder}) {
         const DisturbanceModel model{
             kind, 5000.0, Vector3d(2e-4, 3e-4, 5e-4), false,
             kind == DisturbanceKind::SecondOrder ? DisturbanceAxes::EarthFixed : DisturbanceAxes::LocalLevel};
-        const earth::Earth earth;
-        const Ecef place = earth::ecef_from_geodetic(earth.ellipsoid, {0.9, 0.4, 500.0});
-        const Matrix3d C_en = earth::C_en(0.9, 0.4);
-        const Matrix3d axes = model.from_local_level(C_en);
+        const Matrix3d axes = model.from_local_level(earth::C_en(passed.lat, passed.lon));
         const Matrix3d sigma = axes * model.sigma_n.cwiseAbs2().asDiagonal() * axes.transpose();
         StateMatrix P = StateMatrix::Zero(), Phi = StateMatrix::Identity();
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) P.block<3, 3>(random + 3 * i, random + 3 * j) = model.stationary()(i, j) * sigma;
         const StateMatrix before = P;
-        double distance = 0.0;
-        for (int second = 0; second < 200; ++second) {
-            const double speed = second < 100 ? 20.0 : 60.0;
-            const Motion motion{place, C_en * Vector3d(speed, 0.0, 0.0), Matrix3d::Identity(), Vector3d::Zero()};
-            const DiscreteStep one = discretized(gravity_error_dynamics(earth, model, motion),
-                                                 gravity_noise_input(earth, model, {}, motion), 1.0);
+        const double distance = sped_up(model, [&](const DiscreteStep& one) {
             P = (one.Phi * P * one.Phi.transpose() + one.Q).eval();
             Phi = (one.Phi * Phi).eval();
-            distance += speed;
-        }
+        });
         const double x = distance / model.length;
         const double correlation = std::exp(-x) * (kind == DisturbanceKind::FirstOrder    ? 1.0
                                                    : kind == DisturbanceKind::SecondOrder ? 1.0 + x
@@ -267,30 +276,29 @@ TEST(GravityModel, DisturbancesStayInTheirStationaryState) {
 }
 
 TEST(GravityModel, PolynomialsFollowTheDistance) {
-    // Across a change of speed: value, slope and second derivative of a parabola at the place that was reached.
-    const earth::Earth earth;
-    const Ecef place = earth::ecef_from_geodetic(earth.ellipsoid, {0.9, 0.4, 500.0});
-    const Matrix3d C_en = earth::C_en(0.9, 0.4);
-    const double value = 3e-4, by_metre = -2e-8, by_square_metre = 5e-12;
-    for (const auto& [kind, degree] : {std::pair{DisturbanceKind::RampAndFirstOrder, 1},
-                                       std::pair{DisturbanceKind::QuadraticAndFirstOrder, 2}}) {
+    // Value, slope and second derivative of a parabola at the place that was reached.
+    const double value = 3e-4, by_metre = -2e-8;
+    for (const auto& [kind, degree, by_square_metre] : {std::tuple{DisturbanceKind::RampAndFirstOrder, 1, 0.0},
+                                                        std::tuple{DisturbanceKind::QuadraticAndFirstOrder, 2, 5e-12}}) {
         const DisturbanceModel model{kind, 5000.0, Vector3d::Zero()};
         StateVector x = StateVector::Zero();
         x(systematic + 2) = value;
         x(slope + 2) = by_metre;
-        x(curvature + 2) = degree > 1 ? by_square_metre : 0.0;
-        double s = 0.0;
-        for (int second = 0; second < 200; ++second) {
-            const double speed = second < 100 ? 20.0 : 60.0;
-            const Motion motion{place, C_en * Vector3d(speed, 0.0, 0.0), Matrix3d::Identity(), Vector3d::Zero()};
-            const DiscreteStep one = discretized(gravity_error_dynamics(earth, model, motion),
-                                                 gravity_noise_input(earth, model, {}, motion), 1.0);
-            x = (one.Phi * x).eval();
-            s += speed;
-        }
-        EXPECT_NEAR(x(systematic + 2), value + s * by_metre + (degree > 1 ? 0.5 * s * s * by_square_metre : 0.0), 1e-12);
-        EXPECT_NEAR(x(slope + 2), by_metre + (degree > 1 ? s * by_square_metre : 0.0), 1e-16);
+        x(curvature + 2) = by_square_metre;
+        const double s = sped_up(model, [&x](const DiscreteStep& one) { x = (one.Phi * x).eval(); });
+        EXPECT_NEAR(x(systematic + 2), value + s * by_metre + 0.5 * s * s * by_square_metre, 1e-12);
+        EXPECT_NEAR(x(slope + 2), by_metre + s * by_square_metre, 1e-16);
         EXPECT_EQ(model.states(), 27 + 3 * degree);
+
+        // the nominal state, in one long step
+        SurveyState fast{{{}, earth::ecef_from_geodetic({}, passed), Vector3d(0.0, 800.0, 0.0), Eigen::Quaterniond::Identity()}};
+        fast.parameters(systematic + 2) = value;
+        fast.parameters(slope + 2) = by_metre;
+        fast.parameters(curvature + 2) = by_square_metre;
+        const SurveyState next = advanced({}, model, fast, {Time{1'000'000'000}, 1.0, Vector3d::Zero(), Vector3d::Zero()});
+        const double d = 0.5 * (fast.nav.v_eb_e + next.nav.v_eb_e).norm();
+        EXPECT_NEAR(next.parameters(systematic + 2), value + d * by_metre + 0.5 * d * d * by_square_metre, 1e-15);
+        EXPECT_NEAR(next.parameters(slope + 2), by_metre + d * by_square_metre, 1e-18);
     }
 }
 

@@ -156,7 +156,7 @@ TEST(SurveySlow, AnomalyThatChangesAlongTheTrack) {
 }
 
 /// No noise, no errors: what is left is the discretisation.
-Flown perfectly_flown(const sim::AnomalyPart& anomaly, const DisturbanceModel& model) {
+SurveySettings perfect_settings() {
     SurveySettings settings = papers_settings();
     settings.prior.attitude_n.setConstant(1e-9);
     settings.prior.position = 1e-3;
@@ -165,16 +165,23 @@ Flown perfectly_flown(const sim::AnomalyPart& anomaly, const DisturbanceModel& m
     settings.prior.gnss_position_n.setZero();
     settings.prior.gnss_velocity = 0.0;
     settings.noise = {1e-22, 1e-16};
-    sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 10.0}, 300.0, 1);
+    return settings;
+}
+sim::Scenario perfect_scenario(const sim::AnomalyPart& anomaly, double duration) {
+    sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 10.0}, duration, 1);
     scenario.imu.errors = {};
     scenario.gnss.errors = {};
     scenario.gnss.white_position.setConstant(1e-3);
     scenario.gnss.white_velocity.setConstant(1e-6);
     scenario.anomaly = {anomaly};
+    return scenario;
+}
+Flown perfectly_flown(const sim::AnomalyPart& anomaly, const DisturbanceModel& model) {
+    SurveySettings settings = perfect_settings();
     settings.disturbance = model;
     settings.prior.slope = 1e-8;
     settings.prior.curvature = 1e-10;
-    return run(scenario, settings);
+    return run(perfect_scenario(anomaly, 300.0), settings);
 }
 
 TEST(Survey, PerfectInstrumentsShowTheDisturbance) {
@@ -244,6 +251,17 @@ TEST(SurveySlow, TheOpenLoopOutrunsItsLinearModel) {
     EXPECT_GT(apart(open, 5399), 1.0 * units::mgal);
 }
 
+/// The step of the last fix.
+FixStep run_through(SurveyFilter& filter, const SurveyInput& input) {
+    FixStep last;
+    auto fix = input.fixes.begin();
+    for (const ImuIncrement& increment : input.imu) {
+        filter.advance(increment);
+        for (; fix != input.fixes.end() && fix->time <= increment.time; ++fix) last = filter.take(*fix);
+    }
+    return last;
+}
+
 TEST(Survey, TheUncorrectedMechanizationDivergesAsItsVerticalChannel) {
     // d'' = k^2 d - a for a height that is off by d: k^2 is the gradient of gravity, a the disturbance (up), not corrected for.
     SurveySettings settings = papers_settings();
@@ -253,16 +271,12 @@ TEST(Survey, TheUncorrectedMechanizationDivergesAsItsVerticalChannel) {
     const double up = 1e-4, begin = 10.0;
     scenario.anomaly = {sim::AnomalyPart{sim::AnomalyPart::Kind::Constant, {0.0, 0.0, -up}}};
     const sim::SimulatedData data = sim::simulate(scenario);
-    SurveyInput input = input_of(scenario, data, settings);
+    const SurveyInput input = input_of(scenario, data, settings);
     const Geodetic right = data.recording.reference.front().position;
     NavState off{input.start.time, right, Vector3d::Zero(), math::quaternion_from_rpy(Vector3d::Zero())};
     off.position.h += begin;
     SurveyFilter filter(settings, ins::to_ecef(settings.earth, off));
-    auto fix = input.fixes.begin();
-    for (const ImuIncrement& increment : input.imu) {
-        filter.advance(increment);
-        for (; fix != input.fixes.end() && fix->time <= increment.time; ++fix) (void)filter.take(*fix);
-    }
+    (void)run_through(filter, input);
     const auto height = [&](const SurveyState& s) {
         return earth::geodetic_from_ecef(settings.earth.ellipsoid, s.nav.position).h - right.h;
     };
@@ -275,10 +289,46 @@ TEST(Survey, TheUncorrectedMechanizationDivergesAsItsVerticalChannel) {
     EXPECT_NEAR(-filter.estimate().disturbance().z(), up, 0.1 * units::mgal);
 }
 
+TEST(Survey, AnOpenLoopCountsWithWhatItKnowsOfItsReference) {
+    // The reference keeps a wrong velocity and the sensors' biases. The disturbance's pace, the lever arm's velocity and the
+    // specific force are the vehicle's.
+    SurveySettings settings = perfect_settings();
+    settings.loop = estim::Loop::Open;
+    settings.disturbance = {DisturbanceKind::RampAndFirstOrder, 5000.0, Vector3d::Zero()};
+    settings.prior.velocity = 2.0;
+    settings.prior.accel_bias = 1e-3;
+    settings.prior.gyro_bias = 2e-5;
+    settings.prior.disturbance_n.setConstant(1e-9);
+    settings.prior.slope = 1e-6;
+    settings.lever_arm_b = {0.0, 30.0, 0.0};
+    const double by_metre = 2e-7, gyro_x = 2e-5, accel_x = 1e-3;
+    sim::Scenario scenario = perfect_scenario({sim::AnomalyPart::Kind::Ramp, {0.0, 0.0, 1e3 * by_metre}, 0.0, 1e3}, 20.0);
+    scenario.gnss.lever_arm_b = settings.lever_arm_b;
+    scenario.imu.rate = 50.0;
+    const sim::SimulatedData data = sim::simulate(scenario);
+    SurveyInput input = input_of(scenario, data, settings);
+    for (ImuIncrement& increment : input.imu) {
+        increment.dtheta.x() += gyro_x * increment.dt;   // as if the antenna, out to the right, went down
+        increment.dv.x() += accel_x * increment.dt;
+    }
+    SurveyFilter filter(settings, input.start);
+    const FixStep last = run_through(filter, input);
+    const SurveyState found = filter.estimate();
+    EXPECT_NEAR(found.parameters(slope + 2), by_metre, 0.05 * by_metre);
+    const ReferenceSample& end = data.recording.reference.back();
+    const earth::EarthTerms terms = earth::terms_at(settings.earth, end.position, end.velocity_n);
+    const Vector3d down(0.0, 0.0, earth::gravity_down(settings.earth.gravity, end.position.lat, end.position.h));
+    const Vector3d f_n = (2.0 * terms.w_ie_n + terms.w_en_n).cross(end.velocity_n) - down;
+    const Eigen::Matrix3d C_ne = earth::C_en(end.position.lat, end.position.lon).transpose();
+    EXPECT_NEAR((C_ne * found.nav.v_eb_e).z(), 0.0, 0.1 * gyro_x * settings.lever_arm_b.y());
+    EXPECT_LT((C_ne * last.f_e - f_n).norm(), 0.1 * accel_x);
+}
+
 TEST(Survey, StretchesOfTheSmootherAreThoseOfTheWhole) {
     SurveySettings settings = papers_settings();
     settings.loop = estim::Loop::Mixed;   // what is kept beside the reference must survive a checkpoint
-    const sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 10.0}, 200.0, 2);
+    sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 10.0}, 200.0, 2);
+    scenario.imu.rate = 1.0;              // a fix at every increment: none is lost or taken twice where stretches meet
     const SurveyInput input = input_of(scenario, sim::simulate(scenario), settings);
     const SurveyResult whole = run_survey(settings, input, true), parts = run_survey(settings, input, true, 37);
     ASSERT_EQ(whole.smoothed.size(), 200U);

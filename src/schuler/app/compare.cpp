@@ -40,10 +40,10 @@ ComparedRun run_of(const ResultBundle& bundle, const ScenarioConfig& scenario) {
     for (const ReferenceSample& sample : bundle.data.recording.reference) reference.push_back(seconds(sample.time));
     ComparedRun out;
     out.numbers = compared_numbers(bundle);
-    for (const CompareWindow& w : scenario.windows)
+    for (const CompareWindow& w : scenario.windows) {
         out.windows.push_back(window_statistics(w, scenario.window_rules, errors, solution, reference));
-    for (std::size_t k = 0; k < scenario.windows.size(); ++k)
-        add_signal_statistics(out.windows[k], scenario.windows[k], bundle.receiver_rows, scenario.sim.origin);
+        add_signal_statistics(out.windows.back(), w, bundle.receiver_rows, scenario.sim.origin);
+    }
     out.receiver = bundle.receiver_rows;
     out.course = drawn_course(errors, scenario.window_rules.age, drawn_points);
     return out;

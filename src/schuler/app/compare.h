@@ -57,15 +57,15 @@ struct Comparison {
 /// report.html: the tables, horizontal and vertical errors of all schemes over time, and the further plots.
 [[nodiscard]] report::ReportInput comparison_report(const Comparison& comparison);
 
-/// A number of the comparison as text; "-" where there is none.
-[[nodiscard]] std::string compared_text(double x);
-
-/// Numbers of the table, and of a window, that the report shows: titles and texts.
+/// A number of the table, or of a window.
 struct ComparedColumn {
     const char* key;     ///< of JSON and CSV
     const char* title;   ///< of the tables
 };
+/// In the order of compared_numbers().
 [[nodiscard]] const std::vector<ComparedColumn>& compared_columns();
+/// The same without the last, the time of the filters: what is the same whenever it is run.
+[[nodiscard]] std::vector<ComparedColumn> repeated_columns();
 [[nodiscard]] std::vector<ComparedColumn> window_columns(const Comparison& comparison);
 /// In the order of window_columns(), which has two more where there is a receiver at correlator level.
 [[nodiscard]] std::vector<double> window_numbers(const WindowStatistics& statistics);
@@ -76,7 +76,8 @@ struct ComparedColumn {
 
 /// What the numbers of windows mean.
 [[nodiscard]] std::string window_note(const Comparison& comparison);
-/// held and back of a window's statistics.
+/// Of a receiver's rows: `held`, the lowest C/N0 inside at which it followed four satellites, and `back`, the time after the
+/// window until it follows four, or all there are, for a second: 0 where it did at the end and goes on.
 void add_signal_statistics(WindowStatistics& out, const CompareWindow& window, const std::vector<ReceiverRow>& rows, Time origin);
 
 }  // namespace schuler::app

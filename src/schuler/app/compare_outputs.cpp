@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 
 namespace schuler::app {
 namespace {
@@ -44,9 +43,17 @@ const std::array<Column, 10> columns{{
     {{"filter_s", "time, s"}, [](const ResultBundle& b) { return b.timing.filter_s; }},
 }};
 
-bool is_timing(const ComparedColumn& c) { return std::string_view(c.key) == "filter_s"; }
+std::string cell(double x) {
+    if (!std::isfinite(x)) return "-";
+    const double a = std::abs(x);
+    return a != 0.0 && (a < 1e-3 || a >= 1e5) ? fmt::format("{:.2e}", x) : fmt::format("{:.4g}", x);
+}
 
 std::string csv_number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g}", x) : ","; }
+
+bool has_receiver(const Comparison& c) {
+    return std::ranges::any_of(c.runs, [](const ComparedRun& r) { return !r.receiver.empty(); });
+}
 
 /// "scheme", with the number of satellites where there is one.
 std::string csv_name(const ComparedRun& run) {
@@ -66,7 +73,7 @@ std::string table_of(const Comparison& c, const std::string& title, const std::v
         satellites = run.satellites;
         out += fmt::format("  {:<34}", run.scheme->title);
         const std::vector<double> values = numbers(run);
-        for (std::size_t i = 0; i < head.size(); ++i) out += fmt::format("{:>13}", compared_text(values[i]));
+        for (std::size_t i = 0; i < head.size(); ++i) out += fmt::format("{:>13}", cell(values[i]));
         out += "\n";
     }
     return out;
@@ -89,13 +96,19 @@ const std::vector<ComparedColumn>& compared_columns() {
     return list;
 }
 
+std::vector<ComparedColumn> repeated_columns() {
+    std::vector<ComparedColumn> list = compared_columns();
+    list.pop_back();
+    return list;
+}
+
 std::vector<ComparedColumn> window_columns(const Comparison& comparison) {
     std::vector<ComparedColumn> list{{"horizontal_rms_m", "h. rms, m"},
                                      {"horizontal_max_m", "h. max, m"},
                                      {"vertical_max_m", "v. max, m"},
                                      {"solution_share", "solution"},
                                      {"recovery_s", "recovery, s"}};
-    if (std::ranges::any_of(comparison.runs, [](const ComparedRun& r) { return !r.receiver.empty(); })) {
+    if (has_receiver(comparison)) {
         list.push_back({"held_db_hz", "held, dB-Hz"});
         list.push_back({"back_s", "back, s"});
     }
@@ -106,12 +119,6 @@ std::vector<double> window_numbers(const WindowStatistics& s) {
     return {s.horizontal_rms, s.horizontal_max, s.vertical_max, s.share, s.recovery, s.held, s.back};
 }
 
-std::string compared_text(double x) {
-    if (!std::isfinite(x)) return "-";
-    const double a = std::abs(x);
-    return a != 0.0 && (a < 1e-3 || a >= 1e5) ? fmt::format("{:.2e}", x) : fmt::format("{:.4g}", x);
-}
-
 std::string window_title(const CompareWindow& w) { return fmt::format("window {}, {:g} to {:g} s", w.name, w.start, w.end); }
 
 std::string window_note(const Comparison& c) {
@@ -119,8 +126,10 @@ std::string window_note(const Comparison& c) {
         "h., v.: horizontal and vertical error; solution: share of the time with one not older than {:g} s; recovery: time "
         "after the window until the horizontal error is below {:g} m for {:g} s",
         c.rules.age, c.rules.limit, c.rules.hold);
-    if (window_columns(c).size() > 5)
-        out += "; held: lowest C/N0 with four satellites followed; back: time after the window until four, or all there are, are followed";
+    if (has_receiver(c))
+        out +=
+            "; held: lowest C/N0 with four satellites followed; back: time after the window until four, or all there are, are "
+            "followed";
     return out;
 }
 
@@ -141,12 +150,11 @@ std::string comparison_tables(const Comparison& c) {
 
 std::string comparison_csv(const Comparison& c) {
     std::string out = csv_name_header(c);
-    for (const ComparedColumn& column : compared_columns())
-        if (!is_timing(column)) out += fmt::format(",{}", column.key);
+    const std::vector<ComparedColumn> head = repeated_columns();
+    for (const ComparedColumn& column : head) out += fmt::format(",{}", column.key);
     for (const ComparedRun& run : c.runs) {
         out += "\n" + csv_name(run);
-        for (std::size_t i = 0; i < run.numbers.size(); ++i)
-            if (!is_timing(compared_columns()[i])) out += csv_number(run.numbers[i]);
+        for (std::size_t i = 0; i < head.size(); ++i) out += csv_number(run.numbers[i]);
     }
     return out + "\n";
 }

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 
 namespace schuler::app {
 namespace {
@@ -78,19 +77,6 @@ report::TableBlock table_of(const Comparison& c, const std::string& title, const
     return table;
 }
 
-/// Without the time of the filters, so that the page repeats.
-report::TableBlock errors_table(const Comparison& c) {
-    std::vector<ComparedColumn> head = compared_columns();
-    const auto timing = std::ranges::find_if(head, [](const ComparedColumn& x) { return std::string_view(x.key) == "filter_s"; });
-    const auto at = timing - head.begin();
-    head.erase(timing);
-    return table_of(c, "After settling, root mean squares", head, [at](const ComparedRun& run) {
-        std::vector<double> numbers = run.numbers;
-        numbers.erase(numbers.begin() + at);
-        return numbers;
-    });
-}
-
 }  // namespace
 
 report::ReportInput comparison_report(const Comparison& c) {
@@ -102,7 +88,8 @@ report::ReportInput comparison_report(const Comparison& c) {
 
     report::Section schemes{
         "Schemes", "NEES of the position over its three degrees of freedom (1: honest); outage: at the end of the first one."};
-    schemes.groups.push_back({"", {}, {errors_table(c)}});
+    const auto all = [](const ComparedRun& r) { return r.numbers; };
+    schemes.groups.push_back({"", {}, {table_of(c, "After settling, root mean squares", repeated_columns(), all)}});
     report::Section windows{"Windows", window_note(c) + "."};
     report::Group& tables = windows.groups.emplace_back();
     for (std::size_t k = 0; k < c.windows.size(); ++k)

@@ -9,9 +9,6 @@
 namespace schuler::app {
 namespace {
 
-/// s, far below any period: times that are said to be the same come from sums and roundings.
-constexpr double same_instant = 1e-6;
-
 double recovery_of(const CompareWindow& w, const WindowRules& rules, const ErrorCourse& e) {
     const auto after = std::ranges::upper_bound(e.t, w.end + same_instant);
     std::size_t i = static_cast<std::size_t>(after - e.t.begin());

@@ -9,6 +9,9 @@
 
 namespace schuler::app {
 
+/// s, far below any period: times that are said to be the same come from sums and roundings.
+constexpr double same_instant = 1e-6;
+
 /// [[compare.window]], both ends belong to it.
 struct CompareWindow {
     std::string name;
@@ -36,10 +39,9 @@ struct WindowStatistics {
     double vertical_max = std::numeric_limits<double>::quiet_NaN();     ///< m
     double share = std::numeric_limits<double>::quiet_NaN();      ///< of the instants inside with a solution not too old
     double recovery = std::numeric_limits<double>::quiet_NaN();   ///< s, see window_statistics
-    /// Of a receiver at correlator level: lowest C/N0 inside at which it followed four satellites, dB-Hz; s after the window until it
-    /// follows four, or all there are, for a second.
-    double held = std::numeric_limits<double>::quiet_NaN();
-    double back = std::numeric_limits<double>::quiet_NaN();
+    // Of a receiver at correlator level, see add_signal_statistics.
+    double held = std::numeric_limits<double>::quiet_NaN();   ///< dB-Hz
+    double back = std::numeric_limits<double>::quiet_NaN();   ///< s
 };
 
 /// Errors inside a window; `solution` and `reference` are the times of both, ascending, s from the start of the scenario: the

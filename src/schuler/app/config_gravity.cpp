@@ -2,6 +2,7 @@
 
 #include "schuler/app/config_sections.h"
 #include "schuler/app/option_builders.h"
+#include "schuler/earth/enu.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,7 @@ AnomalyPart part_from(const ValueTable& table) {
             part.kind = kind_from(v);
             kind = true;
         } else if (name == "size_mgal") {
-            part.size_n = ned_from_enu(size_from(v));
+            part.size_n = earth::ned_from_enu(size_from(v));
         } else if (name == "start_m" || name == "length_m" || name == "start_s" || name == "length_s") {
             const bool is_length = name.starts_with("length");
             if (!v.is_number() || !(std::abs(v.number()) < 1e9) || (is_length && !(v.number() > 0.0)))
@@ -108,7 +109,7 @@ std::optional<Value> value_of(const std::vector<AnomalyPart>& parts) {
         ValueTable table;
         for (const auto& [name, kind] : kinds)
             if (kind == p.kind) table.emplace_back("kind", Value{std::string(name)});
-        const Eigen::Vector3d enu = enu_from_ned(p.size_n);
+        const Eigen::Vector3d enu = earth::enu_from_ned(p.size_n);
         table.emplace_back(
             "size_mgal",
             Value{ValueList{{in_unit(enu.x(), units::mgal)}, {in_unit(enu.y(), units::mgal)}, {in_unit(enu.z(), units::mgal)}}});

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "schuler/app/option_table.h"
-#include "schuler/earth/enu.h"
 #include "schuler/sim/anomaly.h"
 
 #include <optional>
@@ -10,9 +9,6 @@
 #include <vector>
 
 namespace schuler::app {
-
-using earth::enu_from_ned;
-using earth::ned_from_enu;
 
 /// Entries of [[anomaly]]. @throws Error(Input) without a place.
 [[nodiscard]] std::vector<sim::AnomalyPart> anomalies_from(const ValueList& tables);

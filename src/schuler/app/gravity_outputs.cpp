@@ -1,7 +1,7 @@
-#include "schuler/app/config_gravity.h"
 #include "schuler/app/detail/json.h"
 #include "schuler/app/gravity.h"
 #include "schuler/core/units.h"
+#include "schuler/earth/enu.h"
 
 #include <cmath>
 
@@ -49,7 +49,7 @@ std::string gravity_csv(const GravityBundle& b, const std::vector<GravityRow>& r
         "free_air_anomaly_mgal,eotvos_mgal,vertical_acceleration_mgal,classical_mgal,line,levelled_mgal";
     out += truth ? ",true_east_mgal,true_north_mgal,true_up_mgal\n" : "\n";
     for (const GravityRow& r : rows) {
-        const Vector3d d = enu_from_ned(r.disturbance_n) / units::mgal, t = enu_from_ned(r.truth_n);
+        const Vector3d d = earth::enu_from_ned(r.disturbance_n) / units::mgal, t = earth::enu_from_ned(r.truth_n);
         out += fmt::format("{:.3f},{:.2f},{:.9f},{:.9f},{:.3f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{:.3f},{:.3f}",
                            r.t, r.distance, r.position.lat / units::deg, r.position.lon / units::deg, r.position.h, d.x(), d.y(),
                            d.z(), r.sigma_n.y() / units::mgal, r.sigma_n.x() / units::mgal, r.sigma_n.z() / units::mgal,

@@ -1,6 +1,6 @@
-#include "schuler/app/config_gravity.h"
 #include "schuler/app/gravity.h"
 #include "schuler/core/units.h"
+#include "schuler/earth/enu.h"
 #include "schuler/report/report.h"
 
 #include <array>
@@ -29,7 +29,7 @@ std::vector<double> times(const std::vector<GravityRow>& rows) {
 
 /// Estimate with three sigma, and the truth.
 report::Panel component_panel(const std::vector<GravityRow>& rows, bool truth, int axis) {
-    const auto value = [axis](const GravityRow& r) { return enu_from_ned(r.disturbance_n)(axis) / mgal; };
+    const auto value = [axis](const GravityRow& r) { return earth::enu_from_ned(r.disturbance_n)(axis) / mgal; };
     const auto sigma = [axis](const GravityRow& r) { return earth::sigma_swapped(r.sigma_n)(axis) / mgal; };
     report::Panel p{fmt::format("disturbance {}", names[static_cast<std::size_t>(axis)]), "time, s", "mGal"};
     const std::vector<double> t = times(rows);
@@ -37,8 +37,8 @@ report::Panel component_panel(const std::vector<GravityRow>& rows, bool truth, i
                        column(rows, [&](const GravityRow& r) { return value(r) + sigma(r); })});
     if (truth)
         p.series.push_back({"truth", t,
-                            column(rows, [axis](const GravityRow& r) { return enu_from_ned(r.truth_n)(axis) / mgal; }), Ink::Text,
-                            report::Mark::Dashed});
+                            column(rows, [axis](const GravityRow& r) { return earth::enu_from_ned(r.truth_n)(axis) / mgal; }),
+                            Ink::Text, report::Mark::Dashed});
     p.series.push_back({"estimate", t, column(rows, value)});
     return p;
 }

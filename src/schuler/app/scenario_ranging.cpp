@@ -18,60 +18,67 @@ using units::deg;
 void add_sources(OptionTable<S>& table) {
     table
         .add(list_of<S>("ranges.stations", "[ { id, lat_deg, lon_deg, height_m }, ... ]", "ground stations that send ranges",
-                     [](S& s, const ValueList& list, const char* form) {
-                         s.ranging.settings.stations.clear();
-                         for (const Value& v : list) {
-                             sim::GroundStation g;
-                             fill(v, {{.name = "id", .text = &g.name},
+                        [](S& s, const ValueList& list, const char* form) {
+                            s.ranging.settings.stations.clear();
+                            for (const Value& v : list) {
+                                sim::GroundStation g;
+                                fill(v,
+                                     {{.name = "id", .text = &g.name},
                                       {.name = "lat_deg", .number = &g.position.lat, .factor = deg},
                                       {.name = "lon_deg", .number = &g.position.lon, .factor = deg},
                                       {.name = "height_m", .number = &g.position.h}},
-                                  form);
-                             if (g.name.empty()) throw input_error("a station has no id", {}, form);
-                             s.ranging.settings.stations.push_back(g);
-                         }
-                     }))
+                                     form);
+                                if (g.name.empty()) throw input_error("a station has no id", {}, form);
+                                s.ranging.settings.stations.push_back(g);
+                            }
+                        }))
         .add(list_of<S>("ranges.block", "[ { sources, start_s, duration_s }, ... ]",
-                     "sources that are silent for a time; without names all satellites, \"stations\" for all stations",
-                     [](S& s, const ValueList& list, const char* form) {
-                         s.ranging.settings.blocked.clear();
-                         for (const Value& v : list) {
-                             sim::Blocking b;
-                             fill(v, {{.name = "sources", .texts = &b.sources},
+                        "sources that are silent for a time; without names all satellites, \"stations\" for all stations",
+                        [](S& s, const ValueList& list, const char* form) {
+                            s.ranging.settings.blocked.clear();
+                            for (const Value& v : list) {
+                                sim::Blocking b;
+                                fill(v,
+                                     {{.name = "sources", .texts = &b.sources},
                                       {.name = "start_s", .number = &b.start},
                                       {.name = "duration_s", .number = &b.duration}},
-                                  form);
-                             s.ranging.settings.blocked.push_back(b);
-                         }
-                     }))
+                                     form);
+                                s.ranging.settings.blocked.push_back(b);
+                            }
+                        }))
         .add(list_of<S>("ranges.limit", "[ { start_s, keep, variant }, ... ]",
-                     "from then on only so many satellites: up to four of the four with the best geometry, more: the highest",
-                     [](S& s, const ValueList& list, const char* form) {
-                         s.ranging.settings.limits.clear();
-                         for (const Value& v : list) {
-                             double start = 0.0, keep = 4.0, variant = 0.0;
-                             fill(v, {{.name = "start_s", .number = &start}, {.name = "keep", .number = &keep}, {.name = "variant", .number = &variant}},
-                                  form);
-                             if (keep < 0.0 || keep > 100.0 || variant < 0.0 || variant > 1e6)
-                                 throw input_error("keep or variant is negative or too large", {}, form);
-                             s.ranging.settings.limits.push_back({start, static_cast<std::size_t>(keep), static_cast<std::size_t>(variant)});
-                         }
-                     }))
-        .add(list_of<S>("ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]", "ranges that are wrong",
-                     [](S& s, const ValueList& list, const char* form) {
-                         s.ranging.settings.faults.clear();
-                         for (const Value& v : list) {
-                             sim::RangeFault f;
-                             fill(v, {{.name = "source", .text = &f.source},
+                        "from then on only so many satellites: up to four of the four with the best geometry, more: the highest",
+                        [](S& s, const ValueList& list, const char* form) {
+                            s.ranging.settings.limits.clear();
+                            for (const Value& v : list) {
+                                double start = 0.0, keep = 4.0, variant = 0.0;
+                                fill(v,
+                                     {{.name = "start_s", .number = &start},
+                                      {.name = "keep", .number = &keep},
+                                      {.name = "variant", .number = &variant}},
+                                     form);
+                                if (keep < 0.0 || keep > 100.0 || variant < 0.0 || variant > 1e6)
+                                    throw input_error("keep or variant is negative or too large", {}, form);
+                                s.ranging.settings.limits.push_back(
+                                    {start, static_cast<std::size_t>(keep), static_cast<std::size_t>(variant)});
+                            }
+                        }))
+        .add(list_of<S>("ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]",
+                        "ranges that are wrong", [](S& s, const ValueList& list, const char* form) {
+                            s.ranging.settings.faults.clear();
+                            for (const Value& v : list) {
+                                sim::RangeFault f;
+                                fill(v,
+                                     {{.name = "source", .text = &f.source},
                                       {.name = "start_s", .number = &f.start},
                                       {.name = "duration_s", .number = &f.duration},
                                       {.name = "offset_m", .number = &f.offset},
                                       {.name = "ramp_m_s", .number = &f.ramp},
                                       {.name = "rate_m_s", .number = &f.rate}},
-                                  form);
-                             s.ranging.settings.faults.push_back(f);
-                         }
-                     }));
+                                     form);
+                                s.ranging.settings.faults.push_back(f);
+                            }
+                        }));
 }
 
 }  // namespace
@@ -80,42 +87,52 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
     const auto settings = [](auto field) { return [=](auto& s) -> auto& { return s.ranging.settings.*field; }; };
     using R = sim::RangingSettings;
     table
-        .add(number<S>("ranges.rate_hz", 1.0, 0, 1000, "rate of raw ranges (ranges.csv); 0 = none", [](auto& s) -> auto& { return s.ranging.rate; }))
+        .add(number<S>("ranges.rate_hz", 1.0, 0, 1000, "rate of raw ranges (ranges.csv); 0 = none",
+                       [](auto& s) -> auto& { return s.ranging.rate; }))
         .add(text<S>("ranges.systems", "nominal constellations: G = GPS, R = GLONASS, 24 satellites each; \"-\" = none",
                      [](auto& s) -> auto& { return s.ranging.systems; }))
         .add(text<S>("ranges.navigation", "a RINEX navigation file instead of nominal constellations",
                      [](auto& s) -> auto& { return s.ranging.navigation; }))
         .add(integer<S>("ranges.gps_week", 0, 20000, "GPS week of the start", [](auto& s) -> auto& { return s.ranging.week; }))
-        .add(number<S>("ranges.gps_second", 1.0, 0, 604800, "second of that week at the start", [](auto& s) -> auto& { return s.ranging.second; }))
-        .add(flag<S>("ranges.rinex", "write RINEX observations and navigation files too", [](auto& s) -> auto& { return s.ranging.rinex; }))
+        .add(number<S>("ranges.gps_second", 1.0, 0, 604800, "second of that week at the start",
+                       [](auto& s) -> auto& { return s.ranging.second; }))
+        .add(flag<S>("ranges.rinex", "write RINEX observations and navigation files too",
+                     [](auto& s) -> auto& { return s.ranging.rinex; }))
         .add(number<S>("ranges.elevation_mask_deg", deg, -10, 90, "lower satellites are not seen",
                        [](auto& s) -> auto& { return s.ranging.settings.masks.elevation; }))
         .add(flag<S>("ranges.throughout", "only satellites above the mask during the whole scenario",
                      [](auto& s) -> auto& { return s.ranging.settings.masks.throughout; }))
-        .add(number<S>("ranges.antenna_mask_deg", deg, -90, 90, "hidden below this angle over the antenna's plane, which banks with the body",
+        .add(number<S>("ranges.antenna_mask_deg", deg, -90, 90,
+                       "hidden below this angle over the antenna's plane, which banks with the body",
                        [](auto& s) -> auto& { return s.ranging.settings.masks.antenna; }))
-        .add(list_of<S>("ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]", "elevation hidden from an azimuth to the next one",
-                     [](S& s, const ValueList& list, const char* form) {
-                         auto& terrain = s.ranging.settings.masks.terrain;
-                         terrain.clear();
-                         for (const Value& v : list) {
-                             sim::Masks::Sector sector{};
-                             fill(v, {{.name = "azimuth_deg", .number = &sector.azimuth, .factor = deg},
+        .add(list_of<S>("ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]",
+                        "elevation hidden from an azimuth to the next one",
+                        [](S& s, const ValueList& list, const char* form) {
+                            auto& terrain = s.ranging.settings.masks.terrain;
+                            terrain.clear();
+                            for (const Value& v : list) {
+                                sim::Masks::Sector sector{};
+                                fill(v,
+                                     {{.name = "azimuth_deg", .number = &sector.azimuth, .factor = deg},
                                       {.name = "elevation_deg", .number = &sector.elevation, .factor = deg}},
-                                  form);
-                             terrain.push_back(sector);
-                         }
-                         std::ranges::stable_sort(terrain, {}, &sim::Masks::Sector::azimuth);
-                     }))
+                                     form);
+                                terrain.push_back(sector);
+                            }
+                            std::ranges::stable_sort(terrain, {}, &sim::Masks::Sector::azimuth);
+                        }))
         .add(number<S>("ranges.multipath_m", 1.0, 0, 1e3, "amplitude of reflections at the horizon",
                        [](auto& s) -> auto& { return s.ranging.settings.multipath.amplitude; }))
-        .add(number<S>("ranges.multipath_period_s", 1.0, 0.01, 1e5, "their period", [](auto& s) -> auto& { return s.ranging.settings.multipath.period; }))
-        .add(number<S>("ranges.receiver_acceleration_m_s_sqrt_s", 1.0, 1e-4, 1e3, "medium: white acceleration that the receiver's own filter is "
-                       "told", [](auto& s) -> auto& { return s.processing.filter.ranging.receiver_acceleration; }))
+        .add(number<S>("ranges.multipath_period_s", 1.0, 0.01, 1e5, "their period",
+                       [](auto& s) -> auto& { return s.ranging.settings.multipath.period; }))
+        .add(number<S>("ranges.receiver_acceleration_m_s_sqrt_s", 1.0, 1e-4, 1e3,
+                       "medium: white acceleration that the receiver's own filter is "
+                       "told",
+                       [](auto& s) -> auto& { return s.processing.filter.ranging.receiver_acceleration; }))
         .add(flag<S>("ranges.atmosphere", "ranges are delayed by troposphere and ionosphere", settings(&R::atmosphere)));
     add_sources(table);
     add_range_error_options(table, [](auto& s) -> auto& { return s.ranging.settings.errors; });
-    table.add(number<S>("baro.bias_time_s", 1.0, 0, 1e7, "correlation time of the barometer's bias, which then does not walk; 0 = constant",
+    table.add(number<S>("baro.bias_time_s", 1.0, 0, 1e7,
+                        "correlation time of the barometer's bias, which then does not walk; 0 = constant",
                         [](auto& s) -> auto& { return s.sim.baro.bias_time; }));
 }
 

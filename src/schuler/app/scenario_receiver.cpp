@@ -14,7 +14,8 @@ template <class Access>
 Option<S> integration(const char* key, std::string help, Access access) {
     Option<S> option = integer<S>(key, 1, 20, std::move(help), access);
     option.set = [set = option.set](S& s, const Value& v) {
-        if (20 % *v.integer() != 0) throw input_error(fmt::format("{} ms do not divide a bit of 20 ms", *v.integer()), {}, "use 1, 2, 4, 5, 10 or 20");
+        if (20 % *v.integer() != 0)
+            throw input_error(fmt::format("{} ms do not divide a bit of 20 ms", *v.integer()), {}, "use 1, 2, 4, 5, 10 or 20");
         set(s, v);
     };
     return option;
@@ -30,8 +31,10 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
     using T = receiver::TrackingSettings;
     using D = receiver::DeepSettings;
     table
-        .add(number<S>("receiver.rate_hz", 1.0, 0, 50, "a receiver at correlator level tracks the satellites of [ranges] and measures at this "
-                       "rate; 0 = none", [](auto& s) -> auto& { return s.receiver_channels.rate; }))
+        .add(number<S>("receiver.rate_hz", 1.0, 0, 50,
+                       "a receiver at correlator level tracks the satellites of [ranges] and measures at this "
+                       "rate; 0 = none",
+                       [](auto& s) -> auto& { return s.receiver_channels.rate; }))
         .add(number<S>("receiver.cn0_db_hz", 1.0, 1, 70, "strength of every signal without jamming",
                        [](auto& s) -> auto& { return s.receiver_channels.cn0; }))
         .add(list_of<S>("receiver.cn0_profile", "[ { time_s, cn0_db_hz }, ... ]", "strength over time instead, linear in between",
@@ -41,7 +44,8 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                                 sim::StrengthPoint p{0.0, 45.0};
                                 fill(v, {{.name = "time_s", .number = &p.time}, {.name = "cn0_db_hz", .number = &p.cn0}}, form);
                                 if (!s.receiver_channels.profile.empty() && !(p.time > s.receiver_channels.profile.back().time))
-                                    throw input_error(fmt::format("{:g} s is not after the point before", p.time), {}, "sort it by time_s");
+                                    throw input_error(fmt::format("{:g} s is not after the point before", p.time), {},
+                                                      "sort it by time_s");
                                 s.receiver_channels.profile.push_back(p);
                             }
                         }))
@@ -51,13 +55,14 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                             s.receiver_channels.jammers.clear();
                             for (const Value& v : list) {
                                 sim::Jammer j;
-                                fill(v, {{.name = "lat_deg", .number = &j.position.lat, .factor = deg},
-                                         {.name = "lon_deg", .number = &j.position.lon, .factor = deg},
-                                         {.name = "height_m", .number = &j.position.h},
-                                         {.name = "power_w", .number = &j.power},
-                                         {.name = "spread", .number = &j.spread},
-                                         {.name = "start_s", .number = &j.start},
-                                         {.name = "duration_s", .number = &j.duration}},
+                                fill(v,
+                                     {{.name = "lat_deg", .number = &j.position.lat, .factor = deg},
+                                      {.name = "lon_deg", .number = &j.position.lon, .factor = deg},
+                                      {.name = "height_m", .number = &j.position.h},
+                                      {.name = "power_w", .number = &j.power},
+                                      {.name = "spread", .number = &j.spread},
+                                      {.name = "start_s", .number = &j.start},
+                                      {.name = "duration_s", .number = &j.duration}},
                                      form);
                                 if (!(j.power > 0.0 && j.spread > 0.0 && j.duration > 0.0))
                                     throw input_error("a jammer without power, spread or duration", {}, "give positive numbers");
@@ -67,13 +72,16 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
         .add(number<S>("receiver.pll_bandwidth_hz", 1.0, 0.5, 50, "phase loop without an aid", alone(&T::pll_bandwidth)))
         .add(number<S>("receiver.dll_bandwidth_hz", 1.0, 0.01, 10, "code loop without an aid", alone(&T::dll_bandwidth)))
         .add(integration("receiver.integration_ms", "coherent sums without an aid; a divisor of 20", alone(&T::integration)))
-        .add(number<S>("receiver.aided_pll_bandwidth_hz", 1.0, 0.5, 50, "phase loop with inertial rates (medium)", aided(&T::pll_bandwidth)))
-        .add(number<S>("receiver.aided_dll_bandwidth_hz", 1.0, 0.01, 10, "code loop with inertial rates (medium)", aided(&T::dll_bandwidth)))
-        .add(integration("receiver.aided_integration_ms", "coherent sums with inertial rates; a divisor of 20", aided(&T::integration)))
-        .add(choice<S, receiver::Prefilter>("receiver.prefilter",
-                                            {{"noncoherent", receiver::Prefilter::Noncoherent}, {"coherent", receiver::Prefilter::Coherent}},
-                                            "residuals of deep channels: from powers alone, or by the phase while it can be followed",
-                                            deep(&D::prefilter)))
+        .add(number<S>("receiver.aided_pll_bandwidth_hz", 1.0, 0.5, 50, "phase loop with inertial rates (medium)",
+                       aided(&T::pll_bandwidth)))
+        .add(number<S>("receiver.aided_dll_bandwidth_hz", 1.0, 0.01, 10, "code loop with inertial rates (medium)",
+                       aided(&T::dll_bandwidth)))
+        .add(integration("receiver.aided_integration_ms", "coherent sums with inertial rates; a divisor of 20",
+                         aided(&T::integration)))
+        .add(choice<S, receiver::Prefilter>(
+            "receiver.prefilter",
+            {{"noncoherent", receiver::Prefilter::Noncoherent}, {"coherent", receiver::Prefilter::Coherent}},
+            "residuals of deep channels: from powers alone, or by the phase while it can be followed", deep(&D::prefilter)))
         .add(number<S>("receiver.front_end_mhz", 1e6, 0.6, 100, "two-sided band of the front end; not given: all of it",
                        bank(&receiver::BankSettings::front_end)))
         .add(number<S>("receiver.clock_h_minus1", 1.0, 0, 1e-10, "flicker of the oscillator's frequency, beside ranges.clock",

@@ -3,6 +3,7 @@
 #include "schuler/app/option_builders.h"
 #include "schuler/app/scenario_sections.h"
 #include "schuler/core/units.h"
+#include "schuler/earth/enu.h"
 #include "schuler/earth/gravity_field.h"
 #include "schuler/io/csv_grid.h"
 
@@ -94,7 +95,7 @@ sim::GroundField field_of(const S& s) {
                                               p.lat / units::deg, p.lon / units::deg),
                                   place("anomaly_field.file"), "give a larger grid or a shorter path");
         }
-        return [grid](const Geodetic& p) { return ned_from_enu(grid->at(p.lat, p.lon)); };
+        return [grid](const Geodetic& p) { return earth::ned_from_enu(grid->at(p.lat, p.lon)); };
     }
     if (f.model.empty()) return {};
     const auto model = std::make_shared<const earth::GravityField>(f.model, f.folder);
