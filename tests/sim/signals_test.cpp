@@ -106,7 +106,10 @@ TEST(Signals, RefusesWhatCorrelatorsDoNotHave) {
     EXPECT_EQ(refused(s), "receiver.cn0_profile");
     s = quiet();
     s.jammers = {{place, 0.0}};
-    EXPECT_EQ(refused(s), "jammer");
+    EXPECT_EQ(refused(s), "receiver.jammer");
+    s = quiet();
+    s.ranging.errors.satellite.correlation_time = 0.0;
+    EXPECT_EQ(refused(s), "ranges") << "what ranges and signals share";
 }
 
 }  // namespace
