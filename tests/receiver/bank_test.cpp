@@ -38,13 +38,17 @@ private:
     std::size_t size_;
 };
 
+/// m/s: an oscillator here is off by a constant frequency, if at all.
+double drift_of(const Bank& bank) { return bank.now() > 0.0 ? bank.clock() / bank.now() : 0.0; }
+
 /// Predictions as a navigation would give them: off by a steady error.
 void guide(Bank& bank, const Steady& field, double range_error, double rate_error, double std_range, double std_rate) {
     std::vector<Prediction> p(field.size());
     for (std::size_t i = 0; i < p.size(); ++i) {
         p[i].motion = field.motion(i, bank.now());
         p[i].motion.range += bank.clock() + range_error;
-        p[i].motion.rate += rate_error;
+        p[i].motion.rate += drift_of(bank) + rate_error;
+        p[i].drift = drift_of(bank);
         p[i].std_range = std_range;
         p[i].std_rate = std_rate;
     }
@@ -55,10 +59,11 @@ void guide(Bank& bank, const Steady& field, double range_error, double rate_erro
 struct Errors {
     double range = 0.0, rate = 0.0, range_nis = 0.0, rate_nis = 0.0, n = 0.0;
 
-    void add(const Steady& field, double t, const std::vector<BankMeasurement>& measured) {
+    void add(const Steady& field, const Bank& bank, const std::vector<BankMeasurement>& measured) {
         for (const BankMeasurement& m : measured) {
-            const LineOfSight truth = field.motion(m.signal, t);
-            const double dp = m.range - truth.range, dv = m.rate - truth.rate;
+            // at the moment when the receiver's clock shows now
+            const LineOfSight truth = field.motion(m.signal, bank.now() - bank.clock() / gnss::speed_of_light);
+            const double dp = m.range - truth.range - bank.clock(), dv = m.rate - truth.rate - drift_of(bank);
             range += dp;
             rate += dv;
             range_nis += dp * dp / m.range_variance;
@@ -84,6 +89,9 @@ TEST(Bank, AloneItLosesAndFindsAgainByItself) {
     Errors back;
     for (int k = 0; k < 90'000; ++k) {
         bank.step(Eigen::Vector3d::Zero());
+        if (k == 80'040) {   // a dwell takes 50 ms
+            for (std::size_t i = 0; i < field.size(); ++i) EXPECT_EQ(bank.state(i), ChannelState::Searching);
+        }
         if (k % 1000 != 999) continue;
         bank.measure(out, 1.0);
         if (k > 10'000 && k < 20'000) {
@@ -92,7 +100,7 @@ TEST(Bank, AloneItLosesAndFindsAgainByItself) {
         if (k > 40'000 && k < 80'000) {
             EXPECT_TRUE(out.empty()) << bank.now();
         }
-        if (k > 85'000) back.add(field, bank.now(), out);
+        if (k > 85'000) back.add(field, bank, out);
     }
     EXPECT_EQ(back.n, 20.0);
     EXPECT_LT(back.range_nis / back.n, 3.0) << "what it found is the signal";
@@ -110,7 +118,7 @@ TEST(Bank, GeneratorsTellTheErrorOfTheirCommand) {
         bank.step(Eigen::Vector3d::Zero());
         if (k % 20 != 19) continue;
         bank.measure(out, 0.02);
-        if (bank.now() >= 2.0) errors.add(field, bank.now(), out);
+        if (bank.now() >= 2.0) errors.add(field, bank, out);
     }
     const double n = errors.n;
     ASSERT_GT(n, 3000.0);
@@ -148,7 +156,9 @@ TEST(Bank, StatesTheSigmasOfItsRangesAndRates) {
         for (const Guidance guidance : {Guidance::None, Guidance::Loops}) {
             Steady field(8);
             field.db = db;
-            Bank bank(field, quiet_clock(guidance), 7);
+            BankSettings settings = quiet_clock(guidance);
+            settings.oscillator.frequency_std = 1e-6;
+            Bank bank(field, settings, 7);
             std::vector<BankMeasurement> out;
             Errors errors;
             for (int k = 0; k < 60'000; ++k) {
@@ -156,7 +166,7 @@ TEST(Bank, StatesTheSigmasOfItsRangesAndRates) {
                 bank.step(Eigen::Vector3d::Zero());
                 if (k % 1000 != 999) continue;
                 bank.measure(out, 1.0);
-                if (bank.now() >= 10.0) errors.add(field, bank.now(), out);
+                if (bank.now() >= 10.0) errors.add(field, bank, out);
             }
             ASSERT_GT(errors.n, 300.0);
             EXPECT_NEAR(errors.range_nis / errors.n, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");

@@ -47,7 +47,8 @@ TEST(Signals, MotionIsThatOfTheRangesAndItsDerivativesFit) {
             for (const RangeSample& m : ranges.log.of(e)) {
                 if (ranges.log.sources[m.source].name != gnss::name_of(signals.satellite(i))) continue;
                 const double t = e.time.seconds();
-                EXPECT_NEAR(signals.motion(i, t).range, m.pseudorange, t < 0.1 ? 2e-3 : 1e-4) << t;   // slopes at the start see one side
+                // slopes at the start see one side
+                EXPECT_NEAR(signals.motion(i, t).range, m.pseudorange, t < 0.1 ? 2e-3 : 1e-4) << t;
                 ++compared;
             }
         for (const double t : {3.01, 7.333, 10.049}) {

@@ -19,8 +19,8 @@ struct Guide {
     double std_clock = 0.0, std_drift = 0.0;
 };
 
-/// Listens from guide.time up to `until` and appends the epochs that end there; times are those of the inertial log. In paper A's aided
-/// and deep schemes (1.1) loops or generators follow the navigation.
+/// Listens from guide.time up to `until` and appends the epochs that end there; times are those of the inertial log. In paper A's
+/// aided and deep schemes (1.1) loops or generators follow the navigation.
 using ReceiverInLoop = std::function<void(const Guide& guide, Time until, RangingLog& log)>;
 
 }  // namespace schuler::fusion

@@ -1,5 +1,5 @@
-// Closed formulas of tracking: thermal jitter and the error that dynamics leave. What the loops are judged by; no loop uses them, but
-// a receiver states its sigmas by them.
+// Closed formulas of tracking: thermal jitter and the error that dynamics leave. What the loops are judged by; no loop uses them,
+// but a receiver states its sigmas by them.
 #pragma once
 
 #include "schuler/receiver/discriminators.h"

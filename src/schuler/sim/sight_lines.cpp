@@ -25,8 +25,9 @@ void check(const RangingSettings& s) {
         return m.white >= 0.0 && m.correlated >= 0.0 && m.correlation_time > 0.0 && m.rate >= 0.0;
     };
     require(s.lever_arm_b.norm() < 200.0, "gnss.lever_arm_m", "is not a lever arm", "give metres forward, right, down");
-    require(good(s.errors.satellite) && good(s.errors.station) && s.errors.network >= 0.0 && s.errors.network_time > 0.0, "ranges",
-            "an error of the ranges is negative, or a correlation time not positive", "give one sigma in metres, times in seconds");
+    require(good(s.errors.satellite) && good(s.errors.station) && s.errors.network >= 0.0 && s.errors.network_time > 0.0,
+            "ranges", "an error of the ranges is negative, or a correlation time not positive",
+            "give one sigma in metres, times in seconds");
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 
 namespace schuler::sim {
 
-/// A transmitter of noise in the receiver's band, at rest. Carrier, chip rate and least power are those of GPS: signals of GLONASS
-/// are taken to be jammed in their own band as much as those of GPS.
+/// A transmitter of noise in the receiver's band, at rest. Carrier, chip rate and least power are those of GPS: signals of
+/// GLONASS are taken to be jammed in their own band as much as those of GPS.
 struct Jammer {
     Geodetic position;
     double power = 1.0;                  ///< W, radiated equally in all directions
