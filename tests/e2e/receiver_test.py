@@ -26,8 +26,8 @@ def judge(summary, sky, what):
         cn0, doppler, delay = sky[name]
         row = rows[name]
         check(row["state"] == "locked" and 2.0 < row["phase_lock_s"] - row["found_at_s"] < 3.0, f"{what}: {name} {row}")
-        # Phase jitter of 15 Hz at 41 dB-Hz is 0.035 rad: 0.008 Hz over a second. Code jitter of 0.5 Hz is 0.003 chip, and the code
-        # is sampled every quarter of a chip.
+        # Phase jitter of 15 Hz at 41 dB-Hz is 0.035 rad: 0.008 Hz over a second. Code jitter of 0.5 Hz is 0.003 chip, and the
+        # code is sampled every quarter of a chip.
         check(abs(row["doppler_hz"] - doppler) < 0.05, f"{what}: Doppler of {name} {row['doppler_hz']}")
         error = row["code_delay_chips"] - (delay - doppler * CHIPS_PER_CYCLE * row["time_s"])
         check(abs(math.remainder(error, 1023)) < 0.03, f"{what}: code delay of {name} is {error} chips off")
@@ -177,16 +177,18 @@ def jamming(program, source):
     program("run", scenario, "--scheme", "deep", "--set", "compare.schemes=[]", "-o", "x", status=2)   # no setting of a data set
     program("simulate", scenario, "-o", "log", "-q")
     program.fails("process", "log", "--scheme", "deep", "-o", "x", parts=["filter.scheme: deep coupling", "a log has none"])
-    for old, new, parts in (("rate_hz = 5\n", "rate_hz = 5\nintegration_ms = 7\n", [":", "receiver.integration_ms: 7 ms do not divide"]),
-                            ("time_s = 260", "time_s = 100", ["receiver.cn0_profile: 100 s is not after"]),
-                            ("power_w = 1", "power_w = 0", ["receiver.jammer: a jammer without power"]),
-                            ("systems = \"G\"", "systems = \"-\"", ["no satellite is ever in view"]),
-                            ("systems = \"G\"", "systems = \"G\"\nrate_hz = 1", ["ranges.rate_hz: ranges are measured by the receiver"]),
-                            ("correlated_m = 0.5", "fault = [{ source = \"G05\" }]", ["ranges.fault: are faults of ranges"])):
+    for old, new, complaint in (("rate_hz = 5\n", "rate_hz = 5\nintegration_ms = 7\n", "receiver.integration_ms: 7 ms do not"),
+                                ("time_s = 260", "time_s = 100", "receiver.cn0_profile: 100 s is not after"),
+                                ("cn0_db_hz = 15 }", "cn0_db_hz = 90 }", "receiver.cn0_profile: has a strength that no signal"),
+                                ("power_w = 1", "power_w = 0", "receiver.jammer: a jammer without power"),
+                                ('systems = "G"', 'systems = "-"', "no satellite is ever in view"),
+                                ('systems = "G"', 'systems = "G"\nrate_hz = 1', "ranges.rate_hz: ranges are measured by"),
+                                ("correlated_m = 0.5", 'stations = [{ id = "A" }]', "ranges.stations: a receiver of satellites"),
+                                ("correlated_m = 0.5", 'fault = [{ source = "G05" }]', "ranges.fault: are faults of ranges")):
         bad = Path(program.folder) / "bad.toml"
         check(old in short, f"{old!r} is in the example")
         bad.write_text(short.replace(old, new, 1))
-        program.fails("run", bad, "-o", "x", parts=parts)
+        program.fails("run", bad, "-o", "x", parts=[complaint] if complaint.startswith("no sat") else ["bad.toml:", complaint])
     check(not (Path(program.folder) / "x").exists(), "nothing is left of what was refused")
 
 

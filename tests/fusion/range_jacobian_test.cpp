@@ -65,7 +65,8 @@ std::vector<Point> points() {
         p.lever_b = vector(3.0);
         const Ecef place = earth::ecef_from_geodetic(wgs84.ellipsoid, p.nav.position);
         const bool satellite = k % 2 == 0;
-        const Vector3d out_e = earth::C_en(p.nav.position.lat, p.nav.position.lon) * Vector3d{unit(generator), unit(generator), -1.0};
+        const Vector3d out_n{unit(generator), unit(generator), -1.0};
+        const Vector3d out_e = earth::C_en(p.nav.position.lat, p.nav.position.lon) * out_n;
         p.transmitter.r = place.r + (satellite ? 21e6 * out_e.normalized() : Vector3d(vector(60e3)));
         p.velocity = satellite ? vector(2500.0) : Vector3d(Vector3d::Zero());
         p.name = (satellite ? "satellite " : "station ") + std::to_string(k);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace schuler::fusion {
 namespace {
@@ -57,6 +58,81 @@ TEST(TightFilter, BothMechanizationsAgree) {
         EXPECT_LT((n.forward.rows[i].std_position - e.forward.rows[i].std_position).norm(), 1e-3);
     }
     EXPECT_LT(largest_error(f, n, 20.0), 8.0);
+}
+
+/// A gain error of the accelerometers under a force beyond that of rest is an error of velocity that grows with time, and one of
+/// the gyros in a turn one of attitude: what they are after ten seconds.
+TEST(TightFilter, GainErrorsGrowInManoeuvresOnly) {
+    constexpr double gain = 2e-3, force = 30.0, rate = 0.5;   // m/s^2 beyond 1 g, rad/s
+    const auto sigmas = [&](double turn, const Vector3d& f_b) {
+        TightModel model = make_tight_model(Settings{}, false);
+        model.inertial.process = {};
+        model.gyro_gain = model.accel_gain = gain;
+        TightFilter<GeographicFrame> f;
+        NavState nav;
+        nav.position = {0.9, 1.0, 100.0};
+        f.inertial.set_nav(nav);
+        f.start(model, Eigen::Matrix<double, 16, 16>::Zero());
+        for (int k = 1; k <= 1000; ++k)
+            f.propagate(model, {Time::from_seconds(0.01 * k), 0.01, Vector3d(0.01 * turn, 0.0, 0.0), 0.01 * f_b}, {});
+        f.bring_up(model);
+        return std::pair{std::sqrt(f.P(3, 3)), std::sqrt(f.P(6, 6))};
+    };
+    const auto [v_rest, a_rest] = sigmas(0.0, {0.0, 0.0, -units::g0});
+    const auto [v_pushed, a_pushed] = sigmas(0.0, {force, 0.0, -units::g0});
+    const auto [v_turning, a_turning] = sigmas(rate, {0.0, 0.0, -units::g0});
+    EXPECT_NEAR(v_pushed, std::hypot(v_rest, gain * force * 10.0), 0.05 * v_pushed);
+    EXPECT_NEAR(a_turning, std::hypot(a_rest, gain * rate * 10.0), 0.05 * a_turning);
+    EXPECT_LT(v_rest, 0.1 * v_pushed);
+    EXPECT_LT(a_rest, 0.1 * a_turning);
+    EXPECT_LT(a_pushed, 0.1 * a_turning);
+}
+
+/// A receiver in the loop that gives the ranges of a log: the same solution, and what it is told is the antenna's motion.
+TEST(TightFilter, AReceiverInTheLoopHearsWhereItIs) {
+    Flight f = flight();
+    const Result logged = run(f);
+    const RangingLog log = std::exchange(f.recording.ranges, {});
+    std::size_t next = 0;
+    std::vector<Guide> guides;
+    const auto receiver = [&](const Guide& guide, Time until, RangingLog& heard) {
+        EXPECT_LT(guide.time, until);
+        guides.push_back(guide);
+        heard.sources = log.sources;
+        for (; next < log.epochs.size() && log.epochs[next].time <= until; ++next) {
+            const auto samples = log.of(log.epochs[next]);
+            heard.epochs.push_back({log.epochs[next].time, heard.samples.size(), samples.size()});
+            heard.samples.insert(heard.samples.end(), samples.begin(), samples.end());
+        }
+    };
+    WarningLog unheard;
+    const Result result = run_filter(f.recording, f.settings, unheard, {}, {}, receiver);
+    ASSERT_EQ(result.forward.rows.size(), logged.forward.rows.size());
+    for (std::size_t i = 0; i < logged.forward.rows.size(); ++i) {
+        const SolutionRow &a = result.forward.rows[i], &b = logged.forward.rows[i];
+        EXPECT_LT(earth::ned_difference(f.earth, a.position, b.position).norm(), 1e-3);
+    }
+    ASSERT_GT(guides.size(), 1000U);
+    double changed = 0.0, told = 0.0;
+    for (std::size_t k = 600; k + 1 < guides.size(); ++k) {
+        const Guide &a = guides[k], &b = guides[k + 1];
+        const double t = a.time.seconds(), dt = (b.time - a.time).seconds();
+        if (std::abs(t - std::round(t)) < 0.15) continue;   // the epochs of ranges move the solution
+        EXPECT_LT(((b.antenna.r_e - a.antenna.r_e) / dt - 0.5 * (a.antenna.v_e + b.antenna.v_e)).norm(), 0.01) << t;
+        EXPECT_LT(((b.antenna.v_e - a.antenna.v_e) / dt - 0.5 * (a.antenna.a_e + b.antenna.a_e)).norm(), 0.1) << t;
+        const Vector3d change = (b.antenna.a_e - a.antenna.a_e) / dt;
+        changed += change.squaredNorm();
+        told += change.dot(a.jerk_e);
+    }
+    EXPECT_NEAR(told / changed, 1.0, 0.2);
+    const Guide& last = guides.back();   // 0.1 s before the end
+    const SolutionRow& end = result.forward.rows.back();
+    const Vector3d ahead = last.antenna.v_e * (end.time - last.time).seconds();
+    const Vector3d arm = last.antenna.r_e + ahead - earth::ecef_from_geodetic(f.earth.ellipsoid, end.position).r;
+    const Eigen::Matrix3d C_eb = earth::C_en(end.position.lat, end.position.lon) * math::dcm_from_rpy(end.rpy);
+    EXPECT_LT((arm - C_eb * f.settings.gnss.lever_arm_b).norm(), 1.0);
+    EXPECT_NEAR(std::sqrt(last.P(0, 0)), logged.forward.rows.back().std_position.x(), 0.2);
+    EXPECT_GT(last.std_clock, 0.1);
 }
 
 TEST(TightFilter, OneAndTwoFaultySatellitesAreLeftOut) {

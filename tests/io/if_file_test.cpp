@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <functional>
 #include <limits>
 
 namespace schuler::io {
@@ -37,7 +36,8 @@ protected:
         for (T& x : out) {
             const double value = middle + std * random.normal();
             if constexpr (std::is_integral_v<T>)   // a converter saturates
-                x = static_cast<T>(std::clamp<double>(std::floor(value + 0.5), std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
+                x = static_cast<T>(std::clamp<double>(std::floor(value + 0.5), std::numeric_limits<T>::min(),
+                                                      std::numeric_limits<T>::max()));
             else
                 x = static_cast<T>(value);
         }

@@ -27,7 +27,9 @@ public:
         out.jerk += a * w * std::cos(w * t + k);
         return out;
     }
-    [[nodiscard]] double cn0(std::size_t, double t) const override { return t >= silent_from && t < silent_to ? 0.0 : cn0_from_db(db); }
+    [[nodiscard]] double cn0(std::size_t, double t) const override {
+        return t >= silent_from && t < silent_to ? 0.0 : cn0_from_db(db);
+    }
     [[nodiscard]] bool in_view(std::size_t, double) const override { return true; }
 
     double db = 45.0, silent_from = 1e9, silent_to = 1e9;
@@ -36,18 +38,44 @@ private:
     std::size_t size_;
 };
 
+/// m/s: an oscillator here is off by a constant frequency, if at all.
+double drift_of(const Bank& bank) { return bank.now() > 0.0 ? bank.clock() / bank.now() : 0.0; }
+
 /// Predictions as a navigation would give them: off by a steady error.
 void guide(Bank& bank, const Steady& field, double range_error, double rate_error, double std_range, double std_rate) {
     std::vector<Prediction> p(field.size());
     for (std::size_t i = 0; i < p.size(); ++i) {
         p[i].motion = field.motion(i, bank.now());
         p[i].motion.range += bank.clock() + range_error;
-        p[i].motion.rate += rate_error;
+        p[i].motion.rate += drift_of(bank) + rate_error;
+        p[i].drift = drift_of(bank);
         p[i].std_range = std_range;
         p[i].std_rate = std_rate;
     }
     bank.guide(p, bank.now());
 }
+
+/// Sums of the errors of measurements, and of their squares over the variances stated.
+struct Errors {
+    double range = 0.0, range_nis = 0.0, n = 0.0;
+    double rate = 0.0, weight = 0.0, rate_nis = 0.0, rates = 0.0;   ///< rate: sum over the variances, weight: of their inverses
+
+    void add(const Steady& field, const Bank& bank, const std::vector<BankMeasurement>& measured) {
+        for (const BankMeasurement& m : measured) {
+            // at the moment when the receiver's clock shows now
+            const LineOfSight truth = field.motion(m.signal, bank.now() - bank.clock() / gnss::speed_of_light);
+            const double dp = m.range - truth.range - bank.clock(), dv = m.rate - truth.rate - drift_of(bank);
+            range += dp;
+            range_nis += dp * dp / m.range_variance;
+            n += 1.0;
+            if (!std::isfinite(m.rate_variance)) continue;   // within a span
+            rate += dv / m.rate_variance;
+            weight += 1.0 / m.rate_variance;
+            rate_nis += dv * dv / m.rate_variance;
+            rates += 1.0;
+        }
+    }
+};
 
 BankSettings quiet_clock(Guidance guidance) {
     BankSettings s;
@@ -62,14 +90,24 @@ TEST(Bank, AloneItLosesAndFindsAgainByItself) {
     field.silent_to = 80.0;
     Bank bank(field, quiet_clock(Guidance::None), 3);
     std::vector<BankMeasurement> out;
-    double back = -1.0;
+    Errors back;
     for (int k = 0; k < 90'000; ++k) {
         bank.step(Eigen::Vector3d::Zero());
-        if (k % 200 != 199) continue;
-        bank.measure(out, 0.2);
-        if (k > 80'000 && back < 0.0 && out.size() == 4) back = bank.now();
+        if (k == 80'040) {   // a dwell takes 50 ms
+            for (std::size_t i = 0; i < field.size(); ++i) EXPECT_EQ(bank.state(i), ChannelState::Searching);
+        }
+        if (k % 1000 != 999) continue;
+        bank.measure(out, 1.0);
+        if (k > 10'000 && k < 20'000) {
+            EXPECT_EQ(out.size(), 4U) << bank.now();
+        }
+        if (k > 40'000 && k < 80'000) {
+            EXPECT_TRUE(out.empty()) << bank.now();
+        }
+        if (k > 85'000) back.add(field, bank, out);
     }
-    EXPECT_GT(back, 0.0);
+    EXPECT_EQ(back.n, 20.0);
+    EXPECT_LT(back.range_nis / back.n, 3.0) << "what it found is the signal";
 }
 
 /// Commanded by a navigation that is wrong by a steady error, deep channels tell that error: mean and variance as stated.
@@ -78,32 +116,21 @@ TEST(Bank, GeneratorsTellTheErrorOfTheirCommand) {
     field.db = 30.0;
     Bank bank(field, quiet_clock(Guidance::Generators), 5);
     std::vector<BankMeasurement> out;
-    double range = 0.0, rate = 0.0, range_nis = 0.0, rate_nis = 0.0, n = 0.0, spans = 0.0, weight = 0.0;
+    Errors errors;
     for (int k = 0; k < 20'000; ++k) {
         if (k % 10 == 0) guide(bank, field, 6.0, -0.3, 5.0, 0.2);
         bank.step(Eigen::Vector3d::Zero());
         if (k % 20 != 19) continue;
         bank.measure(out, 0.02);
-        if (bank.now() < 2.0) continue;
-        for (const BankMeasurement& m : out) {
-            const LineOfSight truth = field.motion(m.signal, bank.now());
-            const double dp = m.range - truth.range, dv = m.rate - truth.rate;
-            range += dp;
-            range_nis += dp * dp / m.range_variance;
-            n += 1.0;
-            if (!std::isfinite(m.rate_variance)) continue;   // within a span
-            rate += dv / m.rate_variance;
-            weight += 1.0 / m.rate_variance;
-            rate_nis += dv * dv / m.rate_variance;
-            spans += 1.0;
-        }
+        if (bank.now() >= 2.0) errors.add(field, bank, out);
     }
+    const double n = errors.n;
     ASSERT_GT(n, 3000.0);
-    EXPECT_NEAR(range / n, 0.0, 0.6);   // of 6 m; noise 16 m a symbol
-    EXPECT_NEAR(range_nis / n, 1.0, 0.12);
-    EXPECT_NEAR(spans, 4.0 * 18.0 / 0.2, 80.0);   // and symbols by themselves while the phase is not followed
-    EXPECT_NEAR(rate / weight, 0.0, 4.0 / std::sqrt(weight));
-    EXPECT_NEAR(rate_nis / spans, 0.75, 0.35);
+    EXPECT_NEAR(errors.range / n, 0.0, 0.6);   // of 6 m; noise 16 m a symbol
+    EXPECT_NEAR(errors.range_nis / n, 1.0, 0.12);
+    EXPECT_NEAR(errors.rates, 4.0 * 18.0 / 0.2, 80.0);   // spans, and symbols by themselves while the phase is not followed
+    EXPECT_NEAR(errors.rate / errors.weight, 0.0, 4.0 / std::sqrt(errors.weight));
+    EXPECT_NEAR(errors.rate_nis / errors.rates, 0.75, 0.35);
 }
 
 /// A navigation that knew nothing for a while commands again: the channel starts from what is known then.
@@ -134,25 +161,21 @@ TEST(Bank, StatesTheSigmasOfItsRangesAndRates) {
         for (const Guidance guidance : {Guidance::None, Guidance::Loops}) {
             Steady field(8);
             field.db = db;
-            Bank bank(field, quiet_clock(guidance), 7);
+            BankSettings settings = quiet_clock(guidance);
+            settings.oscillator.frequency_std = 1e-6;
+            Bank bank(field, settings, 7);
             std::vector<BankMeasurement> out;
-            double range_nis = 0.0, rate_nis = 0.0, n = 0.0;
+            Errors errors;
             for (int k = 0; k < 60'000; ++k) {
                 if (guidance == Guidance::Loops && k % 10 == 0) guide(bank, field, 6.0, -0.3, 5.0, 0.2);
                 bank.step(Eigen::Vector3d::Zero());
                 if (k % 1000 != 999) continue;
                 bank.measure(out, 1.0);
-                if (bank.now() < 10.0) continue;
-                for (const BankMeasurement& m : out) {
-                    const LineOfSight truth = field.motion(m.signal, bank.now());
-                    range_nis += std::pow(m.range - truth.range, 2) / m.range_variance;
-                    rate_nis += std::pow(m.rate - truth.rate, 2) / m.rate_variance;
-                    n += 1.0;
-                }
+                if (bank.now() >= 10.0) errors.add(field, bank, out);
             }
-            ASSERT_GT(n, 300.0);
-            EXPECT_NEAR(range_nis / n, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");
-            EXPECT_NEAR(rate_nis / n, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");
+            ASSERT_GT(errors.n, 300.0);
+            EXPECT_NEAR(errors.range_nis / errors.n, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");
+            EXPECT_NEAR(errors.rate_nis / errors.rates, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");
         }
     }
 }

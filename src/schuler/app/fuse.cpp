@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 
 namespace schuler::app {
 namespace {
@@ -48,10 +49,12 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         settings.output_rate = output_rate;
         settings.state_rows = !bundle.truth.sensors.empty();
         std::optional<SimulatedReceiver> receiver;
-        if (bundle.sky && settings.coupling == fusion::Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);
-        if (bundle.sky && settings.coupling == fusion::Coupling::Medium) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
-        bundle.result =
-            fusion::run_filter(bundle.data.recording, settings, warnings, progress, rows, receiver ? &*receiver : nullptr);
+        using fusion::Coupling;
+        if (bundle.sky && settings.coupling == Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);
+        if (bundle.sky && settings.coupling == Coupling::Medium) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
+        fusion::ReceiverInLoop in_loop;
+        if (receiver) in_loop = std::bind_front(&SimulatedReceiver::run, &*receiver);
+        bundle.result = fusion::run_filter(bundle.data.recording, settings, warnings, progress, rows, in_loop);
         if (receiver) bundle.receiver_rows = receiver->rows();
     }
     bundle.timing.filter_s = seconds_since(begin);

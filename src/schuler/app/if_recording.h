@@ -57,7 +57,7 @@ struct TrackedRecording {
     double seconds = 0.0;
     int search_periods = 0;
     std::vector<receiver::SatelliteRecord> satellites;
-    std::vector<receiver::ChannelSample> thinned;  ///< of all channels, in order of time; times of the recording
+    std::vector<receiver::ChannelSample> thinned;  ///< of all channels, each in order of time; times of the recording
 };
 
 [[nodiscard]] std::string tracking_table(const TrackedRecording& run);

@@ -23,11 +23,11 @@ constexpr double shown = 4000.0;               // epochs of a satellite in the r
 /// tracking.csv, begun when there is a row, so that a recording without a satellite leaves nothing behind.
 class TrackingFile {
 public:
-    TrackingFile(std::filesystem::path folder, double zero) : folder_(std::move(folder)), zero_(zero) {}
+    explicit TrackingFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
     void add(const ChannelSample& s) {
         open();
-        text_ += fmt::format("{:.6f},G{:02},{},{:.2f},{:.3f},{:.5f},{:.4f},{:.4f},{:.3f},{:.3f}\n", zero_ + s.time, s.prn,
+        text_ += fmt::format("{:.6f},G{:02},{},{:.2f},{:.3f},{:.5f},{:.4f},{:.4f},{:.3f},{:.3f}\n", s.time, s.prn,
                              name_of(s.state, s.locked), receiver::db_from_cn0(s.cn0), s.doppler, s.code_delay, s.carrier_phase,
                              s.phase_lock, s.prompt.real(), s.prompt.imag());
         if (text_.size() > 1U << 20U) flush();
@@ -53,25 +53,24 @@ private:
     }
 
     std::filesystem::path folder_;
-    double zero_;
     std::unique_ptr<io::AtomicFile> file_;
     std::string text_;
 };
 
-Json json_of(const SatelliteRecord& r, double zero, int search_periods) {
+Json json_of(const SatelliteRecord& r, int search_periods) {
     Json row{{"satellite", fmt::format("G{:02}", r.prn)},
              {"found", r.found},
              {"statistic", number(r.acquired.statistic)},
              {"threshold", number(r.acquired.threshold)}};
     if (!r.found) return row;
-    row["found_at_s"] = number(zero + r.found_at);
+    row["found_at_s"] = number(r.found_at);
     row["search"] = {{"doppler_hz", r.acquired.replica.carrier_frequency},
                      {"code_delay_chips", -r.acquired.replica.code_phase},
                      {"cn0_db_hz", number(receiver::db_from_cn0(r.acquired.cn0(search_periods)))}};
     row["state"] = !r.tracked ? "lost" : r.locked ? "locked" : "not locked";
     row["losses"] = r.losses;
-    row["phase_lock_s"] = number(zero + r.locked_at);
-    row["time_s"] = number(zero + r.last.time);
+    row["phase_lock_s"] = number(r.locked_at);
+    row["time_s"] = number(r.last.time);
     row["doppler_hz"] = number(r.last.doppler);
     row["code_delay_chips"] = number(r.last.code_delay);
     row["cn0_db_hz"] = number(receiver::db_from_cn0(r.last.cn0));
@@ -135,16 +134,16 @@ Outcome tracked(const TrackRequest& request) {
                     request.file.string(), seconds, zero, format.sample_rate, format.intermediate_frequency, request.format);
     const std::filesystem::path folder =
         request.output.empty() ? std::filesystem::path("out") / request.file.stem() : request.output;
-    TrackingFile table(folder, zero);
+    TrackingFile table(folder);
     const double every = seconds / shown;
     std::array<double, 33> next_shown{};
-    const auto sink = [&](const ChannelSample& s) {
+    const auto sink = [&](ChannelSample s) {
+        s.time += zero;
         table.add(s);
         double& next = next_shown[static_cast<std::size_t>(s.prn)];
         if (s.time < next) return;
         next = s.time + 0.999 * every;
         run.thinned.push_back(s);
-        run.thinned.back().time += zero;
     };
     std::vector<receiver::IfSample> samples(channels.piece());
     for (std::uintmax_t done = 0; done < wanted;) {
@@ -177,10 +176,8 @@ Outcome tracked(const TrackRequest& request) {
               {"satellites", Json::array()},
               {"timing", {{"wall_s", wall}, {"times_real_time", number(seconds / wall)}}}};
     for (SatelliteRecord& r : run.satellites) {
-        json["satellites"].push_back(json_of(r, zero, request.search_ms));
-        r.locked_at += zero;
-        r.found_at += zero;
-        r.last.time += zero;
+        for (double* time : {&r.found_at, &r.locked_at, &r.last.time}) *time += zero;
+        json["satellites"].push_back(json_of(r, request.search_ms));
     }
     out.folder = folder;
     out.json = text_of(json);

@@ -291,6 +291,7 @@ ScenarioConfig scenario_from(const SettingList& settings) {
         sim::require_above_ground(*path, s.sim.duration, s.ground.value_or(ground_of(s)));
         s.sim.anomaly_field = field_of(s);
         check_gravity(s.processing.gravity);
+        if (s.receiver_channels.rate > 0.0) check_receiver(s);
     });
     return s;
 }

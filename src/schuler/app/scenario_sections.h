@@ -37,6 +37,8 @@ void add_ranging_scenario_options(OptionTable<ScenarioConfig>& table);
 
 /// "receiver.*": a receiver at correlator level.
 void add_receiver_scenario_options(OptionTable<ScenarioConfig>& table);
+/// @throws Error(Input) with the key of what such a receiver cannot have.
+void check_receiver(const ScenarioConfig& scenario);
 
 /// Ranges of a scenario with the ephemerides they were made from; nothing where it has none.
 struct SimulatedRanging {

@@ -17,38 +17,39 @@ constexpr double c = gnss::speed_of_light;
 constexpr double deep_interval = 0.02;   // s, a symbol of GPS
 constexpr int row_ticks = 100;           // ms
 
-const ScenarioConfig& checked(const ScenarioConfig& s) {
-    if (s.ranging.rate > 0.0)
-        throw input_error("ranges are measured by the receiver", {.file = {}, .key = "ranges.rate_hz"},
-                          "leave it out, or leave out receiver.rate_hz");
-    return s;
-}
-
 sim::SignalSettings signal_settings(const ScenarioConfig& s, const sim::RangingSettings& ranging) {
     return {ranging, s.receiver_channels.cn0, s.receiver_channels.profile, s.receiver_channels.jammers};
 }
 
-/// Earth-fixed axes of transmission as they are turned at reception, `tau` s later; the acceleration is that of a point mass's field.
-fusion::EarthFixedMotion at_reception(const gnss::SatelliteState& s, double w, double tau) {
-    const Eigen::Vector3d axis(0.0, 0.0, w);
-    const Eigen::Matrix3d C = Eigen::AngleAxisd(-w * tau, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    constexpr double GM = 3.986005e14;   // m^3/s^2
+/// Earth-fixed axes of transmission as they are turned at reception, `tau` s later; the acceleration is that of a point mass's
+/// field.
+fusion::EarthFixedMotion at_reception(const gnss::SatelliteState& s, const earth::Ellipsoid& earth, double tau) {
+    const Eigen::Vector3d axis(0.0, 0.0, earth.w_ie);
+    const Eigen::Matrix3d C = Eigen::AngleAxisd(-earth.w_ie * tau, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     const Eigen::Vector3d r = s.position.r, v = s.velocity;
-    const Eigen::Vector3d a = -GM / std::pow(r.norm(), 3) * r - 2.0 * axis.cross(v) - axis.cross(axis.cross(r));
+    const Eigen::Vector3d a = -earth.gm / std::pow(r.norm(), 3) * r - 2.0 * axis.cross(v) - axis.cross(axis.cross(r));
     return {C * r, C * v, C * a};
 }
 
 }  // namespace
 
+void check_receiver(const ScenarioConfig& s) {
+    if (s.ranging.rate > 0.0)
+        throw input_error("ranges are measured by the receiver", {.file = {}, .key = "ranges.rate_hz"},
+                          "leave it out, or leave out receiver.rate_hz");
+    sim::check(signal_settings(s, s.ranging.settings));
+}
+
 SimulatedSky::SimulatedSky(const ScenarioConfig& scenario)
-    : settings_(checked(scenario).receiver_channels),
+    : settings_(scenario.receiver_channels),
       frame_(ranging_frame(scenario)),
       ranging_(ranging_settings(scenario)),
       path_(sim::make_path(scenario.sim.path, scenario.sim.earth.ellipsoid)),
       signals_(frame_, *path_, signal_settings(scenario, ranging_)),
       orbits_(ranging_.navigation) {
     if (signals_.size() == 0)
-        throw input_error("no satellite is ever in view", {.file = {}, .key = "ranges.systems"}, "give \"G\", or a lower elevation mask");
+        throw input_error("no satellite is ever in view", {.file = {}, .key = "ranges.systems"},
+                          "give \"G\", or a lower elevation mask");
     const sensor::Oscillator& clock = ranging_.errors.clock;
     settings_.bank.oscillator = {clock.h0, settings_.clock_flicker, clock.h_minus2, clock.drift / c,
                                  Eigen::Vector3d::Constant(settings_.clock_per_g / units::g0)};
@@ -86,16 +87,18 @@ void SimulatedReceiver::begin(double t) { bank_.emplace(sky_, settings_, sky_.fr
 void SimulatedReceiver::run(const fusion::Guide& guide, Time until, RangingLog& log) {
     const double now = sky_.seconds(guide.time);
     if (!bank_) begin(now);
-    const double w = sky_.frame().earth.ellipsoid.w_ie;
+    const earth::Ellipsoid& ellipsoid = sky_.frame().earth.ellipsoid;
     for (std::size_t i = 0; i < predictions_.size(); ++i) {
         const auto first = sky_.satellite(i, now - 0.075);
         if (!first) continue;
         const double tau = (guide.antenna.r_e - first->position.r).norm() / c;
         const auto sent = sky_.satellite(i, now - tau);
         if (!sent) continue;
-        const fusion::LineOfSightAid aid = fusion::line_of_sight_aid(guide.antenna, at_reception(*sent, w, tau), guide.C_en, guide.P);
+        const fusion::LineOfSightAid aid =
+            fusion::line_of_sight_aid(guide.antenna, at_reception(*sent, ellipsoid, tau), guide.C_en, guide.P);
         const double jerk = guide.jerk_e.dot((guide.antenna.r_e - sent->position.r).normalized());
-        predictions_[i] = {{aid.range + guide.clock - c * sent->clock, aid.rate + guide.drift - c * sent->clock_rate, aid.acceleration, jerk},
+        predictions_[i] = {{aid.range + guide.clock - c * sent->clock, aid.rate + guide.drift - c * sent->clock_rate,
+                            aid.acceleration, jerk},
                            std::hypot(aid.std_range, guide.std_clock),
                            std::hypot(aid.std_rate, guide.std_drift),
                            guide.drift};
@@ -115,11 +118,11 @@ void SimulatedReceiver::listen(double until, RangingLog& log) {
     const auto every = static_cast<std::int64_t>(std::lround(interval_ / receiver::Bank::period));
     Eigen::Vector3d force = sky_.force(bank_->now());
     while (bank_->now() < until - 0.5 * receiver::Bank::period) {
-        if (ticks_ % 10 == 0) force = sky_.force(bank_->now());
         bank_->step(force);
-        ++ticks_;
-        if (std::llround(bank_->now() / receiver::Bank::period) % every == 0) measure(log);
-        if (ticks_ % row_ticks == 0) note();
+        const std::int64_t tick = std::llround(bank_->now() / receiver::Bank::period);
+        if (tick % 10 == 0) force = sky_.force(bank_->now());
+        if (tick % every == 0) measure(log);
+        if (tick % row_ticks == 0) note();
     }
 }
 
@@ -127,13 +130,14 @@ void SimulatedReceiver::measure(RangingLog& log) {
     bank_->measure(measured_, interval_);
     RangeEpoch epoch{sky_.time(bank_->now()), log.samples.size(), 0};
     const double t = bank_->now() - bank_->clock() / c;   // true time when the receiver's clock shows now
-    // The clock's white frequency noise, a mean over what a rate is measured over, is the same for all channels and no state of the
-    // filter: so many rates with so many times its variance say of the drift what one of them does.
+    // The clock's white frequency noise, a mean over what a rate is measured over, is the same for all channels and no state of
+    // the filter: so many rates with so many times its variance say of the drift what one of them does.
     const double clock_density = 0.5 * c * c * settings_.oscillator.h0 * static_cast<double>(measured_.size());
     for (const receiver::BankMeasurement& m : measured_) {
-        const auto guess = sky_.satellite(m.signal, t - (m.range - bank_->clock()) / c);
+        const double left = bank_->now() - m.range / c;   // by the satellite's clock: the receiver's error is in both
+        const auto guess = sky_.satellite(m.signal, left);
         if (!guess) continue;
-        const auto sent = sky_.satellite(m.signal, t - (m.range - bank_->clock()) / c - guess->clock);
+        const auto sent = sky_.satellite(m.signal, left - guess->clock);
         if (!sent) continue;
         RangeSample s;
         const gnss::SatelliteId id = sky_.signals().satellite(m.signal);

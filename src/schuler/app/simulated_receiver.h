@@ -6,6 +6,7 @@
 #include "schuler/gnss/satellite_source.h"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace schuler::app {
@@ -13,7 +14,7 @@ namespace schuler::app {
 /// The signals of a scenario with [receiver], its path and its orbits. Immutable.
 class SimulatedSky final : public receiver::SignalField {
 public:
-    /// @throws Error(Input) with the key of what is unusable.
+    /// Of a scenario that check_receiver() lets pass. @throws Error(Input) where no satellite is ever in view.
     explicit SimulatedSky(const ScenarioConfig& scenario);
 
     [[nodiscard]] std::size_t size() const override { return signals_.size(); }
@@ -43,11 +44,12 @@ private:
     gnss::BroadcastSource orbits_;
 };
 
-class SimulatedReceiver final : public fusion::ReceiverInLoop {
+class SimulatedReceiver {
 public:
     SimulatedReceiver(const SimulatedSky& sky, receiver::Guidance guidance);
 
-    void run(const fusion::Guide& guide, Time until, RangingLog& log) override;
+    /// A fusion::ReceiverInLoop.
+    void run(const fusion::Guide& guide, Time until, RangingLog& log);
     /// The whole flight without guidance.
     [[nodiscard]] RangingLog run_alone();
     [[nodiscard]] const std::vector<ReceiverRow>& rows() const { return rows_; }
@@ -65,7 +67,6 @@ private:
     std::vector<receiver::Prediction> predictions_;
     std::vector<receiver::BankMeasurement> measured_;
     std::vector<ReceiverRow> rows_;
-    std::int64_t ticks_ = 0;
 };
 
 }  // namespace schuler::app

@@ -27,8 +27,7 @@ struct PassOptions {
     std::size_t last_increment = SIZE_MAX;
     Progress progress;
     RowSink rows;                 ///< takes the forward rows instead of the result
-    ReceiverInLoop* receiver = nullptr;   ///< tight: where the ranges come from while the filter runs
-    RangingLog* heard = nullptr;          ///< and where they go: the ranges of the recording that is run
+    std::function<void(const Guide& guide, Time until)> receiver;   ///< tight: makes the recording's ranges while the filter runs
 };
 
 /// Runs it. The size of the filter is the smallest instantiated one that holds the layout.

@@ -101,18 +101,19 @@ std::size_t last_increment(const RunData& data, const Settings& settings) {
 }  // namespace
 
 Result run_filter(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
-                  const RowSink& rows, ReceiverInLoop* receiver) {
+                  const RowSink& rows, const ReceiverInLoop& receiver) {
     check_settings(given);
-    if (given.coupling == Coupling::Deep && receiver == nullptr)
-        throw input_error("deep coupling commands the correlators of a receiver, and a log has none", {.file = {}, .key = "filter.scheme"},
-                          "give a scenario with [receiver], or choose tight");
+    if (given.coupling == Coupling::Deep && !receiver)
+        throw input_error("deep coupling commands the correlators of a receiver, and a log has none",
+                          {.file = {}, .key = "filter.scheme"}, "give a scenario with [receiver], or choose tight");
     check_overlap(recording, given.initial, warnings);
     Settings settings = given;
     if (settings.coupling == Coupling::Separate) settings.loop = Loop::Closed;   // the corrections are the coupling
     if (is_tight(settings.coupling)) {
         // no states of the tight filter: of the specific force that is always there they make biases
         sensor::ImuErrorModel& imu = settings.imu.errors;
-        const double gain = std::hypot(settings.scale_factors ? imu.accel_scale : 0.0, settings.misalignments ? imu.accel_misalignment : 0.0);
+        const double gain =
+            std::hypot(settings.scale_factors ? imu.accel_scale : 0.0, settings.misalignments ? imu.accel_misalignment : 0.0);
         imu.accel_turn_on_bias = std::hypot(imu.accel_turn_on_bias, gain * units::g0);
         settings.scale_factors = settings.misalignments = false;
     }
@@ -159,12 +160,11 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     options.progress = progress;
     options.rows = rows;
     Recording live;
-    if (receiver != nullptr) {
+    if (receiver) {
         live = recording;
         live.ranges = {};
         data.recording = &live;
-        options.receiver = receiver;
-        options.heard = &live.ranges;
+        options.receiver = [&](const Guide& guide, Time until) { receiver(guide, until, live.ranges); };
     }
     Result result = settings.coupling == Coupling::Medium ? run_medium_pass(data, settings, start, options, origin)
                     : is_tight(settings.coupling)         ? run_tight_pass(data, settings, start, options, origin)

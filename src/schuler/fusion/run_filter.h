@@ -23,6 +23,6 @@ using RowSink = std::function<void(std::span<const SolutionRow>)>;
 /// cannot be used (no overlap, no fixes, no start) and Error(Computation) where the filter diverges (time and channel named).
 /// `receiver`: takes part in a tight, medium or deep run, whose ranges are then its own and not the recording's. Deep needs one.
 [[nodiscard]] Result run_filter(const Recording& recording, const Settings& settings, WarningLog& warnings,
-                                const Progress& progress = {}, const RowSink& rows = {}, ReceiverInLoop* receiver = nullptr);
+                                const Progress& progress = {}, const RowSink& rows = {}, const ReceiverInLoop& receiver = {});
 
 }  // namespace schuler::fusion

@@ -20,9 +20,9 @@ enum class VehicleKind { Car, Air, Ship, Hand, Static };
 enum class Mechanization { Geographic, Ecef };
 using estim::Loop;
 /// How receiver and inertial unit work together where both have solutions of their own (paper A, 1.1): one filter estimates the
-/// errors (Loose), or the inertial computation is only set to the receiver's solution, now and then or a little at a time (Separate). Tight: one
-/// filter takes the ranges themselves. Medium: the same, and beside it a filter of the receiver alone (fusion/medium_run.h). Deep: the
-/// receiver's channels are commanded by that filter and answer with residuals (fusion/receiver_in_loop.h).
+/// errors (Loose), or the inertial computation is only set to the receiver's solution, now and then or a little at a time
+/// (Separate). Tight: one filter takes the ranges themselves. Medium: beside it a filter of the receiver alone
+/// (fusion/medium_run.h). Deep: it commands the receiver's channels (fusion/receiver_in_loop.h).
 enum class Coupling { Loose, Separate, Tight, Medium, Deep };
 /// A fix is used at its own time (Standard), or carried on by the inertial accelerations and used in parts until the next one
 /// (Aggressive).

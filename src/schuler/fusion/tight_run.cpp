@@ -104,8 +104,8 @@ struct TightCollector : TightObserver<Frame> {
     ProtectionLimits limits = settings.ranging.protection.use ? ProtectionLimits(settings.ranging.protection) : ProtectionLimits{};
 };
 
-/// What the filter tells a receiver after `last`, which followed `before`: their means tell the force at the end of the last and how it
-/// changes.
+/// What the filter tells a receiver after `last`, which followed `before`: their means tell the force at the end of the last and
+/// how it changes.
 template <class Frame>
 Guide guide_of(const TightModel& model, TightWalk<Frame>& walk, const ImuIncrement& before, const ImuIncrement& last) {
     TightFilter<Frame>& f = walk.filter;
@@ -117,7 +117,7 @@ Guide guide_of(const TightModel& model, TightWalk<Frame>& walk, const ImuIncreme
     g.time = f.time();
     g.antenna = antenna_motion(model.inertial.earth, e.nav, f_b, e.w_ib_b, model.lever_arm_b);
     g.C_en = earth::C_en(e.nav.position.lat, e.nav.position.lon);
-    g.jerk_e = g.C_en * (e.C_nb * change);
+    g.jerk_e = g.C_en * (e.C_nb * (change + e.w_ib_b.cross(f_b)));
     g.P = f.local_covariance(model).template topLeftCorner<6, 6>();
     g.drift = f.parameters(TightLayout::drift);
     g.clock = f.parameters(TightLayout::clock);
@@ -143,15 +143,16 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     const TightPass<Frame> pass(model, data, settings, origin);
     const std::size_t end = std::min(options.last_increment, data.imu.increments.size() - 1);
     const auto begin = std::chrono::steady_clock::now();
-    const std::size_t block = options.receiver != nullptr ? 1 : 16 * stretch;
+    const std::size_t block = options.receiver ? 1 : 16 * stretch;
     for (std::size_t last = walk.increment - 1; walk.increment <= end;) {
         last = std::min(last + block, end);
-        if (options.receiver != nullptr) {
+        if (options.receiver) {
             const auto back = [&](std::size_t n) -> const ImuIncrement& { return data.imu.increments[last - std::min(last, n)]; };
-            options.receiver->run(guide_of(model, walk, back(2), back(1)), back(0).time, *options.heard);
+            options.receiver(guide_of(model, walk, back(2), back(1)), back(0).time);
         }
         pass.advance(walk, last, collector);
-        if (options.progress && (block > 1 || last % stretch == 0)) options.progress(static_cast<double>(walk.increment) / static_cast<double>(end + 1));
+        if (options.progress && (block > 1 || last % stretch == 0))
+            options.progress(static_cast<double>(walk.increment) / static_cast<double>(end + 1));
     }
     result.filter_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (options.rows) options.rows(result.forward.rows);
@@ -162,7 +163,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
 
 Result run_tight_pass(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options, Time origin,
                       const AfterRanges& after) {
-    if (data.recording->ranges.empty() && options.receiver == nullptr)
+    if (data.recording->ranges.empty() && !options.receiver)
         throw input_error("there are no pseudoranges", {.file = {}, .key = "filter.scheme"},
                           "give raw measurements ([gnss] observations or [stations] file), or choose --scheme loose");
     return settings.mechanization == Mechanization::Ecef ? run_in<EarthFixedFrame>(data, settings, start, options, origin, after)

@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace schuler::receiver {
 
 namespace {
 
 constexpr double c = gnss::speed_of_light;
-/// Beyond these a prediction may lie outside what a deep channel's discriminators reach (half a chip, a quarter of the inverse symbol).
+/// Beyond these a prediction may lie outside the reach of a deep channel's discriminators (half a chip, a quarter of the inverse
+/// symbol).
 constexpr double deep_range = 40.0, deep_rate = 0.8;   // m, m/s, one sigma
 constexpr int rate_span = 200;   // code periods over which a followed phase tells a rate
 constexpr int pause = 100;   // code periods from one search that found to the next, while the navigation uses it
@@ -92,7 +94,8 @@ bool Bank::search(std::size_t i, const LineOfSight& truth, double cn0) {
             return true;
         }
         // after each sweep from what is known by then: the window of a long search would stay where the signal was
-        const bool swept = ch.search && !ch.search->candidate() && ch.search->elapsed() >= ch.search->dwells_per_sweep() * ch.search->dwell();
+        const bool swept = ch.search && !ch.search->candidate() &&
+                           ch.search->elapsed() >= ch.search->dwells_per_sweep() * ch.search->dwell();
         if (!ch.search || swept) ch.search.emplace(new_search(i, truth));
         const LineOfSight aid = predicted(i, now());
         ch.found = ch.search->step(truth, cn0, ch.noise, settings_.guidance != Guidance::None ? &aid : nullptr);
@@ -196,8 +199,8 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
         m.cn0 = std::max(ch.tracker.cn0(), 10.0);
         // a loop's output changes once in 1/(2 bandwidth): read more often it says less each time
         m.range = here.range;
-        m.range_variance = std::pow(ch.signal.chip_length() * theory::dll_jitter(dll, m.cn0, sum, ch.peak, s.spacing, s.discriminator), 2) *
-                           std::max(1.0, 1.0 / (2.0 * dll * interval));
+        const double jitter = theory::dll_jitter(dll, m.cn0, sum, ch.peak, s.spacing, s.discriminator);
+        m.range_variance = std::pow(ch.signal.chip_length() * jitter, 2) * std::max(1.0, 1.0 / (2.0 * dll * interval));
         if (locked) {
             m.rate = here.rate;
             m.rate_variance = std::pow(ch.signal.wavelength() * theory::pll_command_jitter(s.pll_bandwidth, m.cn0, sum), 2);

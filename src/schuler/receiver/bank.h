@@ -9,7 +9,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,11 +18,7 @@ namespace schuler::receiver {
 /// What arrives at the antenna, the receiver's own clock left out. Times are seconds of the scenario.
 class SignalField {
 public:
-    SignalField() = default;
-    SignalField(const SignalField&) = delete;
-    SignalField& operator=(const SignalField&) = delete;
     virtual ~SignalField() = default;
-
     [[nodiscard]] virtual std::size_t size() const = 0;
     [[nodiscard]] virtual SignalStructure structure(std::size_t signal) const = 0;
     [[nodiscard]] virtual LineOfSight motion(std::size_t signal, double t) const = 0;
@@ -56,7 +51,7 @@ struct BankSettings {
 struct Prediction {
     LineOfSight motion;
     double std_range = 0.0, std_rate = 0.0;    ///< one sigma, m, m/s
-    double drift = 0.0;                        ///< m/s, the clock's part of motion.rate: loops keep it themselves, for its estimate jumps
+    double drift = 0.0;   ///< m/s, the clock's part of motion.rate: loops keep it themselves, for its estimate jumps
 };
 
 /// One signal measured: pseudorange and its rate now, receiver's clock included.

@@ -1,5 +1,5 @@
-// Closed formulas of tracking: thermal jitter and the error that dynamics leave. What the loops are judged by; no loop uses them, but a receiver
-// states its sigmas by them.
+// Closed formulas of tracking: thermal jitter and the error that dynamics leave. What the loops are judged by; no loop uses them,
+// but a receiver states its sigmas by them.
 #pragma once
 
 #include "schuler/receiver/discriminators.h"
@@ -9,8 +9,8 @@ namespace schuler::receiver::theory {
 /// Standard deviation of a Costas loop's phase, rad, with the squaring loss [Kaplan2017]. cn0 in Hz.
 [[nodiscard]] double pll_jitter(double bandwidth, double cn0, double interval);
 
-/// Standard deviation of the frequency that a third-order phase loop commands, Hz: its proportional part passes the noise of each sum
-/// and of the phase on, its memory the integral of |(a3 w^2 s^2 + w^3 s) / (s^3 + b3 w s^2 + a3 w^2 s + w^3)|^2.
+/// Standard deviation of the frequency that a third-order phase loop commands, Hz: its proportional part passes the noise of each
+/// sum and of the phase on, its memory the integral of |(a3 w^2 s^2 + w^3 s) / (s^3 + b3 w s^2 + a3 w^2 s + w^3)|^2.
 [[nodiscard]] double pll_command_jitter(double bandwidth, double cn0, double interval);
 
 /// Standard deviation of a frequency loop's frequency, Hz, its discriminator taking prompts of `interval` s in pairs that share

@@ -58,9 +58,10 @@ void SampleReceiver::process(std::span<const IfSample> samples, const Sink& sink
     const std::uint64_t first = base_ + window_.size();
     window_.insert(window_.end(), samples.begin(), samples.end());
     noise_ = noise_of(samples);
-    if (noise_ > 0.0 && samples.size() >= piece() && static_cast<double>(first) / format_.sample_rate >= next_search_) {
+    const double begin = static_cast<double>(first) / format_.sample_rate;
+    if (noise_ > 0.0 && samples.size() >= piece() && begin >= next_search_) {
         search(samples, first);
-        next_search_ += settings_.search_interval;
+        next_search_ = begin + settings_.search_interval;
     }
     std::erase_if(channels_, [&](Channel& c) { return !advance(c, sink); });
     // a code period and some samples more: the boundary of a channel may yet move back

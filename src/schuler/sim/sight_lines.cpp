@@ -5,6 +5,7 @@
 #include "schuler/gnss/ground_range.h"
 #include "schuler/gnss/single_point.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sim/detail/require.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,11 +20,23 @@ Eigen::Vector3d turned(const Eigen::Vector3d& r, double rate, double tau) {
     return {ca * r.x() + sa * r.y(), -sa * r.x() + ca * r.y(), r.z()};
 }
 
+void check(const RangingSettings& s) {
+    const auto good = [](const sensor::RangeErrorModel& m) {
+        return m.white >= 0.0 && m.correlated >= 0.0 && m.correlation_time > 0.0 && m.rate >= 0.0;
+    };
+    require(s.lever_arm_b.norm() < 200.0, "gnss.lever_arm_m", "is not a lever arm", "give metres forward, right, down");
+    require(good(s.errors.satellite) && good(s.errors.station) && s.errors.network >= 0.0 && s.errors.network_time > 0.0,
+            "ranges", "an error of the ranges is negative, or a correlation time not positive",
+            "give one sigma in metres, times in seconds");
+}
+
 }  // namespace
 
 SightLines::SightLines(const RangingScenario& scenario, const TruthPath& path, const RangingSettings& settings)
     : s_(scenario), path_(path), r_(settings), orbits_(settings.navigation), klobuchar_(gnss::klobuchar_of(settings.navigation)) {
-    for (const gnss::SatelliteId id : gnss::satellites_of(settings.navigation)) transmitters_.push_back({gnss::name_of(id), id, {}, {}});
+    check(settings);
+    for (const gnss::SatelliteId id : gnss::satellites_of(settings.navigation))
+        transmitters_.push_back({gnss::name_of(id), id, {}, {}});
     for (const GroundStation& g : settings.stations)
         transmitters_.push_back({g.name, {}, earth::ecef_from_geodetic(scenario.earth.ellipsoid, g.position), g.position});
     choose_throughout();

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace schuler::sim {
@@ -17,27 +16,10 @@ namespace {
 
 constexpr double rate = 20.0;                 // Hz
 constexpr std::size_t lead = 2;               // samples before the start, for the slopes
-constexpr double chip_rate = 1.023e6;         // chips/s
-constexpr double received_power = -158.5;     // dBW, least of GPS L1 C/A [ISGPS200:6.3.1]
-constexpr double carrier = 1575.42e6;         // Hz
+constexpr double chip_rate = 1.023e6;         // chips/s, of GPS L1 C/A
+constexpr double received_power = -158.5;     // dBW, its least [ISGPS200:6.3.1]
 
 using detail::require;
-
-void check(const SignalSettings& s) {
-    require(s.ranging.stations.empty(), "stations", "a receiver of satellites does not hear them", "leave out [receiver] or the stations");
-    require(s.ranging.faults.empty(), "ranges.fault", "are faults of ranges, not of signals", "leave out [receiver] or the faults");
-    require(s.ranging.multipath.amplitude == 0.0, "ranges.multipath_m", "reflections are not simulated in correlators",
-            "leave out [receiver] or the reflections");
-    require(s.cn0 > 0.0 && s.cn0 < 80.0, "receiver.cn0_db_hz", "is no strength of a signal", "give 20 to 55 dB-Hz");
-    for (std::size_t i = 0; i < s.profile.size(); ++i) {
-        require(s.profile[i].cn0 >= -20.0 && s.profile[i].cn0 < 80.0, "receiver.cn0_profile", "has a strength that no signal has",
-                "give -20 to 80 dB-Hz");
-        require(i == 0 || s.profile[i].time > s.profile[i - 1].time, "receiver.cn0_profile", "is not in order of time",
-                "sort it by time_s");
-    }
-    for (const Jammer& j : s.jammers)
-        require(j.power > 0.0 && j.spread > 0.0, "jammer", "has no power, or no spread", "give watts, and 1 to 2.22");
-}
 
 double strength_at(const SignalSettings& s, double t) {
     if (s.profile.empty()) return s.cn0;
@@ -52,11 +34,29 @@ double strength_at(const SignalSettings& s, double t) {
 double received_from(const Jammer& j, const Ecef& antenna, const earth::Ellipsoid& ellipsoid, double t) {
     if (t < j.start || t >= j.start + j.duration) return 0.0;
     const double distance = std::max(1.0, (earth::ecef_from_geodetic(ellipsoid, j.position).r - antenna.r).norm());
-    const double wavelength = gnss::speed_of_light / carrier;
+    const double wavelength = gnss::speed_of_light / gnss::l1_frequency;
     return j.power * std::pow(wavelength / (4.0 * std::numbers::pi * distance), 2);
 }
 
 }  // namespace
+
+void check(const SignalSettings& s) {
+    require(s.ranging.stations.empty(), "ranges.stations", "a receiver of satellites does not hear them",
+            "leave out [receiver] or the stations");
+    require(s.ranging.faults.empty(), "ranges.fault", "are faults of ranges, not of signals",
+            "leave out [receiver] or the faults");
+    require(s.ranging.multipath.amplitude == 0.0, "ranges.multipath_m", "reflections are not simulated in correlators",
+            "leave out [receiver] or the reflections");
+    require(s.cn0 > 0.0 && s.cn0 < 80.0, "receiver.cn0_db_hz", "is no strength of a signal", "give 20 to 55 dB-Hz");
+    for (std::size_t i = 0; i < s.profile.size(); ++i) {
+        require(s.profile[i].cn0 >= -20.0 && s.profile[i].cn0 < 80.0, "receiver.cn0_profile", "has a strength that no signal has",
+                "give -20 to 80 dB-Hz");
+        require(i == 0 || s.profile[i].time > s.profile[i - 1].time, "receiver.cn0_profile", "is not in order of time",
+                "sort it by time_s");
+    }
+    for (const Jammer& j : s.jammers)
+        require(j.power > 0.0 && j.spread > 0.0, "receiver.jammer", "has no power, or no spread", "give watts, and 1 to 2.22");
+}
 
 Signals::Signals(const RangingScenario& scenario, const TruthPath& path, const SignalSettings& settings) {
     check(settings);
@@ -119,8 +119,8 @@ SignalMotion Signals::motion(std::size_t i, double t) const {
     // Hermite's cubic between samples k and k + 1
     const double m0 = slope(r), m1 = slope(r + 1), d = r[1] - r[0];
     const double c2 = 3.0 * d - 2.0 * m0 - m1, c3 = m0 + m1 - 2.0 * d;
-    return {r[0] + s * (m0 + s * (c2 + s * c3)), rate * (m0 + s * (2.0 * c2 + 3.0 * s * c3)), rate * rate * (2.0 * c2 + 6.0 * s * c3),
-            rate * rate * rate * 6.0 * c3};
+    return {r[0] + s * (m0 + s * (c2 + s * c3)), rate * (m0 + s * (2.0 * c2 + 3.0 * s * c3)),
+            rate * rate * (2.0 * c2 + 6.0 * s * c3), rate * rate * rate * 6.0 * c3};
 }
 
 bool Signals::in_view(std::size_t i, double t) const {

@@ -1,20 +1,20 @@
-// What arrives at the antenna along a truth path: the motion of every satellite's signal and its strength, jammed or not. A receiver
-// at the level of correlators listens to it.
+// What arrives at the antenna along a truth path: the motion of every satellite's signal and its strength, jammed or not. A
+// receiver at the level of correlators listens to it.
 #pragma once
 
 #include "schuler/sim/ranging.h"
 
 #include <cstddef>
-#include <memory>
 #include <vector>
 
 namespace schuler::sim {
 
-/// A transmitter of noise in the receiver's band, at rest.
+/// A transmitter of noise in the receiver's band, at rest. Carrier, chip rate and least power are those of GPS: signals of
+/// GLONASS are taken to be jammed in their own band as much as those of GPS.
 struct Jammer {
     Geodetic position;
     double power = 1.0;                  ///< W, radiated equally in all directions
-    double spread = 2.22;                ///< Q: 1 a tone, 1.5 a signal like the receiver's, 2.22 noise as wide as the code [Kaplan2017]
+    double spread = 2.22;                ///< Q: 1 a tone, 1.5 a signal like GPS's, 2.22 noise as wide as the code [Kaplan2017]
     double start = 0.0, duration = 1e9;  ///< s of the scenario
 };
 
@@ -31,17 +31,19 @@ struct SignalSettings {
     std::vector<Jammer> jammers;
 };
 
+/// Throws Error(Input) naming the setting that is unusable; ground stations, faults of ranges and reflections are none of a
+/// correlator's.
+void check(const SignalSettings& settings);
+
 /// Range of one signal less the receiver's clock, with derivatives.
 struct SignalMotion {
     double range, rate, acceleration, jerk;   ///< m, m/s, m/s^2, m/s^3
 };
 
-/// Immutable. Between samples at 20 Hz ranges are cubics whose slopes are differences of fourth order: off by 2e-5 m and 1e-3 m/s where
-/// a vehicle goes from none to 20 g within a second. Slow errors of the ranges delay the code alone.
+/// Immutable. Between samples at 20 Hz ranges are cubics whose slopes are differences of fourth order: off by 2e-5 m and 1e-3 m/s
+/// where a vehicle goes from none to 20 g within a second. Slow errors of the ranges delay the code alone.
 class Signals {
 public:
-    /// Throws Error(Input) naming the setting that is unusable; ground stations, faults of ranges and reflections are none of a
-    /// correlator's.
     Signals(const RangingScenario& scenario, const TruthPath& path, const SignalSettings& settings);
 
     [[nodiscard]] std::size_t size() const { return tracks_.size(); }   ///< satellites that are in view at some time

@@ -29,6 +29,7 @@ struct SightLine {
 /// Refers to its arguments. Times are seconds of the scenario.
 class SightLines {
 public:
+    /// Throws Error(Input) naming the setting of the antenna or of the errors that is unusable.
     SightLines(const RangingScenario& scenario, const TruthPath& path, const RangingSettings& settings);
 
     /// Satellites of the navigation data, then stations.
