@@ -11,6 +11,7 @@ namespace schuler::receiver {
 namespace {
 
 constexpr double quicker = 0.1;              ///< time constant of the second C/N0 estimate over that of the first
+constexpr double settled = 0.25;             ///< of the first: so long a strength has to last for a phase to be believed
 constexpr double unknown_phase = 1.0;        ///< rad^2
 constexpr double unknown_frequency = 100.0;  ///< Hz^2: the navigation holds 10 Hz
 constexpr double unsaid_frequency = 0.25;    ///< Hz^2: beyond what the navigation's sigma says
@@ -58,7 +59,7 @@ void DeepChannel::start(const LineOfSight& predicted, int dumps_into_symbol) {
     cn0_.forget();
     quick_ = Cn0Estimator(signal_.symbol_duration / 2.0, quicker * settings_.cn0_time, peak_, 1.0);
     quick_.forget();
-    listened_ = 0.0;
+    listened_ = steady_ = 0.0;
     carrier_.setZero();
     turns_ = agreement_ = 0.0;
     P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
@@ -124,9 +125,11 @@ void DeepChannel::judge_power(double both) {
         listened_ = settings_.cn0_time;
         cn0_.restart((0.5 * both - 2.0 * peak_) / (2.0 * half * peak_ * peak_));
         quick_.restart(cn0_.cn0());
+        steady_ = 0.0;
         return;
     }
     listened_ += signal_.symbol_duration;
+    steady_ += signal_.symbol_duration;
     for (const Correlators& c : halves_) {
         cn0_.add(c.prompt);
         quick_.add(c.prompt);
@@ -134,7 +137,10 @@ void DeepChannel::judge_power(double both) {
     // of a mean over n prompts, whose squares scatter by 2 sqrt(R0 (R0 + P))
     const double n = std::max(1.0, 2.0 * quicker * settings_.cn0_time / half);
     const double scatter = 2.0 * std::sqrt(peak_ * (peak_ + power) / n) / (2.0 * half * peak_ * peak_);
-    if (std::abs(quick_.cn0() - cn0_.cn0()) > changes * scatter) cn0_.restart(quick_.cn0());
+    if (std::abs(quick_.cn0() - cn0_.cn0()) > changes * scatter) {
+        cn0_.restart(quick_.cn0());
+        steady_ = 0.0;
+    }
 }
 
 ChannelMeasurement DeepChannel::finish() {
@@ -200,7 +206,9 @@ void DeepChannel::follow(ChannelMeasurement& out) {
     const double within = std::remainder(carrier_[0], turn);
     turns_ += carrier_[0] - within;
     carrier_[0] = within;
-    if (!strong || agreement_ < agreed || P_(0, 0) > settings_.followed * settings_.followed) return;
+    // A strength just found may be a spike of the noise, which would make the phase look certain.
+    const bool steady = steady_ >= settled * settings_.cn0_time;
+    if (!strong || !steady || agreement_ < agreed || P_(0, 0) > settings_.followed * settings_.followed) return;
     // the prompt brings the message's sign, and noise of its own that is known however weak the signal is
     const double gain = 4.0 * slope_ * peak_ * power;
     out.status = ChannelMeasurement::Status::Coherent;

@@ -84,6 +84,7 @@ private:
     double turns_ = 0.0;  ///< rad taken out of carrier_
     double agreement_ = 0.0;  ///< mean cosine of the turn from half to half of a symbol
     double listened_ = 0.0;  ///< s
+    double steady_ = 0.0;  ///< s since the strength changed at once
     Correlators halves_[2]{};
     /// Phase (rad) and frequency (Hz) of replica minus signal at the end of the last half symbol.
     Eigen::Vector2d carrier_ = Eigen::Vector2d::Zero();
