@@ -10,6 +10,8 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 #include <utility>
 
 namespace schuler::fusion {
@@ -228,6 +230,64 @@ TEST(RangeUpdate, IteratesNearStations) {
     RangeEpochWork work;
     (void)update_with_ranges(model, RangeTest(1e-4, 10.0), f, log, log.of(log.epochs.front()), work);
     EXPECT_LT(earth::ned_difference(earth, f.inertial.nav.position, truth.position).norm(), 0.1);
+}
+
+/// A filter that knows its place, and ranges of satellites overhead that are off by so many metres.
+struct Overhead {
+    explicit Overhead(const std::vector<double>& off, double sigma) {
+        settings.ranging.corrections.troposphere = gnss::TroposphereModel::None;
+        settings.ranging.corrections.ionosphere = gnss::IonosphereModel::None;
+        model = make_tight_model(settings, false);
+        NavState nav;
+        nav.position = {0.9, 1.0, 300.0};
+        f.inertial.set_nav(nav);
+        f.start(model, Eigen::Matrix<double, 16, 16>::Zero());
+        f.P(TightLayout::clock, TightLayout::clock) = 1.0;
+        const AntennaEstimate a = antenna_of(earth, nav, Eigen::Matrix3d::Identity(), Vector3d::Zero(), Vector3d::Zero());
+        for (std::size_t i = 0; i < off.size(); ++i) {
+            RangeSample m;
+            m.source = log.source("G0" + std::to_string(i + 1), false);
+            const double azimuth = 2.0 * static_cast<double>(i);
+            const Vector3d up(10e3 * std::cos(azimuth), 10e3 * std::sin(azimuth), -20e3);
+            m.tx.r = earth::ecef_from_geodetic(earth.ellipsoid, nav.position).r +
+                     1e3 * (earth::C_en(nav.position.lat, nav.position.lon) * up);
+            m.std = sigma;
+            m.pseudorange = range_rows(a, m.tx, Vector3d::Zero()).range + off[i];
+            log.samples.push_back(m);
+        }
+    }
+    void update() { (void)update_with_ranges(model, RangeTest(1e-4, 10.0), f, log, log.samples, work); }
+
+    earth::Earth earth;
+    Settings settings;
+    TightModel model = make_tight_model(settings, false);
+    TightFilter<GeographicFrame> f;
+    RangingLog log;
+    RangeEpochWork work;
+};
+
+TEST(RangeUpdate, NoiseIsNoJumpOfTheClock) {
+    Overhead noisy({435.0, -700.0, 391.0}, 150.0);
+    noisy.update();
+    EXPECT_FALSE(noisy.work.clock_jump);
+    EXPECT_EQ(noisy.work.excluded, 1);
+    Overhead jump({435.0, 435.0, 435.0}, 5.0);
+    jump.update();
+    EXPECT_TRUE(jump.work.clock_jump);
+    EXPECT_EQ(jump.work.excluded, 0);
+}
+
+/// Fifty epochs a second: what most ranges contradict is given up after a second, not after ten epochs.
+TEST(RangeUpdate, GivesUpItsPlaceAfterASecondOfDisagreement) {
+    Overhead wrong({500.0, -400.0, 300.0, -600.0}, 1.0);
+    double opened = -1.0;
+    for (int k = 1; k <= 100 && opened < 0.0; ++k) {
+        wrong.f.propagate(wrong.model, {Time::from_seconds(0.02 * k), 0.02, Vector3d::Zero(), Vector3d(0, 0, -0.1962)}, {});
+        wrong.f.bring_up(wrong.model);
+        wrong.update();
+        if (wrong.f.P(0, 0) > 1e4) opened = 0.02 * k;
+    }
+    EXPECT_NEAR(opened, 1.02, 0.03);
 }
 
 }  // namespace
