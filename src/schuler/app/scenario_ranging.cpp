@@ -15,77 +15,55 @@ namespace {
 using S = ScenarioConfig;
 using units::deg;
 
+using R = sim::RangingSettings;
+using Entries = std::vector<Entry>;
+
 void add_sources(OptionTable<S>& table) {
+    using sim::Blocking, sim::GroundStation, sim::RangeFault, sim::SatelliteLimit;
+    const auto list = [](auto field) { return [=](S& s) -> auto& { return s.ranging.settings.*field; }; };
     table
-        .add(list_of<S>("ranges.stations", "[ { id, lat_deg, lon_deg, height_m }, ... ]", "ground stations that send ranges",
-                        [](S& s, const ValueList& list, const char* form) {
-                            s.ranging.settings.stations.clear();
-                            for (const Value& v : list) {
-                                sim::GroundStation g;
-                                fill(v,
-                                     {{.name = "id", .text = &g.name},
-                                      {.name = "lat_deg", .number = &g.position.lat, .factor = deg},
-                                      {.name = "lon_deg", .number = &g.position.lon, .factor = deg},
-                                      {.name = "height_m", .number = &g.position.h}},
-                                     form);
-                                if (g.name.empty()) throw input_error("a station has no id", {}, form);
-                                s.ranging.settings.stations.push_back(g);
-                            }
-                        }))
-        .add(list_of<S>("ranges.block", "[ { sources, start_s, duration_s }, ... ]",
-                        "sources that are silent for a time; without names all satellites, \"stations\" for all stations",
-                        [](S& s, const ValueList& list, const char* form) {
-                            s.ranging.settings.blocked.clear();
-                            for (const Value& v : list) {
-                                sim::Blocking b;
-                                fill(v,
-                                     {{.name = "sources", .texts = &b.sources},
-                                      {.name = "start_s", .number = &b.start},
-                                      {.name = "duration_s", .number = &b.duration}},
-                                     form);
-                                s.ranging.settings.blocked.push_back(b);
-                            }
-                        }))
-        .add(list_of<S>("ranges.limit", "[ { start_s, keep, variant }, ... ]",
-                        "from then on only so many satellites: up to four of the four with the best geometry, more: the highest",
-                        [](S& s, const ValueList& list, const char* form) {
-                            s.ranging.settings.limits.clear();
-                            for (const Value& v : list) {
-                                double start = 0.0, keep = 4.0, variant = 0.0;
-                                fill(v,
-                                     {{.name = "start_s", .number = &start},
-                                      {.name = "keep", .number = &keep},
-                                      {.name = "variant", .number = &variant}},
-                                     form);
-                                if (keep < 0.0 || keep > 100.0 || variant < 0.0 || variant > 1e6)
-                                    throw input_error("keep or variant is negative or too large", {}, form);
-                                s.ranging.settings.limits.push_back(
-                                    {start, static_cast<std::size_t>(keep), static_cast<std::size_t>(variant)});
-                            }
-                        }))
-        .add(list_of<S>("ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]",
-                        "ranges that are wrong", [](S& s, const ValueList& list, const char* form) {
-                            s.ranging.settings.faults.clear();
-                            for (const Value& v : list) {
-                                sim::RangeFault f;
-                                fill(v,
-                                     {{.name = "source", .text = &f.source},
-                                      {.name = "start_s", .number = &f.start},
-                                      {.name = "duration_s", .number = &f.duration},
-                                      {.name = "offset_m", .number = &f.offset},
-                                      {.name = "ramp_m_s", .number = &f.ramp},
-                                      {.name = "rate_m_s", .number = &f.rate}},
-                                     form);
-                                s.ranging.settings.faults.push_back(f);
-                            }
-                        }));
+        .add(list_of<S, GroundStation>(
+            "ranges.stations", "[ { id, lat_deg, lon_deg, height_m }, ... ]", "ground stations that send ranges",
+            list(&R::stations),
+            [](GroundStation& g) {
+                return Entries{{.name = "id", .text = &g.name},
+                               {.name = "lat_deg", .number = &g.position.lat, .factor = deg},
+                               {.name = "lon_deg", .number = &g.position.lon, .factor = deg},
+                               {.name = "height_m", .number = &g.position.h}};
+            },
+            [](std::vector<GroundStation>& stations, const GroundStation& g) {
+                if (g.name.empty()) throw input_error("a station has no id", {}, "give each one");
+                stations.push_back(g);
+            }))
+        .add(list_of<S, Blocking>(
+            "ranges.block", "[ { sources, start_s, duration_s }, ... ]",
+            "sources that are silent for a time; without names all satellites, \"stations\" for all stations", list(&R::blocked),
+            [](Blocking& b) {
+                return Entries{{.name = "sources", .texts = &b.sources},
+                               {.name = "start_s", .number = &b.start},
+                               {.name = "duration_s", .number = &b.duration}};
+            }))
+        .add(list_of<S, SatelliteLimit>(
+            "ranges.limit", "[ { start_s, keep, variant }, ... ]",
+            "from then on only so many satellites: up to four of the four with the best geometry, more: the highest",
+            list(&R::limits), [](SatelliteLimit& l) {
+                return Entries{{.name = "start_s", .number = &l.start},
+                               {.name = "keep", .count = &l.keep},
+                               {.name = "variant", .count = &l.variant}};
+            }))
+        .add(list_of<S, RangeFault>(
+            "ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]", "ranges that are wrong",
+            list(&R::faults), [](RangeFault& f) {
+                return Entries{{.name = "source", .text = &f.source},     {.name = "start_s", .number = &f.start},
+                               {.name = "duration_s", .number = &f.duration}, {.name = "offset_m", .number = &f.offset},
+                               {.name = "ramp_m_s", .number = &f.ramp},   {.name = "rate_m_s", .number = &f.rate}};
+            }));
 }
 
 }  // namespace
 
 void add_ranging_scenario_options(OptionTable<S>& table) {
     const auto settings = [](auto field) { return [=](auto& s) -> auto& { return s.ranging.settings.*field; }; };
-    using R = sim::RangingSettings;
     table
         .add(number<S>("ranges.rate_hz", 1.0, 0, 1000, "rate of raw ranges (ranges.csv); 0 = none",
                        [](auto& s) -> auto& { return s.ranging.rate; }))
@@ -105,21 +83,16 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
         .add(number<S>("ranges.antenna_mask_deg", deg, -90, 90,
                        "hidden below this angle over the antenna's plane, which banks with the body",
                        [](auto& s) -> auto& { return s.ranging.settings.masks.antenna; }))
-        .add(list_of<S>("ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]",
-                        "elevation hidden from an azimuth to the next one",
-                        [](S& s, const ValueList& list, const char* form) {
-                            auto& terrain = s.ranging.settings.masks.terrain;
-                            terrain.clear();
-                            for (const Value& v : list) {
-                                sim::Masks::Sector sector{};
-                                fill(v,
-                                     {{.name = "azimuth_deg", .number = &sector.azimuth, .factor = deg},
-                                      {.name = "elevation_deg", .number = &sector.elevation, .factor = deg}},
-                                     form);
-                                terrain.push_back(sector);
-                            }
-                            std::ranges::stable_sort(terrain, {}, &sim::Masks::Sector::azimuth);
-                        }))
+        .add(list_of<S, sim::Masks::Sector>(
+            "ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]", "elevation hidden from an azimuth to the next one",
+            [](S& s) -> auto& { return s.ranging.settings.masks.terrain; },
+            [](sim::Masks::Sector& sector) {
+                return Entries{{.name = "azimuth_deg", .number = &sector.azimuth, .factor = deg},
+                               {.name = "elevation_deg", .number = &sector.elevation, .factor = deg}};
+            },
+            [](std::vector<sim::Masks::Sector>& terrain, const sim::Masks::Sector& sector) {
+                terrain.insert(std::ranges::upper_bound(terrain, sector.azimuth, {}, &sim::Masks::Sector::azimuth), sector);
+            }))
         .add(number<S>("ranges.multipath_m", 1.0, 0, 1e3, "amplitude of reflections at the horizon",
                        [](auto& s) -> auto& { return s.ranging.settings.multipath.amplitude; }))
         .add(number<S>("ranges.multipath_period_s", 1.0, 0.01, 1e5, "their period",

@@ -37,38 +37,35 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                        [](auto& s) -> auto& { return s.receiver_channels.rate; }))
         .add(number<S>("receiver.cn0_db_hz", 1.0, 1, 70, "strength of every signal without jamming",
                        [](auto& s) -> auto& { return s.receiver_channels.cn0; }))
-        .add(list_of<S>("receiver.cn0_profile", "[ { time_s, cn0_db_hz }, ... ]", "strength over time instead, linear in between",
-                        [](S& s, const ValueList& list, const char* form) {
-                            s.receiver_channels.profile.clear();
-                            for (const Value& v : list) {
-                                sim::StrengthPoint p{0.0, 45.0};
-                                fill(v, {{.name = "time_s", .number = &p.time}, {.name = "cn0_db_hz", .number = &p.cn0}}, form);
-                                if (!s.receiver_channels.profile.empty() && !(p.time > s.receiver_channels.profile.back().time))
-                                    throw input_error(fmt::format("{:g} s is not after the point before", p.time), {},
-                                                      "sort it by time_s");
-                                s.receiver_channels.profile.push_back(p);
-                            }
-                        }))
-        .add(list_of<S>("receiver.jammer", "[ { lat_deg, lon_deg, height_m, power_w, spread, start_s, duration_s }, ... ]",
-                        "transmitters of noise, by free space; spread: 1 = a tone, 2.22 = as wide as the code",
-                        [](S& s, const ValueList& list, const char* form) {
-                            s.receiver_channels.jammers.clear();
-                            for (const Value& v : list) {
-                                sim::Jammer j;
-                                fill(v,
-                                     {{.name = "lat_deg", .number = &j.position.lat, .factor = deg},
-                                      {.name = "lon_deg", .number = &j.position.lon, .factor = deg},
-                                      {.name = "height_m", .number = &j.position.h},
-                                      {.name = "power_w", .number = &j.power},
-                                      {.name = "spread", .number = &j.spread},
-                                      {.name = "start_s", .number = &j.start},
-                                      {.name = "duration_s", .number = &j.duration}},
-                                     form);
-                                if (!(j.power > 0.0 && j.spread > 0.0 && j.duration > 0.0))
-                                    throw input_error("a jammer without power, spread or duration", {}, "give positive numbers");
-                                s.receiver_channels.jammers.push_back(j);
-                            }
-                        }))
+        .add(list_of<S, sim::StrengthPoint>(
+            "receiver.cn0_profile", "[ { time_s, cn0_db_hz }, ... ]", "strength over time instead, linear in between",
+            [](S& s) -> auto& { return s.receiver_channels.profile; },
+            [](sim::StrengthPoint& p) {
+                return std::vector<Entry>{{.name = "time_s", .number = &p.time}, {.name = "cn0_db_hz", .number = &p.cn0}};
+            },
+            [](std::vector<sim::StrengthPoint>& profile, const sim::StrengthPoint& p) {
+                if (!profile.empty() && !(p.time > profile.back().time))
+                    throw input_error(fmt::format("{:g} s is not after the point before", p.time), {}, "sort it by time_s");
+                profile.push_back(p);
+            }))
+        .add(list_of<S, sim::Jammer>(
+            "receiver.jammer", "[ { lat_deg, lon_deg, height_m, power_w, spread, start_s, duration_s }, ... ]",
+            "transmitters of noise, by free space; spread: 1 = a tone, 2.22 = as wide as the code",
+            [](S& s) -> auto& { return s.receiver_channels.jammers; },
+            [](sim::Jammer& j) {
+                return std::vector<Entry>{{.name = "lat_deg", .number = &j.position.lat, .factor = deg},
+                                          {.name = "lon_deg", .number = &j.position.lon, .factor = deg},
+                                          {.name = "height_m", .number = &j.position.h},
+                                          {.name = "power_w", .number = &j.power},
+                                          {.name = "spread", .number = &j.spread},
+                                          {.name = "start_s", .number = &j.start},
+                                          {.name = "duration_s", .number = &j.duration}};
+            },
+            [](std::vector<sim::Jammer>& jammers, const sim::Jammer& j) {
+                if (!(j.power > 0.0 && j.spread > 0.0 && j.duration > 0.0))
+                    throw input_error("a jammer without power, spread or duration", {}, "give positive numbers");
+                jammers.push_back(j);
+            }))
         .add(number<S>("receiver.pll_bandwidth_hz", 1.0, 0.5, 50, "phase loop without an aid", alone(&T::pll_bandwidth)))
         .add(number<S>("receiver.dll_bandwidth_hz", 1.0, 0.01, 10, "code loop without an aid", alone(&T::dll_bandwidth)))
         .add(integration("receiver.integration_ms", "coherent sums without an aid; a divisor of 20", alone(&T::integration)))

@@ -20,8 +20,8 @@ struct Jammer {
 
 /// Carrier to noise density at a time, linear in dB from point to point and constant before and behind them.
 struct StrengthPoint {
-    double time;                         ///< s of the scenario
-    double cn0;                          ///< dB-Hz
+    double time = 0.0;                   ///< s of the scenario
+    double cn0 = 45.0;                   ///< dB-Hz
 };
 
 struct SignalSettings {
