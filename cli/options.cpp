@@ -40,7 +40,7 @@ void add_run_options(CLI::App& app, Options& o) {
         ->type_name("T:DUR[,T:DUR...]")
         ->allow_extra_args(false);
     app.add_option("--settle", o.settle, "count errors from here; default: alignment + 60 s")->type_name("S");
-    app.add_option("--outputs", o.outputs, "what is written: solution,summary,h5,report,kml,config (default all)")
+    app.add_option("--outputs", o.outputs, "what is written: solution,summary,h5,report,kml,config (default all of these), covariance (the whole of it, in run.h5)")
         ->delimiter(',')
         ->type_name("LIST");
     app.add_option("--progress", o.progress, "lines: \"progress 0.5\" on standard error, for programs")
@@ -54,7 +54,7 @@ namespace {
 void add_processing(CLI::App& app, Options& o) {
     add_settings(app, o);
     app.add_option("--scheme", o.scheme,
-                   "coupling: loose, separate, tight, medium, deep (of a scenario with [receiver]), or gnss for the receiver's own "
+                   "coupling: loose, separate, tight, intermediate, deep (of a scenario with [receiver]), or gnss for the receiver's own "
                    "solution")
         ->type_name("SCHEME");
     app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");

@@ -1,6 +1,6 @@
 // Sequential updates against the batch information form, and the adjoint smoother against Rauch-Tung-Striebel.
-#include "schuler/estim/scalar_update.h"
 #include "schuler/estim/transition.h"
+#include "schuler/estim/update.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -14,8 +14,8 @@ namespace schuler::estim {
 namespace {
 
 constexpr int N = 16;
-using Vector = Eigen::Matrix<double, N, 1>;
-using Matrix = Eigen::Matrix<double, N, N>;
+using Vector = StateVector;
+using Matrix = StateMatrix;
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
@@ -25,15 +25,15 @@ public:
     double normal() { return normal_(generator_); }
     double uniform(double a, double b) { return a + (b - a) * std::generate_canonical<double, 53>(generator_); }
     Vector vector() {
-        Vector v;
+        Vector v(N);
         for (int i = 0; i < N; ++i) v(i) = normal();
         return v;
     }
     /// Symmetric and positive definite with the given sigmas and random correlations.
     Matrix covariance(const Vector& sigma) {
-        Matrix root;
+        Matrix root(N, N);
         for (int i = 0; i < N; ++i) root.col(i) = vector();
-        Matrix C = root * root.transpose() + Matrix::Identity();
+        Matrix C = root * root.transpose() + Matrix::Identity(N, N);
         const Vector scale = sigma.cwiseQuotient(C.diagonal().cwiseSqrt());
         C = (scale.asDiagonal() * C * scale.asDiagonal()).eval();
         return 0.5 * (C + C.transpose());
@@ -46,39 +46,33 @@ private:
 
 LongMatrix inverse(const LongMatrix& A) { return A.llt().solve(LongMatrix::Identity(A.rows(), A.cols())); }
 
-TEST(ScalarUpdate, CovarianceOfAnyGainIsJosephs) {
-    Numbers numbers(17);
-    for (int trial = 0; trial < 20; ++trial) {
-        Matrix P = numbers.covariance(Vector::Constant(2.0));
-        const Matrix before = P, I = Matrix::Identity();
-        const Vector h = numbers.vector(), k = 0.2 * numbers.vector(), start = numbers.vector();
-        Vector dx = start;
-        const double r = numbers.uniform(0.1, 3.0), z = numbers.normal();
-        (void)update_with_gain<N>(dx, P, h, z, r, k);
-        const Matrix expected = (I - k * h.transpose()) * before * (I - k * h.transpose()).transpose() + r * k * k.transpose();
-        EXPECT_LT((P - expected).cwiseAbs().maxCoeff(), 1e-12 * expected.cwiseAbs().maxCoeff());
-        EXPECT_LT((dx - start - k * (z - h.dot(start))).norm(), 1e-12);
-    }
+/// A row with every entry of h.
+Row row_of(const Vector& h) {
+    Row row;
+    row.head = h.head<9>();
+    for (int i = 9; i < N; ++i) row.add(i, h(i));
+    return row;
 }
 
 TEST(ScalarUpdate, SequenceEqualsTheBatchInInformationForm) {
     Numbers numbers(11);
     for (int trial = 0; trial < 20; ++trial) {
-        Vector sigma;
+        Vector sigma(N);
         for (int i = 0; i < N; ++i) sigma(i) = std::pow(10.0, numbers.uniform(-2.0, 2.0));
         Matrix P = numbers.covariance(sigma);
         const LongMatrix prior = P.cast<long double>();
         LongMatrix information = inverse(prior);
         LongVector right = LongVector::Zero(N);
-        Vector dx = Vector::Zero();
+        Vector dx = Vector::Zero(N);
         for (int m = 0; m < 4; ++m) {
             const Vector h = numbers.vector().cwiseQuotient(sigma);
             const double r = std::pow(10.0, numbers.uniform(-3.0, 1.0)), innovation = 3.0 * numbers.normal();
-            const ScalarUpdate<N> u = update_scalar<N>(dx, P, h, innovation, r);
+            const RowUpdate u = update(dx, P, row_of(h), innovation, r, N);
             EXPECT_GT(u.s, r);
             EXPECT_EQ(P, P.transpose());
-            information += h.cast<long double>() * h.cast<long double>().transpose() / static_cast<long double>(r);
-            right += h.cast<long double>() * static_cast<long double>(innovation / r);
+            const LongVector hl = h.cast<long double>();
+            information += hl * hl.transpose() / static_cast<long double>(r);
+            right += hl * static_cast<long double>(innovation / r);
         }
         const LongMatrix posterior = inverse(information);
         const LongVector error = posterior * right;
@@ -94,20 +88,20 @@ TEST(ScalarUpdate, SequenceEqualsTheBatchInInformationForm) {
 TEST(ScalarUpdate, StaysPositiveOverTwelveOrdersOfMagnitude) {
     Numbers numbers(12);
     for (int trial = 0; trial < 10; ++trial) {
-        Vector sigma;
+        Vector sigma(N);
         for (int i = 0; i < N; ++i) sigma(i) = std::pow(10.0, 3.0 - 6.0 * i / (N - 1));   // variances 1e6 to 1e-6
         Matrix P = numbers.covariance(sigma);
         double least = 1.0;
         for (int m = 0; m < 300; ++m) {
-            Vector dx = Vector::Zero();
-            Vector h = Vector::Zero();
+            Vector dx = Vector::Zero(N);
+            Vector h = Vector::Zero(N);
             // Single states and mixtures, some measured far better than known.
             if (m % 3 == 0) h(m / 3 % N) = 1.0;
             else h = numbers.vector().cwiseQuotient(sigma);
             const double r = h.dot(P * h) * std::pow(10.0, numbers.uniform(-6.0, 2.0));
             ASSERT_GT(r, 0.0);
             const Vector before = P.diagonal();
-            (void)update_scalar<N>(dx, P, h, 1.0, r);
+            (void)update(dx, P, row_of(h), 1.0, r, N);
             ASSERT_EQ(P, P.transpose());
             ASSERT_TRUE((P.diagonal().array() >= 0.0).all());
             ASSERT_TRUE((P.diagonal().array() <= before.array() * (1.0 + 1e-12)).all());
@@ -115,7 +109,7 @@ TEST(ScalarUpdate, StaysPositiveOverTwelveOrdersOfMagnitude) {
             P.diagonal() += 1e-4 * sigma.cwiseAbs2();
             const Vector scale = P.diagonal().cwiseSqrt().cwiseInverse();
             const Matrix correlation = scale.asDiagonal() * P * scale.asDiagonal();
-            least = std::min(least, Eigen::SelfAdjointEigenSolver<Matrix>(correlation, Eigen::EigenvaluesOnly).eigenvalues()(0));
+            least = std::min(least, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly).eigenvalues()(0));
         }
         EXPECT_GT(least, 0.0);
     }
@@ -130,31 +124,31 @@ struct System {
         double z, r;
     };
     struct Step {
-        Transition<N> phi;
+        Transition phi;
         Vector q;
         std::vector<Scalar> scalars;   ///< measured after the step
     };
-    Sparsity<N> sparsity;
     Vector mean;
-    Matrix P = Matrix::Zero();
+    Matrix P = Matrix::Zero(N, N);
     std::vector<Step> step;
 
     explicit System(std::uint64_t seed) {
         Numbers numbers(seed);
-        for (int group = 0; group < 3; ++group) sparsity.add(group, 0, used);
         mean = numbers.vector();
         mean.tail(N - used).setZero();
-        P.topLeftCorner<used, used>() = numbers.covariance(Vector::Constant(2.0)).topLeftCorner<used, used>();
+        P.topLeftCorner<used, used>() = numbers.covariance(Vector::Constant(N, 2.0)).topLeftCorner<used, used>();
         Vector truth = mean;
         truth.head<used>() += 2.0 * numbers.vector().head<used>();
         for (int k = 0; k < steps; ++k) {
             Step s;
+            s.phi.driven = N;
+            s.phi.diagonal = Vector::Ones(N);
+            s.q = Vector::Zero(N);
             for (int row = 0; row < 9; ++row) {
                 for (int column = 0; column < used; ++column) s.phi.rows(column, row) = 0.15 * numbers.normal();
                 s.phi.rows(row, row) += 0.9;
             }
             for (int i = 9; i < used; ++i) s.phi.diagonal(i) = numbers.uniform(0.8, 1.0);
-            s.q.setZero();
             for (int i = 0; i < used; ++i) s.q(i) = i % 4 == 3 ? 0.0 : numbers.uniform(0.001, 0.05);
             truth = s.phi.times(truth) + s.q.cwiseSqrt().cwiseProduct(numbers.vector());
             for (int m = 0; m < k % 4; ++m) {
@@ -227,21 +221,22 @@ TEST(Adjoint, EqualsRauchTungStriebel) {
         Matrix P = system.P;
         std::vector<Vector> means{mean};
         std::vector<Matrix> covariances{P};
-        std::vector<std::vector<ScalarUpdate<N>>> updates{{}};
+        std::vector<std::vector<RowUpdate>> updates{{}};
         for (const System::Step& s : system.step) {
             mean = s.phi.times(mean);
-            propagate<N>(P, s.phi, system.sparsity, s.q);
-            Vector dx = Vector::Zero();
-            std::vector<ScalarUpdate<N>> done;
+            propagate(P, s.phi, N);
+            P.diagonal() += s.q;
+            Vector dx = Vector::Zero(N);
+            std::vector<RowUpdate> done;
             for (const System::Scalar& scalar : s.scalars)
-                done.push_back(update_scalar<N>(dx, P, scalar.h, scalar.h.dot(mean) - scalar.z, scalar.r));
+                done.push_back(update(dx, P, row_of(scalar.h), scalar.h.dot(mean) - scalar.z, scalar.r, N));
             mean -= dx;
             means.push_back(mean);
             covariances.push_back(P);
             updates.push_back(done);
         }
 
-        Adjoint<N> adjoint;
+        StateAdjoint adjoint(N);
         for (std::size_t k = means.size(); k-- > 0;) {
             const Vector smoothed = means[k] + covariances[k] * adjoint.lambda;
             const Matrix cov = covariances[k] - covariances[k] * adjoint.Lambda * covariances[k];
@@ -254,12 +249,12 @@ TEST(Adjoint, EqualsRauchTungStriebel) {
                     ASSERT_LT(std::abs(static_cast<long double>(cov(i, j)) - e.P(i, j)), 1e-9L * si * std::sqrt(e.P(j, j)))
                         << "seed " << seed << ", step " << k << ", entry (" << i << ", " << j << ")";
             }
-            EXPECT_EQ(smoothed.tail(N - System::used), system.mean.tail(N - System::used));
+            EXPECT_EQ(Vector(smoothed.tail(N - System::used)), Vector(system.mean.tail(N - System::used)));
             EXPECT_LT((adjoint.Lambda - adjoint.Lambda.transpose()).norm(), 1e-11 * (1.0 + adjoint.Lambda.norm()));
             if (k == 0) break;
-            for (std::size_t m = updates[k].size(); m-- > 0;) adjoint.undo(updates[k][m]);
+            for (std::size_t m = updates[k].size(); m-- > 0;) adjoint.undo(updates[k][m], N);
             adjoint.lambda = system.step[k - 1].phi.transpose_times(adjoint.lambda);
-            propagate_adjoint<N>(adjoint.Lambda, system.step[k - 1].phi, system.sparsity);
+            propagate_adjoint(adjoint.Lambda, system.step[k - 1].phi, N);
         }
     }
 }

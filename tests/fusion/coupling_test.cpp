@@ -2,10 +2,10 @@
 #include "fusion/car_drive.h"
 
 #include "schuler/core/error.h"
-#include "schuler/fusion/correction_period.h"
-#include "schuler/fusion/integrity.h"
-#include "schuler/fusion/receiver_aiding.h"
-#include "schuler/fusion/separate.h"
+#include "schuler/filter/correction_period.h"
+#include "schuler/filter/integrity.h"
+#include "schuler/filter/receiver_aiding.h"
+#include "schuler/filter/separate.h"
 #include "schuler/sim/inverse_imu.h"
 
 #include <Eigen/Eigenvalues>
@@ -36,7 +36,7 @@ TEST(SeparateScheme, BarometerLoopHasThreeEqualRoots) {
 TEST(SeparateScheme, BarometerGainsCloseTheLoopInTheRightSense) {
     const double dt = 0.1, tau = 50.0, c = 2.0 * 9.80665 / 6371000.0;
     const Matrix3d C = math::quaternion_from_rpy({0.2, -0.1, 1.0}).toRotationMatrix();
-    const auto K = barometer_gains<24>(C, dt, tau).col(0).eval();
+    const estim::StateVector K = barometer_gains(16, C, dt, tau).col(0);
     double d = 5.0, v = 0.2;                       // errors down
     Vector3d bias = C.transpose() * Vector3d(0.0, 0.0, 0.01);
     for (int k = 0; k < 20000; ++k) {

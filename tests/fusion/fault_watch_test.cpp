@@ -1,7 +1,8 @@
 // What a wrong pseudorange does to the tight filter, foretold by the fault watch, against running the filter twice; repair; levels.
 #include "fusion/range_flight.h"
-#include "schuler/fusion/fault_watch.h"
-#include "schuler/fusion/tight_run.h"
+#include "schuler/filter/fault_watch.h"
+#include "schuler/fusion/run_pass.h"
+#include "schuler/fusion/timeline.h"
 
 #include <gtest/gtest.h>
 
@@ -14,32 +15,32 @@ using namespace test;
 using Eigen::Vector3d;
 
 /// Runs the tight filter along a flight up to `stop` seconds and returns it.
-TightFilter<GeographicFrame> filter_at(const Flight& f, double stop) {
+Walk<GeographicFrame> walk_at(const Flight& f, double stop) {
     WarningLog unheard;
     RunData data;
     data.recording = &f.recording;
     data.imu = make_imu_timeline(f.recording.imu, f.settings.imu, unheard);
-    const TightModel model = make_tight_model(f.settings, false);
-    TightWalk<GeographicFrame> walk;
-    NavState nav;
+    const InertialModel model = make_model(f.settings, make_layout(f.settings, {}));
+    Start start;
+    NavState& nav = start.nav;
     nav.time = data.imu.increments.front().time;
     nav.position = f.settings.initial.position;
     nav.v_eb_n = f.settings.initial.velocity_n;
     nav.q_nb = math::quaternion_from_rpy(f.settings.initial.rpy);
-    walk.filter.inertial.set_nav(nav);
-    Eigen::Matrix<double, 16, 16> P = Eigen::Matrix<double, 16, 16>::Zero();
-    P.diagonal().head<3>().setConstant(100.0);
-    P.diagonal().segment<3>(3).setConstant(4.0);
-    P.diagonal().segment<3>(6).setConstant(1e-6);
-    P.diagonal().segment<6>(9).setConstant(1e-10);
-    walk.filter.start(model, P);
-    walk.increment = 1;
-    TightObserver<GeographicFrame> nobody;
-    const TightPass<GeographicFrame> pass(model, data, f.settings, Time{});
+    start.std_position.setConstant(10.0);
+    start.std_velocity.setConstant(2.0);
+    start.std_rpy.setConstant(1e-3);
+    start.std_gyro_bias = start.std_accel_bias = Vector3d::Constant(1e-5);
+    start.increment = 1;
+    Walk<GeographicFrame> walk = first_step<GeographicFrame>(model, data, f.settings, start);
+    walk.next_output = Time{INT64_MAX};
+    PassObserver<GeographicFrame> nobody;
+    const Pass<GeographicFrame> pass(model, data, f.settings);
     std::size_t last = 0;
     while (last + 1 < data.imu.increments.size() && data.imu.increments[last + 1].time.seconds() < stop + 0.01) ++last;
     pass.advance(walk, last, nobody);
-    return walk.filter;
+    pass.propagate_covariance(walk, nobody);
+    return walk;
 }
 
 /// A metre on one satellite from the first epoch on moves the whole nonlinear filter as the hypothesis says, and the size that the
@@ -52,18 +53,19 @@ TEST(FaultWatch, RespondsAsTheFilterRunTwice) {
     Flight spoilt = clean;
     const std::uint16_t source = 3;
     spoil(spoilt.recording.ranges, source, 0.0, 1.0);
-    const TightFilter<GeographicFrame> a = filter_at(clean, 45.0), b = filter_at(spoilt, 45.0);
-    const auto oldest = [&](const TightFilter<GeographicFrame>& f) {
-        return *std::ranges::find(f.watch.all, static_cast<int>(source), &FaultHypothesis<TightLayout::size>::source);
+    const Walk<GeographicFrame> a = walk_at(clean, 45.0), b = walk_at(spoilt, 45.0);
+    const int clock = make_layout(clean.settings, {}).clock;
+    const auto oldest = [&](const Walk<GeographicFrame>& w) {
+        return *std::ranges::find(w.ranges.watch.all, static_cast<int>(source), &FaultHypothesis::source);
     };
     const auto of_a = oldest(a), of_b = oldest(b);
     ASSERT_LT(of_a.since.seconds(), 1.5);
-    const Vector3d moved = earth::ned_difference(clean.earth, b.inertial.nav.position, a.inertial.nav.position);
+    const Vector3d moved = earth::ned_difference(clean.earth, b.filter.nav.position, a.filter.nav.position);
     EXPECT_GT(moved.norm(), 0.1);
     EXPECT_LT((moved - of_a.response.head<3>()).norm(), 2e-3 * moved.norm());
-    const Vector3d faster = b.inertial.nav.v_eb_n - a.inertial.nav.v_eb_n;
+    const Vector3d faster = b.filter.nav.v_eb_n - a.filter.nav.v_eb_n;
     EXPECT_LT((faster - of_a.response.segment<3>(3)).norm(), 5e-3 * faster.norm());
-    EXPECT_NEAR(b.parameters(TightLayout::clock) - a.parameters(TightLayout::clock), of_a.response(TightLayout::clock), 2e-3);
+    EXPECT_NEAR(b.filter.parameters(clock) - a.filter.parameters(clock), of_a.response(clock), 2e-3);
     EXPECT_NEAR((of_b.evidence - of_a.evidence) / of_a.information, 1.0, 2e-3);
     EXPECT_NEAR(of_b.information, of_a.information, 1e-3 * of_a.information);
 }
@@ -95,13 +97,13 @@ TEST(FaultWatch, FindsNamesAndRepairs) {
 
 /// One state measured once: levels in closed form.
 TEST(FaultWatch, LevelsOfOneScalar) {
-    FaultWatch<TightLayout::size, TightLayout::inertial> watch;
-    TightMatrix P = TightMatrix::Zero();
+    FaultWatch watch;
+    StateMatrix P = StateMatrix::Zero(16, 16);
     P(0, 0) = 9.0;
-    estim::SparseRow<RangeScalar::most_entries> row;
-    row.add(0, 1.0);
-    watch.begin(7, Time{});
-    watch.follow(P, row, 2.0, 16.0, 52, 7);
+    estim::Row row;
+    row.head(0) = 1.0;
+    watch.begin(7, Time{}, P.rows());
+    watch.follow(P, row, 2.0, 16.0, 16, 7);
     ASSERT_EQ(watch.all.size(), 1U);
     EXPECT_NEAR(watch.all[0].information, 1.0 / 25.0, 1e-15);
     EXPECT_NEAR(watch.all[0].evidence / watch.all[0].information, -2.0, 1e-12);
@@ -126,8 +128,8 @@ TEST(FaultWatch, LevelsOfOneScalar) {
 
 /// Starts are kept at ages that about double, the first and the last always.
 TEST(FaultWatch, KeepsYoungAndOldStarts) {
-    FaultWatch<TightLayout::size, TightLayout::inertial> watch;
-    for (int t = 1; t <= 1000; ++t) watch.begin(1, Time::from_seconds(t));
+    FaultWatch watch;
+    for (int t = 1; t <= 1000; ++t) watch.begin(1, Time::from_seconds(t), 16);
     ASSERT_EQ(watch.all.size(), watch.most_ages);
     EXPECT_EQ(watch.all.front().since, Time::from_seconds(1));
     EXPECT_EQ(watch.all.back().since, Time::from_seconds(1000));

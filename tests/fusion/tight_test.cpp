@@ -1,6 +1,6 @@
 // The tight filter on simulated ranges: clock, faults, jumps of the clock, few satellites, near stations, both mechanizations.
 #include "fusion/range_flight.h"
-#include "schuler/fusion/tight_run.h"
+#include "schuler/fusion/run_pass.h"
 #include "schuler/math/rotation.h"
 
 #include <gtest/gtest.h>
@@ -33,19 +33,19 @@ TEST(TightFilter, ClockCoastsAsItsDensitiesSay) {
     for (const auto& [oscillator, expected] : {std::pair{sensor::ocxo, 71.5}, std::pair{sensor::tcxo, 1598.5}}) {
         Settings settings;
         settings.ranging.errors.clock = oscillator;
-        const TightModel model = make_tight_model(settings, false);
-        TightFilter<GeographicFrame> f;
+        settings.coupling = Coupling::Tight;
+        const InertialModel model = make_model(settings, make_layout(settings, {}));
+        InertialFilter<GeographicFrame> f(model);
+        estim::Transition phi;
         NavState nav;
         nav.position = {0.9, 1.0, 100.0};
-        f.inertial.set_nav(nav);
-        f.start(model, Eigen::Matrix<double, 16, 16>::Zero());
-        f.P.setZero();
+        f.set_nav(nav);
         for (int k = 1; k <= 6000; ++k) {
             f.propagate(model, {Time::from_seconds(0.1 * k), 0.1, Vector3d::Zero(), Vector3d(0, 0, -0.98)}, {});
-            if (k % 7 == 0) f.bring_up(model);   // whenever it is wanted
+            if (k % 7 == 0) (void)f.propagate_covariance(model, phi);   // whenever it is wanted
         }
-        f.bring_up(model);
-        EXPECT_NEAR(std::sqrt(f.P(TightLayout::clock, TightLayout::clock)), expected, 0.01 * expected);
+        (void)f.propagate_covariance(model, phi);
+        EXPECT_NEAR(std::sqrt(f.P(model.layout.clock, model.layout.clock)), expected, 0.01 * expected);
     }
 }
 
@@ -67,17 +67,20 @@ TEST(TightFilter, BothMechanizationsAgree) {
 TEST(TightFilter, GainErrorsGrowInManoeuvresOnly) {
     constexpr double gain = 2e-3, force = 30.0, rate = 0.5;   // m/s^2 beyond 1 g, rad/s
     const auto sigmas = [&](double turn, const Vector3d& f_b) {
-        TightModel model = make_tight_model(Settings{}, false);
-        model.inertial.process = {};
+        Settings settings;
+        settings.coupling = Coupling::Tight;
+        InertialModel model = make_model(settings, make_layout(settings, {}));
+        model.process = {};
         model.gyro_gain = model.accel_gain = gain;
-        TightFilter<GeographicFrame> f;
+        InertialFilter<GeographicFrame> f(model);
         NavState nav;
         nav.position = {0.9, 1.0, 100.0};
-        f.inertial.set_nav(nav);
-        f.start(model, Eigen::Matrix<double, 16, 16>::Zero());
-        for (int k = 1; k <= 1000; ++k)
+        f.set_nav(nav);
+        estim::Transition phi;
+        for (int k = 1; k <= 1000; ++k) {
             f.propagate(model, {Time::from_seconds(0.01 * k), 0.01, Vector3d(0.01 * turn, 0.0, 0.0), 0.01 * f_b}, {});
-        f.bring_up(model);
+            if (k % 10 == 0) (void)f.propagate_covariance(model, phi);
+        }
         return std::pair{std::sqrt(f.P(3, 3)), std::sqrt(f.P(6, 6))};
     };
     const auto [v_rest, a_rest] = sigmas(0.0, {0.0, 0.0, -units::g0});
@@ -208,7 +211,8 @@ TEST(RangeUpdate, IteratesNearStations) {
     settings.ranging.errors.station = {0.1, 0.0, 600.0, 0.1};
     settings.ranging.errors.network = 0.0;
     settings.ranging.errors.clock.bias = 1e-3;
-    const TightModel model = make_tight_model(settings, false);
+    settings.coupling = Coupling::Tight;
+    const InertialModel model = make_model(settings, make_layout(settings, {}));
     RangingLog log;
     const Vector3d offsets[] = {{600, 0, 200}, {-300, 520, 250}, {-300, -520, 150}};
     for (const Vector3d& at : offsets) {
@@ -220,16 +224,18 @@ TEST(RangeUpdate, IteratesNearStations) {
         log.samples.push_back(m);
     }
     log.epochs.push_back({Time{}, 0, log.samples.size()});
-    TightFilter<GeographicFrame> f;
+    InertialFilter<GeographicFrame> f(model);
+    start_ranging(f, model.layout, settings.ranging.errors);
     NavState wrong = truth;
     wrong.position = earth::moved_by_ned(earth, truth.position, {90.0, -70.0, 50.0});
-    f.inertial.set_nav(wrong);
-    Eigen::Matrix<double, 16, 16> P = Eigen::Matrix<double, 16, 16>::Zero();
-    P.diagonal().head<3>().setConstant(1e4);
-    f.start(model, P);
-    RangeEpochWork work;
-    (void)update_with_ranges(model, RangeTest(1e-4, 10.0), f, log, log.of(log.epochs.front()), work);
-    EXPECT_LT(earth::ned_difference(earth, f.inertial.nav.position, truth.position).norm(), 0.1);
+    f.set_nav(wrong);
+    f.P.diagonal().head<3>().setConstant(1e4);
+    RangeTracking tracking;
+    const RangeTest test(1e-4, 10.0);
+    const Vector3d no_arm = Vector3d::Zero();
+    const RangeUpdate<GeographicFrame> update(model, settings.ranging, no_arm, test);
+    (void)update(f, tracking, log, log.of(log.epochs.front()), nullptr);
+    EXPECT_LT(earth::ned_difference(earth, f.nav.position, truth.position).norm(), 0.1);
 }
 
 /// A filter that knows its place, and ranges of satellites overhead that are off by so many metres.
@@ -237,12 +243,11 @@ struct Overhead {
     explicit Overhead(const std::vector<double>& off, double sigma) {
         settings.ranging.corrections.troposphere = gnss::TroposphereModel::None;
         settings.ranging.corrections.ionosphere = gnss::IonosphereModel::None;
-        model = make_tight_model(settings, false);
         NavState nav;
         nav.position = {0.9, 1.0, 300.0};
-        f.inertial.set_nav(nav);
-        f.start(model, Eigen::Matrix<double, 16, 16>::Zero());
-        f.P(TightLayout::clock, TightLayout::clock) = 1.0;
+        f.set_nav(nav);
+        start_ranging(f, model.layout, settings.ranging.errors);
+        f.P(model.layout.clock, model.layout.clock) = 1.0;
         const AntennaEstimate a = antenna_of(earth, nav, Eigen::Matrix3d::Identity(), Vector3d::Zero(), Vector3d::Zero());
         for (std::size_t i = 0; i < off.size(); ++i) {
             RangeSample m;
@@ -256,34 +261,47 @@ struct Overhead {
             log.samples.push_back(m);
         }
     }
-    void update() { (void)update_with_ranges(model, RangeTest(1e-4, 10.0), f, log, log.samples, work); }
+    void update() {
+        const RangeUpdate<GeographicFrame> with_ranges(model, settings.ranging, no_arm, test);
+        (void)with_ranges(f, tracking, log, log.samples, nullptr);
+    }
+    [[nodiscard]] const RangeEpochWork& work() const { return tracking.work; }
+
+    static Settings tight() {
+        Settings s;
+        s.coupling = Coupling::Tight;
+        return s;
+    }
 
     earth::Earth earth;
-    Settings settings;
-    TightModel model = make_tight_model(settings, false);
-    TightFilter<GeographicFrame> f;
+    Settings settings = tight();
+    InertialModel model = make_model(settings, make_layout(settings, {}));
+    InertialFilter<GeographicFrame> f{model};
     RangingLog log;
-    RangeEpochWork work;
+    RangeTracking tracking;
+    RangeTest test{1e-4, 10.0};
+    Vector3d no_arm = Vector3d::Zero();
 };
 
 TEST(RangeUpdate, NoiseIsNoJumpOfTheClock) {
     Overhead noisy({435.0, -700.0, 391.0}, 150.0);
     noisy.update();
-    EXPECT_FALSE(noisy.work.clock_jump);
-    EXPECT_EQ(noisy.work.excluded, 1);
+    EXPECT_FALSE(noisy.work().clock_jump);
+    EXPECT_EQ(noisy.work().excluded, 1);
     Overhead jump({435.0, 435.0, 435.0}, 5.0);
     jump.update();
-    EXPECT_TRUE(jump.work.clock_jump);
-    EXPECT_EQ(jump.work.excluded, 0);
+    EXPECT_TRUE(jump.work().clock_jump);
+    EXPECT_EQ(jump.work().excluded, 0);
 }
 
 /// Fifty epochs a second: what most ranges contradict is given up after a second, not after ten epochs.
 TEST(RangeUpdate, GivesUpItsPlaceAfterASecondOfDisagreement) {
     Overhead wrong({500.0, -400.0, 300.0, -600.0}, 1.0);
     double opened = -1.0;
+    estim::Transition phi;
     for (int k = 1; k <= 100 && opened < 0.0; ++k) {
         wrong.f.propagate(wrong.model, {Time::from_seconds(0.02 * k), 0.02, Vector3d::Zero(), Vector3d(0, 0, -0.1962)}, {});
-        wrong.f.bring_up(wrong.model);
+        (void)wrong.f.propagate_covariance(wrong.model, phi);
         wrong.update();
         if (wrong.f.P(0, 0) > 1e4) opened = 0.02 * k;
     }

@@ -1,4 +1,4 @@
-// The register of filters' error dynamics. A frame policy as fusion/frame.h has them (State, step, attitude, dynamics, corrected)
+// The register of filters' error dynamics. A frame policy as filter/frame.h has them (State, step, attitude, dynamics, corrected)
 // is judged by three oracles that do not know it: paper C's closed solution, differences of its own mechanization, and the
 // simulator. house.error_models fails for a filter that is not registered here.
 #pragma once
@@ -201,7 +201,7 @@ void expect_growth_in_simulation() {
     }
 }
 
-/// Names of the frame policies and of the functions of their F: "fusion.GeographicFrame.error_n" registers both.
+/// Names of the frame policies and of the functions of their F: "filter.GeographicFrame.error_n" registers both.
 #define SCHULER_ERROR_MODEL(ID, NAME, FRAME)                                                              \
     TEST(ErrorModelOf##ID, IsThatOfTheClosedSolution) { ::schuler::test::expect_closed_solution<FRAME>(); } \
     TEST(ErrorModelOf##ID, IsTheDerivativeOfTheMechanization) { ::schuler::test::expect_derivative_of_mechanization<FRAME>(); } \

@@ -118,9 +118,9 @@ void add_filter_options(OptionTable<Config>& table) {
         .add(choice<Config, Scheme>(
             "filter.scheme",
             {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}, {"tight", Scheme::Tight},
-             {"medium", Scheme::Medium}, {"deep", Scheme::Deep}},
+             {"intermediate", Scheme::Medium}, {"medium", Scheme::Medium}, {"deep", Scheme::Deep}},
             "coupling: loose = one filter of receiver and inertial unit; separate = the inertial unit is set to the receiver now and then or "
-            "little by little; tight = one filter of the ranges themselves; medium = tight, with a filter of the receiver alone beside it; "
+            "little by little; tight = one filter of the ranges themselves; intermediate (or medium) = tight, with a filter of the receiver alone beside it; "
             "deep = tight, and the receiver's channels follow its solution (scenarios with [receiver]); gnss = the receiver's own solution",
             [](auto& c) -> auto& { return c.scheme; }))
         .add(choice<Config, Mechanization>(

@@ -1,6 +1,8 @@
 #include "schuler/app/config_sections.h"
 #include "schuler/app/option_builders.h"
 
+#include <algorithm>
+
 namespace schuler::app {
 namespace {
 
@@ -64,12 +66,13 @@ Option<Config> outage_option() {
 
 Option<Config> output_files_option() {
     OptionSpec spec = detail::spec("output.files", Shape::Texts, "what is written beside the table on the terminal");
-    spec.choices = {"solution", "summary", "h5", "report", "kml", "config"};
-    spec.form = "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\"";
+    spec.choices = {"solution", "summary", "h5", "report", "kml", "config", "covariance"};
+    spec.form = "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"covariance\" (the whole of it, in run.h5)";
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.output.files.clear();
                 for (const Value& item : *v.list()) c.output.files.push_back(*item.text());
+                c.filter.covariance_rows = std::ranges::find(c.output.files, "covariance") != c.output.files.end();
             },
             [](const Config& c) -> std::optional<Value> {
                 ValueList list;

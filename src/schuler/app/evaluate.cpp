@@ -63,18 +63,15 @@ std::vector<analysis::OutageStatistics> outages_of(const LoadedDataset& data, co
 
 std::vector<AidConsistency> aids_of(const std::vector<fusion::AidRecord>& records, Time settled) {
     std::vector<AidConsistency> out;
-    constexpr std::array kinds{AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro,        AidKind::Mag,
-                               AidKind::ZeroVelocity, AidKind::ZeroRate,     AidKind::Nonholonomic, AidKind::Pseudorange,
-                               AidKind::RangeRate};
-    for (const AidKind kind : kinds) {
+    for (const filter::MeasurementInfo& info : filter::measurement_infos) {
         std::vector<analysis::InnovationSample> samples;
         for (const fusion::AidRecord& r : records) {
-            if (r.kind != kind || r.status == fusion::AidStatus::Withheld || r.time < settled) continue;
+            if (r.kind != info.kind || r.status == fusion::AidStatus::Withheld || r.time < settled) continue;
             Eigen::Vector3d standardised = Eigen::Vector3d::Zero();
             for (int i = 0; i < 3; ++i) standardised[i] = r.sigma[i] > 0.0 ? r.innovation[i] / r.sigma[i] : 0.0;
             samples.push_back({r.nis, r.dof, r.status == fusion::AidStatus::Accepted, standardised});
         }
-        if (!samples.empty()) out.push_back({name_of(kind), analysis::nis_statistics(samples)});
+        if (!samples.empty()) out.push_back({info.key, analysis::nis_statistics(samples)});
     }
     return out;
 }
@@ -104,21 +101,6 @@ std::vector<ReferenceSample> comparable(const std::vector<SolutionRow>& rows, co
 }
 
 }  // namespace
-
-std::string_view name_of(AidKind kind) {
-    switch (kind) {
-        case AidKind::GnssPosition: return "gnss_position";
-        case AidKind::GnssVelocity: return "gnss_velocity";
-        case AidKind::Baro: return "baro";
-        case AidKind::Mag: return "mag";
-        case AidKind::ZeroVelocity: return "zero_velocity";
-        case AidKind::ZeroRate: return "zero_rate";
-        case AidKind::Nonholonomic: return "nonholonomic";
-        case AidKind::Pseudorange: return "pseudorange";
-        case AidKind::RangeRate: return "range_rate";
-    }
-    return "other";
-}
 
 Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth) {
     Evaluation out;

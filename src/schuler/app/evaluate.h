@@ -38,8 +38,6 @@ struct Evaluation {
     std::vector<StateErrors> states;                    ///< of the filter, once a second (simulated data)
 };
 
-[[nodiscard]] std::string_view name_of(fusion::AidKind kind);
-
 /// Judges a result by the reference of the data set, or by withheld GNSS in outages where there is none.
 /// `truth`: of simulated data, empty otherwise.
 [[nodiscard]] Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth);

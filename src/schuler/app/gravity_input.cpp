@@ -1,6 +1,6 @@
 #include "schuler/app/gravity.h"
 #include "schuler/earth/enu.h"
-#include "schuler/fusion/correction_period.h"
+#include "schuler/filter/correction_period.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/gravimetry/resolution.h"

@@ -47,7 +47,7 @@ std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::fil
     }
     if (!b.result.forward.protection.empty()) write_text(add("protection.csv"), protection_csv(b));
     if (!b.result.cross_checks.empty()) write_text(add("receiver.csv"), receiver_csv(b));
-    if (c.output.wants("h5")) write_run_h5(add("run.h5"), b);
+    if (c.output.wants("h5") || c.filter.covariance_rows) write_run_h5(add("run.h5"), b);
     if (c.output.wants("report")) io::write_file(add("report.html"), report_html(b));
     if (c.output.wants("kml")) io::write_track_kml(add("track.kml"), b.solution().rows, b.name);
     if (c.output.wants("config")) io::write_file(add("config.toml"), b.config_toml);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/app/commands.h"
-#include "schuler/fusion/ranging_settings.h"
+#include "schuler/filter/ranging_settings.h"
 
 #include <array>
 #include <cstdint>

@@ -41,31 +41,19 @@ std::vector<report::AccuracyEntry> accuracy_of(const analysis::ErrorSummary& s) 
     return out;
 }
 
-report::InnovationGroup group_of(fusion::AidKind kind) {
-    using fusion::AidKind;
-    report::InnovationGroup g;
-    switch (kind) {
-        case AidKind::GnssPosition: g = {"GNSS position", "m", 1.0, {"north", "east", "down"}, {}, not_given}; break;
-        case AidKind::GnssVelocity: g = {"GNSS velocity", "m/s", 1.0, {"north", "east", "down"}, {}, not_given}; break;
-        case AidKind::Baro: g = {"barometric height", "m", 1.0, {"down"}, {}, not_given}; break;
-        case AidKind::Mag: g = {"magnetic heading", "deg", units::deg, {"heading"}, {}, not_given}; break;
-        case AidKind::ZeroVelocity: g = {"zero velocity", "m/s", 1.0, {"1", "2", "3"}, {}, not_given}; break;
-        case AidKind::ZeroRate: g = {"zero rate", "deg/s", units::deg_per_s, {"x", "y", "z"}, {}, not_given}; break;
-        case AidKind::Nonholonomic: g = {"vehicle constraint", "m/s", 1.0, {"lateral", "vertical"}, {}, not_given}; break;
-        case AidKind::Pseudorange: g = {"pseudorange", "m", 1.0, {"range"}, {}, not_given}; break;
-        case AidKind::RangeRate: g = {"range rate", "m/s", 1.0, {"rate"}, {}, not_given}; break;
-    }
+report::InnovationGroup group_of(const filter::MeasurementInfo& info) {
+    report::InnovationGroup g{std::string(info.name), std::string(info.unit), info.per_unit, {}, {}, not_given};
+    for (const std::string_view component : info.components)
+        if (!component.empty()) g.components.emplace_back(component);
     return g;
 }
 
 std::vector<report::InnovationGroup> innovations_of(const ResultBundle& b) {
-    using fusion::AidKind;
     std::vector<report::InnovationGroup> out;
-    for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro, AidKind::Mag, AidKind::ZeroVelocity,
-                               AidKind::ZeroRate, AidKind::Nonholonomic, AidKind::Pseudorange, AidKind::RangeRate}) {
-        report::InnovationGroup g = group_of(kind);
+    for (const filter::MeasurementInfo& info : filter::measurement_infos) {
+        report::InnovationGroup g = group_of(info);
         for (const fusion::AidRecord& r : b.result.aids) {
-            if (r.kind != kind) continue;
+            if (r.kind != info.kind) continue;
             const auto status = r.status == fusion::AidStatus::Accepted   ? report::InnovationStatus::Accepted
                                 : r.status == fusion::AidStatus::Rejected ? report::InnovationStatus::Rejected
                                                                           : report::InnovationStatus::Withheld;
@@ -76,7 +64,7 @@ std::vector<report::InnovationGroup> innovations_of(const ResultBundle& b) {
             g.points.push_back(p);
         }
         for (const AidConsistency& a : b.evaluation.aids) {
-            if (a.name == name_of(kind)) g.lag1 = a.nis.lag1;
+            if (a.name == info.key) g.lag1 = a.nis.lag1;
         }
         if (!g.points.empty()) out.push_back(std::move(g));
     }

@@ -71,6 +71,46 @@ void add_sensor_errors(io::Hdf5Writer& file, const std::string& group, const std
     add("accel_scale_factor", "ppm", units::ppm, &Row::accel_scale, &Row::std_accel_scale);
 }
 
+/// Estimates and sigmas of every block of states behind the navigation's own, in SI units.
+void add_states(io::Hdf5Writer& file, const std::string& group, const std::vector<filter::LayoutBlock>& states,
+                const std::vector<filter::ParameterRow>& rows) {
+    constexpr int navigation = 9;
+    if (rows.empty()) return;
+    add_times(file, group, rows);
+    for (const filter::LayoutBlock& block : states) {
+        if (block.offset < navigation) continue;
+        const auto first = static_cast<std::ptrdiff_t>(block.offset - navigation);
+        const auto add = [&](const std::string& name, std::vector<double> filter::ParameterRow::*values) {
+            add_table(file, group + "/" + name, rows, static_cast<std::size_t>(block.size), std::string(block.name), std::string(block.unit),
+                      [=](const filter::ParameterRow& r, std::vector<double>& out) {
+                          const auto begin = (r.*values).begin() + first;
+                          out.insert(out.end(), begin, begin + block.size);
+                      });
+        };
+        add(std::string(block.name), &filter::ParameterRow::value);
+        add("std_" + std::string(block.name), &filter::ParameterRow::std);
+    }
+}
+
+/// The whole covariance, epochs x n x n; the attribute `states` names its rows and columns.
+void add_covariances(io::Hdf5Writer& file, const fusion::Result& result) {
+    const std::vector<filter::CovarianceRow>& rows = result.forward.covariances;
+    if (rows.empty()) return;
+    std::string names;
+    std::size_t size = 0;
+    for (const filter::LayoutBlock& block : result.states) {
+        for (int i = 0; i < block.size; ++i) names += fmt::format("{}{}_{}", names.empty() ? "" : ",", block.name, i + 1);
+        size += static_cast<std::size_t>(block.size);
+    }
+    std::vector<double> values;
+    values.reserve(rows.size() * size * size);
+    for (const filter::CovarianceRow& row : rows) values.insert(values.end(), row.covariance.begin(), row.covariance.end());
+    file.matrices("/covariance", values, size, {{"states", names}, {"units", "SI"}});
+    std::vector<double> times;
+    for (const filter::CovarianceRow& row : rows) times.push_back(row.time.seconds());
+    file.table("/covariance_time_s", times, 1, {{"units", "s"}});
+}
+
 void add_sensor_truth(io::Hdf5Writer& file, const std::vector<sim::SensorTruth>& rows) {
     if (rows.empty()) return;
     add_times(file, "/sensor_truth", rows);
@@ -90,15 +130,13 @@ void add_fixes(io::Hdf5Writer& file, const std::vector<GnssFix>& rows) {
 }
 
 void add_innovations(io::Hdf5Writer& file, const std::vector<fusion::AidRecord>& records) {
-    using fusion::AidKind;
-    for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro, AidKind::Mag, AidKind::ZeroVelocity,
-                               AidKind::ZeroRate, AidKind::Nonholonomic, AidKind::Pseudorange, AidKind::RangeRate}) {
+    for (const filter::MeasurementInfo& info : filter::measurement_infos) {
         std::vector<fusion::AidRecord> rows;
         for (const fusion::AidRecord& r : records) {
-            if (r.kind == kind) rows.push_back(r);
+            if (r.kind == info.kind) rows.push_back(r);
         }
         if (rows.empty()) continue;
-        const std::string group = "/innovations/" + std::string(name_of(kind));
+        const std::string group = "/innovations/" + std::string(info.key);
         add_times(file, group, rows);
         add_table(file, group + "/innovation", rows, 3, "north,east,down", "SI",
                   [](const fusion::AidRecord& r, std::vector<double>& out) { push(out, r.innovation); });
@@ -179,6 +217,8 @@ void write_run_h5(const std::filesystem::path& path, const ResultBundle& b) {
     add_solution(file, "/solution", b.solution().rows);
     if (b.smoothed()) add_solution(file, "/forward", b.result.forward.rows);
     add_sensor_errors(file, "/sensor_errors", b.solution().sensor_errors);
+    add_states(file, "/states", b.result.states, b.solution().parameters);
+    add_covariances(file, b.result);
     add_sensor_truth(file, b.truth.sensors);
     add_fixes(file, b.data.recording.gnss);
     add_innovations(file, b.result.aids);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/app/scenario.h"
-#include "schuler/fusion/receiver_in_loop.h"
+#include "schuler/filter/receiver_in_loop.h"
 #include "schuler/gnss/satellite_source.h"
 
 #include <memory>

@@ -129,7 +129,7 @@ std::string_view scheme_name(Scheme scheme) {
         case Scheme::Gnss: return "gnss";
         case Scheme::Separate: return "separate";
         case Scheme::Tight: return "tight";
-        case Scheme::Medium: return "medium";
+        case Scheme::Medium: return "intermediate";
         case Scheme::Deep: return "deep";
         default: return "loose";
     }

@@ -19,12 +19,6 @@ struct BodyVelocitySample {
     Eigen::Vector3d velocity_b;
 };
 
-/// True heading by a compass, rad.
-struct HeadingSample {
-    Time time;
-    double heading;
-};
-
 /// In order of time each; empty where there is no such instrument.
 struct AidLog {
     std::vector<GaugeSample> gauges;

@@ -61,6 +61,20 @@ struct MagSample {
     Eigen::Vector3d field_b;         ///< T, body axes (sensor axes until mounted)
 };
 
+/// Speed of a wheeled vehicle over ground along its forward axis.
+struct OdometerSample {
+    Time time;
+    double speed = not_given;        ///< m/s, backwards negative
+    double std = not_given;          ///< m/s, one sigma
+};
+
+/// Heading of the body's forward axis by a sensor of its own: two antennas, a gyrocompass.
+struct HeadingSample {
+    Time time;
+    double heading = not_given;      ///< rad, clockwise from true north
+    double std = not_given;          ///< rad, one sigma
+};
+
 /// Truth or another program's solution. NaN members are absent.
 struct ReferenceSample {
     Time time;
@@ -76,6 +90,8 @@ struct Recording {
     std::vector<GnssFix> gnss;
     std::vector<BaroSample> baro;
     std::vector<MagSample> mag;
+    std::vector<OdometerSample> odometer;
+    std::vector<HeadingSample> heading;
     RangingLog ranges;
     std::vector<ReferenceSample> reference;
 };

@@ -9,19 +9,22 @@
 namespace schuler::earth {
 
 EarthTerms terms_at(const Earth& earth, const Geodetic& position, const Eigen::Vector3d& v_eb_n) {
+    return terms_at(earth, std::sin(position.lat), std::cos(position.lat), position.h, v_eb_n);
+}
+
+EarthTerms terms_at(const Earth& earth, double s, double c, double h, const Eigen::Vector3d& v_eb_n) {
     const Ellipsoid& ell = earth.ellipsoid;
-    const double s = std::sin(position.lat), c = std::cos(position.lat);
     const double e2 = ell.e2();
     const double inverse_w2 = 1.0 / (1.0 - e2 * s * s);
     const double n = ell.a * std::sqrt(inverse_w2);
-    const GravityVector g = gravity_vector(earth.gravity, s, c, position.h);
+    const GravityVector g = gravity_vector(earth.gravity, s, c, h);
 
     EarthTerms t;
     t.sin_lat = s;
     t.cos_lat = c;
     t.tan_lat = s / c;
-    t.rm = n * (1.0 - e2) * inverse_w2 + position.h;
-    t.rn = n + position.h;
+    t.rm = n * (1.0 - e2) * inverse_w2 + h;
+    t.rn = n + h;
     t.w_ie_n = {ell.w_ie * c, 0.0, -ell.w_ie * s};
     const double east_rate = v_eb_n.y() / t.rn;
     t.w_en_n = {east_rate, -v_eb_n.x() / t.rm, -east_rate * t.tan_lat};

@@ -26,6 +26,8 @@ struct EarthTerms {
 
 /// Terms at a geodetic position with Earth-relative velocity (NED, m/s). Poles excluded: |lat| < pi/2 - 1e-6.
 [[nodiscard]] EarthTerms terms_at(const Earth& earth, const Geodetic& position, const Eigen::Vector3d& v_eb_n);
+/// The same where sine and cosine of the latitude are at hand.
+[[nodiscard]] EarthTerms terms_at(const Earth& earth, double sin_lat, double cos_lat, double h, const Eigen::Vector3d& v_eb_n);
 
 /// Gravity vector (gravitation plus centrifugal) in Earth-fixed axes at an Earth-fixed position, m/s^2: g_n of terms_at at the same
 /// place, rotated, to rounding, for every model. Poles included.

@@ -34,20 +34,6 @@ ScalarUpdate<N> update_scalar(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<dou
 }
 
 template <int N>
-ScalarUpdate<N> update_with_gain(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P,
-                                 const Eigen::Matrix<double, N, 1>& h, double innovation, double r,
-                                 const Eigen::Matrix<double, N, 1>& k) {
-    ScalarUpdate<N> u;
-    u.h = h;
-    u.k = k;
-    Eigen::Matrix<double, N, 1> ph;
-    ph.noalias() = P * h;
-    u.s = h.dot(ph) + r;
-    apply(dx, P, u, innovation, ph);
-    return u;
-}
-
-template <int N>
 void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
     lambda -= u.h * (u.k.dot(lambda) + u.innovation / u.s);
     Eigen::Matrix<double, N, 1> lk;
@@ -63,16 +49,10 @@ void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
 #define SCHULER_INSTANTIATE(N)                                                                                           \
     template ScalarUpdate<N> update_scalar<N>(Eigen::Matrix<double, N, 1>&, Eigen::Matrix<double, N, N>&,                \
                                               const Eigen::Matrix<double, N, 1>&, double, double);                       \
-    template ScalarUpdate<N> update_with_gain<N>(Eigen::Matrix<double, N, 1>&, Eigen::Matrix<double, N, N>&,             \
-                                                 const Eigen::Matrix<double, N, 1>&, double, double,                     \
-                                                 const Eigen::Matrix<double, N, 1>&);                                    \
     template struct Adjoint<N>;
 SCHULER_INSTANTIATE(7)
 SCHULER_INSTANTIATE(10)
-SCHULER_INSTANTIATE(16)
-SCHULER_INSTANTIATE(24)
 SCHULER_INSTANTIATE(40)
-SCHULER_INSTANTIATE(44)
 #undef SCHULER_INSTANTIATE
 
 }  // namespace schuler::estim

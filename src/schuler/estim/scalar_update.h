@@ -20,12 +20,6 @@ template <int N>
 ScalarUpdate<N> update_scalar(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P,
                               const Eigen::Matrix<double, N, 1>& h, double innovation, double r);
 
-/// The same with a gain that somebody else chose: exact for any gain, optimal for none but the one of update_scalar.
-template <int N>
-ScalarUpdate<N> update_with_gain(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P,
-                                 const Eigen::Matrix<double, N, 1>& h, double innovation, double r,
-                                 const Eigen::Matrix<double, N, 1>& k);
-
 /// Adjoint variables of the modified Bryson-Frazier smoother [Bierman1973]: the smoothed error at a time is -P lambda with
 /// covariance P - P Lambda P, P being the filter's covariance there. Equal to the Rauch-Tung-Striebel smoother, without
 /// inverting a covariance, so states without uncertainty are harmless.
@@ -40,8 +34,5 @@ struct Adjoint {
 
 extern template struct Adjoint<7>;
 extern template struct Adjoint<10>;
-extern template struct Adjoint<16>;
-extern template struct Adjoint<24>;
-extern template struct Adjoint<44>;
 
 }  // namespace schuler::estim

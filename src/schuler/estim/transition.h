@@ -1,71 +1,49 @@
-// Covariance propagation for states whose dynamics couple only in the first 9 rows: Phi = [A; 0 D], D diagonal.
+// Covariance propagation for states whose dynamics couple in the first nine rows: Phi = [A; 0 D] after S, D diagonal, S a few shears.
 //
-// This is the shape of every error-state filter here: nine coupled states driven by any number of first-order processes.
-// The cost is that of the non-zero columns of A; nothing is allocated and nothing of size N x N x N is multiplied.
+// This is the shape of every error-state filter here: nine coupled states driven by the errors of the inertial sensors, and any number
+// of first-order processes, of which some are the integral of another (a clock's bias). The cost is that of the columns of A that are
+// not zero, the leading ones; nothing is allocated and nothing of size N x N x N is multiplied.
 #pragma once
 
-#include <Eigen/Core>
+#include "schuler/estim/state.h"
 
 #include <array>
-#include <cstdint>
 
 namespace schuler::estim {
 
-/// Rows 0..8 of Phi, stored by row (column r of `rows` is row r of A), and the diagonal D of the remaining states.
-/// N is a multiple of 4, so that rows are whole vectors; unused states have zero covariance and cost little.
-template <int N>
+/// Phi of one span of time.
 struct Transition {
     static constexpr int coupled = 9;
-    static_assert(N % 4 == 0 && N >= 12);
+    static constexpr int max_driven = 48;   ///< columns of A
 
-    Eigen::Matrix<double, N, coupled> rows = Eigen::Matrix<double, N, coupled>::Zero();
-    Eigen::Matrix<double, N, 1> diagonal = Eigen::Matrix<double, N, 1>::Ones();  ///< entries 9.. are used
+    /// x_to += factor x_from, both behind the driven states.
+    struct Shear {
+        int to, from;
+        double factor;
+    };
+
+    using Rows = Eigen::Matrix<double, max_driven, coupled>;
+
+    int driven = padded(coupled);          ///< columns of A in use, a multiple of four; further ones are zero
+    Rows rows = Rows::Zero();              ///< column r is row r of A
+    StateVector diagonal;                  ///< D; entries from 9 on are used
+    std::array<Shear, 8> shears{};         ///< before D, in this order
+    int shear_count = 0;
 
     /// Phi x.
-    [[nodiscard]] Eigen::Matrix<double, N, 1> times(const Eigen::Matrix<double, N, 1>& x) const {
-        Eigen::Matrix<double, N, 1> y = diagonal.cwiseProduct(x);
-        y.template head<coupled>().noalias() = rows.transpose() * x;
-        return y;
-    }
-
+    [[nodiscard]] StateVector times(const StateVector& x) const;
     /// Phi^T x.
-    [[nodiscard]] Eigen::Matrix<double, N, 1> transpose_times(const Eigen::Matrix<double, N, 1>& x) const {
-        Eigen::Matrix<double, N, 1> y = diagonal.cwiseProduct(x);
-        y.template head<coupled>().setZero();
-        y.noalias() += rows * x.template head<coupled>();
-        return y;
-    }
+    [[nodiscard]] StateVector transpose_times(const StateVector& x) const;
 };
 
-/// Which columns of A are not zero, for each of the three groups of three rows.
-template <int N>
-struct Sparsity {
-    std::array<int, 3> count{};
-    std::array<std::array<std::uint8_t, N>, 3> column{};
+/// P <- Phi P Phi^T for the leading `used` states (a multiple of four, at least phi.driven): the exact product, P symmetric on entry and
+/// on return. The others stay as they are: they are not correlated with the rest.
+void propagate(StateMatrix& P, const Transition& phi, int used);
 
-    void add(int group, int first, int number) {
-        const auto g = static_cast<std::size_t>(group);
-        for (int k = 0; k < number; ++k) column[g][static_cast<std::size_t>(count[g]++)] = static_cast<std::uint8_t>(first + k);
-    }
-};
-
-/// P <- Phi P Phi^T + diag(q): the exact product, P symmetric on entry and on return.
-template <int N>
-void propagate(Eigen::Matrix<double, N, N>& P, const Transition<N>& phi, const Sparsity<N>& sparsity,
-               const Eigen::Matrix<double, N, 1>& q);
+/// The leading 9 x 9 block of Phi P Phi^T alone.
+[[nodiscard]] Eigen::Matrix<double, Transition::coupled, Transition::coupled> propagated_corner(const StateMatrix& P, const Transition& phi);
 
 /// L <- Phi^T L Phi for symmetric L: the adjoint recursion of the smoother.
-template <int N>
-void propagate_adjoint(Eigen::Matrix<double, N, N>& L, const Transition<N>& phi, const Sparsity<N>& sparsity);
-
-extern template void propagate<16>(Eigen::Matrix<double, 16, 16>&, const Transition<16>&, const Sparsity<16>&,
-                                   const Eigen::Matrix<double, 16, 1>&);
-extern template void propagate<24>(Eigen::Matrix<double, 24, 24>&, const Transition<24>&, const Sparsity<24>&,
-                                   const Eigen::Matrix<double, 24, 1>&);
-extern template void propagate<44>(Eigen::Matrix<double, 44, 44>&, const Transition<44>&, const Sparsity<44>&,
-                                   const Eigen::Matrix<double, 44, 1>&);
-extern template void propagate_adjoint<16>(Eigen::Matrix<double, 16, 16>&, const Transition<16>&, const Sparsity<16>&);
-extern template void propagate_adjoint<24>(Eigen::Matrix<double, 24, 24>&, const Transition<24>&, const Sparsity<24>&);
-extern template void propagate_adjoint<44>(Eigen::Matrix<double, 44, 44>&, const Transition<44>&, const Sparsity<44>&);
+void propagate_adjoint(StateMatrix& L, const Transition& phi, int used);
 
 }  // namespace schuler::estim

@@ -1,9 +1,8 @@
-// The receiver's own filter of the medium coupling: position, velocity and clock of the antenna from ranges alone.
+// The receiver's own filter of the intermediate coupling: position, velocity and clock of the antenna from ranges alone.
 #pragma once
 
-#include "schuler/fusion/range_update.h"
-#include "schuler/fusion/result.h"
-#include "schuler/fusion/tight_run.h"
+#include "schuler/filter/range_update.h"
+#include "schuler/fusion/model.h"
 
 #include <optional>
 
@@ -17,6 +16,8 @@ namespace schuler::fusion {
 class ReceiverFilter {
 public:
     ReceiverFilter(const Settings& settings, const RangingLog& log);
+    ReceiverFilter(const ReceiverFilter&) = delete;   // its parts refer to each other
+    ReceiverFilter& operator=(const ReceiverFilter&) = delete;
 
     /// Uses an epoch's ranges (those that are not withheld). True where there is an estimate.
     bool meet(const RangeEpoch& epoch, std::span<const RangeSample> samples);
@@ -27,17 +28,20 @@ public:
     /// The last epoch's ranges determine a position by themselves.
     [[nodiscard]] bool determined() const { return determined_; }
     /// Most of the last epochs' ranges contradict this filter itself.
-    [[nodiscard]] bool doubtful() const { return work_.disagreeing > 0; }
+    [[nodiscard]] bool doubtful() const { return tracking_.work.disagreeing > 0; }
 
 private:
     bool start(const RangeEpoch& epoch, std::span<const RangeSample> samples);
     void coast_to(Time time);
+    void propagate_covariance();
 
     const RangingLog& log_;
-    TightModel model_;
+    Settings settings_;
+    InertialModel model_;
     RangeTest test_;
-    std::optional<TightFilter<GeographicFrame>> filter_;
-    RangeEpochWork work_;
+    RangeUpdate<GeographicFrame> update_;
+    std::optional<InertialFilter<GeographicFrame>> filter_;
+    RangeTracking tracking_;
     bool determined_ = false;
     Time last_determined_{};
 };

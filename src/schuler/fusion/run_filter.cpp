@@ -1,11 +1,11 @@
 #include "schuler/fusion/run_filter.h"
 
 #include "schuler/core/error.h"
-#include "schuler/core/units.h"
-#include "schuler/fusion/loose_run.h"
-#include "schuler/fusion/medium_run.h"
+#include "schuler/fusion/run_pass.h"
+#include "schuler/fusion/intermediate_run.h"
 #include "schuler/fusion/start.h"
-#include "schuler/fusion/tight_run.h"
+#include "schuler/fusion/still.h"
+#include "schuler/fusion/timeline.h"
 #include "schuler/fusion/tune.h"
 #include "schuler/math/chi_square.h"
 #include "schuler/math/rotation.h"
@@ -21,9 +21,28 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The couplings whose filter is the tight one.
-bool is_tight(Coupling coupling) {
-    return coupling == Coupling::Tight || coupling == Coupling::Medium || coupling == Coupling::Deep;
+/// With what the smoother cannot run: its way back needs every correction of the estimate to be an optimal update.
+const char* unsmoothable(const Settings& s) {
+    if (s.coupling == Coupling::Separate) return "with the separate scheme, whose gains are not those of a filter";
+    if (s.loose_kind == LooseKind::Aggressive && s.coupling == Coupling::Loose) return "with aggressive coupling, which uses a fix in parts";
+    if (s.integrity.use && !uses_ranges(s.coupling)) return "with integrity control, which goes back to an older solution";
+    if (s.ranging.protection.use && uses_ranges(s.coupling)) return "with filter.protection, which takes a fault out of the estimate";
+    return nullptr;
+}
+
+/// What was asked for and has no meaning in this coupling.
+std::vector<Ignored> without_effect(const Settings& s) {
+    std::vector<Ignored> out;
+    const bool ranges = uses_ranges(s.coupling);
+    if (ranges && s.integrity.use)
+        out.push_back({"filter.integrity.use", "it watches a receiver's fixes; a coupling by ranges has filter.protection instead"});
+    if (ranges && s.loose_kind == LooseKind::Aggressive)
+        out.push_back({"filter.loose", "aggressive use of a fix belongs to loose coupling"});
+    if (!ranges && s.ranging.protection.use)
+        out.push_back({"filter.protection.use", "protection levels need ranges: scheme tight, intermediate or deep"});
+    if (s.coupling == Coupling::Separate && s.loop != Loop::Closed)
+        out.push_back({"filter.loop", "the corrections of the separate scheme are its coupling: the loop is closed"});
+    return out;
 }
 
 void check_settings(const Settings& s) {
@@ -33,10 +52,8 @@ void check_settings(const Settings& s) {
     if (!(std::abs(s.gnss.latency) < 10.0))
         throw input_error(fmt::format("the latency is {:.6g} s", s.gnss.latency), {.file = {}, .key = "gnss.latency_s"},
                           "give seconds, below 10");
-    const bool plain = s.coupling == Coupling::Loose && s.loose_kind == LooseKind::Standard && !s.integrity.use;
-    if (s.smooth && !plain)
-        throw input_error("the smoother belongs to the standard loose coupling without integrity control",
-                          {.file = {}, .key = "filter.smooth"}, "leave out one of them");
+    if (const char* why = unsmoothable(s); s.smooth && why != nullptr)
+        throw input_error(fmt::format("there is no smoother {}", why), {.file = {}, .key = "filter.smooth"}, "leave out one of them");
     if (s.output_rate < 0.0)
         throw input_error("the output rate is negative", {.file = {}, .key = "output_rate"}, "give hertz, or 0 for every IMU epoch");
 }
@@ -107,24 +124,15 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
         throw input_error("deep coupling commands the correlators of a receiver, and a log has none",
                           {.file = {}, .key = "filter.scheme"}, "give a scenario with [receiver], or choose tight");
     check_overlap(recording, given.initial, warnings);
+    const std::vector<Ignored> ignored = without_effect(given);
+    for (const Ignored& i : ignored) warnings.add(i.key, fmt::format("{} has no effect: {}", i.key, i.reason));
     Settings settings = given;
     if (settings.coupling == Coupling::Separate) settings.loop = Loop::Closed;   // the corrections are the coupling
-    if (is_tight(settings.coupling)) {
-        // no states of the tight filter: of the specific force that is always there they make biases
-        sensor::ImuErrorModel& imu = settings.imu.errors;
-        const double gain =
-            std::hypot(settings.scale_factors ? imu.accel_scale : 0.0, settings.misalignments ? imu.accel_misalignment : 0.0);
-        imu.accel_turn_on_bias = std::hypot(imu.accel_turn_on_bias, gain * units::g0);
-        settings.scale_factors = settings.misalignments = false;
-    }
-    if (const int states = make_layout(settings, !recording.baro.empty(), !recording.mag.empty()).size; states > max_states)
-        throw input_error(fmt::format("the filter would have {} states, more than {}", states, max_states),
-                          {.file = {}, .key = "filter.misalignments"},
-                          "leave out misalignments, scale factors, the lever arm or the receiver's slow errors");
     RunData data;
     data.recording = &recording;
     data.imu = make_imu_timeline(recording.imu, settings.imu, warnings);
     const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
+    data.origin = origin;
     data.gates = gate_limits(settings.aids);
     if (settings.integrity.use) data.slow_limits = slow_limits(settings.integrity);
     data.declination = std::isfinite(settings.mag.declination) ? settings.mag.declination : 0.0;
@@ -166,10 +174,10 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
         data.recording = &live;
         options.receiver = [&](const Guide& guide, Time until) { receiver(guide, until, live.ranges); };
     }
-    Result result = settings.coupling == Coupling::Medium ? run_medium_pass(data, settings, start, options, origin)
-                    : is_tight(settings.coupling)         ? run_tight_pass(data, settings, start, options, origin)
+    Result result = settings.coupling == Coupling::Medium ? run_intermediate_pass(data, settings, start, options)
                                                           : run_pass(data, settings, start, options);
 
+    result.ignored = ignored;
     findings.mounting_rpy = settings.imu.mounting_rpy;
     findings.position_latency = settings.gnss.latency;
     findings.height_latency = settings.gnss.height_latency.value_or(settings.gnss.latency);

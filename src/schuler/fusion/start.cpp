@@ -125,7 +125,7 @@ Settings trial_settings(const Settings& settings) {
     t.mechanization = Mechanization::Geographic;
     t.aids.nonholonomic = t.aids.nonholonomic_auto = false;
     t.scale_factors = t.misalignments = t.estimate_lever_arm = false;
-    t.baro.use = t.mag.use = false;
+    t.baro.use = t.mag.use = t.odometer.use = t.heading.use = false;
     t.gnss.errors = {};
     t.loop = Loop::Closed;
     t.coupling = Coupling::Loose;

@@ -1,7 +1,7 @@
 // Start-up without hand-tuning: position, velocity, level, heading, mounting.
 #pragma once
 
-#include "schuler/fusion/loose_run.h"
+#include "schuler/fusion/run_pass.h"
 
 namespace schuler::fusion {
 

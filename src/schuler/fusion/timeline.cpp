@@ -297,6 +297,24 @@ void add_mag_events(const Recording& recording, std::vector<Event>& events) {
     }
 }
 
+/// Wheels are read faster than their errors change: at most one event in this time.
+constexpr Duration odometer_spacing{100'000'000};
+
+void add_odometer_events(const Recording& recording, std::vector<Event>& events) {
+    Time last{INT64_MIN / 2};
+    for (std::size_t i = 0; i < recording.odometer.size(); ++i) {
+        const OdometerSample& s = recording.odometer[i];
+        if (!std::isfinite(s.speed) || s.time - last < odometer_spacing) continue;
+        last = s.time;
+        events.push_back(event_at(s.time, AidKind::Odometer, 1, i));
+    }
+}
+
+void add_heading_events(const Recording& recording, std::vector<Event>& events) {
+    for (std::size_t i = 0; i < recording.heading.size(); ++i)
+        if (std::isfinite(recording.heading[i].heading)) events.push_back(event_at(recording.heading[i].time, AidKind::Heading, 1, i));
+}
+
 }  // namespace
 
 std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings) {
@@ -305,6 +323,8 @@ std::vector<Event> make_events(const Recording& recording, const Settings& setti
     add_gnss_events(recording, settings, origin, events, repeated);
     if (settings.baro.use) add_baro_events(recording, events);
     if (settings.mag.use) add_mag_events(recording, events);
+    if (settings.odometer.use) add_odometer_events(recording, events);
+    if (settings.heading.use) add_heading_events(recording, events);
     if (repeated > 0)
         warnings.add("gnss.duplicates", fmt::format("{} GNSS epochs repeat the one before them and were left out", repeated));
     std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.valid < b.valid; });

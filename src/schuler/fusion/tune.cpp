@@ -1,5 +1,7 @@
 #include "schuler/fusion/tune.h"
 
+#include "schuler/fusion/timeline.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Settings found from the data: latencies, GNSS and IMU noise, by the likelihood of the innovations (prediction-error method).
 #pragma once
 
-#include "schuler/fusion/loose_run.h"
+#include "schuler/fusion/run_pass.h"
 
 namespace schuler::fusion {
 

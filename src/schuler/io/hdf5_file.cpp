@@ -132,6 +132,19 @@ void Hdf5Writer::table(const std::string& path, std::span<const double> values, 
     append(path, values);
 }
 
+void Hdf5Writer::matrices(const std::string& path, std::span<const double> values, std::size_t size,
+                          const Hdf5Attributes& attributes) {
+    const hsize_t extent[3] = {values.size() / (size * size), size, size};
+    const Handle space(H5Screate_simple(3, extent, nullptr), H5Sclose);
+    const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(properties.id(), false);   // same content, same bytes
+    const Handle made(H5Dcreate2(file_->file.id(), path.c_str(), H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+                      H5Dclose);
+    if (!made.ok() || H5Dwrite(made.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+        throw file_->failed("made", path);
+    for (const auto& [name, value] : attributes) attribute(path, name, value);
+}
+
 void Hdf5Writer::integers(const std::string& path, std::span<const std::int64_t> values, const Hdf5Attributes& attributes) {
     file_->make(path, H5T_STD_I64LE, 1, values.size());
     for (const auto& [name, value] : attributes) attribute(path, name, value);

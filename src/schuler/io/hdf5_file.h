@@ -32,6 +32,8 @@ public:
     /// A complete table at once.
     void table(const std::string& path, std::span<const double> values, std::size_t columns,
                const Hdf5Attributes& attributes = {});
+    /// Square matrices as one dataset of rank three in the root group, matrices x size x size, size * size values each.
+    void matrices(const std::string& path, std::span<const double> values, std::size_t size, const Hdf5Attributes& attributes = {});
     /// A column of whole numbers (times in ns).
     void integers(const std::string& path, std::span<const std::int64_t> values, const Hdf5Attributes& attributes = {});
     /// A text attribute of an object that exists ("/" is the file itself).

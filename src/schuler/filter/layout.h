@@ -1,0 +1,69 @@
+// The states of a filter: named blocks, chosen for a run, one meaning per index.
+#pragma once
+
+#include "schuler/estim/state.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+namespace schuler::filter {
+
+/// A run of states with one name. Errors of the first three blocks are in the axes of the mechanization's frame.
+struct LayoutBlock {
+    std::string_view name;   ///< static text
+    std::string_view unit;
+    int offset = 0, size = 0;
+};
+
+/// Offsets of the error-state blocks. The first five are always there; an absent optional block has offset -1.
+class Layout {
+public:
+    static constexpr int position = 0;      ///< 3, m
+    static constexpr int velocity = 3;      ///< 3, m/s
+    static constexpr int attitude = 6;      ///< 3, rad
+    static constexpr int gyro_bias = 9;     ///< 3, rad/s, body
+    static constexpr int accel_bias = 12;   ///< 3, m/s^2, body
+
+    int gyro_scale = -1;                    ///< 3
+    int accel_scale = -1;                   ///< 3
+    int gyro_misalignment = -1;             ///< 6, rad: what x measures of y and z, y of x and z, z of x and y
+    int accel_misalignment = -1;            ///< 6, rad, in the same order
+    int mounting = -1;                      ///< 2: pitch and yaw of the vehicle's forward axis in body axes, rad
+    int axle = -1;                          ///< 1, m, distance of the IMU ahead of the unsteered axle
+    int lever_arm = -1;                     ///< 3, m, body
+    int baro_bias = -1;                     ///< 1, m
+    int mag_bias = -1;                      ///< 1, rad, heading offset of the magnetometer
+    int gnss_position = -1;                 ///< 3, m, correlated GNSS position error, north-east-down
+    int gnss_velocity = -1;                 ///< 3, m/s, correlated GNSS velocity error, north-east-down
+    int odometer_scale = -1;                ///< 1, scale-factor error of the odometer
+    int heading_offset = -1;                ///< 1, rad, offset of the heading sensor against the body's forward axis
+    int clock = -1;                         ///< 1, m, c times the receiver's clock error; every clock and offset column of a range is +1
+    int drift = -1;                         ///< 1, m/s, its rate; follows the clock
+    int network = -1;                       ///< 1, m, ground stations' common offset
+    int intersystem = -1;                   ///< 3, m, GLONASS, Galileo, BeiDou against GPS's clock
+    int source = -1;                        ///< slots: slow error of a source of ranges, m; the last block
+    int size = 0;                           ///< of all blocks
+
+    static constexpr int slots = 30;        ///< of the source block
+
+    /// Position, velocity, attitude and the sensors' biases.
+    Layout();
+
+    /// Appends a block of states and returns its offset. Name and unit are static texts.
+    /// @throws Error(Input) where the filter would become too large.
+    int add(std::string_view name, std::string_view unit, int states);
+
+    [[nodiscard]] std::span<const LayoutBlock> blocks() const { return {blocks_.data(), count_}; }
+    /// Leading states that act on position, velocity and attitude during a step: these three and the inertial sensors' errors.
+    [[nodiscard]] int driven() const;
+    /// States in use when no slot of the source block is.
+    [[nodiscard]] int without_slots() const { return source < 0 ? size : source; }
+
+private:
+    std::array<LayoutBlock, 32> blocks_{};
+    std::size_t count_ = 0;
+};
+
+}  // namespace schuler::filter

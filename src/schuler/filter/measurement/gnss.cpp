@@ -1,0 +1,65 @@
+#include "schuler/filter/measurement/gnss.h"
+
+#include "schuler/math/rotation.h"
+
+namespace schuler::filter {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using math::skew;
+
+namespace {
+
+Vector3d lever_arm(const Estimate& e, const Vector3d& given) {
+    return e.layout.lever_arm < 0 ? given : Vector3d(e.parameters.segment<3>(e.layout.lever_arm));
+}
+
+}  // namespace
+
+Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
+                               Components use) {
+    const Vector3d l_n = e.C_nb * lever_arm(e, lever_arm_b);
+    const Vector3d difference = earth::ned_difference(e.earth, e.nav.position, measured) + l_n;
+    const Matrix3d by_attitude = skew(l_n);
+    Measurement m;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!use[axis]) continue;
+        estim::Row& row = m.add(difference(axis), variance(axis));
+        position_of(row)(axis) = 1.0;
+        attitude_of(row) = by_attitude.row(axis).transpose();
+        if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, e.C_nb.row(axis).transpose());
+        if (e.layout.gnss_position >= 0) {
+            m.innovation(m.dof - 1) += e.parameters(e.layout.gnss_position + axis);
+            row.add(e.layout.gnss_position + axis, 1.0);
+        }
+    }
+    return m;
+}
+
+Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
+                               Components use) {
+    const Vector3d l_b = lever_arm(e, lever_arm_b);
+    const Vector3d w_ie_n = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
+    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * w_ie_n;
+    const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b);
+    const Vector3d difference = e.nav.v_eb_n + s_n - measured;
+    const Matrix3d by_attitude = skew(s_n);
+    const Matrix3d by_gyro_bias = e.C_nb * skew(l_b);
+    const Matrix3d by_lever_arm = e.C_nb * skew(w_eb_b);
+    Measurement m;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!use[axis]) continue;
+        estim::Row& row = m.add(difference(axis), variance(axis));
+        velocity_of(row)(axis) = 1.0;
+        attitude_of(row) = by_attitude.row(axis).transpose();
+        row.add3(Layout::gyro_bias, by_gyro_bias.row(axis).transpose());
+        if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, by_lever_arm.row(axis).transpose());
+        if (e.layout.gnss_velocity >= 0) {
+            m.innovation(m.dof - 1) += e.parameters(e.layout.gnss_velocity + axis);
+            row.add(e.layout.gnss_velocity + axis, 1.0);
+        }
+    }
+    return m;
+}
+
+}  // namespace schuler::filter

@@ -1,0 +1,50 @@
+// What every measurement shares: the estimate it is compared with, and rows in local-level errors.
+//
+// A measurement is one pure function from an estimate and a sample to innovation, rows and variances. Rows refer to
+// (position, velocity, attitude) errors in north-east-down whatever the mechanization; the filter maps them.
+#pragma once
+
+#include "schuler/core/nav_state.h"
+#include "schuler/earth/earth.h"
+#include "schuler/estim/update.h"
+#include "schuler/filter/layout.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+
+namespace schuler::filter {
+
+/// The estimate as measurements see it.
+struct Estimate {
+    earth::Earth earth;
+    Layout layout;
+    NavState nav;
+    Eigen::Matrix3d C_nb;
+    Eigen::Vector3d w_ib_b;            ///< rad/s, corrected for the gyro errors
+    estim::StateVector parameters;     ///< nominal values of the states from 9 on
+};
+
+/// A measurement of up to three components with independent noise.
+/// innovation = computed minus measured = row . error + noise (error = estimate minus truth).
+struct Measurement {
+    int dof = 0;
+    std::array<estim::Row, 3> rows;
+    Eigen::Vector3d innovation = Eigen::Vector3d::Zero();
+    Eigen::Vector3d variance = Eigen::Vector3d::Ones();
+
+    /// Appends a component, whose row the caller fills.
+    estim::Row& add(double innovation_, double variance_) {
+        innovation(dof) = innovation_;
+        variance(dof) = variance_;
+        return rows[static_cast<std::size_t>(dof++)];
+    }
+};
+
+/// Its components in the first three states' axes by the rows of 3 x 3 matrices: north, east, down of `value`.
+inline auto position_of(estim::Row& row) { return row.head.segment<3>(Layout::position); }
+inline auto velocity_of(estim::Row& row) { return row.head.segment<3>(Layout::velocity); }
+inline auto attitude_of(estim::Row& row) { return row.head.segment<3>(Layout::attitude); }
+
+}  // namespace schuler::filter

@@ -1,0 +1,72 @@
+#include "schuler/filter/measurement/range.h"
+
+#include "schuler/gnss/satellite.h"
+#include "schuler/ins/error_model.h"
+#include "schuler/math/rotation.h"
+
+namespace schuler::filter {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using gnss::speed_of_light;
+
+AntennaEstimate antenna_of(const earth::Earth& earth, const NavState& nav, const Matrix3d& C_nb, const Vector3d& w_ib_b,
+                           const Vector3d& lever_arm_b) {
+    const earth::EarthTerms t = earth::terms_at(earth, nav.position, nav.v_eb_n);
+    AntennaEstimate a;
+    a.C_en = earth::C_en(nav.position.lat, nav.position.lon);
+    a.l_n = C_nb * lever_arm_b;
+    a.turning = C_nb * w_ib_b.cross(lever_arm_b);
+    a.w_ie_n = t.w_ie_n;
+    a.v_n = nav.v_eb_n + a.turning - t.w_ie_n.cross(a.l_n);
+    a.r_e = earth::ecef_from_geodetic(earth.ellipsoid, nav.position).r + a.C_en * a.l_n;
+    a.v_e = a.C_en * a.v_n;
+    a.place = earth::moved_by_ned(earth, nav.position, a.l_n);
+    a.by_displacement = ins::level_rotation_by_displacement(t);
+    a.gyro_lever = C_nb * math::skew(lever_arm_b);
+    a.C_nb = C_nb;
+    a.lever_turn = C_nb * math::skew(w_ib_b);
+    a.w_ie = earth.ellipsoid.w_ie;
+    return a;
+}
+
+RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Vector3d& velocity) {
+    const Vector3d w(0.0, 0.0, a.w_ie);
+    // the transmitter in the axes of the time of reception: two rounds of light time
+    Vector3d r_j = transmitter.r;
+    Matrix3d turn = Matrix3d::Identity();
+    double range = (a.r_e - r_j).norm();
+    for (int i = 0; i < 2; ++i) {
+        const double angle = a.w_ie * range / speed_of_light, s = std::sin(angle), c = std::cos(angle);
+        turn << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
+        r_j = turn * transmitter.r;
+        range = (a.r_e - r_j).norm();
+    }
+    const Vector3d u_e = (a.r_e - r_j) / range;
+    const Vector3d vi_j = turn * (velocity + w.cross(transmitter.r));   // against inertial space
+    const double slower = 1.0 - u_e.dot(vi_j) / speed_of_light;
+    RangeRows m;
+    m.range = range;
+    m.rate = u_e.dot(a.v_e + w.cross(a.r_e) - vi_j) / slower;
+    const Matrix3d C_ne = a.C_en.transpose();
+    const Vector3d u = C_ne * u_e;
+    m.u_n = u;
+    m.range_by_position = u;
+    m.range_by_attitude = u.cross(a.l_n);
+    // turning u: by the velocity across the line of sight, both against inertial space
+    const Vector3d v_rel = C_ne * (a.v_e + w.cross(a.r_e) - vi_j);
+    const Vector3d across = (v_rel - u * u.dot(v_rel)) / range;
+    // the velocity turns with C_en, and w x r_a changes with the place
+    const Vector3d by_place = C_ne * (u_e.cross(w));
+    m.rate_by_position = (across + a.by_displacement.transpose() * a.v_n.cross(u) + by_place) / slower;
+    m.rate_by_velocity = u / slower;
+    m.rate_by_attitude =
+        (u.cross(a.turning) - u.cross(a.w_ie_n).cross(a.l_n) + across.cross(a.l_n) + by_place.cross(a.l_n)) / slower;
+    m.rate_by_gyro_bias = a.gyro_lever.transpose() * u / slower;
+    m.range_by_lever_arm = a.C_nb.transpose() * u;
+    m.rate_by_lever_arm =
+        (a.lever_turn.transpose() * u + a.C_nb.transpose() * (across + by_place - u.cross(a.w_ie_n))) / slower;
+    return m;
+}
+
+}  // namespace schuler::filter

@@ -1,0 +1,54 @@
+// The kinds of measurements, and what files, messages and plots call them: the one list of them.
+#pragma once
+
+#include "schuler/core/units.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace schuler::filter {
+
+enum class AidKind : std::uint8_t {
+    GnssPosition,
+    GnssVelocity,
+    Baro,
+    Mag,
+    ZeroVelocity,
+    ZeroRate,
+    Nonholonomic,
+    Pseudorange,
+    RangeRate,
+    Odometer,
+    Heading
+};
+
+/// One kind.
+struct MeasurementInfo {
+    AidKind kind;
+    std::string_view key;                        ///< in files
+    std::string_view name;                       ///< in messages and plots
+    std::string_view unit;                       ///< of plots
+    double per_unit;                             ///< SI units in one of them
+    std::array<std::string_view, 3> components;  ///< empty: there are fewer
+};
+
+inline constexpr std::array measurement_infos{
+    MeasurementInfo{AidKind::GnssPosition, "gnss_position", "GNSS position", "m", 1.0, {"north", "east", "down"}},
+    MeasurementInfo{AidKind::GnssVelocity, "gnss_velocity", "GNSS velocity", "m/s", 1.0, {"north", "east", "down"}},
+    MeasurementInfo{AidKind::Baro, "baro", "barometric height", "m", 1.0, {"down"}},
+    MeasurementInfo{AidKind::Mag, "mag", "magnetic heading", "deg", units::deg, {"heading"}},
+    MeasurementInfo{AidKind::ZeroVelocity, "zero_velocity", "zero velocity", "m/s", 1.0, {"1", "2", "3"}},
+    MeasurementInfo{AidKind::ZeroRate, "zero_rate", "zero rate", "deg/s", units::deg_per_s, {"x", "y", "z"}},
+    MeasurementInfo{AidKind::Nonholonomic, "nonholonomic", "vehicle constraint", "m/s", 1.0, {"lateral", "vertical"}},
+    MeasurementInfo{AidKind::Pseudorange, "pseudorange", "pseudorange", "m", 1.0, {"range"}},
+    MeasurementInfo{AidKind::RangeRate, "range_rate", "range rate", "m/s", 1.0, {"rate"}},
+    MeasurementInfo{AidKind::Odometer, "odometer", "odometer", "m/s", 1.0, {"speed"}},
+    MeasurementInfo{AidKind::Heading, "heading", "heading sensor", "deg", units::deg, {"heading"}},
+};
+inline constexpr std::size_t measurement_kinds = measurement_infos.size();
+
+[[nodiscard]] constexpr const MeasurementInfo& info_of(AidKind kind) { return measurement_infos[static_cast<std::size_t>(kind)]; }
+
+}  // namespace schuler::filter

@@ -1,0 +1,85 @@
+#include "schuler/filter/outputs.h"
+
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::filter {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+SolutionRow solution_row(const NavState& nav, const Matrix9& P_n) {
+    SolutionRow row;
+    row.time = nav.time;
+    row.position = nav.position;
+    row.v_eb_n = nav.v_eb_n;
+    row.rpy = math::rpy_from_quaternion(nav.q_nb);
+    row.std_position = P_n.diagonal().segment<3>(Layout::position).cwiseMax(0.0).cwiseSqrt();
+    row.std_velocity = P_n.diagonal().segment<3>(Layout::velocity).cwiseMax(0.0).cwiseSqrt();
+    const Matrix3d J = math::rpy_error_from_phi(row.rpy);
+    const Matrix3d P_rpy = J * P_n.block<3, 3>(Layout::attitude, Layout::attitude) * J.transpose();
+    row.std_rpy = P_rpy.diagonal().cwiseMax(0.0).cwiseSqrt();
+    return row;
+}
+
+SensorErrorRow sensor_error_row(Time time, const Layout& layout, const StateVector& parameters, const StateVector& variances) {
+    const StateVector std = variances.cwiseMax(0.0).cwiseSqrt();
+    const auto value = [&](int offset) -> Vector3d {
+        return offset < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(parameters.segment<3>(offset));
+    };
+    const auto sigma = [&](int offset) -> Vector3d {
+        return offset < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(std.segment<3>(offset));
+    };
+    return {time,
+            value(Layout::gyro_bias), sigma(Layout::gyro_bias),
+            value(Layout::accel_bias), sigma(Layout::accel_bias),
+            value(layout.gyro_scale), sigma(layout.gyro_scale),
+            value(layout.accel_scale), sigma(layout.accel_scale)};
+}
+
+StateRow state_row(const Layout& layout, const NavState& nav, const StateVector& parameters, const StateMatrix& P, const Matrix9& P_n) {
+    const auto block = [&](int offset, int dof) {
+        StateBlock b;
+        if (offset < 0) return b;
+        b.dof = dof;
+        b.value.head(dof) = parameters.segment(offset, dof);
+        b.covariance.topLeftCorner(dof, dof) = P.block(offset, offset, dof, dof);
+        return b;
+    };
+    StateRow row;
+    row.time = nav.time;
+    row.nav = nav;
+    row.P_position = P_n.block<3, 3>(Layout::position, Layout::position);
+    row.P_velocity = P_n.block<3, 3>(Layout::velocity, Layout::velocity);
+    row.P_attitude = P_n.block<3, 3>(Layout::attitude, Layout::attitude);
+    row.P_navigation = P_n;
+    row.gyro_bias = block(Layout::gyro_bias, 3);
+    row.accel_bias = block(Layout::accel_bias, 3);
+    row.gnss_position = block(layout.gnss_position, 3);
+    row.gnss_velocity = block(layout.gnss_velocity, 3);
+    row.baro_bias = block(layout.baro_bias, 1);
+    row.clock = block(layout.clock, 2);
+    return row;
+}
+
+ParameterRow parameter_row(Time time, const Layout& layout, const StateVector& parameters, const StateMatrix& P) {
+    ParameterRow row;
+    row.time = time;
+    for (int i = 9; i < layout.size; ++i) {
+        row.value.push_back(parameters(i));
+        row.std.push_back(std::sqrt(std::max(0.0, P(i, i))));
+    }
+    return row;
+}
+
+CovarianceRow covariance_row(Time time, const Layout& layout, const StateMatrix& P) {
+    CovarianceRow row;
+    row.time = time;
+    row.covariance.reserve(static_cast<std::size_t>(layout.size * layout.size));
+    for (int c = 0; c < layout.size; ++c) row.covariance.insert(row.covariance.end(), P.col(c).data(), P.col(c).data() + layout.size);
+    return row;
+}
+
+}  // namespace schuler::filter

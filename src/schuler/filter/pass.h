@@ -1,0 +1,140 @@
+// The walk along the timeline: increments, measurements, constraints, outputs. One code for every coupling, for the forward filter, for
+// start-up trials and for the smoother's replays; who wants to know what happens observes it.
+#pragma once
+
+#include "schuler/filter/gate.h"
+#include "schuler/filter/inertial_filter.h"
+#include "schuler/filter/integrity.h"
+#include "schuler/filter/measurement/measurement.h"
+#include "schuler/filter/range_update.h"
+#include "schuler/filter/result.h"
+#include "schuler/filter/settings.h"
+#include "schuler/filter/timeline.h"
+#include "schuler/filter/wheel_evidence.h"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace schuler::filter {
+
+/// A fix that is used in parts until the next one (LooseKind::Aggressive). Carried on by the inertial motion since, it differs from the
+/// estimate by the innovation at its time less what the corrections since have become: no inertial motion is needed explicitly.
+struct CarriedFix {
+    Measurement measurement;             ///< at the time of the fix; its variance is that of one part
+    StateVector corrected;               ///< sum of the corrections since, propagated
+    int left = 0;                        ///< parts
+    Time stamp{}, next{};
+    Duration every{1'000'000'000};
+};
+
+/// A channel has a gate of its own: one a kind, and one more where a height or a vertical velocity comes with an age of its own, for
+/// a good height must not excuse a bad position.
+struct Channel {
+    static constexpr std::size_t count = measurement_kinds + 2;
+
+    AidKind kind;
+    bool vertical_only = false;
+
+    Channel(AidKind kind_, std::uint8_t components = 7) : kind(kind_), vertical_only(components == 4) {}
+    [[nodiscard]] std::size_t gate() const {
+        const auto k = static_cast<std::size_t>(kind);
+        return vertical_only && k < 2 ? measurement_kinds + k : k;
+    }
+};
+
+/// A place on the walk with everything needed to go on from there; plain and copyable.
+template <class Frame>
+struct Walk {
+    InertialFilter<Frame> filter;
+    std::size_t increment = 0;           ///< next to be consumed
+    std::size_t event = 0, epoch = 0;    ///< next measurement, next epoch of ranges
+    std::size_t still = 0;
+    std::size_t bridge = 0;
+    std::size_t outputs = 0;             ///< number of outputs made
+    Time next_output{};
+    Time next_constraint{};
+    Time next_feedback{};                ///< of the mixed loop
+    Duration feedback_period{};
+    std::array<GateState, Channel::count> gates{};    ///< by Channel::gate()
+    WheelEvidence wheels;
+    Time last_still{INT64_MIN / 2};
+    std::array<CarriedFix, 2> carried{};              ///< position, velocity: Aggressive
+    std::array<std::optional<Time>, Channel::count> corrected{};   ///< by Channel::gate(), when last: Separate
+    std::array<ChannelHealth, 2> health{};            ///< position, velocity: integrity
+    std::vector<Shadow<Frame>> shadows;               ///< two, or none where slow ramps are not looked for
+    RangeTracking ranges;
+};
+
+/// Who wants to know what happens on the walk derives from this; the base does not care.
+template <class Frame>
+struct PassObserver : RangeListener {
+    using Filter = InertialFilter<Frame>;
+
+    /// Whether transitions and scalars are wanted: recording them costs time.
+    [[nodiscard]] virtual bool records() const { return false; }
+    virtual void step(const estim::Transition&) {}
+    void scalar(const estim::RowUpdate&) override {}
+    void renewed(int) override {}
+    /// Whether an output at this time needs more of the filter than the nominal state and its local_covariance: its covariance is then
+    /// that of the same time.
+    [[nodiscard]] virtual bool wants_all_states(Time) const { return records(); }
+    virtual void output(const Filter&, Time) {}
+    virtual void outage_epoch(const Filter&, const Event&, const Measurement&, const AidRecord&) {}
+    virtual void aid(const AidRecord&) {}
+    virtual void alert(const Alert&) {}
+    /// After the update with an epoch of ranges.
+    virtual void ranges(const Walk<Frame>&, const RangeEpoch&) {}
+};
+
+/// Walks a filter along the data of a run.
+template <class Frame>
+class Pass {
+public:
+    using Observer = PassObserver<Frame>;
+
+    Pass(const InertialModel& model, const RunData& data, const Settings& settings);
+
+    /// Consumes increments up to and including index `last`. Throws Error(Computation) where the filter diverges.
+    void advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const;
+    /// Covariance to the time of the nominal state; the walk's own memory of corrections with it.
+    void propagate_covariance(Walk<Frame>& walk, Observer& observer) const;
+
+private:
+    void step(Walk<Frame>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const;
+    /// The measurements that are due before the end of an increment; what is left of it is returned.
+    [[nodiscard]] ImuIncrement run_to_events(Walk<Frame>& walk, ImuIncrement increment, const BridgeNoise& noise, Observer& observer) const;
+    void process(Walk<Frame>& walk, const Event& event, Observer& observer) const;
+    void process(Walk<Frame>& walk, const RangeEpoch& epoch, Observer& observer) const;
+    /// Whether the coupling corrects with measurements of this kind.
+    [[nodiscard]] bool uses(AidKind kind) const;
+    /// The receiver's slow errors jump where the set of satellites changes.
+    void change_constellation(Walk<Frame>& walk, const Event& event) const;
+    void constrain(Walk<Frame>& walk, Observer& observer) const;
+    void stand_still(Walk<Frame>& walk, Observer& observer) const;
+    AidRecord try_update(Walk<Frame>& walk, Channel channel, const Measurement& local, Time stamp, bool withheld,
+                         Observer& observer) const;
+    [[nodiscard]] Measurement measurement_of(const InertialFilter<Frame>& filter, const Event& event) const;
+    /// Corrects the estimate by an accepted measurement as the coupling wants it. False: it is not used.
+    bool use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp, Observer& observer) const;
+    bool use_separately(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp) const;
+    /// Updates the filter and what remembers its corrections. Returns the error that was found.
+    StateVector update(Walk<Frame>& walk, const Measurement& m, Observer& observer) const;
+    /// The parts of the fixes carried on that are due.
+    void carry_on(Walk<Frame>& walk, Observer& observer) const;
+    /// Integrity of one sub-vector of a fix: whether it may be used.
+    AidStatus examine(Walk<Frame>& walk, Channel channel, const AidRecord& record, const Examined& examined, Observer& observer) const;
+    /// The slow-ramp test of a fix, before its own update.
+    void look_back(Walk<Frame>& walk, const Event& event, Observer& observer) const;
+    void renew_shadows(Walk<Frame>& walk) const;
+    void observe_wheels(Walk<Frame>& walk, const Estimate& e) const;
+    void recover(Walk<Frame>& walk, Channel channel, const Measurement& local) const;
+
+    const InertialModel& model_;
+    const RunData& data_;
+    const Settings& settings_;
+    RangeTest range_test_;
+    RangeUpdate<Frame> update_with_ranges_;
+};
+
+}  // namespace schuler::filter

@@ -1,0 +1,36 @@
+// What the navigation filter tells a receiver's tracking loops: the hook of the deeper couplings.
+#pragma once
+
+#include "schuler/core/nav_state.h"
+#include "schuler/earth/earth.h"
+
+#include <Eigen/Core>
+
+namespace schuler::filter {
+
+/// Motion of a transmitter or of the antenna, Earth-fixed axes.
+struct EarthFixedMotion {
+    Eigen::Vector3d r_e;   ///< m
+    Eigen::Vector3d v_e;   ///< m/s, relative to the Earth
+    Eigen::Vector3d a_e;   ///< m/s^2, second derivative of r_e
+};
+
+/// Motion of the antenna from the inertial solution: specific force f_b (m/s^2) and rate w_ib_b (rad/s) already corrected. The
+/// turn rate is taken as constant where it accelerates the lever arm.
+[[nodiscard]] EarthFixedMotion antenna_motion(const earth::Earth& earth, const NavState& nav, const Eigen::Vector3d& f_b,
+                                              const Eigen::Vector3d& w_ib_b, const Eigen::Vector3d& lever_arm_b);
+
+/// What a tracking loop needs in order to follow a signal through the motion of the antenna, clocks and light time left to it.
+struct LineOfSightAid {
+    double range;          ///< m
+    double rate;           ///< m/s
+    double acceleration;   ///< m/s^2
+    double std_range;      ///< m, from the navigation's covariance
+    double std_rate;       ///< m/s
+};
+
+/// P: covariance of position and velocity of the antenna, north, east, down at `nav`'s place, 6 x 6.
+[[nodiscard]] LineOfSightAid line_of_sight_aid(const EarthFixedMotion& antenna, const EarthFixedMotion& transmitter,
+                                               const Eigen::Matrix3d& C_en, const Eigen::Matrix<double, 6, 6>& P);
+
+}  // namespace schuler::filter

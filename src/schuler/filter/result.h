@@ -1,0 +1,161 @@
+// What fusing one data set gives: solution, innovations, sensor errors, and what was found out on the way.
+#pragma once
+
+#include "schuler/core/log.h"
+#include "schuler/core/nav_state.h"
+#include "schuler/core/samples.h"
+#include "schuler/filter/layout.h"
+#include "schuler/filter/measurement_kinds.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace schuler::filter {
+
+/// Excluded: rejected because the channel has lost the trust of the integrity monitor.
+enum class AidStatus { Accepted, Rejected, Withheld, Excluded };
+
+enum class IntegrityTest { Tolerance, Innovation, Slow, Readmitted };
+
+/// A verdict of the integrity monitor.
+struct Alert {
+    Time time;                       ///< of the fix
+    AidKind kind;                    ///< GnssPosition or GnssVelocity
+    IntegrityTest test;              ///< what failed; or that the channel is used again
+};
+
+/// One measurement epoch as the filter met it.
+struct AidRecord {
+    Time time;                       ///< validity time
+    Time stamp;                      ///< time in the log
+    AidKind kind;
+    AidStatus status;
+    int dof = 0;                     ///< how many components are used; the others have sigma 0 (GNSS: north, east, down in place)
+    int source = -1;                 ///< of a range: index into RangingLog::sources
+    Eigen::Vector3d innovation = Eigen::Vector3d::Zero();  ///< estimate minus measured (NED for GNSS), before its own update
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();       ///< predicted one sigma of the innovation
+    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero(); ///< the part of it that is the filter's own uncertainty
+    double nis = 0.0;                ///< normalised innovation squared of the dof components together
+};
+
+/// Estimated sensor errors at one time (estimate, one sigma).
+struct SensorErrorRow {
+    Time time;
+    Eigen::Vector3d gyro_bias, std_gyro_bias;      ///< rad/s
+    Eigen::Vector3d accel_bias, std_accel_bias;    ///< m/s^2
+    Eigen::Vector3d gyro_scale, std_gyro_scale;    ///< 1 (zero where not estimated)
+    Eigen::Vector3d accel_scale, std_accel_scale;  ///< 1
+};
+
+/// Estimate and covariance of a block of up to three states; dof 0: no states of this filter.
+struct StateBlock {
+    int dof = 0;
+    Eigen::Vector3d value = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+/// What the filter says of its states at one time, block by block, for judging it by a simulated truth.
+struct StateRow {
+    Time time;
+    NavState nav;
+    Eigen::Matrix3d P_position, P_velocity, P_attitude;   ///< of the errors north, east, down: m^2, m^2/s^2, rad^2
+    StateBlock gyro_bias, accel_bias;                     ///< body axes, rad/s, m/s^2
+    StateBlock gnss_position, gnss_velocity;              ///< correlated errors of the receiver, north, east, down, m, m/s
+    StateBlock baro_bias;                                 ///< m
+    Eigen::Matrix<double, 9, 9> P_navigation = Eigen::Matrix<double, 9, 9>::Zero();   ///< of the first three with each other
+    StateBlock clock;                                     ///< tight coupling: c times the receiver's clock error and its rate, m, m/s
+};
+
+/// Estimates and one sigma of every state behind position, velocity and attitude, in the order of Result::states; SI units.
+struct ParameterRow {
+    Time time{};
+    std::vector<double> value, std;
+};
+
+/// The whole covariance at one time: column by column, states in the order of Result::states, which here begins with position,
+/// velocity and attitude in the axes of the mechanization; SI units.
+struct CovarianceRow {
+    Time time{};
+    std::vector<double> covariance;
+};
+
+/// GNSS epochs withheld in an outage and the first one after it, compared at the antenna: north, east, down.
+struct OutageEpoch {
+    int outage = -1;                 ///< index into Settings::outages
+    Time time{};                     ///< stamp of the fix
+    bool end = false;                ///< the first fix at or after the end, before its own update
+    Eigen::Vector3d error = Eigen::Vector3d::Zero();   ///< estimate minus GNSS, m
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();   ///< predicted one sigma of that difference, m
+};
+
+/// How far off the position may be after an epoch of ranges, where Settings asks for protection levels (ProtectionSettings has the risk).
+struct ProtectionRow {
+    Time time{};
+    double horizontal = 0.0, vertical = 0.0;   ///< m
+    int used = 0, excluded = 0;                ///< pseudoranges and rates
+    int alarm = -1;                            ///< index into RangingLog::sources: found wrong at this epoch
+};
+
+/// Medium coupling: the receiver's own filter against the tight one, north, east, down, after an epoch of ranges.
+struct CrossCheck {
+    Time time{};
+    Eigen::Vector3d difference = Eigen::Vector3d::Zero();   ///< tight minus receiver, m, of the antenna
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();        ///< of it when both are right, m
+    bool agrees = true;
+    bool receiver_leads = false;                            ///< the solution is the receiver's
+};
+
+/// One pass over the data, forward or smoothed.
+struct Trajectory {
+    std::vector<SolutionRow> rows;
+    std::vector<SensorErrorRow> sensor_errors;     ///< at most 1 Hz
+    std::vector<ParameterRow> parameters;          ///< at most 1 Hz
+    std::vector<CovarianceRow> covariances;        ///< at the output rate, forward pass only, where Settings::covariance_rows asks for it
+    std::vector<StateRow> states;                  ///< at most 1 Hz, forward pass only, where Settings::state_rows asks for it
+    std::vector<OutageEpoch> outage_epochs;
+    std::vector<ProtectionRow> protection;         ///< one an epoch of ranges, forward pass only
+};
+
+/// What start-up and the estimators of settings found.
+struct Findings {
+    Time aligned_at{};                        ///< heading known from here on
+    bool heading_found = true;                ///< false: it starts at a guess
+    std::string alignment;                    ///< one sentence: which method, what it found
+    Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, used (given or estimated)
+    Eigen::Vector3d std_mounting_rpy = Eigen::Vector3d::Zero();
+    double position_latency = 0.0, velocity_latency = 0.0, height_latency = 0.0, velocity_down_latency = 0.0;  ///< s, used
+    Eigen::Vector3d std_position_scale = Eigen::Vector3d::Ones();  ///< factor applied to default GNSS sigmas
+    Eigen::Vector3d std_velocity_scale = Eigen::Vector3d::Ones();
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< m, used or estimated
+    double gyro_noise = 0.0, accel_noise = 0.0;   ///< rad/sqrt(s), m/s/sqrt(s), used or estimated
+};
+
+struct Counters {
+    std::size_t imu_epochs = 0, imu_gaps = 0, imu_duplicates = 0;
+    double imu_rate = 0.0;                    ///< Hz, median
+    std::size_t gnss_epochs = 0, gnss_accepted = 0, gnss_rejected = 0, gnss_withheld = 0;
+};
+
+/// Something that was given and has no effect in this run.
+struct Ignored {
+    std::string key, reason;
+};
+
+struct Result {
+    std::vector<LayoutBlock> states;          ///< of the filter
+    std::vector<Ignored> ignored;
+    Trajectory forward;                       ///< always filled
+    Trajectory receiver;                      ///< medium coupling: the receiver's own filter, of the antenna; attitude NaN
+    std::vector<CrossCheck> cross_checks;     ///< medium coupling
+    Trajectory smoothed;                      ///< empty unless Settings::smooth
+    std::vector<AidRecord> aids;              ///< of the forward pass
+    std::vector<Alert> alerts;                ///< where exclusions begin and end
+    Findings findings;
+    Counters counters;
+    double filter_seconds = 0.0;              ///< wall time of the forward pass alone, for timing only
+};
+
+}  // namespace schuler::filter

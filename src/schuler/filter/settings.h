@@ -1,0 +1,185 @@
+// Everything a user can set about fusing one data set, SI units and radians. Defaults here, key names and help in app/config.
+#pragma once
+
+#include "schuler/core/samples.h"
+#include "schuler/earth/earth.h"
+#include "schuler/estim/loop.h"
+#include "schuler/filter/ranging_settings.h"
+#include "schuler/sensor/gnss_errors.h"
+#include "schuler/sensor/grades.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::filter {
+
+enum class VehicleKind { Car, Air, Ship, Hand, Static };
+enum class Mechanization { Geographic, Ecef };
+using estim::Loop;
+/// How receiver and inertial unit work together where both have solutions of their own (paper A, 1.1): one filter estimates the
+/// errors (Loose), or the inertial computation is only set to the receiver's solution, now and then or a little at a time
+/// (Separate). Tight: one filter takes the ranges themselves. Medium: beside it a filter of the receiver alone
+/// (fusion/intermediate_run.h). Deep: it commands the receiver's channels (filter/receiver_in_loop.h).
+enum class Coupling { Loose, Separate, Tight, Medium, Deep };
+/// Those whose filter takes the ranges themselves.
+[[nodiscard]] constexpr bool uses_ranges(Coupling coupling) {
+    return coupling == Coupling::Tight || coupling == Coupling::Medium || coupling == Coupling::Deep;
+}
+/// A fix is used at its own time (Standard), or carried on by the inertial accelerations and used in parts until the next one
+/// (Aggressive).
+enum class LooseKind { Standard, Aggressive };
+enum class HeightKind { Ellipsoidal, Msl, Relative };
+
+/// IMU: how the log's numbers become body increments, and how good the sensors are.
+struct ImuSettings {
+    ImuKind kind = ImuKind::Rates;
+    ImuStamp stamp = ImuStamp::End;
+    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes to forward-right-down, from `axes`
+    Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, roll, pitch, yaw from body to sensor (after `axes`)
+    bool estimate_mounting = false;                      ///< find the mounting by itself (needs motion)
+    sensor::ImuErrorModel errors;                        ///< what the filter believes
+    bool estimate_noise = false;                         ///< fit the white noise to the innovations (a grade is only a guess)
+    double gap_factor = 3.0;                             ///< a step longer than this times the median is a gap
+};
+
+/// GNSS: antenna, ages and noise.
+struct GnssSettings {
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, IMU to antenna, forward-right-down
+    double latency = 0.0;                     ///< s, all channels: valid at stamp - latency
+    std::optional<double> velocity_latency;   ///< s, replaces latency for the velocity
+    std::optional<double> height_latency;     ///< s, replaces latency for the height
+    std::optional<double> velocity_down_latency;  ///< s, replaces velocity_latency for the down component
+    bool estimate_latency = false;            ///< find the latencies that are not given
+    HeightKind height = HeightKind::Ellipsoidal;
+    Eigen::Vector3d default_std_position{2.5, 2.5, 5.0};   ///< m, where the log gives none or zero (an autonomous fix)
+    Eigen::Vector3d default_std_velocity{0.15, 0.15, 0.3}; ///< m/s, likewise
+    Eigen::Vector3d std_floor_position{0.005, 0.005, 0.01};///< m, smaller values of a log are raised to this
+    bool estimate_std = true;                 ///< where the log gives none: scale the defaults until the innovations agree
+    bool use_velocity = true;
+    /// Slowly varying errors; those above zero are states. A log states the sigma of the whole error: with such states, only what
+    /// is left of it is white noise. The defaults above are of the white part.
+    sensor::GnssErrorModel errors;
+    std::vector<Time> constellation_changes;  ///< in order; a change of the log's number of satellites is one too
+};
+
+struct BaroSettings {
+    bool use = true;
+    double std = 1.0;                         ///< m, white
+    double bias_std = 30.0;                   ///< m, initial bias
+    double bias_walk = 0.05;                  ///< m/sqrt(s)
+};
+
+struct MagSettings {
+    bool use = true;
+    double declination = not_given;           ///< rad, east positive; not given: estimated as part of the heading offset
+    double heading_std = 0.1;                 ///< rad
+    double bias_std = 0.5;                    ///< rad, heading error of the magnetometer at the start
+    double bias_walk = 0.002;                 ///< rad/sqrt(s), by which currents and surroundings change it
+};
+
+struct OdometerSettings {
+    bool use = true;
+    double std = 0.1;                         ///< m/s, where the log gives none
+    double scale_std = 0.02;                  ///< scale-factor error (tyres, wear)
+};
+
+struct HeadingSettings {
+    bool use = true;
+    double std = 0.02;                        ///< rad, where the log gives none
+    double offset_std = 0.0;                  ///< rad, of the sensor against the body's forward axis; 0: it is none of the states
+};
+
+/// Initial state where the user gives it; NaN members are found by the program.
+struct InitialSettings {
+    std::optional<Time> time;
+    Geodetic position{not_given, not_given, not_given};
+    Eigen::Vector3d velocity_n = not_given3();
+    Eigen::Vector3d rpy = not_given3();
+    Eigen::Vector3d std_position = not_given3();
+    Eigen::Vector3d std_velocity = not_given3();
+    Eigen::Vector3d std_rpy = not_given3();
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< rad/s
+    Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< m/s^2
+};
+
+/// Constraints and gates.
+struct AidSettings {
+    bool zero_velocity = true;                ///< zero-velocity and zero-rate updates where the log shows the body still
+    double zero_velocity_std = 0.01;          ///< m/s
+    double zero_rate_std = 1e-3;              ///< rad/s, added to the gyro noise
+    bool nonholonomic = false;                ///< wheeled vehicle: no sideways and vertical velocity (default on for a car)
+    bool nonholonomic_auto = false;           ///< unknown vehicle: impose it once the log shows that it rolls on wheels
+    double nonholonomic_std_lateral = 0.10;   ///< m/s
+    double nonholonomic_std_vertical = 0.10;  ///< m/s
+    double constraint_rate = 10.0;            ///< Hz, of the pseudo-measurements
+    double gate_probability = 1e-4;           ///< a good measurement is rejected with this probability
+    /// Variances of the estimates are kept above the squares of these (paper A, after (3.4.5)); 0: not bounded.
+    double floor_position = 0.0;              ///< m
+    double floor_velocity = 0.0;              ///< m/s
+    double floor_attitude = 0.0;              ///< rad
+    double floor_gyro_bias = 0.0;             ///< rad/s
+    double floor_accel_bias = 0.0;            ///< m/s^2
+    double recovery_time = 10.0;              ///< s, consistent rejected fixes over this span win
+    int recovery_count = 10;                  ///< ... if there are at least so many
+};
+
+/// The separate scheme: corrections with gains that nobody optimises.
+struct SeparateSettings {
+    double restart_period = 0.0;              ///< s between settings of position and velocity to the fix; 0: continuous correction
+    double position_time = 30.0;              ///< s, time constant of the continuous correction of the position
+    double velocity_time = 30.0;              ///< s, likewise of the velocity
+    double baro_time = 100.0;                 ///< s, time constant of the barometer's third-order loop in the vertical channel
+};
+
+/// Control of the receiver's integrity. Off: the gates alone, which let a run of rejected fixes that agree win in the end.
+struct IntegritySettings {
+    bool use = false;
+    double accel_limit = 30.0;                ///< m/s^2, what the vehicle is capable of: bound of the tolerance check; 0: no check
+    double trace_ratio = 10.0;                ///< delta of (3.4.7); 0: no check
+    double window = 60.0;                     ///< s, age at which the solution without GNSS begins anew; 0: no detection of slow ramps
+    double false_alarm = 1e-5;                ///< probability of one slow-ramp test to exceed its limit in a healthy run
+    int slow_count = 3;                       ///< tests in a row that must exceed it
+    double readmission_time = 10.0;           ///< s of agreeing fixes until an excluded receiver is used again
+};
+
+struct Outage {
+    double start;                             ///< s after the origin of the command line's times
+    double duration;                          ///< s
+};
+
+struct Settings {
+    earth::Earth earth;
+    VehicleKind vehicle = VehicleKind::Hand;
+    Mechanization mechanization = Mechanization::Geographic;
+    Loop loop = Loop::Closed;
+    Coupling coupling = Coupling::Loose;
+    LooseKind loose_kind = LooseKind::Standard;
+    int aggressive_parts = 10;                ///< parts in which a fix is used, Aggressive
+    SeparateSettings separate;
+    IntegritySettings integrity;
+    std::optional<double> feedback_period;    ///< s between corrections of the mixed loop; not given: by the rule of correction_period
+    double feedback_attitude = 1e-3;          ///< rad, attitude error that the rule allows to grow meanwhile
+    bool smooth = false;
+    bool scale_factors = false;               ///< gyro and accelerometer scale factors as states (21 states)
+    bool misalignments = false;               ///< six axis misalignments of each triad as states
+    bool estimate_lever_arm = false;
+    ImuSettings imu;
+    GnssSettings gnss;
+    RangingFilterSettings ranging;
+    BaroSettings baro;
+    MagSettings mag;
+    OdometerSettings odometer;
+    HeadingSettings heading;
+    AidSettings aids;
+    InitialSettings initial;
+    std::optional<Time> start, stop;          ///< absolute, on the data set's axis
+    std::vector<Outage> outages;              ///< relative to the first GNSS epoch
+    bool state_rows = false;                  ///< keep what the filter says of each block of states (Trajectory::states)
+    bool covariance_rows = false;             ///< keep the whole covariance at every output (Trajectory::covariances)
+    double output_rate = 10.0;                ///< Hz of the solution; 0 = every IMU epoch
+};
+
+}  // namespace schuler::filter

@@ -1,0 +1,203 @@
+#include "schuler/fusion/model.h"
+
+#include "schuler/filter/correction_period.h"
+#include "schuler/math/rotation.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::fusion {
+
+using Eigen::Vector3d;
+
+Layout make_layout(const Settings& settings, const Recording& recording) {
+    Layout L;
+    if (settings.scale_factors) {
+        L.gyro_scale = L.add("gyro_scale", "1", 3);
+        L.accel_scale = L.add("accel_scale", "1", 3);
+    }
+    if (settings.misalignments) {
+        L.gyro_misalignment = L.add("gyro_misalignment", "rad", 6);
+        L.accel_misalignment = L.add("accel_misalignment", "rad", 6);
+    }
+    if (settings.aids.nonholonomic || settings.aids.nonholonomic_auto) {
+        L.mounting = L.add("mounting", "rad", 2);
+        L.axle = L.add("axle", "m", 1);
+    }
+    if (settings.estimate_lever_arm) L.lever_arm = L.add("lever_arm", "m", 3);
+    if (!recording.baro.empty() && settings.baro.use) L.baro_bias = L.add("baro_bias", "m", 1);
+    if (!recording.mag.empty() && settings.mag.use) L.mag_bias = L.add("mag_heading_offset", "rad", 1);
+    if (!recording.odometer.empty() && settings.odometer.use) L.odometer_scale = L.add("odometer_scale", "1", 1);
+    if (!recording.heading.empty() && settings.heading.use && settings.heading.offset_std > 0.0)
+        L.heading_offset = L.add("heading_offset", "rad", 1);
+    if (uses_ranges(settings.coupling)) {
+        L.clock = L.add("clock_bias", "m", 1);
+        L.drift = L.add("clock_drift", "m/s", 1);
+        L.network = L.add("station_network_offset", "m", 1);
+        L.intersystem = L.add("intersystem_offset", "m", 3);
+        L.source = L.add("range_slow_error", "m", Layout::slots);
+    } else {
+        if (settings.gnss.errors.correlated_position.maxCoeff() > 0.0) L.gnss_position = L.add("gnss_position_error", "m", 3);
+        if (settings.gnss.use_velocity && settings.gnss.errors.correlated_velocity.maxCoeff() > 0.0)
+            L.gnss_velocity = L.add("gnss_velocity_error", "m/s", 3);
+    }
+    return L;
+}
+
+InertialModel make_model(const Settings& settings, const Layout& layout) {
+    InertialModel model(settings.earth, layout, settings.imu.errors);
+    model.loop = settings.loop;
+    model.set_process(layout.baro_bias, 1, {0.0, settings.baro.bias_walk * settings.baro.bias_walk});
+    model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
+    model.gnss = settings.gnss.errors;
+    for (int i = 0; i < 3; ++i) {
+        const sensor::GnssErrorModel& g = model.gnss;
+        if (layout.gnss_position >= 0)
+            model.set_process(layout.gnss_position + i, 1, StateProcess::markov(g.correlated_position(i), g.correlated_time));
+        if (layout.gnss_velocity >= 0)
+            model.set_process(layout.gnss_velocity + i, 1, StateProcess::markov(g.correlated_velocity(i), g.correlated_velocity_time));
+    }
+    if (uses_ranges(settings.coupling)) {
+        const sensor::RangingErrorModel& e = settings.ranging.errors;
+        model.clock_psd = e.clock.phase_psd();
+        model.drift_psd = e.clock.frequency_psd();
+        model.set_process(layout.network, 1, StateProcess::markov(e.network, e.network_time));
+        if (settings.ranging.baro_bias_time > 0.0)
+            model.set_process(layout.baro_bias, 1, StateProcess::markov(settings.baro.bias_std, settings.ranging.baro_bias_time));
+        // What has no states of its own: fixes are too noisy to tell, ranges at ten hertz are not.
+        const sensor::ImuErrorModel& imu = settings.imu.errors;
+        model.gyro_gain = std::hypot(layout.gyro_scale < 0 ? imu.gyro_scale : 0.0, layout.gyro_misalignment < 0 ? imu.gyro_misalignment : 0.0);
+        model.accel_gain =
+            std::hypot(layout.accel_scale < 0 ? imu.accel_scale : 0.0, layout.accel_misalignment < 0 ? imu.accel_misalignment : 0.0);
+    }
+    const auto bound = [&model](int offset, double sigma) { model.floor.segment<3>(offset).setConstant(sigma * sigma); };
+    bound(Layout::position, settings.aids.floor_position);
+    bound(Layout::velocity, settings.aids.floor_velocity);
+    bound(Layout::attitude, settings.aids.floor_attitude);
+    bound(Layout::gyro_bias, settings.aids.floor_gyro_bias);
+    bound(Layout::accel_bias, settings.aids.floor_accel_bias);
+    return model;
+}
+
+template <class Frame>
+void start_ranging(InertialFilter<Frame>& filter, const Layout& L, const sensor::RangingErrorModel& e) {
+    filter.P(L.clock, L.clock) = e.clock.bias * e.clock.bias;
+    filter.P(L.drift, L.drift) = e.clock.drift * e.clock.drift;
+    filter.P(L.network, L.network) = e.network * e.network;
+    filter.P.diagonal().template segment<3>(L.intersystem).setConstant(e.intersystem * e.intersystem);
+}
+
+namespace {
+
+/// Puts the start covariance of a run into its filter, block by block.
+template <class Frame>
+class StartCovariance {
+public:
+    StartCovariance(InertialFilter<Frame>& filter, const InertialModel& model, const Start& start) : f_(filter), L_(model.layout) {
+        P_n_.diagonal().segment<3>(Layout::position) = start.std_position.cwiseAbs2();
+        P_n_.diagonal().segment<3>(Layout::velocity) = start.std_velocity.cwiseAbs2();
+        const Eigen::Matrix3d J = math::rpy_error_from_phi(math::rpy_from_quaternion(start.nav.q_nb)).inverse();
+        P_n_.block<3, 3>(Layout::attitude, Layout::attitude) = J * start.std_rpy.cwiseAbs2().asDiagonal() * J.transpose();
+        if constexpr (!Frame::errors_are_geographic) T_ = f_.to_local_level(model).inverse();
+        f_.P.template topLeftCorner<9, 9>() = T_ * P_n_ * T_.transpose();
+    }
+
+    /// Variance of a navigation state, local level.
+    [[nodiscard]] double variance(int state) const { return P_n_(state, state); }
+
+    template <int Size>
+    void set(int offset, const Eigen::Matrix<double, Size, 1>& sigma) {
+        if (offset >= 0) f_.P.diagonal().template segment<Size>(offset) = sigma.cwiseAbs2();
+    }
+    void set(int offset, int count, double sigma) {
+        if (offset >= 0) f_.P.diagonal().segment(offset, count).setConstant(sigma * sigma);
+    }
+    /// A state of its own whose error has the covariance `shared` with the component `state` of the local level.
+    void tie(int own, int state, double shared) {
+        f_.P.template block<9, 1>(0, own) = shared * T_.col(state);
+        f_.P.template block<1, 9>(own, 0) = shared * T_.col(state).transpose();
+    }
+    /// A receiver's slow error: where the start is a fix it has that error in it, of which the state, zero, knows nothing yet: their
+    /// errors are opposite.
+    void slow_error(int offset, int state, const Vector3d& sigma, const Vector3d& of_fix) {
+        set<3>(offset, sigma);
+        for (int i = 0; offset >= 0 && i < 3; ++i)
+            if (of_fix(i) > 0.0) tie(offset + i, state + i, -std::min(sigma(i) * sigma(i), variance(state + i)));
+    }
+    /// A first barometric height that contradicts the stated bias speaks instead of it; its bias errs with the height it was taken from.
+    void baro(const Recording& recording, const BaroSettings& settings, const NavState& nav) {
+        if (L_.baro_bias < 0) return;
+        const double height_variance = variance(Layout::position + 2), prior = settings.bias_std;
+        f_.P(L_.baro_bias, L_.baro_bias) = prior * prior;
+        const auto first = std::ranges::find_if(recording.baro, [&](const BaroSample& s) { return s.time >= nav.time; });
+        const double offset = first == recording.baro.end() ? 0.0 : first->height - nav.position.h;
+        if (!(offset * offset > 9.0 * (prior * prior + height_variance))) return;
+        f_.parameters(L_.baro_bias) = offset;
+        f_.P(L_.baro_bias, L_.baro_bias) = height_variance + settings.std * settings.std;
+        tie(L_.baro_bias, Layout::position + 2, height_variance);
+    }
+
+private:
+    InertialFilter<Frame>& f_;
+    const Layout& L_;
+    Matrix9 P_n_ = Matrix9::Zero(), T_ = Matrix9::Identity();   // T: local level to the filter's own errors
+};
+
+}  // namespace
+
+template <class Frame>
+Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start) {
+    const Layout& L = model.layout;
+    Walk<Frame> walk;
+    InertialFilter<Frame>& f = walk.filter;
+    f = InertialFilter<Frame>(model);
+    f.set_nav(Frame::from_geographic(model.earth, start.nav));
+    f.previous = start.previous;
+    f.parameters.template segment<3>(Layout::gyro_bias) = start.gyro_bias;
+    f.parameters.template segment<3>(Layout::accel_bias) = start.accel_bias;
+
+    StartCovariance<Frame> P(f, model, start);
+    const sensor::ImuErrorModel& imu = settings.imu.errors;
+    P.template set<3>(Layout::gyro_bias, start.std_gyro_bias);
+    P.template set<3>(Layout::accel_bias, start.std_accel_bias);
+    P.set(L.gyro_scale, 3, imu.gyro_scale);
+    P.set(L.accel_scale, 3, imu.accel_scale);
+    P.set(L.gyro_misalignment, 6, imu.gyro_misalignment);
+    P.set(L.accel_misalignment, 6, imu.accel_misalignment);
+    if (settings.aids.nonholonomic) {   // otherwise known only once wheels are recognised
+        P.set(L.mounting, 2, start.std_mounting);
+        P.set(L.axle, 1, 1.5);
+    }
+    if (L.lever_arm >= 0) {
+        f.parameters.template segment<3>(L.lever_arm) = settings.gnss.lever_arm_b;
+        P.set(L.lever_arm, 3, 1.0);
+    }
+    P.baro(*data.recording, settings.baro, start.nav);
+    P.set(L.mag_bias, 1, settings.mag.bias_std);
+    P.set(L.odometer_scale, 1, settings.odometer.scale_std);
+    P.set(L.heading_offset, 1, settings.heading.offset_std);
+    P.slow_error(L.gnss_position, Layout::position, settings.gnss.errors.correlated_position, start.position_of_fix);
+    P.slow_error(L.gnss_velocity, Layout::velocity, settings.gnss.errors.correlated_velocity, start.velocity_of_fix);
+    if (L.clock >= 0) start_ranging(f, L, settings.ranging.errors);
+    walk.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
+
+    const InertialErrorBounds bounds =
+        three_sigma(start.std_rpy.head<2>().maxCoeff(), start.std_gyro_bias.maxCoeff(), start.std_accel_bias.maxCoeff());
+    walk.feedback_period =
+        Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
+    walk.next_feedback = start.nav.time + walk.feedback_period;
+    if (settings.integrity.use && settings.integrity.window > 0.0 && !uses_ranges(settings.coupling)) walk.shadows.resize(2);
+    walk.increment = start.increment;
+    walk.next_output = start.nav.time;
+    walk.next_constraint = start.nav.time;
+    return walk;
+}
+
+template Walk<GeographicFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
+template Walk<EarthFixedFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
+template void start_ranging(InertialFilter<GeographicFrame>&, const Layout&, const sensor::RangingErrorModel&);
+template void start_ranging(InertialFilter<EarthFixedFrame>&, const Layout&, const sensor::RangingErrorModel&);
+
+}  // namespace schuler::fusion

@@ -1,0 +1,37 @@
+// From settings to the filter that a run needs: states, processes and start covariance. A coupling is a choice of these.
+#pragma once
+
+#include "schuler/filter/pass.h"
+#include "schuler/fusion/settings.h"
+
+namespace schuler::fusion {
+
+/// Where and how uncertain a run starts.
+struct Start {
+    NavState nav;
+    Eigen::Vector3d std_position, std_velocity;   ///< NED
+    Eigen::Vector3d std_rpy;                      ///< rad, mapped to the attitude error by its Jacobian
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();
+    Eigen::Vector3d std_gyro_bias, std_accel_bias;
+    /// 1 where a component (north, east, down) comes from a fix and so has the receiver's slow error in it, 0 where it does not.
+    Eigen::Vector3d position_of_fix = Eigen::Vector3d::Zero(), velocity_of_fix = Eigen::Vector3d::Zero();
+    double std_mounting = 0.03;                   ///< rad
+    std::size_t increment = 0;                    ///< first increment to consume
+    ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+};
+
+/// The states that a run with these settings and samples needs. @throws Error(Input) where they are more than a filter has room for.
+[[nodiscard]] Layout make_layout(const Settings& settings, const Recording& recording);
+
+/// Processes and noise of these states.
+[[nodiscard]] InertialModel make_model(const Settings& settings, const Layout& layout);
+
+/// Everything at the start: sigmas in human coordinates mapped to the error states.
+template <class Frame>
+[[nodiscard]] Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start);
+
+/// Covariance of the states that ranges have in common.
+template <class Frame>
+void start_ranging(InertialFilter<Frame>& filter, const Layout& layout, const sensor::RangingErrorModel& errors);
+
+}  // namespace schuler::fusion

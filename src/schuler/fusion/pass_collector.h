@@ -1,0 +1,97 @@
+// What a pass reports, gathered into a result.
+#pragma once
+
+#include "schuler/earth/earth.h"
+#include "schuler/filter/outputs.h"
+#include "schuler/fusion/run_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::fusion {
+
+inline constexpr double sensor_row_spacing = 1.0;   // s
+
+template <class Frame>
+class PassCollector : public PassObserver<Frame> {
+public:
+    using Filter = InertialFilter<Frame>;
+
+    PassCollector(const InertialModel& model, const Settings& settings, const PassOptions& options, Result& result, Time start)
+        : model_(model), settings_(settings), options_(options), result_(result), next_sensor_(start) {
+        if (settings.ranging.protection.use) limits_ = ProtectionLimits(settings.ranging.protection);
+    }
+
+    [[nodiscard]] bool wants_all_states(Time time) const override {
+        return options_.outputs && (settings_.covariance_rows || time >= next_sensor_);
+    }
+    void output(const Filter& f, Time time) override {
+        if (!options_.outputs) return;
+        const Matrix9 P = f.local_covariance(model_);
+        const NavState nav = f.geographic(model_);
+        result_.forward.rows.push_back(solution_row(nav, P));
+        if (settings_.covariance_rows) result_.forward.covariances.push_back(covariance_row(time, model_.layout, f.P));
+        if (time < next_sensor_) return;
+        while (next_sensor_ <= time) next_sensor_ = next_sensor_ + Duration::from_seconds(sensor_row_spacing);
+        const StateVector parameters = f.estimated_parameters();
+        if (settings_.state_rows) result_.forward.states.push_back(state_row(model_.layout, nav, parameters, f.P, P));
+        result_.forward.sensor_errors.push_back(sensor_error_row(time, model_.layout, parameters, f.P.diagonal()));
+        result_.forward.parameters.push_back(parameter_row(time, model_.layout, parameters, f.P));
+    }
+    void outage_epoch(const Filter&, const Event& event, const Measurement&, const AidRecord& r) override {
+        result_.forward.outage_epochs.push_back({event.outage, event.stamp, event.outage_end, r.innovation, r.sigma});
+    }
+    void aid(const AidRecord& r) override {
+        result_.aids.push_back(r);
+        if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) return;   // a height of another age is no epoch of its own
+        ++result_.counters.gnss_epochs;
+        ++(r.status == AidStatus::Accepted   ? result_.counters.gnss_accepted
+           : r.status == AidStatus::Withheld ? result_.counters.gnss_withheld
+                                             : result_.counters.gnss_rejected);
+    }
+    void alert(const Alert& a) override { result_.alerts.push_back(a); }
+    void ranges(const Walk<Frame>& walk, const RangeEpoch& epoch) override {
+        const RangeEpochWork& work = walk.ranges.work;
+        ++result_.counters.gnss_epochs;
+        ++(work.excluded == 0 ? result_.counters.gnss_accepted : result_.counters.gnss_rejected);
+        for (const RangeScalar& s : work.all()) result_.aids.push_back(record_of(s, walk.filter.time(), epoch.time));
+        if (settings_.ranging.protection.use) protect(walk, epoch);
+        if (!options_.after_ranges) return;
+        const NavState nav = walk.filter.geographic(model_);
+        const Eigen::Vector3d lever_n = nav.q_nb.toRotationMatrix() * settings_.gnss.lever_arm_b;
+        options_.after_ranges(epoch, earth::moved_by_ned(model_.earth, nav.position, lever_n),
+                              walk.filter.local_covariance(model_).template topLeftCorner<3, 3>());
+    }
+
+private:
+    static AidRecord record_of(const RangeScalar& s, Time time, Time stamp) {
+        AidRecord r;
+        r.time = time;
+        r.stamp = stamp;
+        r.kind = s.is_rate ? AidKind::RangeRate : AidKind::Pseudorange;
+        r.source = s.source;
+        r.status = s.use ? AidStatus::Accepted : AidStatus::Rejected;
+        r.dof = 1;
+        r.sigma(0) = s.use ? std::sqrt(s.s) : std::sqrt(s.variance);
+        r.innovation(0) = s.use ? s.sequential * r.sigma(0) : s.innovation;
+        r.sigma_state(0) = std::sqrt(std::max(0.0, s.s - s.variance));
+        r.nis = r.innovation(0) * r.innovation(0) / (r.sigma(0) * r.sigma(0));
+        return r;
+    }
+    void protect(const Walk<Frame>& walk, const RangeEpoch& epoch) {
+        const RangeEpochWork& work = walk.ranges.work;
+        const Matrix9 T = walk.filter.to_local_level(model_), P = walk.filter.local_covariance(model_);
+        const ProtectionLevels l = walk.ranges.watch.levels(limits_, P.template topLeftCorner<3, 3>(), T.template topRows<3>());
+        const int used = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
+        result_.forward.protection.push_back({epoch.time, l.horizontal, l.vertical, used, work.excluded, work.alarm});
+    }
+
+    const InertialModel& model_;
+    const Settings& settings_;
+    const PassOptions& options_;
+    Result& result_;
+    Time next_sensor_;
+    ProtectionLimits limits_;
+};
+
+}  // namespace schuler::fusion

@@ -1,0 +1,201 @@
+#include "schuler/fusion/run_pass.h"
+
+#include "schuler/core/error.h"
+#include "schuler/filter/outputs.h"
+#include "schuler/filter/tape.h"
+#include "schuler/fusion/pass_collector.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace schuler::fusion {
+
+namespace {
+
+using estim::StateAdjoint;
+
+/// One stretch of the smoother: this many increments are replayed at once.
+constexpr std::size_t stretch = 512;
+
+/// What the filter tells a receiver after `last`, which followed `before`: their means tell the force at the end of the last and
+/// how it changes.
+template <class Frame>
+Guide guide_of(const InertialModel& model, const Walk<Frame>& walk, const Settings& settings, const ImuIncrement& before,
+               const ImuIncrement& last) {
+    const InertialFilter<Frame>& f = walk.filter;
+    const Layout& L = model.layout;
+    const Estimate e = f.estimate(model);
+    const Eigen::Vector3d mean = last.dv / last.dt, change = (mean - before.dv / before.dt) / (0.5 * (last.dt + before.dt));
+    const Eigen::Vector3d f_b = mean + 0.5 * last.dt * change - e.parameters.template segment<3>(Layout::accel_bias);
+    Guide g;
+    g.time = f.time();
+    g.antenna = antenna_motion(model.earth, e.nav, f_b, e.w_ib_b, settings.gnss.lever_arm_b);
+    g.C_en = earth::C_en(e.nav.position.lat, e.nav.position.lon);
+    g.jerk_e = g.C_en * (e.C_nb * (change + e.w_ib_b.cross(f_b)));
+    g.P = f.local_covariance(model).template topLeftCorner<6, 6>();
+    g.drift = e.parameters(L.drift);
+    g.clock = e.parameters(L.clock);
+    g.std_clock = std::sqrt(std::max(0.0, f.P(L.clock, L.clock)));
+    g.std_drift = std::sqrt(std::max(0.0, f.P(L.drift, L.drift)));
+    return g;
+}
+
+/// The rows of a result go to the sink as they are made; the first and the last stay.
+class HandOver {
+public:
+    HandOver(std::vector<SolutionRow>& rows, const RowSink& sink) : rows_(rows), sink_(sink) {}
+    void now() {
+        if (!sink_ || rows_.empty()) return;
+        if (!first_) first_ = rows_.front();
+        last_ = rows_.back();
+        sink_(rows_);
+        rows_.clear();
+    }
+    void end() {
+        if (first_) rows_ = {*first_, *last_};
+    }
+
+private:
+    std::vector<SolutionRow>& rows_;
+    const RowSink& sink_;
+    std::optional<SolutionRow> first_, last_;
+};
+
+/// The way back over the checkpoints of a walk.
+template <class Frame>
+void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const std::vector<Walk<Frame>>& checkpoints, std::size_t end,
+                 const Progress& progress, Trajectory& out) {
+    StateAdjoint adjoint(estim::padded(model.layout.size));
+    Tape<Frame> tape;
+    Time next_sensor{INT64_MAX};
+    using Kind = typename Tape<Frame>::Kind;
+    const auto report = [&](Kind kind, const typename Tape<Frame>::Point& point, const StateAdjoint& a) {
+        InertialFilter<Frame> f = point.filter;
+        const bool sensors = kind == Kind::Outage || point.time <= next_sensor;
+        smooth_in_place(model, f, a, sensors);
+        if (kind == Kind::Output) {
+            out.rows.push_back(solution_row(f.geographic(model), f.local_covariance(model)));
+            if (!sensors) return;
+            next_sensor = point.time - Duration::from_seconds(sensor_row_spacing);
+            const StateVector parameters = f.estimated_parameters();
+            out.sensor_errors.push_back(sensor_error_row(point.time, model.layout, parameters, f.P.diagonal()));
+            out.parameters.push_back(parameter_row(point.time, model.layout, parameters, f.P));
+            return;
+        }
+        // An outage epoch: the same measurement against the smoothed state, to first order in the correction.
+        const Measurement m = point.filter.to_own(model, point.measurement);
+        const StateVector dx = -(point.filter.P * a.lambda);
+        OutageEpoch epoch = point.outage;
+        epoch.error = m.innovation;
+        for (int i = 0; i < m.dof; ++i) epoch.error(i) -= m.rows[static_cast<std::size_t>(i)].dot(dx);
+        epoch.sigma.setZero();
+        epoch.sigma.head(m.dof) = f.innovation_covariance(m).diagonal().head(m.dof).cwiseMax(0.0).cwiseSqrt();
+        out.outage_epochs.push_back(epoch);
+    };
+    std::size_t last = end;
+    for (std::size_t k = checkpoints.size(); k-- > 0;) {
+        tape.clear();
+        Walk<Frame> replay = checkpoints[k];
+        const std::size_t first = replay.increment;
+        pass.advance(replay, last, tape);
+        pass.propagate_covariance(replay, tape);
+        tape.rewind(adjoint, report);
+        if (first == 0) break;
+        last = first - 1;
+        if (progress && k % 16 == 0) progress(1.0 - 0.7 * static_cast<double>(k) / static_cast<double>(checkpoints.size()));
+    }
+    std::ranges::reverse(out.rows);
+    std::ranges::reverse(out.sensor_errors);
+    std::ranges::reverse(out.parameters);
+    std::ranges::reverse(out.outage_epochs);
+}
+
+template <class Frame>
+Result run_in(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options) {
+    const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
+    const Pass<Frame> pass(model, data, settings);
+    Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
+    Result result;
+    result.states.assign(model.layout.blocks().begin(), model.layout.blocks().end());
+    const std::size_t end = std::min(options.last_increment, data.imu.increments.size() - 1);
+    HandOver hand_over(result.forward.rows, options.rows);
+    if (options.outputs && !options.rows && end >= walk.increment) {
+        const auto n = static_cast<double>(end - walk.increment + 1);
+        const double rows = settings.output_rate > 0.0 ? n * data.imu.median_dt * settings.output_rate : n;
+        result.forward.rows.reserve(static_cast<std::size_t>(std::min(rows * 1.1 + 16.0, n + 16.0)));
+    }
+    PassCollector<Frame> collector(model, settings, options, result, walk.filter.time());
+    std::vector<Walk<Frame>> checkpoints;
+    const auto begin = std::chrono::steady_clock::now();
+    const std::size_t block = options.receiver ? 1 : stretch;
+    for (std::size_t done = 0; walk.increment <= end; ++done) {
+        if (options.smooth) {
+            pass.propagate_covariance(walk, collector);
+            checkpoints.push_back(walk);
+        }
+        const std::size_t last = std::min(end, walk.increment + block - 1);
+        if (options.receiver) {
+            const auto back = [&](std::size_t n) -> const ImuIncrement& { return data.imu.increments[last - std::min(last, n)]; };
+            pass.propagate_covariance(walk, collector);   // sigmas that do not grow while nothing is received would look where it was
+            options.receiver(guide_of(model, walk, settings, back(2), back(1)), back(0).time);
+        }
+        pass.advance(walk, last, collector);
+        hand_over.now();
+        if (options.progress && done % (block > 1 ? 16 : stretch) == 0)
+            options.progress(static_cast<double>(walk.increment) / static_cast<double>(end + 1) * (options.smooth ? 0.3 : 1.0));
+    }
+    hand_over.end();
+    result.filter_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (options.smooth) smooth_back(pass, model, checkpoints, end, options.progress, result.smoothed);
+    return result;
+}
+
+/// Log-likelihood of the accepted and rejected GNSS innovations; far ones count as far, not infinitely far.
+template <class Frame>
+struct StartTape : Tape<Frame> {
+    void aid(const AidRecord& r) override {
+        if (r.kind != AidKind::GnssPosition && r.kind != AidKind::GnssVelocity) return;
+        if (r.status == AidStatus::Withheld) return;
+        double log_sigma = 0.0;
+        for (int i = 0; i < 3; ++i)
+            if (r.sigma(i) > 0.0) log_sigma += std::log(r.sigma(i));
+        log_likelihood -= 0.5 * std::min(r.nis, 50.0) + log_sigma;
+    }
+    double log_likelihood = 0.0;
+};
+
+}  // namespace
+
+Result run_pass(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options) {
+    if (uses_ranges(settings.coupling) && data.recording->ranges.empty() && !options.receiver)
+        throw input_error("there are no pseudoranges", {.file = {}, .key = "filter.scheme"},
+                          "give raw measurements ([gnss] observations or [stations] file), or choose --scheme loose");
+    return settings.mechanization == Mechanization::Ecef ? run_in<EarthFixedFrame>(data, settings, start, options)
+                                                         : run_in<GeographicFrame>(data, settings, start, options);
+}
+
+StartEstimate smooth_start(const RunData& data, const Settings& settings, const Start& start, std::size_t last_increment) {
+    using Frame = GeographicFrame;
+    const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
+    const Pass<Frame> pass(model, data, settings);
+    Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
+    InertialFilter<Frame> first = walk.filter;
+    walk.next_output = Time{INT64_MAX};
+    StartTape<Frame> tape;   // a start is short: one stretch
+    pass.advance(walk, std::min(last_increment, data.imu.increments.size() - 1), tape);
+    StateAdjoint adjoint(estim::padded(model.layout.size));
+    tape.rewind(adjoint, [](auto, const auto&, const auto&) {});
+    smooth_in_place(model, first, adjoint, true);
+    StartEstimate estimate;
+    estimate.log_likelihood = tape.log_likelihood;
+    estimate.nav = first.geographic(model);
+    estimate.std_rpy = solution_row(estimate.nav, first.local_covariance(model)).std_rpy;
+    estimate.gyro_bias = first.parameters.segment<3>(Layout::gyro_bias);
+    estimate.accel_bias = first.parameters.segment<3>(Layout::accel_bias);
+    return estimate;
+}
+
+}  // namespace schuler::fusion

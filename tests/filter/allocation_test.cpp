@@ -1,0 +1,139 @@
+// The walk along the data allocates nothing: operator new is replaced in this program and counts.
+#include "ahrs/simulated_motion.h"
+#include "fusion/car_drive.h"
+
+#include "schuler/ahrs/mekf.h"
+#include "schuler/fusion/model.h"
+#include "schuler/fusion/still.h"
+#include "schuler/fusion/timeline.h"
+#include "schuler/fusion/tune.h"
+#include "schuler/math/chi_square.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+#include <variant>
+#include <vector>
+
+namespace {
+std::atomic<long> allocations{0};
+
+void* counted(std::size_t size, std::size_t alignment) {
+    allocations.fetch_add(1, std::memory_order_relaxed);
+    const std::size_t whole = (size + alignment - 1) / alignment * alignment;
+    return std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+}
+
+void* counted_or_throw(std::size_t size, std::size_t alignment) {
+    void* p = counted(size, alignment);
+    if (p == nullptr) throw std::bad_alloc();
+    return p;
+}
+}  // namespace
+
+// Every form whose memory these forms of delete may get: the address sanitizer brings its own of those left out, and would
+// complain of the stranger. Not inlined: the compiler would see std::free meet new.
+#define SCHULER_APART __attribute__((noinline))
+SCHULER_APART void* operator new(std::size_t size) { return counted_or_throw(size, alignof(std::max_align_t)); }
+SCHULER_APART void* operator new(std::size_t size, std::align_val_t alignment) {
+    return counted_or_throw(size, static_cast<std::size_t>(alignment));
+}
+SCHULER_APART void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted(size, alignof(std::max_align_t)); }
+SCHULER_APART void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+    return counted(size, static_cast<std::size_t>(alignment));
+}
+SCHULER_APART void* operator new[](std::size_t size) { return counted_or_throw(size, alignof(std::max_align_t)); }
+SCHULER_APART void* operator new[](std::size_t size, std::align_val_t alignment) {
+    return counted_or_throw(size, static_cast<std::size_t>(alignment));
+}
+SCHULER_APART void operator delete[](void* p) noexcept { std::free(p); }
+SCHULER_APART void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+SCHULER_APART void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+SCHULER_APART void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+SCHULER_APART void operator delete(void* p) noexcept { std::free(p); }
+SCHULER_APART void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+SCHULER_APART void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+SCHULER_APART void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Vector3d;
+using namespace testing;
+
+template <class Frame>
+long allocations_of_a_walk() {
+    sim::Scenario scenario = town_drive(61, 5.0, 50.0);
+    scenario.baro.rate = 5.0;
+    shake(scenario);
+    std::get<sim::RoutePath>(scenario.path).standstill = 25.0;
+    Recording recording = sim::simulate(scenario).recording;
+    for (std::size_t i = 0; i < recording.imu.size(); i += 10)
+        recording.mag.push_back({recording.imu[i].time, Vector3d(2e-5, 0.0, 4e-5)});
+    Settings f = settings_of(scenario);
+    f.scale_factors = f.estimate_lever_arm = f.aids.nonholonomic = true;
+    f.gnss.errors.correlated_position.setOnes();
+    f.gnss.errors.correlated_distance = 1e4;
+    f.gnss.latency = 0.003;   // epochs fall inside increments, which are split
+
+    WarningLog warnings;
+    RunData data;
+    data.recording = &recording;
+    data.imu = make_imu_timeline(recording.imu, f.imu, warnings);
+    data.events = make_events(recording, f, recording.gnss.front().time, warnings);
+    data.fix_noise = fix_noise(recording, f.gnss, warnings);
+    data.still = find_still(data.imu, recording, data.events, f);
+    for (int dof = 1; dof <= 3; ++dof) data.gates.chi_square[dof] = math::chi_square_quantile(0.9999, dof);
+    const Layout layout = make_layout(f, recording);
+    EXPECT_EQ(layout.size, 32);
+    EXPECT_GT(data.still.windows.size(), 10u);
+    const InertialModel model = make_model(f, layout);
+    const Pass<Frame> pass(model, data, f);
+
+    const ReferenceSample& truth = recording.reference.front();
+    Start start;
+    start.nav = {truth.time, truth.position, truth.velocity_n, math::quaternion_from_rpy(truth.rpy)};
+    start.std_position = start.std_velocity = start.std_rpy = start.std_gyro_bias = start.std_accel_bias = Vector3d::Constant(0.01);
+    Walk<Frame> walk = first_step<Frame>(model, data, f, start);
+    PassObserver<Frame> nobody;
+    const long before = allocations.load();
+    pass.advance(walk, 3999, nobody);   // stands, then drives: every kind of aid has its turn
+    const long made = allocations.load() - before;
+    EXPECT_EQ(walk.increment, 4000u);
+    EXPECT_GT(walk.event, 400u);
+    EXPECT_GT(walk.still, 10u);
+    EXPECT_GT(walk.outputs, 390u);
+    return made;
+}
+
+TEST(Allocation, NoneInTheWalk) {
+    EXPECT_EQ(allocations_of_a_walk<GeographicFrame>(), 0);
+    EXPECT_EQ(allocations_of_a_walk<EarthFixedFrame>(), 0);
+}
+
+TEST(Allocation, IsCounted) {
+    const long before = allocations.load();
+    const std::vector<double> some(3);
+    const std::vector<Eigen::Matrix4d> aligned(2);
+    EXPECT_EQ(allocations.load() - before, 2);
+    EXPECT_EQ(some.size() + aligned.size(), 5u);
+}
+
+TEST(Allocation, NoneInTheAttitudeFilter) {
+    const ahrs::testing::Motion motion;
+    const auto data = ahrs::testing::simulated(motion, 1);
+    ahrs::Mekf filter{ahrs::MekfSettings{}};
+    const long before = allocations.load();
+    for (const ahrs::testing::Instant& i : data) {
+        filter.step(motion.dt, i.gyro, i.accel);
+        filter.magnetometer(i.field);
+    }
+    const long after = allocations.load();
+    EXPECT_EQ(after, before);
+    EXPECT_TRUE(filter.started());
+}
+
+}  // namespace
+}  // namespace schuler::fusion
