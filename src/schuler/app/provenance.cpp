@@ -234,10 +234,17 @@ std::string fact_text(const Fact& fact) {
     return unit.empty() ? text : text + " " + unit;
 }
 
+bool is_news(const Fact& fact) {
+    static const SettingList defaults = config_table().used(Config{});
+    if (fact.how != Known::Given) return fact.how != Known::Default;
+    const auto plain = std::ranges::find(defaults, fact.key, &Setting::key);
+    return plain == defaults.end() || fact_value_of(plain->value) != fact.value;
+}
+
 std::string facts_table(const std::vector<Fact>& facts, bool notes) {
     std::string out;
     for (const Fact& fact : facts) {
-        if (fact.how == Known::Default) continue;
+        if (!is_news(fact)) continue;
         const std::string span = std::isfinite(fact.from) ? fmt::format("  {:.0f} to {:.0f} s", fact.from, fact.to) : std::string();
         out += fmt::format("  {:<6} {:<30} {}{}\n", name_of(fact.how), fact.key, fact_text(fact), span);
         if (notes && !fact.note.empty()) out += fmt::format("  {:<6} {:<30}   {}\n", "", "", fact.note);

@@ -21,7 +21,10 @@ void take_in_force(Config& config, const fusion::Findings& findings);
 /// "0.12 +- 0.02 s", "\"frd\"": the value of a fact for people.
 [[nodiscard]] std::string fact_text(const Fact& fact);
 
-/// The facts that are given, stated or found, a line each; `notes` adds the evidence.
+/// Neither a default nor a given value that is the default's anyway.
+[[nodiscard]] bool is_news(const Fact& fact);
+
+/// The facts that are given, stated or found and are news, a line each; `notes` adds the evidence.
 [[nodiscard]] std::string facts_table(const std::vector<Fact>& facts, bool notes);
 
 }  // namespace schuler::app

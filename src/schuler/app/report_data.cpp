@@ -1,5 +1,4 @@
 #include "schuler/app/bundle.h"
-#include "schuler/app/facts.h"
 #include "schuler/app/provenance.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/enu.h"
@@ -122,12 +121,8 @@ void add_findings(const ResultBundle& b, report::RunReportData& data) {
     const Vector3d& l = f.lever_arm_b;
     if (l.norm() > 0.0)
         out.emplace_back("lever arm forward, right, down", fmt::format("{:.3f}, {:.3f}, {:.3f} m", l.x(), l.y(), l.z()));
-    static const SettingList defaults = config_table().used(Config{});
     for (const Fact& fact : b.facts) {
-        // what is as it would be anyway is no news, whoever says it
-        const auto plain = std::ranges::find(defaults, fact.key, &Setting::key);
-        const bool usual = plain != defaults.end() && fact_value_of(plain->value) == fact.value;
-        if (fact.how == Known::Default || (fact.how == Known::Given && usual)) continue;
+        if (!is_news(fact)) continue;
         const std::string span = std::isfinite(fact.from) ? fmt::format(", {:.0f} to {:.0f} s", fact.from, fact.to) : std::string();
         out.emplace_back(fact.key, fmt::format("{} ({}{}{}{})", fact_text(fact), name_of(fact.how), span, fact.note.empty() ? "" : ": ", fact.note));
     }
