@@ -129,7 +129,7 @@ TEST_F(Csv, ManyBadRowsOrABadFirstRowAreAnError) {
 
 TEST_F(Csv, AbsurdValuesSuggestTheUnit) {
     const auto with = [](const std::string& bad) {
-        return imu_text(20, [&](int i, std::string row) { return i == 10 ? bad : row; });
+        return imu_text(20, [&](int i, std::string row) { return i == 10 || i == 11 ? bad : row; });   // one alone is an accident
     };
     expect_parts(message_of([&] { (void)imu(with("100.1,1,2,20000,1,2,3")); }),
                  {"imu.csv:12", "column 4", "gyro_z_rad_s", "deg/s", "[imu] scale = { gyro_rad_s"});
@@ -226,7 +226,7 @@ TEST_F(Csv, GnssFixWordsCodesAndUp) {
     EXPECT_EQ(t.fixes[0].fix, FixType::RtkFloat);
     EXPECT_EQ(t.fixes[1].fix, FixType::RtkFixed);
     EXPECT_EQ(t.fixes[2].fix, FixType::RtkFixed);
-    EXPECT_EQ(t.fixes[3].fix, FixType::Unknown);
+    EXPECT_EQ(t.fixes.size(), 3U) << "what 77 means is not guessed";
     EXPECT_EQ(log.count("gnss.fix.unknown"), 1U);
     options.fix_codes = {{"9", "rtkfixd"}};
     expect_parts(message_of([&] { (void)gnss("time_s,lat,lon,height_m,fix\n1,1,1,1,1\n", options); }),

@@ -48,8 +48,8 @@ AhrsEvaluation evaluate(const std::vector<ahrs::AttitudeRow>& rows, const std::v
 
 Outcome ahrs_dataset(const AhrsRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
-    const Dataset dataset = open_dataset(request.common.input, Needs::Imu);
-    const Config config = config_from(request.common.over(dataset.settings));
+    const Dataset dataset = open_dataset(request.common.input, Needs::Imu, request.common.over({}));
+    const Config config = config_from(dataset.settings);
     WarningLog warnings;
     AhrsBundle b;
     b.name = config.name.empty() ? dataset.name : config.name;

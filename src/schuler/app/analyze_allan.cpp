@@ -53,8 +53,8 @@ ImuLog imu_of(const ProcessRequest& request, WarningLog& warnings) {
         ResultBundle b = simulated_bundle(read_scenario(request.input, request.seed), request.over({}), warnings);
         return {b.name, std::move(b.data)};
     }
-    const Dataset dataset = open_dataset(request.input, Needs::Imu);
-    const Config config = config_from(request.over(dataset.settings));
+    const Dataset dataset = open_dataset(request.input, Needs::Imu, request.over({}));
+    const Config config = config_from(dataset.settings);
     return {config.name.empty() ? dataset.name : config.name, load_dataset(dataset, config, warnings)};
 }
 

@@ -28,6 +28,11 @@ struct Timing {
     double read_s = 0.0, filter_s = 0.0, write_s = 0.0, wall_s = 0.0;
 };
 
+/// A setting that was given and had no effect on a run.
+struct Ignored {
+    std::string key, reason;
+};
+
 struct ResultBundle {
     std::string command;                         ///< "process", "run"
     std::string version;
@@ -41,6 +46,8 @@ struct ResultBundle {
     Evaluation evaluation;
     Published published;                         ///< for the scenario, to compare with
     std::string config_toml;                     ///< every setting as used
+    std::vector<Fact> facts;                     ///< how each setting of the data is known
+    std::vector<Ignored> ignored;                ///< what was given and had no effect
     std::vector<std::string> warnings;
     Timing timing;
 
@@ -48,6 +55,9 @@ struct ResultBundle {
     [[nodiscard]] const fusion::Trajectory& solution() const { return smoothed() ? result.smoothed : result.forward; }
     [[nodiscard]] double relative(Time t) const { return (t - data.origin).seconds(); }
 };
+
+/// Every setting as it was in force, as TOML that repeats the run.
+[[nodiscard]] std::string config_in_force(const LoadedDataset& data);
 
 /// As in settings and summaries.
 [[nodiscard]] std::string_view scheme_name(Scheme scheme);

@@ -1,11 +1,15 @@
 #include "schuler/app/commands.h"
 
 #include "schuler/app/evaluation_json.h"
+#include "schuler/app/facts.h"
+#include "schuler/app/provenance.h"
 #include "schuler/app/detail/json.h"
-#include "schuler/app/raw_gnss.h"
 #include "schuler/app/trajectory_file.h"
+#include "schuler/dataset/raw_observations.h"
+#include "schuler/fusion/run_filter.h"
 #include "schuler/inspect/inspect.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace schuler::app {
@@ -39,9 +43,47 @@ Outcome evaluate_files(const fs::path& solution, const fs::path& reference, doub
     return out;
 }
 
+namespace {
+
+/// Opens and loads what has a description, as a run would, and with the same errors; what the files show goes into the report.
+inspect::InspectReport inspect_described(const fs::path& path, std::vector<Fact>& facts) {
+    Dataset d = open_dataset(path);
+    const Config config = config_from(d.settings);
+    WarningLog warnings;
+    const LoadedDataset data = load_dataset(d, config, warnings);
+    if (config.scheme != Scheme::Gnss) fusion::check_input(data.recording, data.config.filter, warnings);
+    inspect::InspectReport report = std::move(d.report);
+    report.path = path.string();
+    for (const std::string& text : warnings.summary()) report.problems.push_back({inspect::Level::Warning, text, {}});
+    report.dataset_toml = to_toml(d.settings, config_table().specs(), false);
+    for (const Setting& s : d.settings) {
+        Fact fact;
+        const auto found = std::ranges::find(d.facts, s.key, &Fact::key);
+        if (found != d.facts.end()) fact = *found;
+        fact.key = s.key;
+        fact.value = fact_value_of(s.value);
+        if (d.given.contains(s.key)) fact.how = Known::Given;
+        std::erase_if(facts, [&](const Fact& f) { return f.key == s.key; });
+        facts.push_back(std::move(fact));
+    }
+    return report;
+}
+
+bool is_described(const fs::path& path) {
+    std::error_code ec;
+    const auto extension = path.extension();
+    return fs::is_directory(path, ec) ? fs::exists(path / "dataset.toml", ec)
+                                      : fs::exists(path, ec) && (extension == ".toml" || extension == ".yaml" || extension == ".yml");
+}
+
+}  // namespace
+
 Outcome inspect_path(const fs::path& path) {
-    inspect::InspectReport report = inspect::inspect(path);
-    if (report.dataset_toml.empty()) report.dataset_toml = raw_dataset_toml(path);
+    std::vector<Fact> facts;
+    const bool described = is_described(path);
+    inspect::InspectReport report = described ? inspect_described(path, facts) : inspect::inspect(path);
+    if (!described) facts = report.facts;
+    if (report.dataset_toml.empty()) report.dataset_toml = dataset::raw_observations(path).dataset_toml;
     Json files = Json::array();
     for (const inspect::FileReport& f : report.files) {
         files.push_back({{"path", f.path},
@@ -63,9 +105,11 @@ Outcome inspect_path(const fs::path& path) {
                         {"files", files},
                         {"findings", findings},
                         {"problems", problems_of(report.problems)},
+                        {"facts", facts_json(facts)},
                         {"dataset_toml", report.dataset_toml}};
     Outcome out;
     out.tables = inspect::describe(report);
+    if (described) out.tables += "\n" + facts_table(facts, true);
     out.json = text_of(document);
     return out;
 }

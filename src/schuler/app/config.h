@@ -4,9 +4,8 @@
 #include "schuler/app/config_aids.h"
 #include "schuler/app/gravity_config.h"
 #include "schuler/app/option_table.h"
-#include "schuler/core/time.h"
+#include "schuler/dataset/description.h"
 #include "schuler/fusion/settings.h"
-#include "schuler/gnss/single_point.h"
 
 #include <algorithm>
 #include <map>
@@ -17,31 +16,12 @@
 
 namespace schuler::app {
 
-/// A file of a data set and how its columns are named.
-struct FileSource {
-    std::string file;                            ///< relative to the data set's folder, $NAME for environment variables
-    std::map<std::string, std::string> columns;  ///< canonical name = the file's name
-    std::map<std::string, double> scale;         ///< canonical name = factor to the canonical unit
-    double time_offset = 0.0;                    ///< s, added to the file's times
-};
-
-struct TimeConfig {
-    TimeScale scale = TimeScale::Gps;
-    std::optional<int> week;                     ///< GPS week of seconds of week
-    std::string date;                            ///< YYYY-MM-DD of seconds of day
-};
-
-/// Raw measurements of a receiver and how they become fixes.
-struct RawGnssConfig {
-    std::vector<std::string> observations;       ///< files; empty: there are none
-    std::vector<std::string> navigation;
-    std::string precise;
-    gnss::SinglePointSettings solver;
-    bool phase_velocity = false;                 ///< velocity from phases instead of Doppler
-};
+using dataset::FileSource;
+using dataset::Quaternion;
+using dataset::RawGnssConfig;
+using dataset::TimeConfig;
 
 enum class Scheme { Gnss, Separate, Loose, Tight, Medium, Deep };
-enum class Quaternion { BodyToNed, SensorToEnu };
 
 /// An outage as a user gives it.
 struct OutageSpan {
@@ -69,25 +49,14 @@ struct OutputConfig {
 };
 
 /// The settings of one run. fusion::Settings is filled by the bindings of config_table(), then by settled().
-struct Config {
+struct Config : dataset::Description {
     std::string name;
-    TimeConfig time;
-    FileSource imu, gnss, baro, mag, reference;
-    FileSource ranges;                           ///< [stations] file: pseudoranges to satellites and ground stations
-    std::string station_coordinates;             ///< [stations] coordinates: places of the stations
-    RawGnssConfig raw;
-    std::string axes = "frd";                    ///< sensor axes of the IMU
-    std::string mag_axes;                        ///< of the magnetometer; empty: those of the IMU
     std::string grade = "consumer";
-    std::map<std::string, std::string> fix_codes;
-    std::optional<double> undulation;            ///< m, geoid above ellipsoid, for heights above mean sea level
-    Quaternion quaternion = Quaternion::BodyToNed;
     double initial_time = not_given;             ///< s on the data set's own axis
     std::string preset = "ins15";
     Scheme scheme = Scheme::Loose;
     std::optional<bool> scale_factors, misalignments;  ///< not given: on where simulated, misalignments for a car too
     std::optional<bool> nonholonomic;            ///< not given: on for a car
-    double sea_level_pressure = 101325.0;        ///< Pa, by which pressures of a barometer become heights
     fusion::Settings filter;
     GravityConfig gravity;
     AidsConfig aids;

@@ -61,6 +61,8 @@ void add_imu_options(OptionTable<Config>& table) {
             "what the time stamp of a sample marks", [](auto& c) -> auto& { return c.filter.imu.stamp; }))
         .add(axes_option("imu.axes", "where the sensor's x, y, z point", &Config::axes, true))
         .add(mounting_option())
+        .add(number<Config>("imu.mounting_std_deg", units::deg, 1e-4, 90, "one sigma of its forward axis, where it is given",
+                            [](auto& c) -> auto& { return c.filter.imu.mounting_std; }))
         .add(imu_grade_option<Config>([](auto& c) -> auto& { return c.grade; },
                                       [](auto& c) -> auto& { return c.filter.imu.errors; }));
     add_imu_error_options(table, "imu.", [](auto& c) -> auto& { return c.filter.imu.errors; });

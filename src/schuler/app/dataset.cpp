@@ -1,14 +1,13 @@
 #include "schuler/app/dataset.h"
 
+#include "schuler/app/facts.h"
 #include "schuler/app/kfgins_settings.h"
-#include "schuler/app/raw_gnss.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/inspect/inspect.h"
 #include "schuler/io/kfgins.h"
 
 #include <algorithm>
 #include <cstdlib>
-#include <optional>
 
 namespace schuler::app {
 namespace {
@@ -26,94 +25,62 @@ std::string name_of(const fs::path& path) {
     return p.stem().empty() ? std::string("dataset") : p.stem().string();
 }
 
-Dataset from_toml(const fs::path& file) {
+std::set<std::string> keys_of(const SettingList& settings) {
+    std::set<std::string> keys;
+    for (const Setting& s : settings) keys.insert(s.key);
+    return keys;
+}
+
+/// Finds what `given` leaves open and puts it below.
+void resolve(Dataset& d, const fs::path& path, Needs needs, const SettingList& given, bool may_find_aids) {
+    const Config said = config_from(given);
+    inspect::Given g = given_of(said, given, d.folder);
+    g.find_aids = may_find_aids;
+    if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) needs = Needs::Imu;   // nothing to look for
+    dataset::Recognised r = dataset::recognise(path, needs, g);
+    if (!d.folder.empty() && !g.find_logs) {
+        // axes of time are the loader's where it knows dates; names are the folder's
+        std::erase_if(r.facts, [](const Fact& f) { return f.key == "name"; });
+    }
+    const std::string origin = "found in " + path.string();
+    d.settings = completed(settings_of(r.facts, origin), given);
+    d.facts = std::move(r.facts);
+    d.contradictions = std::move(r.report.contradictions);
+    d.doubts = std::move(r.doubts);
+    d.inferred_toml = std::move(r.dataset_toml);
+    d.report = std::move(r.report);
+}
+
+Dataset from_toml(const fs::path& file, Needs needs, const SettingList& above) {
     Dataset d;
     d.folder = file.parent_path();
-    d.settings = config_table().read(read_toml(file), file.string());
-    d.name = name_of(file.filename() == "dataset.toml" ? (d.folder.empty() ? fs::path(".") : d.folder) : file);
+    const bool of_folder = file.filename() == "dataset.toml";
+    const fs::path place = d.folder.empty() ? fs::path(".") : d.folder;
+    const SettingList given = overlaid(config_table().read(read_toml(file), file.string()), above);
+    d.given = keys_of(given);
+    d.name = name_of(of_folder ? place : file);
+    // a file of another name may be one of several that share a folder of logs
+    resolve(d, place, needs, given, of_folder);
+    d.inferred_toml.clear();
     return d;
 }
 
-Dataset from_kfgins(const fs::path& file) {
+Dataset from_kfgins(const fs::path& file, const SettingList& above) {
     Dataset d;
     d.folder = file.parent_path();
-    d.settings = kfgins_settings(io::read_kfgins_project(file.string()), file);
+    d.settings = overlaid(kfgins_settings(io::read_kfgins_project(file.string()), file), above);
+    d.given = keys_of(d.settings);
     d.name = name_of(file);
     return d;
 }
 
-/// No log of this kind was recognised: the most telling thing known about a file that might have been one.
-[[noreturn]] void throw_missing(const fs::path& path, const inspect::InspectReport& report, std::string_view kind) {
-    std::error_code ec;
-    const fs::path folder = fs::is_directory(path, ec) ? path : path.parent_path();
-    for (const inspect::FileReport& file : report.files) {
-        if (file.chosen || (file.kind != "unknown" && file.kind != kind)) continue;
-        for (const inspect::Problem& problem : file.problems) {
-            if (problem.level == inspect::Level::Info) continue;
-            throw input_error(problem.text, {(folder / file.path).string(), 0, 0, {}}, problem.mend);
-        }
-    }
-    if (fs::is_directory(folder / fmt::format("{}.csv", kind), ec)) {
-        throw input_error("this is a folder, not a file", {(folder / fmt::format("{}.csv", kind)).string(), 0, 0, {}},
-                          "put the log itself there, or name it in a dataset.toml");
-    }
-    const bool imu = kind == "imu";
-    throw input_error(fmt::format("no {} log was recognised in it", imu ? "IMU" : "GNSS"), {path.string(), 0, 0, {}},
-                      imu ? "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in a dataset.toml"
-                          : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");
-}
-
-bool recognised(const inspect::InspectReport& report, std::initializer_list<std::string_view> kinds) {
-    return std::ranges::any_of(report.files, [&](const inspect::FileReport& file) {
-        return file.chosen && std::ranges::find(kinds, std::string_view(file.kind)) != kinds.end();
-    });
-}
-
-/// Raw satellite measurements without inertial data.
-std::optional<Dataset> from_raw_gnss(const fs::path& path) {
+Dataset from_files(const fs::path& path, Needs needs, const SettingList& above) {
     Dataset d;
-    d.inferred_toml = raw_dataset_toml(path);
-    if (d.inferred_toml.empty()) return std::nullopt;
     std::error_code ec;
     d.folder = fs::is_directory(path, ec) ? path : path.parent_path();
-    const std::string origin = "dataset.toml inferred from " + path.string();
-    d.settings = config_table().read(parse_toml(d.inferred_toml, origin), origin);
     d.name = name_of(path);
-    return d;
-}
-
-Dataset from_inspection(const fs::path& path, Needs needs) {
-    const inspect::InspectReport report = inspect::inspect(path);
-    if (needs == Needs::ImuAndGnss && !recognised(report, {"imu", "kfgins_imu"})) {
-        if (auto raw = from_raw_gnss(path)) return std::move(*raw);
-    }
-    if (report.dataset_toml.empty()) {
-        std::string why = "no IMU log was recognised in it";
-        std::string mend = "`schuler inspect` says what was found; write a dataset.toml";
-        for (const auto& problem : report.problems) {
-            if (problem.level != inspect::Level::Error) continue;
-            why = problem.text;
-            if (!problem.mend.empty()) mend = problem.mend;
-        }
-        throw input_error(why, {path.string(), 0, 0, {}}, mend);
-    }
-    if (!recognised(report, {"imu", "kfgins_imu"})) throw_missing(path, report, "imu");
-    if (needs == Needs::ImuAndGnss && !recognised(report, {"gnss", "kfgins_gnss", "rtklib_pos", "nmea"}))
-        throw_missing(path, report, "gnss");
-    Dataset d;
-    for (const inspect::FileReport& file : report.files) {
-        if (!file.chosen) continue;
-        for (const inspect::Problem& problem : file.problems) {
-            if (problem.level == inspect::Level::Error)
-                d.doubts.push_back(fmt::format("{}: {}; taken with {}", file.path, problem.text, problem.mend));
-        }
-    }
-    std::error_code ec;
-    d.folder = fs::is_directory(path, ec) ? path : path.parent_path();
-    const std::string origin = "dataset.toml inferred from " + path.string();
-    d.settings = config_table().read(parse_toml(report.dataset_toml, origin), origin);
-    d.name = name_of(path);
-    d.inferred_toml = report.dataset_toml;
+    d.given = keys_of(above);
+    resolve(d, path, needs, above, true);
     return d;
 }
 
@@ -156,19 +123,15 @@ void blame_the_imu_log(const fs::path& folder, const Config& config) {
     }
 }
 
-Dataset open_dataset(const fs::path& path, Needs needs) {
+Dataset open_dataset(const fs::path& path, Needs needs, const SettingList& above) {
     std::error_code ec;
     if (!fs::exists(path, ec)) throw input_error("no such file or folder", {path.string(), 0, 0, {}}, "check the path");
-    Dataset d;
-    if (fs::is_directory(path, ec)) {
-        d = fs::exists(path / "dataset.toml", ec) ? from_toml(path / "dataset.toml") : from_inspection(path, needs);
-    } else if (path.extension() == ".toml") {
-        d = from_toml(path);
-    } else if (path.extension() == ".yaml" || path.extension() == ".yml") {
-        d = from_kfgins(path);
-    } else {
-        d = from_inspection(path, needs);
-    }
+    const bool folder = fs::is_directory(path, ec);
+    Dataset d = folder && fs::exists(path / "dataset.toml", ec)                   ? from_toml(path / "dataset.toml", needs, above)
+                : folder                                                          ? from_files(path, needs, above)
+                : path.extension() == ".toml"                                     ? from_toml(path, needs, above)
+                : path.extension() == ".yaml" || path.extension() == ".yml"       ? from_kfgins(path, above)
+                                                                                  : from_files(path, needs, above);
     const auto named = std::find_if(d.settings.rbegin(), d.settings.rend(), [](const Setting& s) { return s.key == "name"; });
     if (named != d.settings.rend() && named->value.text() != nullptr && !named->value.text()->empty())
         d.name = *named->value.text();

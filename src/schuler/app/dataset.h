@@ -3,10 +3,13 @@
 
 #include "schuler/app/config.h"
 #include "schuler/core/aid_samples.h"
+#include "schuler/core/fact.h"
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
+#include "schuler/dataset/recognise.h"
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,17 +19,22 @@ namespace schuler::app {
 struct Dataset {
     std::string name;
     std::filesystem::path folder;        ///< relative paths start here
-    SettingList settings;
-    std::string inferred_toml;           ///< the dataset.toml that would say what was inferred; empty where nothing was
+    SettingList settings;                ///< all layers: found, above them the data set's own, above those of the caller
+    std::set<std::string> given;         ///< keys of the upper layers
+    std::vector<Fact> facts;             ///< the lowest layer: what the files state or show
+    std::vector<inspect::Contradiction> contradictions;  ///< of what is given by what the files show
+    inspect::InspectReport report;       ///< what the files were recognised as; empty of a KF-GINS project
+    std::string inferred_toml;           ///< the dataset.toml that would say what was inferred; empty where there is one
     std::vector<std::string> doubts;     ///< what is wrong with the files that were recognised, and how it was taken
 };
 
-/// What a command cannot do without.
-enum class Needs { Imu, ImuAndGnss };
+using dataset::Needs;
 
 /// Opens a folder with dataset.toml, the path of a dataset.toml, a KF-GINS YAML file, or a folder or file whose content is
-/// recognised, as far as `needs` asks. @throws Error(Input) saying what is wrong and how to mend it.
-[[nodiscard]] Dataset open_dataset(const std::filesystem::path& path, Needs needs = Needs::ImuAndGnss);
+/// recognised, as far as `needs` asks. What neither the data set nor `above` (--config, --set) says is found from the files, the same
+/// for all of them but KF-GINS projects, which say everything.
+/// @throws Error(Input) saying what is wrong and how to mend it.
+[[nodiscard]] Dataset open_dataset(const std::filesystem::path& path, Needs needs = Needs::ImuAndGnss, const SettingList& above = {});
 
 /// A recording with what loading it has told about the settings.
 struct LoadedDataset {
@@ -34,6 +42,9 @@ struct LoadedDataset {
     AidLog aids;
     Config config;
     Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch
+    std::set<std::string> given;         ///< keys of the settings that a user or a scenario gave
+    std::vector<Fact> facts;             ///< what the files state or show
+    fusion::HeightKind logged_height = fusion::HeightKind::Ellipsoidal;  ///< before an undulation was added
     bool true_reference = false;         ///< the reference is simulated truth
     double read_seconds = 0.0;
 };

@@ -29,6 +29,8 @@ ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList&
     bundle.sky = std::move(simulated.sky);
     bundle.receiver_rows = std::move(simulated.receiver_rows);
     bundle.data.true_reference = true;
+    for (const Setting& s : simulated.settings) bundle.data.given.insert(s.key);
+    for (const Setting& s : over) bundle.data.given.insert(s.key);
     bundle.truth = hidden_truth(simulated.truth, bundle.data.config.filter.imu);
     return bundle;
 }

@@ -239,8 +239,8 @@ GravityBundle gravity_of_scenario(const ScenarioConfig& scenario, const ProcessR
 GravityBundle gravity_survey(const ProcessRequest& request, WarningLog& warnings, std::string& notice) {
     if (is_scenario(request.input)) return gravity_of_scenario(read_scenario(request.input, request.seed), request, warnings);
     GravityBundle b;
-    const Dataset dataset = open_dataset(request.input);
-    const Config config = config_from(request.over(dataset.settings));
+    const Dataset dataset = open_dataset(request.input, Needs::ImuAndGnss, request.over({}));
+    const Config config = config_from(dataset.settings);
     b.run.name = config.name.empty() ? dataset.name : config.name;
     b.run.version = request.version;
     b.run.data = load_dataset(dataset, config, warnings);

@@ -158,6 +158,7 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
 /// Heights above mean sea level become ellipsoidal where the undulation is known.
 void settle_heights(LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
+    out.logged_height = c.filter.gnss.height;
     if (c.filter.gnss.height != fusion::HeightKind::Msl || out.recording.gnss.empty()) return;
     if (c.undulation) {
         for (GnssFix& f : out.recording.gnss) f.position.h += *c.undulation;
@@ -190,6 +191,28 @@ void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     if (!c.reference.file.empty()) {
         out.recording.reference = read_reference(resolved(folder, c.reference.file, "reference.file"), c.reference, c, warnings);
     }
+}
+
+/// Where seconds of the week begin anew in one log, those that begin after that instant follow it into the next week.
+void settle_rollover(Recording& r) {
+    constexpr double week = 604'800.0;
+    bool rolled = false;
+    const auto each_log = [&r](auto visit) {
+        visit(r.imu);
+        visit(r.gnss);
+        visit(r.baro);
+        visit(r.mag);
+        visit(r.reference);
+    };
+    each_log([&](const auto& log) {
+        rolled = rolled || (!log.empty() && log.front().time.seconds() < week && log.front().time.seconds() > 0.5 * week &&
+                            log.back().time.seconds() >= week && log.back().time.seconds() < 1.5 * week);
+    });
+    if (!rolled) return;
+    each_log([&](auto& log) {
+        if (log.empty() || log.back().time.seconds() > 0.5 * week) return;
+        for (auto& sample : log) sample.time = sample.time + Duration::from_seconds(week);
+    });
 }
 
 /// Gravity must show in the accelerometers: a wrong unit is said before a filter makes nonsense of it.
@@ -281,11 +304,16 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     read_others(dataset.folder, out, warnings);
     read_gnss(dataset.folder, out, warnings);
     read_ranges(dataset.folder, out, warnings);
+    settle_rollover(out.recording);
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
     check_gravity(out, dataset.folder);
+    out.given = dataset.given;
+    out.facts = dataset.facts;
     for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
+    for (const inspect::Contradiction& c : dataset.contradictions)
+        warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; the given value is used", c.key, c.text));
     out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return out;
 }

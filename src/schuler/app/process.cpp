@@ -1,11 +1,14 @@
 #include "schuler/app/commands.h"
 #include "schuler/app/fuse.h"
+#include "schuler/app/ignored.h"
+#include "schuler/app/provenance.h"
 #include "schuler/app/solution_stream.h"
 #include "schuler/app/toml_file.h"
 
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <set>
 
 namespace schuler::app {
 namespace {
@@ -24,7 +27,6 @@ bool only_written(const LoadedDataset& data) {
 Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog& warnings,
                  const fs::path& folder, std::chrono::steady_clock::time_point begin) {
     bundle.version = request.version;
-    bundle.config_toml = to_toml(config_table().used(bundle.data.config), config_table().specs(), true);
     Outcome out;
     out.folder = request.folder_for(bundle.name);
     std::optional<SolutionStream> stream;
@@ -39,6 +41,18 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
         };
     }
     fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, sink);
+    take_in_force(bundle.data.config, bundle.result.findings);
+    bundle.facts = facts_of(bundle);
+    bundle.config_toml = config_in_force(bundle.data);
+    // a scenario's own words are the simulator's business
+    std::set<std::string> asked = bundle.data.given;
+    if (bundle.command == "run") {
+        asked.clear();
+        for (const Setting& s : request.over({})) asked.insert(s.key);
+    }
+    bundle.ignored = ignored_of(bundle, asked);
+    for (const Ignored& i : bundle.ignored)
+        warnings.add("ignored." + i.key, fmt::format("{} is given and has no effect: {}", i.key, i.reason));
     bundle.result.forward.rows = thinned(std::move(bundle.result.forward.rows), bundle.data.config.filter.output_rate);
     bundle.result.smoothed.rows = thinned(std::move(bundle.result.smoothed.rows), bundle.data.config.filter.output_rate);
     if (!bundle.evaluation.errors.empty() && bundle.evaluation.summary.epochs == 0) {
@@ -90,8 +104,8 @@ Outcome process_dataset(const ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const bool given_start = !request.config.empty() ||
                              std::ranges::any_of(request.above, [](const Setting& s) { return s.key == "initial.lat_deg"; });
-    const Dataset dataset = open_dataset(request.input, given_start ? Needs::Imu : Needs::ImuAndGnss);
-    const Config config = config_from(request.over(dataset.settings));
+    const Dataset dataset = open_dataset(request.input, given_start ? Needs::Imu : Needs::ImuAndGnss, request.over({}));
+    const Config config = config_from(dataset.settings);
     WarningLog warnings;
     ResultBundle bundle;
     bundle.command = "process";

@@ -103,40 +103,4 @@ std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig&
     return fixes;
 }
 
-std::string raw_dataset_toml(const fs::path& path) {
-    std::error_code ec;
-    const bool folder = fs::is_directory(path, ec);
-    const fs::path beside = folder ? path : path.parent_path().empty() ? fs::path(".") : path.parent_path();
-    std::vector<std::string> observations, navigation, logs;  // logs of receivers have both
-    for (const auto& entry : fs::directory_iterator(beside, ec)) {
-        if (!entry.is_regular_file(ec)) continue;
-        const io::RawFormat format = io::raw_format(entry.path());
-        const std::string name = entry.path().filename().string();
-        if (format == io::RawFormat::RinexNavigation) navigation.push_back(name);
-        if (format == io::RawFormat::RinexObservations) observations.push_back(name);
-        if (format == io::RawFormat::Ubx || format == io::RawFormat::Rtcm3) logs.push_back(name);
-    }
-    for (auto* names : {&observations, &navigation, &logs}) std::ranges::sort(*names);
-    const bool only_logs = observations.empty();
-    observations.insert(observations.end(), logs.begin(), logs.end());
-    if (!folder) {
-        const std::string own = path.filename().string();
-        if (std::ranges::find(observations, own) == observations.end()) return {};
-        observations = {own};
-    }
-    const bool complete = !observations.empty() && std::ranges::find(logs, observations.front()) != logs.end();
-    if (observations.empty() || (navigation.empty() && !complete)) return {};
-    const auto quoted = [](const std::string& name) { return to_toml(Value{name}); };
-    std::string toml = fmt::format("# Inferred from the {} files.\n[gnss]\nobservations = {}\n",
-                                   only_logs && navigation.empty() ? "receiver's" : "RINEX", quoted(observations.front()));
-    for (std::size_t i = 1; i < observations.size(); ++i)
-        toml += fmt::format("# or observations = {}\n", quoted(observations[i]));
-    if (!navigation.empty()) {
-        toml += "navigation = [";
-        for (std::size_t i = 0; i < navigation.size(); ++i) toml += (i > 0 ? ", " : "") + quoted(navigation[i]);
-        toml += "]\n";
-    }
-    return toml + "[filter]\nscheme = \"gnss\"\n";
-}
-
 }  // namespace schuler::app

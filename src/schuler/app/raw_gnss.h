@@ -19,9 +19,4 @@ namespace schuler::app {
 /// A solved epoch as a fix.
 [[nodiscard]] GnssFix fix_from(const gnss::SinglePointSolution& solution);
 
-/// The dataset.toml of a folder with raw measurements, or of one such file with the navigation files beside it; empty where there
-/// are none or nothing has ephemerides. Of several the first by name is taken, RINEX before logs of receivers (UBX, RTCM 3), which
-/// may need no navigation files; the others stand in a comment.
-[[nodiscard]] std::string raw_dataset_toml(const std::filesystem::path& path);
-
 }  // namespace schuler::app

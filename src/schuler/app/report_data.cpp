@@ -1,4 +1,5 @@
 #include "schuler/app/bundle.h"
+#include "schuler/app/provenance.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/enu.h"
 #include "schuler/report/run_report.h"
@@ -108,6 +109,11 @@ void add_findings(const ResultBundle& b, report::RunReportData& data) {
     const Vector3d& l = f.lever_arm_b;
     if (l.norm() > 0.0)
         out.emplace_back("lever arm forward, right, down", fmt::format("{:.3f}, {:.3f}, {:.3f} m", l.x(), l.y(), l.z()));
+    for (const Fact& fact : b.facts) {
+        if (!is_news(fact)) continue;
+        const std::string span = std::isfinite(fact.from) ? fmt::format(", {:.0f} to {:.0f} s", fact.from, fact.to) : std::string();
+        out.emplace_back(fact.key, fmt::format("{} ({}{}{}{})", fact_text(fact), name_of(fact.how), span, fact.note.empty() ? "" : ": ", fact.note));
+    }
 }
 
 void add_sensor_errors(const ResultBundle& b, report::RunReportData& data) {

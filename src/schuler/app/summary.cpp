@@ -1,6 +1,7 @@
 #include "schuler/app/bundle.h"
 #include "schuler/app/evaluation_json.h"
 #include "schuler/app/detail/json.h"
+#include "schuler/app/provenance.h"
 #include "schuler/core/units.h"
 
 #include <cmath>
@@ -122,6 +123,12 @@ Json findings_of(const ResultBundle& b) {
             {"lever_arm_m", {f.lever_arm_b.x(), f.lever_arm_b.y(), f.lever_arm_b.z()}}};
 }
 
+Json ignored_json(const std::vector<Ignored>& ignored) {
+    Json list = Json::array();
+    for (const Ignored& i : ignored) list.push_back({{"key", i.key}, {"reason", i.reason}});
+    return list;
+}
+
 }  // namespace
 
 std::string_view scheme_name(Scheme scheme) {
@@ -160,6 +167,8 @@ std::string summary_json(const ResultBundle& b) {
     out["outages_forward"] = b.smoothed() ? of(e.outages_forward, b.data.origin) : Json(nullptr);
     out["findings"] = findings_of(b);
     out["integrity"] = integrity_of(b);
+    out["facts"] = facts_json(b.facts);
+    out["ignored"] = ignored_json(b.ignored);
     out["gravity"] = nullptr;
     out["montecarlo"] = nullptr;
     out["timing"] = timing(b.timing, b.result.counters.imu_epochs, b.result.filter_seconds);

@@ -1,5 +1,6 @@
 #include "schuler/app/bundle.h"
 #include "schuler/app/evaluation_json.h"
+#include "schuler/app/provenance.h"
 #include "schuler/core/units.h"
 
 #include <cmath>
@@ -90,6 +91,7 @@ std::string summary_tables(const ResultBundle& b) {
         rows.empty() ? 0.0 : (rows.back().time - rows.front().time).seconds(), n.imu_epochs, n.imu_rate, n.imu_gaps,
         n.gnss_epochs, n.gnss_accepted, n.gnss_rejected, n.gnss_withheld, b.smoothed() ? ", smoothed" : "");
     if (!b.result.findings.alignment.empty()) out += fmt::format("start: {}\n", b.result.findings.alignment);
+    if (b.command == "process") out += "\n" + facts_table(b.facts, false);
     const Evaluation& e = b.evaluation;
     if (e.summary.epochs > 0) {
         out += "\n" + error_table(e.summary, fmt::format("errors against {} from {:.1f} s",

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -119,6 +120,15 @@ struct Trajectory {
     std::vector<ProtectionRow> protection;         ///< one an epoch of ranges, forward pass only
 };
 
+struct Settings;
+
+/// A setting that was fitted to the innovations of a trial run.
+struct TunedSetting {
+    std::string key;                          ///< of dataset.toml
+    double sigma = 0.0;                       ///< by the curvature of the likelihood, which takes innovations for independent
+    bool relative = false;                    ///< sigma is a share of the value, not in SI
+};
+
 /// What start-up and the estimators of settings found.
 struct Findings {
     Time aligned_at{};                        ///< heading known from here on
@@ -131,6 +141,11 @@ struct Findings {
     Eigen::Vector3d std_velocity_scale = Eigen::Vector3d::Ones();
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< m, used or estimated
     double gyro_noise = 0.0, accel_noise = 0.0;   ///< rad/sqrt(s), m/s/sqrt(s), used or estimated
+    Time started_at{};                        ///< of the initial state
+    double heading = not_given, std_heading = not_given;  ///< rad, of the initial state
+    std::vector<TunedSetting> tuned;
+    Time tuned_from{}, tuned_to{};            ///< span of the trial runs
+    std::shared_ptr<const Settings> in_force; ///< with everything that was found, nothing left to be estimated; null: as given
 };
 
 struct Counters {

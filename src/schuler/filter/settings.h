@@ -39,6 +39,7 @@ struct ImuSettings {
     ImuStamp stamp = ImuStamp::End;
     Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes to forward-right-down, from `axes`
     Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, roll, pitch, yaw from body to sensor (after `axes`)
+    double mounting_std = 0.03;                          ///< rad, of the forward axis that is given or found
     bool estimate_mounting = false;                      ///< find the mounting by itself (needs motion)
     sensor::ImuErrorModel errors;                        ///< what the filter believes
     bool estimate_noise = false;                         ///< fit the white noise to the innovations (a grade is only a guess)

@@ -88,22 +88,11 @@ GateLimits gate_limits(const AidSettings& aids) {
     return limits;
 }
 
-/// Turns the body: C_new_old takes old body components to new ones.
-void turn_body(RunData& data, Settings& settings, Start& start, const Eigen::Matrix3d& C_new_old) {
-    for (ImuIncrement& inc : data.imu.increments) {
-        inc.dtheta = C_new_old * inc.dtheta;
-        inc.dv = C_new_old * inc.dv;
-    }
-    for (StillWindow& w : data.still.windows) {
-        w.mean_rate_b = C_new_old * w.mean_rate_b;
-        w.mean_force_b = C_new_old * w.mean_force_b;
-    }
-    settings.imu.mounting_rpy = math::rpy_from_dcm(C_new_old * math::dcm_from_rpy(settings.imu.mounting_rpy));
-    start.nav.q_nb = (start.nav.q_nb * Eigen::Quaterniond(C_new_old.transpose())).normalized();
-    start.gyro_bias = C_new_old * start.gyro_bias;
-    start.accel_bias = C_new_old * start.accel_bias;
-    start.previous.dtheta = C_new_old * start.previous.dtheta;
-    start.previous.dv = C_new_old * start.previous.dv;
+/// The settings of a run that finds what this one has found by being told.
+Settings in_force(Settings settings) {
+    settings.imu.estimate_mounting = settings.imu.estimate_noise = false;
+    settings.gnss.estimate_latency = settings.gnss.estimate_std = false;
+    return settings;
 }
 
 std::size_t last_increment(const RunData& data, const Settings& settings) {
@@ -116,6 +105,19 @@ std::size_t last_increment(const RunData& data, const Settings& settings) {
 }
 
 }  // namespace
+
+void check_input(const Recording& recording, const Settings& settings, WarningLog& warnings) {
+    check_settings(settings);
+    check_overlap(recording, settings.initial, warnings);
+    const Geodetic& p = settings.initial.position;
+    if (std::isfinite(p.lat) && std::isfinite(p.lon) && std::isfinite(p.h)) return;
+    const bool fix = std::ranges::any_of(recording.gnss, [&](const GnssFix& f) {
+        return f.time >= recording.imu.front().time && f.time <= recording.imu.back().time && std::isfinite(f.position.lat);
+    });
+    if (!fix)
+        throw input_error("no GNSS fix lies inside the time of the IMU log", {.file = {}, .key = "gnss"},
+                          "check that both files use the same time axis (`schuler inspect` shows their spans), or give [initial]");
+}
 
 Result run_filter(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                   const RowSink& rows, const ReceiverInLoop& receiver) {
@@ -148,20 +150,32 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     Start start = find_start(data, settings, findings, warnings);
     if (tuning) {
         tune(data, settings, start, origin, findings, warnings);
+        data.still = find_still(data.imu, recording, data.events, settings);   // whose fixes have moved in time
         start = find_start(data, settings, findings, warnings);
     }
     if (settings.imu.estimate_mounting) {
         const MountingEstimate mounting = estimate_mounting(data, settings, start);
         if (mounting.found) {
-            turn_body(data, settings, start, mounting.C_vb);
-            start.std_mounting = std::max(0.01, 2.0 * mounting.std_rpy.z());
+            // everything again in the vehicle's axes, as if they had been given
+            const Vector3d rpy = math::rpy_from_dcm(mounting.C_vb * math::dcm_from_rpy(settings.imu.mounting_rpy));
+            settings.imu.mounting_rpy = rpy.unaryExpr([](double angle) { return as_written(angle, units::deg); });
+            settings.imu.mounting_std = as_written(std::max(0.01, 2.0 * mounting.std_rpy.z()), units::deg);
             findings.std_mounting_rpy = mounting.std_rpy;
+            WarningLog heard;   // already, of the first time
+            data.imu = make_imu_timeline(recording.imu, settings.imu, heard);
+            data.still = find_still(data.imu, recording, data.events, settings);
+            start = find_start(data, settings, findings, heard);
         } else {
             warnings.add("mounting", "the mounting of the IMU cannot be found: the vehicle hardly moves; its axes are taken as the "
                                      "vehicle's and the vehicle constraint is left out");
             settings.aids.nonholonomic = settings.aids.nonholonomic_auto = false;
         }
     }
+    start.std_mounting = settings.imu.mounting_std;
+    findings.started_at = start.nav.time;
+    findings.heading = math::rpy_from_quaternion(start.nav.q_nb).z();
+    findings.std_heading = start.std_rpy.z();
+    findings.in_force = std::make_shared<const Settings>(in_force(settings));
     PassOptions options;
     options.smooth = settings.smooth;
     options.last_increment = last_increment(data, settings);

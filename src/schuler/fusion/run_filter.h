@@ -12,6 +12,10 @@
 
 namespace schuler::fusion {
 
+/// Throws Error(Input) where settings and recording cannot give a run: settings out of range, logs without time in common, no fix to
+/// start from.
+void check_input(const Recording& recording, const Settings& settings, WarningLog& warnings);
+
 /// Reports progress in [0, 1]; called at most some hundred times a run.
 using Progress = std::function<void(double)>;
 

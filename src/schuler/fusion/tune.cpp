@@ -1,12 +1,16 @@
 #include "schuler/fusion/tune.h"
 
+#include "schuler/core/units.h"
 #include "schuler/fusion/timeline.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
+#include <iterator>
+#include <map>
 
 namespace schuler::fusion {
 namespace {
@@ -25,6 +29,10 @@ public:
                                          [](const ImuIncrement& i, Time t) { return i.time < t; });
         last_ = std::min(last_, static_cast<std::size_t>(it - data.imu.increments.begin()));
     }
+
+    [[nodiscard]] Time stop() const { return data_.imu.increments[last_].time; }
+    /// Components that the last cost was the mean of.
+    [[nodiscard]] double count() const { return count_; }
 
     /// Mean negative log-likelihood per component: of the GNSS alone, or of barometer and magnetometer too.
     double cost(const Settings& settings, bool surroundings) {
@@ -58,6 +66,7 @@ public:
                 n += 1.0;
             }
         }
+        count_ = n;
         return n > 0.0 ? sum / n : 1e9;
     }
 
@@ -66,13 +75,30 @@ private:
     const Start& start_;
     Time origin_;
     std::size_t last_;
+    double count_ = 0.0;
 };
 
-/// Minimum of f on a grid, refined by a parabola and two bisections of the grid's step.
-double minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements) {
+struct Minimum {
+    double at = 0.0;
+    double curvature = 0.0;   ///< second derivative by the nearest trials on both sides; zero where there are none
+    double step = 0.0;        ///< distance of the last trials
+};
+
+double curvature_at(double x, const std::map<double, double>& trials) {
+    const auto at = trials.find(x);
+    if (at == trials.end() || at == trials.begin() || std::next(at) == trials.end()) return 0.0;
+    const auto [x0, c0] = *std::prev(at);
+    const auto [x1, c1] = *std::next(at);
+    return 2.0 * ((c1 - at->second) / (x1 - x) - (at->second - c0) / (x - x0)) / (x1 - x0);
+}
+
+/// Minimum of f on a grid, refined by bisections of the grid's step.
+Minimum minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements) {
     double step = (high - low) / (points - 1), best = low, best_cost = 1e300;
+    std::map<double, double> trials;
     for (int i = 0; i < points; ++i) {
         const double x = low + step * i, c = f(x);
+        trials[x] = c;
         if (c < best_cost) {
             best = x;
             best_cost = c;
@@ -82,13 +108,14 @@ double minimise(const std::function<double(double)>& f, double low, double high,
         step *= 0.5;
         for (const double x : {best - step, best + step}) {
             const double c = f(x);
+            trials[x] = c;
             if (c < best_cost) {
                 best = x;
                 best_cost = c;
             }
         }
     }
-    return best;
+    return {best, curvature_at(best, trials), step};
 }
 
 /// White part of the sigma that a log states of the whole error, whose slow part is a state. What is left is kept above a tenth of
@@ -98,6 +125,8 @@ double white_part(double stated, double slow) {
 }
 
 }  // namespace
+
+double as_written(double si, double unit) { return std::strtod(fmt::format("{:.6g}", si / unit).c_str(), nullptr) * unit; }
 
 MissingStd missing_std(const Recording& recording) {
     MissingStd missing;
@@ -152,6 +181,7 @@ constexpr double wander_time = 60.0;   // s, of a receiver's slow position error
 
 /// A positive setting searched on a logarithmic scale about its value before tuning; NaN-free and remembered between rounds.
 struct LogKnob {
+    const char* key;                                ///< of dataset.toml
     std::function<void(Settings&, double)> apply;   ///< sets the setting to its first value times exp(x)
     double low, high;                               ///< of x, first round
     bool surroundings = false;
@@ -163,35 +193,35 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     const sensor::ImuErrorModel imu = before.imu.errors;
     const GnssSettings g = before.gnss;
     if (before.imu.estimate_noise) {
-        knobs.push_back({[imu](Settings& s, double x) { s.imu.errors.gyro_noise = std::exp(x) * imu.gyro_noise; }, -1.4, 4.2});
-        knobs.push_back({[imu](Settings& s, double x) { s.imu.errors.accel_noise = std::exp(x) * imu.accel_noise; }, -1.4, 5.6});
+        knobs.push_back({"imu.gyro_noise_deg_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.gyro_noise = std::exp(x) * imu.gyro_noise; }, -1.4, 4.2});
+        knobs.push_back({"imu.accel_noise_m_s_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.accel_noise = std::exp(x) * imu.accel_noise; }, -1.4, 5.6});
     }
     if (g.estimate_std && missing.position) {
-        knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
+        knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
                          -4.0, 1.2});
-        knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); }, -4.0, 1.2});
+        knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); }, -4.0, 1.2});
     }
     if (g.estimate_std && missing.position && g.errors.correlated_position.isZero()) {
         // A receiver that does not say how good it is mostly wanders: innovations that look alike tell.
-        knobs.push_back({[](Settings& s, double x) {
+        knobs.push_back({"gnss.correlated_m", [](Settings& s, double x) {
                              s.gnss.errors.correlated_position.setConstant(0.5 * std::exp(x));
                              s.gnss.errors.correlated_time = wander_time;
                          }, -3.0, 0.0});
     }
     if (g.estimate_std && missing.velocity && has_velocity) {
-        knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>(); },
+        knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>(); },
                          -2.0, 2.0});
-        knobs.push_back({[g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); }, -2.0, 2.0});
+        knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); }, -2.0, 2.0});
     }
     if (before.imu.estimate_noise && before.baro.use && !recording.baro.empty()) {
         const BaroSettings b = before.baro;
-        knobs.push_back({[b](Settings& s, double x) { s.baro.std = std::exp(x) * b.std; }, -3.0, 1.5, true});
-        knobs.push_back({[b](Settings& s, double x) { s.baro.bias_walk = std::exp(x) * b.bias_walk; }, -2.0, 3.0, true});
+        knobs.push_back({"baro.white_m", [b](Settings& s, double x) { s.baro.std = std::exp(x) * b.std; }, -3.0, 1.5, true});
+        knobs.push_back({"baro.bias_walk_m", [b](Settings& s, double x) { s.baro.bias_walk = std::exp(x) * b.bias_walk; }, -2.0, 3.0, true});
     }
     if (before.imu.estimate_noise && before.mag.use && !recording.mag.empty()) {
         const MagSettings m = before.mag;
-        knobs.push_back({[m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true});
-        knobs.push_back({[m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; }, -3.0, 3.0, true});
+        knobs.push_back({"mag.heading_std_deg", [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true});
+        knobs.push_back({"mag.heading_bias_walk_deg", [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; }, -3.0, 3.0, true});
     }
     return knobs;
 }
@@ -206,40 +236,56 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
                               std::any_of(data.recording->gnss.begin(), data.recording->gnss.end(),
                                           [](const GnssFix& f) { return f.velocity_n.head<2>().allFinite(); });
     std::vector<LogKnob> knobs = noise_knobs(before, *data.recording, missing, has_velocity);
-    const auto search = [&](const std::function<void(Settings&, double)>& apply, double low, double high, int points, int refinements,
-                            bool surroundings) {
-        const double best = minimise(
+    findings.tuned_from = start.nav.time;
+    findings.tuned_to = judge.stop();
+    const auto search = [&](const char* key, bool relative, const std::function<void(Settings&, double)>& apply, double low, double high,
+                            int points, int refinements, bool surroundings) {
+        const Minimum best = minimise(
             [&](double x) {
                 Settings s = settings;
                 apply(s, x);
                 return judge.cost(s, surroundings);
             },
             low, high, points, refinements);
-        apply(settings, best);
-        return best;
+        apply(settings, best.at);
+        const double information = best.curvature * judge.count();
+        const double sigma = std::hypot(information > 0.0 ? 1.0 / std::sqrt(information) : 0.5 * (high - low), 0.5 * best.step);
+        const auto same = std::ranges::find(findings.tuned, key, &TunedSetting::key);
+        if (same == findings.tuned.end())
+            findings.tuned.push_back({key, sigma, relative});
+        else
+            same->sigma = sigma;
+        return best.at;
     };
     for (int round = 0; round < (knobs.empty() ? 1 : 3); ++round) {
         for (LogKnob& k : knobs)
-            k.x = round == 0 ? search(k.apply, k.low, k.high, 5, 1, k.surroundings)
-                             : search(k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings);
+            k.x = round == 0 ? search(k.key, true, k.apply, k.low, k.high, 5, 1, k.surroundings)
+                             : search(k.key, true, k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings);
         if (!settings.gnss.estimate_latency) continue;
         const auto all = [](Settings& s, double x) { s.gnss.latency = x; };
         const double around = settings.gnss.latency;
         if (round == 0)
-            search(all, -0.2, 0.5, 8, 2, false);
+            search("gnss.latency_s", false, all, -0.2, 0.5, 8, 2, false);
         else
-            search([around](Settings& s, double x) {
+            search("gnss.latency_s", false, [around](Settings& s, double x) {
                 if (!s.gnss.velocity_latency) s.gnss.velocity_latency = around;
                 s.gnss.latency = x;
             }, around - 0.1, around + 0.1, 3, 3, false);
         if (has_velocity && !before.gnss.velocity_latency) {
             const double now = settings.gnss.velocity_latency.value_or(settings.gnss.latency);
-            search([](Settings& s, double x) { s.gnss.velocity_latency = x; }, now - 0.2, now + 0.2, 5, 4, false);
+            search("gnss.velocity_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_latency = x; }, now - 0.2, now + 0.2, 5, 4, false);
         }
         if (has_velocity && !before.gnss.velocity_down_latency) {
             const double now = settings.gnss.velocity_down_latency.value_or(settings.gnss.velocity_latency.value_or(settings.gnss.latency));
-            search([](Settings& s, double x) { s.gnss.velocity_down_latency = x; }, now - 0.2, now + 0.2, 5, 3, false);
+            search("gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; }, now - 0.2, now + 0.2, 5, 3, false);
         }
+    }
+    if (before.imu.estimate_noise) {
+        sensor::ImuErrorModel& imu = settings.imu.errors;
+        imu.gyro_noise = as_written(imu.gyro_noise, units::deg_per_sqrt_hour);
+        imu.accel_noise = as_written(imu.accel_noise, units::m_s_per_sqrt_hour);
+        settings.mag.heading_std = as_written(settings.mag.heading_std, units::deg);
+        settings.mag.bias_walk = as_written(settings.mag.bias_walk, units::deg);
     }
     findings.std_position_scale = settings.gnss.default_std_position.cwiseQuotient(before.gnss.default_std_position);
     findings.std_velocity_scale = settings.gnss.default_std_velocity.cwiseQuotient(before.gnss.default_std_velocity);

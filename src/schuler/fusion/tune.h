@@ -8,6 +8,9 @@ namespace schuler::fusion {
 /// Noise of each fix: the log's sigma (raised to the floor), or the scaled default where the log has none; counts the missing ones.
 [[nodiscard]] std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& settings, WarningLog& warnings);
 
+/// A value that was found, in the six digits of `unit` that settings files have of it: what is written repeats the run.
+[[nodiscard]] double as_written(double si, double unit);
+
 /// True where the log leaves out standard deviations of positions or of velocities.
 struct MissingStd {
     bool position = false, velocity = false;

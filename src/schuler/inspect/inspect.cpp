@@ -2,10 +2,12 @@
 
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/study.h"
+#include "schuler/io/raw_input.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <system_error>
 
 namespace schuler::inspect {
@@ -54,21 +56,39 @@ int preference(const LoadedFile& file) {
     return points;
 }
 
+const GivenFile* named(const Given& given, io::TableKind kind) {
+    const GivenFile* file = kind == io::TableKind::Imu         ? &given.imu
+                            : kind == io::TableKind::Gnss      ? &given.gnss
+                            : kind == io::TableKind::Baro      ? &given.baro
+                            : kind == io::TableKind::Mag       ? &given.mag
+                            : kind == io::TableKind::Reference ? &given.reference
+                                                               : nullptr;
+    return file != nullptr && !file->path.empty() ? file : nullptr;
+}
+
 LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section) {
     LoadedFile* best = nullptr;
+    if (named(study.given, kind) != nullptr) {
+        for (LoadedFile& file : study.files)
+            if (file.as.kind == kind && file.table == kind) best = &file;
+        if (best != nullptr) best->report.chosen = true;
+        return best;
+    }
+    const bool aid = kind == io::TableKind::Baro || kind == io::TableKind::Mag;
+    if (!(aid ? study.given.find_aids : study.given.find_logs)) return nullptr;
     for (LoadedFile& file : study.files) {
-        if (file.table != kind) continue;
+        if (file.table != kind || file.as.kind) continue;
         const bool comparable = kind == io::TableKind::Gnss;
         if (best == nullptr || (comparable && preference(file) > preference(*best))) best = &file;
     }
     if (best == nullptr) return nullptr;
     best->report.chosen = true;
     for (const LoadedFile& file : study.files) {
-        if (file.table != kind || &file == best) continue;
+        if (file.table != kind || file.as.kind || &file == best) continue;
         study.problem(Level::Info,
                       fmt::format("{} could be [{}] as well; {} was taken", file.report.path, section, best->report.path),
-                      fmt::format("to use it: [{}] file = {}", section, detail::toml_string(file.report.path)));
-        study.draft.note(section, fmt::format("or file = {}", detail::toml_string(file.report.path)));
+                      fmt::format("to use it: [{}] file = {}", section, toml_text(file.report.path)));
+        study.draft.note(section, fmt::format("or file = {}", toml_text(file.report.path)));
     }
     return best;
 }
@@ -93,7 +113,7 @@ void report_lacking(Study& study) {
                           file.report.path + " is a project of the KF-GINS program: it says more than can be inferred",
                           "use it as it is: schuler process " + file.report.path);
         }
-        if (file.report.kind == "dataset_toml")
+        if (file.report.kind == "dataset_toml" && study.given.keys.empty())
             study.problem(Level::Info,
                           fmt::format("there is already a {}: what follows is inferred without it", file.report.path), "");
     }
@@ -132,18 +152,60 @@ std::string_view name_of(Level level) {
     return "";
 }
 
-InspectReport inspect(const std::filesystem::path& path) {
+namespace {
+
+/// Loads the files with a given role, then the others of the folder (or the one file) where they may take one.
+void load_files(const fs::path& path, Study& study) {
+    std::error_code failure;
+    const bool folder = fs::is_directory(path, failure);
+    const Given& given = study.given;
+    std::vector<fs::path> others;
+    if (given.find_logs || given.find_aids || !folder) others = folder ? files_in(path, study) : std::vector<fs::path>{path};
+    study.files.reserve(others.size() + 5);   // the study points into it
+    for (const auto kind : {io::TableKind::Imu, io::TableKind::Gnss, io::TableKind::Baro, io::TableKind::Mag, io::TableKind::Reference}) {
+        const GivenFile* file = named(given, kind);
+        if (file == nullptr || !fs::is_regular_file(file->path, failure)) continue;
+        std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, file->path, failure); });
+        detail::ReadAs as{kind, {file->columns, file->scale, {}}, {}, file->time_offset};
+        if (kind == io::TableKind::Gnss) as.fix_codes = given.fix_codes;
+        study.files.push_back(detail::load_file(file->path, file->name, as));
+    }
+    for (const fs::path& file : others) {
+        // beside files that are named, only tables can take a role
+        if (is_prose(file) || (!given.find_logs && (io::raw_format(file) != io::RawFormat::None || file.extension() == ".toml"))) continue;
+        study.files.push_back(detail::load_file(file, file.filename().string()));
+    }
+}
+
+/// The span that shows what follows from motion, s after the first epoch of the GNSS log (of the IMU log where there is none).
+void date_facts(const Study& study, std::vector<Fact>& facts) {
+    if (study.imu.empty()) return;
+    double from = study.imu.t.front(), to = study.imu.t.back();
+    if (study.overlap) {
+        from = std::max(from, study.gnss.t.front());
+        to = std::min(to, study.gnss.t.back());
+    }
+    for (Fact& fact : facts) {
+        const bool by_motion = fact.key == "vehicle.kind" || fact.key == "imu.axes" || fact.key == "imu.mounting_deg" ||
+                               fact.key == "imu.grade" || fact.key.ends_with("latency_s");
+        if (!by_motion || fact.how != Known::Found) continue;
+        fact.from = from;
+        fact.to = to;
+    }
+}
+
+}  // namespace
+
+InspectReport inspect(const std::filesystem::path& path) { return inspect(path, Given{}); }
+
+InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     std::error_code failure;
     if (!fs::exists(path, failure))
         throw input_error("there is no such file or folder", {path.string(), 0, 0, {}}, "check the spelling");
     Study study;
-    const bool folder = fs::is_directory(path, failure);
-    const std::vector<fs::path> paths = folder ? files_in(path, study) : std::vector<fs::path>{path};
-    study.files.reserve(paths.size());   // the study points into it
-    for (const fs::path& file : paths) {
-        if (!is_prose(file)) study.files.push_back(detail::load_file(file, file.filename().string()));
-    }
-    study.draft.set("", "name", detail::toml_string(name_of_set(path)));
+    study.given = given;
+    load_files(path, study);
+    study.draft.set("", "name", name_of_set(path), {}, true, Known::Default);
     choose_files(study);
     if (study.imu_file != nullptr) study.imu_units = detail::judge_units(*study.imu_file);
     if (study.gnss_file != nullptr) study.gnss_units = detail::judge_units(*study.gnss_file);
@@ -164,6 +226,15 @@ InspectReport inspect(const std::filesystem::path& path) {
     for (LoadedFile& file : study.files) report.files.push_back(std::move(file.report));
     report.findings = std::move(study.findings);
     report.problems = std::move(study.problems);
+    report.contradictions = std::move(study.contradictions);
+    report.facts = study.draft.facts();
+    std::ranges::move(study.stated, std::back_inserter(report.facts));
+    std::erase_if(report.facts, [&](const Fact& fact) {
+        const bool table = std::holds_alternative<std::map<std::string, std::string>>(fact.value) ||
+                           std::holds_alternative<std::map<std::string, double>>(fact.value);
+        return given.has(fact.key) && !table;   // a table may say less than was found
+    });
+    date_facts(study, report.facts);
     if (study.imu_file != nullptr || study.gnss_file != nullptr) report.dataset_toml = study.draft.text();
     return report;
 }

@@ -1,6 +1,9 @@
 // What is in a file or folder of logs, what is wrong with it, and the dataset.toml to start from, with how sure it is.
 #pragma once
 
+#include "schuler/core/fact.h"
+#include "schuler/inspect/given.h"
+
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -42,11 +45,19 @@ struct Finding {
     std::string why;  ///< the evidence in one sentence
 };
 
+/// A given setting that the data speak against by more than three sigma.
+struct Contradiction {
+    std::string key;
+    std::string text;                 ///< both values, in one sentence
+};
+
 struct InspectReport {
     std::string path;
     std::vector<FileReport> files;  ///< in order of their names
     std::vector<Finding> findings;
     std::vector<Problem> problems;  ///< of the set as a whole
+    std::vector<Fact> facts;  ///< the settings that the files state or show, those that are given left out
+    std::vector<Contradiction> contradictions;
     std::string dataset_toml;  ///< commented, parsable; empty where nothing usable was found
 };
 
@@ -54,6 +65,9 @@ struct InspectReport {
 /// cannot be read is reported as a problem of its file.
 /// @throws Error(Input) where the path does not exist or the folder cannot be listed
 [[nodiscard]] InspectReport inspect(const std::filesystem::path& path);
+
+/// Likewise of a folder about which something is given: the files that are named take their roles and are read as said.
+[[nodiscard]] InspectReport inspect(const std::filesystem::path& path, const Given& given);
 
 /// The report for people: files, findings with how sure they are, problems with their mends, the dataset.toml.
 [[nodiscard]] std::string describe(const InspectReport& report);

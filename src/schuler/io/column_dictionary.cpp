@@ -216,7 +216,8 @@ const std::vector<Quantity> gnss =
               "std_vel std_velocity std_v vel_std velocity_std s_acc sacc speed_acc speed_accuracy std_speed"},
              {"fix", D::Count,
               "fix fix_type gps_fix gps_fix_type fix_quality gps_quality gps_qual gnss_fix pos_type solution_type q quality "
-              "fixtype gnss_fix_type | mode status"},
+              "fixtype gnss_fix_type gps_status gnss_status fix_status | mode status"},
+             {"carrier_solution", D::Count, "carrier_solution carr_soln carrsoln carrier_soln"},
              {"satellites", D::Count,
               "satellites num_sats numsats num_sat num_satellites num_sv numsv nsat nsats n_sat n_sats ns nsv n_sv sats "
               "satellites_used satellites_visible sat_count numsatellites"},

@@ -301,6 +301,14 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
     return plan;
 }
 
+/// Columns that call themselves the estimate of a filter, or truth: not a receiver's.
+static bool is_estimate(std::string_view name) {
+    const std::vector<std::string> words = words_of_name(name);
+    static constexpr std::string_view sources[] = {"onboard", "ahrs", "ekf", "est", "estimate", "estimated", "autopilot",
+                                                   "filter", "truth", "true", "ref", "reference"};
+    return !words.empty() && std::ranges::find(sources, words.front()) != std::end(sources);
+}
+
 std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
     const auto complete = [&](TableKind kind, std::initializer_list<std::string_view> needed) {
         const ColumnPlan plan = match_columns(layout, kind);
@@ -316,7 +324,8 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
         return TableKind::Imu;
     }
     if (attitude || complete(TableKind::Reference, {"time_s", "ecef_x_m", "ecef_y_m", "ecef_z_m"})) return TableKind::Reference;
-    if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"})) return TableKind::Gnss;
+    if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"}))
+        return is_estimate(match_columns(layout, TableKind::Gnss).find("lat_deg")->file_name) ? TableKind::Reference : TableKind::Gnss;
     if (complete(TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"})) return TableKind::Mag;
     if (complete(TableKind::Baro, {"time_s", "height_m"}) || complete(TableKind::Baro, {"time_s", "pressure_pa"}))
         return TableKind::Baro;

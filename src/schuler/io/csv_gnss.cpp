@@ -3,10 +3,12 @@
 #include "schuler/io/csv_recording.h"
 #include "schuler/io/detail/position_columns.h"
 #include "schuler/io/fix_codes.h"
+#include "schuler/io/place.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace schuler::io {
@@ -84,7 +86,7 @@ namespace {
 
 /// What a GNSS row may have beside position and velocity.
 struct GnssFields {
-    std::size_t time_valid, velocity_time_valid, fix, satellites;
+    std::size_t time_valid, velocity_time_valid, fix, carrier, satellites;
     std::size_t std_n, std_e, std_d, std_h, std_vn, std_ve, std_vd, std_vel;
 };
 
@@ -93,6 +95,7 @@ GnssFields request_fields(SampleColumns& columns) {
     f.time_valid = columns.add("time_valid_s", false, 1.0, FieldKind::Time);
     f.velocity_time_valid = columns.add("vel_time_valid_s", false, 1.0, FieldKind::Time);
     f.fix = columns.add("fix", false, 1.0, FieldKind::Text);
+    f.carrier = columns.add("carrier_solution", false);
     f.satellites = columns.add("satellites", false);
     f.std_n = columns.add("std_n_m", false);
     f.std_e = columns.add("std_e_m", false);
@@ -125,12 +128,46 @@ void read_sigmas(const TableReader& row, const GnssFields& f, GnssFix& fix) {
 void read_ages(const TableReader& row, const GnssFields& f, GnssFix& fix) {
     const auto age = [&](std::size_t field) {
         const std::int64_t valid = field == SampleColumns::absent ? TableReader::no_time : row.time_ns(field);
-        return valid == TableReader::no_time ? not_given : Duration{fix.time.ns - valid}.seconds();
+        if (valid == TableReader::no_time) return not_given;
+        const double seconds = Duration{fix.time.ns - valid}.seconds();
+        constexpr double week = 604'800.0;   // around its end one may have begun anew and the other not
+        return std::abs(seconds) > 0.5 * week && std::abs(seconds) < 1.5 * week ? seconds - std::copysign(week, seconds) : seconds;
     };
     const double whole = age(f.time_valid);
     fix.position_age = first_given(whole, 0.0);
     fix.velocity_age = first_given(age(f.velocity_time_valid), fix.position_age);
 }
+
+/// Codes of fixes that no table has.
+class UnknownCodes {
+public:
+    void add(const std::string& code) { ++counts_[code]; }
+    /// Throws where more than a few rows have one: what they mean is asked for, not guessed.
+    void ask(const std::string& file, const std::string& table, std::size_t rows) const {
+        std::size_t n = 0;
+        for (const auto& [code, count] : counts_) n += count;
+        constexpr std::size_t accidents = 2;
+        if (n <= accidents || static_cast<double>(n) <= 0.05 * static_cast<double>(rows)) return;
+        throw input_error(fmt::format("{} of {} rows have a fix code that is not known: {} (read as {})", n, rows, list(), table),
+                          place_in(file, 0, 0, "gnss.fix_codes"),
+                          fmt::format("say what it means: [gnss] fix_codes = {{ \"{}\" = \"none\" }}, or autonomous, differential, "
+                                      "rtk_float, rtk_fixed",
+                                      counts_.begin()->first));
+    }
+    void tell(const std::string& file, WarningLog& log) const {
+        for (const auto& [code, n] : counts_)
+            log.add("gnss.fix.unknown", fmt::format("{}: rows whose fix code is not known, the first '{}': skipped (say what it means in "
+                                                    "[gnss] fix_codes)", file, code), n);
+    }
+
+private:
+    [[nodiscard]] std::string list() const {
+        std::string text;
+        for (const auto& [code, n] : counts_) text += fmt::format("{}'{}'", text.empty() ? "" : ", ", code);
+        return text;
+    }
+    std::map<std::string, std::size_t> counts_;
+};
 
 bool no_position(const Geodetic& p) {
     if (std::isnan(p.lat) && std::isnan(p.lon)) return true;
@@ -148,7 +185,9 @@ GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, Warni
     const GnssFields fields = request_fields(columns);
     const ColumnMatch* fix_column = columns.plan().find("fix");
     const FixCodes codes =
-        FixCodes::for_column(fix_column != nullptr ? fix_column->file_name : "fix", options.fix_codes, input.name());
+        FixCodes::for_column(fix_column != nullptr ? fix_column->file_name : "fix", options.fix_codes, input.name(),
+                             count_fix_codes(input, columns.layout(), columns.plan()), columns.has("carrier_solution"));
+    UnknownCodes unknown;
     if (fix_column != nullptr) table.fix_table = codes.table();
     const ColumnMatch* height = columns.plan().find("height_m");
     table.height = height != nullptr ? height->height : HeightKind::Ellipsoidal;  // Earth-fixed positions are ellipsoidal
@@ -159,9 +198,11 @@ GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, Warni
         if (fix_column != nullptr) {
             fix.fix = codes.of(row.text(fields.fix));
             if (fix.fix == FixType::Unknown && !row.text(fields.fix).empty()) {
-                log.add("gnss.fix.unknown", fmt::format("{}: fix '{}' is not known (say what it means in [gnss] fix_codes)",
-                                                        input.name(), row.text(fields.fix)));
+                unknown.add(std::string(row.text(fields.fix)));
+                return false;
             }
+            const double carrier = optional_number(row, fields.carrier);   // u-blox: 1 float, 2 fixed
+            if (carrier >= 1.0 && fix.fix != FixType::None) fix.fix = carrier >= 2.0 ? FixType::RtkFixed : FixType::RtkFloat;
         }
         fix.position = position.position(row);
         if (fix.fix == FixType::None || no_position(fix.position)) {
@@ -179,7 +220,14 @@ GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, Warni
         fix.satellites = satellites >= 0.0 && satellites < 1000.0 ? static_cast<int>(satellites) : -1;
         return true;
     };
-    table.fixes = detail::read_samples<GnssFix>(reader, audit, columns.layout().estimated_rows, options.time_offset, make);
+    try {
+        table.fixes = detail::read_samples<GnssFix>(reader, audit, columns.layout().estimated_rows, options.time_offset, make);
+    } catch (const Error&) {
+        unknown.ask(input.name(), codes.table(), audit.counts().read);   // the better reason, where it is the one
+        throw;
+    }
+    unknown.ask(input.name(), codes.table(), audit.counts().read);
+    unknown.tell(input.name(), log);
     audit.warn("no_fix", "rows without a fix: skipped", audit.counts().without_fix);
     detail::put_in_time_order(table.fixes, audit, [](const GnssFix& a, const GnssFix& b) {
         return a.position.lat == b.position.lat && a.position.lon == b.position.lon && a.position.h == b.position.h &&

@@ -33,6 +33,7 @@ struct RowCounts {
     std::size_t used = 0;
     std::size_t bad = 0;  ///< a needed value is missing or no number: skipped
     std::size_t without_fix = 0;  ///< GNSS rows that state or show that there is no fix: skipped
+    std::size_t strays = 0;  ///< stamped far from the rows around them: skipped
     std::size_t out_of_order = 0;  ///< earlier than a row before: sorted in
     std::size_t duplicates = 0;  ///< same time and values as another row: dropped
     std::size_t same_time = 0;  ///< same time, other values: kept
@@ -75,10 +76,11 @@ struct ReferenceTable {
     RowCounts rows;
 };
 
-/// The readers. Rows with a needed value missing are skipped and counted; rows out of order are sorted in (stable) and counted;
-/// exact duplicates are dropped; all this is told in the log, once a kind. Throw Error(Input) with file, line, column and mend:
-/// a needed column is missing; the first row is bad, or more than 5 % of them; more than 10 % of the rows go back in time; absurd
-/// values (|gyro| > 1e4 rad/s, |accel| > 1000 g, |latitude| > 90 deg, ...); no usable row; the file is cut in its last line.
+/// The readers. Rows with a needed value missing or absurd (|gyro| > 1e4 rad/s, |accel| > 1000 g, |latitude| > 90 deg, ...), stamped
+/// far from those around them, or with a fix code that no table has, are skipped and counted; times that begin anew with the week or
+/// the day are carried on; rows out of order are sorted in (stable) and counted; exact duplicates are dropped; all this is told in the
+/// log, once a kind. Throw Error(Input) with file, line, column and mend: a needed column is missing; the first row has no number, or
+/// more than 5 % of the rows are bad; more than 10 % of the rows go back in time; no usable row; the file is cut in its last line.
 [[nodiscard]] ImuTable read_imu_csv(const TextInput& input, const CsvOptions& options, WarningLog& log);
 [[nodiscard]] GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, WarningLog& log);
 [[nodiscard]] BaroTable read_baro_csv(const TextInput& input, const CsvOptions& options, WarningLog& log);

@@ -29,6 +29,9 @@ using Json = nlohmann::ordered_json;
             {"imu_epochs_per_s", filter_alone_s > 0.0 ? Json(static_cast<double>(epochs) / filter_alone_s) : Json(nullptr)}};
 }
 
+/// How settings are known, as summaries and inspection have it.
+[[nodiscard]] Json facts_json(const std::vector<Fact>& facts);
+
 /// Names from outside may hold any bytes.
 [[nodiscard]] inline std::string text_of(const Json& document) {
     return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace schuler::inspect::detail {
 
@@ -13,13 +14,13 @@ Draft::Section& Draft::section(const std::string& name) {
     return sections_.back();
 }
 
-void Draft::set(const std::string& section_name, const std::string& key, const std::string& value, const std::string& comment,
-                bool active) {
-    section(section_name).lines.push_back({key, value, comment, active});
+void Draft::set(const std::string& section_name, const std::string& key, FactValue value, const std::string& comment, bool active,
+                Known how, double sigma) {
+    section(section_name).lines.push_back({key, std::move(value), comment, active, how, sigma});
 }
 
 void Draft::note(const std::string& section_name, const std::string& text) {
-    section(section_name).lines.push_back({"", "", text, true});
+    section(section_name).lines.push_back({"", "", text});
 }
 
 void Draft::leave_out(const std::string& section_name) { section(section_name).left_out = true; }
@@ -36,7 +37,7 @@ std::string Draft::text() const {
         if (!s.name.empty()) out += fmt::format("\n{}[{}]\n", s.left_out ? "# " : "", s.name);
         std::size_t width = 0;
         for (const Line& line : s.lines) {
-            const std::size_t w = line.key.size() + line.value.size() + (line.active && !s.left_out ? 3 : 5);
+            const std::size_t w = line.key.size() + to_text(line.value).size() + (line.active && !s.left_out ? 3 : 5);
             if (!line.key.empty() && w <= 44) width = std::max(width, w);
         }
         for (const Line& line : s.lines) {
@@ -44,11 +45,28 @@ std::string Draft::text() const {
                 out += fmt::format("# {}\n", line.comment);
                 continue;
             }
-            const std::string entry = fmt::format("{}{} = {}", line.active && !s.left_out ? "" : "# ", line.key, line.value);
+            const std::string entry = fmt::format("{}{} = {}", line.active && !s.left_out ? "" : "# ", line.key, to_text(line.value));
             out += line.comment.empty() ? entry + "\n" : fmt::format("{:<{}}  # {}\n", entry, width, line.comment);
         }
     }
     return out;
+}
+
+std::vector<Fact> Draft::facts() const {
+    std::vector<Fact> facts;
+    for (const Section& s : sections_) {
+        for (const Line& line : s.lines) {
+            if (line.key.empty() || !line.active || s.left_out) continue;
+            Fact fact;
+            fact.key = s.name.empty() ? line.key : s.name + "." + line.key;
+            fact.value = line.value;
+            fact.how = line.how;
+            fact.sigma = line.sigma;
+            fact.note = line.comment;
+            facts.push_back(std::move(fact));
+        }
+    }
+    return facts;
 }
 
 const char* how_sure(double confidence) {
@@ -56,20 +74,6 @@ const char* how_sure(double confidence) {
     if (confidence >= 0.8) return "likely";
     if (confidence >= 0.6) return "probably";
     return "a guess";
-}
-
-std::string toml_string(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        const auto u = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\')
-            (out += '\\') += c;
-        else if (u < 0x20 || u == 0x7f)
-            out += fmt::format("\\u{:04X}", u);
-        else
-            out += c;
-    }
-    return out + "\"";
 }
 
 }  // namespace schuler::inspect::detail

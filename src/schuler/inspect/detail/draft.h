@@ -1,6 +1,8 @@
 // The dataset.toml being drafted: keys with how sure they are, in the order a reader wants.
 #pragma once
 
+#include "schuler/core/fact.h"
+
 #include <string>
 #include <vector>
 
@@ -10,20 +12,26 @@ class Draft {
 public:
     /// Fixes the place of a section; empty ones are not written.
     void begin(const std::string& section_name) { (void)section(section_name); }
-    /// `value` is TOML ("\"frd\"", "0.12"); keys that are not active are written as comments.
-    void set(const std::string& section, const std::string& key, const std::string& value, const std::string& comment = {},
-             bool active = true);
+    /// Keys that are not active are written as comments. `how`: found in the data, or stated by a file; `sigma`: of a number.
+    void set(const std::string& section, const std::string& key, FactValue value, const std::string& comment = {},
+             bool active = true, Known how = Known::Found, double sigma = not_given);
     /// A comment line of its own.
     void note(const std::string& section, const std::string& text);
     /// The whole section is written as comments.
     void leave_out(const std::string& section);
     [[nodiscard]] bool has(const std::string& section) const;
     [[nodiscard]] std::string text() const;
+    /// The active keys, as "section.key"; the span that they were found in is left to the caller.
+    [[nodiscard]] std::vector<Fact> facts() const;
 
 private:
     struct Line {
-        std::string key, value, comment;
-        bool active;
+        std::string key;
+        FactValue value;
+        std::string comment;
+        bool active = true;
+        Known how = Known::Found;
+        double sigma = not_given;
     };
     struct Section {
         std::string name;
@@ -36,8 +44,5 @@ private:
 
 /// "sure", "likely", "probably" or "a guess" for a confidence of 0 to 1.
 [[nodiscard]] const char* how_sure(double confidence);
-
-/// A TOML basic string of any text.
-[[nodiscard]] std::string toml_string(const std::string& text);
 
 }  // namespace schuler::inspect::detail

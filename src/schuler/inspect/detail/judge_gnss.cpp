@@ -21,12 +21,19 @@ void judge_fix(Study& study) {
     for (const FixType fix : file.fix) ++counts[std::string(io::name_of(fix))];
     std::string text;
     for (const auto& [name, n] : counts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, name);
+    std::map<std::string, std::string> codes;
+    for (const auto& [code, fix] : file.fix_codes)
+        if (fix != FixType::Unknown && !io::fix_from_word(code)) codes[code] = io::name_of(fix);
+    if (!codes.empty())
+        study.states("gnss.fix_codes", codes, text + "; codes read as " + file.fix_table, file.fix_by_evidence ? Known::Found : Known::File);
     study.found("gnss.fix", text, 0.9, "codes read as " + file.fix_table);
     study.draft.note("gnss",
                      fmt::format("fixes: {} (codes read as {}; other meanings: fix_codes = {{ ... }})", text, file.fix_table));
     const auto none = std::count(file.fix.begin(), file.fix.end(), FixType::None);
     if (none > 0) file.problem(Level::Info, fmt::format("{} epochs without a fix are left out", none), "");
 }
+
+double low_of(const std::vector<double>& values) { return quantile(values, 0.0); }
 
 void judge_sigma(Study& study) {
     LoadedFile& file = *study.gnss_file;
@@ -47,6 +54,9 @@ void judge_sigma(Study& study) {
                          fmt::format("{} of {} standard deviations of the {} are missing or zero", useless, s.size(), what),
                          fmt::format("defaults stand in for them ({})", defaults));
         }
+        if (low_of(s) > 0.0)
+            study.states(std::string("gnss.stated_std_") + (std::string_view(what) == "position" ? "m" : "velocity_m_s"), median(s),
+                         std::string("column ") + column + ", the median");
         const double low = quantile(s, 0.0), high = quantile(s, 1.0);
         if (low > 0.0 && low == high && s.size() > 20) {
             file.problem(Level::Info,
@@ -70,21 +80,23 @@ void judge_height(Study& study) {
     const io::HeightKind kind = height != nullptr ? height->height : io::HeightKind::Ellipsoidal;
     const std::string name = height != nullptr ? height->file_name : "height_m";
     if (kind == io::HeightKind::Relative || kind == io::HeightKind::Autopilot) {
-        study.draft.set("gnss", "height", "\"relative\"", "likely: column " + name);
+        study.draft.set("gnss", "height", std::string("relative"), "likely: column " + name, true, Known::File);
         study.found("gnss.height", "relative", 0.9, "the name of column " + name);
         file.problem(Level::Warning,
                      fmt::format("{} is not a height of GNSS: relative heights of autopilots come from their barometer", name),
                      "do not count it as a second witness beside the barometer, nor judge vertical accuracy by it; log the "
                      "receiver's own height if you can");
     } else if (kind == io::HeightKind::Msl) {
-        study.draft.set("gnss", "height", "\"msl\"", "sure: column " + name + "; undulation_m = ... would make it ellipsoidal");
+        study.draft.set("gnss", "height", std::string("msl"), "sure: column " + name + "; undulation_m = ... would make it ellipsoidal",
+                        true, Known::File);
         study.found("gnss.height", "msl", 0.95, "the name of column " + name);
     } else {
         const bool stated =
             kind == io::HeightKind::Ellipsoidal || file.report.kind.starts_with("kfgins") || file.report.kind == "rtklib_pos";
         study.draft.set(
-            "gnss", "height", "\"ellipsoidal\"",
-            stated ? "likely: by the format or name" : "probably: column " + name + " does not say; receivers often log \"msl\"");
+            "gnss", "height", std::string("ellipsoidal"),
+            stated ? "likely: by the format or name" : "probably: column " + name + " does not say; receivers often log \"msl\"",
+            true, stated ? Known::File : Known::Default);
         study.found("gnss.height", "ellipsoidal", stated ? 0.9 : 0.6,
                     stated ? "by the format or name" : "column " + name + " does not say what it is above");
     }
@@ -94,7 +106,7 @@ void judge_height(Study& study) {
         const bool is_height = std::find(words.begin(), words.end(), "height") != words.end() ||
                                std::find(words.begin(), words.end(), "alt") != words.end();
         if (is_height)
-            study.draft.note("gnss", fmt::format("another height is there: columns = {{ height_m = {} }}", toml_string(other)));
+            study.draft.note("gnss", fmt::format("another height is there: columns = {{ height_m = {} }}", toml_text(other)));
     }
 }
 
@@ -163,15 +175,15 @@ void judge_motion_content(Study& study) {
 
 void judge_gnss(Study& study) {
     if (study.gnss_file == nullptr) return;
-    study.draft.set("gnss", "file", toml_string(study.gnss_file->report.path),
+    study.draft.set("gnss", "file", study.gnss_file->report.path,
                     fmt::format("{:.3g} Hz", study.gnss_file->report.rate_hz));
     draft_columns(study, "gnss", *study.gnss_file, study.gnss_units);
     judge_fix(study);
     judge_sigma(study);
     judge_height(study);
     judge_motion_content(study);
-    study.draft.set("gnss", "lever_arm_m", "[0, 0, 0]",
-                    "not in the data: measure from the IMU to the antenna, forward, right, down");
+    study.draft.set("gnss", "lever_arm_m", std::vector<double>(3, 0.0),
+                    "not in the data: measure from the IMU to the antenna, forward, right, down", true, Known::Default);
 }
 
 }  // namespace schuler::inspect::detail

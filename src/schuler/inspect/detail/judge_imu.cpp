@@ -2,6 +2,7 @@
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
+#include "schuler/math/rotation.h"
 #include "schuler/sensor/grades.h"
 
 #include <fmt/format.h>
@@ -19,7 +20,8 @@ constexpr double per_deg = 1.0 / units::deg;
 void judge_axes(Study& study) {
     const Mounting& m = study.mounting;
     if (!m.found) {
-        study.draft.set("imu", "axes", "\"frd\"", "a guess: no gravity seen in the accelerometers");
+        study.draft.set("imu", "axes", std::string("frd"), "a guess: no gravity seen in the accelerometers",
+                        true, Known::Default);
         return;
     }
     std::string why = fmt::format("gravity when {} lies {:.0f} deg from the nearest sensor axis",
@@ -43,7 +45,7 @@ void judge_axes(Study& study) {
             ? fmt::format("forward from {} epochs of travel, spread {:.1f} deg", m.epochs, m.forward_spread * per_deg)
         : m.forward_from == ForwardFrom::AttitudeLog ? "forward from the attitude log"
                                                      : "forward only supposed: check it";
-    study.draft.set("imu", "axes", toml_string(m.axes),
+    study.draft.set("imu", "axes", m.axes,
                     fmt::format("{}: gravity {} ({:.0f} deg off), {}", how_sure(m.confidence),
                                 study.still.any() ? "at rest" : "on average", m.vertical_angle * per_deg, forward));
     if (std::abs(study.course.correlation) > 0.7 && study.course.slope < 0.0) {
@@ -73,10 +75,46 @@ void judge_mounting(Study& study) {
         fmt::format("beyond the axes, from travel and mean vertical; pitch and yaw within {:.1f} deg, roll within about 2 deg",
                     std::max(0.3, sigma)));
     if (angle > 2.0) {
-        study.draft.set("imu", "mounting_deg", "\"estimate\"",
+        study.draft.set("imu", "mounting_deg", std::string("estimate"),
                         fmt::format("{} beyond the axes found here; the filter finds it again", text));
     } else {
-        study.draft.set("imu", "mounting_deg", "[0, 0, 0]", fmt::format("likely: {} is not more than the method can tell", text));
+        study.draft.set("imu", "mounting_deg", std::vector<double>(3, 0.0),
+                        fmt::format("likely: {} is not more than the method can tell", text));
+    }
+}
+
+// Given axes or angles against those of the data, in the directions that the data show.
+void check_given_axes(Study& study) {
+    const Mounting& m = study.mounting;
+    const Given& given = study.given;
+    if (!m.found || (!given.has("imu.axes") && !given.mounting_rpy)) return;
+    const Eigen::Matrix3d C = given.mounting_rpy ? Eigen::Matrix3d(math::dcm_from_rpy(*given.mounting_rpy) * m.C_bs) : m.C_bs;
+    const char* key = given.mounting_rpy ? "imu.mounting_deg" : "imu.axes";
+    const std::string said = given.mounting_rpy
+                                 ? fmt::format("[{:.1f}, {:.1f}, {:.1f}]", given.mounting_rpy->x() * per_deg,
+                                               given.mounting_rpy->y() * per_deg, given.mounting_rpy->z() * per_deg)
+                                 : fmt::format("\"{}\"", given.axes);
+    const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+        return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * per_deg;
+    };
+    // Up at rest: level ground to a few degrees, whatever stands on it; axes alone are named to the nearest quarter turn.
+    const double slack = given.mounting_rpy ? 0.0 : 50.0;
+    if (study.still.any()) {
+        const double off = angle(-C.row(2).transpose(), study.still.f);
+        if (off > 3.0 * 5.0 + slack) {
+            study.contradicts(key, fmt::format("{} is given; at rest gravity lies {:.0f} deg from the down axis that this means", said, off));
+            return;
+        }
+    }
+    if (m.forward_from != ForwardFrom::Travel) return;
+    // Only wheels keep to the axes; in the air there are sideslip and wind, in the hand anything.
+    const double spread = m.forward_spread * per_deg / std::sqrt(std::max(1.0, m.epochs / 20.0));
+    const double sigma = study.vehicle == "car" ? std::max(0.7, spread) : std::max(10.0, m.forward_spread * per_deg);
+    const double off = angle(C.row(0).transpose(), study.travel.forward_s);
+    if (off > 3.0 * sigma + slack) {
+        study.contradicts(key, fmt::format("{} is given; the direction of travel lies {:.1f} +- {:.1f} deg from the forward axis that "
+                                           "this means",
+                                           said, off, sigma));
     }
 }
 
@@ -111,7 +149,7 @@ void judge_grade(Study& study) {
         fmt::format("noise at most {:.2g} deg/sqrt(h) and {:.2g} m/s/sqrt(h) (vibration included)", gyro, accel);
     const std::string bias_text = biased ? fmt::format(", gyro bias {:.3g} deg/s", bias_size * per_deg) : std::string();
     study.found("imu.grade", grade, confidence, numbers + bias_text);
-    study.draft.set("imu", "grade", toml_string(grade),
+    study.draft.set("imu", "grade", grade,
                     fmt::format("{}: noise below {:.2g} deg/sqrt(h), {:.2g} m/s/sqrt(h){}; a data sheet knows better",
                                 how_sure(confidence), gyro, accel, bias_text));
     if (biased) {
@@ -194,20 +232,22 @@ void judge_samples(Study& study) {
 
 void judge_imu(Study& study) {
     if (study.imu_file == nullptr) return;
-    study.draft.set("imu", "file", toml_string(study.imu_file->report.path),
+    study.draft.set("imu", "file", study.imu_file->report.path,
                     fmt::format("{:.4g} Hz", study.imu_file->report.rate_hz));
     const bool increments = study.imu_file->has("dtheta_x_rad");
-    study.draft.set("imu", "kind", increments ? "\"increments\"" : "\"rates\"",
+    study.draft.set("imu", "kind", increments ? std::string("increments") : std::string("rates"),
                     study.imu_file->report.kind == "kfgins_imu"
                         ? "likely: the norm of the last three columns is gravity times the step"
-                        : "");
-    if (increments) study.draft.set("imu", "stamp", "\"end\"", "usual for increments");
+                        : "",
+                    true, Known::File);
+    if (increments) study.draft.set("imu", "stamp", std::string("end"), "usual for increments", true, Known::Default);
     draft_columns(study, "imu", *study.imu_file, study.imu_units);
-    if (study.imu_shift != 0.0)
-        study.draft.set("imu", "time_offset_s", fmt::format("{:.1f}", study.imu_shift),
+    if (study.imu_shift != 0.0 && !study.dated_fixes_move())
+        study.draft.set("imu", "time_offset_s", study.imu_shift,
                         "likely: whole weeks, to meet the dated GNSS times");
     judge_axes(study);
     judge_mounting(study);
+    check_given_axes(study);
     judge_grade(study);
     judge_gravity(study);
     judge_samples(study);

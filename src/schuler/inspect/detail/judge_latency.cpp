@@ -70,7 +70,8 @@ void report(Study& study, const char* key, const std::optional<Age>& age, double
     study.found(key, text_of(*age), confidence_of(*age), why);
 }
 
-std::string number(double value) { return fmt::format("{:.2f}", value == 0.0 ? 0.0 : value); }
+// Hundredths of a second: finer, the fits do not agree among themselves.
+double rounded(double age) { return std::round(100.0 * age) / 100.0; }
 
 // One key of the draft: what to add to the ages that the log states, where the measured age differs from what would be used.
 double draft_latency(Study& study, const char* key, const std::optional<Age>& age, double stated, bool is_stated, double used,
@@ -78,19 +79,30 @@ double draft_latency(Study& study, const char* key, const std::optional<Age>& ag
     if (!age) return used;
     const std::string stated_text = is_stated ? fmt::format(", beyond the {:.2f} s that the log states", stated) : std::string();
     if (significant(age->value - stated - used, ease * age->sigma)) {
-        study.draft.set("gnss", key, number(age->value - stated),
-                        fmt::format("{}: {} measured{}", how_sure(confidence_of(*age)), text_of(*age), stated_text));
+        study.draft.set("gnss", key, rounded(age->value - stated),
+                        fmt::format("{}: {} measured{}", how_sure(confidence_of(*age)), text_of(*age), stated_text), true,
+                        Known::Found, age->sigma);
         return age->value - stated;
     }
     if (std::string_view(key) == "latency_s" && !is_stated && age->sigma > 0.003) {
-        study.draft.set("gnss", key, "\"estimate\"", fmt::format("{} measured here; the filter finds it better", text_of(*age)));
+        study.draft.set("gnss", key, std::string("estimate"), fmt::format("{} measured here; the filter finds it better", text_of(*age)));
         return used;
     }
-    study.draft.set("gnss", key, number(used),
+    study.draft.set("gnss", key, rounded(used),
                     fmt::format("{} measured{}: no reason for a change", text_of(*age),
                                 is_stated ? fmt::format(", {:.2f} s stated", stated) : std::string()),
                     false);
     return used;
+}
+
+/// A given latency counts on top of what the log states: the data may show that it is counted twice, or wrong.
+void check_given(Study& study, const char* key, const std::optional<double>& given, const std::optional<Age>& age, double stated,
+                 bool is_stated) {
+    if (!given || !age || !significant(age->value - stated - *given, age->sigma)) return;
+    const std::string beyond =
+        is_stated ? fmt::format(" on top of the {:.3f} s that a column of the file accounts for", stated) : std::string();
+    study.contradicts(std::string("gnss.") + key, fmt::format("{:.3f} s is given{}; the data show {:.3f} +- {:.3f} s{} ({})", *given, beyond,
+                                                              age->value - stated, age->sigma, is_stated ? " beyond it" : "", age->from));
 }
 
 }  // namespace
@@ -98,10 +110,12 @@ double draft_latency(Study& study, const char* key, const std::optional<Age>& ag
 void judge_latency(Study& study) {
     if (study.gnss_file == nullptr) return;
     if (study.states_position_age) {
+        study.states("gnss.stated_position_age_s", study.position_age, "column of the time of validity; latencies count on top");
         study.found("gnss.stated_position_age", fmt::format("{:.3f} s", study.position_age), 1.0,
                     "column of the time of validity; applied when reading");
     }
     if (study.states_velocity_age) {
+        study.states("gnss.stated_velocity_age_s", study.velocity_age, "column of the time of validity; latencies count on top");
         study.found("gnss.stated_velocity_age", fmt::format("{:.3f} s", study.velocity_age), 1.0,
                     "column of the time of validity; applied when reading");
         study.draft.note("gnss", fmt::format("the file's own times of validity are used: position {:.2f} s, velocity {:.2f} s "
@@ -121,17 +135,22 @@ void judge_latency(Study& study) {
         if (ages.relative &&
             significant(ages.relative->value - (study.velocity_age - study.position_age), ages.relative->sigma)) {
             study.draft.set("gnss", "velocity_latency_s",
-                            number(ages.relative->value - (study.velocity_age - study.position_age)),
+                            rounded(ages.relative->value - (study.velocity_age - study.position_age)),
                             fmt::format("{}: {} behind the position; the position itself could not be compared with the IMU",
-                                        how_sure(confidence_of(*ages.relative)), text_of(*ages.relative)));
+                                        how_sure(confidence_of(*ages.relative)), text_of(*ages.relative)),
+                            true, Known::Found, ages.relative->sigma);
         } else {
-            study.draft.set("gnss", "latency_s", "0.0",
+            study.draft.set("gnss", "latency_s", 0.0,
                             "could not be measured: too little motion or no time in common; \"estimate\" has the filter find it",
                             false);
         }
         return;
     }
-    const double used = draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
+    const Given& given = study.given;
+    check_given(study, "latency_s", given.latency, ages.position, study.position_age, study.states_position_age);
+    check_given(study, "height_latency_s", given.height_latency, ages.height, study.position_age, study.states_position_age);
+    const double used = given.latency ? *given.latency
+                                      : draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
     double used_velocity = used;
     if (study.gnss.has_velocity()) {
         // Against the position is the sharper comparison, where the position is where it is taken to be.
@@ -140,7 +159,12 @@ void judge_latency(Study& study) {
         if (ages.relative && ages.position && std::abs(ages.position->value - position) < 1.5 * ages.position->sigma) {
             velocity = Age{position + ages.relative->value, ages.relative->sigma, ages.relative->from};
         }
-        used_velocity = draft_latency(study, "velocity_latency_s", velocity, study.velocity_age, study.states_velocity_age, used);
+        check_given(study, "velocity_latency_s", given.velocity_latency, velocity, study.velocity_age, study.states_velocity_age);
+        check_given(study, "velocity_down_latency_s", given.velocity_down_latency, ages.velocity_down, study.velocity_age,
+                    study.states_velocity_age);
+        used_velocity = given.velocity_latency
+                            ? *given.velocity_latency
+                            : draft_latency(study, "velocity_latency_s", velocity, study.velocity_age, study.states_velocity_age, used);
         // Receivers filter the vertical more than the horizontal, hardly ever less: the other way asks for more evidence.
         const bool earlier = ages.velocity_down && ages.velocity_down->value < study.velocity_age + used_velocity;
         draft_latency(study, "velocity_down_latency_s", ages.velocity_down, study.velocity_age, study.states_velocity_age,

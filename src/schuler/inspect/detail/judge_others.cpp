@@ -48,7 +48,7 @@ void compare_with_gnss(Study& study, const LoadedFile& file, const std::vector<d
 // A reference on another axis than the data: whole weeks where seconds of the week meet dated times.
 void place_in_time(Study& study, const LoadedFile& file) {
     const LoadedFile* main = study.gnss_file != nullptr ? study.gnss_file : study.imu_file;
-    if (main == nullptr) return;
+    if (main == nullptr || study.dated_fixes_move()) return;
     const FileReport& data = main->report;
     const auto meets = [&](double shift) {
         return std::min(data.stop_s, file.report.stop_s + shift) > std::max(data.start_s, file.report.start_s + shift);
@@ -57,7 +57,7 @@ void place_in_time(Study& study, const LoadedFile& file) {
     constexpr double week = 604800.0;
     const double weeks = std::floor(data.start_s / week) * week;
     if (weeks > 0.0 && meets(weeks)) {
-        study.draft.set("reference", "time_offset_s", fmt::format("{:.1f}", weeks),
+        study.draft.set("reference", "time_offset_s", weeks,
                         "likely: whole weeks, to meet the dated times");
         return;
     }
@@ -66,7 +66,7 @@ void place_in_time(Study& study, const LoadedFile& file) {
 }
 
 void draft_mag(Study& study, LoadedFile& file, double norm, double share, bool usable) {
-    study.draft.set("mag", "file", toml_string(file.report.path), fmt::format("norm {:.1f} uT +- {:.1f} %", norm, 100.0 * share));
+    study.draft.set("mag", "file", file.report.path, fmt::format("norm {:.1f} uT +- {:.1f} %", norm, 100.0 * share));
     draft_columns(study, "mag", file, study.mag_units);
     if (!usable) {
         study.draft.note("mag", "left out: take the comment signs away to use it all the same");
@@ -97,7 +97,7 @@ void judge_baro(Study& study) {
                              "give the factor: [baro] scale = { pressure_pa = ... }");
         }
     }
-    study.draft.set("baro", "file", toml_string(file.report.path), fmt::format("{:.3g} Hz", file.report.rate_hz));
+    study.draft.set("baro", "file", file.report.path, fmt::format("{:.3g} Hz", file.report.rate_hz));
     draft_columns(study, "baro", file, study.baro_units);
     compare_with_gnss(study, file, baro_heights(file));
 }
@@ -150,18 +150,21 @@ void judge_reference(Study& study) {
         const std::vector<std::string> have = io::words_of_name(match->file_name);
         return !have.empty() && std::any_of(words.begin(), words.end(), [&](const char* w) { return have.front() == w; });
     };
-    const bool autopilot = starts_like(roll, {"onboard", "ahrs", "ekf", "nav", "est"});
+    const auto is_autopilot = [&](const io::ColumnMatch* match) { return starts_like(match, {"onboard", "ahrs", "ekf", "nav", "est", "autopilot"}); };
+    const bool attitude = roll != nullptr || qw != nullptr;
+    const bool autopilot = is_autopilot(attitude ? roll : file.plan.find("lat_deg"));
     const bool position = file.has("lat_deg") || file.has("ecef_x_m");
     std::string content = position ? "position" : "";
     if (roll != nullptr || qw != nullptr) content += content.empty() ? "attitude" : ", attitude";
-    study.draft.set("reference", "file", toml_string(file.report.path),
+    study.draft.set("reference", "file", file.report.path,
                     fmt::format("{}{}", content, autopilot ? ": the autopilot's own estimate, not truth" : ""));
     draft_columns(study, "reference", file, {});
     if (qw != nullptr) {
         const bool enu = qw->file_name.find("enu") != std::string::npos;
         study.draft.set(
-            "reference", "quaternion", enu ? "\"sensor_to_enu\"" : "\"body_to_ned\"",
-            qw->file_name.find("_to_") != std::string::npos ? "sure: column " + qw->file_name : "a guess: the names do not say");
+            "reference", "quaternion", enu ? std::string("sensor_to_enu") : std::string("body_to_ned"),
+            qw->file_name.find("_to_") != std::string::npos ? "sure: column " + qw->file_name : "a guess: the names do not say",
+            true, qw->file_name.find("_to_") != std::string::npos ? Known::File : Known::Default);
         study.found("reference.quaternion", enu ? "sensor_to_enu" : "body_to_ned",
                     qw->file_name.find("_to_") != std::string::npos ? 0.95 : 0.5, "column " + qw->file_name);
     }
@@ -169,6 +172,11 @@ void judge_reference(Study& study) {
         file.problem(Level::Warning,
                      "the columns call themselves an onboard or AHRS estimate: not truth, the attitude may be off by degrees",
                      "read errors against it as differences between two estimates");
+    }
+    if (autopilot && !attitude) {
+        study.draft.note("reference", "left out: the autopilot's position follows the receiver, the withheld fixes judge better");
+        study.draft.leave_out("reference");
+        return;
     }
     place_in_time(study, file);
     if (!study.reference.empty() && study.mounting.forward_from == ForwardFrom::Travel && study.still.any()) {

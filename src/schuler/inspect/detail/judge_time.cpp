@@ -115,9 +115,10 @@ void judge_time(Study& study) {
     if (main == nullptr) return;
     const Scale scale = scale_of(*main);
     study.found("time.scale", scale.name, scale.confidence, scale.why);
-    study.draft.set("time", "scale", toml_string(scale.name), fmt::format("{}: {}", how_sure(scale.confidence), scale.why));
+    study.draft.set("time", "scale", scale.name, fmt::format("{}: {}", how_sure(scale.confidence), scale.why), true,
+                    scale.confidence >= 0.9 ? Known::File : Known::Found);
     if (scale.name == "gps" && main->report.stop_s < 1.1 * week) {
-        study.draft.set("time", "week", "2300", "the files do not say the GPS week; only dates in the outputs need it", false);
+        study.draft.set("time", "week", 2300.0, "the files do not say the GPS week; only dates in the outputs need it", false);
     }
     study.origin = Time{main->cadence_origin_ns} + Duration::from_seconds(main->cadence.start);
     if (study.imu_file != nullptr && study.gnss_file != nullptr) check_overlap(study);

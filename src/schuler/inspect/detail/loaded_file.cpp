@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/io/fix_codes.h"
+#include "schuler/io/repair_times.h"
 #include "schuler/io/table.h"
 
 #include <fmt/format.h>
@@ -80,8 +81,14 @@ Eigen::Vector3d LoadedFile::vector(const std::string& x, const std::string& y, c
 
 void read_table(LoadedFile& file, const io::TableLayout& layout) {
     const io::ColumnMatch* fix = file.plan.find("fix");
-    const io::FixCodes codes = io::FixCodes::for_column(fix != nullptr ? fix->file_name : "fix", {}, file.path.string());
-    if (fix != nullptr) file.fix_table = codes.table();
+    const io::FixCodes codes =
+        io::FixCodes::for_column(fix != nullptr ? fix->file_name : "fix", file.as.fix_codes, file.path.string(),
+                                 io::count_fix_codes(io::TextInput(file.path), layout, file.plan),
+                                 file.plan.find("carrier_solution") != nullptr);
+    if (fix != nullptr) {
+        file.fix_table = codes.table();
+        file.fix_by_evidence = codes.by_evidence();
+    }
     const std::vector<Sink> sinks = sinks_of(file, layout.estimated_rows);
     std::size_t without_time = 0, unknown_codes = 0;
     std::string unknown_code;
@@ -97,12 +104,14 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
             for (const Sink& sink : sinks) {
                 if (sink.kind == io::FieldKind::Text) {
                     file.fix.push_back(codes.of(reader.text(sink.slot)));
+                    if (!reader.text(sink.slot).empty()) file.fix_codes.try_emplace(std::string(reader.text(sink.slot)), file.fix.back());
                     if (file.fix.back() == FixType::Unknown && unknown_codes++ == 0) unknown_code = reader.text(sink.slot);
                 } else if (sink.kind == io::FieldKind::Time) {
                     const std::int64_t t = reader.time_ns(sink.slot);
                     sink.values->push_back(t == io::TableReader::no_time ? missing : static_cast<double>(t - ns) * 1e-9);
                 } else {
-                    sink.values->push_back(reader.number(sink.slot));
+                    const double x = reader.number(sink.slot);   // what no unit explains is an accident
+                    sink.values->push_back(std::abs(x) < 1e15 ? x : missing);
                 }
             }
         }
@@ -190,9 +199,39 @@ void report_missing_values(LoadedFile& file) {
 
 }  // namespace
 
-LoadedFile load_file(const std::filesystem::path& path, const std::string& name) {
+namespace {
+
+/// The readers leave such rows out; here they are told before a run.
+void drop_strays(LoadedFile& file) {
+    const io::TimeRepair repair = io::repair_times(file.time_ns);
+    if (repair.rollovers > 0) {
+        file.problem(Level::Warning, fmt::format("the time begins anew after {:.0f} s", static_cast<double>(repair.period) * 1e-9),
+                     "nothing to do: it is carried on");
+    }
+    if (repair.strays.empty()) return;
+    const auto erase = [&](auto& rows) {
+        std::size_t kept = 0, s = 0;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (s < repair.strays.size() && repair.strays[s] == i)
+                ++s;
+            else
+                rows[kept++] = rows[i];
+        }
+        rows.resize(kept);
+    };
+    erase(file.time_ns);
+    for (auto& [name, values] : file.columns) erase(values);
+    if (!file.fix.empty()) erase(file.fix);
+    file.problem(Level::Warning, fmt::format("{} rows have a stamp far from those around them", repair.strays.size()),
+                 "nothing to do: they are left out");
+}
+
+}  // namespace
+
+LoadedFile load_file(const std::filesystem::path& path, const std::string& name, const ReadAs& as) {
     LoadedFile file;
     file.path = path;
+    file.as = as;
     file.report.path = name;
     file.report.kind = "unknown";
     file.report.start_s = file.report.stop_s = missing;
@@ -212,6 +251,10 @@ LoadedFile load_file(const std::filesystem::path& path, const std::string& name)
         }
         return file;
     }
+    if (as.time_offset != 0.0) {
+        for (std::int64_t& t : file.time_ns) t += Duration::from_seconds(as.time_offset).ns;
+    }
+    drop_strays(file);
     file.cadence_origin_ns = file.time_ns.front();
     std::vector<double> seconds;
     seconds.reserve(file.time_ns.size());

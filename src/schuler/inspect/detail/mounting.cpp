@@ -74,6 +74,13 @@ Eigen::Matrix3d supposed_axes(const Eigen::Vector3d& down_s) {
 
 Eigen::Matrix3d attitude_of(const ReferenceSample& sample) { return math::dcm_from_rpy(sample.rpy); }
 
+/// Roll, pitch, yaw with yaw from -180 to 180 deg.
+Eigen::Vector3d signed_rpy(const Eigen::Matrix3d& C) {
+    Eigen::Vector3d rpy = math::rpy_from_dcm(C);
+    rpy.z() = math::wrap_pi(rpy.z());
+    return rpy;
+}
+
 }  // namespace
 
 Travel travel_of(const MotionFit& fit) {
@@ -155,8 +162,9 @@ Mounting mounting_of(const Eigen::Vector3d& specific_force, bool at_rest, const 
         const Eigen::Matrix3d C_bs = C_bs_from(travel.forward_s, travel.down_s);
         m.C_bs = nearest_axes(C_bs);
         const Eigen::Matrix3d rest = C_bs * m.C_bs.transpose();  // named axes to body: C_b_from_mounted
-        m.rest_rpy = math::rpy_from_dcm(rest);
-        if (m.rest_rpy.z() > units::deg * 180.0) m.rest_rpy.z() -= units::deg * 360.0;
+        m.C_total = C_bs;
+        m.full = true;
+        m.rest_rpy = signed_rpy(rest);
         m.forward_from = ForwardFrom::Travel;
         m.forward_spread = travel.spread;
         m.epochs = travel.epochs;
@@ -164,6 +172,8 @@ Mounting mounting_of(const Eigen::Vector3d& specific_force, bool at_rest, const 
         m.confidence = vertical_sure * (angle < 30.0 * units::deg ? 0.98 : 0.7);
     } else if (attitude.found) {
         m.C_bs = nearest_axes(attitude.C_bs);
+        m.C_total = attitude.C_bs;
+        m.full = true;
         m.forward_from = ForwardFrom::AttitudeLog;
         m.epochs = attitude.steps;
         const Eigen::Vector3d down_by_log = m.C_bs.row(2).transpose();
@@ -174,6 +184,12 @@ Mounting mounting_of(const Eigen::Vector3d& specific_force, bool at_rest, const 
     }
     m.axes = axes_text(m.C_bs);
     return m;
+}
+
+void take_axes(Mounting& m, const Eigen::Matrix3d& C_bs, const std::string& text) {
+    m.C_bs = C_bs;
+    m.axes = text;
+    if (m.full) m.rest_rpy = signed_rpy(m.C_total * C_bs.transpose());
 }
 
 }  // namespace schuler::inspect::detail

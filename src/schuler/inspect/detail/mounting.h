@@ -15,6 +15,8 @@ enum class ForwardFrom { Travel, AttitudeLog, Supposed };  ///< how forward was 
 struct Mounting {
     bool found = false;  ///< at least the vertical is known
     Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< nearest permutation with signs, sensor to forward-right-down
+    bool full = false;  ///< forward is known too: C_total is of the data
+    Eigen::Matrix3d C_total = Eigen::Matrix3d::Identity();  ///< sensor to body as the data show it, axes and mounting together
     std::string axes;  ///< "frd", "flu", "fur" or "x=backward, y=right, z=up"
     Eigen::Vector3d rest_rpy = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw from body to sensor after `axes`, rad
     double vertical_angle = 0.0;  ///< between gravity and the nearest sensor axis, rad
@@ -49,5 +51,8 @@ struct AttitudeAgreement {
 /// @param specific_force of the sensor at rest (or its long mean), m/s^2: points up; `at_rest` says which it is
 [[nodiscard]] Mounting mounting_of(const Eigen::Vector3d& specific_force, bool at_rest, const Travel& travel,
                                    const AttitudeAgreement& attitude);
+
+/// The same data seen from axes that are given: what remains is the mounting.
+void take_axes(Mounting& mounting, const Eigen::Matrix3d& C_bs, const std::string& text);
 
 }  // namespace schuler::inspect::detail

@@ -152,10 +152,30 @@ std::string nearly(const io::TableLayout& layout) {
     return best;
 }
 
+/// The role is given; a file that lacks what the role needs is left to the reader of that role, which says what it lacks.
+void read_as_said(LoadedFile& file, const io::TableLayout& layout) {
+    file.plan = io::match_columns(layout, *file.as.kind, file.as.overrides);
+    const auto has = [&](const char* name) { return file.plan.find(name) != nullptr; };
+    const bool complete = *file.as.kind == io::TableKind::Imu    ? (has("gyro_x_rad_s") && has("accel_x_m_s2")) || has("dtheta_x_rad")
+                          : *file.as.kind == io::TableKind::Gnss ? has("lat_deg") && has("lon_deg")
+                          : *file.as.kind == io::TableKind::Baro ? has("height_m") || has("pressure_pa")
+                          : *file.as.kind == io::TableKind::Mag  ? has("mag_x_ut")
+                                                                 : true;
+    if (!has("time_s") || !complete) return;
+    file.table = file.as.kind;
+    file.report.kind = io::name_of(*file.table);
+    read_table(file, layout);
+    judge_time_unit(file, layout);
+}
+
 void recognise_table(LoadedFile& file) {
     const io::TextInput input(file.path);
     io::TableLayout layout = io::inspect_table(input);
     file.report.columns = layout.names;
+    if (file.as.kind && (!layout.names.empty() || !file.as.overrides.columns.empty())) {
+        read_as_said(file, layout);
+        return;
+    }
     if (layout.names.empty()) {
         if (!recognise_without_header(file, layout)) {
             if (layout.columns >= 2)

@@ -14,35 +14,50 @@ void Study::problem(Level level, std::string text, std::string mend) {
     problems.push_back({level, std::move(text), std::move(mend)});
 }
 
+void Study::states(std::string key, FactValue value, std::string note, Known how) {
+    Fact& fact = stated.emplace_back();
+    fact.key = std::move(key);
+    fact.value = std::move(value);
+    fact.how = how;
+    fact.note = std::move(note);
+}
+
+void Study::contradicts(std::string key, std::string text) { contradictions.push_back({std::move(key), std::move(text)}); }
+
 double Study::confidence_in(const std::string& key) const {
     const auto it = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.key == key; });
     return it == findings.end() ? 0.0 : it->confidence;
 }
 
 void draft_columns(Study& study, const std::string& section, const LoadedFile& file, const std::vector<UnitChange>& units) {
-    std::string columns, guesses;
-    for (const auto& [canonical, name] : file.column_map)
-        columns += fmt::format("{}{} = {}", columns.empty() ? "" : ", ", canonical, toml_string(name));
-    if (!columns.empty()) study.draft.set(section, "columns", "{ " + columns + " }", "by the sizes of the numbers");
+    std::string guesses;
+    if (!file.column_map.empty()) study.draft.set(section, "columns", file.column_map, "by the sizes of the numbers");
     for (const io::ColumnMatch& match : file.plan.matches) {
         if (match.certainty != io::Certainty::Guess || file.column_map.contains(match.canonical)) continue;
         guesses += fmt::format("{}{} as {}", guesses.empty() ? "" : ", ", match.file_name, match.canonical);
     }
     if (!guesses.empty()) study.draft.note(section, "taken by name: " + guesses);
-    std::string scale, why;
+    std::map<std::string, double> scale;
+    std::string why;
     const auto add = [&](const std::string& key, double factor, const std::string& reason) {
-        scale += fmt::format("{}{} = {:.10g}", scale.empty() ? "" : ", ", key, factor);
+        if (file.as.overrides.scale.contains(key)) {
+            study.contradicts(fmt::format("{}.scale", section),
+                              fmt::format("{} = {} is given; the data show {:.6g} ({})", key, file.as.overrides.scale.at(key), factor, reason));
+            return;
+        }
+        scale[key] = std::stod(fmt::format("{:.10g}", factor));   // as it is written
         if (why.find(reason) == std::string::npos) why += (why.empty() ? "" : "; ") + reason;
     };
+    // of a data set that is described, a name that states a wrong unit is for its owner to mend: the run refuses it
     for (const UnitChange& unit : units)
-        add(unit.key, unit.factor, fmt::format("{} {}: {}", unit.unit, how_sure(unit.confidence), unit.why));
+        if (!unit.against_name || study.given.find_logs || file.as.overrides.scale.contains(unit.key)) add(unit.key, unit.factor, fmt::format("{} {}: {}", unit.unit, how_sure(unit.confidence), unit.why));
     if (file.time_unit_judged) {
         const double factor = *file.time_unit_judged == io::TimeUnit::Milliseconds   ? 1e-3
                               : *file.time_unit_judged == io::TimeUnit::Microseconds ? 1e-6
                                                                                      : 1e-9;
         add("time_s", factor, "time unit by the steps");
     }
-    if (!scale.empty()) study.draft.set(section, "scale", "{ " + scale + " }", why);
+    if (!scale.empty()) study.draft.set(section, "scale", scale, why);
     for (const UnitChange& unit : units)
         study.found(section + ".scale." + unit.key, fmt::format("{:.10g} ({})", unit.factor, unit.unit), unit.confidence,
                     unit.why);

@@ -15,6 +15,7 @@
 namespace schuler::inspect::detail {
 
 struct Study {
+    Given given;
     std::vector<LoadedFile> files;
     LoadedFile* imu_file = nullptr;       ///< point into `files`; null where there is none
     LoadedFile* gnss_file = nullptr;
@@ -43,10 +44,16 @@ struct Study {
 
     std::vector<Finding> findings;
     std::vector<Problem> problems;
+    std::vector<Contradiction> contradictions;
+    std::vector<Fact> stated;             ///< what the files say beside the settings of the draft
     Draft draft;
 
     void found(std::string key, std::string value, double confidence, std::string why);
     void problem(Level level, std::string text, std::string mend = {});
+    void states(std::string key, FactValue value, std::string note, Known how = Known::File);
+    void contradicts(std::string key, std::string text);
+    /// Whether the loader brings the dated fixes of a described data set to the axis of its other logs, instead of them to the fixes.
+    [[nodiscard]] bool dated_fixes_move() const { return !given.find_logs && gnss_file != nullptr && gnss_file->gps_time; }
     [[nodiscard]] double confidence_in(const std::string& key) const;
 };
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
@@ -44,6 +46,27 @@ Eigen::Vector3d mean_specific_force(const ImuSeries& imu) {
     return imu.empty() ? sum : Eigen::Vector3d(sum / static_cast<double>(imu.size()));
 }
 
+double angle_between(const Eigen::Matrix3d& A, const Eigen::Matrix3d& B) { return Eigen::AngleAxisd(A * B.transpose()).angle(); }
+
+/// Axes that are given are taken. Mounting angles that are given without axes count from forward-right-down, unless the data show
+/// that they count from the sensor's own axes.
+void take_given_axes(Study& study) {
+    Mounting& m = study.mounting;
+    const Given& given = study.given;
+    if (given.has("imu.axes")) {
+        take_axes(m, given.C_bs, given.axes);
+        return;
+    }
+    if (!given.mounting_rpy || !m.found) return;
+    const Eigen::Matrix3d turn = math::dcm_from_rpy(*given.mounting_rpy);
+    const auto miss = [&](const Eigen::Matrix3d& axes) {
+        if (m.full) return angle_between(turn * axes, m.C_total);
+        const Eigen::Vector3d down_s = study.still.any() ? -study.still.f : -mean_specific_force(study.imu);
+        return std::acos(std::clamp((turn * axes).row(2).dot(down_s.normalized().transpose()), -1.0, 1.0));
+    };
+    if (miss(Eigen::Matrix3d::Identity()) <= miss(m.C_bs) + 15.0 * units::deg) take_axes(m, Eigen::Matrix3d::Identity(), "frd");
+}
+
 }  // namespace
 
 void study_motion(Study& study) {
@@ -77,6 +100,7 @@ void study_motion(Study& study) {
     const AttitudeAgreement attitude = attitude_agreement(study.imu, study.still.w, study.reference, study.origin);
     const bool rest = study.still.any();
     study.mounting = mounting_of(rest ? study.still.f : mean_specific_force(study.imu), rest, study.travel, attitude);
+    take_given_axes(study);
     study.course = course_slope(study.imu, gnss, study.mounting.C_bs.row(2).transpose(), study.still.w);
 }
 
@@ -133,9 +157,11 @@ Kind kind_of(const Study& study) {
 void judge_vehicle(Study& study) {
     if (study.imu_file == nullptr) return;
     const Kind kind = kind_of(study);
-    study.vehicle = kind.name;
+    study.vehicle = study.given.vehicle.empty() ? kind.name : study.given.vehicle;
+    if (study.vehicle == "static" && kind.name != "static" && kind.confidence >= 0.7)
+        study.contradicts("vehicle.kind", fmt::format("\"static\" is given; the data show motion: {}", kind.why));
     study.found("vehicle.kind", kind.name, kind.confidence, kind.why);
-    study.draft.set("vehicle", "kind", toml_string(kind.name), fmt::format("{}: {}", how_sure(kind.confidence), kind.why));
+    study.draft.set("vehicle", "kind", kind.name, fmt::format("{}: {}", how_sure(kind.confidence), kind.why));
     if (study.still.any()) {
         study.found("still", text_of(study.still.intervals, 0.0), 0.9,
                     fmt::format("{:.0f} s of quiet sensors{}; s after the first {} epoch", study.still.total,

@@ -110,7 +110,7 @@ void judge_accel(LoadedFile& file, std::vector<UnitChange>& changes) {
                  named ? fmt::format("the accelerometer columns state a unit that cannot be: {}", why)
                        : fmt::format("accelerometer unit by value: {}", why),
                  fmt::format("[imu] scale = {{ accel_m_s2 = {:.10g} }}", factor));
-    changes.push_back({"accel_m_s2", factor, best.unit, 0.97, why});
+    changes.push_back({"accel_m_s2", factor, best.unit, 0.97, why, named});
 }
 
 void judge_mag(LoadedFile& file, std::vector<UnitChange>& changes) {
@@ -137,7 +137,8 @@ void judge_position(LoadedFile& file, std::vector<UnitChange>& changes) {
     double factor = 1.0;
     std::string unit, why;
     double confidence = 0.95;
-    if (lat > 90.0 && lat <= 90e7 && lon <= 360e7) {
+    constexpr double near_equator = 1e5;   // in 1e-7 degrees: a kilometre; less is no such number but a wrong one
+    if (lat > near_equator && lat <= 90e7 && lon <= 360e7) {
         factor = 1e-7;
         unit = "1e-7 deg";
         why = fmt::format("values up to {:.4g} are whole numbers of 1e-7 degrees", std::max(lat, lon));
@@ -153,7 +154,7 @@ void judge_position(LoadedFile& file, std::vector<UnitChange>& changes) {
     if (factor != 1.0) {
         rescale(file, {"lat_deg", "lon_deg"}, factor);
         for (const char* key : {"lat_deg", "lon_deg"})
-            changes.push_back({key, factor * name_factor(file, key), unit, confidence, why});
+            changes.push_back({key, factor * name_factor(file, key), unit, confidence, why, factor < 1.0 && stated(file, key)});
     } else if (lat > 90.0) {
         file.problem(Level::Error, fmt::format("latitudes up to {:.6g} deg", lat),
                      "name the right columns: [gnss] columns = { lat_deg = \"...\" }");
@@ -282,7 +283,7 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
         file.problem(Level::Error, "the gyro columns state a unit that cannot be: " + why,
                      fmt::format("[imu] scale = {{ {} = {:.10g} }}", key, in_file));
     }
-    changes.push_back({key, in_file, unit, confidence, why});
+    changes.push_back({key, in_file, unit, confidence, why, stated(file, first)});
     return changes;
 }
 

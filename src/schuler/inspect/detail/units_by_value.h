@@ -16,6 +16,7 @@ struct UnitChange {
     std::string unit;           ///< what the numbers are
     double confidence = 0.0;
     std::string why;
+    bool against_name = false;  ///< the name states another unit
 };
 
 /// Judges and rescales the accelerometer columns by the norm (9.8 m/s^2, 1 g, 1000 mg), position and magnetometer columns by

@@ -4,6 +4,7 @@
 #include "schuler/core/log.h"
 #include "schuler/core/time.h"
 #include "schuler/io/csv_recording.h"
+#include "schuler/io/repair_times.h"
 #include "schuler/io/table.h"
 
 #include <algorithm>
@@ -47,6 +48,8 @@ public:
 
     /// A bad row: throws where it is the first row of the file.
     void bad_row(const TableReader& reader);
+    /// A row with a value that no instrument gives: counted as bad; many of them are another unit, and thrown.
+    void absurd(const Error& error, const TableReader& reader);
     void read_row() { ++counts_.read; }
     /// Checks the order of a used row's time.
     void time(std::int64_t ns, long line) {
@@ -64,6 +67,10 @@ public:
     /// After the last row: throws or warns.
     void finish(const TableReader& reader);
     [[nodiscard]] RowCounts& counts() { return counts_; }
+    void stray(long line) {
+        if (counts_.strays++ == 0) first_stray_line_ = line;
+    }
+    void rolled_over(const TimeRepair& repair);
     void warn(std::string_view topic, const std::string& text, std::size_t count) const;
 
 private:
@@ -74,6 +81,9 @@ private:
     std::int64_t first_back_from_ = 0, first_back_to_ = 0;
     long first_back_line_ = 0;
     long first_bad_line_ = 0;
+    long first_stray_line_ = 0;
+    std::size_t absurd_ = 0;
+    std::vector<Error> first_absurd_;
     std::vector<Error> first_bad_;
 };
 
@@ -102,12 +112,39 @@ void put_in_time_order(std::vector<Sample>& samples, RowAudit& audit, Same same)
     audit.warn("same_time", "rows with the time of another row but other values: kept", counts.same_time);
 }
 
+/// Leaves out single rows with a stamp far from those around them, and carries counters of time on that begin anew.
+template <class Sample>
+void repair_stamps(std::vector<Sample>& samples, std::vector<long>& lines, RowAudit& audit) {
+    std::vector<std::int64_t> times;
+    times.reserve(samples.size());
+    for (const Sample& s : samples) times.push_back(s.time.ns);
+    const TimeRepair repair = repair_times(times);
+    if (!repair.any()) return;
+    std::size_t kept = 0;
+    auto stray = repair.strays.begin();
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        if (stray != repair.strays.end() && *stray == i) {
+            audit.stray(lines[i]);
+            ++stray;
+            continue;
+        }
+        samples[kept] = samples[i];
+        samples[kept].time.ns = times[i];
+        lines[kept++] = lines[i];
+    }
+    samples.resize(kept);
+    lines.resize(kept);
+    audit.rolled_over(repair);
+}
+
 /// Reads all rows. `make(reader, sample)` fills a sample from a row and returns false to leave it out (it counts that itself).
 template <class Sample, class Make>
 [[nodiscard]] std::vector<Sample> read_samples(TableReader& reader, RowAudit& audit, std::size_t expected, Duration offset,
                                                Make make) {
     std::vector<Sample> samples;
+    std::vector<long> lines;
     samples.reserve(std::min<std::size_t>(expected, 50'000'000));
+    lines.reserve(samples.capacity());
     while (reader.next()) {
         audit.read_row();
         if (!reader.row_ok()) {
@@ -116,10 +153,19 @@ template <class Sample, class Make>
         }
         Sample sample;
         sample.time.ns = reader.time_ns(0);
-        if (!make(reader, sample)) continue;
-        sample.time = sample.time + offset;
-        audit.time(sample.time.ns, reader.line());
+        try {
+            if (!make(reader, sample)) continue;
+        } catch (const Error& error) {
+            audit.absurd(error, reader);
+            continue;
+        }
         samples.push_back(sample);
+        lines.push_back(reader.line());
+    }
+    repair_stamps(samples, lines, audit);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        samples[i].time = samples[i].time + offset;
+        audit.time(samples[i].time.ns, lines[i]);
     }
     audit.finish(reader);
     return samples;

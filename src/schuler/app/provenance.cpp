@@ -1,0 +1,255 @@
+#include "schuler/app/provenance.h"
+
+#include "schuler/app/detail/json.h"
+#include "schuler/app/facts.h"
+#include "schuler/core/units.h"
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+namespace schuler::app {
+namespace {
+
+/// What is reported of every run, in this order; further keys of these sections where they are given or found.
+constexpr std::array reported = {"time.scale", "vehicle.kind", "imu.file", "imu.kind", "imu.stamp", "imu.axes", "imu.mounting_deg",
+                                 "imu.grade", "imu.gyro_noise_deg_sqrt_h", "imu.accel_noise_m_s_sqrt_h", "gnss.file", "gnss.observations",
+                                 "gnss.lever_arm_m", "gnss.latency_s", "gnss.velocity_latency_s", "gnss.height_latency_s",
+                                 "gnss.velocity_down_latency_s", "gnss.height", "gnss.default_std_m", "gnss.default_std_velocity_m_s",
+                                 "gnss.correlated_m", "baro.file", "baro.white_m", "baro.bias_walk_m", "mag.file", "mag.declination_deg",
+                                 "mag.heading_std_deg", "mag.heading_bias_walk_deg", "reference.file"};
+
+bool describes_data(std::string_view key) {
+    return std::ranges::any_of(std::array{"time.", "vehicle.", "imu.", "gnss.", "baro.", "mag.", "stations.", "reference.", "initial."},
+                               [&](std::string_view section) { return key.starts_with(section); });
+}
+
+/// The largest of a value's numbers: what a relative sigma is a share of.
+double size_of(const FactValue& value) {
+    if (const double* x = std::get_if<double>(&value)) return std::abs(*x);
+    double size = 0.0;
+    if (const auto* list = std::get_if<std::vector<double>>(&value))
+        for (const double item : *list) size = std::max(size, std::abs(item));
+    return size;
+}
+
+const Fact* named(const std::vector<Fact>& facts, std::string_view key) {
+    const auto it = std::ranges::find(facts, key, &Fact::key);
+    return it == facts.end() ? nullptr : &*it;
+}
+
+/// Latencies that are not set take the place of another one.
+std::optional<double> latency_in_force(const fusion::Findings& f, std::string_view key) {
+    if (key == "gnss.latency_s") return f.position_latency;
+    if (key == "gnss.velocity_latency_s") return f.velocity_latency;
+    if (key == "gnss.height_latency_s") return f.height_latency;
+    if (key == "gnss.velocity_down_latency_s") return f.velocity_down_latency;
+    return std::nullopt;
+}
+
+Fact heading_fact(const ResultBundle& b) {
+    const fusion::Findings& f = b.result.findings;
+    Fact fact;
+    fact.key = "initial.heading_deg";
+    fact.value = math::wrap_2pi(f.heading) / units::deg;
+    fact.sigma = f.std_heading / units::deg;
+    fact.how = b.data.given.contains(fact.key) ? Known::Given : f.heading_found ? Known::Found : Known::Default;
+    if (fact.how == Known::Found) {
+        fact.from = b.relative(f.started_at);
+        fact.to = std::max(b.relative(f.aligned_at), fact.from);
+    }
+    fact.note = f.alignment;
+    return fact;
+}
+
+class Reporter {
+public:
+    explicit Reporter(const ResultBundle& b) : b_(b), used_(config_table().used(b.data.config)) {}
+
+    [[nodiscard]] std::optional<Fact> of(const std::string& key) const {
+        const fusion::Findings& f = b_.result.findings;
+        const auto value = std::ranges::find(used_, key, &Setting::key);
+        const Fact* found = named(b_.data.facts, key);
+        const bool given = b_.data.given.contains(key);
+        Fact fact;
+        fact.key = key;
+        const std::optional<double> latency = b_.result.findings.in_force ? latency_in_force(f, key) : std::nullopt;
+        if (latency)
+            fact.value = *latency;
+        else if (value != used_.end())
+            fact.value = fact_value_of(value->value);
+        else if (found != nullptr)
+            fact.value = found->value;
+        else
+            return std::nullopt;
+        fact.how = given ? Known::Given : Known::Default;
+        if (!given && found != nullptr) {
+            fact.how = found->how;
+            fact.sigma = found->sigma;
+            fact.from = found->from;
+            fact.to = found->to;
+            fact.note = found->note;
+        }
+        const auto tuned = std::ranges::find(f.tuned, key, &fusion::TunedSetting::key);
+        if (tuned != f.tuned.end()) {
+            fact.how = Known::Found;
+            fact.sigma = tuned->relative ? tuned->sigma * size_of(fact.value) : tuned->sigma;
+            fact.from = b_.relative(f.tuned_from);
+            fact.to = b_.relative(f.tuned_to);
+            fact.note = "fitted to the innovations";
+        }
+        if (key == "imu.mounting_deg" && f.std_mounting_rpy.norm() > 0.0) {
+            fact.how = Known::Found;
+            fact.sigma = f.std_mounting_rpy.tail<2>().maxCoeff() / units::deg;
+            fact.note = "from the direction of travel";
+        }
+        if (latency && value == used_.end()) {   // it follows another one
+            const Fact leader = *of(key == "gnss.velocity_down_latency_s" ? "gnss.velocity_latency_s" : "gnss.latency_s");
+            fact.how = leader.how == Known::Given ? Known::Default : leader.how;
+            fact.sigma = leader.sigma;
+            fact.note = "as " + leader.key;
+        }
+        return fact;
+    }
+
+private:
+    const ResultBundle& b_;
+    SettingList used_;
+};
+
+struct ToJson {
+    template <class T>
+    Json operator()(const T& x) const {
+        return Json(x);
+    }
+    Json operator()(double x) const { return number(x); }
+};
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+}  // namespace
+
+Json facts_json(const std::vector<Fact>& facts) {
+    Json list = Json::array();
+    for (const Fact& f : facts) {
+        list.push_back({{"key", f.key},
+                        {"value", std::visit(ToJson{}, f.value)},
+                        {"unit", text_or_null(unit_of_key(f.key))},
+                        {"how", std::string(name_of(f.how))},
+                        {"sigma", number(f.sigma)},
+                        {"from_s", number(f.from)},
+                        {"to_s", number(f.to)},
+                        {"note", text_or_null(f.note)}});
+    }
+    return list;
+}
+
+void take_in_force(Config& c, const fusion::Findings& findings) {
+    if (!findings.in_force) return;
+    const fusion::Settings& s = *findings.in_force;
+    fusion::Settings& f = c.filter;
+    f.imu.mounting_rpy = s.imu.mounting_rpy;
+    f.imu.mounting_std = s.imu.mounting_std;
+    f.imu.estimate_mounting = f.imu.estimate_noise = false;
+    f.imu.errors.gyro_noise = s.imu.errors.gyro_noise;
+    f.imu.errors.accel_noise = s.imu.errors.accel_noise;
+    f.gnss.latency = s.gnss.latency;
+    f.gnss.velocity_latency = s.gnss.velocity_latency;
+    f.gnss.height_latency = s.gnss.height_latency;
+    f.gnss.velocity_down_latency = s.gnss.velocity_down_latency;
+    f.gnss.default_std_position = s.gnss.default_std_position;
+    f.gnss.default_std_velocity = s.gnss.default_std_velocity;
+    f.gnss.errors = s.gnss.errors;
+    f.gnss.estimate_latency = f.gnss.estimate_std = false;
+    f.baro = s.baro;
+    f.mag = s.mag;
+    f.aids.nonholonomic = s.aids.nonholonomic;
+    f.aids.nonholonomic_auto = s.aids.nonholonomic_auto;
+    c.nonholonomic = s.aids.nonholonomic;
+}
+
+std::string config_in_force(const LoadedDataset& data) {
+    Config c = data.config;
+    c.filter.gnss.height = data.logged_height;   // the log is read once more, with its heights as they are
+    return to_toml(config_table().used(c), config_table().specs(), true);
+}
+
+std::vector<Fact> facts_of(const ResultBundle& b) {
+    const Reporter reporter(b);
+    std::vector<std::string> keys(reported.begin(), reported.end());
+    const auto add = [&](const std::string& key) {
+        if (!describes_data(key) || std::ranges::find(keys, key) != keys.end()) return;
+        const std::string section = key.substr(0, key.find('.') + 1);   // beside those of its section
+        const auto last = std::find_if(keys.rbegin(), keys.rend(), [&](const std::string& k) { return k.starts_with(section); });
+        keys.insert(last == keys.rend() ? keys.end() : last.base(), key);
+    };
+    for (const Fact& fact : b.data.facts) add(fact.key);
+    for (const fusion::TunedSetting& tuned : b.result.findings.tuned) add(tuned.key);
+    for (const std::string& key : b.data.given) add(key);
+    std::vector<Fact> facts;
+    for (const std::string& key : keys) {
+        if (key == "initial.heading_deg") continue;
+        if (std::optional<Fact> fact = reporter.of(key)) facts.push_back(std::move(*fact));
+    }
+    if (std::isfinite(b.result.findings.heading)) facts.push_back(heading_fact(b));
+    return facts;
+}
+
+std::string unit_of_key(const std::string& key) {
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 14> units{{{"_deg_sqrt_h", "deg/sqrt(h)"},
+                                                                                          {"_m_s_sqrt_h", "m/s/sqrt(h)"},
+                                                                                          {"_deg_sqrt_s", "deg/sqrt(s)"},
+                                                                                          {"_deg_h", "deg/h"},
+                                                                                          {"_deg_s", "deg/s"},
+                                                                                          {"_m_s2", "m/s2"},
+                                                                                          {"_m_s", "m/s"},
+                                                                                          {"_ppm", "ppm"},
+                                                                                          {"_deg", "deg"},
+                                                                                          {"_mg", "mg"},
+                                                                                          {"_pa", "Pa"},
+                                                                                          {"_hz", "Hz"},
+                                                                                          {"_m", "m"},
+                                                                                          {"_s", "s"}}};
+    for (const auto& [end, unit] : units)
+        if (key.ends_with(end)) return std::string(unit);
+    return {};
+}
+
+std::string fact_text(const Fact& fact) {
+    const auto short_number = [](double x) { return fmt::format("{:.4g}", x == 0.0 ? 0.0 : x); };
+    std::string text;
+    if (const double* x = std::get_if<double>(&fact.value)) {
+        text = short_number(*x);
+    } else if (const auto* list = std::get_if<std::vector<double>>(&fact.value)) {
+        for (const double item : *list) text += (text.empty() ? "" : ", ") + short_number(item);
+        text = "[" + text + "]";
+    } else {
+        text = to_text(fact.value);
+    }
+    if (std::isfinite(fact.sigma)) text += fmt::format(" +- {:.2g}", fact.sigma);
+    const std::string unit = unit_of_key(fact.key);
+    return unit.empty() ? text : text + " " + unit;
+}
+
+bool is_news(const Fact& fact) {
+    static const SettingList defaults = config_table().used(Config{});
+    if (fact.how != Known::Given) return fact.how != Known::Default;
+    const auto plain = std::ranges::find(defaults, fact.key, &Setting::key);
+    return plain == defaults.end() || fact_value_of(plain->value) != fact.value;
+}
+
+std::string facts_table(const std::vector<Fact>& facts, bool notes) {
+    std::string out;
+    for (const Fact& fact : facts) {
+        if (!is_news(fact)) continue;
+        const std::string span = std::isfinite(fact.from) ? fmt::format("  {:.0f} to {:.0f} s", fact.from, fact.to) : std::string();
+        out += fmt::format("  {:<6} {:<30} {}{}\n", name_of(fact.how), fact.key, fact_text(fact), span);
+        if (notes && !fact.note.empty()) out += fmt::format("  {:<6} {:<30}   {}\n", "", "", fact.note);
+    }
+    return out.empty() ? out : "what the data are (given, stated by a file, found in the data)\n" + out;
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,54 @@
+// What a data set consists of and what its numbers mean, as a user or the files themselves say it.
+#pragma once
+
+#include "schuler/core/time.h"
+#include "schuler/gnss/single_point.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::dataset {
+
+/// A file of a data set and how its columns are named.
+struct FileSource {
+    std::string file;                            ///< relative to the data set's folder, $NAME for environment variables
+    std::map<std::string, std::string> columns;  ///< canonical name = the file's name
+    std::map<std::string, double> scale;         ///< canonical name = factor to the canonical unit
+    double time_offset = 0.0;                    ///< s, added to the file's times
+};
+
+struct TimeConfig {
+    TimeScale scale = TimeScale::Gps;
+    std::optional<int> week;                     ///< GPS week of seconds of week
+    std::string date;                            ///< YYYY-MM-DD of seconds of day
+};
+
+/// Raw measurements of a receiver and how they become fixes.
+struct RawGnssConfig {
+    std::vector<std::string> observations;       ///< files; empty: there are none
+    std::vector<std::string> navigation;
+    std::string precise;
+    gnss::SinglePointSettings solver;
+    bool phase_velocity = false;                 ///< velocity from phases instead of Doppler
+};
+
+enum class Quaternion { BodyToNed, SensorToEnu };
+
+/// The files of a data set and how they are read.
+struct Description {
+    TimeConfig time;
+    FileSource imu, gnss, baro, mag, reference;
+    FileSource ranges;                           ///< [stations] file: pseudoranges to satellites and ground stations
+    std::string station_coordinates;             ///< [stations] coordinates: places of the stations
+    RawGnssConfig raw;
+    std::string axes = "frd";                    ///< sensor axes of the IMU
+    std::string mag_axes;                        ///< of the magnetometer; empty: those of the IMU
+    std::map<std::string, std::string> fix_codes;
+    std::optional<double> undulation;            ///< m, geoid above ellipsoid, for heights above mean sea level
+    Quaternion quaternion = Quaternion::BodyToNed;
+    double sea_level_pressure = 101325.0;        ///< Pa, by which pressures of a barometer become heights
+};
+
+}  // namespace schuler::dataset

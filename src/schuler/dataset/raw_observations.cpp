@@ -1,0 +1,102 @@
+#include "schuler/dataset/raw_observations.h"
+
+#include "schuler/io/columns.h"
+#include "schuler/io/raw_input.h"
+#include "schuler/io/text_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <initializer_list>
+#include <string_view>
+
+namespace schuler::dataset {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a RINEX header says of its receiver: MARKER TYPE of version 3, without which receivers at a fixed place are not told apart.
+std::string marker_type(const fs::path& file) {
+    try {
+        io::LineBlocks blocks{io::TextInput(file)};
+        if (!blocks.next()) return {};
+        std::string_view text(blocks.begin(), static_cast<std::size_t>(blocks.end() - blocks.begin()));
+        while (!text.empty()) {
+            const std::size_t end = std::min(text.find('\n'), text.size());
+            const std::string_view line = text.substr(0, end);
+            if (line.find("END OF HEADER") != std::string_view::npos) break;
+            if (line.find("MARKER TYPE") != std::string_view::npos) return std::string(line.substr(0, line.find(' ')));
+            text.remove_prefix(std::min(end + 1, text.size()));
+        }
+    } catch (const std::exception&) {
+        // what cannot be read says nothing; its reader will say why
+    }
+    return {};
+}
+
+/// How likely a file is of the receiver to be located rather than of a station: above zero for a rover.
+int rover_points(const fs::path& file) {
+    const std::string type = marker_type(file);
+    const auto is = [&](std::initializer_list<std::string_view> types) { return std::ranges::find(types, type) != types.end(); };
+    // RINEX 3.04, table A2: types of moving carriers, and of monuments
+    if (is({"AIRBORNE", "SPACEBORNE", "GROUND_CRAFT", "WATER_CRAFT", "FLOATING_BUOY", "FLOATING_ICE", "GLACIER", "BALLISTIC", "ANIMAL",
+            "HUMAN", "NON_GEODETIC"}))
+        return 2;
+    if (type == "GEODETIC") return -2;
+    int points = 0;
+    for (const std::string& word : io::words_of_name(file.stem().string())) {
+        if (word == "rover" || word == "rov" || word == "kinematic" || word == "mobile") points = 1;
+        if (word == "base" || word == "station" || word == "master" || word == "reference" || word == "ref") points = -1;
+    }
+    return points;
+}
+
+}  // namespace
+
+RawObservations raw_observations(const fs::path& path) {
+    std::error_code ec;
+    const bool folder = fs::is_directory(path, ec);
+    const fs::path beside = folder ? path : path.parent_path().empty() ? fs::path(".") : path.parent_path();
+    std::vector<std::string> observations, navigation, logs;  // logs of receivers have both
+    for (const auto& entry : fs::directory_iterator(beside, ec)) {
+        if (!entry.is_regular_file(ec)) continue;
+        const io::RawFormat format = io::raw_format(entry.path());
+        const std::string name = entry.path().filename().string();
+        if (format == io::RawFormat::RinexNavigation) navigation.push_back(name);
+        if (format == io::RawFormat::RinexObservations) observations.push_back(name);
+        if (format == io::RawFormat::Ubx || format == io::RawFormat::Rtcm3) logs.push_back(name);
+    }
+    for (auto* names : {&observations, &navigation, &logs}) std::ranges::sort(*names);
+    const bool only_logs = observations.empty();
+    if (observations.size() > 1)
+        std::ranges::stable_sort(observations, std::greater<>{}, [&](const std::string& name) { return rover_points(beside / name); });
+    observations.insert(observations.end(), logs.begin(), logs.end());
+    if (!folder) {
+        const std::string own = path.filename().string();
+        if (std::ranges::find(observations, own) == observations.end()) return {};
+        observations = {own};
+    }
+    const bool complete = !observations.empty() && std::ranges::find(logs, observations.front()) != logs.end();
+    if (observations.empty() || (navigation.empty() && !complete)) return {};
+    RawObservations out;
+    const auto fact = [&](const char* key, FactValue value) {
+        Fact& f = out.facts.emplace_back();
+        f.key = key;
+        f.value = std::move(value);
+    };
+    fact("gnss.observations", observations.front());
+    out.dataset_toml = fmt::format("# Inferred from the {} files.\n[gnss]\nobservations = {}\n",
+                                   only_logs && navigation.empty() ? "receiver's" : "RINEX", toml_text(observations.front()));
+    for (std::size_t i = 1; i < observations.size(); ++i)
+        out.dataset_toml += fmt::format("# or observations = {}\n", toml_text(observations[i]));
+    if (!navigation.empty()) {
+        fact("gnss.navigation", navigation);
+        out.dataset_toml += fmt::format("navigation = {}\n", to_text(navigation));
+    }
+    fact("filter.scheme", std::string("gnss"));
+    out.dataset_toml += "[filter]\nscheme = \"gnss\"\n";
+    return out;
+}
+
+}  // namespace schuler::dataset

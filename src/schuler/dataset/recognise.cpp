@@ -1,0 +1,92 @@
+#include "schuler/dataset/recognise.h"
+
+#include "schuler/core/error.h"
+#include "schuler/dataset/raw_observations.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <string_view>
+
+namespace schuler::dataset {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// No log of this kind was recognised: the most telling thing known about a file that might have been one.
+[[noreturn]] void throw_missing(const fs::path& path, const inspect::InspectReport& report, std::string_view kind) {
+    std::error_code ec;
+    const fs::path folder = fs::is_directory(path, ec) ? path : path.parent_path();
+    for (const inspect::FileReport& file : report.files) {
+        if (file.chosen || (file.kind != "unknown" && file.kind != kind)) continue;
+        for (const inspect::Problem& problem : file.problems) {
+            if (problem.level == inspect::Level::Info) continue;
+            throw input_error(problem.text, {(folder / file.path).string(), 0, 0, {}}, problem.mend);
+        }
+    }
+    if (fs::is_directory(folder / fmt::format("{}.csv", kind), ec)) {
+        throw input_error("this is a folder, not a file", {(folder / fmt::format("{}.csv", kind)).string(), 0, 0, {}},
+                          "put the log itself there, or name it in a dataset.toml");
+    }
+    const bool imu = kind == "imu";
+    throw input_error(fmt::format("no {} log was recognised in it", imu ? "IMU" : "GNSS"), {path.string(), 0, 0, {}},
+                      imu ? "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in a dataset.toml"
+                          : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");
+}
+
+bool recognised(const inspect::InspectReport& report, std::initializer_list<std::string_view> kinds) {
+    return std::ranges::any_of(report.files, [&](const inspect::FileReport& file) {
+        return file.chosen && std::ranges::find(kinds, std::string_view(file.kind)) != kinds.end();
+    });
+}
+
+std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
+    std::vector<std::string> doubts;
+    for (const inspect::FileReport& file : report.files) {
+        if (!file.chosen) continue;
+        for (const inspect::Problem& problem : file.problems) {
+            if (problem.level == inspect::Level::Error)
+                doubts.push_back(fmt::format("{}: {}; taken with {}", file.path, problem.text, problem.mend));
+        }
+    }
+    return doubts;
+}
+
+}  // namespace
+
+Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& given) {
+    Recognised r;
+    r.report = inspect::inspect(path, given);
+    if (!given.find_logs) {
+        r.facts = r.report.facts;
+        return r;
+    }
+    if (needs == Needs::ImuAndGnss && !recognised(r.report, {"imu", "kfgins_imu"})) {
+        RawObservations raw = raw_observations(path);
+        if (!raw.facts.empty()) {
+            r.facts = std::move(raw.facts);
+            r.dataset_toml = std::move(raw.dataset_toml);
+            return r;
+        }
+    }
+    if (r.report.dataset_toml.empty()) {
+        std::string why = "no IMU log was recognised in it";
+        std::string mend = "`schuler inspect` says what was found; write a dataset.toml";
+        for (const auto& problem : r.report.problems) {
+            if (problem.level != inspect::Level::Error) continue;
+            why = problem.text;
+            if (!problem.mend.empty()) mend = problem.mend;
+        }
+        throw input_error(why, {path.string(), 0, 0, {}}, mend);
+    }
+    if (!recognised(r.report, {"imu", "kfgins_imu"})) throw_missing(path, r.report, "imu");
+    if (needs == Needs::ImuAndGnss && !recognised(r.report, {"gnss", "kfgins_gnss", "rtklib_pos", "nmea"}))
+        throw_missing(path, r.report, "gnss");
+    r.doubts = doubts_of(r.report);
+    r.facts = r.report.facts;
+    r.dataset_toml = r.report.dataset_toml;
+    return r;
+}
+
+}  // namespace schuler::dataset

@@ -1,0 +1,178 @@
+"""What is known about a data set and how: found where it is not given, used and checked where it is, written down so that a run repeats."""
+import json
+import math
+import os
+import random
+import sys
+import tomllib
+from pathlib import Path
+
+from program_test import DRIVE, check, main
+
+WINDOWS = "50:15,75:15,100:15,125:15,150:15,175:15"
+
+
+def rms(rows, field="end_horizontal_m"):
+    return math.sqrt(sum(row[field] ** 2 for row in rows) / len(rows))
+
+
+def summary_of(program, *arguments):
+    return json.loads(program("process", *arguments, "--json").stdout)
+
+
+def facts_of(summary):
+    return {fact["key"]: fact for fact in summary["facts"]}
+
+
+def as_toml(sections):
+    def text(value):
+        if isinstance(value, dict):
+            return "{ " + ", ".join(f"{k} = {text(v)}" for k, v in value.items()) + " }"
+        return json.dumps(value)
+    return "".join(f"[{name}]\n" + "".join(f"{key} = {text(v)}\n" for key, v in keys.items()) for name, keys in sections.items())
+
+
+def simulated(program, folder):
+    """The logs of a simulated car without a word about them, and the true words."""
+    (folder / "drive.toml").write_text(DRIVE.replace('grade = "tactical"', 'grade = "mems"'))
+    program("simulate", "drive.toml", "-o", "logs")
+    said = tomllib.loads((folder / "logs/dataset.toml").read_text())
+    (folder / "logs/dataset.toml").unlink()
+    true = {"vehicle": {"kind": "car"}, "imu": {"file": "imu.csv", **{k: said["imu"][k] for k in ("kind", "stamp", "axes", "mounting_deg")}},
+            "gnss": {"file": "gnss.csv", "latency_s": 0.0, "velocity_latency_s": 0.0, "height": "ellipsoidal",
+                     "lever_arm_m": said["gnss"]["lever_arm_m"]}, "time": {"scale": said["time"]["scale"]}}
+    return true
+
+
+def facts_partial(program, source):
+    """Saying true things never makes it worse: random subsets of what is true, against the folder without a word."""
+    folder = Path(program.folder)
+    true = simulated(program, folder)
+    outage = ["--outage", "60:10,85:10,110:10", "--outputs", "summary"]
+    bare = rms(summary_of(program, "logs", "-o", "bare", *outage)["outages"])
+    draw = random.Random(7)
+    for trial in range(6):
+        some = {name: {k: v for k, v in keys.items() if k == "file" or draw.random() < 0.5} for name, keys in true.items()}
+        (folder / "logs/dataset.toml").write_text(as_toml(some))
+        summary = summary_of(program, "logs", "-o", f"some{trial}", *outage)
+        got = rms(summary["outages"])
+        check(got < 1.1 * bare + 0.05, f"{some}: {got:.3f} m, bare {bare:.3f} m")
+        check(not any("contradict" in text for text in summary["warnings"]), f"{some} is true: {summary['warnings']}")
+        check(summary["ignored"] == [], f"{some}: {summary['ignored']}")
+        facts = facts_of(summary)
+        for name, keys in some.items():
+            for key in keys:
+                check(facts[f"{name}.{key}"]["how"] == "given", f"{name}.{key} is given: {facts.get(f'{name}.{key}')}")
+        if "axes" not in some["imu"]:
+            check(facts["imu.axes"]["how"] == "found" and facts["imu.axes"]["note"], "the axes are found, and by what is said")
+    # what is wrong is used all the same, with one warning that names both values
+    (folder / "logs/dataset.toml").write_text('[imu]\nfile = "imu.csv"\naxes = "flu"\n[gnss]\nfile = "gnss.csv"\n')
+    warnings = [text for text in summary_of(program, "logs", "-o", "wrong", *outage)["warnings"] if "contradict" in text]
+    check(len(warnings) == 1 and "imu.axes" in warnings[0] and '"flu"' in warnings[0], f"wrong axes: {warnings}")
+
+
+def facts_repeat(program, source):
+    """config.toml holds what was in force: it repeats the run to the last bit, with nothing left to be found."""
+    folder = Path(program.folder)
+    simulated(program, folder)
+    one = summary_of(program, "logs", "-o", "one")
+    written = tomllib.loads((folder / "one/config.toml").read_text())
+    check(written["imu"]["estimate_noise"] is False and written["gnss"]["estimate_std"] is False, "nothing is left to be tuned")
+    check(isinstance(written["gnss"]["latency_s"], float), f"the latency in force: {written['gnss']['latency_s']}")
+    facts = facts_of(one)
+    noise = facts["imu.gyro_noise_deg_sqrt_h"]
+    check(noise["how"] == "found" and noise["sigma"] > 0 and noise["unit"] == "deg/sqrt(h)" and noise["to_s"] > noise["from_s"],
+          f"a fitted noise has sigma and span: {noise}")
+    check(math.isclose(noise["value"], written["imu"]["gyro_noise_deg_sqrt_h"]), "the same value in both")
+    check({fact["how"] for fact in one["facts"]} <= {"given", "file", "found", "default"}, "four words")
+    again = summary_of(program, "logs", "-o", "two", "--config", "one/config.toml")
+    for name in ("solution.csv", "config.toml"):
+        check((folder / "one" / name).read_bytes() == (folder / "two" / name).read_bytes(), f"{name} is repeated to the last bit")
+    check(facts_of(again)["imu.axes"]["how"] == "given", "config.toml gives")
+    table = program("process", "logs", "-o", "three", "--outputs", "report").stdout
+    check("found  vehicle.kind" in table and '"car"' in table, "process prints what was found")
+    check("imu.axes" in (folder / "three/report.html").read_text() and "found" in (folder / "three/report.html").read_text(),
+          "so does the report")
+
+
+def facts_real(program, source):
+    """drive_0708: a dataset.toml that says less than could be found is as good as none; a latency that counts twice is told."""
+    data = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data"))
+    drive = data / "drive_0708"
+    if not drive.is_dir():
+        print(f"skipped: {drive} is not there (set SCHULER_DATA)")
+        sys.exit(77)
+    folder = Path(program.folder)
+    (folder / "said").mkdir()
+    for name in ("imu.csv", "gnss.csv"):
+        (folder / "said" / name).symlink_to(drive / name)
+    outage = ["--outage", WINDOWS, "--outputs", "summary,solution,config"]
+    bare = summary_of(program, drive, "-o", "bare", *outage)
+    files = '[imu]\nfile = "imu.csv"\n[gnss]\nfile = "gnss.csv"\n'
+    (folder / "said/dataset.toml").write_text(files + "lever_arm_m = [0.0, -0.05, 0.0]\n")
+    said = summary_of(program, "said", "-o", "out", *outage)
+    errors = {name: rms(summary["outages"]) for name, summary in (("bare", bare), ("said", said))}
+    print(f"drive_0708, six outages of 15 s: bare folder {errors['bare']:.2f} m, partial dataset.toml {errors['said']:.2f} m")
+    check(errors["said"] < max(1.05 * errors["bare"], errors["bare"] + 0.1), f"{errors}")
+    check(all(row["inside_3sigma"] for row in said["outages"]), "inside three sigma")
+    facts = facts_of(said)
+    check(facts["vehicle.kind"]["value"] == "car" and facts["vehicle.kind"]["how"] == "found", f"{facts['vehicle.kind']}")
+    check(facts["gnss.lever_arm_m"]["how"] == "given", "the lever arm is given")
+    (folder / "said/dataset.toml").write_text(files + "velocity_latency_s = 0.12\n")
+    doubled = summary_of(program, "said", "-o", "doubled", *outage)
+    told = [text for text in doubled["warnings"] if "velocity_latency_s" in text]
+    check(len(told) == 1 and "0.120 s" in told[0] and "the data show" in told[0], f"a latency that counts twice: {doubled['warnings']}")
+    check(doubled["findings"]["latency_s"]["velocity"] == 0.12, "what is given is used")
+    # what was found, given: the same run
+    program("process", drive, "-o", "again", "--config", "bare/config.toml", *outage)
+    same = (folder / "again/solution.csv").read_bytes() == (folder / "bare/solution.csv").read_bytes()
+    check(same, "config.toml repeats the real drive to the last bit")
+
+
+def facts_checked(program, source):
+    """inspect checks a dataset.toml as process does; what is given and useless is told; single bad rows cost themselves."""
+    folder = Path(program.folder)
+    simulated(program, folder)
+    described = folder / "logs/dataset.toml"
+    files = '[imu]\nfile = "imu.csv"\n[gnss]\nfile = "gnss.csv"\n'
+    for name, text, part in (("key", files + "latencys_s = 0.1\n", "latency_s"), ("type", files + 'latency_s = "soon"\n', "latency"),
+                             ("file", files.replace("imu.csv", "absent.csv"), "absent.csv"),
+                             ("column", files + 'columns = { height_m = "altitude" }\n', "altitude"),
+                             ("time", files + "time_offset_s = 1e6\n", "overlap")):
+        described.write_text(text)
+        for command in (("inspect", "logs"), ("process", "logs", "-o", name)):
+            program.fails(*command, parts=[part])
+    described.write_text(files + "lever_arm_m = [0.0, 0.0, 0.0]\nvelocity_latency_s = 0.5\n")
+    report = json.loads(program("inspect", "logs", "--json").stdout)
+    check(any("velocity_latency_s" in problem["text"] for problem in report["problems"]), "inspect says what the data contradict")
+    how = {fact["key"]: fact["how"] for fact in report["facts"]}
+    check(how["gnss.velocity_latency_s"] == "given" and how["vehicle.kind"] == "found", f"inspect says how it knows: {how}")
+
+    described.write_text(files + "undulation_m = 40.0\n[baro]\nwhite_m = 3.0\n")
+    summary = summary_of(program, "logs", "-o", "useless", "--outputs", "summary")
+    check({entry["key"] for entry in summary["ignored"]} == {"gnss.undulation_m", "baro.white_m"}, f"ignored: {summary['ignored']}")
+    check(sum("has no effect" in text for text in summary["warnings"]) == 2, f"and told: {summary['warnings']}")
+    described.unlink()
+
+    clean = rms(summary_of(program, "logs", "-o", "clean", "--outage", "60:10,85:10", "--outputs", "summary")["outages"])
+    rows = {name: (folder / "logs" / name).read_text().splitlines() for name in ("imu.csv", "gnss.csv")}
+
+    def spoil(name, line, change):
+        cells = rows[name][line].split(",")
+        spoiled = rows[name][:line] + [",".join(change(cells))] + rows[name][line + 1:]
+        (folder / "logs" / name).write_text("\n".join(spoiled) + "\n")
+
+    accidents = {"hour": ("imu.csv", lambda c: [repr(float(c[0]) + 3600.0), *c[1:]]), "huge": ("imu.csv", lambda c: [*c[:2], "1e300", *c[3:]]),
+                 "nan": ("imu.csv", lambda c: [*c[:2], "nan", *c[3:]]), "ahead": ("gnss.csv", lambda c: [repr(float(c[0]) + 100.0), *c[1:]]),
+                 "place": ("gnss.csv", lambda c: [c[0], "1e300", *c[2:]])}
+    for accident, (name, change) in accidents.items():
+        spoil(name, 95, change)
+        summary = summary_of(program, "logs", "-o", accident, "--outage", "60:10,85:10", "--outputs", "summary")
+        got = rms(summary["outages"])
+        check(got < 1.5 * clean + 0.1, f"{accident}: {got:.3f} m, undisturbed {clean:.3f} m")
+        check(any("skipped" in text for text in summary["warnings"]), f"{accident} is told: {summary['warnings']}")
+        (folder / "logs" / name).write_text("\n".join(rows[name]) + "\n")
+
+
+if __name__ == "__main__":
+    main({"facts_partial": facts_partial, "facts_repeat": facts_repeat, "facts_real": facts_real, "facts_checked": facts_checked})

@@ -1,0 +1,162 @@
+// A folder about which something is given: it is taken, what is not given is found as without it, and what the data contradict is said.
+#include "inspect/report_queries.h"
+#include "inspect/synthetic_car.h"
+
+#include "schuler/sensor/axes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace schuler::inspect::test {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double deg = 0.017453292519943295;
+constexpr const char* turned = "x=backward, y=right, z=up";
+
+/// The files of the car under their names, nothing else.
+Given named(const fs::path& folder) {
+    Given given;
+    given.imu = {folder / "imu.csv", "imu.csv", {}, {}, 0.0};
+    given.gnss = {folder / "gnss.csv", "gnss.csv", {}, {}, 0.0};
+    given.keys = {"imu.file", "gnss.file"};
+    given.find_logs = false;
+    return given;
+}
+
+const Fact* fact(const InspectReport& report, const std::string& key) {
+    const auto it = std::ranges::find(report.facts, key, &Fact::key);
+    return it == report.facts.end() ? nullptr : &*it;
+}
+
+std::string text_of(const InspectReport& report, const std::string& key) {
+    const Fact* f = fact(report, key);
+    return f == nullptr ? "(not found)" : to_text(f->value);
+}
+
+bool contradicted(const InspectReport& report, const std::string& key) {
+    return std::ranges::any_of(report.contradictions, [&](const Contradiction& c) { return c.key == key; });
+}
+
+fs::path turned_car(const std::string& name, double velocity_latency = 0.0) {
+    const fs::path folder = fresh_folder(name);
+    CarLog car;
+    car.C_sb = sensor::C_bs_from_axes(turned).transpose();
+    car.velocity_latency = velocity_latency;
+    write_car(folder, car);
+    return folder;
+}
+
+TEST(Given, FilesThatAreOnlyNamedAreJudgedAsInABareFolder) {
+    const fs::path folder = turned_car("given_named", 0.2);
+    const InspectReport bare = inspect(folder), said = inspect(folder, named(folder));
+    ASSERT_GT(bare.facts.size(), 6u);
+    std::size_t compared = 0;
+    for (const Fact& f : bare.facts) {
+        if (f.key == "name" || f.key.ends_with(".file")) continue;
+        EXPECT_EQ(text_of(said, f.key), to_text(f.value)) << f.key;
+        ++compared;
+    }
+    EXPECT_GT(compared, 5u);
+    EXPECT_EQ(text_of(said, "vehicle.kind"), "\"car\"");
+    EXPECT_EQ(text_of(said, "imu.axes"), "\"x=backward, y=right, z=up\"");
+    EXPECT_EQ(fact(said, "imu.file"), nullptr) << "what is given is not found";
+    EXPECT_TRUE(said.contradictions.empty());
+}
+
+TEST(Given, AFoundLatencyHasItsSigmaAndTheSpanThatShowsIt) {
+    const fs::path folder = turned_car("given_sigma", 0.2);
+    const InspectReport r = inspect(folder, named(folder));
+    const Fact* f = fact(r, "gnss.velocity_latency_s");
+    ASSERT_NE(f, nullptr);
+    EXPECT_EQ(f->how, Known::Found);
+    EXPECT_NEAR(std::get<double>(f->value), 0.2, 0.03);
+    EXPECT_GT(f->sigma, 0.0);
+    EXPECT_LT(f->sigma, 0.05);
+    EXPECT_NEAR(f->from, 0.0, 1.0);
+    EXPECT_NEAR(f->to, 120.0, 2.0);
+}
+
+TEST(Given, WhatIsGivenIsNotFoundAndTheRestIsMeasuredFromIt) {
+    const fs::path folder = turned_car("given_axes");
+    Given given = named(folder);
+    given.keys.insert("imu.axes");
+    given.axes = turned;
+    given.C_bs = sensor::C_bs_from_axes(turned);
+    const InspectReport r = inspect(folder, given);
+    EXPECT_EQ(fact(r, "imu.axes"), nullptr);
+    EXPECT_EQ(text_of(r, "imu.mounting_deg"), "[0, 0, 0]");
+    EXPECT_TRUE(r.contradictions.empty());
+}
+
+TEST(Given, AWholeMountingWithoutAxesCountsFromForwardRightDown) {
+    const fs::path folder = turned_car("given_mounting");
+    Given given = named(folder);
+    given.keys.insert("imu.mounting_deg");
+    given.mounting_rpy = Eigen::Vector3d(180.0, 0.0, 180.0) * deg;   // the same as the axes
+    const InspectReport whole = inspect(folder, given);
+    EXPECT_EQ(text_of(whole, "imu.axes"), "\"frd\"");
+    EXPECT_TRUE(whole.contradictions.empty());
+    given.mounting_rpy = Eigen::Vector3d::Zero();                   // nothing beside the axes, which are to be found
+    const InspectReport rest = inspect(folder, given);
+    EXPECT_EQ(text_of(rest, "imu.axes"), "\"x=backward, y=right, z=up\"");
+    EXPECT_TRUE(rest.contradictions.empty());
+}
+
+TEST(Given, DataThatContradictAxesSaySo) {
+    const fs::path folder = turned_car("given_wrong_axes");
+    Given given = named(folder);
+    given.keys.insert("imu.axes");
+    for (const char* axes : {"frd", "flu"}) {   // upside down; upright and backwards
+        given.axes = axes;
+        given.C_bs = sensor::C_bs_from_axes(axes);
+        EXPECT_TRUE(contradicted(inspect(folder, given), "imu.axes")) << axes;
+    }
+}
+
+TEST(Given, DataThatContradictALatencySaySoWithBothValues) {
+    const fs::path folder = turned_car("given_wrong_latency", 0.2);
+    Given given = named(folder);
+    given.keys.insert("gnss.velocity_latency_s");
+    given.velocity_latency = 0.2;
+    EXPECT_TRUE(inspect(folder, given).contradictions.empty());
+    given.velocity_latency = 0.4;
+    const InspectReport r = inspect(folder, given);
+    ASSERT_EQ(r.contradictions.size(), 1u);
+    EXPECT_EQ(r.contradictions[0].key, "gnss.velocity_latency_s");
+    EXPECT_NE(r.contradictions[0].text.find("0.400 s is given"), std::string::npos) << r.contradictions[0].text;
+    EXPECT_NE(r.contradictions[0].text.find("the data show 0.2"), std::string::npos) << r.contradictions[0].text;
+}
+
+TEST(Given, ColumnsAndScalesAreReadAsSaid) {
+    const fs::path folder = fresh_folder("given_columns");
+    CarLog car;
+    car.gyro_factor = 1.0 / deg;
+    car.imu_header = "clock,p,q,r,u,v,w";
+    write_car(folder, car);
+    Given given = named(folder);
+    given.imu.columns = {{"time_s", "clock"},     {"gyro_x_rad_s", "p"}, {"gyro_y_rad_s", "q"}, {"gyro_z_rad_s", "r"},
+                         {"accel_x_m_s2", "u"}, {"accel_y_m_s2", "v"}, {"accel_z_m_s2", "w"}};
+    given.imu.scale = {{"gyro_rad_s", deg}};
+    given.keys.insert({"imu.columns", "imu.scale"});
+    const InspectReport right = inspect(folder, given);
+    EXPECT_EQ(text_of(right, "imu.axes"), "\"frd\"");
+    EXPECT_EQ(text_of(right, "vehicle.kind"), "\"car\"");
+    EXPECT_TRUE(right.contradictions.empty());
+    given.imu.scale = {{"gyro_rad_s", 1.0}};
+    EXPECT_TRUE(contradicted(inspect(folder, given), "imu.scale"));
+}
+
+TEST(Given, OtherFilesOfTheFolderAreAidsOnlyWhereTheyMay) {
+    const fs::path folder = fresh_folder("given_aids");
+    write_car(folder, {});
+    write_file(folder / "baro.csv", "time_s,pressure_pa\n1000,100000\n1060,100010\n1120,100005\n");
+    Given given = named(folder);
+    EXPECT_EQ(text_of(inspect(folder, given), "baro.file"), "\"baro.csv\"");
+    given.find_aids = false;
+    EXPECT_EQ(text_of(inspect(folder, given), "baro.file"), "(not found)");
+}
+
+}  // namespace
+}  // namespace schuler::inspect::test

@@ -1,0 +1,152 @@
+// Single rows that cannot be: they cost themselves, counted and told, and nothing else.
+#include "io/io_fixture.h"
+
+#include "schuler/io/csv_recording.h"
+#include "schuler/io/fix_codes.h"
+#include "schuler/io/repair_times.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace schuler::io {
+namespace {
+
+constexpr const char* imu_header = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n";
+
+/// A second at 100 Hz from `t0` on; `row(i)` may write a row of its own.
+template <class Row>
+std::string imu_log(double t0, Row row) {
+    std::string text = imu_header;
+    for (int i = 0; i < 200; ++i) {
+        const std::string own = row(i);
+        text += own.empty() ? fmt::format("{:.2f},0.01,0.02,0.0{},0.1,0.2,-9.8\n", t0 + 0.01 * i, i % 9 + 1) : own;
+    }
+    return text;
+}
+
+class Accidents : public test::IoTest {
+protected:
+    ImuTable imu(const std::string& text) {
+        log = WarningLog{};
+        return read_imu_csv(TextInput::memory(text, "imu.csv"), {}, log);
+    }
+    GnssTable gnss(const std::string& text, const CsvOptions& options = {}) {
+        log = WarningLog{};
+        return read_gnss_csv(TextInput::memory(text, "gnss.csv"), options, log);
+    }
+    WarningLog log;
+};
+
+TEST_F(Accidents, AStampAnHourAheadCostsItsRow) {
+    const ImuTable t = imu(imu_log(1000.0, [](int i) {
+        return i == 90 ? std::string("4600.90,0.01,0.02,0.03,0.1,0.2,-9.8\n") : std::string();
+    }));
+    EXPECT_EQ(t.samples.size(), 199u);
+    EXPECT_EQ(t.rows.strays, 1u);
+    EXPECT_EQ(t.rows.out_of_order, 0u);
+    EXPECT_NEAR(t.samples.back().time.seconds(), 1001.99, 1e-9);
+    EXPECT_EQ(log.count("imu.stray"), 1u);
+    const ImuTable behind = imu(imu_log(1000.0, [](int i) {
+        return i == 90 ? std::string("10.90,0.01,0.02,0.03,0.1,0.2,-9.8\n") : std::string();
+    }));
+    EXPECT_EQ(behind.samples.size(), 199u);
+    EXPECT_NEAR(behind.samples.front().time.seconds(), 1000.0, 1e-9);
+}
+
+TEST_F(Accidents, APauseIsNoAccident) {
+    std::vector<std::int64_t> times;
+    for (int i = 0; i < 100; ++i) times.push_back((i < 50 ? i : i + 100'000) * std::int64_t{10'000'000});
+    const std::vector<std::int64_t> before = times;
+    EXPECT_FALSE(repair_times(times).any());
+    EXPECT_EQ(times, before);
+}
+
+TEST_F(Accidents, TheWeekBeginsAnew) {
+    const ImuTable t = imu(imu_log(604799.0, [](int i) {
+        return i < 100 ? std::string() : fmt::format("{:.2f},0.01,0.02,0.03,0.1,0.2,-9.8\n", 0.01 * (i - 100));
+    }));
+    EXPECT_EQ(t.samples.size(), 200u);
+    EXPECT_EQ(t.rows.strays, 0u);
+    EXPECT_NEAR(t.samples.front().time.seconds(), 604799.0, 1e-9);
+    EXPECT_NEAR(t.samples.back().time.seconds(), 604800.99, 1e-9);
+    EXPECT_EQ(log.count("imu.rollover"), 1u);
+}
+
+TEST_F(Accidents, AbsurdNumbersCostTheirRow) {
+    for (const char* cell : {"1e300", "nan", "-1e18"}) {
+        const ImuTable t = imu(imu_log(1000.0, [&](int i) {
+            return i == 70 ? fmt::format("1000.70,0.01,{},0.03,0.1,0.2,-9.8\n", cell) : std::string();
+        }));
+        EXPECT_EQ(t.samples.size(), 199u) << cell;
+        EXPECT_EQ(t.rows.bad, 1u) << cell;
+        EXPECT_EQ(log.count("imu.bad_rows"), 1u) << cell;
+    }
+    // many of them are another unit
+    const std::string counts = imu_log(1000.0, [](int i) { return fmt::format("{:.2f},0.01,0.02,0.03,1,2,-98000\n", 1000.0 + 0.01 * i); });
+    EXPECT_THROW((void)imu(counts), Error);
+}
+
+std::string fixes(const std::string& column, const std::vector<std::string>& codes) {
+    std::string text = "time_s,lat_deg,lon_deg,height_m," + column + "\n";
+    int i = 0;
+    for (const std::string& code : codes) text += fmt::format("{},50.{:04d},10.0,300,{}\n", 100 + i, i, code), ++i;
+    return text;
+}
+
+std::vector<std::string> some(std::initializer_list<std::pair<const char*, int>> runs) {
+    std::vector<std::string> codes;
+    for (const auto& [code, n] : runs) codes.insert(codes.end(), static_cast<std::size_t>(n), code);
+    return codes;
+}
+
+TEST_F(Accidents, AFixStampedAheadCostsItself) {
+    std::string text = "time_s,lat_deg,lon_deg,height_m\n";
+    for (int i = 0; i < 60; ++i) text += fmt::format("{},50.0{:02d},10.0,300\n", i == 30 ? 1130.0 : 1000.0 + i, i);
+    const GnssTable t = gnss(text);
+    EXPECT_EQ(t.fixes.size(), 59u);
+    EXPECT_EQ(t.rows.strays, 1u);
+}
+
+TEST_F(Accidents, TheSourceOfAStatusColumnDecides) {
+    const struct {
+        const char* column;
+        std::vector<std::string> codes;
+        std::size_t used;
+        FixType last;
+    } cases[] = {
+        {"status", some({{"1", 20}, {"3", 30}}), 30, FixType::Autonomous},          // ArduPilot: 1 is no fix
+        {"gps_status", some({{"0", 5}, {"2", 5}, {"6", 30}}), 35, FixType::RtkFixed},
+        {"fix", some({{"1", 20}, {"3", 30}}), 30, FixType::Autonomous},             // 3 is not NMEA's
+        {"fix", some({{"0", 5}, {"1", 30}}), 30, FixType::Autonomous},              // NMEA
+        {"fix_type", some({{"1", 5}, {"4", 30}}), 30, FixType::Differential},       // PX4, MAVLink
+        {"status", some({{"-1", 5}, {"0", 10}, {"1", 30}}), 40, FixType::Differential},   // ROS
+        {"Q", some({{"5", 5}, {"1", 30}}), 35, FixType::RtkFixed},                  // RTKLIB
+        {"fixType,carrSoln", some({{"3,0", 5}, {"1,0", 5}, {"3,2", 30}}), 35, FixType::RtkFixed},   // u-blox
+    };
+    for (const auto& c : cases) {
+        const GnssTable t = gnss(fixes(c.column, c.codes));
+        EXPECT_EQ(t.fixes.size(), c.used) << c.column << " " << t.fix_table;
+        EXPECT_EQ(t.fixes.back().fix, c.last) << c.column << " " << t.fix_table;
+    }
+}
+
+TEST_F(Accidents, CodesThatNobodyKnowsAreAskedFor) {
+    EXPECT_EQ(gnss(fixes("fix", some({{"1", 60}, {"77", 1}}))).fixes.size(), 60u);
+    EXPECT_EQ(log.count("gnss.fix.unknown"), 1u);
+    for (const auto& [column, code] : {std::pair("fix", "77"), std::pair("status", "1")}) {
+        try {
+            (void)gnss(fixes(column, some({{code, 50}})));
+            ADD_FAILURE() << column;
+        } catch (const Error& e) {
+            EXPECT_NE(std::string(e.what()).find("fix_codes"), std::string::npos) << e.what();
+        }
+        CsvOptions said;
+        said.fix_codes = {{code, "autonomous"}};
+        EXPECT_EQ(gnss(fixes(column, some({{code, 50}})), said).fixes.size(), 50u);
+    }
+}
+
+}  // namespace
+}  // namespace schuler::io
