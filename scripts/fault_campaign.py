@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Puts faults into good logs, processes each, and looks whether the solution's sigmas cover what became of it.
 
-    fault_campaign.py --schuler build/bin/schuler -o out/faults [--sets FOLDER...] [--only REGEX] [--jobs N] [--quick]
+    fault_campaign.py --schuler build/bin/schuler -o out/faults [--sets FOLDER...] [--simulated NAME...] [--only REGEX] [--jobs N] [--quick]
 
-Two good logs are simulated: a car with an RTK receiver and a MEMS unit, and an aircraft with an autonomous receiver, a tactical unit, a
+Two good logs are simulated: a car with an RTK receiver and a consumer unit, and an aircraft with an autonomous receiver, a tactical unit, a
 barometer and a magnetometer. Further ones are named by --sets: folders with CSV files of an IMU and a receiver. Each fault is put into a copy
 of each log, and the copy is processed as a bare folder. Errors are those against the truth where the set has one (reference.csv with
-positions; it is kept from the program), against the undisturbed solution otherwise.
+positions; it is kept from the program), against the undisturbed solution otherwise, and where the undisturbed solution is overconfident
+against the truth itself: that is no fault's work, and its row says so.
 
 An epoch counts as overconfident where north, east or down is wrong by more than 5 sigma and 1 m; a run does where more than 2 % of its epochs
 are. A run is warned where it exits with another status than 0, its verdict is worse than the undisturbed one's, or it prints a warning that
@@ -24,9 +25,9 @@ import tempfile
 from pathlib import Path
 
 from campaign.catalogue import QUICK, all_faults
-from campaign.faults import Effect, Fault, seed_of
+from campaign.faults import Effect, Fault, same_clock, seed_of
 from campaign.logs import Log
-from campaign.runs import (in_order, kind_of_text, markdown, norm, position_error, process, rms, shown, simulate, Track, write_csv)
+from campaign.runs import (in_order, kind_of_text, markdown, norm, position_error, process, rms, shown, simulate, Track, wrapped, write_csv)
 
 FAR_M, FAR_SIGMAS, MUCH = 1.0, 5.0, 0.02
 STAYS_S, TIMES = 10.0, 3.0
@@ -44,9 +45,9 @@ vibration = {{ frequency_hz = 12, angle_deg = 0.02, accel_m_s2 = 0.3 }}
 [imu]
 rate_hz = 100
 kind = "rates"
-grade = "mems"
+grade = "consumer"
 [gnss]
-rate_hz = 4
+rate_hz = 1
 receiver = "rtk"
 """
 AIRCRAFT = """name = "aircraft"
@@ -88,8 +89,10 @@ class GoodSet:
         self.base = run(log, f"{name}-undisturbed")
         if not self.base.finished:
             raise ValueError(f"{name}: the undisturbed log cannot be processed: {self.base.said}")
-        self.reference = self.base.track if log.truth is None else track_of(log.truth)
+        self.truth = None if log.truth is None else track_of(log.truth)
         self.start = self.base.track.times[0] + SETTLED_S
+        trusted = self.truth is not None and denied_share(errors_by(same_clock, self.base, self.truth)) <= MUCH
+        self.reference = self.truth if trusted else self.base.track
         self.normal = self.error_of_base()
         self.rejected = rejected(self.base)
         self.known = {kind_of_text(text) for text in self.base.warnings()}
@@ -97,7 +100,7 @@ class GoodSet:
     def error_of_base(self):
         """Size of the undisturbed error: against the truth, or as the solution states it."""
         settled = [row for row in self.base.track.rows if row["time_s"] >= self.start]
-        if self.log.truth is None:
+        if self.reference is self.base.track:
             return rms(norm(sigmas(row)) for row in settled)
         pairs = ((row, self.reference.at(row["time_s"])) for row in settled)
         return rms(norm(position_error(row, true)) for row, true in pairs if true is not None)
@@ -120,7 +123,7 @@ def sigmas(row):
 
 
 def errors_by(clock, outcome, reference):
-    """Time, size of the error and whether the sigmas deny it, of every epoch that can be compared."""
+    """Time, size of the error, whether the sigmas deny it, and error of the heading, of every epoch that can be compared."""
     out = []
     for row in outcome.track.rows:
         t = clock(row["time_s"])
@@ -130,21 +133,25 @@ def errors_by(clock, outcome, reference):
         error = position_error(row, true)
         size = norm(error)
         denied = not math.isfinite(size) or any(abs(e) > max(FAR_M, FAR_SIGMAS * s) for e, s in zip(error, sigmas(row)))
-        out.append((t, size if math.isfinite(size) else math.inf, denied))
+        out.append((t, size if math.isfinite(size) else math.inf, denied, wrapped(row["heading_deg"] - true["heading_deg"])))
     return out
+
+
+def denied_share(errors):
+    return sum(e[2] for e in errors) / len(errors) if errors else math.nan
 
 
 def best_errors(effect, outcome, reference):
     """Errors under the reading of the clock that suits the solution best."""
     found = [errors_by(clock, outcome, reference) for clock in effect.clocks]
     found = [errors for errors in found if errors]
-    return min(found, key=lambda errors: (sum(e[2] for e in errors) / len(errors), rms(e[1] for e in errors)), default=[])
+    return min(found, key=lambda errors: (denied_share(errors), rms(e[1] for e in errors)), default=[])
 
 
 def back_after(errors, end, limit):
     """Seconds after `end` until the error stays small; not a number where it does not."""
     since = None
-    for t, size, _ in errors:
+    for t, size, _, _ in errors:
         if t < end:
             continue
         if size > limit:
@@ -169,16 +176,18 @@ def is_warned(good, outcome, text):
 
 def judged(good, fault, effect, outcome):
     """A row of the table."""
-    errors = best_errors(effect, outcome, good.reference) if outcome.finished else []
-    share = sum(e[2] for e in errors) / len(errors) if errors else math.nan
+    reference = good.truth or good.reference if fault.apply is None else good.reference
+    errors = best_errors(effect, outcome, reference) if outcome.finished else []
+    share = denied_share(errors)
     text = complaint(good, outcome)
     whole = len(good.base.track.rows)
     return {"set": good.name, "fault": fault.name, "group": fault.group, "exit": outcome.code, "finished": outcome.finished,
             "verdict": outcome.verdict, "warned": is_warned(good, outcome, text), "max_m": max((e[1] for e in errors), default=math.nan),
-            "rms_m": rms(e[1] for e in errors), "denied": share, "overconfident": bool(share > MUCH),
+            "rms_m": rms(e[1] for e in errors), "heading_deg": rms(e[3] for e in errors if math.isfinite(e[3])), "denied": share,
+            "overconfident": bool(share > MUCH),
             "back_s": back_after(errors, effect.until, TIMES * good.normal) if effect.until is not None else math.nan,
             "refused": max(0, rejected(outcome) - effect.bad_fixes - good.rejected), "covered": len(errors) / whole,
-            "undisturbed_rms_m": good.normal, "warning": text}
+            "reference": "truth" if reference is good.truth else "undisturbed", "undisturbed_rms_m": good.normal, "warning": text}
 
 
 class Campaign:
@@ -200,10 +209,10 @@ class Campaign:
     def sets(self):
         """The good logs, one after the other."""
         quick = self.options.quick
-        if not self.options.no_simulated:
+        if "car" in self.options.simulated:
             yield self.simulated("car", CAR.format(duration=150 if quick else 400))
-            if not quick:
-                yield self.simulated("aircraft", AIRCRAFT.format(duration=500))
+        if "aircraft" in self.options.simulated and not quick:
+            yield self.simulated("aircraft", AIRCRAFT.format(duration=500))
         for folder in self.options.sets:
             yield GoodSet(Path(folder).resolve().name, Log.read(folder), self.run)
 
@@ -228,9 +237,11 @@ class Campaign:
 
 def table(rows):
     """The rows for people."""
-    header = ["set", "fault", "exit", "verdict", "warned", "max, m", "RMS, m", "beyond 5 sigma and 1 m", "", "back, s", "good fixes refused", "first new warning"]
-    return markdown(header, [[row["set"], row["fault"], row["exit"], row["verdict"] or "-", shown(row["warned"]), shown(row["max_m"]), shown(row["rms_m"]),
-                              "-" if math.isnan(row["denied"]) else f"{row['denied']:.1%}", "overconfident" if row["overconfident"] else "",
+    header = ["set", "fault", "against", "exit", "verdict", "warned", "max, m", "RMS, m", "heading RMS, deg", "beyond 5 sigma and 1 m", "", "back, s",
+              "good fixes refused", "first new warning"]
+    return markdown(header, [[row["set"], row["fault"], row["reference"], row["exit"], row["verdict"] or "-", shown(row["warned"]), shown(row["max_m"]),
+                              shown(row["rms_m"]), shown(row["heading_deg"]), "-" if math.isnan(row["denied"]) else f"{row['denied']:.1%}",
+                              "overconfident" if row["overconfident"] else "",
                               shown(row["back_s"]), row["refused"], row["warning"][:110]] for row in rows])
 
 
@@ -249,7 +260,8 @@ def summary(rows):
     """The closing lines."""
     done = [row for row in rows if row["group"] != "undisturbed"]
     over = [row for row in done if row["overconfident"]]
-    return [f"runs: {len(done)}", f"finished: {sum(row['finished'] for row in done)}", f"overconfident: {len(over)}",
+    alone = [row["set"] for row in rows if row["group"] == "undisturbed" and row["overconfident"]]
+    return [f"undisturbed and overconfident: {', '.join(alone) or 'none'}", f"runs: {len(done)}", f"finished: {sum(row['finished'] for row in done)}", f"overconfident: {len(over)}",
             f"overconfident without warning: {sum(not row['warned'] for row in over)}"]
 
 
@@ -257,7 +269,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--schuler", default="build/bin/schuler", type=Path, help="the program")
     parser.add_argument("--sets", nargs="*", default=[], help="folders with further good logs")
-    parser.add_argument("--no-simulated", action="store_true", help="only the sets that are named")
+    parser.add_argument("--simulated", nargs="*", default=["car", "aircraft"], choices=["car", "aircraft"], help="simulated sets; none: only --sets")
     parser.add_argument("--only", help="regular expression of faults, as `group: name`")
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     parser.add_argument("--quick", action="store_true", help="one short log and a dozen faults")

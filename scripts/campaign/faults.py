@@ -3,8 +3,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Callable
 
-from campaign.logs import ACCEL, AXES, GYRO, POSITION, SIGMA, VELOCITY
-from campaign.runs import METRES_PER_DEGREE
+from campaign.logs import ACCEL, AXES, GYRO, METRES_PER_DEGREE, POSITION, SIGMA, VELOCITY
 
 WEEK = 604_800.0
 FOREVER = 1e9

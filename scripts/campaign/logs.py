@@ -4,6 +4,7 @@ import re
 import shutil
 from pathlib import Path
 
+METRES_PER_DEGREE = 111_319.49
 AXES = "xyz"
 GYRO = [rf"^(gyro|gyr|w|omega|angular_velocity)_?{axis}(_|$)" for axis in AXES]
 ACCEL = [rf"^(accel|acc|a|f)_?{axis}(_|$)" for axis in AXES]
@@ -141,8 +142,8 @@ class Log:
         imu, gnss = self.imu.times(), self.gnss.times()
         return max(imu[0], gnss[0]), min(imu[-1], gnss[-1])
 
-    def speeds(self):
-        """Times and speeds over the ground, from positions about a second apart."""
+    def velocities(self):
+        """Times and velocities over the ground, north and east, from positions about a second apart."""
         lat, lon, _ = self.gnss.three(POSITION)
         times, out, before = self.gnss.times(), [], 0
         for i, t in enumerate(times):
@@ -151,17 +152,19 @@ class Log:
             if t - times[before] < 0.5:
                 continue
             here, there = self.gnss.number(i, lat), self.gnss.number(before, lat)
-            north = (here - there) * 111_320.0
-            east = (self.gnss.number(i, lon) - self.gnss.number(before, lon)) * 111_320.0 * math.cos(math.radians(here))
-            out.append((t, math.hypot(north, east) / (t - times[before])))
-        return [pair for pair in out if math.isfinite(pair[1])]
+            north = (here - there) * METRES_PER_DEGREE
+            east = (self.gnss.number(i, lon) - self.gnss.number(before, lon)) * METRES_PER_DEGREE * math.cos(math.radians(here))
+            out.append((t, north / (t - times[before]), east / (t - times[before])))
+        return [row for row in out if math.isfinite(row[1] + row[2])]
 
     def moment(self, part):
-        """A time near this part of the log at which the vehicle moves."""
+        """The hardest time near this part of the log: the velocity changes most in the five seconds that follow."""
         first, last = self.span()
-        wanted = first + part * (last - first)
-        speeds = self.speeds()
-        moving = sorted(v for _, v in speeds if v > 0.5)
-        enough = 0.5 * moving[len(moving) // 2] if moving else 0.0
-        good = [t for t, v in speeds if v >= enough and first + 30.0 < t < last - 30.0]
-        return round(min(good, key=lambda t: abs(t - wanted)) if good else wanted, 3)
+        wanted, reach = first + part * (last - first), 0.15 * (last - first)
+        rows, hardest, later = self.velocities(), (-1.0, wanted), 0
+        for t, north, east in rows:
+            while later + 1 < len(rows) and rows[later][0] < t + 5.0:
+                later += 1
+            if abs(t - wanted) < reach and first + 30.0 < t < last - 30.0:
+                hardest = max(hardest, (round(math.hypot(rows[later][1] - north, rows[later][2] - east), 6), t))
+        return round(hardest[1], 3)

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from campaign.strangers import GNSS_STYLES, IMU_STYLES, TIME_STYLES, Style
 
 
+LATERAL_M_S2 = 6.0   # what an aircraft does in a bend
+
+
 @dataclass
 class Draw:
     """One random log: its properties for tables, its scenario, how it is written, and which spans are withheld."""
@@ -43,7 +46,8 @@ def aircraft(dice, duration):
     kind = dice.choice(["figure8", "racetrack", "takeoff", "weave"])
     keys = {"type": quoted(kind), "start": start_of(dice, dice.uniform(300, 3000)), "heading_deg": round(dice.uniform(0, 360), 1)}
     if kind == "figure8":
-        length, speed = dice.uniform(500, 3000), dice.uniform(15, 70)
+        length = dice.uniform(500, 3000)
+        speed = min(dice.uniform(15, 70), math.sqrt(LATERAL_M_S2 * 0.15 * length))   # its tightest bends have about that radius
         keys |= {"length_m": round(length), "width_m": round(0.4 * length), "loop_height_m": round(0.03 * length), "figure_s": round(2.3 * length / speed)}
     elif kind == "weave":
         keys["speed_m_s"] = round(dice.uniform(120, 230))

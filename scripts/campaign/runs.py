@@ -8,7 +8,8 @@ import shutil
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 
-METRES_PER_DEGREE = 111_319.49
+from campaign.logs import METRES_PER_DEGREE
+
 FIELDS = ("time_s", "lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "heading_deg")
 SIGMAS = ("std_n_m", "std_e_m", "std_d_m", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s", "std_heading_deg")
 
@@ -102,7 +103,7 @@ def process(program, folder, work, *options, limit=600):
         code, said = -1, f"no end after {limit} s"
     solution, summary = work / "solution.csv", work / "summary.json"
     track = Track.read(solution) if solution.exists() else None
-    told = json.loads(summary.read_text(encoding="utf-8")) if summary.exists() else {}
+    told = json.loads(without_place(summary.read_text(encoding="utf-8"), folder)) if summary.exists() else {}
     shutil.rmtree(work, ignore_errors=True)
     return Outcome(code, told, track, without_place(said, folder))
 
