@@ -371,7 +371,8 @@ def real_data(program, source):
 
 def attitude(program, source):
     data = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data"))
-    trials = sorted(data.glob("broad_*"))
+    # the six that the bounds were measured on; the folder may hold more
+    trials = sorted(trial for trial in data.glob("broad_*") if trial.name[6:8] in ("02", "07", "11", "25", "31", "36"))
     if not trials:
         print(f"skipped: no broad_* in {data} (set SCHULER_DATA)")
         sys.exit(77)
@@ -381,7 +382,7 @@ def attitude(program, source):
         runs = [json.loads(program("ahrs", trial, *written).stdout) for trial in trials]
         return sum(run["errors"]["broad_deg"]["total"]["rms"] for run in runs) / len(runs)
 
-    # VQF's means over the six trials: 1.88 online, 1.97 offline, 3.14 with six axes
+    # constant heading offset removed; VQF's means over these six, likewise: 1.39 online, 0.99 offline
     online, offline, six = total(), total("--offline"), total("--six-axis")
     print(f"BROAD, {len(trials)} trials: {online:.2f} deg online, {offline:.2f} offline, {six:.2f} six-axis")
     check(online < 1.3 and offline < 1.3 and six < 2.5, "mean total error")

@@ -31,13 +31,15 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const bool tight = c.scheme == Scheme::Tight || c.scheme == Scheme::Medium || c.scheme == Scheme::Deep;
     return {{{"filter.aggressive_parts"}, unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
             {{"filter.separate."}, unless(c.scheme == Scheme::Separate, "the scheme is not \"separate\"")},
-            {{"filter.integrity."}, unless(f.integrity.use, "filter.integrity.use is not on")},
+            {{"filter.integrity."},
+             tight ? "it watches a receiver's fixes; ranges are watched by filter.protection" : unless(f.integrity.use, "filter.integrity.use is not on")},
+            {{"filter.loose"}, unless(c.scheme == Scheme::Loose, "the scheme is not \"loose\"")},
+            {{"filter.loop"}, unless(c.scheme != Scheme::Separate, "the corrections of the separate scheme are its coupling: the loop is closed")},
             {{"filter.protection."}, unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},
             {{"filter.feedback_"}, unless(f.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
             {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
              unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
             {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"}, unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
-            {{"filter.scale_factors", "filter.misalignments"}, unless(!tight, "the tight filter has no such states")},
             {{"ranges."}, unless(tight || c.scheme == Scheme::Gnss || !b.data.recording.ranges.empty(), "no ranges are used")},
             {{"gauges.", "log.", "compass.", "gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
 }

@@ -154,14 +154,8 @@ struct Counters {
     std::size_t gnss_epochs = 0, gnss_accepted = 0, gnss_rejected = 0, gnss_withheld = 0;
 };
 
-/// Something that was given and has no effect in this run.
-struct Ignored {
-    std::string key, reason;
-};
-
 struct Result {
     std::vector<LayoutBlock> states;          ///< of the filter
-    std::vector<Ignored> ignored;
     Trajectory forward;                       ///< always filled
     Trajectory receiver;                      ///< medium coupling: the receiver's own filter, of the antenna; attitude NaN
     std::vector<CrossCheck> cross_checks;     ///< medium coupling

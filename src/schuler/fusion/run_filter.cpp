@@ -30,21 +30,6 @@ const char* unsmoothable(const Settings& s) {
     return nullptr;
 }
 
-/// What was asked for and has no meaning in this coupling.
-std::vector<Ignored> without_effect(const Settings& s) {
-    std::vector<Ignored> out;
-    const bool ranges = uses_ranges(s.coupling);
-    if (ranges && s.integrity.use)
-        out.push_back({"filter.integrity.use", "it watches a receiver's fixes; a coupling by ranges has filter.protection instead"});
-    if (ranges && s.loose_kind == LooseKind::Aggressive)
-        out.push_back({"filter.loose", "aggressive use of a fix belongs to loose coupling"});
-    if (!ranges && s.ranging.protection.use)
-        out.push_back({"filter.protection.use", "protection levels need ranges: scheme tight, intermediate or deep"});
-    if (s.coupling == Coupling::Separate && s.loop != Loop::Closed)
-        out.push_back({"filter.loop", "the corrections of the separate scheme are its coupling: the loop is closed"});
-    return out;
-}
-
 void check_settings(const Settings& s) {
     if (!(s.gnss.lever_arm_b.norm() < 1000.0))
         throw input_error(fmt::format("the lever arm is {:.6g} m long", s.gnss.lever_arm_b.norm()),
@@ -126,8 +111,6 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
         throw input_error("deep coupling commands the correlators of a receiver, and a log has none",
                           {.file = {}, .key = "filter.scheme"}, "give a scenario with [receiver], or choose tight");
     check_overlap(recording, given.initial, warnings);
-    const std::vector<Ignored> ignored = without_effect(given);
-    for (const Ignored& i : ignored) warnings.add(i.key, fmt::format("{} has no effect: {}", i.key, i.reason));
     Settings settings = given;
     if (settings.coupling == Coupling::Separate) settings.loop = Loop::Closed;   // the corrections are the coupling
     RunData data;
@@ -191,7 +174,6 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     Result result = settings.coupling == Coupling::Medium ? run_intermediate_pass(data, settings, start, options)
                                                           : run_pass(data, settings, start, options);
 
-    result.ignored = ignored;
     findings.mounting_rpy = settings.imu.mounting_rpy;
     findings.position_latency = settings.gnss.latency;
     findings.height_latency = settings.gnss.height_latency.value_or(settings.gnss.latency);
