@@ -40,6 +40,7 @@ Layout full_layout() {
     L.mag_bias = L.add("mag_heading_offset", "rad", 1);
     L.gnss_position = L.add("gnss_position_error", "m", 3);
     L.gnss_velocity = L.add("gnss_velocity_error", "m/s", 3);
+    L.gnss_latency = L.add("gnss_latency_error", "s", 1);
     L.odometer_scale = L.add("odometer_scale", "1", 1);
     L.heading_offset = L.add("heading_offset", "rad", 1);
     return L;
@@ -67,7 +68,7 @@ VectorXd sizes(double position, double velocity, double attitude) {
     s.segment<2>(L.mounting).setConstant(1e-3);
     s.segment<3>(L.lever_arm).setConstant(0.1);
     s(L.axle) = 0.1;
-    s(L.mag_bias) = s(L.odometer_scale) = s(L.heading_offset) = 1e-3;
+    s(L.mag_bias) = s(L.gnss_latency) = s(L.odometer_scale) = s(L.heading_offset) = 1e-3;
     return s;
 }
 
@@ -101,6 +102,7 @@ std::vector<Point> random_points(int count) {
         e.parameters(e.layout.mag_bias) = unit(generator);
         e.parameters.segment<3>(e.layout.gnss_position) = vector(2.0);
         e.parameters.segment<3>(e.layout.gnss_velocity) = vector(0.1);
+        e.parameters(e.layout.gnss_latency) = 0.05 * unit(generator);
         e.parameters(e.layout.odometer_scale) = 0.02 * unit(generator);
         e.parameters(e.layout.heading_offset) = unit(generator);
         p.f_b = e.C_nb.transpose() * (Vector3d(0.0, 0.0, -9.8) + vector(5.0));
@@ -226,7 +228,7 @@ TEST(Aids, VariancesGoWithTheirComponents) {
 TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
     for (const Point& p : random_points(20)) {
         Estimate e = p.truth;
-        e.layout.gnss_position = e.layout.gnss_velocity = -1;
+        e.layout.gnss_position = e.layout.gnss_velocity = e.layout.gnss_latency = -1;
         const NavStateEcef s = ins::to_ecef(e.earth, e.nav);
         const Matrix3d C_eb = s.q_eb.toRotationMatrix();
         const Vector3d arm = e.parameters.segment<3>(e.layout.lever_arm);

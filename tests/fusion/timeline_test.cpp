@@ -161,6 +161,36 @@ TEST(ImuTimeline, LongerHolesAndLivelierMotionAreLessCertain) {
     EXPECT_NEAR(base.gyro_psd, 0.5 * 0.51 * 12.5, 0.05 * 0.5 * 0.51 * 12.5);
 }
 
+/// A hole in a calm stretch of a log that turns elsewhere: a turn may have begun in it.
+TEST(ImuTimeline, CalmBeforeAHoleDoesNotMakeItCertain) {
+    const auto noise_of = [](double turn) {
+        std::vector<ImuSample> list = samples(4000, ImuKind::Rates, ImuStamp::End, [](int k) { return k > 500 && k <= 600; });
+        for (std::size_t i = 1500; i < list.size(); ++i) list[i].gyro.z() += turn * std::sin(0.02 * static_cast<double>(i));
+        WarningLog warnings;
+        return make_imu_timeline(list, settings_of(ImuKind::Rates, ImuStamp::End), warnings).bridges.at(0).noise;
+    };
+    EXPECT_GT(noise_of(0.5).gyro_psd, 3.0 * noise_of(0.0).gyro_psd);
+    EXPECT_EQ(noise_of(0.5).accel_psd, noise_of(0.0).accel_psd);
+}
+
+/// A unit that hangs repeats itself to the last digit: those rows are a hole. One that always repeats (a coarse log) is left alone.
+TEST(ImuTimeline, ARowThatHangsIsNoMeasurement) {
+    const auto gaps_of = [](bool hangs, bool coarse) {
+        std::vector<ImuSample> list = samples(2000, ImuKind::Rates, ImuStamp::End, [](int) { return false; });
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            list[i].gyro += 1e-4 * Vector3d(std::sin(7.0 * static_cast<double>(i)), std::cos(5.0 * static_cast<double>(i)), 1.0);
+            if (coarse && i > 0 && i % 4 != 0) list[i].gyro = list[i - 1].gyro;
+            if (hangs && i > 700 && i <= 800) list[i].gyro = list[700].gyro;
+        }
+        WarningLog warnings;
+        const ImuTimeline timeline = make_imu_timeline(list, settings_of(ImuKind::Rates, ImuStamp::End), warnings);
+        return timeline.bridges.size();
+    };
+    EXPECT_EQ(gaps_of(false, false), 0U);
+    EXPECT_EQ(gaps_of(true, false), 1U);
+    EXPECT_EQ(gaps_of(false, true), 0U);
+}
+
 TEST(ImuTimeline, OneLostIncrementIsReplacedWithoutBeingAGap) {
     WarningLog warnings;
     const ImuTimeline timeline =

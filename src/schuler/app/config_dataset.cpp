@@ -57,6 +57,16 @@ void add_file(OptionTable<Config>& table, const std::string& section, const std:
                             [=](auto& c) -> auto& { return source(c).time_offset; }));
 }
 
+/// A log whose columns have the names of the interface.
+template <class Access>
+void add_plain_file(OptionTable<Config>& table, const std::string& section, const std::string& what, Access source) {
+    table
+        .add(text<Config>(section + ".file", what + "; relative to this file, $NAME is an environment variable",
+                          [=](auto& c) -> auto& { return source(c).file; }))
+        .add(number<Config>(section + ".time_offset_s", 1.0, -1e10, 1e10, "added to the times of this file",
+                            [=](auto& c) -> auto& { return source(c).time_offset; }));
+}
+
 }  // namespace
 
 void add_dataset_options(OptionTable<Config>& table) {
@@ -105,6 +115,9 @@ void add_dataset_options(OptionTable<Config>& table) {
              [](auto& c) -> auto& { return c.gnss; });
     add_file(table, "baro", "barometer log", [](auto& c) -> auto& { return c.baro; });
     add_file(table, "mag", "magnetometer log", [](auto& c) -> auto& { return c.mag; });
+    add_plain_file(table, "odometer", "speed by wheels, time_s, speed_m_s [, std_m_s]", [](auto& c) -> auto& { return c.odometer; });
+    add_plain_file(table, "heading", "heading by two antennas or a gyrocompass, time_s, heading_deg [, std_deg]",
+                   [](auto& c) -> auto& { return c.heading; });
     add_file(table, "stations", "pseudoranges to satellites and ground stations, ranges.csv", [](auto& c) -> auto& { return c.ranges; });
     table.add(text<Config>("stations.coordinates", "places of the ground stations, stations.csv",
                            [](auto& c) -> auto& { return c.station_coordinates; }));

@@ -46,7 +46,17 @@ void add_environment(OptionTable<Config>& table) {
         .add(number<Config>("mag.heading_bias_deg", units::deg, 0, 180, "error of the magnetic heading at the start, one sigma",
                             mag(&MagSettings::bias_std)))
         .add(number<Config>("mag.heading_bias_walk_deg", units::deg, 0, 180, "random walk of that error, deg in a root second",
-                            mag(&MagSettings::bias_walk)));
+                            mag(&MagSettings::bias_walk)))
+        .add(flag<Config>("odometer.use", "use the odometer's speed", [](auto& c) -> auto& { return c.filter.odometer.use; }))
+        .add(number<Config>("odometer.std_m_s", 1.0, 1e-4, 100, "white noise of the speed, where the log gives none",
+                            [](auto& c) -> auto& { return c.filter.odometer.std; }))
+        .add(number<Config>("odometer.scale_factor_ppm", units::ppm, 0, 1e6, "error of its scale, one sigma",
+                            [](auto& c) -> auto& { return c.filter.odometer.scale_std; }))
+        .add(flag<Config>("heading.use", "use the heading sensor", [](auto& c) -> auto& { return c.filter.heading.use; }))
+        .add(number<Config>("heading.std_deg", units::deg, 1e-4, 180, "white noise of the heading, where the log gives none",
+                            [](auto& c) -> auto& { return c.filter.heading.std; }))
+        .add(number<Config>("heading.offset_deg", units::deg, 0, 180, "constant error of it, one sigma; 0 = none",
+                            [](auto& c) -> auto& { return c.filter.heading.offset_std; }));
 }
 
 void add_initial(OptionTable<Config>& table) {

@@ -63,6 +63,8 @@ void add_gnss_options(OptionTable<Config>& table) {
         .add(vector3<Config>("gnss.lever_arm_m", 1.0, -100, 100, "IMU to antenna, body axes forward, right, down",
                              gnss(&GnssSettings::lever_arm_b)))
         .add(latency_option())
+        .add(number<Config>("gnss.latency_std_s", 1.0, 0, 10, "one sigma of it for positions; above 0 the filter estimates what it is off by",
+                            gnss(&GnssSettings::latency_std)))
         .add(number<Config>("gnss.velocity_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the velocity",
                             gnss(&GnssSettings::velocity_latency)))
         .add(number<Config>("gnss.height_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the height",
@@ -82,6 +84,8 @@ void add_gnss_options(OptionTable<Config>& table) {
                              "one sigma of the velocity where the log gives none", gnss(&GnssSettings::default_std_velocity)))
         .add(vector3<Config>("gnss.std_floor_m", 1.0, 0, 1e3, "smaller standard deviations of the log are raised to this",
                              gnss(&GnssSettings::std_floor_position)))
+        .add(number<Config>("gnss.std_scale", 1.0, 1e-3, 1e3, "factor to the log's own sigmas of positions", gnss(&GnssSettings::std_scale)))
+        .add(number<Config>("gnss.velocity_std_scale", 1.0, 1e-3, 1e3, "... of velocities", gnss(&GnssSettings::velocity_std_scale)))
         .add(flag<Config>("gnss.estimate_std",
                           "where the log gives no standard deviations: scale the defaults until the innovations agree",
                           gnss(&GnssSettings::estimate_std)))

@@ -57,6 +57,8 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
              unless(baro, "no barometer is used")},
             {{"mag.declination_deg", "mag.heading_", "mag.axes", "mag.columns", "mag.scale", "mag.time_offset_s"},
              unless(mag, "no magnetometer is used")},
+            {{"odometer."}, unless(f.odometer.use && !r.odometer.empty(), "no odometer is used")},
+            {{"heading."}, unless(f.heading.use && !r.heading.empty(), "no heading sensor is used")},
             {{"gnss.observations", "gnss.navigation"},
              unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
             {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise", "gnss.phase_velocity"},

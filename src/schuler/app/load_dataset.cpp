@@ -182,6 +182,15 @@ void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warning
             for (MagSample& m : out.recording.mag) m.field_b = C_imu_mag * m.field_b;
         }
     }
+    const auto moved = [](auto samples, const FileSource& source) {
+        for (auto& sample : samples) sample.time = sample.time + Duration::from_seconds(source.time_offset);
+        return samples;
+    };
+    if (!c.odometer.file.empty())
+        out.recording.odometer =
+            moved(io::read_odometer_csv(io::TextInput(resolved(folder, c.odometer.file, "odometer.file"))), c.odometer);
+    if (!c.heading.file.empty())
+        out.recording.heading = moved(io::read_compass_csv(io::TextInput(resolved(folder, c.heading.file, "heading.file"))), c.heading);
     if (!c.aids.gauges.file.empty())
         out.aids.gauges = io::read_gauges_csv(io::TextInput(resolved(folder, c.aids.gauges.file, "gauges.file")));
     if (!c.aids.log.file.empty())
@@ -202,6 +211,8 @@ void settle_rollover(Recording& r) {
         visit(r.gnss);
         visit(r.baro);
         visit(r.mag);
+        visit(r.odometer);
+        visit(r.heading);
         visit(r.reference);
     };
     each_log([&](const auto& log) {

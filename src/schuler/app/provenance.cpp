@@ -157,6 +157,9 @@ void take_in_force(Config& c, const fusion::Findings& findings) {
     f.imu.errors.gyro_noise = s.imu.errors.gyro_noise;
     f.imu.errors.accel_noise = s.imu.errors.accel_noise;
     f.gnss.latency = s.gnss.latency;
+    f.gnss.latency_std = s.gnss.latency_std;
+    f.gnss.std_scale = s.gnss.std_scale;
+    f.gnss.velocity_std_scale = s.gnss.velocity_std_scale;
     f.gnss.velocity_latency = s.gnss.velocity_latency;
     f.gnss.height_latency = s.gnss.height_latency;
     f.gnss.velocity_down_latency = s.gnss.velocity_down_latency;

@@ -39,7 +39,7 @@ enum class Quaternion { BodyToNed, SensorToEnu };
 /// The files of a data set and how they are read.
 struct Description {
     TimeConfig time;
-    FileSource imu, gnss, baro, mag, reference;
+    FileSource imu, gnss, baro, mag, odometer, heading, reference;
     FileSource ranges;                           ///< [stations] file: pseudoranges to satellites and ground stations
     std::string station_coordinates;             ///< [stations] coordinates: places of the stations
     RawGnssConfig raw;

@@ -150,6 +150,7 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     }
     parameters.tail(n - 9).array() *= phi.diagonal.tail(n - 9).array();
     if (model.loop != Loop::Closed) error = phi.times(error);
+    mean_force = gathered.force / T;
     gathered.reset();
     return true;
 }
@@ -236,6 +237,9 @@ Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
     else
         e.C_nb = e.nav.q_nb.toRotationMatrix();
     e.w_ib_b = w_ib_b;
+    const Vector3d force_n = Frame::errors_are_geographic ? mean_force
+                                                          : Vector3d(earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * mean_force);
+    e.a_n = force_n + earth::terms_at(model.earth, e.nav.position, e.nav.v_eb_n).g_n;
     if (!fed_back) e.w_ib_b += error.segment<3>(Layout::gyro_bias);
     e.parameters = estimated_parameters();
     return e;

@@ -68,6 +68,7 @@ struct InertialFilter {
     Eigen::Matrix3d C = Eigen::Matrix3d::Identity();        ///< body to frame, of nav
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
     Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();       ///< corrected rate of the last step, rad/s
+    Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();   ///< specific force over the last span, frame axes, m/s^2
     double cached_time = -1.0;                              ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
     std::array<StateProcess, Layout::slots> slot_process{};   ///< of the source block, whose states change their sources

@@ -3,6 +3,7 @@
 #include "schuler/filter/pass.h"
 
 #include "schuler/core/error.h"
+#include "schuler/core/units.h"
 #include "schuler/filter/measurement/constraint.h"
 #include "schuler/filter/measurement/environment.h"
 #include "schuler/filter/measurement/gnss.h"
@@ -155,12 +156,18 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             // what the layout has no states for is part of the noise
             Eigen::Vector3d variance = (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
+            // Where the latency had to be found it jitters from fix to fix as well, by some milliseconds.
+            const double jitter = std::min(0.4 * settings_.gnss.latency_std, 0.01);   // s
+            variance += jitter * jitter * e.nav.v_eb_n.cwiseAbs2();
             return gnss_position(e, data_.recording->gnss[event.index].position, variance, settings_.gnss.lever_arm_b, use);
         }
         case AidKind::GnssVelocity: {
             const FixNoise& noise = data_.fix_noise[event.index];
             Eigen::Vector3d variance = (model_.layout.gnss_velocity < 0 ? noise.velocity : noise.white_velocity).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_velocity.cwiseAbs2();
+            // A velocity may be older or younger too; what is not known of the position's latency it shows itself.
+            const double latency = std::min(settings_.gnss.latency_std, 0.015);   // s: what fits of it are good for
+            variance += latency * latency * e.a_n.cwiseAbs2();
             return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, settings_.gnss.lever_arm_b, use);
         }
         case AidKind::Baro:
@@ -184,6 +191,17 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
     }
 }
 
+namespace {
+
+/// u u^T of the vertical u in the axes of the filter's attitude errors; the geocentric one will do.
+Eigen::Matrix3d down_axis(const InertialFilter<GeographicFrame>&) { return Eigen::Vector3d::UnitZ() * Eigen::RowVector3d::UnitZ(); }
+Eigen::Matrix3d down_axis(const InertialFilter<EarthFixedFrame>& f) {
+    const Eigen::Vector3d up = f.nav.position.r.normalized();
+    return up * up.transpose();
+}
+
+}  // namespace
+
 template <class Frame>
 void Pass<Frame>::recover(Walk<Frame>& walk, Channel channel, const Measurement& local) const {
     // The estimate is wrong by about the innovation: say so in the covariance, isotropically, and in what may have caused it.
@@ -193,12 +211,24 @@ void Pass<Frame>::recover(Walk<Frame>& walk, Channel channel, const Measurement&
         P(model_.layout.baro_bias, model_.layout.baro_bias) += size2;
         return;
     }
-    const int block = channel.kind == AidKind::GnssVelocity ? Layout::velocity : Layout::position;
-    P.diagonal().template segment<3>(block).array() += size2;
-    const double span = std::max(1.0, settings_.aids.recovery_time);
-    if (channel.kind == AidKind::GnssPosition)
-        P.diagonal().template segment<3>(Layout::velocity).array() +=
-            std::max(size2 / (span * span), walk.gates[channel.gate()].rate.squaredNorm());
+    // Since when, and by what velocity: a tilt e makes g e T of it, a heading error that much of the speed. Where attitude was lost (a
+    // hole or fault of the inertial unit), the biases learnt since are wrong as well and begin anew.
+    const GateState& gate = walk.gates[channel.gate()];
+    const double span = std::max(1.0, (walk.filter.time() - gate.since).seconds());
+    const bool position = channel.kind == AidKind::GnssPosition;
+    const double faster2 = position ? std::max(size2 / (span * span), gate.rate.squaredNorm()) : size2;
+    if (position) P.diagonal().template segment<3>(Layout::position).array() += size2;
+    P.diagonal().template segment<3>(Layout::velocity).array() += faster2;
+    if (settings_.coupling == Coupling::Separate) return;   // which estimates neither attitude nor biases
+    constexpr double most_tilt = 0.3, most_heading = 1.0;   // rad: beyond them the filter is not linear
+    const double speed2 = std::max(1.0, walk.filter.geographic(model_).v_eb_n.squaredNorm());
+    const double tilt2 = std::min(most_tilt * most_tilt, faster2 / std::pow(units::g0 * span, 2));
+    const double heading2 = std::min(most_heading * most_heading, faster2 / speed2);
+    const Eigen::Matrix3d down = down_axis(walk.filter);
+    P.template block<3, 3>(Layout::attitude, Layout::attitude) += tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down;
+    const auto reopen = [&P](int offset, double sigma) { P.diagonal().template segment<3>(offset).array() += sigma * sigma; };
+    reopen(Layout::gyro_bias, settings_.imu.errors.gyro_initial_bias());
+    reopen(Layout::accel_bias, settings_.imu.errors.accel_initial_bias());
 }
 
 template <class Frame>

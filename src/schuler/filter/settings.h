@@ -53,12 +53,15 @@ struct GnssSettings {
     std::optional<double> velocity_latency;   ///< s, replaces latency for the velocity
     std::optional<double> height_latency;     ///< s, replaces latency for the height
     std::optional<double> velocity_down_latency;  ///< s, replaces velocity_latency for the down component
+    double latency_std = 0.0;                 ///< s, one sigma of the positions' latency; above 0 what it is off by is a state
     bool estimate_latency = false;            ///< find the latencies that are not given
     HeightKind height = HeightKind::Ellipsoidal;
     Eigen::Vector3d default_std_position{2.5, 2.5, 5.0};   ///< m, where the log gives none or zero (an autonomous fix)
     Eigen::Vector3d default_std_velocity{0.15, 0.15, 0.3}; ///< m/s, likewise
     Eigen::Vector3d std_floor_position{0.005, 0.005, 0.01};///< m, smaller values of a log are raised to this
-    bool estimate_std = true;                 ///< where the log gives none: scale the defaults until the innovations agree
+    bool estimate_std = true;                 ///< scale the defaults, or the log's own sigmas, until the innovations agree
+    double std_scale = 1.0;                   ///< of the log's own sigmas of positions
+    double velocity_std_scale = 1.0;          ///< ... of velocities
     bool use_velocity = true;
     /// Slowly varying errors; those above zero are states. A log states the sigma of the whole error: with such states, only what
     /// is left of it is white noise. The defaults above are of the white part.

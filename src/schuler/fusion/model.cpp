@@ -39,6 +39,7 @@ Layout make_layout(const Settings& settings, const Recording& recording) {
         L.intersystem = L.add("intersystem_offset", "m", 3);
         L.source = L.add("range_slow_error", "m", Layout::slots);
     } else {
+        if (settings.gnss.latency_std > 0.0) L.gnss_latency = L.add("gnss_latency_error", "s", 1);
         if (settings.gnss.errors.correlated_position.maxCoeff() > 0.0) L.gnss_position = L.add("gnss_position_error", "m", 3);
         if (settings.gnss.use_velocity && settings.gnss.errors.correlated_velocity.maxCoeff() > 0.0)
             L.gnss_velocity = L.add("gnss_velocity_error", "m/s", 3);
@@ -51,6 +52,10 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
     model.loop = settings.loop;
     model.set_process(layout.baro_bias, 1, {0.0, settings.baro.bias_walk * settings.baro.bias_walk});
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
+    // Loggers and receivers do not keep it to the millisecond: what was learnt is forgotten within a minute.
+    constexpr double latency_time = 60.0;   // s
+    if (layout.gnss_latency >= 0)
+        model.set_process(layout.gnss_latency, 1, StateProcess::markov(settings.gnss.latency_std, latency_time));
     model.gnss = settings.gnss.errors;
     for (int i = 0; i < 3; ++i) {
         const sensor::GnssErrorModel& g = model.gnss;
@@ -176,6 +181,7 @@ Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Se
     }
     P.baro(*data.recording, settings.baro, start.nav);
     P.set(L.mag_bias, 1, settings.mag.bias_std);
+    P.set(L.gnss_latency, 1, settings.gnss.latency_std);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
     P.set(L.heading_offset, 1, settings.heading.offset_std);
     P.slow_error(L.gnss_position, Layout::position, settings.gnss.errors.correlated_position, start.position_of_fix);

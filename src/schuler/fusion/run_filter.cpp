@@ -80,6 +80,14 @@ Settings in_force(Settings settings) {
     return settings;
 }
 
+/// One sigma of the positions' latency: where it was fitted, twice what the curvature of the likelihood says, which takes innovations
+/// for independent, within what the fits are good for.
+double latency_std(const GnssSettings& gnss, const Findings& findings) {
+    const auto tuned = std::ranges::find(findings.tuned, "gnss.latency_s", &TunedSetting::key);
+    if (tuned == findings.tuned.end()) return gnss.latency_std;
+    return as_written(std::clamp(2.0 * tuned->sigma, 0.02, 0.1), 1.0);
+}
+
 std::size_t last_increment(const RunData& data, const Settings& settings) {
     if (!settings.stop) return data.imu.increments.size() - 1;
     const auto it = std::upper_bound(data.imu.increments.begin(), data.imu.increments.end(), *settings.stop,
@@ -134,6 +142,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     if (tuning) {
         tune(data, settings, start, origin, findings, warnings);
         data.still = find_still(data.imu, recording, data.events, settings);   // whose fixes have moved in time
+        settings.gnss.latency_std = latency_std(settings.gnss, findings);
         start = find_start(data, settings, findings, warnings);
     }
     if (settings.imu.estimate_mounting) {

@@ -127,6 +127,7 @@ Settings trial_settings(const Settings& settings) {
     t.scale_factors = t.misalignments = t.estimate_lever_arm = false;
     t.baro.use = t.mag.use = t.odometer.use = t.heading.use = false;
     t.gnss.errors = {};
+    t.gnss.latency_std = 0.0;
     t.loop = Loop::Closed;
     t.coupling = Coupling::Loose;
     t.loose_kind = LooseKind::Standard;

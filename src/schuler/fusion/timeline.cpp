@@ -30,9 +30,41 @@ double median_step(const std::vector<ImuSample>& samples) {
 /// A step of increments longer than this times the median is a hole; coarse time stamps stay below it (2 and 3 ms for 2.5).
 constexpr double hole_factor = 1.75;
 
+/// Samples of a unit that hangs: three rates or three forces repeat to the last digit for a tenth of a second or more, in a log in which
+/// they hardly ever do for three samples in a row.
+std::vector<bool> stuck_samples(const std::vector<ImuSample>& samples, double median_dt, std::size_t& count) {
+    std::vector<bool> stuck(samples.size(), false);
+    const auto least = static_cast<std::size_t>(std::max(8.0, 0.1 / median_dt));
+    const auto find = [&](Vector3d ImuSample::*value) {
+        std::vector<std::pair<std::size_t, std::size_t>> runs;   // first and last of samples that repeat the one before
+        std::size_t repeats = 0, first = 0;
+        const auto same = [&](std::size_t i) { return i < samples.size() && samples[i].*value == samples[i - 1].*value; };
+        for (std::size_t i = 1; i <= samples.size(); ++i) {
+            if (same(i)) {
+                if (first == 0) first = i;
+                continue;
+            }
+            if (first != 0 && i - first >= 2) repeats += i - first < least ? i - first : 0;
+            if (first != 0 && i - first >= least) runs.emplace_back(first, i - 1);
+            first = 0;
+        }
+        if (20 * repeats > samples.size()) return;   // coarse or repeated by the logger: nothing to tell from
+        for (const auto& [from, to] : runs)
+            for (std::size_t i = from; i <= to; ++i)
+                if (!stuck[i]) stuck[i] = true, ++count;
+    };
+    find(&ImuSample::gyro);
+    find(&ImuSample::accel);
+    if (2 * count > samples.size()) {   // a simulated unit at rest, noise-free
+        stuck.assign(samples.size(), false);
+        count = 0;
+    }
+    return stuck;
+}
+
 /// The interval that each sample stands for, by its kind and stamp, as if what was measured had lasted all of it.
-std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, const ImuSettings& settings, double median_dt,
-                                       std::size_t& duplicates) {
+std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, const std::vector<bool>& stuck, const ImuSettings& settings,
+                                       double median_dt, std::size_t& duplicates) {
     std::vector<ImuIncrement> intervals;
     intervals.reserve(samples.size());
     const Eigen::Matrix3d C = math::dcm_from_rpy(settings.mounting_rpy) * settings.C_bs;
@@ -41,6 +73,7 @@ std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, co
     Time last{INT64_MIN};
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const ImuSample& s = samples[i];
+        if (stuck[i]) continue;
         if (s.time <= last) {
             ++duplicates;
             continue;
@@ -74,7 +107,28 @@ std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, co
     return intervals;
 }
 
-/// How much rate and specific force vary around a hole: root mean square about the mean over a second each side.
+/// Mean squares, over the log, of the error of interpolating rate and specific force half way through a hole of a length.
+struct InterpolationError {
+    double rate2 = 0.0, force2 = 0.0;   ///< one axis
+};
+
+InterpolationError interpolation_error(const std::vector<ImuIncrement>& intervals, double hole, double median_dt) {
+    const auto half = static_cast<std::size_t>(std::clamp(0.5 * hole / median_dt, 1.0, 0.25 * static_cast<double>(intervals.size())));
+    const std::size_t step = std::max<std::size_t>(1, intervals.size() / 4000);
+    InterpolationError e;
+    double n = 0.0;
+    for (std::size_t i = half; i + half < intervals.size(); i += step) {
+        const ImuIncrement &a = intervals[i - half], &m = intervals[i], &b = intervals[i + half];
+        e.rate2 += (m.dtheta / m.dt - 0.5 * (a.dtheta / a.dt + b.dtheta / b.dt)).squaredNorm() / 3.0;
+        e.force2 += (m.dv / m.dt - 0.5 * (a.dv / a.dt + b.dv / b.dt)).squaredNorm() / 3.0;
+        n += 1.0;
+    }
+    if (n > 0.0) e = {e.rate2 / n, e.force2 / n};
+    return e;
+}
+
+/// How much rate and specific force vary around a hole, root mean square about the mean over a second each side; no less than what
+/// interpolation over such a hole is wrong by elsewhere in the log where that is livelier, for a turn may begin in it.
 BridgeNoise bridge_noise(const std::vector<ImuIncrement>& intervals, std::size_t i, double hole, double median_dt) {
     const auto reach = static_cast<std::size_t>(std::clamp(1.0 / median_dt, 4.0, 2000.0));
     const std::size_t first = i > reach ? i - reach : 0, last = std::min(intervals.size() - 1, i + reach);
@@ -89,6 +143,9 @@ BridgeNoise bridge_noise(const std::vector<ImuIncrement>& intervals, std::size_t
         rate2 += (intervals[k].dtheta / intervals[k].dt - rate).squaredNorm() / (3.0 * n);
         force2 += (intervals[k].dv / intervals[k].dt - force).squaredNorm() / (3.0 * n);
     }
+    const InterpolationError elsewhere = interpolation_error(intervals, hole, median_dt);
+    if (elsewhere.rate2 > 2.0 * rate2) rate2 = elsewhere.rate2;   // in steady motion interpolation is off by up to twice what varies
+    if (elsewhere.force2 > 2.0 * force2) force2 = elsewhere.force2;
     // The unknown part is taken as correlated over half of the hole: variance of its integral = s^2 * hole * hole / 2.
     return {0.5 * hole * rate2, 0.5 * hole * force2};
 }
@@ -144,7 +201,9 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
         throw input_error("the IMU log has fewer than two rows", {.file = {}, .key = "imu.file"}, "give a longer log");
     ImuTimeline timeline;
     timeline.median_dt = median_step(samples);
-    std::vector<ImuIncrement> intervals = intervals_of(samples, settings, timeline.median_dt, timeline.duplicates);
+    std::size_t hanging = 0;
+    const std::vector<bool> stuck = stuck_samples(samples, timeline.median_dt, hanging);
+    std::vector<ImuIncrement> intervals = intervals_of(samples, stuck, settings, timeline.median_dt, timeline.duplicates);
     const bool holes = std::ranges::any_of(intervals.begin() + 1, intervals.end(), [&](const ImuIncrement& v) {
         return is_hole(v.dt, timeline.median_dt, settings);
     });
@@ -158,6 +217,8 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
         warnings.add("imu.gaps", fmt::format("the IMU log has {} gap{} (longest {:.3f} s), bridged by interpolation with a larger "
                                              "uncertainty",
                                              timeline.gaps, timeline.gaps == 1 ? "" : "s", longest));
+    if (hanging > 0)
+        warnings.add("imu.stuck", fmt::format("{} IMU rows repeat rates or forces to the last digit: the unit hung, they count as a hole", hanging));
     if (timeline.duplicates > 0)
         warnings.add("imu.duplicates",
                      fmt::format("{} IMU rows repeat a time or go backwards and were left out", timeline.duplicates));

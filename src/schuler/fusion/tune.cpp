@@ -45,6 +45,7 @@ public:
         trial.coupling = Coupling::Loose;
         trial.loose_kind = LooseKind::Standard;
         trial.integrity.use = false;
+        trial.gnss.latency_std = 0.0;
         trial.aids.nonholonomic = trial.aids.nonholonomic_auto = false;
         trial.scale_factors = trial.misalignments = trial.estimate_lever_arm = trial.smooth = false;
         if (!surroundings) trial.baro.use = trial.mag.use = false;
@@ -61,8 +62,10 @@ public:
             for (int i = 0; i < 3; ++i) {
                 if (!(r.sigma(i) > 0.0)) continue;
                 const double x = std::abs(r.innovation(i)) / r.sigma(i);
-                // Huber's tails: a few bad fixes must not decide.
-                sum += std::log(r.sigma(i)) + (x < 3.0 ? 0.5 * x * x : 3.0 * x - 4.5);
+                // Huber's tails: a few bad fixes must not decide; one that is wrong by thousands of sigmas, less still.
+                constexpr double straight = 3.0, far = 10.0;
+                const double tail = x < far ? straight * x : straight * far * (1.0 + std::log(x / far));
+                sum += std::log(r.sigma(i)) + (x < straight ? 0.5 * x * x : tail - 0.5 * straight * straight);
                 n += 1.0;
             }
         }
@@ -149,9 +152,11 @@ std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& 
         for (int i = 0; i < 3; ++i) {
             position = position && usable(fix.std_position(i));
             velocity = velocity && (usable(fix.std_velocity(i)) || !std::isfinite(fix.velocity_n(i)));
-            n.position(i) = usable(fix.std_position(i)) ? std::max(fix.std_position(i), settings.std_floor_position(i))
-                                                        : settings.default_std_position(i);
-            n.velocity(i) = usable(fix.std_velocity(i)) ? std::max(fix.std_velocity(i), 0.005) : settings.default_std_velocity(i);
+            constexpr double floor_velocity = 0.005;   // m/s
+            n.position(i) = std::max(usable(fix.std_position(i)) ? settings.std_scale * fix.std_position(i) : settings.default_std_position(i),
+                                     settings.std_floor_position(i));
+            n.velocity(i) = std::max(usable(fix.std_velocity(i)) ? settings.velocity_std_scale * fix.std_velocity(i)
+                                                                 : settings.default_std_velocity(i), floor_velocity);
             // defaults, tuned or given, are of the white part
             n.white_position(i) = usable(fix.std_position(i)) ? white_part(n.position(i), settings.errors.correlated_position(i))
                                                               : n.position(i);
@@ -177,14 +182,13 @@ std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& 
 
 namespace {
 
-constexpr double wander_time = 60.0;   // s, of a receiver's slow position error: filters inside, ionosphere, multipath
-
 /// A positive setting searched on a logarithmic scale about its value before tuning; NaN-free and remembered between rounds.
 struct LogKnob {
     const char* key;                                ///< of dataset.toml
     std::function<void(Settings&, double)> apply;   ///< sets the setting to its first value times exp(x)
     double low, high;                               ///< of x, first round
     bool surroundings = false;
+    double least = -1e3;                            ///< of x, in every round
     double x = 0.0;
 };
 
@@ -201,13 +205,26 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
                          -4.0, 1.2});
         knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); }, -4.0, 1.2});
     }
-    if (g.estimate_std && missing.position && g.errors.correlated_position.isZero()) {
-        // A receiver that does not say how good it is mostly wanders: innovations that look alike tell.
-        knobs.push_back({"gnss.correlated_m", [](Settings& s, double x) {
-                             s.gnss.errors.correlated_position.setConstant(0.5 * std::exp(x));
-                             s.gnss.errors.correlated_time = wander_time;
-                         }, -3.0, 0.0});
+    const bool precise = std::ranges::any_of(recording.gnss, [](const GnssFix& f) { return f.fix == FixType::RtkFixed || f.fix == FixType::RtkFloat; });
+    // Receivers wander: filters inside, atmosphere, multipath. Innovations that look alike tell by how much; where sigmas are stated, the
+    // physics of a receiver without corrections by how much at least. A fixed solution that states its sigmas hardly wanders.
+    const auto wander = [&](double sigma, double time, double low, double high, double least) {
+        knobs.push_back({"gnss.correlated_m", [=](Settings& s, double x) {
+                             s.gnss.errors.correlated_position.setConstant(sigma * std::exp(x));
+                             s.gnss.errors.correlated_time = time;
+                         }, low, high, false, least});
+    };
+    if (g.estimate_std && g.errors.correlated_position.isZero()) {
+        if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3);
+        else if (before.imu.estimate_noise && !precise) wander(0.3, 120.0, 0.0, 2.3, 0.0);
     }
+    // A log's own sigmas may be too small by far; where they are too large nothing is lost but sharpness.
+    const auto larger = [](double x) { return std::exp(std::max(0.0, x)); };
+    if (g.estimate_std && before.imu.estimate_noise && !missing.position)
+        knobs.push_back({"gnss.std_scale", [g, larger](Settings& s, double x) { s.gnss.std_scale = larger(x) * g.std_scale; }, 0.0, 3.5, false, 0.0});
+    if (g.estimate_std && before.imu.estimate_noise && !missing.velocity && has_velocity)
+        knobs.push_back({"gnss.velocity_std_scale",
+                         [g, larger](Settings& s, double x) { s.gnss.velocity_std_scale = larger(x) * g.velocity_std_scale; }, 0.0, 3.5, false, 0.0});
     if (g.estimate_std && missing.velocity && has_velocity) {
         knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>(); },
                          -2.0, 2.0});
@@ -260,7 +277,8 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
     for (int round = 0; round < (knobs.empty() ? 1 : 3); ++round) {
         for (LogKnob& k : knobs)
             k.x = round == 0 ? search(k.key, true, k.apply, k.low, k.high, 5, 1, k.surroundings)
-                             : search(k.key, true, k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings);
+                             : search(k.key, true, [&k](Settings& s, double x) { k.apply(s, std::max(k.least, x)); }, k.x - 0.7, k.x + 0.7, 3, 2,
+                                      k.surroundings);
         if (!settings.gnss.estimate_latency) continue;
         const auto all = [](Settings& s, double x) { s.gnss.latency = x; };
         const double around = settings.gnss.latency;

@@ -28,6 +28,12 @@ Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vec
         position_of(row)(axis) = 1.0;
         attitude_of(row) = by_attitude.row(axis).transpose();
         if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, e.C_nb.row(axis).transpose());
+        if (e.layout.gnss_latency >= 0) {   // the fix shows where the antenna was that much earlier
+            const double late = e.parameters(e.layout.gnss_latency);
+            m.innovation(m.dof - 1) -= late * e.nav.v_eb_n(axis);
+            velocity_of(row)(axis) = -late;
+            row.add(e.layout.gnss_latency, -e.nav.v_eb_n(axis));
+        }
         if (e.layout.gnss_position >= 0) {
             m.innovation(m.dof - 1) += e.parameters(e.layout.gnss_position + axis);
             row.add(e.layout.gnss_position + axis, 1.0);

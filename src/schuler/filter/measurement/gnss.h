@@ -11,7 +11,8 @@ struct Components {
     [[nodiscard]] bool operator[](int i) const { return i == 0 ? north : i == 1 ? east : down; }
 };
 
-/// Antenna position against a measured geodetic position; variance in m^2 (NED). math.md 5.3 with u = each axis.
+/// Antenna position against a measured geodetic position; variance in m^2 (NED). math.md 5.3 with u = each axis. Where the latency is a
+/// state, the turning of the lever arm during it is left out.
 [[nodiscard]] Measurement gnss_position(const Estimate& estimate, const Geodetic& measured, const Eigen::Vector3d& variance,
                                              const Eigen::Vector3d& lever_arm_b, Components use);
 

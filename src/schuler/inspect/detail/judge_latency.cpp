@@ -95,6 +95,18 @@ double draft_latency(Study& study, const char* key, const std::optional<Age>& ag
     return used;
 }
 
+/// What the positions' latency may be off by, so that the filter can carry it: what was measured, within what the fits are good for.
+void draft_uncertainty(Study& study, const std::optional<Age>& age) {
+    // A time of validity in the log itself is believed as long as the data do not speak against it.
+    if (study.states_position_age && !(age && significant(age->value - study.position_age, age->sigma))) return;
+    constexpr double least = 0.02, most = 0.1;   // s: what two fits of one log differ by, and what receivers are late by
+    if (study.given.latency) return;
+    const double sigma = std::clamp(age ? age->sigma : most, least, most);
+    study.draft.set("gnss", "latency_std_s", std::round(1000.0 * sigma) / 1000.0,
+                    age ? "one sigma of the latency; the filter estimates what is left" : "the latency could not be measured; the filter looks for it",
+                    true);
+}
+
 /// A given latency counts on top of what the log states: the data may show that it is counted twice, or wrong.
 void check_given(Study& study, const char* key, const std::optional<double>& given, const std::optional<Age>& age, double stated,
                  bool is_stated) {
@@ -144,6 +156,7 @@ void judge_latency(Study& study) {
                             "could not be measured: too little motion or no time in common; \"estimate\" has the filter find it",
                             false);
         }
+        draft_uncertainty(study, std::nullopt);
         return;
     }
     const Given& given = study.given;
@@ -151,6 +164,7 @@ void judge_latency(Study& study) {
     check_given(study, "height_latency_s", given.height_latency, ages.height, study.position_age, study.states_position_age);
     const double used = given.latency ? *given.latency
                                       : draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
+    draft_uncertainty(study, ages.position);
     double used_velocity = used;
     if (study.gnss.has_velocity()) {
         // Against the position is the sharper comparison, where the position is where it is taken to be.

@@ -1,0 +1,102 @@
+// Odometer, heading sensor, smoother and further states in couplings that had them not: what they are worth on a simulated car.
+#include "fusion/car_drive.h"
+#include "fusion/range_flight.h"
+
+#include "schuler/fusion/run_filter.h"
+#include "schuler/math/random.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace schuler::fusion {
+namespace {
+
+using namespace testing;
+using Eigen::Vector3d;
+
+/// Forward speed and heading of the truth as instruments show them: the speed 3 % too large.
+void add_instruments(Recording& recording) {
+    math::Random random(5, "further sensors");
+    for (std::size_t i = 0; i < recording.reference.size(); ++i) {
+        const ReferenceSample& t = recording.reference[i];
+        const Eigen::Matrix3d C_nb = math::dcm_from_rpy(t.rpy);
+        recording.odometer.push_back({t.time, 1.03 * C_nb.col(0).dot(t.velocity_n) + 0.02 * random.normal(), 0.02});
+        recording.heading.push_back({t.time, t.rpy.z() + 0.005 * random.normal(), 0.005});
+    }
+}
+
+/// Largest horizontal error inside the outages, and whether north and east stayed inside three sigma.
+struct OutageError {
+    double most = 0.0;
+    bool inside = true;
+};
+OutageError outage_error(const Result& result, const Recording& recording, double from, double to) {
+    OutageError e;
+    std::size_t k = 0;
+    for (const SolutionRow& row : result.forward.rows) {
+        const double t = (row.time - recording.gnss.front().time).seconds();
+        if (t < from || t > to) continue;
+        while (k + 1 < recording.reference.size() && recording.reference[k + 1].time <= row.time) ++k;
+        if (recording.reference[k].time != row.time) continue;
+        const Vector3d d = earth::ned_difference({}, row.position, recording.reference[k].position);
+        e.most = std::max(e.most, d.head<2>().norm());
+        e.inside = e.inside && std::abs(d.x()) < 3.0 * row.std_position.x() && std::abs(d.y()) < 3.0 * row.std_position.y();
+    }
+    return e;
+}
+
+TEST(FurtherSensors, OdometerAndHeadingCarryThroughAnOutage) {
+    sim::Scenario scenario = town_drive(71, 1.0, 240.0);
+    Recording recording = sim::simulate(scenario).recording;
+    Settings settings = settings_of(scenario);
+    settings.aids.nonholonomic = true;
+    settings.outages = {{150.0, 60.0}};
+    WarningLog unheard;
+    const OutageError without = outage_error(run_filter(recording, settings, unheard), recording, 150.0, 210.0);
+    add_instruments(recording);
+    const Result both = run_filter(recording, settings, unheard);
+    const OutageError with = outage_error(both, recording, 150.0, 210.0);
+    EXPECT_TRUE(with.inside);
+    EXPECT_LT(with.most, 0.5 * without.most);
+    EXPECT_LT(with.most, 3.0);
+    // the scale is found, and told with its sigma
+    const auto block = std::ranges::find(both.states, "odometer_scale", &LayoutBlock::name);
+    ASSERT_NE(block, both.states.end());
+    const auto at = static_cast<std::size_t>(block->offset - 9);
+    const ParameterRow& last = both.forward.parameters.back();
+    EXPECT_NEAR(last.value[at], 0.03, 3.0 * last.std[at]);
+    EXPECT_LT(last.std[at], 0.005);
+    EXPECT_GT(last.std[at], 0.0);
+}
+
+/// The tight coupling's smoother: better than its filter, and as good as it says.
+TEST(FurtherSensors, TheTightFilterIsSmoothed) {
+    test::Flight f = test::flight();
+    f.settings.smooth = true;
+    WarningLog unheard;
+    for (const Mechanization mechanization : {Mechanization::Geographic, Mechanization::Ecef}) {
+        f.settings.mechanization = mechanization;
+        const Result result = run_filter(f.recording, f.settings, unheard);
+        ASSERT_EQ(result.smoothed.rows.size(), result.forward.rows.size());
+        double forward = 0.0, smoothed = 0.0, nees = 0.0, n = 0.0;
+        std::size_t k = 0;
+        for (std::size_t i = 0; i < result.smoothed.rows.size(); ++i) {
+            const SolutionRow &s = result.smoothed.rows[i], &w = result.forward.rows[i];
+            while (k + 1 < f.recording.reference.size() && f.recording.reference[k + 1].time <= s.time) ++k;
+            if (f.recording.reference[k].time != s.time) continue;
+            const Vector3d d = earth::ned_difference(f.earth, s.position, f.recording.reference[k].position);
+            smoothed += d.squaredNorm();
+            forward += earth::ned_difference(f.earth, w.position, f.recording.reference[k].position).squaredNorm();
+            nees += d.cwiseQuotient(s.std_position).squaredNorm() / 3.0;
+            n += 1.0;
+            for (int axis = 0; axis < 3; ++axis) EXPECT_LE(s.std_position(axis), w.std_position(axis) * (1.0 + 1e-9));
+        }
+        ASSERT_GT(n, 20.0);
+        EXPECT_LT(smoothed, 0.8 * forward);
+        EXPECT_LT(nees / n, 4.0);
+    }
+}
+
+}  // namespace
+}  // namespace schuler::fusion
