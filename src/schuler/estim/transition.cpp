@@ -1,6 +1,6 @@
 #include "schuler/estim/transition.h"
 
-#include <cstring>
+#include "schuler/estim/detail/vec4.h"
 
 namespace schuler::estim {
 namespace {
@@ -8,16 +8,11 @@ namespace {
 constexpr int coupled = Transition::coupled;
 constexpr int rows_stride = Transition::max_driven;
 
-// Four doubles as one value: the compiler maps it to the registers the processor has.
-using Vec4 = double __attribute__((vector_size(32)));
+using detail::broadcast;
+using detail::load;
+using detail::store;
+using detail::Vec4;
 
-Vec4 load(const double* p) {
-    Vec4 v;
-    std::memcpy(&v, p, sizeof v);
-    return v;
-}
-void store(double* p, Vec4 v) { std::memcpy(p, &v, sizeof v); }
-Vec4 broadcast(double x) { return Vec4{x, x, x, x}; }
 double sum(Vec4 v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
 /// Three rows of T = A P from A's rows a0..a2, for `vectors` vectors of P's columns from v on.

@@ -1,7 +1,8 @@
 #include "schuler/estim/update.h"
 
+#include "schuler/estim/detail/vec4.h"
+
 #include <cmath>
-#include <cstring>
 
 namespace schuler::estim {
 
@@ -39,16 +40,10 @@ RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovatio
 
 namespace {
 
-// Four doubles as one value: the compiler maps it to the registers the processor has.
-using Vec4 = double __attribute__((vector_size(32)));
-
-Vec4 load(const double* p) {
-    Vec4 v;
-    std::memcpy(&v, p, sizeof v);
-    return v;
-}
-void store(double* p, Vec4 v) { std::memcpy(p, &v, sizeof v); }
-Vec4 broadcast(double x) { return Vec4{x, x, x, x}; }
+using detail::broadcast;
+using detail::load;
+using detail::store;
+using detail::Vec4;
 
 /// y -= the sum of factor[k] times column k of G, four columns at a time.
 void subtract_columns(double* y, const double* G, long stride, const double* factor, int count, int used) {
