@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace schuler::filter {
 
@@ -20,8 +21,6 @@ using Eigen::Vector3d;
 /// An accelerating error, or one that the log explains, needs few fixes to be believed; an ambiguous one what the user has set.
 constexpr int few_fixes = 4, explained_fixes = 2;
 constexpr double few_seconds = 3.0;
-/// A rival that has lost goes on for so long, s: what it says may be needed once more.
-constexpr double rival_time = 60.0;
 
 /// u u^T of the vertical u in the axes of the filter's attitude errors; the geocentric one will do.
 Eigen::Matrix3d down_axis(const InertialFilter<GeographicFrame>&) { return Vector3d::UnitZ() * Eigen::RowVector3d::UnitZ(); }
@@ -71,7 +70,13 @@ Matrix9 Walk<Frame>::undecided(const InertialModel& model) const {
         const Vector9 d = 0.4 * difference(model.earth, other.walk.filter.geographic(model), filter.geographic(model));
         P += d * d.transpose();
     }
-    for (const FixChannel& c : fixes) {
+    for (std::size_t k = 0; k < fixes.size(); ++k) {
+        const FixChannel& c = fixes[k];
+        const int block = k % 2 == 0 ? Layout::position : Layout::velocity;
+        if (c.run.count() > 1) {
+            const Vector3d d = 0.4 * c.run.latest();
+            P.template block<3, 3>(block, block) += d * d.transpose();
+        }
         if (!c.levels.two) continue;
         const Vector3d d = c.levels.spread();
         P.template topLeftCorner<3, 3>() += d * d.transpose();
@@ -153,7 +158,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     const bool positions_fit = !position && walk.fixes[channel.vertical_only ? 2 : 0].fits > 0 && !suspect;
     const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
     const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
-    if (rivalry_ == Rivalry::Contest && walk.challenged_by_fixes && walk.rival.empty() && fixes.run.count() >= needed && long_enough)
+    if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough)
         walk.wanted = Opening{0, in_place(record.innovation, channel.components), fixes.run.rate(), since_fit, position};
     return AidStatus::Rejected;
 }
@@ -196,14 +201,21 @@ void Pass<Frame>::open(Walk<Frame>& walk, const Opening& o) const {
     const Eigen::Matrix3d down = down_axis(walk.filter);
     P.template block<3, 3>(Layout::attitude, Layout::attitude) += tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down;
     const auto reopen = [&P](int offset, double sigma) { P.diagonal().template segment<3>(offset).array() += sigma * sigma; };
-    reopen(Layout::gyro_bias, settings_.imu.errors.gyro_initial_bias());
-    reopen(Layout::accel_bias, settings_.imu.errors.accel_initial_bias());
+    double rate = settings_.imu.errors.gyro_initial_bias(), force = settings_.imu.errors.accel_initial_bias();
+    if (o.bias_jump) {
+        constexpr double most_rate = 0.1, most_force = 2.0;   // rad/s, m/s^2
+        rate = std::max(rate, std::min(most_rate, std::sqrt(tilt2 + heading2) / span));
+        force = std::max(force, std::min(most_force, std::sqrt(faster2) / span));
+    }
+    reopen(Layout::gyro_bias, rate);
+    reopen(Layout::accel_bias, force);
 }
 
 template <class Frame>
 void Pass<Frame>::challenge(Walk<Frame>& walk) const {
     Opening opening = *walk.wanted;
     walk.wanted.reset();
+    walk.rival.clear();
     opening.increment = walk.increment;
     Rival<Frame> rival;
     rival.walk = walk;
@@ -236,7 +248,9 @@ void Pass<Frame>::change_sides(Walk<Frame>& walk) const {
     std::swap(walk, winner);
     // What the log explains is decided. Otherwise the loser goes on, and what is reported covers it.
     if (other.explained) return;
+    const double patience = other.patience;
     other = Rival<Frame>{};
+    other.patience = patience;
     other.walk = std::move(winner);
     other.since = walk.filter.time();
     other.challenger = false;
@@ -262,14 +276,21 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
         challenge(walk);
         return;
     }
-    walk.wanted.reset();
     Rival<Frame>& rival = walk.rival.front();
     FixCount<Frame> count(rival);
     const int fixes_before = rival.accepted + rival.refused;
     advance(rival.walk, walk.increment, count);
     const double age = (walk.filter.time() - rival.since).seconds();
     if (rival.accepted + rival.refused == fixes_before) {
-        if (!rival.challenger && age > rival_time) walk.rival.clear();
+        if (!rival.challenger && age > rival.patience) walk.rival.clear();
+        return;
+    }
+    // One that has lost and takes these fixes no more than the winner makes room for a new challenger.
+    const std::optional<Opening> wanted = std::exchange(walk.wanted, std::nullopt);
+    if (wanted && !rival.challenger && rival.accepted_in_row == 0) {
+        walk.wanted = wanted;
+        propagate_covariance(walk, observer);
+        challenge(walk);
         return;
     }
     const FixChannel &positions = walk.fixes[0], &speeds = walk.fixes[1];
@@ -280,8 +301,15 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
             walk.rival.clear();
             return;
         }
-        if (rival.refused >= 2 && rival.refused > rival.accepted) {   // it does not explain them either
+        if (rival.refused > 0 && rival.accepted_in_row == 0) {   // it does not explain them either: perhaps a bias has jumped
+            const int attempts = rival.attempts + 1;
             walk.rival.clear();
+            if (!wanted) return;
+            walk.wanted = wanted;
+            walk.wanted->bias_jump = attempts % 2 == 1;
+            propagate_covariance(walk, observer);
+            challenge(walk);
+            walk.rival.front().attempts = attempts;
             return;
         }
         if (!main_refuses) return;
@@ -297,6 +325,7 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
         } else if (positions.run.shape(speed_sigma(walk.filter)) == RunShape::Growing) {
             needed = few_fixes;
             seconds = few_seconds;
+            rival.patience = settings_.aids.recovery_time;
         }
         if (rival.accepted_in_row >= needed && age >= seconds) change_sides(walk);
         return;
@@ -307,7 +336,10 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
         walk.rival.clear();
         return;
     }
-    if ((rival.accepted_in_row >= 2 && !main_refuses) || age > rival_time) walk.rival.clear();
+    // What runs away faster and faster is an inertial error: that settles it.
+    if (rival.walk.fixes[0].run.shape(speed_sigma(rival.walk.filter)) == RunShape::Growing)
+        rival.patience = std::min(rival.patience, settings_.aids.recovery_time);
+    if ((rival.accepted_in_row >= 2 && !main_refuses) || age > rival.patience) walk.rival.clear();
 }
 
 #define SCHULER_INSTANTIATE(Frame)                                                                                   \

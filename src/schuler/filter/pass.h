@@ -54,6 +54,7 @@ struct Opening {
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();         ///< of it, per second
     double span = 1.0;                   ///< s since the last fix that fitted
     bool position = true;                ///< otherwise it is of a velocity
+    bool bias_jump = false;              ///< a bias may have jumped by what explains the innovation
 };
 
 /// Whether the walk asks who is wrong when fixes are refused.
@@ -112,6 +113,8 @@ struct Rival {
     bool explained = false;              ///< the inertial log itself says that something happened
     int accepted = 0, refused = 0;       ///< fixes since then
     int accepted_in_row = 0;
+    int attempts = 0;                    ///< challengers before it, of the same run
+    double patience = 60.0;              ///< s for which it goes on once it has lost
 };
 
 /// Who wants to know what happens on the walk derives from this; the base does not care.

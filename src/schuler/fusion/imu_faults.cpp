@@ -106,19 +106,23 @@ double departure(const std::vector<ImuIncrement>& increments, const Block& b, co
     return worst;
 }
 
-/// Adds the noise of samples that stay at the largest value that the axis ever shows, three in a row or more.
+/// Adds the noise of samples that stay at the largest value that the axis ever shows, three in a row or more, where that is rare and far
+/// from what the axis usually shows.
 void add_saturation(const std::vector<ImuIncrement>& increments, const Quantity& q, const std::vector<Block>& blocks,
                     std::vector<filter::BridgeNoise>& noise) {
     for (int axis = 0; axis < 3; ++axis) {
+        double mean = 0.0, usual = 0.0;
+        for (const auto& i : increments) mean += q.of(i)(axis) / static_cast<double>(increments.size());
+        for (const auto& i : increments) usual += std::abs(q.of(i)(axis) - mean) / static_cast<double>(increments.size());
         for (const double sign : {1.0, -1.0}) {
-            double limit = 0.0;
-            for (const auto& i : increments) limit = std::max(limit, sign * q.of(i)(axis));
-            if (!(limit > 0.0)) continue;
-            const double edge = limit * (1.0 - 1e-9);   // what is saturated repeats to the last digit
+            double limit = 0.0;   // of the departure from the mean
+            for (const auto& i : increments) limit = std::max(limit, sign * (q.of(i)(axis) - mean));
+            if (!(limit > 4.0 * usual && limit > 1e-6 * (1.0 + std::abs(mean)))) continue;   // an axis without noise
+            const double edge = limit - 1e-9 * (limit + std::abs(mean));   // what is saturated repeats to the last digit
             std::size_t block = 0, run = 0;
             double time = 0.0;
             for (std::size_t k = 0; k <= increments.size(); ++k) {
-                if (k < increments.size() && sign * q.of(increments[k])(axis) >= edge) {
+                if (k < increments.size() && sign * (q.of(increments[k])(axis) - mean) >= edge) {
                     ++run;
                     time += increments[k].dt;
                     continue;
