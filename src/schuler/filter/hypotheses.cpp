@@ -21,6 +21,8 @@ using Eigen::Vector3d;
 /// An accelerating error, or one that the log explains, needs few fixes to be believed; an ambiguous one what the user has set.
 constexpr int few_fixes = 4, explained_fixes = 2;
 constexpr double few_seconds = 3.0;
+/// What lever arm, latency and heading make of the first metres of a motion is no jump of the receiver, m.
+constexpr double least_jump = 1.0;
 
 /// u u^T of the vertical u in the axes of the filter's attitude errors; the geocentric one will do.
 Eigen::Matrix3d down_axis(const InertialFilter<GeographicFrame>&) { return Vector3d::UnitZ() * Eigen::RowVector3d::UnitZ(); }
@@ -144,8 +146,8 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     const bool suspect = walk.suspect && (!fixes.fitted || *walk.suspect > *fixes.fitted);
     const FixChannel& speeds = walk.fixes[channel.vertical_only ? 3 : 1];
     if (position && !suspect && fixes.run.shape(speed_sigma(walk.filter)) == RunShape::Constant) {
-        const bool at_once = fixes.began_at_once();
-        if (at_once || since_fit > 5.0 || speeds.fits >= few_fixes) {
+        const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
+        if (jump && (at_once || since_fit > 5.0 || speeds.fits >= few_fixes)) {
             levels.jumped(fixes.run.mean(), fixes.run.span(), at_once);
             fixes.run.clear();
             if (!walk.rival.empty() && walk.rival.front().challenger) walk.rival.clear();
@@ -322,10 +324,13 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
         if (rival.explained) {
             needed = explained_fixes;
             seconds = 0.0;
-        } else if (positions.run.shape(speed_sigma(walk.filter)) == RunShape::Growing) {
-            needed = few_fixes;
-            seconds = few_seconds;
-            rival.patience = settings_.aids.recovery_time;
+        } else {
+            const RunShape shape = positions.run.shape(speed_sigma(walk.filter));
+            if (shape == RunShape::Growing || (shape == RunShape::Constant && positions.run.mean().norm() <= least_jump)) {
+                needed = few_fixes;
+                seconds = few_seconds;
+                rival.patience = settings_.aids.recovery_time;
+            }
         }
         if (rival.accepted_in_row >= needed && age >= seconds) change_sides(walk);
         return;

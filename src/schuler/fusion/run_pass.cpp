@@ -129,7 +129,7 @@ std::vector<Walk<Frame>> checkpoints_of(const Pass<Frame>& pass, Walk<Frame> wal
 template <class Frame>
 Result run_in(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options) {
     const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
-    const Pass<Frame> pass(model, data, settings, Rivalry::Contest);
+    const Pass<Frame> pass(model, data, settings, options.rivalry);
     Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
     Result result;
     result.states.assign(model.layout.blocks().begin(), model.layout.blocks().end());

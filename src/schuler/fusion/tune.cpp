@@ -52,6 +52,7 @@ public:
         if (!surroundings) std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
         PassOptions options;
         options.outputs = false;
+        options.rivalry = Rivalry::None;   // quicker, and a likelihood that does not hang on who wins when
         options.last_increment = last_;
         const Result run = run_pass(data_, trial, start_, options);
         double sum = 0.0, n = 0.0;
