@@ -98,14 +98,15 @@ Json head_of(const ResultBundle& b) {
     return out;
 }
 
-/// Verdicts of the integrity monitor; null where there is none.
+/// Verdicts of the integrity monitor and about refused fixes; null where there is neither.
 Json integrity_of(const ResultBundle& b) {
-    if (!b.data.config.filter.integrity.use) return nullptr;
+    if (!b.data.config.filter.integrity.use && b.result.alerts.empty()) return nullptr;
     Json alerts = Json::array();
     for (const fusion::Alert& a : b.result.alerts)
         alerts.push_back({{"time_s", b.relative(a.time)},
                           {"channel", a.kind == fusion::AidKind::GnssVelocity ? "gnss_velocity" : "gnss_position"},
-                          {"test", integrity_test_name(a.test)}});
+                          {"test", integrity_test_name(a.test)},
+                          {"size", number(a.size > 0.0 ? a.size : not_given)}});
     return {{"alerts", alerts}};
 }
 
@@ -148,6 +149,11 @@ std::string_view integrity_test_name(fusion::IntegrityTest test) {
         case fusion::IntegrityTest::Innovation: return "innovation";
         case fusion::IntegrityTest::Slow: return "slow";
         case fusion::IntegrityTest::Readmitted: return "readmitted";
+        case fusion::IntegrityTest::Jump: return "jump";
+        case fusion::IntegrityTest::JumpBack: return "jump back";
+        case fusion::IntegrityTest::OtherLevel: return "other level";
+        case fusion::IntegrityTest::Navigation: return "navigation";
+        case fusion::IntegrityTest::Receiver: return "receiver";
     }
     return "?";
 }

@@ -8,6 +8,20 @@
 namespace schuler::app {
 namespace {
 
+std::string alert_text(const fusion::Alert& a) {
+    using fusion::IntegrityTest;
+    const std::string size = fmt::format("{:.3g} {}", a.size, a.kind == fusion::AidKind::GnssVelocity ? "m/s" : "m");
+    switch (a.test) {
+        case IntegrityTest::Readmitted: return "used again";
+        case IntegrityTest::Jump: return fmt::format("the receiver jumps by {}, not felt by the IMU: sigmas cover both levels", size);
+        case IntegrityTest::JumpBack: return fmt::format("the receiver is back from a jump of {}", size);
+        case IntegrityTest::OtherLevel: return fmt::format("the receiver has stayed {} away for longer than before: that counts now", size);
+        case IntegrityTest::Navigation: return fmt::format("the navigation was wrong ({}): attitude and biases found anew", size);
+        case IntegrityTest::Receiver: return fmt::format("the receiver was wrong ({}) and agrees again", size);
+        default: return fmt::format("excluded ({} test)", integrity_test_name(a.test));
+    }
+}
+
 std::string cell(double x, double unit = 1.0) {
     if (!std::isfinite(x)) return "-";
     const double v = x / unit, a = std::abs(v);
@@ -103,11 +117,15 @@ std::string summary_tables(const ResultBundle& b) {
         out += "\n" + outage_table(e.outages, b.data.origin, b.smoothed() ? "outages, smoothed" : "outages");
         out += outage_table(e.outages_forward, b.data.origin, "outages, forward");
     }
-    if (!b.result.alerts.empty()) out += "\nintegrity of the receiver\n";
-    for (const fusion::Alert& a : b.result.alerts)
+    if (!b.result.alerts.empty()) out += "\nrefused fixes: who was wrong\n";
+    constexpr std::size_t most_lines = 20;
+    for (std::size_t i = 0; i < std::min(most_lines, b.result.alerts.size()); ++i) {
+        const fusion::Alert& a = b.result.alerts[i];
         out += fmt::format("  {:>8.1f} s  {:<9} {}\n", b.relative(a.time), a.kind == fusion::AidKind::GnssVelocity ? "velocity" : "position",
-                           a.test == fusion::IntegrityTest::Readmitted ? "used again"
-                                                                       : fmt::format("excluded ({} test)", integrity_test_name(a.test)));
+                           alert_text(a));
+    }
+    if (b.result.alerts.size() > most_lines)
+        out += fmt::format("  and {} more (summary.json has them all)\n", b.result.alerts.size() - most_lines);
     const std::string consistency = consistency_table(e);
     if (!consistency.empty()) out += "\n" + consistency;
     if (!b.published.source.empty() && !e.states.empty())

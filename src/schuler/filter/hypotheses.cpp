@@ -93,7 +93,8 @@ bool Pass<Frame>::contests(AidKind kind) const {
 }
 
 template <class Frame>
-AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& record, Measurement& local, Measurement& m) const {
+AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
+                             Observer& observer) const {
     FixChannel& fixes = walk.fixes[channel.fix()];
     FixLevels& levels = fixes.levels;
     const double limit = data_.gates.chi_square[record.dof];
@@ -102,6 +103,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     double sigma = 0.0;
     for (int i = 0; i < m.dof; ++i) sigma = std::max(sigma, std::sqrt(m.variance(i)));
     const auto accept = [&](bool elsewhere) {
+        if (levels.two && levels.at_other && !elsewhere) observer.alert({record.stamp, channel.kind, IntegrityTest::JumpBack, levels.other.norm()});
         // After a long interruption the first fix decides where it goes on, and founds a level of its own.
         if (position && !levels.two && since_fit > 5.0 && record.sigma_state.maxCoeff() > 3.0 * sigma) levels.here = 0.0;
         if (position) levels.confirm(elsewhere, since_fit);
@@ -129,6 +131,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
                 StateVector dx = StateVector::Zero(walk.filter.P.rows());
                 dx.template head<9>() = Frame::errors_are_geographic ? to_other : Vector9(walk.filter.to_local_level(model_).inverse() * to_other);
                 walk.filter.apply(model_, dx);
+                observer.alert({record.stamp, channel.kind, IntegrityTest::OtherLevel, levels.other.norm()});
                 levels.swap();
             }
             return AidStatus::Accepted;
@@ -148,6 +151,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     if (position && !suspect && fixes.run.shape(speed_sigma(walk.filter)) == RunShape::Constant) {
         const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
         if (jump && (at_once || since_fit > 5.0 || speeds.fits >= few_fixes)) {
+            observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
             levels.jumped(fixes.run.mean(), fixes.run.span(), at_once);
             fixes.run.clear();
             if (!walk.rival.empty() && walk.rival.front().challenger) walk.rival.clear();
@@ -300,6 +304,9 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
     const bool main_refuses = std::ranges::any_of(walk.fixes, [](const FixChannel& c) { return c.run.count() > 0; });
     if (rival.challenger) {
         if (!main_refuses && main.fits >= 2) {   // the receiver was wrong, and has come back
+            const Opening& doubt = rival.walk.openings.back();
+            observer.alert({walk.filter.time(), doubt.position ? AidKind::GnssPosition : AidKind::GnssVelocity, IntegrityTest::Receiver,
+                            doubt.innovation.norm()});
             walk.rival.clear();
             return;
         }
@@ -332,7 +339,12 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
                 rival.patience = settings_.aids.recovery_time;
             }
         }
-        if (rival.accepted_in_row >= needed && age >= seconds) change_sides(walk);
+        if (rival.accepted_in_row >= needed && age >= seconds) {
+            const Opening& doubt = rival.walk.openings.back();
+            observer.alert({walk.filter.time(), doubt.position ? AidKind::GnssPosition : AidKind::GnssVelocity, IntegrityTest::Navigation,
+                            doubt.innovation.norm()});
+            change_sides(walk);
+        }
         return;
     }
     // The loser goes on: it is right after all where it takes the fixes and the winner does not.
@@ -350,7 +362,8 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
 #define SCHULER_INSTANTIATE(Frame)                                                                                   \
     template Matrix9 Walk<Frame>::undecided(const InertialModel&) const;                                             \
     template bool Pass<Frame>::contests(AidKind) const;                                                              \
-    template AidStatus Pass<Frame>::judge(Walk<Frame>&, Channel, AidRecord&, Measurement&, Measurement&) const;      \
+    template AidStatus Pass<Frame>::judge(Walk<Frame>&, Channel, AidRecord&, Measurement&, Measurement&,             \
+                                           Observer&) const;                                                         \
     template void Pass<Frame>::open(Walk<Frame>&, const Opening&) const;                                             \
     template void Pass<Frame>::challenge(Walk<Frame>&) const;                                                        \
     template void Pass<Frame>::change_sides(Walk<Frame>&) const;                                                     \

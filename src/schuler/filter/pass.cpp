@@ -244,7 +244,7 @@ AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Meas
     }
     if (contests(kind)) {
         Measurement moved = local, own = m;
-        record.status = judge(walk, channel, record, moved, own);
+        record.status = judge(walk, channel, record, moved, own, observer);
         if (record.status == AidStatus::Accepted && !use(walk, channel, moved, own, stamp, observer)) record.status = AidStatus::Withheld;
         return record;
     }

@@ -168,7 +168,8 @@ private:
     AidRecord try_update(Walk<Frame>& walk, Channel channel, const Measurement& local, Time stamp, bool withheld,
                          Observer& observer) const;
     /// The hypotheses about refused fixes: whether this one is used. `m` may be moved to the level it belongs to.
-    AidStatus judge(Walk<Frame>& walk, Channel channel, AidRecord& record, Measurement& local, Measurement& m) const;
+    AidStatus judge(Walk<Frame>& walk, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
+                    Observer& observer) const;
     [[nodiscard]] bool contests(AidKind kind) const;
     /// At the end of an increment: the rival follows, and one of the two may win.
     void contest(Walk<Frame>& walk, Observer& observer) const;

@@ -19,13 +19,25 @@ namespace schuler::filter {
 /// Excluded: rejected because the channel has lost the trust of the integrity monitor.
 enum class AidStatus { Accepted, Rejected, Withheld, Excluded };
 
-enum class IntegrityTest { Tolerance, Innovation, Slow, Readmitted };
+/// What was found: a test of the integrity monitor (IntegritySettings) that failed, or how refused fixes were explained.
+enum class IntegrityTest {
+    Tolerance,
+    Innovation,
+    Slow,
+    Readmitted,   ///< the channel is used again
+    Jump,         ///< positions jumped to another level, which the inertial unit did not feel
+    JumpBack,     ///< ... and came back
+    OtherLevel,   ///< the level after a jump has been held for longer than the one before: it counts now
+    Navigation,   ///< the navigation was wrong and has been opened
+    Receiver      ///< the receiver was wrong for some fixes and agrees again
+};
 
-/// A verdict of the integrity monitor.
+/// Who was found to be wrong, and when.
 struct Alert {
     Time time;                       ///< of the fix
     AidKind kind;                    ///< GnssPosition or GnssVelocity
-    IntegrityTest test;              ///< what failed; or that the channel is used again
+    IntegrityTest test;
+    double size = 0.0;               ///< m or m/s, of what was found by refused fixes
 };
 
 /// One measurement epoch as the filter met it.

@@ -1,0 +1,163 @@
+// Faults of the receiver and of the inertial unit in a simulated drive: who is believed, how soon, and whether the sigmas cover it meanwhile.
+#include "fusion/car_drive.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Vector3d;
+using namespace testing;
+
+constexpr double fault_at = 100.0;   // s after the start
+
+struct Drive {
+    sim::Scenario scenario;
+    Recording recording;
+    Settings settings;
+};
+
+/// A consumer unit with a precise receiver once a second, shaking; the start is given.
+Drive drive(std::uint64_t seed) {
+    Drive d;
+    d.scenario = town_drive(seed, 1.0, 240.0);
+    shake(d.scenario);
+    d.scenario.gnss.white_position = {0.02, 0.02, 0.04};
+    d.recording = sim::simulate(d.scenario).recording;
+    for (GnssFix& f : d.recording.gnss) f.std_position = {0.02, 0.02, 0.04};
+    d.settings = settings_of(d.scenario);
+    d.settings.output_rate = 10.0;
+    give_start(d.settings, d.recording, seed);
+    return d;
+}
+
+double age(const Drive& d, Time t) { return (t - d.scenario.origin).seconds() - fault_at; }
+
+/// What became of a fault.
+struct Outcome {
+    double denied = 0.0;      ///< share of the epochs that are wrong by more than 5 sigma and a metre, from 20 s before the fault on
+    double at_end = 0.0;      ///< m, largest error of the last 20 s
+    double after = 0.0;       ///< m, largest error from 30 s after the fault on
+    Result result;
+};
+Outcome outcome(const Drive& d) {
+    Outcome o;
+    o.result = fuse(d.recording, d.settings);
+    const auto e = errors(d.settings, o.result.forward.rows, d.recording);
+    double n = 0.0;
+    for (std::size_t i = 0; i < e.size(); ++i) {
+        const double t = age(d, e[i].time);
+        if (t < -20.0) continue;
+        n += 1.0;
+        const Vector3d p = e[i].position.cwiseAbs();
+        const SolutionRow& row = *std::ranges::lower_bound(o.result.forward.rows, e[i].time, {}, &SolutionRow::time);
+        const bool denied = ((p.array() > 5.0 * row.std_position.array()) && (p.array() > 1.0)).any();
+        o.denied += denied ? 1.0 : 0.0;
+        if (t > 30.0) o.after = std::max(o.after, p.norm());
+        if (t > 115.0) o.at_end = std::max(o.at_end, p.norm());
+    }
+    o.denied /= n;
+    return o;
+}
+
+bool alerted(const Outcome& o, IntegrityTest test) {
+    return std::ranges::any_of(o.result.alerts, [&](const Alert& a) { return a.test == test; });
+}
+
+void shift(Drive& d, double from, double to, const std::function<Vector3d(double)>& by) {
+    for (GnssFix& fix : d.recording.gnss) {
+        const double t = age(d, fix.time);
+        if (t >= from && t < to) fix.position = earth::moved_by_ned(d.settings.earth, fix.position, by(t));
+    }
+}
+
+void disturb(Drive& d, double from, double to, const std::function<void(ImuSample&)>& by) {
+    for (ImuSample& s : d.recording.imu)
+        if (age(d, s.time) >= from && age(d, s.time) < to) by(s);
+}
+
+TEST(Hypotheses, AReceiverThatJumpsAndComesBackIsNotBelieved) {
+    for (const double size : {5.0, 50.0, 500.0}) {
+        Drive d = drive(41);
+        shift(d, 0.0, 30.0, [&](double) { return Vector3d(0.6 * size, -0.8 * size, 0.0); });
+        const Outcome o = outcome(d);
+        EXPECT_TRUE(alerted(o, IntegrityTest::Jump) && alerted(o, IntegrityTest::JumpBack)) << size;
+        EXPECT_EQ(o.denied, 0.0) << size;
+        EXPECT_LT(o.after, 0.5) << size;
+    }
+}
+
+TEST(Hypotheses, AReceiverThatJumpsAndStaysLeavesBothLevelsCovered) {
+    Drive d = drive(42);
+    shift(d, 0.0, 1e9, [](double) { return Vector3d(30.0, 40.0, 0.0); });
+    const Outcome o = outcome(d);
+    EXPECT_TRUE(alerted(o, IntegrityTest::Jump));
+    EXPECT_LT(o.denied, 0.02);
+    EXPECT_NEAR(o.at_end, 50.0, 1.0);   // it has been there for longer than it was here
+}
+
+TEST(Hypotheses, AReceiverThatLeavesSlowlyWhileItsVelocitiesFitIsNotFollowed) {
+    Drive d = drive(43);
+    shift(d, 0.0, 40.0, [](double t) { return Vector3d(1.5 * t, 0.0, 0.0); });
+    const Outcome o = outcome(d);
+    EXPECT_LT(o.denied, 0.02);
+    EXPECT_LT(o.at_end, 0.5);
+}
+
+TEST(Hypotheses, AnInertialUnitThatFailedIsOpenedAndTheFixesAreTaken) {
+    struct Fault {
+        std::string name;
+        double seconds;
+        std::function<void(ImuSample&)> by;
+    };
+    const Fault faults[] = {
+        {"gyro bias", 1e9, [](ImuSample& s) { s.gyro.z() += 1.0 * deg; }},
+        {"accelerometer bias", 1e9, [](ImuSample& s) { s.accel.x() += 0.5; }},
+        {"gyros at zero", 2.0, [](ImuSample& s) { s.gyro.setZero(); }},
+        {"shock", 0.01, [](ImuSample& s) { s.accel.x() += 160.0; }},
+        {"noise", 4.0, [n = 0](ImuSample& s) mutable { s.accel += (n++ % 2 == 0 ? 9.0 : -9.0) * Vector3d(1.0, -1.0, 1.0); }},
+    };
+    for (const Fault& f : faults) {
+        Drive d = drive(44);
+        disturb(d, 0.0, f.seconds, f.by);
+        const Outcome o = outcome(d);
+        EXPECT_LT(o.denied, 0.04) << f.name;
+        EXPECT_LT(o.after, 1.0) << f.name;
+        std::size_t late = 0;
+        for (const AidRecord& a : o.result.aids)
+            late += a.kind == AidKind::GnssPosition && a.status == AidStatus::Rejected && age(d, a.stamp) > 30.0 ? 1 : 0;
+        EXPECT_EQ(late, 0u) << f.name;
+    }
+}
+
+/// The smoother goes back along the hypothesis that was right in the end.
+TEST(Hypotheses, TheSmootherKnowsWhoWasRight) {
+    Drive d = drive(45);
+    disturb(d, 0.0, 1e9, [](ImuSample& s) { s.gyro.z() += 1.0 * deg; });
+    d.settings.smooth = true;
+    const Result r = fuse(d.recording, d.settings);
+    const auto alert = std::ranges::find(r.alerts, IntegrityTest::Navigation, &Alert::test);
+    ASSERT_NE(alert, r.alerts.end());
+    const auto forward = errors(d.settings, r.forward.rows, d.recording), smoothed = errors(d.settings, r.smoothed.rows, d.recording);
+    const auto worst = [&](const auto& list) {
+        double w = 0.0;
+        for (const auto& e : list)
+            if (age(d, e.time) > -20.0) w = std::max(w, e.position.norm());
+        return w;
+    };
+    EXPECT_GT(worst(forward), 1.0);
+    EXPECT_LT(worst(smoothed), 0.3);
+}
+
+TEST(Hypotheses, AnUndisturbedDriveAsksNobody) {
+    const Outcome o = outcome(drive(46));
+    EXPECT_TRUE(o.result.alerts.empty());
+    EXPECT_EQ(o.result.counters.gnss_rejected, 0u);
+}
+
+}  // namespace
+}  // namespace schuler::fusion
