@@ -156,6 +156,8 @@ void take_in_force(Config& c, const fusion::Findings& findings) {
     f.imu.estimate_mounting = f.imu.estimate_noise = false;
     f.imu.errors.gyro_noise = s.imu.errors.gyro_noise;
     f.imu.errors.accel_noise = s.imu.errors.accel_noise;
+    f.imu.gyro_noise_scale = s.imu.gyro_noise_scale;
+    f.imu.accel_noise_scale = s.imu.accel_noise_scale;
     f.gnss.latency = s.gnss.latency;
     f.gnss.latency_std = s.gnss.latency_std;
     f.gnss.std_scale = s.gnss.std_scale;

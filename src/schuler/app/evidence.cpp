@@ -1,0 +1,165 @@
+#include "schuler/app/evidence.h"
+
+#include "schuler/core/units.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::app {
+namespace {
+
+using fusion::AidKind;
+using fusion::AidStatus;
+
+class Evidence {
+public:
+    explicit Evidence(const ResultBundle& b) : b_(b) {}
+
+    template <class... Args>
+    void add(const char* id, fmt::format_string<Args...> text, Args&&... args) {
+        concerns_.push_back({id, fmt::format(text, std::forward<Args>(args)...)});
+    }
+
+    void of_warnings(const WarningLog& warnings) {
+        const std::vector<std::string> texts = warnings.summary();
+        for (std::size_t i = 0; i < texts.size(); ++i) concerns_.push_back({warnings.topics()[i], texts[i]});
+    }
+
+    void of_solution() {
+        const std::vector<SolutionRow>& rows = b_.solution().rows;
+        const auto positive = [](const Eigen::Vector3d& v) { return (v.array() > 0.0).all() && v.allFinite(); };
+        const bool filtered = b_.data.config.scheme != Scheme::Gnss;
+        const auto bad = std::ranges::count_if(rows, [&](const SolutionRow& r) {
+            return !positive(r.std_position) || (filtered && (!positive(r.std_velocity) || !(r.std_rpy.array() >= 0.0).all()));
+        });
+        if (bad > 0) add("solution.sigma", "{} rows of the solution have a sigma that is zero or no number", bad);
+        adrift(rows);
+        if (!filtered || rows.empty()) return;
+        constexpr double vague = 20.0 * units::deg;
+        const double heading = rows.back().std_rpy.z();
+        const bool moves = std::ranges::any_of(rows, [](const SolutionRow& r) { return r.v_eb_n.head<2>().norm() > 1.0; });
+        if (moves && heading > vague) add("solution.heading", "the heading is known to {:.0f} deg only at the end", heading / units::deg);
+    }
+
+    void of_fixes() {
+        const fusion::Counters& n = b_.result.counters;
+        const std::size_t met = n.gnss_accepted + n.gnss_rejected;
+        if (b_.data.config.scheme == Scheme::Gnss) return;
+        if (met + n.gnss_withheld == 0) return add("gnss.none", "no fix says where it is");
+        const double refused = met > 0 ? static_cast<double>(n.gnss_rejected) / static_cast<double>(met) : 0.0;
+        constexpr double many = 0.05;
+        if (refused > many && !fusion::uses_ranges(b_.data.config.filter.coupling))
+            add("gnss.refused", "{} of {} fixes were refused", n.gnss_rejected, met);
+        longest_refusal();
+        const auto excluded = std::ranges::count_if(b_.result.alerts, [](const fusion::Alert& a) { return a.test != fusion::IntegrityTest::Readmitted; });
+        if (excluded > 0) add("gnss.alert", "the receiver was taken for faulty {} times", excluded);
+        constexpr double long_hole = 1.0;   // s
+        if (n.longest_imu_gap > long_hole) add("imu.hole", "a hole of {:.1f} s in the IMU log was bridged", n.longest_imu_gap);
+    }
+
+    void of_self_check() {
+        if (!b_.self_check) return;
+        const SelfCheck& c = *b_.self_check;
+        if (!c.done()) return add("self_check.none", "the sigmas could not be checked on this log: {}", c.why_not);
+        Inside fixes;
+        for (const FixRegime& r : c.fixes) {
+            fixes.epochs += r.inside.epochs;
+            fixes.inside += r.inside.inside;
+        }
+        constexpr double enough_fixes = 0.95, poor = 0.90;
+        constexpr double contradicted = 0.75;
+        if (fixes.share() < contradicted)
+            add("gnss.contradicted", "only {:.1f} % of the fixes are inside three sigma of the solution", 100.0 * fixes.share());
+        else if (fixes.share() < enough_fixes)
+            add("gnss.outside", "{:.1f} % of the fixes are inside three sigma", 100.0 * fixes.share());
+        const double share = c.coverage.epochs.share();
+        const std::size_t lost = c.coverage.held.epochs - c.coverage.held.inside;
+        const std::string told =
+            fmt::format("{:.1f} % of {} withheld fixes{} are inside three sigma (horizontal {:.1f} %, vertical {:.1f} %; {:.3g} m at sigma {:.3g} m "
+                        "after {:.0f} s)",
+                        100.0 * share, c.coverage.epochs.epochs, c.widened ? ", judged with wider noise," : "", 100.0 * c.coverage.horizontal.share(),
+                        100.0 * c.coverage.vertical.share(), c.coverage.end_rms, c.coverage.sigma_rms, c.length);
+        if (share < poor && lost > 1)
+            add("self_check.failed", "only {}", told);
+        else if (share < wanted_coverage)
+            add("self_check.low", "only {}", told);
+        else if (!covers(c.coverage))
+            add("self_check.low", "{} of {} windows without fixes are outside three sigma; {}", lost, c.coverage.held.epochs, told);
+        else if (c.coverage.end_rms > 2.0 * c.coverage.sigma_rms)
+            add("self_check.growth", "errors grow twice as fast as the sigmas: {}", told);
+        else
+            add("evidence.self_check", "{}", told);
+    }
+
+    /// Simulated data: the truth is the judge.
+    void of_truth() {
+        if (!b_.data.true_reference || b_.evaluation.errors.empty()) return;
+        Inside inside, near;
+        for (const analysis::ErrorRow& e : b_.evaluation.errors) {
+            if (e.time < b_.evaluation.settled || !e.std_position.allFinite()) continue;
+            inside.add((e.position.array().abs() <= 3.0 * e.std_position.array()).all());
+            constexpr double far = 10.0;
+            near.add((e.position.array().abs() <= far * e.std_position.array()).all());
+        }
+        if (inside.epochs == 0) return;
+        const double share = 100.0 * inside.share();
+        if (near.share() < 0.5) return add("truth.lost", "{:.1f} % of the epochs are inside three sigma of the truth", share);
+        if (inside.share() < 0.90) return add("truth.outside", "{:.1f} % of the epochs are inside three sigma of the truth", share);
+        add("evidence.truth", "{:.1f} % of {} epochs are inside three sigma of the truth", share, inside.epochs);
+    }
+
+    [[nodiscard]] std::vector<Concern> take() { return std::move(concerns_); }
+
+private:
+    /// The solution goes on without fixes until it is of no use.
+    void adrift(const std::vector<SolutionRow>& rows) {
+        constexpr double useless = 100.0;   // m, one sigma
+        double seconds = 0.0, worst = 0.0;
+        for (std::size_t i = 1; i < rows.size(); ++i) {
+            if (rows[i].time < b_.result.findings.aligned_at) continue;
+            const double sigma = rows[i].std_position.head<2>().norm();
+            if (!(sigma > useless)) continue;
+            seconds += (rows[i].time - rows[i - 1].time).seconds();
+            worst = std::max(worst, sigma);
+        }
+        if (seconds > 0.0) add("solution.adrift", "for {:.0f} s the position is uncertain by more than {:.0f} m, up to {:.3g} m", seconds, useless, worst);
+    }
+
+    /// Good and bad fixes mix; refused for many seconds in a row, either the receiver or the navigation was wrong all that time.
+    void longest_refusal() {
+        constexpr double many = 5.0;   // s
+        Time since{}, from{};
+        double longest = 0.0;
+        bool running = false;
+        for (const fusion::AidRecord& r : b_.result.aids) {
+            if (r.kind != AidKind::GnssPosition || r.status == AidStatus::Withheld) continue;
+            if (r.status == AidStatus::Accepted) {
+                running = false;
+                continue;
+            }
+            if (!running) since = r.time;
+            running = true;
+            if ((r.time - since).seconds() <= longest) continue;
+            longest = (r.time - since).seconds();
+            from = since;
+        }
+        if (longest > many) add("gnss.lost", "all fixes were refused for {:.0f} s from {:.0f} s on", longest, b_.relative(from));
+    }
+
+    const ResultBundle& b_;
+    std::vector<Concern> concerns_;
+};
+
+}  // namespace
+
+std::vector<Concern> evidence_of(const ResultBundle& bundle, const WarningLog& warnings) {
+    Evidence evidence(bundle);
+    evidence.of_warnings(warnings);
+    evidence.of_solution();
+    evidence.of_fixes();
+    evidence.of_self_check();
+    evidence.of_truth();
+    return evidence.take();
+}
+
+}  // namespace schuler::app
