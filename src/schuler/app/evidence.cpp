@@ -1,6 +1,7 @@
 #include "schuler/app/evidence.h"
 
 #include "schuler/core/units.h"
+#include "schuler/math/quantile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,6 +36,7 @@ public:
         if (bad > 0) add("solution.sigma", "{} rows of the solution have a sigma that is zero or no number", bad);
         adrift(rows);
         if (!filtered || rows.empty()) return;
+        latency(rows);
         constexpr double vague = 20.0 * units::deg;
         const double heading = rows.back().std_rpy.z();
         const bool moves = std::ranges::any_of(rows, [](const SolutionRow& r) { return r.v_eb_n.head<2>().norm() > 1.0; });
@@ -85,6 +87,8 @@ public:
             add("self_check.low", "only {}", told);
         else if (!covers(c.coverage))
             add("self_check.low", "{} of {} windows without fixes are outside three sigma; {}", lost, c.coverage.held.epochs, told);
+        else if (c.widened && c.one_sided)
+            add("self_check.low", "one half of the windows asks for wider noise, the other does not; {}", told);
         else if (c.coverage.end_rms > 2.0 * c.coverage.sigma_rms)
             add("self_check.growth", "errors grow twice as fast as the sigmas: {}", told);
         else
@@ -123,6 +127,22 @@ private:
             worst = std::max(worst, sigma);
         }
         if (seconds > 0.0) add("solution.adrift", "for {:.0f} s the position is uncertain by more than {:.0f} m, up to {:.3g} m", seconds, useless, worst);
+    }
+
+    /// Fixes that are late in an unknown way drag the solution along, and withheld ones cannot tell: no solution is known better than what
+    /// the latency's sigma makes of the speed, whatever the filter believes to have learnt of it.
+    void latency(const std::vector<SolutionRow>& rows) {
+        const fusion::GnssSettings& g = b_.data.config.filter.gnss;
+        if (fusion::uses_ranges(b_.data.config.filter.coupling) || !(g.latency_std > 0.0)) return;
+        std::vector<double> ratios;
+        for (const SolutionRow& r : rows)
+            if (const double sigma = r.std_position.head<2>().norm(); sigma > 0.0) ratios.push_back(g.latency_std * r.v_eb_n.head<2>().norm() / sigma);
+        constexpr double much = 1.5;
+        if (ratios.empty()) return;
+        const double ratio = math::median(std::move(ratios));
+        if (ratio > much)
+            add("gnss.latency", "the receiver's latency is known to {:.2f} s only, which at this speed is {:.1f} times the sigma of the position: give "
+                                "gnss.latency_s and gnss.latency_std_s", g.latency_std, ratio);
     }
 
     /// Good and bad fixes mix; refused for many seconds in a row, either the receiver or the navigation was wrong all that time.

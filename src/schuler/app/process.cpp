@@ -25,12 +25,22 @@ bool only_written(const LoadedDataset& data) {
            c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
+/// The noise was checked as it is: a run with the settings of this one keeps it.
+void keep_noise(ResultBundle& bundle) {
+    auto settings = std::make_shared<fusion::Settings>(*bundle.result.findings.in_force);
+    for (std::optional<double>* scale : {&settings->imu.gyro_noise_scale, &settings->imu.accel_noise_scale}) *scale = scale->value_or(1.0);
+    bundle.result.findings.in_force = std::move(settings);
+}
+
 /// The self-check of the run; true where its wider noise is in force, and then `rows` has the rows of the solution.
 bool check_itself(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
     std::optional<fusion::Result> widened;
     bundle.self_check = self_check(bundle.data, bundle.result, internal_rate(bundle.data), rows, widened);
     bundle.timing.check_s = bundle.self_check->seconds;
-    if (!widened) return false;
+    if (!widened) {
+        if (bundle.self_check->done()) keep_noise(bundle);
+        return false;
+    }
     // what was found is still what it was found from
     fusion::Findings found = bundle.result.findings;
     found.in_force = widened->findings.in_force;

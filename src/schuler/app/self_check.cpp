@@ -153,6 +153,7 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     if (scale.is_one()) scale = missing_noise(epochs[speaks = 1], axes);
     if (scale.is_one()) return;
     out.tried = scale;
+    out.one_sided = speaks == 1;
     const std::size_t judges = 1 - speaks;
     std::vector<WithheldEpoch> judged;
     fusion::Result again;

@@ -26,6 +26,7 @@ struct SelfCheck {
     std::optional<Coverage> before;         ///< of the same windows without the wider noise, where it was tried
     std::optional<NoiseScale> tried;        ///< what the other windows asked for
     bool widened = false;                   ///< it is in force
+    bool one_sided = false;                 ///< the half of the windows that was asked first had nothing to ask for
     std::array<FixRegime, regimes> fixes;   ///< positions
     double seconds = 0.0;                   ///< wall time of it all
 
