@@ -260,6 +260,10 @@ bool covers(const Coverage& c) {
     return c.epochs.share() >= wanted_coverage && 20 * lost <= std::max<std::size_t>(c.held.epochs, 20);
 }
 
+NoiseScale NoiseScale::times(const NoiseScale& more) const {
+    return {rounded(std::min(most, gyro * more.gyro)), rounded(std::min(most, accel * more.accel)), apart || more.apart};
+}
+
 NoiseScale missing_noise(std::span<const WithheldEpoch> epochs, int axes) {
     const Fit fit(epochs, axes);
     const double most = std::pow(NoiseScale::most, 2.0 * power);

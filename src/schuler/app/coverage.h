@@ -90,6 +90,8 @@ struct NoiseScale {
     bool apart = false;   ///< the growth of the errors told them apart
 
     [[nodiscard]] bool is_one() const { return gyro == 1.0 && accel == 1.0; }
+    /// One after the other, within `most`, as a settings file has it.
+    [[nodiscard]] NoiseScale times(const NoiseScale& more) const;
 };
 
 /// Whether this coverage is what is asked for: of the epochs, and one window in twenty may be lost.

@@ -74,22 +74,21 @@ public:
             add("gnss.contradicted", "only {:.1f} % of the fixes are inside three sigma of the solution", 100.0 * fixes.share());
         else if (fixes.share() < enough_fixes)
             add("gnss.outside", "{:.1f} % of the fixes are inside three sigma", 100.0 * fixes.share());
-        const double share = c.coverage.epochs.share();
-        const std::size_t lost = c.coverage.held.epochs - c.coverage.held.inside;
+        const Coverage& worst = c.worst();
+        const double share = worst.epochs.share();
+        const std::size_t lost = worst.held.epochs - worst.held.inside;
         const std::string told =
             fmt::format("{:.1f} % of {} withheld fixes{} are inside three sigma (horizontal {:.1f} %, vertical {:.1f} %; {:.3g} m at sigma {:.3g} m "
                         "after {:.0f} s)",
-                        100.0 * share, c.coverage.epochs.epochs, c.widened ? ", judged with wider noise," : "", 100.0 * c.coverage.horizontal.share(),
-                        100.0 * c.coverage.vertical.share(), c.coverage.end_rms, c.coverage.sigma_rms, c.length);
+                        100.0 * share, worst.epochs.epochs, c.widened ? ", judged with wider noise," : "", 100.0 * worst.horizontal.share(),
+                        100.0 * worst.vertical.share(), worst.end_rms, worst.sigma_rms, c.length);
         if (share < poor && lost > 1)
             add("self_check.failed", "only {}", told);
         else if (share < wanted_coverage)
             add("self_check.low", "only {}", told);
-        else if (!covers(c.coverage))
-            add("self_check.low", "{} of {} windows without fixes are outside three sigma; {}", lost, c.coverage.held.epochs, told);
-        else if (c.widened && c.one_sided)
-            add("self_check.low", "one half of the windows asks for wider noise, the other does not; {}", told);
-        else if (c.coverage.end_rms > 2.0 * c.coverage.sigma_rms)
+        else if (!covers(worst))
+            add("self_check.low", "{} of {} windows without fixes are outside three sigma; {}", lost, worst.held.epochs, told);
+        else if (worst.end_rms > 2.0 * worst.sigma_rms)
             add("self_check.growth", "errors grow twice as fast as the sigmas: {}", told);
         else
             add("evidence.self_check", "{}", told);

@@ -25,35 +25,41 @@ bool only_written(const LoadedDataset& data) {
            c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
-/// The noise was checked as it is: a run with the settings of this one keeps it.
-void keep_noise(ResultBundle& bundle) {
-    auto settings = std::make_shared<fusion::Settings>(*bundle.result.findings.in_force);
-    for (std::optional<double>* scale : {&settings->imu.gyro_noise_scale, &settings->imu.accel_noise_scale}) *scale = scale->value_or(1.0);
-    bundle.result.findings.in_force = std::move(settings);
-}
-
-/// The self-check of the run; true where its wider noise is in force, and then `rows` has the rows of the solution.
-bool check_itself(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
-    std::optional<fusion::Result> widened;
-    bundle.self_check = self_check(bundle.data, bundle.result, internal_rate(bundle.data), rows, widened);
-    bundle.timing.check_s = bundle.self_check->seconds;
-    if (!widened) {
-        if (bundle.self_check->done()) keep_noise(bundle);
+/// The run once more with these settings; false where the filter fails with them.
+bool repeated(ResultBundle& bundle, fusion::Settings settings, const fusion::RowSink& rows) {
+    settings.output_rate = internal_rate(bundle.data);
+    WarningLog heard;   // already
+    fusion::Findings found = bundle.result.findings;   // is still what it was found from
+    try {
+        bundle.result = fusion::run_filter(bundle.data.recording, settings, heard, {}, rows);
+    } catch (const Error& e) {
+        if (e.kind() == ErrorKind::Input) throw;   // the disk is full
         return false;
     }
-    // what was found is still what it was found from
-    fusion::Findings found = bundle.result.findings;
-    found.in_force = widened->findings.in_force;
-    bundle.result = std::move(*widened);
+    found.in_force = bundle.result.findings.in_force;
     bundle.result.findings = std::move(found);
     bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.truth);
-    const SelfCheck& check = *bundle.self_check;
-    warnings.add("self_check.widened",
-                 fmt::format("with fixes withheld the errors are larger than the sigmas say: the noise of the gyros is taken {:.3g} times and "
-                             "that of the accelerometers {:.3g} times as large (windows that had no part in it: {:.1f} % of the epochs inside "
-                             "three sigma, {:.1f} % before)",
-                             check.tried->gyro, check.tried->accel, 100.0 * check.coverage.epochs.share(), 100.0 * check.before->epochs.share()));
     return true;
+}
+
+/// The self-check of the run; true where it was repeated with the noise that was missing, and then `rows` has the rows of the solution.
+bool check_itself(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
+    std::optional<fusion::Settings> wider;
+    SelfCheck& check = bundle.self_check.emplace(self_check(bundle.data, bundle.result, wider));
+    const auto begin = std::chrono::steady_clock::now();
+    const bool widened = wider && repeated(bundle, *wider, rows);
+    if (widened)
+        warnings.add("self_check.widened",
+                     fmt::format("with fixes withheld the errors are larger than the sigmas say: the noise of the gyros is taken {:.3g} times and that "
+                                 "of the accelerometers {:.3g} times as large (windows that had no part in it: {:.1f} % of the epochs inside three "
+                                 "sigma, {:.1f} % before)",
+                                 check.tried->gyro, check.tried->accel, 100.0 * check.coverage.epochs.share(), 100.0 * check.before->epochs.share()));
+    if (wider && !widened) check.keep_as_it_was();
+    check.seconds += seconds_since(begin);
+    judge_fixes(check, bundle.result);
+    check.motion.clear();
+    bundle.timing.check_s = check.seconds;
+    return widened;
 }
 
 /// From loaded data to files: the part that process and run share.

@@ -162,6 +162,7 @@ report::CheckEntry check_of(const std::optional<SelfCheck>& check) {
         add("before widening", *c.before);
     }
     out.growth.push_back(curve_of(c.coverage, c.widened ? " with wider noise" : ""));
+    if (c.all) add("wider, in all windows", *c.all);
     add(c.widened ? "wider, in windows that had no part in it" : "as it is", c.coverage);
     report::TableBlock motion{"By motion", {"motion", "fixes", "refused", "inside 3σ", "NIS a component", "withheld", "inside 3σ"}, {}};
     for (std::size_t k = 0; k < regimes; ++k) {

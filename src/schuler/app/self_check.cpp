@@ -1,6 +1,8 @@
 #include "schuler/app/self_check.h"
 
 #include "schuler/app/campaign.h"
+#include "schuler/core/units.h"
+#include "schuler/fusion/run_filter.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
@@ -126,8 +128,26 @@ bool height_is_free(const LoadedDataset& data, const fusion::Settings& s) {
     return (data.recording.baro.empty() || !s.baro.use) && !s.aids.nonholonomic && !s.aids.nonholonomic_auto;
 }
 
-void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& result, double output_rate, const fusion::RowSink& rows,
-           std::optional<fusion::Result>& widened) {
+using Halves = std::array<std::vector<WithheldEpoch>, 2>;
+
+/// Both halves of the windows with wider noise until the half that speaks is covered, or asks for no more.
+Halves with_wider_noise(const Checker& checker, const std::array<std::vector<std::size_t>, 2>& windows, double length, std::size_t speaks,
+                        int axes, int trials, NoiseScale& scale) {
+    Halves now;
+    for (int trial = 1;; ++trial) {
+        for_each_run(2, 2, [&](std::size_t i) {
+            std::vector<SolutionRow> unread;
+            now[i] = checker.run(checker.with(scale), windows[i], unread);
+        }, {});
+        if (trial >= trials || covers(coverage_of(now[speaks], length))) return now;
+        const NoiseScale more = missing_noise(now[speaks], axes);
+        const NoiseScale larger = scale.times(more);
+        if (larger.gyro == scale.gyro && larger.accel == scale.accel) return now;
+        scale = larger;
+    }
+}
+
+void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& result, std::optional<fusion::Settings>& wider) {
     constexpr double settle = 20.0;   // s after alignment
     const fusion::Findings& found = result.findings;
     const double from = ((found.heading_found ? found.aligned_at : found.started_at) - data.origin).seconds() + settle;
@@ -138,51 +158,49 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     out.length = windows.length;
     const Checker checker(data, result, windows);
     const std::array<std::vector<std::size_t>, 2> halves{half(windows.windows.size(), 0), half(windows.windows.size(), 1)};
-    std::array<std::vector<WithheldEpoch>, 2> epochs;
+    Halves epochs;
     std::array<std::vector<SolutionRow>, 2> motion;
-    for_each_run(2, 2, [&](std::size_t i) { epochs[i] = checker.run(*result.findings.in_force, halves[i], motion[i]); }, {});
+    for_each_run(2, 2, [&](std::size_t i) { epochs[i] = checker.run(*found.in_force, halves[i], motion[i]); }, {});
+    out.motion = std::move(motion[0]);
     out.coverage = coverage_of(both(epochs[0], epochs[1]), windows.length);
-    out.fixes = by_regime(result, Regimes(motion[0]));
     const fusion::ImuSettings& imu = data.config.filter.imu;
     if (covers(out.coverage) || imu.gyro_noise_scale || imu.accel_noise_scale || data.config.scheme == Scheme::Separate) return;
 
     // The second half speaks where the first has nothing to ask for.
-    const int axes = height_is_free(data, *result.findings.in_force) ? 3 : 2;
+    const int axes = height_is_free(data, *found.in_force) ? 3 : 2;
     std::size_t speaks = 0;
     NoiseScale scale = missing_noise(epochs[0], axes);
     if (scale.is_one()) scale = missing_noise(epochs[speaks = 1], axes);
     if (scale.is_one()) return;
+    constexpr std::size_t short_log = 300'000;   // IMU epochs: a walk along them takes a fraction of what start-up took
+    const int trials = data.recording.imu.size() <= short_log ? 3 : 1;
+    const Halves now = with_wider_noise(checker, halves, windows.length, speaks, axes, trials, scale);
     out.tried = scale;
-    out.one_sided = speaks == 1;
     const std::size_t judges = 1 - speaks;
-    std::vector<WithheldEpoch> judged;
-    fusion::Result again;
-    for_each_run(2, 2, [&](std::size_t i) {
-        if (i == 0) {
-            std::vector<SolutionRow> ignored;
-            judged = checker.run(checker.with(scale), halves[judges], ignored);
-            return;
-        }
-        fusion::Settings settings = checker.with(scale);
-        settings.output_rate = output_rate;
-        WarningLog heard;
-        again = fusion::run_filter(data.recording, settings, heard, {}, rows);
-    }, {});
-    const Coverage without = coverage_of(epochs[judges], windows.length), with = coverage_of(judged, windows.length);
+    const Coverage without = coverage_of(epochs[judges], windows.length), with = coverage_of(now[judges], windows.length);
     // Noise that makes the sigmas of the judging windows no truer, or the errors in them much larger, is not what was missing.
     const double gain = (with.epochs.share() - without.epochs.share()) + (with.held.share() - without.held.share());
-    const bool truer = gain > 0.0 && with.end_rms < 1.5 * without.end_rms;
-    if (!truer) return;
+    if (!(gain > 0.0 && with.end_rms < 1.5 * without.end_rms)) return;
     out.before = without;
     out.coverage = with;
+    out.all = coverage_of(both(now[0], now[1]), windows.length);
     out.widened = true;
-    widened = std::move(again);
+    wider = checker.with(scale);
 }
 
 }  // namespace
 
-SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result, double output_rate, const fusion::RowSink& rows,
-                     std::optional<fusion::Result>& widened) {
+void SelfCheck::keep_as_it_was() {
+    if (before) coverage = *before;
+    before = all = std::nullopt;
+    widened = false;
+}
+
+void judge_fixes(SelfCheck& check, const fusion::Result& result) {
+    if (check.done()) check.fixes = by_regime(result, Regimes(check.motion));
+}
+
+SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result, std::optional<fusion::Settings>& wider) {
     const auto begin = std::chrono::steady_clock::now();
     SelfCheck out;
     if (!data.config.run.self_check)
@@ -193,7 +211,7 @@ SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result, do
         out.why_not = "there are no fixes to withhold";
     else {
         try {
-            check(out, data, result, output_rate, rows, widened);
+            check(out, data, result, wider);
         } catch (const Error& e) {
             out = {};
             out.why_not = fmt::format("with fixes withheld the filter fails: {}", e.reason());
@@ -216,6 +234,7 @@ std::string self_check_table(const SelfCheck& c) {
     };
     if (c.before) line("before widening", *c.before);
     line(c.widened ? "with wider noise" : "as it is", c.coverage);
+    if (c.all) line("  in all windows", *c.all);
     if (c.tried)
         out += fmt::format("  the other windows ask for {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers: {}\n",
                            c.tried->gyro, c.tried->accel, c.widened ? "in force" : "it makes these no truer, left out");

@@ -4,11 +4,12 @@
 
 #include "schuler/app/coverage.h"
 #include "schuler/app/dataset.h"
-#include "schuler/fusion/run_filter.h"
+#include "schuler/fusion/result.h"
 
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace schuler::app {
 
@@ -24,21 +25,28 @@ struct SelfCheck {
     double length = 0.0;                    ///< s, of the windows
     Coverage coverage;                      ///< of the solution as it is, in windows that had no part in widening
     std::optional<Coverage> before;         ///< of the same windows without the wider noise, where it was tried
+    std::optional<Coverage> all;            ///< of all windows with the wider noise, where it is in force
     std::optional<NoiseScale> tried;        ///< what the other windows asked for
     bool widened = false;                   ///< it is in force
-    bool one_sided = false;                 ///< the half of the windows that was asked first had nothing to ask for
     std::array<FixRegime, regimes> fixes;   ///< positions
+    std::vector<SolutionRow> motion;        ///< of a run with windows, some a second
     double seconds = 0.0;                   ///< wall time of it all
 
     [[nodiscard]] bool done() const { return why_not.empty(); }
+    /// The wider noise is not in force after all.
+    void keep_as_it_was();
+    /// The worse of what judges the solution.
+    [[nodiscard]] const Coverage& worst() const { return all && all->epochs.share() < coverage.epochs.share() ? *all : coverage; }
 };
 
-/// Judges `result`, the run of `data`. Each of the two further passes walks the log once, or twice side by side: first with the even and
-/// with the odd windows withheld; then, where less than wanted_coverage of the epochs are inside, with the noise that one half of the
-/// windows asks for, the other half withheld; beside it the run that `result` is, which replaces it in `widened` where the noise made the
-/// sigmas truer. `output_rate`, `rows`: of that run (see fusion::run_filter). A noise scale that is given stays.
-[[nodiscard]] SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result, double output_rate,
-                                   const fusion::RowSink& rows, std::optional<fusion::Result>& widened);
+/// Judges `result`, the run of `data`. The log is walked twice side by side with the even and with the odd windows withheld; where less
+/// than wanted_coverage of the epochs are inside, once more with the noise that one half of the windows asks for (on short logs, where
+/// walks are cheap, up to three times until that half is covered), and the other half judges. Where that is truer `wider` has the
+/// settings with which to repeat the run. A noise scale that is given stays.
+[[nodiscard]] SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result, std::optional<fusion::Settings>& wider);
+
+/// Fixes of the undisturbed solution by how it moved: filled in for the run that is kept.
+void judge_fixes(SelfCheck& check, const fusion::Result& result);
 
 /// For people: what was withheld, coverage, growth of errors and sigmas, regimes.
 [[nodiscard]] std::string self_check_table(const SelfCheck& check);

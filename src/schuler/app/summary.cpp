@@ -143,6 +143,7 @@ Json self_check_of(const ResultBundle& b) {
     out["length_s"] = c.length;
     out["widened"] = c.widened;
     out["before"] = c.before ? of(*c.before) : Json(nullptr);
+    out["all"] = c.all ? of(*c.all) : Json(nullptr);
     out["noise_scale"] = c.tried ? Json{{"gyro", c.tried->gyro}, {"accel", c.tried->accel}, {"apart", c.tried->apart}} : Json(nullptr);
     out["growth"] = Json::array();
     for (const GrowthPoint& p : c.coverage.growth)
