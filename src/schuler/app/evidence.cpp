@@ -37,6 +37,9 @@ public:
         adrift(rows);
         if (!filtered || rows.empty()) return;
         latency(rows);
+        const fusion::GnssSettings& g = b_.data.config.filter.gnss;
+        explained_away("gnss_position_error", "slow error", "m", g.errors.correlated_position);
+        explained_away("gnss_latency_error", "latency", "s", Eigen::Vector3d::Constant(g.latency_std));
         constexpr double vague = 20.0 * units::deg;
         const double heading = rows.back().std_rpy.z();
         const bool moves = std::ranges::any_of(rows, [](const SolutionRow& r) { return r.v_eb_n.head<2>().norm() > 1.0; });
@@ -134,14 +137,40 @@ private:
         const fusion::GnssSettings& g = b_.data.config.filter.gnss;
         if (fusion::uses_ranges(b_.data.config.filter.coupling) || !(g.latency_std > 0.0)) return;
         std::vector<double> ratios;
-        for (const SolutionRow& r : rows)
-            if (const double sigma = r.std_position.head<2>().norm(); sigma > 0.0) ratios.push_back(g.latency_std * r.v_eb_n.head<2>().norm() / sigma);
+        for (const SolutionRow& r : rows) {
+            const double sigma = r.std_position.head<2>().norm(), speed = r.v_eb_n.head<2>().norm();
+            if (sigma > 0.0 && speed > 1.0) ratios.push_back(g.latency_std * speed / sigma);
+        }
         constexpr double much = 1.5;
         if (ratios.empty()) return;
         const double ratio = math::median(std::move(ratios));
         if (ratio > much)
             add("gnss.latency", "the receiver's latency is known to {:.2f} s only, which at this speed is {:.1f} times the sigma of the position: give "
                                 "gnss.latency_s and gnss.latency_std_s", g.latency_std, ratio);
+    }
+
+    /// The filter explains fixes that contradict it by errors of the receiver far beyond what these are said to be: withheld ones, less the
+    /// same errors, would agree with it all the same.
+    void explained_away(std::string_view block, const char* what, const char* unit, const Eigen::Vector3d& sigma) {
+        const auto it = std::ranges::find(b_.result.states, block, &fusion::LayoutBlock::name);
+        if (it == b_.result.states.end()) return;
+        constexpr int navigation = 9;   // states before the first parameter
+        double most = 0.0;
+        Inside inside;
+        for (const fusion::ParameterRow& r : b_.result.forward.parameters) {
+            double size = 0.0, ratio = 0.0;
+            for (int i = 0; i < it->size; ++i) {
+                const double x = std::abs(r.value[static_cast<std::size_t>(it->offset - navigation + i)]);
+                size = std::max(size, x);
+                ratio = std::max(ratio, x / sigma(i));
+            }
+            inside.add(ratio <= 3.0);
+            most = std::max(most, size);
+        }
+        constexpr double enough = 0.95;
+        if (inside.share() < enough)
+            add("gnss.explained", "the receiver's {} is estimated at up to {:.2g} {}, beyond three sigma of what it is taken for ({:.2g} {})", what, most, unit,
+                sigma.maxCoeff(), unit);
     }
 
     /// Good and bad fixes mix; refused for many seconds in a row, either the receiver or the navigation was wrong all that time.

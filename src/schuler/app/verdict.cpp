@@ -30,6 +30,7 @@ constexpr std::array table{
     Row{"gnss.outside", Gravity::Care},                // used, and outside their sigmas too often
     Row{"gnss.lost", Gravity::Care},                   // refused for many seconds in a row
     Row{"gnss.latency", Gravity::Care},                // not known well enough for the speed
+    Row{"gnss.explained", Gravity::Care},              // by larger errors of the receiver than were believed
     Row{"gnss.alert", Gravity::Care},                  // the receiver was taken for faulty
     // of the self-check
     Row{"self_check.failed", Gravity::DoNotUse},       // nine tenths or less inside three sigma
