@@ -104,12 +104,12 @@ public:
         for (const analysis::ErrorRow& e : b_.evaluation.errors) {
             if (e.time < b_.evaluation.settled || !e.std_position.allFinite()) continue;
             inside.add((e.position.array().abs() <= 3.0 * e.std_position.array()).all());
-            constexpr double far = 10.0;
-            near.add((e.position.array().abs() <= far * e.std_position.array()).all());
+            constexpr double far = 10.0, lost = 100.0;   // sigmas, m
+            near.add((e.position.array().abs() <= (far * e.std_position.array()).max(lost)).all());
         }
         if (inside.epochs == 0) return;
         const double share = 100.0 * inside.share();
-        if (near.share() < 0.5) return add("truth.lost", "{:.1f} % of the epochs are inside three sigma of the truth", share);
+        if (near.share() < 0.5) return add("truth.lost", "it has lost the truth: {:.1f} % of the epochs are inside three sigma", share);
         if (inside.share() < 0.90) return add("truth.outside", "{:.1f} % of the epochs are inside three sigma of the truth", share);
         add("evidence.truth", "{:.1f} % of {} epochs are inside three sigma of the truth", share, inside.epochs);
     }
