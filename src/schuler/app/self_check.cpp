@@ -130,16 +130,18 @@ bool height_is_free(const LoadedDataset& data, const fusion::Settings& s) {
 
 using Halves = std::array<std::vector<WithheldEpoch>, 2>;
 
-/// Both halves of the windows with wider noise until the half that speaks is covered, or asks for no more.
+/// Both halves of the windows with wider noise until the half that speaks is covered, asks for no more, or is none the better for it.
 Halves with_wider_noise(const Checker& checker, const std::array<std::vector<std::size_t>, 2>& windows, double length, std::size_t speaks,
-                        int axes, int trials, NoiseScale& scale) {
+                        int axes, int trials, double share, NoiseScale& scale) {
     Halves now;
     for (int trial = 1;; ++trial) {
         for_each_run(2, 2, [&](std::size_t i) {
             std::vector<SolutionRow> unread;
             now[i] = checker.run(checker.with(scale), windows[i], unread);
         }, {});
-        if (trial >= trials || covers(coverage_of(now[speaks], length))) return now;
+        const Coverage c = coverage_of(now[speaks], length);
+        if (trial >= trials || covers(c) || c.epochs.share() <= share) return now;
+        share = c.epochs.share();
         const NoiseScale more = missing_noise(now[speaks], axes);
         const NoiseScale larger = scale.times(more);
         if (larger.gyro == scale.gyro && larger.accel == scale.accel) return now;
@@ -174,7 +176,8 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     if (scale.is_one()) return;
     constexpr std::size_t short_log = 300'000;   // IMU epochs: a walk along them takes a fraction of what start-up took
     const int trials = data.recording.imu.size() <= short_log ? 3 : 1;
-    const Halves now = with_wider_noise(checker, halves, windows.length, speaks, axes, trials, scale);
+    const double share = coverage_of(epochs[speaks], windows.length).epochs.share();
+    const Halves now = with_wider_noise(checker, halves, windows.length, speaks, axes, trials, share, scale);
     out.tried = scale;
     const std::size_t judges = 1 - speaks;
     const Coverage without = coverage_of(epochs[judges], windows.length), with = coverage_of(now[judges], windows.length);
