@@ -39,6 +39,7 @@ void show(const app::Outcome& out, const cli::Options& options) {
         if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", out.notice);
         for (const std::string& w : out.warnings) fmt::print(stderr, "warning: {}\n", one_line(w));
     }
+    if (!out.usable && (options.json || options.quiet)) complain(out.verdict);
     if (options.json) {
         fmt::print("{}", out.json);
         return;
@@ -56,6 +57,7 @@ void show(const app::Outcome& out, const cli::Options& options) {
     }
     if (!report.empty()) fmt::print("the report is {}\n", report);
     if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", out.folder.string());
+    if (!out.verdict.empty()) fmt::print("{}\n", one_line(out.verdict));
 }
 
 app::Outcome analyze(const cli::Options& o) {
@@ -190,8 +192,9 @@ int main(int argc, char** argv) {
             cli::serve_page(options);
             return flushed(done);
         }
-        show(perform(options), options);
-        return flushed(done);
+        const app::Outcome out = perform(options);
+        show(out, options);
+        return flushed(out.usable ? done : computation_failed);
     } catch (const Error& e) {
         complain(e.what());
         return e.kind() == ErrorKind::Input ? input_unusable : computation_failed;

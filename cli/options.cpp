@@ -60,6 +60,11 @@ void add_processing(CLI::App& app, Options& o) {
     app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
     app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");
     add_run_options(app, o);
+    app.add_option("--self-check", o.self_check,
+                   "on (default): process withholds fixes in windows of its own, says how true the sigmas are, and widens the noise of the "
+                   "inertial unit where they are too small")
+        ->check(CLI::IsMember({"on", "off"}))
+        ->type_name("on|off");
     app.add_option("--output-rate", o.output_rate, "rate of the solution, default 10; 0 = every IMU epoch")->type_name("HZ");
 }
 
@@ -221,6 +226,7 @@ app::SettingList settings_of(const Options& o) {
     if (!o.mechanization.empty()) out.push_back(text_setting("filter.mechanization", o.mechanization, "--mechanization"));
     if (!o.loop.empty()) out.push_back(text_setting("filter.loop", o.loop, "--loop"));
     if (o.smooth) out.push_back({"filter.smooth", {true}, {"--smooth", 0, 0, {}}});
+    if (!o.self_check.empty()) out.push_back({"filter.self_check", {o.self_check == "on"}, {"--self-check", 0, 0, {}}});
     if (!o.start.empty())
         out.push_back({"run.start_s", time_value(app::run_time_from_text(o.start, "--start")), {"--start", 0, 0, {}}});
     if (!o.stop.empty())

@@ -21,7 +21,7 @@ namespace schuler::cli {
 struct Options {
     std::string command;
     std::string input, second, output, config, format;
-    std::string scheme, mechanization, loop, start, stop;
+    std::string scheme, mechanization, loop, start, stop, self_check;
     std::vector<std::string> outputs;
     std::vector<std::string> outages, set, loose_arguments;
     std::optional<double> settle, output_rate;

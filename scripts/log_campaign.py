@@ -79,7 +79,9 @@ def measured(one, outcome, truth):
     parts = [part for part in parts if part]
     out = [e for part in parts for e in part]
     last = epochs[-1] if epochs else None
-    return {"exit": outcome.code, "verdict": outcome.verdict, "epochs": len(epochs), "position": share(epochs, "position inside"),
+    checked = outcome.summary.get("self_check") or {}
+    return {"exit": outcome.code, "verdict": outcome.verdict, "widened": (checked.get("noise_scale") or {}).get("gyro") if checked.get("widened") else "",
+            "self-check": checked.get("inside_3sigma_epochs") or math.nan, "epochs": len(epochs), "position": share(epochs, "position inside"),
             "velocity": share(epochs, "velocity inside"), "heading": share(epochs, "heading inside"), "outage position": share(out, "position inside"),
             "outage velocity": share(out, "velocity inside"), "outage heading": share(out, "heading inside"), "windows": len(parts),
             "windows inside": sum(all(e["level inside"] for e in part) for part in parts),
@@ -87,7 +89,8 @@ def measured(one, outcome, truth):
             "velocity rms m/s": rms(e["velocity"] for e in epochs), "end heading deg": last["heading"] if last else math.nan,
             "end heading sigma deg": last["heading sigma"] if last else math.nan, "end heading inside": bool(last and last["heading inside"]),
             "rejected": (outcome.summary.get("gnss") or {}).get("rejected") or 0, "warnings": len(outcome.summary.get("warnings", [])),
-            "said": outcome.said if outcome.code != 0 else next(iter(outcome.summary.get("warnings", [])), "")}
+            "said": outcome.said if outcome.code != 0 else next(iter(outcome.summary.get("warnings", [])), ""),
+            "reasons": "; ".join((outcome.summary.get("verdict") or {}).get("reasons") or [])}
 
 
 def failures(row):
@@ -195,8 +198,36 @@ def by_failure(rows):
                                                                               for kind, members in ranked])
 
 
+WORDS = ("trustworthy", "care", "do not use", "")
+
+
+def worst_share(row):
+    """The smaller of the shares of positions inside three sigma, of all epochs and of those without fixes; 0 without a solution."""
+    shares = [row[key] for key in ("position", "outage position") if math.isfinite(row[key])]
+    return min(shares, default=0.0)
+
+
+def by_verdict(rows):
+    """What the program said of the logs against what became of them."""
+    kinds = (("97 % and more", COVERED, 2.0), ("90 to 97 %", LEAST, COVERED), ("below 90 %", -1.0, LEAST))
+    cells = [[word or "none", *(sum(row["verdict"] == word and low <= worst_share(row) < high for row in rows) for _, low, high in kinds),
+              sum(row["verdict"] == word and "heading at the end" in row["failures"] for row in rows)]
+             for word in WORDS if any(row["verdict"] == word for row in rows)]
+    return markdown(["verdict", *(f"{name} inside" for name, _, _ in kinds), "heading wrong in the end"], cells)
+
+
+def by_widening(rows):
+    """Coverage in the withheld windows of the logs whose noise the self-check widened, and of the others."""
+    cells = []
+    for name, chosen in (("widened", [row for row in rows if row["widened"]]), ("not widened", [row for row in rows if not row["widened"] and row["epochs"]])):
+        cells.append([name, len(chosen), percent(mean(chosen, "position")), percent(mean(chosen, "outage position")), sum(row["windows inside"] for row in chosen),
+                      sum(row["windows"] for row in chosen)])
+    return markdown(["noise", "logs", "position", "position in outages", "windows inside", "of"], cells)
+
+
 def report(rows):
-    return "\n".join(["# Random logs, processed as bare folders\n", *(line + "  " for line in summary(rows)), "\n## In what they fail\n", by_failure(rows),
+    return "\n".join(["# Random logs, processed as bare folders\n", *(line + "  " for line in summary(rows)), "\n## What they are said to be\n", by_verdict(rows),
+                      by_widening(rows), "## In what they fail\n", by_failure(rows),
                       "## The worst\n", worst(rows), "## By property\n", by_property(rows)]) + "\n"
 
 

@@ -4,7 +4,9 @@
 #include "schuler/app/dataset.h"
 #include "schuler/app/evaluate.h"
 #include "schuler/app/published.h"
+#include "schuler/app/self_check.h"
 #include "schuler/app/simulated_receiver.h"
+#include "schuler/app/verdict.h"
 #include "schuler/fusion/result.h"
 
 #include <chrono>
@@ -25,7 +27,7 @@ namespace schuler::app {
 }
 
 struct Timing {
-    double read_s = 0.0, filter_s = 0.0, write_s = 0.0, wall_s = 0.0;
+    double read_s = 0.0, filter_s = 0.0, check_s = 0.0, write_s = 0.0, wall_s = 0.0;
 };
 
 /// A setting that was given and had no effect on a run.
@@ -49,6 +51,8 @@ struct ResultBundle {
     std::vector<Fact> facts;                     ///< how each setting of the data is known
     std::vector<Ignored> ignored;                ///< what was given and had no effect
     std::vector<std::string> warnings;
+    std::optional<SelfCheck> self_check;         ///< of `process`
+    SolutionVerdict verdict;
     Timing timing;
 
     [[nodiscard]] bool smoothed() const { return !result.smoothed.rows.empty(); }

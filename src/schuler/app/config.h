@@ -40,6 +40,7 @@ struct RunConfig {
     std::optional<RunTime> start, stop;
     std::vector<OutageSpan> outages;
     std::optional<double> settle;                ///< s after which errors are counted; not given: alignment + 60 s
+    bool self_check = true;                      ///< of `process`: withhold GNSS in windows and measure the sigmas
 };
 
 struct OutputConfig {

@@ -147,6 +147,10 @@ void add_filter_options(OptionTable<Config>& table) {
                             [](auto& c) -> auto& { return c.filter.feedback_attitude; }))
         .add(flag<Config>("filter.smooth", "fixed-interval smoother after the filter",
                           [](auto& c) -> auto& { return c.filter.smooth; }))
+        .add(flag<Config>("filter.self_check",
+                          "`process` withholds fixes in windows of its own, judges the sigmas by them, and widens the noise of the inertial "
+                          "unit (imu.gyro_noise_scale, imu.accel_noise_scale) where they are too small",
+                          [](auto& c) -> auto& { return c.run.self_check; }))
         .add(flag<Config>("filter.scale_factors",
                           "gyro and accelerometer scale factors as states; default: on if a simulated IMU has them",
                           [](auto& c) -> auto& { return c.scale_factors; }))

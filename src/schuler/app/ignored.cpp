@@ -41,6 +41,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
              unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
             {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"}, unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
             {{"ranges."}, unless(tight || c.scheme == Scheme::Gnss || !b.data.recording.ranges.empty(), "no ranges are used")},
+            {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
             {{"gauges.", "log.", "compass.", "gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
 }
 

@@ -1,4 +1,5 @@
 #include "schuler/app/commands.h"
+#include "schuler/app/evidence.h"
 #include "schuler/app/fuse.h"
 #include "schuler/app/ignored.h"
 #include "schuler/app/provenance.h"
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <set>
 
@@ -23,24 +25,63 @@ bool only_written(const LoadedDataset& data) {
            c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
+/// The run once more with these settings; false where the filter fails with them.
+bool repeated(ResultBundle& bundle, fusion::Settings settings, const fusion::RowSink& rows) {
+    settings.output_rate = internal_rate(bundle.data);
+    WarningLog heard;   // already
+    fusion::Findings found = bundle.result.findings;   // is still what it was found from
+    try {
+        bundle.result = fusion::run_filter(bundle.data.recording, settings, heard, {}, rows);
+    } catch (const Error& e) {
+        if (e.kind() == ErrorKind::Input) throw;   // the disk is full
+        return false;
+    }
+    found.in_force = bundle.result.findings.in_force;
+    bundle.result.findings = std::move(found);
+    bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.truth);
+    return true;
+}
+
+/// The self-check of the run; true where it was repeated with the noise that was missing, and then `rows` has the rows of the solution.
+bool check_itself(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
+    std::optional<fusion::Settings> wider;
+    SelfCheck& check = bundle.self_check.emplace(self_check(bundle.data, bundle.result, wider));
+    const auto begin = std::chrono::steady_clock::now();
+    const bool widened = wider && repeated(bundle, *wider, rows);
+    if (widened)
+        warnings.add("self_check.widened",
+                     fmt::format("with fixes withheld the errors are larger than the sigmas say: the noise of the gyros is taken {:.3g} times and that "
+                                 "of the accelerometers {:.3g} times as large (windows that had no part in it: {:.1f} % of the epochs inside three "
+                                 "sigma, {:.1f} % before)",
+                                 check.tried->gyro, check.tried->accel, 100.0 * check.coverage.epochs.share(), 100.0 * check.before->epochs.share()));
+    if (wider && !widened) check.keep_as_it_was();
+    check.seconds += seconds_since(begin);
+    judge_fixes(check, bundle.result);
+    check.motion.clear();
+    bundle.timing.check_s = check.seconds;
+    return widened;
+}
+
 /// From loaded data to files: the part that process and run share.
 Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog& warnings,
                  const fs::path& folder, std::chrono::steady_clock::time_point begin) {
     bundle.version = request.version;
     Outcome out;
     out.folder = request.folder_for(bundle.name);
-    std::optional<SolutionStream> stream;
-    fusion::RowSink sink;
-    if (only_written(bundle.data)) {
-        sink = [&](std::span<const SolutionRow> rows) {
-            if (!stream) {   // only now: a run that cannot start leaves no folder
+    std::unique_ptr<SolutionStream> stream, widened;
+    const auto into = [&](std::unique_ptr<SolutionStream>& file) -> fusion::RowSink {
+        if (!only_written(bundle.data)) return {};
+        return [&](std::span<const SolutionRow> rows) {
+            if (!file) {   // only now: a run that cannot start leaves no folder
                 make_folder(out.folder);
-                stream.emplace(out.folder / "solution.csv");
+                file = std::make_unique<SolutionStream>(out.folder / "solution.csv");
             }
-            stream->append(rows);
+            file->append(rows);
         };
-    }
-    fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, sink);
+    };
+    fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, into(stream));
+    if (bundle.command == "process" && check_itself(bundle, into(widened), warnings)) stream = std::move(widened);
+    widened.reset();
     take_in_force(bundle.data.config, bundle.result.findings);
     bundle.facts = facts_of(bundle);
     bundle.config_toml = config_in_force(bundle.data);
@@ -72,11 +113,12 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
                                  n.gnss_rejected, n.gnss_rejected + n.gnss_accepted));
     }
     bundle.warnings = warnings.summary();
+    bundle.verdict = verdict_of(evidence_of(bundle, warnings));
 
     const auto write_begin = std::chrono::steady_clock::now();
     // summary.json carries the time of writing the others, so it is written last
     if (stream) stream->finish();
-    out.files = write_outputs(bundle, out.folder, stream.has_value());
+    out.files = write_outputs(bundle, out.folder, stream != nullptr);
     bundle.timing.write_s = seconds_since(write_begin);
     bundle.timing.read_s = bundle.data.read_seconds;
     bundle.timing.wall_s = seconds_since(begin);
@@ -87,6 +129,8 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     }
     out.tables = summary_tables(bundle);
     out.warnings = bundle.warnings;
+    out.verdict = line_of(bundle.verdict);
+    out.usable = bundle.verdict.word != Gravity::DoNotUse;
     return out;
 }
 

@@ -106,6 +106,10 @@ public:
             fact.sigma = f.std_mounting_rpy.tail<2>().maxCoeff() / units::deg;
             fact.note = "from the direction of travel";
         }
+        if (key.ends_with("_noise_scale") && b_.self_check && b_.self_check->widened) {
+            fact.how = Known::Found;
+            fact.note = fmt::format("from fixes withheld in windows of {:.0f} s", b_.self_check->length);
+        }
         if (latency && value == used_.end()) {   // it follows another one
             const Fact leader = *of(key == "gnss.velocity_down_latency_s" ? "gnss.velocity_latency_s" : "gnss.latency_s");
             fact.how = leader.how == Known::Given ? Known::Default : leader.how;
@@ -156,6 +160,8 @@ void take_in_force(Config& c, const fusion::Findings& findings) {
     f.imu.estimate_mounting = f.imu.estimate_noise = false;
     f.imu.errors.gyro_noise = s.imu.errors.gyro_noise;
     f.imu.errors.accel_noise = s.imu.errors.accel_noise;
+    f.imu.gyro_noise_scale = s.imu.gyro_noise_scale;
+    f.imu.accel_noise_scale = s.imu.accel_noise_scale;
     f.gnss.latency = s.gnss.latency;
     f.gnss.latency_std = s.gnss.latency_std;
     f.gnss.std_scale = s.gnss.std_scale;
@@ -191,6 +197,8 @@ std::vector<Fact> facts_of(const ResultBundle& b) {
     };
     for (const Fact& fact : b.data.facts) add(fact.key);
     for (const fusion::TunedSetting& tuned : b.result.findings.tuned) add(tuned.key);
+    if (b.self_check && b.self_check->widened)
+        for (const char* key : {"imu.gyro_noise_scale", "imu.accel_noise_scale"}) add(key);
     for (const std::string& key : b.data.given) add(key);
     std::vector<Fact> facts;
     for (const std::string& key : keys) {

@@ -130,6 +130,54 @@ void add_sensor_errors(const ResultBundle& b, report::RunReportData& data) {
     }
 }
 
+report::GrowthCurve curve_of(const Coverage& c, const std::string& name) {
+    report::GrowthCurve out{name, {}, {}, {}};
+    for (const GrowthPoint& p : c.growth) {
+        out.since_s.push_back(p.since);
+        out.error.push_back(p.error);
+        out.sigma.push_back(p.sigma);
+    }
+    return out;
+}
+
+std::string percent(const Inside& x) { return x.epochs > 0 ? fmt::format("{:.1f} %", 100.0 * x.share()) : "-"; }
+
+report::CheckEntry check_of(const std::optional<SelfCheck>& check) {
+    report::CheckEntry out;
+    if (!check) return out;
+    const SelfCheck& c = *check;
+    if (!c.done()) {
+        out.intro = fmt::format("The sigmas were not checked on this log: {}.", c.why_not);
+        return out;
+    }
+    out.intro = fmt::format("Fixes were withheld in windows of {:.0f} s, every other one in a run of its own, and compared with the filter; the "
+                            "sigma is its own and the fix's together.", c.length);
+    report::TableBlock table{"Inside 3σ", {"noise", "windows", "held", "epochs", "inside", "horizontal", "vertical", "end, RMS m", "sigma, m"}, {}};
+    const auto add = [&](const char* name, const Coverage& x) {
+        table.rows.push_back({name, fmt::format("{}", x.windows.epochs), percent(x.held), fmt::format("{}", x.epochs.epochs), percent(x.epochs),
+                              percent(x.horizontal), percent(x.vertical), report::number(x.end_rms, 3), report::number(x.sigma_rms, 3)});
+    };
+    if (c.before) {
+        out.growth.push_back(curve_of(*c.before, " before widening"));
+        add("before widening", *c.before);
+    }
+    out.growth.push_back(curve_of(c.coverage, c.widened ? " with wider noise" : ""));
+    if (c.all) add("wider, in all windows", *c.all);
+    add(c.widened ? "wider, in windows that had no part in it" : "as it is", c.coverage);
+    report::TableBlock motion{"By motion", {"motion", "fixes", "refused", "inside 3σ", "NIS a component", "withheld", "inside 3σ"}, {}};
+    for (std::size_t k = 0; k < regimes; ++k) {
+        const FixRegime& f = c.fixes[k];
+        const Inside& w = c.coverage.by_regime[k];
+        motion.rows.push_back({name_of(static_cast<Regime>(k)), fmt::format("{}", f.fixes), fmt::format("{}", f.refused), percent(f.inside),
+                               report::number(f.nis, 3), fmt::format("{}", w.epochs), percent(w)});
+    }
+    out.tables = {std::move(table), std::move(motion)};
+    if (c.tried)
+        out.intro += fmt::format(" The windows ask for {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers{}.", c.tried->gyro,
+                                 c.tried->accel, c.widened ? ", which is in force" : ", which makes the others no truer and was left out");
+    return out;
+}
+
 }  // namespace
 
 report::ReportInput report_page(const ResultBundle& b) {
@@ -165,6 +213,9 @@ report::ReportInput report_page(const ResultBundle& b) {
     add_sensor_errors(b, data);
     data.outages = outages_of(b);
     add_findings(b, data);
+    data.verdict = words_of(b.verdict.word);
+    data.reasons = b.verdict.reasons;
+    data.check = check_of(b.self_check);
     data.warnings = b.warnings;
     data.settings = b.config_toml;
     return report::run_report(data);

@@ -124,6 +124,48 @@ Json findings_of(const ResultBundle& b) {
             {"lever_arm_m", {f.lever_arm_b.x(), f.lever_arm_b.y(), f.lever_arm_b.z()}}};
 }
 
+Json of(const Coverage& c) {
+    return {{"windows", c.windows.epochs},
+            {"epochs", c.epochs.epochs},
+            {"inside_3sigma_epochs", number(c.epochs.share())},
+            {"inside_3sigma_windows", number(c.windows.share())},
+            {"inside_3sigma_horizontal", number(c.horizontal.share())},
+            {"inside_3sigma_vertical", number(c.vertical.share())},
+            {"held_windows", number(c.held.share())},
+            {"end_rms_m", number(c.end_rms)},
+            {"sigma_rms_m", number(c.sigma_rms)}};
+}
+
+/// Shares from 0 to 1; null where there is none, whose reason is among those of the verdict.
+Json self_check_of(const ResultBundle& b) {
+    if (!b.self_check || !b.self_check->done()) return nullptr;
+    const SelfCheck& c = *b.self_check;
+    Json out = of(c.coverage);
+    out["length_s"] = c.length;
+    out["widened"] = c.widened;
+    out["before"] = c.before ? of(*c.before) : Json(nullptr);
+    out["all"] = c.all ? of(*c.all) : Json(nullptr);
+    out["noise_scale"] = c.tried ? Json{{"gyro", c.tried->gyro}, {"accel", c.tried->accel}, {"apart", c.tried->apart}} : Json(nullptr);
+    out["growth"] = Json::array();
+    for (const GrowthPoint& p : c.coverage.growth)
+        out["growth"].push_back({{"since_s", p.since}, {"error_rms_m", p.error}, {"sigma_rms_m", p.sigma}, {"epochs", p.epochs}});
+    out["regimes"] = Json::array();
+    for (std::size_t k = 0; k < regimes; ++k) {
+        const FixRegime& f = c.fixes[k];
+        const Inside& w = c.coverage.by_regime[k];
+        out["regimes"].push_back({{"name", name_of(static_cast<Regime>(k))},
+                                  {"fixes", f.fixes},
+                                  {"refused", f.refused},
+                                  {"inside_3sigma", number(f.inside.share())},
+                                  {"nis_per_component", number(f.nis)},
+                                  {"withheld", w.epochs},
+                                  {"withheld_inside_3sigma", number(w.share())}});
+    }
+    return out;
+}
+
+Json verdict_json(const SolutionVerdict& verdict) { return {{"word", word_of(verdict.word)}, {"reasons", verdict.reasons}}; }
+
 Json ignored_json(const std::vector<Ignored>& ignored) {
     Json list = Json::array();
     for (const Ignored& i : ignored) list.push_back({{"key", i.key}, {"reason", i.reason}});
@@ -175,6 +217,8 @@ std::string summary_json(const ResultBundle& b) {
     out["integrity"] = integrity_of(b);
     out["facts"] = facts_json(b.facts);
     out["ignored"] = ignored_json(b.ignored);
+    out["verdict"] = verdict_json(b.verdict);
+    out["self_check"] = self_check_of(b);
     out["gravity"] = nullptr;
     out["montecarlo"] = nullptr;
     out["timing"] = timing(b.timing, b.result.counters.imu_epochs, b.result.filter_seconds);

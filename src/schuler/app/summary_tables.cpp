@@ -131,10 +131,12 @@ std::string summary_tables(const ResultBundle& b) {
     if (!b.published.source.empty() && !e.states.empty())
         out += "\n" + published_table(b.published, rms_of(e.states, e.settled),
                                       fmt::format("{}, from {:.0f} s", b.name, b.relative(e.settled)));
-    out += fmt::format("\nread {:.2f} s, filter {:.2f} s ({:.3g} million IMU epochs/s forward), write {:.2f} s\n",
+    if (b.self_check) out += "\n" + self_check_table(*b.self_check);
+    const std::string checked = b.self_check && b.self_check->done() ? fmt::format("self-check {:.2f} s, ", b.timing.check_s) : std::string();
+    out += fmt::format("\nread {:.2f} s, filter {:.2f} s ({:.3g} million IMU epochs/s forward), {}write {:.2f} s\n",
                        b.timing.read_s, b.timing.filter_s,
                        b.result.filter_seconds > 0.0 ? 1e-6 * static_cast<double>(n.imu_epochs) / b.result.filter_seconds : 0.0,
-                       b.timing.write_s);
+                       checked, b.timing.write_s);
     return out;
 }
 

@@ -15,6 +15,8 @@ public:
     void add(const std::string& topic, const std::string& text, std::size_t count = 1);
     /// One line a topic in order of first appearance: the text, and "(N times)" where N > 1.
     [[nodiscard]] std::vector<std::string> summary() const;
+    /// Topics in order of first appearance; the entries of summary() are theirs.
+    [[nodiscard]] const std::vector<std::string>& topics() const { return order_; }
     [[nodiscard]] bool empty() const { return order_.empty(); }
     [[nodiscard]] std::size_t count(const std::string& topic) const;
 

@@ -102,6 +102,7 @@ struct OutageEpoch {
     bool end = false;                ///< the first fix at or after the end, before its own update
     Eigen::Vector3d error = Eigen::Vector3d::Zero();   ///< estimate minus GNSS, m
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();   ///< predicted one sigma of that difference, m
+    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero();   ///< the part of it that is the filter's own uncertainty, m
 };
 
 /// How far off the position may be after an epoch of ranges, where Settings asks for protection levels (ProtectionSettings has the risk).
@@ -163,6 +164,7 @@ struct Findings {
 struct Counters {
     std::size_t imu_epochs = 0, imu_gaps = 0, imu_duplicates = 0;
     double imu_rate = 0.0;                    ///< Hz, median
+    double longest_imu_gap = 0.0;             ///< s
     std::size_t gnss_epochs = 0, gnss_accepted = 0, gnss_rejected = 0, gnss_withheld = 0;
 };
 

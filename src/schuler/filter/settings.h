@@ -43,6 +43,9 @@ struct ImuSettings {
     bool estimate_mounting = false;                      ///< find the mounting by itself (needs motion)
     sensor::ImuErrorModel errors;                        ///< what the filter believes
     bool estimate_noise = false;                         ///< fit the white noise to the innovations (a grade is only a guess)
+    /// Factors of what drives the errors of free inertial navigation, white noise and wander of the biases, beyond `errors`: 1 where
+    /// not given. The start keeps its priors.
+    std::optional<double> gyro_noise_scale, accel_noise_scale;
     double gap_factor = 3.0;                             ///< a step longer than this times the median is a gap
 };
 

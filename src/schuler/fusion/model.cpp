@@ -47,8 +47,21 @@ Layout make_layout(const Settings& settings, const Recording& recording) {
     return L;
 }
 
+namespace {
+
+/// What drives the errors while the filter runs.
+sensor::ImuErrorModel driving(const ImuSettings& imu) {
+    sensor::ImuErrorModel errors = imu.errors;
+    const double gyro = imu.gyro_noise_scale.value_or(1.0), accel = imu.accel_noise_scale.value_or(1.0);
+    for (double* x : {&errors.gyro_noise, &errors.gyro_bias, &errors.gyro_rate_walk, &errors.gyro_flicker}) *x *= gyro;
+    for (double* x : {&errors.accel_noise, &errors.accel_bias, &errors.accel_rate_walk, &errors.accel_flicker}) *x *= accel;
+    return errors;
+}
+
+}  // namespace
+
 InertialModel make_model(const Settings& settings, const Layout& layout) {
-    InertialModel model(settings.earth, layout, settings.imu.errors);
+    InertialModel model(settings.earth, layout, driving(settings.imu));
     model.loop = settings.loop;
     model.set_process(layout.baro_bias, 1, {0.0, settings.baro.bias_walk * settings.baro.bias_walk});
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});

@@ -40,7 +40,7 @@ public:
         result_.forward.parameters.push_back(parameter_row(time, model_.layout, parameters, f.P));
     }
     void outage_epoch(const Filter&, const Event& event, const Measurement&, const AidRecord& r) override {
-        result_.forward.outage_epochs.push_back({event.outage, event.stamp, event.outage_end, r.innovation, r.sigma});
+        result_.forward.outage_epochs.push_back({event.outage, event.stamp, event.outage_end, r.innovation, r.sigma, r.sigma_state});
     }
     void aid(const AidRecord& r) override {
         result_.aids.push_back(r);

@@ -88,6 +88,13 @@ double latency_std(const GnssSettings& gnss, const Findings& findings) {
     return as_written(std::clamp(2.0 * tuned->sigma, 0.02, 0.1), 1.0);
 }
 
+double longest_gap(const ImuTimeline& imu) {
+    double longest = 0.0;
+    for (const Bridge& b : imu.bridges)
+        longest = std::max(longest, (imu.increments[b.last].time - imu.increments[b.first].time).seconds() + imu.increments[b.first].dt);
+    return longest;
+}
+
 std::size_t last_increment(const RunData& data, const Settings& settings) {
     if (!settings.stop) return data.imu.increments.size() - 1;
     const auto it = std::upper_bound(data.imu.increments.begin(), data.imu.increments.end(), *settings.stop,
@@ -196,6 +203,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     result.counters.imu_gaps = data.imu.gaps;
     result.counters.imu_duplicates = data.imu.duplicates;
     result.counters.imu_rate = 1.0 / data.imu.median_dt;
+    result.counters.longest_imu_gap = longest_gap(data.imu);
     return result;
 }
 

@@ -93,6 +93,8 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const std:
         for (int i = 0; i < m.dof; ++i) epoch.error(i) -= m.rows[static_cast<std::size_t>(i)].dot(dx);
         epoch.sigma.setZero();
         epoch.sigma.head(m.dof) = f.innovation_covariance(m).diagonal().head(m.dof).cwiseMax(0.0).cwiseSqrt();
+        epoch.sigma_state.setZero();
+        for (int i = 0; i < m.dof; ++i) epoch.sigma_state(i) = std::sqrt(std::max(0.0, epoch.sigma(i) * epoch.sigma(i) - m.variance(i)));
         out.outage_epochs.push_back(epoch);
     };
     std::size_t last = end;

@@ -66,6 +66,7 @@ public:
         trial.coupling = Coupling::Loose;
         trial.loose_kind = LooseKind::Standard;
         trial.integrity.use = false;
+        trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;   // of the noise that is sought
         trial.gnss.latency_std = 0.0;
         trial.aids.nonholonomic = trial.aids.nonholonomic_auto = false;
         trial.scale_factors = trial.misalignments = trial.estimate_lever_arm = trial.smooth = false;

@@ -86,6 +86,7 @@ const AccuracyEntry* find_accuracy(const RunReportData& data, const std::string&
 
 std::vector<Card> cards(const RunReportData& data) {
     std::vector<Card> out;
+    if (!data.verdict.empty()) out.push_back({"Verdict", data.verdict, data.reasons.empty() ? "" : data.reasons.front()});
     if (!data.solution.empty()) {
         const double seconds = (data.solution.back().time - data.solution.front().time).seconds();
         out.push_back({"Duration", number(seconds, 5) + " s", fmt::format("{} epochs in the report", data.solution.size())});
@@ -140,6 +141,7 @@ ReportInput run_report(const RunReportData& data) {
         if (!section.groups.empty()) input.sections.push_back(std::move(section));
     };
     add(detail::track_section(data));
+    add(detail::check_section(data));
     add(detail::error_section(data));
     add(detail::outage_section(data));
     add(detail::uncertainty_section(data));

@@ -66,6 +66,19 @@ struct OutageEntry {
     std::vector<double> into_s, horizontal;        ///< horizontal error against the time since the outage began (may be empty)
 };
 
+/// Growth of errors since the fixes were withheld, RMS over windows, m, and what was said of it.
+struct GrowthCurve {
+    std::string name;
+    std::vector<double> since_s, error, sigma;
+};
+
+/// What fixes withheld by the program itself show.
+struct CheckEntry {
+    std::string intro;
+    std::vector<GrowthCurve> growth;
+    std::vector<TableBlock> tables;
+};
+
 /// A line of the table of errors. unit as printed; values in it. "position horizontal", "position up" and "heading" also make
 /// cards at the top of the page.
 struct AccuracyEntry {
@@ -94,12 +107,15 @@ struct RunReportData {
     std::vector<SensorErrorPoint> sensor_errors;
     std::vector<SensorErrorPoint> sensor_truth;    ///< simulations: the true errors (sigmas not used)
     std::vector<OutageEntry> outages;
+    std::string verdict;                           ///< "trustworthy", ...: the first card; empty: none
+    std::vector<std::string> reasons;              ///< of it, the gravest first
+    CheckEntry check;
     std::vector<std::pair<std::string, std::string>> findings;  ///< what start-up found: (what, value)
     std::vector<std::string> warnings;
     std::string settings;                          ///< config.toml
 };
 
-/// The page's content in the order a reviewer reads: track, errors (or the uncertainty where there is no reference), outages,
+/// The page's content in the order a reviewer reads: track, verdict and self-check, errors (or the uncertainty where there is no reference), outages,
 /// innovations, sensor errors, motion, findings. What was not given is left out.
 [[nodiscard]] ReportInput run_report(const RunReportData& data);
 

@@ -24,6 +24,7 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] inline Json timing(const Timing& t, std::size_t epochs, double filter_alone_s) {
     return {{"read_s", t.read_s},
             {"filter_s", t.filter_s},
+            {"check_s", t.check_s},
             {"write_s", t.write_s},
             {"wall_s", t.wall_s},
             {"imu_epochs_per_s", filter_alone_s > 0.0 ? Json(static_cast<double>(epochs) / filter_alone_s) : Json(nullptr)}};

@@ -18,6 +18,7 @@ void break_at_gaps(Band& band);
 [[nodiscard]] Panel time_panel(const RunReportData& data, std::string title, std::string y_label, bool start_up = false);
 
 [[nodiscard]] Section track_section(const RunReportData& data);
+[[nodiscard]] Section check_section(const RunReportData& data);
 [[nodiscard]] Section error_section(const RunReportData& data);
 [[nodiscard]] Section uncertainty_section(const RunReportData& data);
 [[nodiscard]] Section outage_section(const RunReportData& data);
