@@ -3,7 +3,7 @@
 #include "fusion/car_drive.h"
 
 #include "schuler/ahrs/mekf.h"
-#include "schuler/fusion/model.h"
+#include "schuler/filter/model.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/fusion/tune.h"
