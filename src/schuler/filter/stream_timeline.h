@@ -171,7 +171,7 @@ void StreamTimeline::archive(Archive& a) {
     a(counters, memory, data_.imu.increments, data_.imu.bridges, data_.events, data_.still.windows, data_.fix_noise);
     a(recording_.gnss, recording_.baro, recording_.mag, recording_.odometer, recording_.heading, imu_store_);
     a(recording_.ranges.sources, recording_.ranges.epochs, recording_.ranges.samples, free_ranges_);
-    a(imu_.memory, gnss_.memory, baro_.memory, mag_.memory, odometer_.memory, heading_.memory);
+    a(imu_, gnss_, baro_, mag_, odometer_, heading_);
     a(interval_.memory, hang_.memory, motion_.memory, events_.memory, slots_, hole_, hangs_);
 }
 

@@ -1,0 +1,366 @@
+#include "schuler/filter/detail/navigator_engine.h"
+
+#include "schuler/core/error.h"
+#include "schuler/filter/detail/archive.h"
+#include "schuler/filter/outputs.h"
+#include "schuler/filter/pass.h"
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::filter::detail {
+
+NavigatorEngine::NavigatorEngine(const NavigatorSettings& s)
+    : settings(s), stream(settings), start_up(settings), given_(s.start.has_value()) {}
+
+FeedStatus NavigatorEngine::told(Source source, Time time, FeedStatus status) {
+    if (status == FeedStatus::Taken) return status;
+    NavigatorEvent e;
+    e.time = time;
+    e.kind = NavigatorEvent::Kind::Refused;
+    e.source = source;
+    e.status = status;
+    tell(e);
+    return status;
+}
+
+void NavigatorEngine::tell(NavigatorEvent event) {
+    if (events.push(event)) ++stream.counters.events_lost;
+}
+
+void NavigatorEngine::add_row(const SolutionRow& row) {
+    if (rows.push(row)) ++stream.counters.rows_lost;
+}
+
+void NavigatorEngine::enter(Phase next, Time time) {
+    if (next == phase) return;
+    phase = next;
+    NavigatorEvent e;
+    e.time = time;
+    e.phase = next;
+    tell(e);
+}
+
+void NavigatorEngine::restart() {
+    stream.clear();
+    start_up.memory = {};
+    given_ = false;
+    baro_height_ = not_given;
+    phase = Phase::WaitingForImu;
+}
+
+FeedStatus NavigatorEngine::feed(const ImuSample& sample) {
+    const FeedStatus status = told(Source::Imu, sample.time, stream.feed(sample));
+    if (stream.is_elsewhere()) {
+        ++stream.counters.restarts;
+        restart();
+        NavigatorEvent e;
+        e.time = sample.time;
+        e.kind = NavigatorEvent::Kind::Restarted;
+        tell(e);
+        return stream.feed(sample);
+    }
+    while (status == FeedStatus::Taken && stream.settle()) {
+        NavigatorEvent e;
+        e.time = stream.settled();
+        e.seconds = stream.hole();
+        e.kind = NavigatorEvent::Kind::Hole;
+        if (e.seconds > 0.0) tell(e);
+        e.kind = NavigatorEvent::Kind::Hang;
+        if (stream.hangs()) tell(e);
+        if (!running()) align();
+        if (!running() || advance()) continue;
+        e = {};
+        e.time = stream.settled();
+        e.kind = NavigatorEvent::Kind::Diverged;
+        restart();
+        tell(e);
+        break;
+    }
+    return status;
+}
+
+double NavigatorEngine::baro_height_at(Time time) const {
+    for (const Event& e : stream.data().events)
+        if (e.kind == AidKind::Baro && e.valid >= time) return stream.data().recording->baro[e.index].height;
+    return baro_height_;
+}
+
+void NavigatorEngine::align() {
+    if (!stream.any_increment() || stream.data().imu.increments.empty()) return;
+    const bool found = given_ ? align_as_given() : align_by_samples();
+    const RunData& data = stream.data();
+    const Time now = data.imu.increments.back().time;
+    if (found) {
+        enter(Phase::Navigating, now);
+        return;
+    }
+    enter(given_ ? Phase::WaitingForStart : start_up.phase(), now);
+}
+
+bool NavigatorEngine::align_as_given() {
+    constexpr Duration tolerance{100'000};   // as near as a batch takes it
+    const RunData& data = stream.data();
+    const std::vector<ImuIncrement>& increments = data.imu.increments;
+    const auto first = std::ranges::find_if(increments, [&](const ImuIncrement& i) { return i.time > settings.start->nav.time + tolerance; });
+    if (first != increments.end()) {
+        Start start = *settings.start;
+        start.increment = static_cast<std::size_t>(first - increments.begin());
+        if (first != increments.begin()) start.previous = *std::prev(first);
+        start.nav.time = first->time - Duration::from_seconds(first->dt);
+        given_ = false;
+        set_out(start, baro_height_at(start.nav.time));
+        return true;
+    }
+    // what is before the start by more than a measurement may be is of no use
+    const Time old = increments.back().time - Duration{1'000'000'000};
+    const auto before = [&](const auto& list, auto time) {
+        return static_cast<std::size_t>(std::ranges::find_if(list, [&](const auto& x) { return std::invoke(time, x) >= old; }) - list.begin());
+    };
+    std::size_t increment = increments.size() - 1, event = before(data.events, &Event::valid), still = before(data.still.windows, &StillWindow::end);
+    std::size_t epoch = before(data.recording->ranges.epochs, &RangeEpoch::time), bridge = 0;
+    for (std::size_t i = 0; i < event; ++i)
+        if (data.events[i].kind == AidKind::Baro) baro_height_ = data.recording->baro[data.events[i].index].height;
+    stream.judge_still(increments.back().time);
+    while (bridge < data.imu.bridges.size() && data.imu.bridges[bridge].last < increment) ++bridge;
+    stream.forget({increment, event, epoch, still, bridge}, true);
+    return false;
+}
+
+bool NavigatorEngine::align_by_samples() {
+    const RunData& data = stream.data();
+    const std::vector<ImuIncrement>& increments = data.imu.increments;
+    for (std::size_t i = start_up.memory.any_increment ? 1 : 0; i < increments.size(); ++i) {   // one is left of those before
+        const bool interpolated = std::ranges::any_of(data.imu.bridges, [i](const Bridge& b) { return b.first <= i && i <= b.last; });
+        start_up.add(increments[i], interpolated);
+    }
+    const Time now = increments.back().time;
+    stream.judge_still(now);
+    std::size_t still = 0, event = 0, epoch = 0, bridge = data.imu.bridges.size(), increment = increments.size() - 1;
+    for (; still < data.still.windows.size(); ++still) start_up.add_still(data.still.windows[still]);
+    const Recording& recording = *data.recording;
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.filter.imu.mounting_rpy) * settings.filter.imu.C_bs;
+    for (; event < data.events.size() && data.events[event].valid <= now; ++event) {
+        const Event& e = data.events[event];
+        switch (e.kind) {
+            case AidKind::GnssPosition: start_up.add_position(recording.gnss[e.index], data.fix_noise[e.index], e.valid, e.components); break;
+            case AidKind::GnssVelocity: start_up.add_velocity(recording.gnss[e.index], data.fix_noise[e.index], e.components); break;
+            case AidKind::Baro: baro_height_ = recording.baro[e.index].height; break;
+            case AidKind::Mag: start_up.add_mag(C_bs * recording.mag[e.index].field_b, data.declination); break;
+            case AidKind::Heading: start_up.add_heading(recording.heading[e.index]); break;
+            default: break;
+        }
+    }
+    while (epoch < recording.ranges.epochs.size() && recording.ranges.epochs[epoch].time <= now) ++epoch;
+    stream.forget({increment, event, epoch, still, bridge}, true);
+    std::optional<Start> start = start_up.ready();
+    if (!start) return false;
+    start->increment = increments.size();   // one is left, which is over
+    set_out(*start, baro_height_at(now));
+    return true;
+}
+
+namespace {
+
+struct Fnv {
+    std::uint64_t hash = 14695981039346656037ULL;
+    void add(std::span<const std::byte> bytes) {
+        for (const std::byte b : bytes) hash = (hash ^ static_cast<std::uint64_t>(b)) * 1099511628211ULL;
+    }
+    template <class T>
+    void number(const T& x) {
+        add(std::as_bytes(std::span(&x, 1)));
+    }
+};
+
+/// Before the parts of a navigator.
+struct Header {
+    static constexpr std::uint64_t its_name = 0x56414e4c55484353;   // "SCHULNAV"
+    static constexpr std::uint64_t its_version = 1;
+    std::uint64_t name = its_name, version = its_version, settings = 0, size = 0, checksum = 0;
+};
+
+}  // namespace
+
+/// Tells settings apart by what the filter makes of them.
+std::uint64_t NavigatorEngine::fingerprint() const {
+    Fnv f;
+    const InertialModel& m = model();
+    const Settings& s = settings.filter;
+    for (const LayoutBlock& b : m.layout.blocks()) {
+        f.add(std::as_bytes(std::span(b.name)));
+        f.number(b.offset);
+    }
+    for (const StateProcess& p : m.process) f.number(p.decay), f.number(p.psd);
+    for (const double x : {m.gyro_psd, m.accel_psd, m.gyro_gain, m.accel_gain, m.clock_psd, m.drift_psd, settings.lag, settings.imu_interval,
+                           settings.still_delay, settings.longest_hole, settings.still.force_std, settings.still.rate_std, s.gnss.latency,
+                           s.gnss.velocity_latency.value_or(-1.0), s.gnss.height_latency.value_or(-1.0),
+                           s.gnss.velocity_down_latency.value_or(-1.0), s.gnss.std_scale, s.gnss.velocity_std_scale, s.baro.std,
+                           s.mag.heading_std, s.odometer.std, s.heading.std, s.aids.gate_probability, s.aids.constraint_rate, s.output_rate,
+                           settings.rates.gnss, settings.rates.baro, settings.rates.mag, settings.rates.odometer, settings.rates.heading,
+                           settings.rates.ranges})
+        f.number(x);
+    for (const Eigen::Vector3d& v : {s.gnss.lever_arm_b, s.imu.mounting_rpy, s.gnss.default_std_position, s.gnss.default_std_velocity})
+        for (int i = 0; i < 3; ++i) f.number(v(i));
+    for (const int x : {static_cast<int>(s.mechanization), static_cast<int>(s.loop), static_cast<int>(s.coupling), static_cast<int>(s.loose_kind),
+                        static_cast<int>(s.vehicle), static_cast<int>(s.imu.kind), static_cast<int>(s.imu.stamp), s.aggressive_parts,
+                        static_cast<int>(s.integrity.use), static_cast<int>(s.ranging.protection.use), static_cast<int>(s.aids.zero_velocity)})
+        f.number(x);
+    f.number(settings.rates.range_sources);
+    return f.hash;
+}
+
+void NavigatorEngine::archive_all(Archive& a) {
+    a(phase, given_, baro_height_, start_up.memory);
+    stream.archive(a);
+    a(events.memory.all, events.memory.first, events.memory.count, rows.memory.all, rows.memory.first, rows.memory.count);
+    archive_walk(a);
+}
+
+std::size_t NavigatorEngine::save(std::span<std::byte> bytes) const {
+    auto& self = const_cast<NavigatorEngine&>(*this);   // one function for both ways; writing changes nothing
+    Archive measure(Archive::Way::Measure, {});
+    self.archive_all(measure);
+    const std::size_t size = sizeof(Header) + measure.at;
+    if (bytes.size() < size) return size;
+    const std::span<std::byte> payload = bytes.subspan(sizeof(Header), measure.at);
+    Archive write(Archive::Way::Write, payload);
+    self.archive_all(write);
+    Header header;
+    header.settings = fingerprint();
+    header.size = measure.at;
+    Fnv f;
+    f.add(payload);
+    header.checksum = f.hash;
+    std::memcpy(bytes.data(), &header, sizeof header);
+    return size;
+}
+
+RestoreStatus NavigatorEngine::restore(std::span<const std::byte> bytes) {
+    Header header;
+    if (bytes.size() < sizeof header) return RestoreStatus::TooShort;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    if (header.name != Header::its_name) return RestoreStatus::Foreign;
+    if (header.version != Header::its_version) return RestoreStatus::OtherVersion;
+    if (header.settings != fingerprint()) return RestoreStatus::OtherSettings;
+    if (bytes.size() - sizeof header < header.size) return RestoreStatus::TooShort;
+    const std::span<const std::byte> payload = bytes.subspan(sizeof header, header.size);
+    Fnv f;
+    f.add(payload);
+    if (f.hash != header.checksum) return RestoreStatus::Damaged;
+    Archive read(Archive::Way::Read, {const_cast<std::byte*>(payload.data()), payload.size()});
+    archive_all(read);
+    if (read.good && read.at == payload.size()) return RestoreStatus::Restored;
+    restart();   // bytes that agree with their sum and do not fit: of a machine of another kind
+    return RestoreStatus::Damaged;
+}
+
+namespace {
+
+template <class Frame>
+class EngineIn final : public NavigatorEngine, private PassObserver<Frame> {
+public:
+    explicit EngineIn(const NavigatorSettings& s)
+        : NavigatorEngine(s),
+          model_(make_model(settings.filter, layout_with(settings.filter, sensors_of(settings.rates)))),
+          pass_(model_, stream.data(), settings.filter) {
+        walk_.shadows.reserve(2);
+        if (uses_ranges(settings.filter.coupling) && settings.filter.ranging.protection.use)
+            walk_.ranges.watch.all.reserve((FaultWatch::most_ages + 1) * settings.rates.range_sources);
+    }
+
+    std::optional<NavigatorState> state() override {
+        if (!running()) return std::nullopt;
+        if (stream.reordered() || changed_ || model_.loop != Loop::Closed || ahead_.time() < walk_.filter.time()) ahead_ = walk_.filter;
+        changed_ = false;
+        stream.ahead(walk_.increment, [&](const ImuIncrement& increment, const BridgeNoise& noise) {
+            if (increment.time <= ahead_.time()) return;
+            estim::Transition phi;
+            if (ahead_.gathered.time > 0.0 && ahead_.gathered.time + increment.dt > longest_span) (void)ahead_.propagate_covariance(model_, phi);
+            ahead_.propagate(model_, increment, noise);
+        });
+        return state_of(ahead_);
+    }
+    std::optional<NavigatorState> lagged() const override {
+        return running() ? std::optional<NavigatorState>(state_of(walk_.filter)) : std::nullopt;
+    }
+    std::optional<SensorErrorRow> sensor_errors() const override {
+        if (!running()) return std::nullopt;
+        return sensor_error_row(walk_.filter.time(), model_.layout, walk_.filter.estimated_parameters(), walk_.filter.P.diagonal());
+    }
+    const InertialModel& model() const override { return model_; }
+
+private:
+    static Sensors sensors_of(const FeedRates& r) { return {r.baro > 0.0, r.mag > 0.0, r.odometer > 0.0, r.heading > 0.0}; }
+
+    NavigatorState state_of(const InertialFilter<Frame>& f) const { return {f.geographic(model_), f.local_covariance(model_)}; }
+
+    void set_out(const Start& start, double baro_height) override {
+        filter::set_out(walk_, model_, settings.filter, start, baro_height);
+        next_all_states_ = walk_.filter.time();
+        changed_ = true;
+    }
+
+    bool advance() override {
+        const std::vector<ImuIncrement>& increments = stream.data().imu.increments;
+        const Time until = stream.settled() - Duration::from_seconds(settings.still_delay);
+        std::size_t end = walk_.increment;
+        while (end < increments.size() && increments[end].time <= until) ++end;
+        if (end == walk_.increment) return true;
+        stream.judge_still(increments[end - 1].time);
+        try {
+            pass_.advance(walk_, end - 1, *this);
+        } catch (const Error&) {   // it is no longer a number
+            return false;
+        }
+        stream.forget({walk_.increment, walk_.event, walk_.epoch, walk_.still, walk_.bridge}, false);
+        return true;
+    }
+
+    void archive_walk(Archive& a) override { a(walk_, ahead_, changed_, next_all_states_); }
+
+    // what happens on the walk
+    void scalar(const estim::RowUpdate&) override { changed_ = true; }
+    void ranges(const Walk<Frame>&, const RangeEpoch&) override { changed_ = true; }
+    bool wants_all_states(Time time) const override { return time >= next_all_states_; }
+    void output(const InertialFilter<Frame>& f, Time time) override {
+        add_row(solution_row(f.geographic(model_), f.local_covariance(model_)));
+        while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};   // as a batch keeps them
+    }
+    void aid(const AidRecord& r) override {
+        changed_ = true;
+        if (r.status == AidStatus::Accepted || r.status == AidStatus::Withheld) return;
+        NavigatorEvent e;
+        e.time = r.stamp;
+        e.kind = NavigatorEvent::Kind::Aid;
+        e.aid = r.kind;
+        e.aid_status = r.status;
+        tell(e);
+    }
+    void alert(const Alert& alert) override {
+        changed_ = true;
+        NavigatorEvent e;
+        e.time = alert.time;
+        e.kind = NavigatorEvent::Kind::Alert;
+        e.aid = alert.kind;
+        e.test = alert.test;
+        tell(e);
+    }
+
+    InertialModel model_;
+    Pass<Frame> pass_;
+    Walk<Frame> walk_;
+    InertialFilter<Frame> ahead_;      // the filter carried on to the newest sample
+    bool changed_ = true;              // the walk was corrected since
+    Time next_all_states_{};
+};
+
+}  // namespace
+
+std::unique_ptr<NavigatorEngine> make_engine(const NavigatorSettings& settings) {
+    if (settings.filter.mechanization == Mechanization::Ecef) return std::make_unique<EngineIn<EarthFixedFrame>>(settings);
+    return std::make_unique<EngineIn<GeographicFrame>>(settings);
+}
+
+}  // namespace schuler::filter::detail
