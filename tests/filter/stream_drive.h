@@ -26,11 +26,11 @@ struct StreamLog {
     Settings settings;
 };
 
-inline StreamLog car_log(std::uint64_t seed, double duration = 40.0) {
+inline StreamLog car_log(std::uint64_t seed, double duration = 50.0) {
     sim::Scenario scenario = town_drive(seed, 5.0, duration);
     scenario.baro.rate = 5.0;
     shake(scenario);
-    std::get<sim::RoutePath>(scenario.path).standstill = 12.0;
+    std::get<sim::RoutePath>(scenario.path).standstill = 25.0;
     StreamLog log{sim::simulate(scenario).recording, settings_of(scenario)};
     math::Random random(seed, "stream instruments");
     for (const ReferenceSample& t : log.recording.reference) {
@@ -39,10 +39,12 @@ inline StreamLog car_log(std::uint64_t seed, double duration = 40.0) {
         log.recording.heading.push_back({t.time + Duration{3'000'000}, t.rpy.z() + 0.01 * random.normal(), 0.01});
         log.recording.mag.push_back({t.time, C_nb.transpose() * Eigen::Vector3d(2e-5, 0.0, 4e-5)});
     }
+    // a receiver whose fixes are told a tenth of a second late, and are valid inside of increments
+    for (GnssFix& fix : log.recording.gnss) fix.time = fix.time + Duration{103'000'000};
     Settings& f = log.settings;
     f.gnss.estimate_std = false;
     f.gnss.latency = 0.103;
-    f.gnss.velocity_latency = 0.151;
+    f.gnss.velocity_latency = 0.106;
     f.aids.nonholonomic = true;
     f.scale_factors = true;
     return log;
