@@ -353,7 +353,7 @@ std::optional<Start> StartUp::ready() const {
     // the fit has found a tilt as well: C_true = (I + [phi x]) C
     const Quaterniond q_nb = math::quaternion_from_rpy(Vector3d(rpy.x(), rpy.y(), heading));
     const Vector3d phi(m.tilt.x(), m.tilt.y(), 0.0);
-    const double tilt = std::max(3.0 * m.std_tilt.maxCoeff(), 0.2 * units::deg);
+    const double tilt = std::max(3.0 * m.std_tilt.maxCoeff(), 0.3 * units::deg);
     return start_with((math::quaternion_from_rotation_vector(phi) * q_nb).normalized(), Vector3d(tilt, tilt, m.std_heading));
 }
 
