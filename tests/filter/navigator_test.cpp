@@ -90,6 +90,10 @@ TEST(Navigator, RefusesBadSamplesUnharmed) {
             const ImuSample imu{now, Vector3d::Zero(), Vector3d(0.0, 0.0, -9.8)};
             EXPECT_EQ(disturbed.feed(ImuSample{now, Vector3d(nan, 0, 0), imu.accel}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(ImuSample{now, imu.gyro, Vector3d(0, 1e300, 0)}), FeedStatus::BadValue);
+            for (const std::int64_t ns : {INT64_MIN, INT64_MAX}) {
+                EXPECT_EQ(disturbed.feed(ImuSample{Time{ns}, imu.gyro, imu.accel}), FeedStatus::BadValue);
+                EXPECT_EQ(disturbed.feed(BaroSample{Time{ns}, 100.0}), FeedStatus::BadValue);
+            }
             EXPECT_EQ(disturbed.feed(ImuSample{now - Duration{5'000'000'000}, imu.gyro, imu.accel}), FeedStatus::Late);
             EXPECT_EQ(disturbed.feed(ImuSample{now + Duration{500'000'000'000}, imu.gyro, imu.accel}), FeedStatus::TooFarAhead);
             GnssFix fix = log.recording.gnss.back();

@@ -2,16 +2,22 @@
 
 #include "schuler/math/rotation.h"
 
+#include <utility>
+
 namespace schuler::filter {
 
 using Eigen::Vector3d;
 
 IntervalMaker::IntervalMaker(const ImuSettings& settings, double nominal)
-    : C_(math::dcm_from_rpy(settings.mounting_rpy) * settings.C_bs), kind_(settings.kind), stamp_(settings.stamp), nominal_(nominal) {}
+    : C_(math::dcm_from_rpy(settings.mounting_rpy) * settings.C_bs),
+      kind_(settings.kind),
+      stamp_(settings.stamp),
+      nominal_(nominal),
+      nominal_duration_(Duration::from_seconds(nominal)) {}
 
 std::optional<ImuIncrement> IntervalMaker::add(const ImuSample& s, std::optional<Time> next) {
     if (s.time <= memory.sample) return std::nullopt;
-    const Duration nominal = Duration::from_seconds(nominal_), half{nominal.ns / 2};
+    const Duration nominal = nominal_duration_, half{nominal.ns / 2};
     Time end = s.time;
     if (stamp_ == ImuStamp::Center) {
         // Up to half way to the next sample, as long as the next one is near.
@@ -50,16 +56,31 @@ RecentMotion::RecentMotion(double nominal) {
     memory.last.resize(static_cast<std::size_t>(std::clamp(1.0 / nominal, 4.0, 2000.0)), {Vector3d::Zero(), Vector3d::Zero()});
 }
 
+void RecentMotion::clear() {
+    std::vector<Motion> room = std::move(memory.last);
+    memory = {};
+    memory.last = std::move(room);
+}
+
 void RecentMotion::add(const ImuIncrement& interval) {
     Memory& m = memory;
-    m.last[m.next] = {interval.dtheta / interval.dt, interval.dv / interval.dt};
+    const double per_second = 1.0 / interval.dt;
+    Motion& motion = m.last[m.next];
+    motion = {per_second * interval.dtheta, per_second * interval.dv};
+    m.rate += motion.rate;
+    m.force += motion.force;
+    m.rate2 += motion.rate.squaredNorm();
+    m.force2 += motion.force.squaredNorm();
     m.filled = std::min(m.filled + 1, m.last.size());
-    m.next = (m.next + 1) % m.last.size();
-    if (m.next != 0) return;
-    const Agitation second = recent();
-    m.sum.rate2 += second.rate2;
-    m.sum.force2 += second.force2;
+    if (++m.next < m.last.size()) return;
+    const auto n = static_cast<double>(m.last.size());
+    m.sum.rate2 += std::max(0.0, m.rate2 / n - (m.rate / n).squaredNorm()) / 3.0;
+    m.sum.force2 += std::max(0.0, m.force2 / n - (m.force / n).squaredNorm()) / 3.0;
     m.seconds += 1.0;
+    m.next = 0;
+    m.rate.setZero();
+    m.force.setZero();
+    m.rate2 = m.force2 = 0.0;
 }
 
 Agitation RecentMotion::recent() const {

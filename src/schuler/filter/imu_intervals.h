@@ -41,6 +41,7 @@ private:
     ImuKind kind_;
     ImuStamp stamp_;
     double nominal_;
+    Duration nominal_duration_;
 };
 
 /// Whether an interval is so long that samples before it are missing.
@@ -86,6 +87,7 @@ struct Agitation {
 class RecentMotion {
 public:
     explicit RecentMotion(double nominal);
+    void clear();
     void add(const ImuIncrement& interval);
     [[nodiscard]] Agitation recent() const;
     /// Mean of the seconds so far.
@@ -97,6 +99,8 @@ public:
     struct Memory {
         std::vector<Motion> last;         ///< a second of them, a ring
         std::size_t next = 0, filled = 0;
+        Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();   ///< sums over this turn of the ring
+        double rate2 = 0.0, force2 = 0.0;                                                  ///< likewise of the squares
         Agitation sum;
         double seconds = 0.0;             ///< that `sum` is of
     };

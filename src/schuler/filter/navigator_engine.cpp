@@ -264,7 +264,8 @@ public:
     explicit EngineIn(const NavigatorSettings& s)
         : NavigatorEngine(s),
           model_(make_model(settings.filter, layout_with(settings.filter, sensors_of(settings.rates)))),
-          pass_(model_, stream.data(), settings.filter) {
+          pass_(model_, stream.data(), settings.filter),
+          still_delay_(Duration::from_seconds(s.still_delay)) {
         walk_.shadows.reserve(2);
         if (uses_ranges(settings.filter.coupling) && settings.filter.ranging.protection.use)
             walk_.ranges.watch.all.reserve((FaultWatch::most_ages + 1) * settings.rates.range_sources);
@@ -304,7 +305,7 @@ private:
 
     bool advance() override {
         const std::vector<ImuIncrement>& increments = stream.data().imu.increments;
-        const Time until = stream.settled() - Duration::from_seconds(settings.still_delay);
+        const Time until = stream.settled() - still_delay_;
         std::size_t end = walk_.increment;
         while (end < increments.size() && increments[end].time <= until) ++end;
         if (end == walk_.increment) return true;
@@ -350,6 +351,7 @@ private:
 
     InertialModel model_;
     Pass<Frame> pass_;
+    Duration still_delay_;
     Walk<Frame> walk_;
     InertialFilter<Frame> ahead_;      // the filter carried on to the newest sample
     bool changed_ = true;              // the walk was corrected since

@@ -28,6 +28,8 @@ std::size_t imu_capacity(const NavigatorSettings& s) {
 std::size_t aid_capacity(const NavigatorSettings& s, double rate) { return capacity(rate, s.lag + s.still_delay + most_ahead); }
 
 // What no vehicle does and no instrument means.
+constexpr std::int64_t most_ns = 4'000'000'000'000'000'000;   // a hundred years either way: differences of times are times
+bool is_bad(Time time) { return time.ns > most_ns || time.ns < -most_ns; }
 bool is_bad(double value, double most) { return !(std::abs(value) <= most); }
 bool is_bad_or_stated(double value, double most) { return !std::isnan(value) && is_bad(value, most); }
 bool is_bad_sigma(double sigma) { return !std::isnan(sigma) && !(sigma >= 0.0 && sigma <= 1e6); }
@@ -40,7 +42,7 @@ bool is_bad(const GnssFix& f) {
     if (is_bad_or_stated(p.lat, 0.5 * std::numbers::pi) || is_bad_or_stated(p.lon, 2.0 * std::numbers::pi) ||
         is_bad_or_stated(p.h, most_height))
         return true;
-    if (p.lat == 0.0 && p.lon == 0.0) return true;   // what receivers say that have no position
+    if (is_bad(f.time) || (p.lat == 0.0 && p.lon == 0.0)) return true;   // what receivers say that have no position
     return has_bad(f.velocity_n, most_speed) || has_bad_sigma(f.std_position) || has_bad_sigma(f.std_velocity) ||
            is_bad(f.position_age, most_age) || is_bad(f.velocity_age, most_age);
 }
@@ -57,6 +59,8 @@ bool is_bad(const RangeSample& s, std::size_t sources) {
 StreamTimeline::StreamTimeline(const NavigatorSettings& s)
     : settings_(s),
       thresholds_(s.still.force_std > 0.0 ? s.still : thresholds_of_noise(s.filter.imu.errors, s.imu_interval)),
+      lag_(Duration::from_seconds(s.lag)),
+      longest_hole_(Duration::from_seconds(s.longest_hole)),
       largest_rate_(largest_still_rate(s.filter.vehicle)),
       imu_store_(imu_capacity(s)),
       imu_(imu_capacity(s)),
@@ -113,9 +117,7 @@ void StreamTimeline::clear() {
     for (std::size_t i = recording_.ranges.samples.size() / RangeEpochWork::most; i-- > 0;) free_ranges_.push_back(static_cast<std::uint32_t>(i));
     interval_.memory = {};
     hang_.memory = {};
-    motion_.memory.next = motion_.memory.filled = 0;
-    motion_.memory.sum = {};
-    motion_.memory.seconds = 0.0;
+    motion_.clear();
     events_.memory = {};
     hole_ = 0.0;
     hangs_ = false;
@@ -130,7 +132,8 @@ FeedStatus StreamTimeline::feed(const ImuSample& sample) {
     const bool rates = settings_.filter.imu.kind == ImuKind::Rates;
     const double per_second = rates ? 1.0 : 1.0 / settings_.imu_interval;
     constexpr double most_rate = 200.0, most_force = 1e5;   // rad/s, m/s^2
-    if (is_bad(sample.gyro.norm() * per_second, most_rate) || is_bad(sample.accel.norm() * per_second, most_force))
+    const double scale2 = per_second * per_second;
+    if (is_bad(sample.time) || is_bad(sample.gyro.squaredNorm() * scale2, most_rate * most_rate) || is_bad(sample.accel.squaredNorm() * scale2, most_force * most_force))
         return count(Source::Imu, FeedStatus::BadValue);
     const auto refuse = [&](FeedStatus status) {
         const double step = (sample.time - memory.stranger).seconds();
@@ -139,9 +142,9 @@ FeedStatus StreamTimeline::feed(const ImuSample& sample) {
         return count(Source::Imu, status);
     };
     if (memory.any_imu) {
-        const double ahead = (sample.time - memory.newest).seconds();
-        if (ahead > settings_.longest_hole) return refuse(FeedStatus::TooFarAhead);
-        if (-ahead > settings_.lag || sample.time < memory.last_settled) return refuse(FeedStatus::Late);
+        const Duration ahead = sample.time - memory.newest;
+        if (ahead > longest_hole_) return refuse(FeedStatus::TooFarAhead);
+        if (-ahead > lag_ || sample.time < memory.last_settled) return refuse(FeedStatus::Late);
         if (sample.time == memory.last_settled || imu_.has(imu_store_, sample.time)) return count(Source::Imu, FeedStatus::Duplicate);
         if (imu_.full()) return count(Source::Imu, FeedStatus::Full);
     }
@@ -157,9 +160,9 @@ FeedStatus StreamTimeline::feed(const ImuSample& sample) {
 
 FeedStatus StreamTimeline::check_time(Time valid) const {
     if (!memory.any_imu) return FeedStatus::Taken;
-    const double ahead = (valid - memory.newest).seconds();
-    if (ahead > most_ahead) return FeedStatus::TooFarAhead;
-    return -ahead > settings_.lag ? FeedStatus::Late : FeedStatus::Taken;
+    const Duration ahead = valid - memory.newest;
+    if (ahead.seconds() > most_ahead) return FeedStatus::TooFarAhead;
+    return -ahead > lag_ ? FeedStatus::Late : FeedStatus::Taken;
 }
 
 template <class Sample>
@@ -181,29 +184,29 @@ FeedStatus StreamTimeline::feed(const GnssFix& fix) {
 }
 FeedStatus StreamTimeline::feed(const BaroSample& s) {
     if (!settings_.filter.baro.use) return count(Source::Baro, FeedStatus::NotUsed);
-    if (is_bad(s.height, 1e5)) return count(Source::Baro, FeedStatus::BadValue);
+    if (is_bad(s.time) || is_bad(s.height, 1e5)) return count(Source::Baro, FeedStatus::BadValue);
     return feed(Source::Baro, s, s.time, baro_, recording_.baro);
 }
 FeedStatus StreamTimeline::feed(const MagSample& s) {
     if (!settings_.filter.mag.use) return count(Source::Mag, FeedStatus::NotUsed);
-    if (is_bad(s.field_b.norm(), 1e6) || !(s.field_b.norm() > 0.0)) return count(Source::Mag, FeedStatus::BadValue);
+    if (is_bad(s.time) || is_bad(s.field_b.norm(), 1e6) || !(s.field_b.norm() > 0.0)) return count(Source::Mag, FeedStatus::BadValue);
     return feed(Source::Mag, s, s.time, mag_, recording_.mag);
 }
 FeedStatus StreamTimeline::feed(const OdometerSample& s) {
     if (!settings_.filter.odometer.use) return count(Source::Odometer, FeedStatus::NotUsed);
-    if (is_bad(s.speed, 1e3) || is_bad_sigma(s.std)) return count(Source::Odometer, FeedStatus::BadValue);
+    if (is_bad(s.time) || is_bad(s.speed, 1e3) || is_bad_sigma(s.std)) return count(Source::Odometer, FeedStatus::BadValue);
     return feed(Source::Odometer, s, s.time, odometer_, recording_.odometer);
 }
 FeedStatus StreamTimeline::feed(const HeadingSample& s) {
     if (!settings_.filter.heading.use) return count(Source::Heading, FeedStatus::NotUsed);
-    if (is_bad(s.heading, 4.0 * std::numbers::pi) || is_bad_sigma(s.std)) return count(Source::Heading, FeedStatus::BadValue);
+    if (is_bad(s.time) || is_bad(s.heading, 4.0 * std::numbers::pi) || is_bad_sigma(s.std)) return count(Source::Heading, FeedStatus::BadValue);
     return feed(Source::Heading, s, s.time, heading_, recording_.heading);
 }
 
 FeedStatus StreamTimeline::feed(Time time, std::span<const RangeSample> samples) {
     RangingLog& log = recording_.ranges;
     if (!uses_ranges(settings_.filter.coupling) || log.samples.empty()) return count(Source::Ranges, FeedStatus::NotUsed);
-    if (samples.empty() || samples.size() > RangeEpochWork::most ||
+    if (is_bad(time) || samples.empty() || samples.size() > RangeEpochWork::most ||
         std::ranges::any_of(samples, [&](const RangeSample& s) { return is_bad(s, log.sources.size()); }))
         return count(Source::Ranges, FeedStatus::BadValue);
     FeedStatus status = check_time(time);
@@ -245,7 +248,7 @@ bool StreamTimeline::settle() {
     hangs_ = false;
     if (imu_.empty()) return false;
     const ImuSample& sample = imu_store_[imu_.index(0)];
-    const Time horizon = memory.newest - Duration::from_seconds(settings_.lag) - tolerance;
+    const Time horizon = memory.newest - lag_ - tolerance;
     if (sample.time > horizon) return false;
     std::optional<Time> next;
     if (settings_.filter.imu.stamp != ImuStamp::End) {   // which the next sample decides on

@@ -114,6 +114,7 @@ private:
 
     const NavigatorSettings& settings_;
     StillThresholds thresholds_;
+    Duration lag_, longest_hole_;
     double largest_rate_;
     RunData data_;
     Recording recording_;                    // samples at the indices of the pools

@@ -148,7 +148,7 @@ SCHULER_ARCHIVED(IntervalMaker::Memory, begun, sample, end)
 SCHULER_ARCHIVED(HangWatch::Memory, begun, gyro, accel, gyro_run, accel_run, samples, repeats)
 SCHULER_ARCHIVED(Agitation, rate2, force2)
 SCHULER_ARCHIVED(RecentMotion::Motion, rate, force)
-SCHULER_ARCHIVED(RecentMotion::Memory, last, next, filled, sum, seconds)
+SCHULER_ARCHIVED(RecentMotion::Memory, last, next, filled, rate, force, rate2, force2, sum, seconds)
 SCHULER_ARCHIVED(EventMaker::Memory, any, fix, position, satellites, change, baro, mag, odometer, height, repeated)
 SCHULER_ARCHIVED(FeedCounters, by_status, reordered, holes, restarts, events_lost, rows_lost)
 SCHULER_ARCHIVED(NavigatorEvent, time, kind, phase, source, status, aid, aid_status, test, seconds)
@@ -161,7 +161,7 @@ SCHULER_ARCHIVED(StartUp::Memory, any, now, first, last, recent_dv, recent_time,
 
 template <class Sample>
 void archive(Archive& a, SamplePool<Sample>& pool) {
-    a(pool.memory.order, pool.memory.free, pool.memory.uses);
+    a(pool.memory.order, pool.memory.free, pool.memory.uses, pool.memory.first);
 }
 
 SCHULER_ARCHIVED(GatheredMotion, time, force, force2, turn, turn2, v_g, p_g, gain_turn, gain_v_g, gain_p_g, gain_v_a, gain_p_a, gyro, accel)
