@@ -169,7 +169,10 @@ TEST(Allocation, NoneInAnyPresetFedSampleBySample) {
              s.loop = Loop::Mixed;
          }},
         {"open", [](Settings& s) { s.loop = Loop::Open; }},
-        {"everything", [](Settings& s) { s.misalignments = s.estimate_lever_arm = s.aids.nonholonomic_auto = true; s.gnss.latency_std = 0.02; }},
+        {"everything", [](Settings& s) {
+             s.misalignments = s.estimate_lever_arm = s.aids.nonholonomic_auto = true;
+             s.gnss.latency_std = 0.02;
+         }},
         {"tight", [](Settings&) {}, true},
         {"tight with protection", [](Settings& s) { s.ranging.protection.use = true; }, true},
         {"tight, open", [](Settings& s) { s.loop = Loop::Open; s.scale_factors = s.misalignments = true; }, true},

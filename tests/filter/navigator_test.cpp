@@ -263,6 +263,37 @@ TEST(Navigator, BridgesHolesAndBeginsAnewOnAnotherAxis) {
     EXPECT_FALSE(navigator.state());
 }
 
+TEST(Navigator, TakesAUnitThatHangsForAHole) {
+    StreamLog log = car_log(12, 60.0);
+    const auto hang = [&](double from, double to) {
+        const ImuSample* last = nullptr;
+        for (ImuSample& s : log.recording.imu) {
+            const double t = s.time.seconds() - 1000.0;
+            if (t >= from && t < to && last != nullptr) s.gyro = last->gyro, s.accel = last->accel;
+            last = &s;
+        }
+    };
+    const Batch batch = run_batch(log.recording, log.settings);
+    hang(40.0, 41.5);
+    Navigator navigator = made(stream_settings(log.recording, log.settings, batch));
+    (void)stream(navigator, samples_of(log.recording), {});
+    std::size_t hangs = 0;
+    double hole = 0.0;
+    while (const std::optional<NavigatorEvent> e = navigator.poll()) {
+        hangs += e->kind == NavigatorEvent::Kind::Hang ? 1u : 0u;
+        if (e->kind == NavigatorEvent::Kind::Hole) hole += e->seconds;
+    }
+    EXPECT_NEAR(static_cast<double>(hangs), 140.0, 2.0);
+    EXPECT_NEAR(hole, 1.4, 0.05);
+    EXPECT_LT(earth::ned_difference({}, navigator.state()->nav.position, log.recording.reference.back().position).norm(), 5.0);
+    // a unit without noise that has not moved yet does not hang
+    NavigatorSettings n = stream_settings(log.recording, log.settings, batch);
+    Navigator other = made(n);
+    for (const ImuSample& s : log.recording.imu) (void)other.feed(ImuSample{s.time, Vector3d::Zero(), Vector3d(0.0, 0.0, -9.8)});
+    EXPECT_EQ(other.counters().holes, 0u);
+    EXPECT_TRUE(other.state());
+}
+
 TEST(Navigator, SaysWhatItCannotBeTold) {
     const auto status = [](auto&& spoil) {
         NavigatorSettings n;

@@ -126,7 +126,8 @@ TEST(StartUp, TakesAHeadingFromTheSensorsThatThereAre) {
     EXPECT_LT(std::abs(a.heading), 2.0 * deg);
     EXPECT_NEAR(a.std_heading, c.settings.filter.mag.bias_std, 0.05);
     math::Random random(8, "two antennas");
-    for (const ReferenceSample& t : c.recording.reference) c.recording.heading.push_back({t.time, t.rpy.z() + 0.01 * random.normal(), 0.01});
+    for (const ReferenceSample& t : c.recording.reference)
+        c.recording.heading.push_back({t.time, t.rpy.z() + 0.01 * random.normal(), 0.01});
     c.settings.rates.heading = 20.0;
     a = align(c.recording, c.settings);
     EXPECT_LT(a.began, 2.0);

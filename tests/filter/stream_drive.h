@@ -118,8 +118,8 @@ inline NavigatorSettings stream_settings(const Recording& r, const Settings& set
     NavigatorSettings n;
     n.filter = settings;
     n.imu_interval = batch.data.imu.median_dt;
-    n.rates = {10.0, r.baro.empty() ? 0.0 : 10.0, r.mag.empty() ? 0.0 : 20.0, r.odometer.empty() ? 0.0 : 20.0, r.heading.empty() ? 0.0 : 20.0,
-               r.ranges.empty() ? 0.0 : 20.0};
+    const auto rate = [](const auto& list) { return list.empty() ? 0.0 : 20.0; };
+    n.rates = {10.0, rate(r.baro), rate(r.mag), rate(r.odometer), rate(r.heading), rate(r.ranges)};
     n.still = batch.data.still.thresholds;
     n.still_delay = 0.65;
     n.start = batch.start;

@@ -106,18 +106,18 @@ Agitation RecentMotion::usual() const {
 
 bool HangWatch::hangs(const ImuSample& s) {
     Memory& m = memory;
-    m.gyro_run = m.begun && s.gyro == m.gyro ? m.gyro_run + 1 : 0;
-    m.accel_run = m.begun && s.accel == m.accel ? m.accel_run + 1 : 0;
+    const bool gyro = m.begun && s.gyro == m.gyro, accel = m.begun && s.accel == m.accel;
+    for (const int over : {gyro ? 0 : m.gyro_run, accel ? 0 : m.accel_run})
+        if (over >= 2 && over < least_) m.repeats += over;
+    m.gyro_run = gyro ? m.gyro_run + 1 : 0;
+    m.accel_run = accel ? m.accel_run + 1 : 0;
     m.begun = true;
     m.gyro = s.gyro;
     m.accel = s.accel;
     ++m.samples;
-    const int run = std::max(m.gyro_run, m.accel_run);
-    if (run < least_) {
-        if (run >= 2) ++m.repeats;
-        return false;
-    }
-    return 20 * (m.repeats - least_) <= m.samples;   // otherwise coarse, repeated by the logger, or free of noise
+    if (!gyro && !accel) ++m.fresh;
+    // where short runs are common or nothing has varied yet, a long one tells nothing: coarse, repeated by the logger, free of noise
+    return std::max(m.gyro_run, m.accel_run) >= least_ && m.fresh >= 10 * least_ && 20 * m.repeats <= m.samples;
 }
 
 }  // namespace schuler::filter

@@ -107,8 +107,8 @@ public:
     Memory memory;
 };
 
-/// Finds samples of a unit that hangs, as they come: rates or forces that repeat to the last digit for a tenth of a second, where they
-/// do not use to repeat. What came before the tenth of a second was over has been used. Plain and copyable.
+/// Finds samples of a unit that hangs, as they come: rates or forces that repeat to the last digit for a tenth of a second, in a unit
+/// that hardly ever repeats them otherwise. What came before the tenth of a second was over has been used. Plain and copyable.
 class HangWatch {
 public:
     explicit HangWatch(double nominal) : least_(static_cast<int>(std::max(8.0, 0.1 / nominal))) {}
@@ -118,7 +118,8 @@ public:
         bool begun = false;
         Eigen::Vector3d gyro = Eigen::Vector3d::Zero(), accel = Eigen::Vector3d::Zero();
         int gyro_run = 0, accel_run = 0;              ///< samples in a row that repeat the one before
-        std::int64_t samples = 0, repeats = 0;        ///< in short runs of at least two, or beyond
+        std::int64_t samples = 0, fresh = 0;          ///< all, and those of which nothing repeats
+        std::int64_t repeats = 0;                     ///< in runs that were too short for a hang
     };
     Memory memory;
 

@@ -19,10 +19,12 @@ struct Refusal {
 Refusal unusable(const NavigatorSettings& n) {
     using enum MakeStatus;
     const Settings& s = n.filter;
-    if (!(n.imu_interval >= 1e-4 && n.imu_interval <= 0.2)) return {BadSettings, "imu_interval", "the interval of the IMU is to be from 0.1 ms to 0.2 s"};
+    if (!(n.imu_interval >= 1e-4 && n.imu_interval <= 0.2))
+        return {BadSettings, "imu_interval", "the interval of the IMU is to be from 0.1 ms to 0.2 s"};
     if (!(n.lag >= 0.0 && n.lag <= 10.0)) return {BadSettings, "lag", "the lag is to be from 0 to 10 s"};
     if (!(n.still_delay >= 0.0 && n.still_delay <= 5.0)) return {BadSettings, "still_delay", "the delay is to be from 0 to 5 s"};
-    if (!(n.longest_hole >= n.imu_interval && n.longest_hole <= 60.0)) return {BadSettings, "longest_hole", "the longest hole is to be below 60 s"};
+    if (!(n.longest_hole >= n.imu_interval && n.longest_hole <= 60.0))
+        return {BadSettings, "longest_hole", "the longest hole is to be below 60 s"};
     const FeedRates& r = n.rates;
     for (const double rate : {r.gnss, r.baro, r.mag, r.odometer, r.heading, r.ranges})
         if (!(rate >= 0.0 && rate <= 1e4)) return {BadSettings, "rates", "a rate is to be from 0 to 10 kHz"};
@@ -30,7 +32,8 @@ Refusal unusable(const NavigatorSettings& n) {
     if (!(s.gnss.lever_arm_b.norm() < 1000.0)) return {BadSettings, "gnss.lever_arm_m", "the lever arm is to be below 1000 m"};
     if (!(std::abs(s.gnss.latency) < 10.0)) return {BadSettings, "gnss.latency_s", "the latency is to be below 10 s"};
     if (!(s.output_rate >= 0.0)) return {BadSettings, "output_rate", "the output rate is negative"};
-    if (uses_ranges(s.coupling) && !(r.ranges > 0.0)) return {BadSettings, "rates.ranges", "the coupling takes ranges and their rate is zero"};
+    if (uses_ranges(s.coupling) && !(r.ranges > 0.0))
+        return {BadSettings, "rates.ranges", "the coupling takes ranges and their rate is zero"};
     if (s.coupling == Coupling::Medium || s.coupling == Coupling::Deep)
         return {NotForStreams, "filter.scheme", "a filter or receiver beside it is not fed sample by sample: choose tight"};
     if (s.smooth) return {NotForStreams, "filter.smooth", "the smoother needs the whole log"};

@@ -7,7 +7,7 @@
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 
 namespace schuler::filter::detail {
 
@@ -103,7 +103,8 @@ bool NavigatorEngine::align_as_given() {
     constexpr Duration tolerance{100'000};   // as near as a batch takes it
     const RunData& data = stream.data();
     const std::vector<ImuIncrement>& increments = data.imu.increments;
-    const auto first = std::ranges::find_if(increments, [&](const ImuIncrement& i) { return i.time > settings.start->nav.time + tolerance; });
+    const Time from = settings.start->nav.time + tolerance;
+    const auto first = std::ranges::find_if(increments, [&](const ImuIncrement& i) { return i.time > from; });
     if (first != increments.end()) {
         Start start = *settings.start;
         start.increment = static_cast<std::size_t>(first - increments.begin());
@@ -116,10 +117,12 @@ bool NavigatorEngine::align_as_given() {
     // what is before the start by more than a measurement may be is of no use
     const Time old = increments.back().time - Duration{1'000'000'000};
     const auto before = [&](const auto& list, auto time) {
-        return static_cast<std::size_t>(std::ranges::find_if(list, [&](const auto& x) { return std::invoke(time, x) >= old; }) - list.begin());
+        const auto at = std::ranges::find_if(list, [&](const auto& x) { return std::invoke(time, x) >= old; });
+        return static_cast<std::size_t>(at - list.begin());
     };
-    std::size_t increment = increments.size() - 1, event = before(data.events, &Event::valid), still = before(data.still.windows, &StillWindow::end);
-    std::size_t epoch = before(data.recording->ranges.epochs, &RangeEpoch::time), bridge = 0;
+    std::size_t increment = increments.size() - 1, bridge = 0;
+    std::size_t event = before(data.events, &Event::valid), epoch = before(data.recording->ranges.epochs, &RangeEpoch::time);
+    std::size_t still = before(data.still.windows, &StillWindow::end);
     for (std::size_t i = 0; i < event; ++i)
         if (data.events[i].kind == AidKind::Baro) baro_height_ = data.recording->baro[data.events[i].index].height;
     stream.judge_still(increments.back().time);
@@ -144,8 +147,12 @@ bool NavigatorEngine::align_by_samples() {
     for (; event < data.events.size() && data.events[event].valid <= now; ++event) {
         const Event& e = data.events[event];
         switch (e.kind) {
-            case AidKind::GnssPosition: start_up.add_position(recording.gnss[e.index], data.fix_noise[e.index], e.valid, e.components); break;
-            case AidKind::GnssVelocity: start_up.add_velocity(recording.gnss[e.index], data.fix_noise[e.index], e.components); break;
+            case AidKind::GnssPosition:
+                start_up.add_position(recording.gnss[e.index], data.fix_noise[e.index], e.valid, e.components);
+                break;
+            case AidKind::GnssVelocity:
+                start_up.add_velocity(recording.gnss[e.index], data.fix_noise[e.index], e.components);
+                break;
             case AidKind::Baro: baro_height_ = recording.baro[e.index].height; break;
             case AidKind::Mag: start_up.add_mag(C_bs * recording.mag[e.index].field_b, data.declination); break;
             case AidKind::Heading: start_up.add_heading(recording.heading[e.index]); break;
@@ -159,101 +166,6 @@ bool NavigatorEngine::align_by_samples() {
     start->increment = increments.size();   // one is left, which is over
     set_out(*start, baro_height_at(now));
     return true;
-}
-
-namespace {
-
-struct Fnv {
-    std::uint64_t hash = 14695981039346656037ULL;
-    void add(std::span<const std::byte> bytes) {
-        for (const std::byte b : bytes) hash = (hash ^ static_cast<std::uint64_t>(b)) * 1099511628211ULL;
-    }
-    template <class T>
-    void number(const T& x) {
-        add(std::as_bytes(std::span(&x, 1)));
-    }
-};
-
-/// Before the parts of a navigator.
-struct Header {
-    static constexpr std::uint64_t its_name = 0x56414e4c55484353;   // "SCHULNAV"
-    static constexpr std::uint64_t its_version = 1;
-    std::uint64_t name = its_name, version = its_version, settings = 0, size = 0, checksum = 0;
-};
-
-}  // namespace
-
-/// Tells settings apart by what the filter makes of them.
-std::uint64_t NavigatorEngine::fingerprint() const {
-    Fnv f;
-    const InertialModel& m = model();
-    const Settings& s = settings.filter;
-    for (const LayoutBlock& b : m.layout.blocks()) {
-        f.add(std::as_bytes(std::span(b.name)));
-        f.number(b.offset);
-    }
-    for (const StateProcess& p : m.process) f.number(p.decay), f.number(p.psd);
-    for (const double x : {m.gyro_psd, m.accel_psd, m.gyro_gain, m.accel_gain, m.clock_psd, m.drift_psd, settings.lag, settings.imu_interval,
-                           settings.still_delay, settings.longest_hole, settings.still.force_std, settings.still.rate_std, s.gnss.latency,
-                           s.gnss.velocity_latency.value_or(-1.0), s.gnss.height_latency.value_or(-1.0),
-                           s.gnss.velocity_down_latency.value_or(-1.0), s.gnss.std_scale, s.gnss.velocity_std_scale, s.baro.std,
-                           s.mag.heading_std, s.odometer.std, s.heading.std, s.aids.gate_probability, s.aids.constraint_rate, s.output_rate,
-                           settings.rates.gnss, settings.rates.baro, settings.rates.mag, settings.rates.odometer, settings.rates.heading,
-                           settings.rates.ranges})
-        f.number(x);
-    for (const Eigen::Vector3d& v : {s.gnss.lever_arm_b, s.imu.mounting_rpy, s.gnss.default_std_position, s.gnss.default_std_velocity})
-        for (int i = 0; i < 3; ++i) f.number(v(i));
-    for (const int x : {static_cast<int>(s.mechanization), static_cast<int>(s.loop), static_cast<int>(s.coupling), static_cast<int>(s.loose_kind),
-                        static_cast<int>(s.vehicle), static_cast<int>(s.imu.kind), static_cast<int>(s.imu.stamp), s.aggressive_parts,
-                        static_cast<int>(s.integrity.use), static_cast<int>(s.ranging.protection.use), static_cast<int>(s.aids.zero_velocity)})
-        f.number(x);
-    f.number(settings.rates.range_sources);
-    return f.hash;
-}
-
-void NavigatorEngine::archive_all(Archive& a) {
-    a(phase, given_, baro_height_, start_up.memory);
-    stream.archive(a);
-    a(events.memory.all, events.memory.first, events.memory.count, rows.memory.all, rows.memory.first, rows.memory.count);
-    archive_walk(a);
-}
-
-std::size_t NavigatorEngine::save(std::span<std::byte> bytes) const {
-    auto& self = const_cast<NavigatorEngine&>(*this);   // one function for both ways; writing changes nothing
-    Archive measure(Archive::Way::Measure, {});
-    self.archive_all(measure);
-    const std::size_t size = sizeof(Header) + measure.at;
-    if (bytes.size() < size) return size;
-    const std::span<std::byte> payload = bytes.subspan(sizeof(Header), measure.at);
-    Archive write(Archive::Way::Write, payload);
-    self.archive_all(write);
-    Header header;
-    header.settings = fingerprint();
-    header.size = measure.at;
-    Fnv f;
-    f.add(payload);
-    header.checksum = f.hash;
-    std::memcpy(bytes.data(), &header, sizeof header);
-    return size;
-}
-
-RestoreStatus NavigatorEngine::restore(std::span<const std::byte> bytes) {
-    Header header;
-    if (bytes.size() < sizeof header) return RestoreStatus::TooShort;
-    std::memcpy(&header, bytes.data(), sizeof header);
-    if (header.name != Header::its_name) return RestoreStatus::Foreign;
-    if (header.version != Header::its_version) return RestoreStatus::OtherVersion;
-    if (header.settings != fingerprint()) return RestoreStatus::OtherSettings;
-    if (bytes.size() - sizeof header < header.size) return RestoreStatus::TooShort;
-    const std::span<const std::byte> payload = bytes.subspan(sizeof header, header.size);
-    Fnv f;
-    f.add(payload);
-    if (f.hash != header.checksum) return RestoreStatus::Damaged;
-    Archive read(Archive::Way::Read, {const_cast<std::byte*>(payload.data()), payload.size()});
-    archive_all(read);
-    if (read.good && read.at == payload.size()) return RestoreStatus::Restored;
-    restart();   // bytes that agree with their sum and do not fit: of a machine of another kind
-    return RestoreStatus::Damaged;
 }
 
 namespace {
@@ -273,12 +185,13 @@ public:
 
     std::optional<NavigatorState> state() override {
         if (!running()) return std::nullopt;
-        if (stream.reordered() || changed_ || model_.loop != Loop::Closed || ahead_.time() < walk_.filter.time()) ahead_ = walk_.filter;
+        if (stream.reordered() || changed_ || model_.loop != Loop::Closed || ahead_.time() < walk_.filter.time())
+            ahead_ = walk_.filter;
         changed_ = false;
         stream.ahead(walk_.increment, [&](const ImuIncrement& increment, const BridgeNoise& noise) {
             if (increment.time <= ahead_.time()) return;
             estim::Transition phi;
-            if (ahead_.gathered.time > 0.0 && ahead_.gathered.time + increment.dt > longest_span) (void)ahead_.propagate_covariance(model_, phi);
+            if (ahead_.gathered.time + increment.dt > longest_span) (void)ahead_.propagate_covariance(model_, phi);
             ahead_.propagate(model_, increment, noise);
         });
         return state_of(ahead_);

@@ -27,13 +27,13 @@ bool is_place(const Geodetic& p) { return std::isfinite(p.lat) && std::isfinite(
 
 bool StartUp::stands() const { return memory.still >= 1.0 && (memory.now - memory.still_end).seconds() < 0.7; }
 
-double StartUp::yaw_in_level() const { return math::rpy_from_quaternion(memory.q_lb).z(); }
+double StartUp::yaw_in_level() const { return math::rpy_from_quaternion(memory.q_wb).z(); }
 
-Vector3d StartUp::lever_l() const { return memory.q_lb * settings_.filter.gnss.lever_arm_b; }
+Vector3d StartUp::lever_w() const { return memory.q_wb * settings_.filter.gnss.lever_arm_b; }
 
 void StartUp::level_by(const Vector3d& force_b, double std, bool at_rest) {
     if (!(force_b.norm() > 0.5 * units::g0)) return;
-    memory.q_lb = ins::attitude_from_specific_force(force_b, Vector3d(0.0, 0.0, -1.0), 0.0);
+    memory.q_wb = ins::attitude_from_specific_force(force_b, Vector3d(0.0, 0.0, -1.0), 0.0);
     memory.std_level = std;
     memory.level = true;
     memory.level_at_rest = at_rest;
@@ -76,10 +76,10 @@ void StartUp::add(const ImuIncrement& inc, bool interpolated) {
     if (!m.level) return;
     const Vector3d turn = inc.dtheta - m.gyro_bias * inc.dt;
     const Quaterniond half = math::quaternion_from_rotation_vector(0.5 * turn);
-    const Vector3d dv = (m.q_lb * half) * (inc.dv - settings_.filter.initial.accel_bias * inc.dt) + Vector3d(0.0, 0.0, units::g0 * inc.dt);
-    m.q_lb = (m.q_lb * half * half).normalized();
-    m.fit.p_l += (m.fit.v_l + 0.5 * dv) * inc.dt;
-    m.fit.v_l += dv;
+    const Vector3d dv = (m.q_wb * half) * (inc.dv - settings_.filter.initial.accel_bias * inc.dt) + Vector3d(0.0, 0.0, units::g0 * inc.dt);
+    m.q_wb = (m.q_wb * half * half).normalized();
+    m.fit.p_w += (m.fit.v_w + 0.5 * dv) * inc.dt;
+    m.fit.v_w += dv;
     if ((m.now - m.fit.since).seconds() > longest_fit) {
         if (m.level_at_rest) m.std_level = std::hypot(m.std_level, m.std_gyro_bias * longest_fit);
         begin_fit();
@@ -145,7 +145,7 @@ void StartUp::add_position(const GnssFix& fix, const FixNoise& noise, Time valid
     }
     const Vector3d ned = earth::ned_difference(settings_.filter.earth, m.position, f.origin);
     const double t = (m.now - f.since).seconds();
-    const Vector3d p = f.p_l + lever_l();
+    const Vector3d p = f.p_w + lever_w();
     Unknowns north, east;
     north << p.x(), -p.y(), 0.5 * t * t, 0.0, t, 0.0, 1.0, 0.0;
     east << p.y(), p.x(), 0.0, 0.5 * t * t, 0.0, t, 0.0, 1.0;
@@ -168,7 +168,7 @@ void StartUp::add_velocity(const GnssFix& fix, const FixNoise& noise, std::uint8
     Fit& f = m.fit;
     const double t = (m.now - f.since).seconds();
     const Vector3d rate = m.last.dtheta / m.last.dt - m.gyro_bias;
-    const Vector3d v = f.v_l + m.q_lb * rate.cross(settings_.filter.gnss.lever_arm_b);
+    const Vector3d v = f.v_w + m.q_wb * rate.cross(settings_.filter.gnss.lever_arm_b);
     Unknowns north, east;
     north << v.x(), -v.y(), t, 0.0, 1.0, 0.0, 0.0, 0.0;
     east << v.y(), v.x(), 0.0, t, 0.0, 1.0, 0.0, 0.0;
@@ -203,8 +203,8 @@ void StartUp::solve() {
     const Eigen::Vector2d tilt(x(3) / g, -x(2) / g);   // phi_N = b_E/g, phi_E = -b_N/g
     const double psi = std::atan2(x(1), x(0));
     if (tilt.norm() > 3.0 * units::deg && !m.level_at_rest) {   // level anew, within what is linear, and gather again
-        const Vector3d phi_l = Eigen::AngleAxisd(-psi, Vector3d::UnitZ()) * Vector3d(tilt.x(), tilt.y(), 0.0);
-        m.q_lb = (math::quaternion_from_rotation_vector(phi_l) * m.q_lb).normalized();
+        const Vector3d phi_w = Eigen::AngleAxisd(-psi, Vector3d::UnitZ()) * Vector3d(tilt.x(), tilt.y(), 0.0);
+        m.q_wb = (math::quaternion_from_rotation_vector(phi_w) * m.q_wb).normalized();
         m.std_level = std::max(1.0 * units::deg, 0.2 * tilt.norm());
         m.has_heading = false;
         begin_fit();
@@ -253,7 +253,10 @@ bool StartUp::can_gyrocompass() const {
     return settings_.filter.imu.errors.gyro_initial_bias() < 0.1 * horizontal_rate && std::abs(lat) < 89.0 * units::deg;
 }
 
-Geodetic StartUp::start_place() const { return is_place(settings_.filter.initial.position) ? settings_.filter.initial.position : memory.position; }
+Geodetic StartUp::start_place() const {
+    const Geodetic& given = settings_.filter.initial.position;
+    return is_place(given) ? given : memory.position;
+}
 
 void StartUp::add_mag(const Vector3d& field_b, double declination) {
     Memory& m = memory;
@@ -261,7 +264,7 @@ void StartUp::add_mag(const Vector3d& field_b, double declination) {
     constexpr double patience = 20.0;   // s
     if (!m.level || m.has_heading || phase() == Phase::Gyrocompassing) return;
     if (!stands() && (m.now - m.first).seconds() < patience) return;
-    const Vector3d rpy = math::rpy_from_quaternion(m.q_lb);
+    const Vector3d rpy = math::rpy_from_quaternion(m.q_wb);
     found(ins::heading_from_magnetometer(field_b, rpy.x(), rpy.y(), declination), settings_.filter.mag.bias_std);
 }
 
@@ -341,7 +344,7 @@ std::optional<Start> StartUp::ready() const {
     if (given.rpy.allFinite() && (given.velocity_n.allFinite() || m.has_velocity || stands()))
         return start_with(math::quaternion_from_rpy(given.rpy), Vector3d(3.0, 3.0, 5.0) * units::deg);
     if (!m.level) return std::nullopt;
-    const Vector3d rpy = math::rpy_from_quaternion(m.q_lb);
+    const Vector3d rpy = math::rpy_from_quaternion(m.q_wb);
     const double std_level = m.level_at_rest ? m.std_level : std::max(3.0 * units::deg, m.std_level);
     const auto with_heading = [&](double heading, double std) {
         return start_with(math::quaternion_from_rpy(Vector3d(rpy.x(), rpy.y(), heading)), Vector3d(std_level, std_level, std));

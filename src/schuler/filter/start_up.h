@@ -14,9 +14,9 @@ namespace schuler::filter {
 /// Takes increments, windows of standing still and measurements in order of time and says when a start is known, and which.
 ///
 /// Standing: roll and pitch from the mean specific force, the gyro biases from the mean rate where they are larger than the Earth's
-/// rate, heading by gyrocompassing where they are small against it. Moving: a level frame of unknown heading psi is kept by the gyros;
-/// velocity and position gathered in it fit those of the receiver,
-///     v_n(t) = R(psi) v_l(t) + b t + v0,   p_n(t) = R(psi) p_l(t) + b t^2/2 + v0 t + p0,
+/// rate, heading by gyrocompassing where they are small against it. Moving: the gyros keep a level frame w whose azimuth psi
+/// is unknown; velocity and position gathered in it fit those of the receiver,
+///     v_n(t) = R(psi) v_w(t) + b t + v0,   p_n(t) = R(psi) p_w(t) + b t^2/2 + v0 t + p0,
 /// linear in (cos psi, sin psi, b, v0, p0), where b is what a tilt makes of gravity; velocity matching [Groves2013:5.6], by least squares.
 /// That cos^2 + sin^2 comes out as one shows that the inertial unit and the receiver speak of the same motion.
 class StartUp {
@@ -48,7 +48,7 @@ public:
         Unknowns y = Unknowns::Zero();
         double sum2 = 0.0;                        ///< of the normalised measurements
         int rows = 0;
-        Eigen::Vector3d v_l = Eigen::Vector3d::Zero(), p_l = Eigen::Vector3d::Zero();   ///< gathered
+        Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), p_w = Eigen::Vector3d::Zero();   ///< gathered
         bool has_origin = false;
         Geodetic origin{};
     };
@@ -64,7 +64,7 @@ public:
         Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();   ///< sums over it
         // level frame
         bool level = false, level_at_rest = false;
-        Eigen::Quaterniond q_lb = Eigen::Quaterniond::Identity();
+        Eigen::Quaterniond q_wb = Eigen::Quaterniond::Identity();
         double std_level = 0.0;                   ///< rad
         Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
         double std_gyro_bias = 0.0;
@@ -97,7 +97,7 @@ private:
     [[nodiscard]] bool stands() const;
     [[nodiscard]] bool can_gyrocompass() const;
     [[nodiscard]] Geodetic start_place() const;
-    [[nodiscard]] Eigen::Vector3d lever_l() const;
+    [[nodiscard]] Eigen::Vector3d lever_w() const;
     [[nodiscard]] Start start_with(const Eigen::Quaterniond& q_nb, const Eigen::Vector3d& std_rpy) const;
 
     const NavigatorSettings& settings_;

@@ -20,6 +20,8 @@ namespace schuler::filter {
 /// measurements that are valid by then. What comes out does not depend on the order in which samples came.
 class StreamTimeline {
 public:
+    static constexpr double most_ahead = 5.0;   ///< s that a measurement may be ahead of the IMU
+
     /// Settings are kept by reference. Takes all memory.
     explicit StreamTimeline(const NavigatorSettings& settings);
     StreamTimeline(const StreamTimeline&) = delete;

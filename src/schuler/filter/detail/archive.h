@@ -145,7 +145,7 @@ SCHULER_ARCHIVED(StillWindow, end, length, rate, force)
 SCHULER_ARCHIVED(FixNoise, position, velocity, white_position, white_velocity)
 SCHULER_ARCHIVED(StillSlot, end, dt, n, rate, force, rate2, force2, rate_std, force_std, rate_norm, speed)
 SCHULER_ARCHIVED(IntervalMaker::Memory, begun, sample, end)
-SCHULER_ARCHIVED(HangWatch::Memory, begun, gyro, accel, gyro_run, accel_run, samples, repeats)
+SCHULER_ARCHIVED(HangWatch::Memory, begun, gyro, accel, gyro_run, accel_run, samples, fresh, repeats)
 SCHULER_ARCHIVED(Agitation, rate2, force2)
 SCHULER_ARCHIVED(RecentMotion::Motion, rate, force)
 SCHULER_ARCHIVED(RecentMotion::Memory, last, next, filled, rate, force, rate2, force2, sum, seconds)
@@ -154,8 +154,8 @@ SCHULER_ARCHIVED(FeedCounters, by_status, reordered, holes, restarts, events_los
 SCHULER_ARCHIVED(NavigatorEvent, time, kind, phase, source, status, aid, aid_status, test, seconds)
 SCHULER_ARCHIVED(StreamTimeline::Memory, any_imu, newest, last_settled, released, stranger, strangers, has_before, before, slots_start,
                  first_slot, current_slot, next_judged, moved, has_precise, precise, precise_time, order_changed)
-SCHULER_ARCHIVED(StartUp::Fit, since, N, y, sum2, rows, v_l, p_l, has_origin, origin)
-SCHULER_ARCHIVED(StartUp::Memory, any, now, first, last, recent_dv, recent_time, still, still_end, rate, force, level, at_rest, q_lb,
+SCHULER_ARCHIVED(StartUp::Fit, since, N, y, sum2, rows, v_w, p_w, has_origin, origin)
+SCHULER_ARCHIVED(StartUp::Memory, any, now, first, last, recent_dv, recent_time, still, still_end, rate, force, level, at_rest, q_wb,
                  std_level, gyro_bias, std_gyro_bias, rest_bias, fit, has_position, has_velocity, position, position_time, std_position,
                  velocity, std_velocity, has_height, velocity_given, velocity_time, has_heading, psi, std_heading, tilt, std_tilt)
 
