@@ -29,6 +29,10 @@ bool StartUp::stands() const { return memory.still >= 1.0 && (memory.now - memor
 
 double StartUp::yaw_in_level() const { return math::rpy_from_quaternion(memory.q_wb).z(); }
 
+double StartUp::least_tilt() const {
+    return std::max(0.2 * units::deg, 1.5 * settings_.filter.imu.errors.accel_initial_bias() / units::g0);
+}
+
 Vector3d StartUp::lever_w() const { return memory.q_wb * settings_.filter.gnss.lever_arm_b; }
 
 void StartUp::level_by(const Vector3d& force_b, double std, bool at_rest) {
@@ -99,7 +103,7 @@ void StartUp::add_still(const StillWindow& w) {
     if (m.still < 1.0) return;
     const sensor::ImuErrorModel& imu = settings_.filter.imu.errors;
     const Vector3d force = m.force / m.still - settings_.filter.initial.accel_bias;
-    level_by(force, std::max(0.2 * units::deg, 1.5 * imu.accel_initial_bias() / units::g0), true);
+    level_by(force, least_tilt(), true);
     const double w_ie = settings_.filter.earth.ellipsoid.w_ie;
     m.gyro_bias = settings_.filter.initial.gyro_bias;
     m.std_gyro_bias = imu.gyro_initial_bias();
@@ -356,7 +360,7 @@ std::optional<Start> StartUp::ready() const {
     // the fit has found a tilt as well: C_true = (I + [phi x]) C
     const Quaterniond q_nb = math::quaternion_from_rpy(Vector3d(rpy.x(), rpy.y(), heading));
     const Vector3d phi(m.tilt.x(), m.tilt.y(), 0.0);
-    const double tilt = std::max(3.0 * m.std_tilt.maxCoeff(), 0.3 * units::deg);
+    const double tilt = std::max(3.0 * m.std_tilt.maxCoeff(), least_tilt());   // a bias of the accelerometers looks the same
     return start_with((math::quaternion_from_rotation_vector(phi) * q_nb).normalized(), Vector3d(tilt, tilt, m.std_heading));
 }
 

@@ -95,6 +95,8 @@ private:
     void found(double heading, double std);
     [[nodiscard]] double yaw_in_level() const;
     [[nodiscard]] bool stands() const;
+    /// What a level by the accelerometers may be off by, one sigma, rad.
+    [[nodiscard]] double least_tilt() const;
     [[nodiscard]] bool can_gyrocompass() const;
     [[nodiscard]] Geodetic start_place() const;
     [[nodiscard]] Eigen::Vector3d lever_w() const;
