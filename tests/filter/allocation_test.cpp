@@ -204,6 +204,12 @@ TEST(Allocation, NoneInTheRareWays) {
         if (s.time.seconds() > 1040.0 && s.time.seconds() < 1040.5) s.gyro = Vector3d::Constant(0.01), s.accel = Vector3d(0, 0, -9.8);
     for (std::size_t i = 0; i < car.recording.gnss.size(); i += 7) car.recording.gnss[i].position.lat += 1e-4;
     EXPECT_EQ(allocations_of_a_stream(car.recording, car.settings), 0);
+    // disputes between the receiver and the navigation, with and without integrity control
+    StreamLog disputed = disputed_log(14);
+    EXPECT_EQ(allocations_of_a_stream(disputed.recording, disputed.settings), 0);
+    disputed.settings.integrity.use = true;
+    disputed.settings.integrity.window = 10.0;
+    EXPECT_EQ(allocations_of_a_stream(disputed.recording, disputed.settings), 0);
 }
 
 TEST(Allocation, IsCounted) {

@@ -77,6 +77,27 @@ TEST(Navigator, IsTheBatchWithIntegrityPartsAndOpenLoop) {
     }
 }
 
+TEST(Navigator, DisputesAreThoseOfTheBatch) {
+    const StreamLog log = disputed_log(14);
+    const Batch batch = run_batch(log.recording, log.settings);
+    const NavigatorSettings n = stream_settings(log.recording, log.settings, batch);
+    Navigator whole = made(n), first = made(n), second = made(n);
+    const std::vector<Sample> samples = samples_of(log.recording);
+    const std::vector<SolutionRow> rows = stream(whole, samples, {});
+    EXPECT_EQ(same_bits(rows, batch.rows), rows.size());
+    std::size_t reconsidered = 0;
+    while (const std::optional<NavigatorEvent> e = whole.poll()) reconsidered += e->kind == NavigatorEvent::Kind::Reconsidered ? 1u : 0u;
+    EXPECT_GT(reconsidered, 0u);
+    // saved while two hypotheses go side by side
+    const auto cut = std::ranges::find_if(samples, [](const Sample& s) { return s.arrival.seconds() > 1093.2; });
+    (void)stream(first, {samples.begin(), cut}, {});
+    ASSERT_EQ(second.restore(first.save()), RestoreStatus::Restored);
+    const std::vector<SolutionRow> a = stream(first, {cut, samples.end()}, {}), b = stream(second, {cut, samples.end()}, {});
+    EXPECT_GT(a.size(), 100u);
+    EXPECT_EQ(b.size(), a.size());
+    EXPECT_EQ(same_bits(a, b), a.size());
+}
+
 TEST(Navigator, RefusesBadSamplesUnharmed) {
     const StreamLog log = car_log(7);
     const Batch batch = run_batch(log.recording, log.settings);

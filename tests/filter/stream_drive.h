@@ -50,6 +50,24 @@ inline StreamLog car_log(std::uint64_t seed, double duration = 50.0) {
     return log;
 }
 
+/// A receiver that jumps, one that is dragged away, and a unit whose bias jumps: the hypotheses about who is wrong come and go.
+inline StreamLog disputed_log(std::uint64_t seed) {
+    StreamLog log = car_log(seed, 120.0);
+    for (GnssFix& f : log.recording.gnss) {
+        const double t = f.time.seconds() - 1000.0;
+        if (t > 60.0 && t < 75.0) f.position.lat += 1e-6 * (t - 60.0);
+        if (t > 35.0 && t < 40.0) f.position.lon += 4e-6;
+    }
+    for (ImuSample& s : log.recording.imu) {
+        const double t = s.time.seconds() - 1000.0;
+        if (t > 90.0 && t < 91.5) {
+            s.accel += Eigen::Vector3d(0.0, 8.0, 0.0);
+            s.gyro += Eigen::Vector3d(0.0, 0.0, 0.5);
+        }
+    }
+    return log;
+}
+
 /// The batch: its data, its start and its rows.
 struct Batch {
     RunData data;
@@ -82,6 +100,7 @@ inline Batch run_batch(const Recording& recording, const Settings& settings, dou
     RunData& data = batch.data;
     data.recording = &recording;
     data.imu = make_imu_timeline(recording.imu, settings.imu, unheard);
+    if (data.imu.gaps == 0) data.imu.bridges.clear();   // what only a whole log makes doubtful
     set_limits(data, settings);
     data.events = make_events(recording, settings, Time{}, unheard);
     data.fix_noise = fix_noise(recording, settings.gnss, unheard);

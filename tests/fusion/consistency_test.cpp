@@ -117,7 +117,7 @@ TEST(Consistency, ScaleErrorsAndMisalignmentsAreStatesOrWouldLie) {
     const double with = attitude_nees(true), without = attitude_nees(false);
     EXPECT_GT(with, 1.7);
     EXPECT_LT(with, 4.8);
-    EXPECT_GT(without, 10.0);
+    EXPECT_GT(without, 6.0);   // not more, for fixes that are refused open the covariance
 }
 
 }  // namespace

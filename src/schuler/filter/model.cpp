@@ -178,11 +178,17 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
     const Layout& L = model.layout;
     std::vector<Shadow<Frame>> shadows = std::move(walk.shadows);
     std::vector<FaultHypothesis> hypotheses = std::move(walk.ranges.watch.all);
+    std::vector<Opening> openings = std::move(walk.openings);
+    AtMostOne<Rival<Frame>> rival = std::move(walk.rival);
     shadows.clear();
     hypotheses.clear();
+    openings.clear();
+    rival.clear();
     walk = {};
     walk.shadows = std::move(shadows);
     walk.ranges.watch.all = std::move(hypotheses);
+    walk.openings = std::move(openings);
+    walk.rival = std::move(rival);
     InertialFilter<Frame>& f = walk.filter;
     f = InertialFilter<Frame>(model);
     f.set_nav(Frame::from_geographic(model.earth, start.nav));

@@ -127,7 +127,7 @@ bool NavigatorEngine::align_as_given() {
         if (data.events[i].kind == AidKind::Baro) baro_height_ = data.recording->baro[data.events[i].index].height;
     stream.judge_still(increments.back().time);
     while (bridge < data.imu.bridges.size() && data.imu.bridges[bridge].last < increment) ++bridge;
-    stream.forget({increment, event, epoch, still, bridge}, true);
+    (void)stream.forget({increment, event, epoch, still, bridge}, true);
     return false;
 }
 
@@ -160,7 +160,7 @@ bool NavigatorEngine::align_by_samples() {
         }
     }
     while (epoch < recording.ranges.epochs.size() && recording.ranges.epochs[epoch].time <= now) ++epoch;
-    stream.forget({increment, event, epoch, still, bridge}, true);
+    (void)stream.forget({increment, event, epoch, still, bridge}, true);
     std::optional<Start> start = start_up.ready();
     if (!start) return false;
     start->increment = increments.size();   // one is left, which is over
@@ -176,11 +176,14 @@ public:
     explicit EngineIn(const NavigatorSettings& s)
         : NavigatorEngine(s),
           model_(make_model(settings.filter, layout_with(settings.filter, sensors_of(settings.rates)))),
-          pass_(model_, stream.data(), settings.filter),
+          pass_(model_, stream.data(), settings.filter, Rivalry::Contest),
           still_delay_(Duration::from_seconds(s.still_delay)) {
-        walk_.shadows.reserve(2);
-        if (uses_ranges(settings.filter.coupling) && settings.filter.ranging.protection.use)
-            walk_.ranges.watch.all.reserve((FaultWatch::most_ages + 1) * settings.rates.range_sources);
+        const bool watched = uses_ranges(settings.filter.coupling) && settings.filter.ranging.protection.use;
+        for (Walk<Frame>* w : {&walk_, &walk_.rival.room().walk}) {
+            w->shadows.reserve(2);
+            w->openings.reserve(4);
+            if (watched) w->ranges.watch.all.reserve((FaultWatch::most_ages + 1) * settings.rates.range_sources);
+        }
     }
 
     std::optional<NavigatorState> state() override {
@@ -194,10 +197,10 @@ public:
             if (ahead_.gathered.time + increment.dt > longest_span) (void)ahead_.propagate_covariance(model_, phi);
             ahead_.propagate(model_, increment, noise);
         });
-        return state_of(ahead_);
+        return state_of(ahead_, walk_.undecided(model_));
     }
     std::optional<NavigatorState> lagged() const override {
-        return running() ? std::optional<NavigatorState>(state_of(walk_.filter)) : std::nullopt;
+        return running() ? std::optional<NavigatorState>(state_of(walk_.filter, walk_.undecided(model_))) : std::nullopt;
     }
     std::optional<SensorErrorRow> sensor_errors() const override {
         if (!running()) return std::nullopt;
@@ -208,11 +211,14 @@ public:
 private:
     static Sensors sensors_of(const FeedRates& r) { return {r.baro > 0.0, r.mag > 0.0, r.odometer > 0.0, r.heading > 0.0}; }
 
-    NavigatorState state_of(const InertialFilter<Frame>& f) const { return {f.geographic(model_), f.local_covariance(model_)}; }
+    NavigatorState state_of(const InertialFilter<Frame>& f, const Matrix9& undecided) const {
+        return {f.geographic(model_), f.local_covariance(model_) + undecided};
+    }
 
     void set_out(const Start& start, double baro_height) override {
         filter::set_out(walk_, model_, settings.filter, start, baro_height);
         next_all_states_ = walk_.filter.time();
+        sides_changed_ = 0;
         changed_ = true;
     }
 
@@ -228,18 +234,50 @@ private:
         } catch (const Error&) {   // it is no longer a number
             return false;
         }
-        stream.forget({walk_.increment, walk_.event, walk_.epoch, walk_.still, walk_.bridge}, false);
+        if (walk_.sides_changed != sides_changed_) {
+            sides_changed_ = walk_.sides_changed;
+            changed_ = true;
+            NavigatorEvent e;
+            e.time = walk_.filter.time();
+            e.kind = NavigatorEvent::Kind::Reconsidered;
+            tell(e);
+        }
+        forget_consumed();
         return true;
     }
 
-    void archive_walk(Archive& a) override { a(walk_, ahead_, changed_, next_all_states_); }
+    /// What both hypotheses of the walk have behind them.
+    void forget_consumed() {
+        const auto places = [](const Walk<Frame>& w) {
+            return StreamTimeline::Places{w.increment, w.event, w.epoch, w.still, w.bridge};
+        };
+        StreamTimeline::Places p = places(walk_);
+        Walk<Frame>* other = walk_.rival.empty() ? nullptr : &walk_.rival.front().walk;
+        if (other != nullptr) {
+            const StreamTimeline::Places q = places(*other);
+            p = {std::min(p.increment, q.increment), std::min(p.event, q.event), std::min(p.epoch, q.epoch), std::min(p.still, q.still),
+                 std::min(p.bridge, q.bridge)};
+        }
+        p = stream.forget(p, false);
+        for (Walk<Frame>* w : {&walk_, other}) {
+            if (w == nullptr) continue;
+            w->increment -= p.increment;
+            w->event -= p.event;
+            w->epoch -= p.epoch;
+            w->still -= p.still;
+            w->bridge -= p.bridge;
+            w->openings.clear();   // which are for the smoother
+        }
+    }
+
+    void archive_walk(Archive& a) override { a(walk_, ahead_, changed_, next_all_states_, sides_changed_); }
 
     // what happens on the walk
     void scalar(const estim::RowUpdate&) override { changed_ = true; }
     void ranges(const Walk<Frame>&, const RangeEpoch&) override { changed_ = true; }
     bool wants_all_states(Time time) const override { return time >= next_all_states_; }
-    void output(const InertialFilter<Frame>& f, Time time) override {
-        add_row(solution_row(f.geographic(model_), f.local_covariance(model_)));
+    void output(const Walk<Frame>& walk, Time time) override {
+        add_row(solution_row(walk.filter.geographic(model_), walk.covariance(model_)));
         while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};   // as a batch keeps them
     }
     void aid(const AidRecord& r) override {
@@ -268,6 +306,7 @@ private:
     Walk<Frame> walk_;
     InertialFilter<Frame> ahead_;      // the filter carried on to the newest sample
     bool changed_ = true;              // the walk was corrected since
+    int sides_changed_ = 0;
     Time next_all_states_{};
 };
 

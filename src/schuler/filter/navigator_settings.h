@@ -73,6 +73,7 @@ struct NavigatorEvent {
         Hang,         ///< the IMU repeats itself
         Aid,          ///< a measurement `aid` was not used: `aid_status`
         Alert,        ///< of the integrity monitor: `aid`, `test`
+        Reconsidered, ///< of two hypotheses about refused fixes, the navigation or the receiver wrong, the other one is believed now
         Diverged,     ///< the computation lost its numbers: it begins anew
         Restarted     ///< the axis of time went on elsewhere: it begins anew
     };

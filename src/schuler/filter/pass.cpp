@@ -50,10 +50,13 @@ bool in_outage(const Settings& settings, Time origin, Time t) {
 }  // namespace
 
 template <class Frame>
-Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Settings& settings)
+Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Settings& settings, Rivalry rivalry,
+                  std::vector<Opening> openings)
     : model_(model),
       data_(data),
       settings_(settings),
+      rivalry_(rivalry),
+      openings_(std::move(openings)),
       range_test_(uses_ranges(settings.coupling) ? RangeTest(settings.aids.gate_probability, settings.aids.recovery_time) : RangeTest{}),
       update_with_ranges_(model, settings.ranging, settings.gnss.lever_arm_b, range_test_) {
     if (settings.ranging.protection.use) range_test_.watch = ProtectionLimits(settings.ranging.protection).test;
@@ -117,6 +120,7 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
         const BridgeNoise noise = bridged ? data_.imu.bridges[walk.bridge].noise : BridgeNoise{};
         const ImuIncrement inc = run_to_events(walk, data_.imu.increments[walk.increment], noise, observer);
         if (inc.dt > 0.0) step(walk, inc, noise, observer);
+        if (bridged) walk.suspect = walk.filter.time();
         if (settings_.loose_kind == LooseKind::Aggressive) carry_on(walk, observer);
         constrain(walk, observer);
         if (model_.loop == Loop::Mixed && inc.time >= walk.next_feedback) {
@@ -129,9 +133,10 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
             }
             walk.next_feedback = inc.time + walk.feedback_period;
         }
+        if (rivalry_ != Rivalry::None) contest(walk, observer);
         if (inc.time >= walk.next_output) {
             if (model_.loop != Loop::Closed || observer.wants_all_states(inc.time)) propagate_covariance(walk, observer);
-            observer.output(walk.filter, inc.time);
+            observer.output(walk, inc.time);
             ++walk.outputs;
             if (output_step.ns > 0)
                 while (walk.next_output <= inc.time) walk.next_output = walk.next_output + output_step;
@@ -191,44 +196,15 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
     }
 }
 
-namespace {
-
-/// u u^T of the vertical u in the axes of the filter's attitude errors; the geocentric one will do.
-Eigen::Matrix3d down_axis(const InertialFilter<GeographicFrame>&) { return Eigen::Vector3d::UnitZ() * Eigen::RowVector3d::UnitZ(); }
-Eigen::Matrix3d down_axis(const InertialFilter<EarthFixedFrame>& f) {
-    const Eigen::Vector3d up = f.nav.position.r.normalized();
-    return up * up.transpose();
-}
-
-}  // namespace
-
 template <class Frame>
 void Pass<Frame>::recover(Walk<Frame>& walk, Channel channel, const Measurement& local) const {
     // The estimate is wrong by about the innovation: say so in the covariance, isotropically, and in what may have caused it.
-    const double size2 = local.innovation.squaredNorm();
-    auto& P = walk.filter.P;
     if (channel.kind == AidKind::Baro && model_.layout.baro_bias >= 0) {
-        P(model_.layout.baro_bias, model_.layout.baro_bias) += size2;
+        walk.filter.P(model_.layout.baro_bias, model_.layout.baro_bias) += local.innovation.squaredNorm();
         return;
     }
-    // Since when, and by what velocity: a tilt e makes g e T of it, a heading error that much of the speed. Where attitude was lost (a
-    // hole or fault of the inertial unit), the biases learnt since are wrong as well and begin anew.
     const GateState& gate = walk.gates[channel.gate()];
-    const double span = std::max(1.0, (walk.filter.time() - gate.since).seconds());
-    const bool position = channel.kind == AidKind::GnssPosition;
-    const double faster2 = position ? std::max(size2 / (span * span), gate.rate.squaredNorm()) : size2;
-    if (position) P.diagonal().template segment<3>(Layout::position).array() += size2;
-    P.diagonal().template segment<3>(Layout::velocity).array() += faster2;
-    if (settings_.coupling == Coupling::Separate) return;   // which estimates neither attitude nor biases
-    constexpr double most_tilt = 0.3, most_heading = 1.0;   // rad: beyond them the filter is not linear
-    const double speed2 = std::max(1.0, walk.filter.geographic(model_).v_eb_n.squaredNorm());
-    const double tilt2 = std::min(most_tilt * most_tilt, faster2 / std::pow(units::g0 * span, 2));
-    const double heading2 = std::min(most_heading * most_heading, faster2 / speed2);
-    const Eigen::Matrix3d down = down_axis(walk.filter);
-    P.template block<3, 3>(Layout::attitude, Layout::attitude) += tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down;
-    const auto reopen = [&P](int offset, double sigma) { P.diagonal().template segment<3>(offset).array() += sigma * sigma; };
-    reopen(Layout::gyro_bias, settings_.imu.errors.gyro_initial_bias());
-    reopen(Layout::accel_bias, settings_.imu.errors.accel_initial_bias());
+    open(walk, {walk.increment, local.innovation, gate.rate, (walk.filter.time() - gate.since).seconds(), channel.kind == AidKind::GnssPosition});
 }
 
 template <class Frame>
@@ -264,6 +240,12 @@ AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Meas
         const Examined examined{kind, record.time, m.innovation, used, record.sigma.squaredNorm()};
         record.status = examine(walk, channel, record, examined, observer);
         if (record.status == AidStatus::Accepted && !use(walk, channel, local, m, stamp, observer)) record.status = AidStatus::Withheld;
+        return record;
+    }
+    if (contests(kind)) {
+        Measurement moved = local, own = m;
+        record.status = judge(walk, channel, record, moved, own);
+        if (record.status == AidStatus::Accepted && !use(walk, channel, moved, own, stamp, observer)) record.status = AidStatus::Withheld;
         return record;
     }
     const GateDecision decision = decide(walk.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);

@@ -2,11 +2,13 @@
 // start-up trials and for the smoother's replays; who wants to know what happens observes it.
 #pragma once
 
+#include "schuler/filter/at_most_one.h"
 #include "schuler/filter/gate.h"
 #include "schuler/filter/inertial_filter.h"
 #include "schuler/filter/integrity.h"
 #include "schuler/filter/measurement/measurement.h"
 #include "schuler/filter/range_update.h"
+#include "schuler/filter/refused_fixes.h"
 #include "schuler/filter/result.h"
 #include "schuler/filter/settings.h"
 #include "schuler/filter/timeline.h"
@@ -35,15 +37,38 @@ struct Channel {
 
     AidKind kind;
     bool vertical_only = false;
+    std::uint8_t components = 7;
 
-    Channel(AidKind kind_, std::uint8_t components = 7) : kind(kind_), vertical_only(components == 4) {}
+    Channel(AidKind kind_, std::uint8_t components_ = 7) : kind(kind_), vertical_only(components_ == 4), components(components_) {}
     [[nodiscard]] std::size_t gate() const {
         const auto k = static_cast<std::size_t>(kind);
         return vertical_only && k < 2 ? measurement_kinds + k : k;
     }
+    /// Of a receiver's position or velocity: its place in Walk::fixes.
+    [[nodiscard]] std::size_t fix() const { return (kind == AidKind::GnssVelocity ? 1u : 0u) + (vertical_only ? 2u : 0u); }
 };
 
-/// A place on the walk with everything needed to go on from there; plain and copyable.
+/// "The navigation was wrong": its covariance is opened at the end of an increment by what the refused fixes say.
+struct Opening {
+    std::size_t increment = 0;
+    Eigen::Vector3d innovation = Eigen::Vector3d::Zero();   ///< NED, m or m/s
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();         ///< of it, per second
+    double span = 1.0;                   ///< s since the last fix that fitted
+    bool position = true;                ///< otherwise it is of a velocity
+    bool bias_jump = false;              ///< a bias may have jumped by what explains the innovation
+};
+
+/// Whether the walk asks who is wrong when fixes are refused.
+enum class Rivalry {
+    None,      ///< consistent refused fixes win in the end: trials of a start
+    Contest,   ///< two hypotheses go side by side until the data decide
+    Decided    ///< the openings that a contest ended with are told: the smoother's pass
+};
+
+template <class Frame>
+struct Rival;
+
+/// A place on the walk with everything needed to go on from there; copyable.
 template <class Frame>
 struct Walk {
     InertialFilter<Frame> filter;
@@ -64,6 +89,42 @@ struct Walk {
     std::array<ChannelHealth, 2> health{};            ///< position, velocity: integrity
     std::vector<Shadow<Frame>> shadows;               ///< two, or none where slow ramps are not looked for
     RangeTracking ranges;
+
+    std::array<FixChannel, 4> fixes{};                ///< position, velocity, and where the vertical has an age of its own: of that
+    std::optional<Time> suspect;                      ///< the inertial unit was last bridged
+    std::optional<Opening> wanted;                    ///< a rival, at the end of this increment
+    std::vector<Opening> openings;                    ///< the hypothesis that this walk is
+    int sides_changed = 0;                            ///< how often a rival was believed
+    AtMostOne<Rival<Frame>> rival;
+    bool challenged_by_fixes = true;                  ///< a rival is not
+
+    /// What is not decided between the hypotheses, as a covariance of position, velocity and attitude, local level.
+    [[nodiscard]] Matrix9 undecided(const InertialModel& model) const;
+    /// Covariance of the same with it.
+    [[nodiscard]] Matrix9 covariance(const InertialModel& model) const { return filter.local_covariance(model) + undecided(model); }
+};
+
+/// The other hypothesis about fixes that were refused, a walk of its own over the same data. A challenger says that the navigation was
+/// wrong; once it is believed, the one that refused the fixes goes on as rival for a while.
+template <class Frame>
+struct Rival {
+    Walk<Frame> walk;
+    Time since{};
+    bool challenger = true;
+    bool explained = false;              ///< the inertial log itself says that something happened
+    int accepted = 0, refused = 0;       ///< fixes since then
+    int accepted_in_row = 0;
+    int attempts = 0;                    ///< challengers before it, of the same run
+    double patience = 60.0;              ///< s for which it goes on once it has lost
+
+    /// From `now` on; `walk` is the caller's.
+    void begin(Time now, bool challenger_, bool explained_, double patience_) {
+        since = now;
+        challenger = challenger_;
+        explained = explained_;
+        accepted = refused = accepted_in_row = attempts = 0;
+        patience = patience_;
+    }
 };
 
 /// Who wants to know what happens on the walk derives from this; the base does not care.
@@ -79,7 +140,7 @@ struct PassObserver : RangeListener {
     /// Whether an output at this time needs more of the filter than the nominal state and its local_covariance: its covariance is then
     /// that of the same time.
     [[nodiscard]] virtual bool wants_all_states(Time) const { return records(); }
-    virtual void output(const Filter&, Time) {}
+    virtual void output(const Walk<Frame>&, Time) {}
     virtual void outage_epoch(const Filter&, const Event&, const Measurement&, const AidRecord&) {}
     virtual void aid(const AidRecord&) {}
     virtual void alert(const Alert&) {}
@@ -93,7 +154,9 @@ class Pass {
 public:
     using Observer = PassObserver<Frame>;
 
-    Pass(const InertialModel& model, const RunData& data, const Settings& settings);
+    /// `openings`: with Rivalry::Decided.
+    Pass(const InertialModel& model, const RunData& data, const Settings& settings, Rivalry rivalry = Rivalry::None,
+         std::vector<Opening> openings = {});
 
     /// Consumes increments up to and including index `last`. Throws Error(Computation) where the filter diverges.
     void advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const;
@@ -114,6 +177,14 @@ private:
     void stand_still(Walk<Frame>& walk, Observer& observer) const;
     AidRecord try_update(Walk<Frame>& walk, Channel channel, const Measurement& local, Time stamp, bool withheld,
                          Observer& observer) const;
+    /// The hypotheses about refused fixes: whether this one is used. `m` may be moved to the level it belongs to.
+    AidStatus judge(Walk<Frame>& walk, Channel channel, AidRecord& record, Measurement& local, Measurement& m) const;
+    [[nodiscard]] bool contests(AidKind kind) const;
+    /// At the end of an increment: the rival follows, and one of the two may win.
+    void contest(Walk<Frame>& walk, Observer& observer) const;
+    void challenge(Walk<Frame>& walk) const;
+    void change_sides(Walk<Frame>& walk) const;
+    void open(Walk<Frame>& walk, const Opening& opening) const;
     [[nodiscard]] Measurement measurement_of(const InertialFilter<Frame>& filter, const Event& event) const;
     /// Corrects the estimate by an accepted measurement as the coupling wants it. False: it is not used.
     bool use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp, Observer& observer) const;
@@ -133,6 +204,8 @@ private:
     const InertialModel& model_;
     const RunData& data_;
     const Settings& settings_;
+    Rivalry rivalry_;
+    std::vector<Opening> openings_;
     RangeTest range_test_;
     RangeUpdate<Frame> update_with_ranges_;
 };

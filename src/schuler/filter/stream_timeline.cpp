@@ -297,11 +297,9 @@ void StreamTimeline::let_go(const Event& e) {
     }
 }
 
-void StreamTimeline::forget(Places p, bool all) {
-    const auto drop = [](auto& list, std::size_t& count) {
-        if (count == 0) return;
-        list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(count));
-        count = 0;
+StreamTimeline::Places StreamTimeline::forget(Places p, bool all) {
+    const auto drop = [](auto& list, std::size_t count) {
+        if (count > 0) list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(count));
     };
     for (std::size_t i = 0; i < p.event; ++i) let_go(data_.events[i]);
     drop(data_.events, p.event);
@@ -310,12 +308,14 @@ void StreamTimeline::forget(Places p, bool all) {
     drop(recording_.ranges.epochs, p.epoch);
     drop(data_.still.windows, p.still);
     drop(data_.imu.bridges, p.bridge);
-    if (p.increment < idle_increments && !(all && p.increment > 0)) return;
+    if (p.increment < idle_increments && !all) p.increment = 0;
+    if (p.increment == 0) return p;
     for (Bridge& b : data_.imu.bridges) {
         b.first -= std::min(b.first, p.increment);
         b.last -= std::min(b.last, p.increment);
     }
     drop(data_.imu.increments, p.increment);
+    return p;
 }
 
 }  // namespace schuler::filter

@@ -45,10 +45,11 @@ public:
 
     /// Places of a walk in the data.
     struct Places {
-        std::size_t &increment, &event, &epoch, &still, &bridge;
+        std::size_t increment = 0, event = 0, epoch = 0, still = 0, bridge = 0;
     };
-    /// Forgets what the walk has consumed. All: with the increments; otherwise these are kept until it is worth while.
-    void forget(Places places, bool all);
+    /// Forgets what is before these places, and returns by how much the data begin later now. All: with the increments; otherwise these
+    /// are kept until it is worth while.
+    Places forget(Places places, bool all);
 
     /// `take(ImuIncrement, BridgeNoise)` for the increments from index `from` on, and for those of the samples that wait.
     template <class Take>

@@ -19,7 +19,10 @@ public:
         Time time;
         OutageEpoch outage;              ///< of an Outage point
         Measurement measurement;         ///< of an Outage point, rows in local-level errors
+        Matrix9 undecided;               ///< of an Output point: Walk::undecided
     };
+
+    explicit Tape(const InertialModel& model) : model_(model) {}
 
     [[nodiscard]] bool records() const override { return true; }
     void clear() {
@@ -41,9 +44,9 @@ public:
         order_.push_back(Kind::Renewed);
         renewed_.push_back(state);
     }
-    void output(const InertialFilter<Frame>& filter, Time time) override {
+    void output(const Walk<Frame>& walk, Time time) override {
         order_.push_back(Kind::Output);
-        points_.push_back({filter, time, OutageEpoch{}, Measurement{}});
+        points_.push_back({walk.filter, time, OutageEpoch{}, Measurement{}, walk.undecided(model_)});
     }
     void outage_epoch(const InertialFilter<Frame>& filter, const Event& event, const Measurement& m, const AidRecord&) override {
         order_.push_back(Kind::Outage);
@@ -51,7 +54,7 @@ public:
         epoch.outage = event.outage;
         epoch.time = event.stamp;
         epoch.end = event.outage_end;
-        points_.push_back({filter, filter.time(), epoch, m});
+        points_.push_back({filter, filter.time(), epoch, m, Matrix9::Zero()});
     }
 
     /// Steps back over the tape; `report(Kind, point, adjoint)` for each point.
@@ -76,6 +79,7 @@ public:
     }
 
 private:
+    const InertialModel& model_;
     std::vector<Kind> order_;
     std::vector<estim::Transition> steps_;
     std::vector<estim::RowUpdate> scalars_;

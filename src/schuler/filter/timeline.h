@@ -27,6 +27,7 @@ struct ImuTimeline {
     double median_dt = 0.0;              ///< s
     std::size_t gaps = 0;
     std::size_t duplicates = 0;
+    std::size_t doubtful = 0;            ///< half seconds among the bridges whose values were kept
 };
 
 /// One measurement of the timeline. Components of a fix with different ages are separate events.

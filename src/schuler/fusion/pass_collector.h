@@ -25,9 +25,10 @@ public:
     [[nodiscard]] bool wants_all_states(Time time) const override {
         return options_.outputs && (settings_.covariance_rows || time >= next_sensor_);
     }
-    void output(const Filter& f, Time time) override {
+    void output(const Walk<Frame>& walk, Time time) override {
         if (!options_.outputs) return;
-        const Matrix9 P = f.local_covariance(model_);
+        const Filter& f = walk.filter;
+        const Matrix9 P = walk.covariance(model_);
         const NavState nav = f.geographic(model_);
         result_.forward.rows.push_back(solution_row(nav, P));
         if (settings_.covariance_rows) result_.forward.covariances.push_back(covariance_row(time, model_.layout, f.P));

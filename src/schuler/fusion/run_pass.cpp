@@ -69,7 +69,7 @@ template <class Frame>
 void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const std::vector<Walk<Frame>>& checkpoints, std::size_t end,
                  const Progress& progress, Trajectory& out) {
     StateAdjoint adjoint(estim::padded(model.layout.size));
-    Tape<Frame> tape;
+    Tape<Frame> tape(model);
     Time next_sensor{INT64_MAX};
     using Kind = typename Tape<Frame>::Kind;
     const auto report = [&](Kind kind, const typename Tape<Frame>::Point& point, const StateAdjoint& a) {
@@ -77,7 +77,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const std:
         const bool sensors = kind == Kind::Outage || point.time <= next_sensor;
         smooth_in_place(model, f, a, sensors);
         if (kind == Kind::Output) {
-            out.rows.push_back(solution_row(f.geographic(model), f.local_covariance(model)));
+            out.rows.push_back(solution_row(f.geographic(model), f.local_covariance(model) + point.undecided));
             if (!sensors) return;
             next_sensor = point.time - Duration::from_seconds(sensor_row_spacing);
             const StateVector parameters = f.estimated_parameters();
@@ -113,10 +113,23 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const std:
     std::ranges::reverse(out.outage_epochs);
 }
 
+/// The walk again, by the hypotheses that were right in the end.
+template <class Frame>
+std::vector<Walk<Frame>> checkpoints_of(const Pass<Frame>& pass, Walk<Frame> walk, std::size_t end) {
+    std::vector<Walk<Frame>> checkpoints;
+    PassObserver<Frame> nobody;
+    while (walk.increment <= end) {
+        pass.propagate_covariance(walk, nobody);
+        checkpoints.push_back(walk);
+        pass.advance(walk, std::min(end, walk.increment + stretch - 1), nobody);
+    }
+    return checkpoints;
+}
+
 template <class Frame>
 Result run_in(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options) {
     const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
-    const Pass<Frame> pass(model, data, settings);
+    const Pass<Frame> pass(model, data, settings, options.rivalry);
     Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
     Result result;
     result.states.assign(model.layout.blocks().begin(), model.layout.blocks().end());
@@ -135,6 +148,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
         if (options.smooth) {
             pass.propagate_covariance(walk, collector);
             checkpoints.push_back(walk);
+            checkpoints.back().rival.clear();
         }
         const std::size_t last = std::min(end, walk.increment + block - 1);
         if (options.receiver) {
@@ -149,13 +163,18 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     }
     hand_over.end();
     result.filter_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (options.smooth) smooth_back(pass, model, checkpoints, end, options.progress, result.smoothed);
+    if (options.smooth) {
+        const Pass<Frame> decided(model, data, settings, Rivalry::Decided, walk.openings);
+        if (walk.sides_changed > 0) checkpoints = checkpoints_of(decided, first_step<Frame>(model, data, settings, start), end);
+        smooth_back(decided, model, checkpoints, end, options.progress, result.smoothed);
+    }
     return result;
 }
 
 /// Log-likelihood of the accepted and rejected GNSS innovations; far ones count as far, not infinitely far.
 template <class Frame>
 struct StartTape : Tape<Frame> {
+    using Tape<Frame>::Tape;
     void aid(const AidRecord& r) override {
         if (r.kind != AidKind::GnssPosition && r.kind != AidKind::GnssVelocity) return;
         if (r.status == AidStatus::Withheld) return;
@@ -184,7 +203,7 @@ StartEstimate smooth_start(const RunData& data, const Settings& settings, const 
     Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
     InertialFilter<Frame> first = walk.filter;
     walk.next_output = Time{INT64_MAX};
-    StartTape<Frame> tape;   // a start is short: one stretch
+    StartTape<Frame> tape(model);   // a start is short: one stretch
     pass.advance(walk, std::min(last_increment, data.imu.increments.size() - 1), tape);
     StateAdjoint adjoint(estim::padded(model.layout.size));
     tape.rewind(adjoint, [](auto, const auto&, const auto&) {});

@@ -18,6 +18,7 @@ struct PassOptions {
     RowSink rows;                 ///< takes the forward rows instead of the result
     std::function<void(const Guide& guide, Time until)> receiver;   ///< makes the recording's ranges while the filter runs
     AfterRanges after_ranges;
+    Rivalry rivalry = Rivalry::Contest;
 };
 
 /// Runs it. @throws Error(Input): a coupling by ranges, and there are none.

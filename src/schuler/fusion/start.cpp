@@ -372,6 +372,7 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
     Settings trial = trial_settings(settings);
     trial.output_rate = 5.0;
     PassOptions options;
+    options.rivalry = Rivalry::None;
     options.last_increment = increment_at(data, start.nav.time + Duration::from_seconds(900.0));
     const Result run = run_pass(data, trial, start, options);
     std::vector<Vector3d> forward;

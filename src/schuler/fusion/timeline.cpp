@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/filter/event_maker.h"
 #include "schuler/filter/imu_intervals.h"
+#include "schuler/fusion/imu_faults.h"
 #include "schuler/math/quantile.h"
 
 #include <fmt/format.h>
@@ -27,38 +28,6 @@ double median_step(const std::vector<ImuSample>& samples) {
         throw input_error("the IMU log has fewer than two different times", {.file = {}, .key = "imu.file"},
                           "check that the time column is the right one");
     return math::median(std::move(steps));
-}
-
-/// Samples of a unit that hangs: three rates or three forces repeat to the last digit for a tenth of a second or more, in a log in which
-/// they hardly ever do for three samples in a row.
-std::vector<bool> stuck_samples(const std::vector<ImuSample>& samples, double median_dt, std::size_t& count) {
-    std::vector<bool> stuck(samples.size(), false);
-    const auto least = static_cast<std::size_t>(std::max(8.0, 0.1 / median_dt));
-    const auto find = [&](Vector3d ImuSample::*value) {
-        std::vector<std::pair<std::size_t, std::size_t>> runs;   // first and last of samples that repeat the one before
-        std::size_t repeats = 0, first = 0;
-        const auto same = [&](std::size_t i) { return i < samples.size() && samples[i].*value == samples[i - 1].*value; };
-        for (std::size_t i = 1; i <= samples.size(); ++i) {
-            if (same(i)) {
-                if (first == 0) first = i;
-                continue;
-            }
-            if (first != 0 && i - first >= 2) repeats += i - first < least ? i - first : 0;
-            if (first != 0 && i - first >= least) runs.emplace_back(first, i - 1);
-            first = 0;
-        }
-        if (20 * repeats > samples.size()) return;   // coarse or repeated by the logger: nothing to tell from
-        for (const auto& [from, to] : runs)
-            for (std::size_t i = from; i <= to; ++i)
-                if (!stuck[i]) stuck[i] = true, ++count;
-    };
-    find(&ImuSample::gyro);
-    find(&ImuSample::accel);
-    if (2 * count > samples.size()) {   // a simulated unit at rest, noise-free
-        stuck.assign(samples.size(), false);
-        count = 0;
-    }
-    return stuck;
 }
 
 /// The intervals of a log's samples.
@@ -153,6 +122,15 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     } else {
         timeline.increments = std::move(intervals);   // the usual case costs no second copy
     }
+    const std::vector<Bridge> doubtful = doubtful_stretches(timeline);
+    timeline.doubtful = doubtful.size();
+    timeline.bridges.insert(timeline.bridges.end(), doubtful.begin(), doubtful.end());
+    std::ranges::sort(timeline.bridges, {}, &Bridge::first);
+    if (timeline.doubtful > 0)
+        warnings.add("imu.doubtful", fmt::format("{} half second{} of the IMU log, the first at {:.3f} s, are rougher than all the rest or saturated: "
+                                                 "they count with the noise of what departs there",
+                                                 timeline.doubtful, timeline.doubtful == 1 ? "" : "s",
+                                                 timeline.increments[doubtful.front().first].time.seconds()));
     if (timeline.gaps > 0)
         warnings.add("imu.gaps", fmt::format("the IMU log has {} gap{} (longest {:.3f} s), bridged by interpolation with a larger "
                                              "uncertainty",

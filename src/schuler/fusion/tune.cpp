@@ -18,12 +18,33 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Trials run for five minutes; longer, up to twenty, where there was little motion until then: rest tells little of what comes after it.
+Time trial_end(const Recording& recording, Time begin) {
+    constexpr double least = 300.0, most = 1200.0, least_moving = 240.0, slow = 2.0;   // s, m/s
+    double moving = 0.0;
+    const GnssFix* before = nullptr;
+    const earth::Earth earth;
+    for (const GnssFix& fix : recording.gnss) {
+        const double t = (fix.time - begin).seconds();
+        if (t < 0.0 || !std::isfinite(fix.position.lat)) continue;
+        if (t > most) break;
+        if (before != nullptr) {
+            const double dt = (fix.time - before->time).seconds();
+            if (dt < 1.0) continue;
+            if (earth::ned_difference(earth, fix.position, before->position).head<2>().norm() > slow * dt) moving += std::min(dt, 10.0);
+            if (t > least && moving > least_moving) return fix.time;
+        }
+        before = &fix;
+    }
+    return begin + Duration::from_seconds(moving > 0.0 ? most : least);
+}
+
 /// A trial: one run over a limited span, judged by how probable its innovations were.
 class Judge {
 public:
     Judge(RunData& data, const Start& start, Time origin)
         : data_(data), start_(start), origin_(origin), last_(data.imu.increments.size() - 1) {
-        const Time stop = start.nav.time + Duration::from_seconds(300.0);
+        const Time stop = trial_end(*data.recording, start.nav.time);
         const auto it = std::lower_bound(data.imu.increments.begin(), data.imu.increments.end(), stop,
                                          [](const ImuIncrement& i, Time t) { return i.time < t; });
         last_ = std::min(last_, static_cast<std::size_t>(it - data.imu.increments.begin()));
@@ -51,6 +72,7 @@ public:
         if (!surroundings) std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
         PassOptions options;
         options.outputs = false;
+        options.rivalry = Rivalry::None;   // quicker, and a likelihood that does not hang on who wins when
         options.last_increment = last_;
         const Result run = run_pass(data_, trial, start_, options);
         double sum = 0.0, n = 0.0;
@@ -174,6 +196,11 @@ struct LogKnob {
     double x = 0.0;
 };
 
+/// No receiver that does not even state its sigmas is better than these from fix to fix, m and m/s, however quiet it is at rest.
+constexpr double least_white = 0.1, least_white_velocity = 0.03;
+/// Nor is a magnetometer on a vehicle: its errors turn with the vehicle and its currents, rad.
+constexpr double least_heading = 0.05;
+
 std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& recording, MissingStd missing, bool has_velocity) {
     std::vector<LogKnob> knobs;
     const sensor::ImuErrorModel imu = before.imu.errors;
@@ -184,8 +211,9 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     }
     if (g.estimate_std && missing.position) {
         knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
-                         -4.0, 1.2});
-        knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); }, -4.0, 1.2});
+                         -4.0, 1.2, false, std::log(least_white / g.default_std_position.x())});
+        knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); },
+                         -4.0, 1.2, false, std::log(least_white / g.default_std_position.z())});
     }
     const bool precise = std::ranges::any_of(recording.gnss, [](const GnssFix& f) { return f.fix == FixType::RtkFixed || f.fix == FixType::RtkFloat; });
     // Receivers wander: filters inside, atmosphere, multipath. Innovations that look alike tell by how much; where sigmas are stated, the
@@ -197,7 +225,7 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
                          }, low, high, false, least});
     };
     if (g.estimate_std && g.errors.correlated_position.isZero()) {
-        if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3);
+        if (missing.position) wander(0.5, 60.0, precise ? -3.0 : 0.0, precise ? 0.0 : 1.6, precise ? -1e3 : 0.0);
         else if (before.imu.estimate_noise && !precise) wander(0.3, 120.0, 0.0, 2.3, 0.0);
     }
     // A log's own sigmas may be too small by far; where they are too large nothing is lost but sharpness.
@@ -209,8 +237,9 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
                          [g, larger](Settings& s, double x) { s.gnss.velocity_std_scale = larger(x) * g.velocity_std_scale; }, 0.0, 3.5, false, 0.0});
     if (g.estimate_std && missing.velocity && has_velocity) {
         knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>(); },
-                         -2.0, 2.0});
-        knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); }, -2.0, 2.0});
+                         -2.0, 2.0, false, std::log(least_white_velocity / g.default_std_velocity.x())});
+        knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); },
+                         -2.0, 2.0, false, std::log(least_white_velocity / g.default_std_velocity.z())});
     }
     if (before.imu.estimate_noise && before.baro.use && !recording.baro.empty()) {
         const BaroSettings b = before.baro;
@@ -219,7 +248,8 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     }
     if (before.imu.estimate_noise && before.mag.use && !recording.mag.empty()) {
         const MagSettings m = before.mag;
-        knobs.push_back({"mag.heading_std_deg", [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true});
+        knobs.push_back({"mag.heading_std_deg", [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true,
+                         std::log(least_heading / m.heading_std)});
         knobs.push_back({"mag.heading_bias_walk_deg", [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; }, -3.0, 3.0, true});
     }
     return knobs;
@@ -258,7 +288,7 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
     };
     for (int round = 0; round < (knobs.empty() ? 1 : 3); ++round) {
         for (LogKnob& k : knobs)
-            k.x = round == 0 ? search(k.key, true, k.apply, k.low, k.high, 5, 1, k.surroundings)
+            k.x = round == 0 ? search(k.key, true, k.apply, std::max(k.low, k.least), k.high, 5, 1, k.surroundings)
                              : search(k.key, true, [&k](Settings& s, double x) { k.apply(s, std::max(k.least, x)); }, k.x - 0.7, k.x + 0.7, 3, 2,
                                       k.surroundings);
         if (!settings.gnss.estimate_latency) continue;

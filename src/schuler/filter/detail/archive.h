@@ -184,8 +184,23 @@ inline void archive(Archive& a, RangeEpochWork& work) {   // the rest is made an
     if (a.reads()) count = 0;
 }
 SCHULER_ARCHIVED(RangeTracking, slots, watch, work)
+SCHULER_ARCHIVED(Opening, increment, innovation, rate, span, position, bias_jump)
+inline void archive(Archive& a, RefusedRun& run) { run.archive(a); }
+SCHULER_ARCHIVED(FixLevels, two, at_other, other, here, there)
+SCHULER_ARCHIVED(FixChannel, run, levels, fitted, innovation, sigma, fits, sum)
+template <class T>
+void archive(Archive& a, AtMostOne<T>& one) {
+    bool used = !one.empty();
+    a(used);
+    one.clear();
+    if (!used) return;
+    a(one.room());
+    one.use();
+}
 SCHULER_ARCHIVED_IN_FRAME(Walk, filter, increment, event, epoch, still, bridge, outputs, next_output, next_constraint, next_feedback,
-                          feedback_period, gates, wheels, last_still, carried, corrected, health, shadows, ranges)
+                          feedback_period, gates, wheels, last_still, carried, corrected, health, shadows, ranges, fixes, suspect, wanted,
+                          openings, sides_changed, rival, challenged)
+SCHULER_ARCHIVED_IN_FRAME(Rival, walk, since, challenger, explained, accepted, refused, in_row, attempts, patience)
 
 #undef SCHULER_ARCHIVED
 #undef SCHULER_ARCHIVED_IN_FRAME
