@@ -154,6 +154,47 @@ TEST(Navigator, RefusesBadSamplesUnharmed) {
     EXPECT_TRUE(healthy.state()->nav.position.lat == disturbed.state()->nav.position.lat);
 }
 
+TEST(Navigator, NoSampleThrows) {
+    const StreamLog log = car_log(15);
+    const Batch batch = run_batch(log.recording, log.settings);
+    NavigatorSettings n = stream_settings(log.recording, log.settings, batch);
+    n.start.reset();
+    Navigator navigator = made(n);
+    math::Random random(15, "garbage");
+    const auto any = [&] {
+        constexpr double inf = std::numeric_limits<double>::infinity(), huge = std::numeric_limits<double>::max();
+        const double values[] = {nan, inf, -inf, huge, -huge, 0.0, 1e-310, 1.0, -1.0, 1e6, random.normal(), 100.0 * random.normal()};
+        return values[static_cast<std::size_t>(random.uniform() * 12.0) % 12];
+    };
+    const auto any3 = [&] { return Vector3d(any(), any(), any()); };
+    std::size_t k = 0, taken = 0, rows = 0;
+    for (const Sample& s : samples_of(log.recording)) {
+        (void)feed(navigator, s, {});
+        const std::int64_t times[] = {s.arrival.ns, s.arrival.ns + 1'000'000, s.arrival.ns - 300'000'000, INT64_MIN, INT64_MAX, 0};
+        const Time time{times[static_cast<std::size_t>(random.uniform() * 6.0) % 6]};
+        GnssFix fix{time, {any(), any(), any()}, any3(), any3(), any3()};
+        fix.position_age = any();
+        fix.velocity_age = any();
+        FeedStatus status = FeedStatus::Taken;
+        switch (k++ % 6) {
+            case 0: status = navigator.feed(ImuSample{time, any3(), any3()}); break;
+            case 1: status = navigator.feed(fix); break;
+            case 2: status = navigator.feed(BaroSample{time, any()}); break;
+            case 3: status = navigator.feed(MagSample{time, any3()}); break;
+            case 4: status = navigator.feed(OdometerSample{time, any(), any()}); break;
+            default: status = navigator.feed(HeadingSample{time, any(), any()}); break;
+        }
+        taken += status == FeedStatus::Taken ? 1u : 0u;
+        if (const std::optional<NavigatorState> state = navigator.state(); state && k % 10 == 0) {
+            EXPECT_TRUE(state->covariance.allFinite());
+            EXPECT_TRUE(state->nav.v_eb_n.allFinite());
+        }
+        while (navigator.poll_row()) ++rows;
+    }
+    EXPECT_GT(taken, 100u);
+    EXPECT_GT(rows, 100u);
+}
+
 TEST(Navigator, LateAndRepeatedSamplesAreCounted) {
     const StreamLog log = car_log(8);
     const Batch batch = run_batch(log.recording, log.settings);
@@ -334,6 +375,7 @@ TEST(Navigator, SaysWhatItCannotBeTold) {
     EXPECT_EQ(status([](NavigatorSettings&) {}), MakeStatus::Made);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.imu_interval = nan; }), MakeStatus::BadSettings);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.lag = -1.0; }), MakeStatus::BadSettings);
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.gnss.velocity_latency = 0.6; }), MakeStatus::BadSettings);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.coupling = Coupling::Tight; }), MakeStatus::BadSettings);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.coupling = Coupling::Medium; n.rates.ranges = 1.0; }), MakeStatus::NotForStreams);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.smooth = true; }), MakeStatus::NotForStreams);

@@ -31,6 +31,10 @@ Refusal unusable(const NavigatorSettings& n) {
     if (r.range_sources > 4096) return {BadSettings, "rates.range_sources", "there are to be 4096 sources of ranges at most"};
     if (!(s.gnss.lever_arm_b.norm() < 1000.0)) return {BadSettings, "gnss.lever_arm_m", "the lever arm is to be below 1000 m"};
     if (!(std::abs(s.gnss.latency) < 10.0)) return {BadSettings, "gnss.latency_s", "the latency is to be below 10 s"};
+    const double velocity = s.gnss.velocity_latency.value_or(s.gnss.latency);
+    for (const double latency : {s.gnss.latency, velocity, s.gnss.height_latency.value_or(s.gnss.latency),
+                                 s.gnss.velocity_down_latency.value_or(velocity)})
+        if (!(latency <= n.lag)) return {BadSettings, "lag", "the receiver's latency is longer than the lag: every fix would be late"};
     if (!(s.output_rate >= 0.0)) return {BadSettings, "output_rate", "the output rate is negative"};
     if (uses_ranges(s.coupling) && !(r.ranges > 0.0))
         return {BadSettings, "rates.ranges", "the coupling takes ranges and their rate is zero"};
