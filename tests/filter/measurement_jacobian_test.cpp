@@ -172,7 +172,7 @@ SCHULER_JACOBIAN(gnss_position, "filter.gnss_position") {
 
 // The Earth's rate turned by an attitude error is left out of the rate of the lever arm: 7e-5 rad/s times the arm (below 3.5 m).
 SCHULER_JACOBIAN(gnss_velocity, "filter.gnss_velocity") {
-    return models_of([](const Estimate& e) { return gnss_velocity(e, Vector3d(1.0, 2.0, 3.0), variance, unused_arm, {}); },
+    return models_of([](const Estimate& e) { return gnss_velocity(e, Vector3d(1.0, 2.0, 3.0), variance, unused_arm, false, {}); },
                      7.3e-5 * 3.5);
 }
 
@@ -239,11 +239,11 @@ TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
         antenna.position.r += C_eb * arm;
         const Geodetic fix = ins::to_geographic(e.earth, antenna).position;
         EXPECT_LT(gnss_position(e, fix, variance, unused_arm, {}).innovation.norm(), 2e-5) << p.name;
-        EXPECT_LT(gnss_velocity(e, v_n, variance, unused_arm, {}).innovation.norm(), 1e-9) << p.name;
+        EXPECT_LT(gnss_velocity(e, v_n, variance, unused_arm, false, {}).innovation.norm(), 1e-9) << p.name;
         // Without the state, the given lever arm counts.
         e.layout.lever_arm = -1;
         EXPECT_LT(gnss_position(e, fix, variance, arm, {}).innovation.norm(), 2e-5);
-        EXPECT_LT(gnss_velocity(e, v_n, variance, arm, {}).innovation.norm(), 1e-9);
+        EXPECT_LT(gnss_velocity(e, v_n, variance, arm, false, {}).innovation.norm(), 1e-9);
 
         const Vector3d w_ie_b = C_eb.transpose() * w_ie_e, gyro_bias = e.parameters.segment<3>(Layout::gyro_bias);
         EXPECT_LT(zero_rate(e, w_ie_b + gyro_bias, 1.0).innovation.norm(), 1e-12);
@@ -395,7 +395,7 @@ SCHULER_JACOBIAN(ecef_position, "filter.gnss_position_ecef") {
 }
 SCHULER_JACOBIAN(ecef_velocity, "filter.gnss_velocity_ecef") {
     return mapped_models<EarthFixedFrame>(
-        [](const Estimate&, const Estimate& e) { return gnss_velocity(e, {1.0, 2.0, 3.0}, variance, unused_arm, {}); }, 3e-4);
+        [](const Estimate&, const Estimate& e) { return gnss_velocity(e, {1.0, 2.0, 3.0}, variance, unused_arm, true, {}); }, 3e-4);
 }
 SCHULER_JACOBIAN(ecef_nonholonomic, "filter.nonholonomic_ecef") {
     return mapped_models<EarthFixedFrame>([](const Estimate&, const Estimate& e) { return nonholonomic(e, 0.1, 0.2); }, 3e-4);

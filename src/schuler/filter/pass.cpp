@@ -170,10 +170,10 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             const FixNoise& noise = data_.fix_noise[event.index];
             Eigen::Vector3d variance = (model_.layout.gnss_velocity < 0 ? noise.velocity : noise.white_velocity).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_velocity.cwiseAbs2();
-            // A velocity may be older or younger too; what is not known of the position's latency it shows itself.
+            // Where its latency was fitted by itself, a velocity may be older or younger than the position.
             const double latency = std::min(settings_.gnss.latency_std, 0.015);   // s: what fits of it are good for
             variance += latency * latency * e.a_n.cwiseAbs2();
-            return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, settings_.gnss.lever_arm_b, use);
+            return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, settings_.gnss.lever_arm_b, !settings_.gnss.velocity_latency, use);
         }
         case AidKind::Baro:
             return baro_height(e, data_.recording->baro[event.index].height, settings_.baro.std * settings_.baro.std);

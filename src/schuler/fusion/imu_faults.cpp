@@ -66,16 +66,19 @@ struct Block {
     std::size_t first, end;
 };
 
-/// Mean square of the differences of neighbours, over two: the variance of what is not smooth.
+/// Mean square of second differences, over six: the variance of what is not smooth, however steep the motion.
 double roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q) {
     double sum = 0.0;
-    Vector3d before = q.of(increments[b.first == 0 ? 0 : b.first - 1]);
-    for (std::size_t i = b.first; i < b.end; ++i) {
+    const std::size_t first = std::max<std::size_t>(b.first, 2);
+    if (b.end <= first) return 0.0;
+    Vector3d before = q.of(increments[first - 2]), last = q.of(increments[first - 1]);
+    for (std::size_t i = first; i < b.end; ++i) {
         const Vector3d now = q.of(increments[i]);
-        sum += (now - before).squaredNorm();
-        before = now;
+        sum += (now - 2.0 * last + before).squaredNorm();
+        before = last;
+        last = now;
     }
-    return 0.5 * sum / static_cast<double>(b.end - b.first);
+    return sum / (6.0 * static_cast<double>(b.end - first));
 }
 
 double duration(const std::vector<ImuIncrement>& increments, const Block& b) {
@@ -85,9 +88,9 @@ double duration(const std::vector<ImuIncrement>& increments, const Block& b) {
 }
 
 /// Variance, of its worst axis, of the integral over a block of what departs from the block's median: departures of one sign in a row
-/// are one error.
-double departure(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q) {
-    double worst = 0.0;
+/// are one error. Nothing where the departures are far larger than what is rough: that is motion, however steep.
+double departure(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q, double rough) {
+    double worst = 0.0, square = 0.0;
     std::vector<double> values(b.end - b.first);
     for (int axis = 0; axis < 3; ++axis) {
         for (std::size_t i = b.first; i < b.end; ++i) values[i - b.first] = q.of(increments[i])(axis);
@@ -95,6 +98,7 @@ double departure(const std::vector<ImuIncrement>& increments, const Block& b, co
         double variance = 0.0, run = 0.0;
         for (std::size_t i = b.first; i < b.end; ++i) {
             const double e = (q.of(increments[i])(axis) - middle) * increments[i].dt;
+            square += std::pow(e / increments[i].dt, 2) / static_cast<double>(b.end - b.first);
             if (e * run < 0.0) {
                 variance += run * run;
                 run = 0.0;
@@ -103,7 +107,7 @@ double departure(const std::vector<ImuIncrement>& increments, const Block& b, co
         }
         worst = std::max(worst, variance + run * run);
     }
-    return worst;
+    return rough > 0.02 * square ? worst : 0.0;
 }
 
 /// Adds the noise of samples that stay at the largest value that the axis ever shows, three in a row or more, where that is rare and far
@@ -170,9 +174,9 @@ std::vector<Bridge> doubtful_stretches(const ImuTimeline& timeline) {
         std::nth_element(sorted.begin(), at, sorted.end());
         const double bulk = *at;
         for (std::size_t k = 0; k < blocks.size(); ++k) {
-            if (!(rough[k] > 9.0 * bulk)) continue;
+            if (!(rough[k] > 36.0 * bulk)) continue;
             const Block& b = blocks[k];
-            noise[k].*q.psd += departure(increments, b, q) / duration(increments, b);
+            noise[k].*q.psd += departure(increments, b, q, rough[k]) / duration(increments, b);
         }
         add_saturation(increments, q, blocks, noise);
     }

@@ -119,6 +119,41 @@ Kind kind_without_gnss(const Study& study) {
     return {"hand", 0.5, "it moves, there is no GNSS: the kind without constraints"};
 }
 
+/// How much of the sideways acceleration of turns, speed times turn rate, the unit feels as sideways force: 1 on wheels, 0 where the
+/// vehicle banks into its turns. Not a number where it hardly turns.
+double felt_in_turns(const Study& study) {
+    const Travel& t = study.travel;
+    const Eigen::Vector3d right = t.down_s.cross(t.forward_s);
+    constexpr double span = 2.0;   // s
+    std::vector<std::pair<double, double>> epochs;   // acceleration, force
+    double mean_force = 0.0;
+    for (std::size_t i = 0; i < study.imu.size();) {
+        Eigen::Vector3d w = Eigen::Vector3d::Zero(), f = Eigen::Vector3d::Zero();
+        const std::size_t first = i;
+        for (; i < study.imu.size() && study.imu.t[i] < study.imu.t[first] + span; ++i) {
+            w += study.imu.w[i];
+            f += study.imu.f[i];
+        }
+        const auto n = static_cast<double>(i - first);
+        const double middle = study.imu.t[first] + 0.5 * span;
+        if (middle < study.gnss.t.front() || middle > study.gnss.t.back()) continue;
+        const double speed = study.gnss.speed(index_before(study.gnss.t, middle));
+        epochs.emplace_back(speed * (w / n - study.still.w).dot(t.down_s), (f / n).dot(right));
+        mean_force += epochs.back().second;
+    }
+    if (epochs.empty()) return not_given;
+    mean_force /= static_cast<double>(epochs.size());
+    double fa = 0.0, aa = 0.0;
+    int turns = 0;
+    for (const auto& [a, f] : epochs) {
+        if (std::abs(a) < 0.5) continue;
+        ++turns;
+        fa += (f - mean_force) * a;
+        aa += a * a;
+    }
+    return turns < 5 ? not_given : fa / aa;
+}
+
 Kind kind_of(const Study& study) {
     if (study.gnss.size() < 5) return kind_without_gnss(study);
     std::vector<double> speeds, climbs;
@@ -136,6 +171,12 @@ Kind kind_of(const Study& study) {
     }
     const Travel& t = study.travel;
     const double deg = 1.0 / units::deg;
+    constexpr double fastest_car = 80.0;   // m/s
+    const double felt = t.epochs >= 30 ? felt_in_turns(study) : not_given;
+    if (t.epochs >= 30 && t.concentration > 0.9 && (fast > fastest_car || felt < 0.5)) {
+        return {"air", 0.8, fast > fastest_car ? fmt::format("it reaches {:.0f} m/s", fast)
+                                               : fmt::format("it banks into its turns: {:.0f} % of their force is felt", 100.0 * felt)};
+    }
     if (t.epochs >= 30 && t.spread < 6.0 * units::deg && t.tilt95 < 15.0 * units::deg && t.slope95 < 15.0 * units::deg) {
         return {"car", 0.9,
                 fmt::format(
