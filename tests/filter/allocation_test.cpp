@@ -1,9 +1,10 @@
 // The walk along the data allocates nothing: operator new is replaced in this program and counts.
 #include "ahrs/simulated_motion.h"
-#include "fusion/car_drive.h"
+#include "filter/stream_drive.h"
+#include "fusion/range_flight.h"
 
 #include "schuler/ahrs/mekf.h"
-#include "schuler/fusion/model.h"
+#include "schuler/filter/model.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/fusion/tune.h"
@@ -111,6 +112,104 @@ long allocations_of_a_walk() {
 TEST(Allocation, NoneInTheWalk) {
     EXPECT_EQ(allocations_of_a_walk<GeographicFrame>(), 0);
     EXPECT_EQ(allocations_of_a_walk<EarthFixedFrame>(), 0);
+}
+
+/// Feeds all samples, asks for the state after each and saves in the middle; returns what was allocated after the making.
+long allocations_of_a_stream(const Recording& recording, const Settings& settings, Phase last = Phase::Navigating) {
+    const Batch batch = run_batch(recording, settings);
+    NavigatorMade made = Navigator::make(stream_settings(recording, settings, batch));
+    EXPECT_TRUE(made) << made.key << made.reason;
+    Navigator& navigator = *made.navigator;
+    const std::vector<Sample> samples = samples_of(recording);
+    std::vector<std::byte> bytes(navigator.save({}) + 2'000'000);
+    std::size_t rows = 0, k = 0;
+    const long before = allocations.load();
+    for (const RangeSource& s : recording.ranges.sources) (void)navigator.range_source(s.name, s.station);
+    for (const Sample& s : samples) {
+        (void)feed(navigator, s, recording.ranges);
+        if (++k % 8 == 0) {
+            (void)navigator.state();
+            (void)navigator.lagged();
+            (void)navigator.sensor_errors();
+        }
+        while (navigator.poll()) {}
+        while (navigator.poll_row()) ++rows;
+        if (k == samples.size() / 2) {
+            EXPECT_LT(navigator.save(bytes), bytes.size());
+            EXPECT_EQ(navigator.restore(bytes), RestoreStatus::Restored);
+        }
+    }
+    const long made_in_use = allocations.load() - before;
+    EXPECT_GT(rows, 80u);
+    EXPECT_EQ(navigator.phase(), last);
+    return made_in_use;
+}
+
+/// Every coupling that a navigator has, in both frames.
+TEST(Allocation, NoneInAnyPresetFedSampleBySample) {
+    const StreamLog car = car_log(61);
+    test::Flight flight = test::flight();
+    flight.settings.output_rate = 5.0;
+    struct Preset {
+        const char* name;
+        void (*choose)(Settings&);
+        bool ranges = false;
+    };
+    const Preset presets[] = {
+        {"loose", [](Settings&) {}},
+        {"ins15", [](Settings& s) { s.scale_factors = false; }},
+        {"ins21", [](Settings& s) { s.aids.nonholonomic = false; }},
+        {"aggressive", [](Settings& s) { s.loose_kind = LooseKind::Aggressive; }},
+        {"separate", [](Settings& s) { s.coupling = Coupling::Separate; }},
+        {"complex22", [](Settings& s) {
+             s.gnss.errors.correlated_position.setOnes();
+             s.gnss.errors.correlated_velocity.setConstant(0.05);
+             s.integrity.use = true;
+             s.integrity.window = 10.0;
+             s.loop = Loop::Mixed;
+         }},
+        {"open", [](Settings& s) { s.loop = Loop::Open; }},
+        {"everything", [](Settings& s) {
+             s.misalignments = s.estimate_lever_arm = s.aids.nonholonomic_auto = true;
+             s.gnss.latency_std = 0.02;
+         }},
+        {"tight", [](Settings&) {}, true},
+        {"tight with protection", [](Settings& s) { s.ranging.protection.use = true; }, true},
+        {"tight, open", [](Settings& s) { s.loop = Loop::Open; s.scale_factors = s.misalignments = true; }, true},
+    };
+    for (const Preset& preset : presets) {
+        for (const Mechanization frame : {Mechanization::Geographic, Mechanization::Ecef}) {
+            Settings settings = preset.ranges ? flight.settings : car.settings;
+            preset.choose(settings);
+            settings.mechanization = frame;
+            EXPECT_EQ(allocations_of_a_stream(preset.ranges ? flight.recording : car.recording, settings), 0)
+                << preset.name << (frame == Mechanization::Ecef ? ", ECEF" : "");
+        }
+    }
+}
+
+/// Faults, clock jumps and appearing satellites: the rare ways through an epoch of ranges.
+TEST(Allocation, NoneInTheRareWays) {
+    test::Flight flight = test::flight();
+    flight.settings.ranging.protection.use = true;
+    flight.settings.output_rate = 5.0;
+    test::spoil(flight.recording.ranges, 0, 30.0, 12.0);
+    test::spoil(flight.recording.ranges, 1, 40.0, 300.0);
+    for (std::uint16_t s = 0; s < flight.recording.ranges.sources.size(); ++s) test::spoil(flight.recording.ranges, s, 60.0, 3e5);
+    EXPECT_EQ(allocations_of_a_stream(flight.recording, flight.settings), 0);
+    // holes, hangs, wild fixes, and the alignment
+    StreamLog car = car_log(61);
+    std::erase_if(car.recording.imu, [](const ImuSample& s) { return s.time.seconds() > 1035.0 && s.time.seconds() < 1037.0; });
+    for (ImuSample& s : car.recording.imu)
+        if (s.time.seconds() > 1040.0 && s.time.seconds() < 1040.5) s.gyro = Vector3d::Constant(0.01), s.accel = Vector3d(0, 0, -9.8);
+    for (std::size_t i = 0; i < car.recording.gnss.size(); i += 7) car.recording.gnss[i].position.lat += 1e-4;
+    EXPECT_EQ(allocations_of_a_stream(car.recording, car.settings), 0);
+    // disputes between the receiver and the navigation, with and without integrity control
+    StreamLog disputed = disputed_log(14);
+    EXPECT_EQ(allocations_of_a_stream(disputed.recording, disputed.settings), 0);
+    disputed.settings.integrity.use = true;
+    disputed.settings.integrity.window = 10.0;
+    EXPECT_EQ(allocations_of_a_stream(disputed.recording, disputed.settings), 0);
 }
 
 TEST(Allocation, IsCounted) {

@@ -1,6 +1,6 @@
 // The filter's transition against what its own step does to perturbed states: every column, both frames.
 #include "schuler/filter/inertial_filter.h"
-#include "schuler/fusion/model.h"
+#include "schuler/filter/model.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
 
@@ -61,7 +61,7 @@ void check() {
     Recording recording;
     recording.baro.resize(1);
     recording.mag.resize(1);
-    const Layout layout = fusion::make_layout(settings, recording);
+    const Layout layout = make_layout(settings, recording);
     ASSERT_EQ(layout.size, N);
     sensor::ImuErrorModel errors = sensor::imu_grade("mems");
     errors.gyro_turn_on_bias = errors.accel_turn_on_bias = 0.0;   // biases decay

@@ -165,7 +165,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
     const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
     if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough)
-        walk.wanted = Opening{0, in_place(record.innovation, channel.components), fixes.run.rate(), since_fit, position};
+        walk.wanted = Opening{0, in_place(record.innovation, channel.components), fixes.run.rate(), since_fit, position, true};
     return AidStatus::Rejected;
 }
 
@@ -223,7 +223,7 @@ void Pass<Frame>::challenge(Walk<Frame>& walk) const {
     walk.wanted.reset();
     walk.rival.clear();
     opening.increment = walk.increment;
-    Rival<Frame> rival;
+    Rival<Frame>& rival = walk.rival.room();
     rival.walk = walk;
     Walk<Frame>& w = rival.walk;
     w.next_output = Time{INT64_MAX};
@@ -232,17 +232,17 @@ void Pass<Frame>::challenge(Walk<Frame>& walk) const {
     for (FixChannel& c : w.fixes) c.run.clear();
     open(w, opening);
     w.openings.push_back(opening);
-    rival.since = walk.filter.time();
+    constexpr double patience = 60.0;   // s
     const std::optional<Time>& fitted = walk.fixes[opening.position ? 0 : 1].fitted;
-    rival.explained = walk.suspect && (!fitted || *walk.suspect > *fitted);
-    walk.rival.push_back(std::move(rival));
+    rival.begin(walk.filter.time(), true, walk.suspect && (!fitted || *walk.suspect > *fitted), patience);
+    walk.rival.use();
 }
 
 template <class Frame>
 void Pass<Frame>::change_sides(Walk<Frame>& walk) const {
-    Rival<Frame> other = std::move(walk.rival.front());
-    walk.rival.clear();
-    Walk<Frame> winner = std::move(other.walk);
+    AtMostOne<Rival<Frame>> held = std::move(walk.rival);
+    Rival<Frame>& other = held.front();
+    Walk<Frame>& winner = other.walk;
     winner.next_output = walk.next_output;
     winner.outputs = walk.outputs;
     winner.increment = walk.increment;
@@ -253,15 +253,13 @@ void Pass<Frame>::change_sides(Walk<Frame>& walk) const {
     ++walk.increment;
     std::swap(walk, winner);
     // What the log explains is decided. Otherwise the loser goes on, and what is reported covers it.
-    if (other.explained) return;
-    const double patience = other.patience;
-    other = Rival<Frame>{};
-    other.patience = patience;
-    other.walk = std::move(winner);
-    other.since = walk.filter.time();
-    other.challenger = false;
-    for (FixChannel& c : walk.fixes) c.fits = 0;
-    walk.rival.push_back(std::move(other));
+    if (other.explained) {
+        held.clear();
+    } else {
+        other.begin(walk.filter.time(), false, false, other.patience);
+        for (FixChannel& c : walk.fixes) c.fits = 0;
+    }
+    walk.rival = std::move(held);
 }
 
 template <class Frame>
@@ -315,7 +313,7 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
             walk.rival.clear();
             if (!wanted) return;
             walk.wanted = wanted;
-            walk.wanted->bias_jump = attempts % 2 == 1;
+            walk.wanted->bias_jump = attempts % 2 == 0;
             propagate_covariance(walk, observer);
             challenge(walk);
             walk.rival.front().attempts = attempts;

@@ -2,6 +2,7 @@
 // start-up trials and for the smoother's replays; who wants to know what happens observes it.
 #pragma once
 
+#include "schuler/filter/at_most_one.h"
 #include "schuler/filter/gate.h"
 #include "schuler/filter/inertial_filter.h"
 #include "schuler/filter/integrity.h"
@@ -94,7 +95,7 @@ struct Walk {
     std::optional<Opening> wanted;                    ///< a rival, at the end of this increment
     std::vector<Opening> openings;                    ///< the hypothesis that this walk is
     int sides_changed = 0;                            ///< how often a rival was believed
-    std::vector<Rival<Frame>> rival;                  ///< none or one
+    AtMostOne<Rival<Frame>> rival;
     bool challenged_by_fixes = true;                  ///< a rival is not
 
     /// What is not decided between the hypotheses, as a covariance of position, velocity and attitude, local level.
@@ -115,6 +116,15 @@ struct Rival {
     int accepted_in_row = 0;
     int attempts = 0;                    ///< challengers before it, of the same run
     double patience = 60.0;              ///< s for which it goes on once it has lost
+
+    /// From `now` on; `walk` is the caller's.
+    void begin(Time now, bool challenger_, bool explained_, double patience_) {
+        since = now;
+        challenger = challenger_;
+        explained = explained_;
+        accepted = refused = accepted_in_row = attempts = 0;
+        patience = patience_;
+    }
 };
 
 /// Who wants to know what happens on the walk derives from this; the base does not care.

@@ -40,6 +40,13 @@ public:
     /// drift: one sigma of the speed with which the estimate may move away by itself.
     [[nodiscard]] RunShape shape(double drift) const;
 
+    /// Hands its parts to `a(...)`, to be written or read.
+    template <class Archive>
+    void archive(Archive& a) {
+        for (Sample& s : samples_) a(s.time, s.innovation);
+        a(kept_, every_, count_, sigma_, last_.time, last_.innovation);
+    }
+
 private:
     struct Sample {
         Time time{};

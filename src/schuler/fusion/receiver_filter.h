@@ -1,8 +1,9 @@
 // The receiver's own filter of the intermediate coupling: position, velocity and clock of the antenna from ranges alone.
 #pragma once
 
+#include "schuler/filter/model.h"
 #include "schuler/filter/range_update.h"
-#include "schuler/fusion/model.h"
+#include "schuler/fusion/settings.h"
 
 #include <optional>
 

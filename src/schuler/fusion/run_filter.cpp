@@ -7,14 +7,12 @@
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/fusion/tune.h"
-#include "schuler/math/chi_square.h"
 #include "schuler/math/rotation.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace schuler::fusion {
 namespace {
@@ -59,18 +57,6 @@ void check_overlap(const Recording& recording, const InitialSettings& initial, W
         return;
     }
     throw input_error(what, {.file = {}, .key = "time"}, "check the time columns and scales; `schuler inspect` shows the spans");
-}
-
-GateLimits gate_limits(const AidSettings& aids) {
-    GateLimits limits;
-    const bool open = aids.gate_probability == 0.0;
-    for (int dof = 1; dof <= 3; ++dof) {
-        limits.chi_square[dof] =
-            open ? std::numeric_limits<double>::infinity() : math::chi_square_quantile(1.0 - aids.gate_probability, dof);
-    }
-    limits.recovery_time = aids.recovery_time;
-    limits.recovery_count = aids.recovery_count;
-    return limits;
 }
 
 /// The settings of a run that finds what this one has found by being told.
@@ -133,9 +119,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     data.imu = make_imu_timeline(recording.imu, settings.imu, warnings);
     const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
     data.origin = origin;
-    data.gates = gate_limits(settings.aids);
-    if (settings.integrity.use) data.slow_limits = slow_limits(settings.integrity);
-    data.declination = std::isfinite(settings.mag.declination) ? settings.mag.declination : 0.0;
+    set_limits(data, settings);
     data.events = make_events(recording, settings, origin, warnings);
     const MissingStd missing = missing_std(recording);
     const bool tuning = settings.gnss.estimate_latency || settings.imu.estimate_noise ||

@@ -1,6 +1,7 @@
 #include "schuler/fusion/still.h"
 
 #include "schuler/earth/earth.h"
+#include "schuler/filter/still_slots.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,18 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double slot_length = 0.2;   // s, resolution of the decision
-constexpr int reach = 2;              // slots on each side that take part in the statistics (a second in all)
-
-struct Slot {
-    Time end;
-    double dt = 0.0;
-    int n = 0;
-    Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();      // sums, then means
-    Vector3d rate2 = Vector3d::Zero(), force2 = Vector3d::Zero();    // sums of squares
-    double rate_std = 0.0, force_std = 0.0, rate_norm = 0.0;         // over the slot and its neighbours
-    double speed = not_given;                                        // m/s, from GNSS
-};
+using Slot = StillSlot;
+constexpr double slot_length = StillSlot::length;
 
 std::vector<Slot> make_slots(const ImuTimeline& imu) {
     std::vector<Slot> slots;
@@ -38,43 +29,9 @@ std::vector<Slot> make_slots(const ImuTimeline& imu) {
             slots.push_back(s);
         }
         if (bridge < imu.bridges.size() && imu.bridges[bridge].first <= i) continue;   // interpolated: looks still, is not
-        Slot& s = slots[k];
-        const Vector3d rate = inc.dtheta / inc.dt, force = inc.dv / inc.dt;
-        s.dt += inc.dt;
-        ++s.n;
-        s.rate += rate;
-        s.force += force;
-        s.rate2 += rate.cwiseAbs2();
-        s.force2 += force.cwiseAbs2();
+        slots[k].add(inc);
     }
     return slots;
-}
-
-/// Standard deviations over a slot and its neighbours; infinite where samples are missing.
-void add_statistics(std::vector<Slot>& slots, double median_dt) {
-    const int expected = static_cast<int>(0.6 * slot_length / median_dt);
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-        const std::size_t first = i >= reach ? i - reach : 0, last = std::min(slots.size() - 1, i + reach);
-        Vector3d r = Vector3d::Zero(), f = r, r2 = r, f2 = r;
-        double n = 0.0;
-        bool complete = true;
-        for (std::size_t k = first; k <= last; ++k) {
-            complete = complete && slots[k].n >= std::max(1, expected);
-            n += slots[k].n;
-            r += slots[k].rate;
-            f += slots[k].force;
-            r2 += slots[k].rate2;
-            f2 += slots[k].force2;
-        }
-        Slot& s = slots[i];
-        if (!complete || n < 3.0) {
-            s.rate_std = s.force_std = s.rate_norm = std::numeric_limits<double>::infinity();
-            continue;
-        }
-        s.rate_std = std::sqrt(std::max(0.0, (r2 / n - (r / n).cwiseAbs2()).sum()));
-        s.force_std = std::sqrt(std::max(0.0, (f2 / n - (f / n).cwiseAbs2()).sum()));
-        s.rate_norm = (r / n).norm();
-    }
 }
 
 /// GNSS speed per slot: from velocities, else from differences of precise positions.
@@ -84,8 +41,7 @@ void add_speeds(std::vector<Slot>& slots, const Recording& recording, const std:
     const auto set = [&](Time t, double speed) {
         const double k = (t - start).seconds() / slot_length;
         if (k < 0.0 || k >= static_cast<double>(slots.size())) return;
-        Slot& s = slots[static_cast<std::size_t>(k)];
-        s.speed = std::isfinite(s.speed) ? std::max(s.speed, speed) : speed;
+        slots[static_cast<std::size_t>(k)].add_speed(speed);
     };
     const GnssFix* last = nullptr;
     Time last_time{};
@@ -162,7 +118,7 @@ StillReport find_still(const ImuTimeline& imu, const Recording& recording, const
                        const Settings& settings) {
     StillReport report;
     std::vector<Slot> slots = make_slots(imu);
-    add_statistics(slots, imu.median_dt);
+    for (std::size_t i = 0; i < slots.size(); ++i) add_statistics(slots, i, imu.median_dt);
     add_speeds(slots, recording, events, settings);
     report.thresholds = learn(slots);
     if (!report.thresholds.learnt) return report;
@@ -171,18 +127,13 @@ StillReport find_still(const ImuTimeline& imu, const Recording& recording, const
     const bool until_first_motion = settings.vehicle == VehicleKind::Air || settings.vehicle == VehicleKind::Hand;
     const bool never = settings.vehicle == VehicleKind::Ship;
     if (never) return report;
-    const double max_rate = settings.vehicle == VehicleKind::Car || settings.vehicle == VehicleKind::Static ? 0.2 : 0.5;
+    const double largest_rate = largest_still_rate(settings.vehicle);
     bool moved = false;
     for (std::size_t i = 0; i < slots.size(); ++i) {
         const Slot& s = slots[i];
         moved = moved || s.speed > 1.0;
         if (until_first_motion && moved) break;
-        const auto calm = [&](std::size_t k) {
-            return slots[k].force_std < report.thresholds.force_std && slots[k].rate_std < report.thresholds.rate_std &&
-                   slots[k].rate_norm < max_rate && !(slots[k].speed > 0.3);
-        };
-        const bool still = s.n > 0 && calm(i) && (i == 0 || calm(i - 1)) && (i + 1 == slots.size() || calm(i + 1));
-        if (still) report.windows.push_back({s.end, s.dt, s.rate / s.n, s.force / s.n});
+        if (is_still(slots, i, report.thresholds, largest_rate)) report.windows.push_back(s.window());
     }
     return report;
 }

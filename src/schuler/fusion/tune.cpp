@@ -1,6 +1,7 @@
 #include "schuler/fusion/tune.h"
 
 #include "schuler/core/units.h"
+#include "schuler/filter/fix_noise.h"
 #include "schuler/fusion/timeline.h"
 
 #include <fmt/format.h>
@@ -16,8 +17,6 @@ namespace schuler::fusion {
 namespace {
 
 using Eigen::Vector3d;
-
-bool usable(double sigma) { return std::isfinite(sigma) && sigma > 0.0; }
 
 /// Trials run for five minutes; longer, up to twenty, where there was little motion until then: rest tells little of what comes after it.
 Time trial_end(const Recording& recording, Time begin) {
@@ -144,12 +143,6 @@ Minimum minimise(const std::function<double(double)>& f, double low, double high
     return {best, curvature_at(best, trials), step};
 }
 
-/// White part of the sigma that a log states of the whole error, whose slow part is a state. What is left is kept above a tenth of
-/// it, for it may be a small difference of rounded numbers; a sigma below the slow part's cannot have meant that too.
-double white_part(double stated, double slow) {
-    return stated > slow ? std::max(std::sqrt(stated * stated - slow * slow), 0.1 * stated) : stated;
-}
-
 }  // namespace
 
 double as_written(double si, double unit) { return std::strtod(fmt::format("{:.6g}", si / unit).c_str(), nullptr) * unit; }
@@ -158,8 +151,8 @@ MissingStd missing_std(const Recording& recording) {
     MissingStd missing;
     for (const GnssFix& fix : recording.gnss) {
         for (int i = 0; i < 3; ++i) {
-            missing.position = missing.position || !usable(fix.std_position(i));
-            missing.velocity = missing.velocity || (std::isfinite(fix.velocity_n(i)) && !usable(fix.std_velocity(i)));
+            missing.position = missing.position || !is_stated(fix.std_position(i));
+            missing.velocity = missing.velocity || (std::isfinite(fix.velocity_n(i)) && !is_stated(fix.std_velocity(i)));
         }
     }
     return missing;
@@ -170,25 +163,14 @@ std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& 
     noise.reserve(recording.gnss.size());
     std::size_t no_position = 0, no_velocity = 0;
     for (const GnssFix& fix : recording.gnss) {
-        FixNoise n;
         bool position = true, velocity = true;
         for (int i = 0; i < 3; ++i) {
-            position = position && usable(fix.std_position(i));
-            velocity = velocity && (usable(fix.std_velocity(i)) || !std::isfinite(fix.velocity_n(i)));
-            constexpr double floor_velocity = 0.005;   // m/s
-            n.position(i) = std::max(usable(fix.std_position(i)) ? settings.std_scale * fix.std_position(i) : settings.default_std_position(i),
-                                     settings.std_floor_position(i));
-            n.velocity(i) = std::max(usable(fix.std_velocity(i)) ? settings.velocity_std_scale * fix.std_velocity(i)
-                                                                 : settings.default_std_velocity(i), floor_velocity);
-            // defaults, tuned or given, are of the white part
-            n.white_position(i) = usable(fix.std_position(i)) ? white_part(n.position(i), settings.errors.correlated_position(i))
-                                                              : n.position(i);
-            n.white_velocity(i) = usable(fix.std_velocity(i)) ? white_part(n.velocity(i), settings.errors.correlated_velocity(i))
-                                                              : n.velocity(i);
+            position = position && is_stated(fix.std_position(i));
+            velocity = velocity && (is_stated(fix.std_velocity(i)) || !std::isfinite(fix.velocity_n(i)));
         }
         no_position += position ? 0 : 1;
         no_velocity += velocity ? 0 : 1;
-        noise.push_back(n);
+        noise.push_back(noise_of(fix, settings));
     }
     if (no_position > 0)
         warnings.add("gnss.std", fmt::format("{} GNSS epochs have no usable position sigma: {:.2f}, {:.2f}, {:.2f} m (north, east, "

@@ -1,18 +1,25 @@
-#include "schuler/fusion/model.h"
+#include "schuler/filter/model.h"
 
 #include "schuler/filter/correction_period.h"
+#include "schuler/math/chi_square.h"
 #include "schuler/math/rotation.h"
 
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
-namespace schuler::fusion {
+namespace schuler::filter {
 
 using Eigen::Vector3d;
 
-Layout make_layout(const Settings& settings, const Recording& recording) {
+Sensors sensors_of(const Recording& recording) {
+    return {!recording.baro.empty(), !recording.mag.empty(), !recording.odometer.empty(), !recording.heading.empty()};
+}
+
+Layout layout_with(const Settings& settings, const Sensors& sensors) {
     Layout L;
     if (settings.scale_factors) {
         L.gyro_scale = L.add("gyro_scale", "1", 3);
@@ -27,10 +34,10 @@ Layout make_layout(const Settings& settings, const Recording& recording) {
         L.axle = L.add("axle", "m", 1);
     }
     if (settings.estimate_lever_arm) L.lever_arm = L.add("lever_arm", "m", 3);
-    if (!recording.baro.empty() && settings.baro.use) L.baro_bias = L.add("baro_bias", "m", 1);
-    if (!recording.mag.empty() && settings.mag.use) L.mag_bias = L.add("mag_heading_offset", "rad", 1);
-    if (!recording.odometer.empty() && settings.odometer.use) L.odometer_scale = L.add("odometer_scale", "1", 1);
-    if (!recording.heading.empty() && settings.heading.use && settings.heading.offset_std > 0.0)
+    if (sensors.baro && settings.baro.use) L.baro_bias = L.add("baro_bias", "m", 1);
+    if (sensors.mag && settings.mag.use) L.mag_bias = L.add("mag_heading_offset", "rad", 1);
+    if (sensors.odometer && settings.odometer.use) L.odometer_scale = L.add("odometer_scale", "1", 1);
+    if (sensors.heading && settings.heading.use && settings.heading.offset_std > 0.0)
         L.heading_offset = L.add("heading_offset", "rad", 1);
     if (uses_ranges(settings.coupling)) {
         L.clock = L.add("clock_bias", "m", 1);
@@ -59,6 +66,21 @@ sensor::ImuErrorModel driving(const ImuSettings& imu) {
 }
 
 }  // namespace
+
+Layout make_layout(const Settings& settings, const Recording& recording) { return layout_with(settings, sensors_of(recording)); }
+
+void set_limits(RunData& data, const Settings& settings) {
+    const AidSettings& aids = settings.aids;
+    const bool open = aids.gate_probability == 0.0;
+    for (int dof = 1; dof <= 3; ++dof) {
+        data.gates.chi_square[dof] =
+            open ? std::numeric_limits<double>::infinity() : math::chi_square_quantile(1.0 - aids.gate_probability, dof);
+    }
+    data.gates.recovery_time = aids.recovery_time;
+    data.gates.recovery_count = aids.recovery_count;
+    if (settings.integrity.use) data.slow_limits = slow_limits(settings.integrity);
+    data.declination = std::isfinite(settings.mag.declination) ? settings.mag.declination : 0.0;
+}
 
 InertialModel make_model(const Settings& settings, const Layout& layout) {
     InertialModel model(settings.earth, layout, driving(settings.imu));
@@ -145,12 +167,11 @@ public:
             if (of_fix(i) > 0.0) tie(offset + i, state + i, -std::min(sigma(i) * sigma(i), variance(state + i)));
     }
     /// A first barometric height that contradicts the stated bias speaks instead of it; its bias errs with the height it was taken from.
-    void baro(const Recording& recording, const BaroSettings& settings, const NavState& nav) {
+    void baro(double first_height, const BaroSettings& settings, const NavState& nav) {
         if (L_.baro_bias < 0) return;
         const double height_variance = variance(Layout::position + 2), prior = settings.bias_std;
         f_.P(L_.baro_bias, L_.baro_bias) = prior * prior;
-        const auto first = std::ranges::find_if(recording.baro, [&](const BaroSample& s) { return s.time >= nav.time; });
-        const double offset = first == recording.baro.end() ? 0.0 : first->height - nav.position.h;
+        const double offset = first_height - nav.position.h;
         if (!(offset * offset > 9.0 * (prior * prior + height_variance))) return;
         f_.parameters(L_.baro_bias) = offset;
         f_.P(L_.baro_bias, L_.baro_bias) = height_variance + settings.std * settings.std;
@@ -166,9 +187,21 @@ private:
 }  // namespace
 
 template <class Frame>
-Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start) {
+void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& settings, const Start& start, double baro_height) {
     const Layout& L = model.layout;
-    Walk<Frame> walk;
+    std::vector<Shadow<Frame>> shadows = std::move(walk.shadows);
+    std::vector<FaultHypothesis> hypotheses = std::move(walk.ranges.watch.all);
+    std::vector<Opening> openings = std::move(walk.openings);
+    AtMostOne<Rival<Frame>> rival = std::move(walk.rival);
+    shadows.clear();
+    hypotheses.clear();
+    openings.clear();
+    rival.clear();
+    walk = {};
+    walk.shadows = std::move(shadows);
+    walk.ranges.watch.all = std::move(hypotheses);
+    walk.openings = std::move(openings);
+    walk.rival = std::move(rival);
     InertialFilter<Frame>& f = walk.filter;
     f = InertialFilter<Frame>(model);
     f.set_nav(Frame::from_geographic(model.earth, start.nav));
@@ -192,7 +225,7 @@ Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Se
         f.parameters.template segment<3>(L.lever_arm) = settings.gnss.lever_arm_b;
         P.set(L.lever_arm, 3, 1.0);
     }
-    P.baro(*data.recording, settings.baro, start.nav);
+    P.baro(baro_height, settings.baro, start.nav);
     P.set(L.mag_bias, 1, settings.mag.bias_std);
     P.set(L.gnss_latency, 1, settings.gnss.latency_std);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
@@ -211,12 +244,23 @@ Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Se
     walk.increment = start.increment;
     walk.next_output = start.nav.time;
     walk.next_constraint = start.nav.time;
+}
+
+template <class Frame>
+Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start) {
+    const std::vector<BaroSample>& baro = data.recording->baro;
+    const auto first = std::ranges::find_if(baro, [&](const BaroSample& s) { return s.time >= start.nav.time; });
+    Walk<Frame> walk;
+    set_out(walk, model, settings, start, first == baro.end() ? not_given : first->height);
     return walk;
 }
+
+template void set_out(Walk<GeographicFrame>&, const InertialModel&, const Settings&, const Start&, double);
+template void set_out(Walk<EarthFixedFrame>&, const InertialModel&, const Settings&, const Start&, double);
 
 template Walk<GeographicFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
 template Walk<EarthFixedFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
 template void start_ranging(InertialFilter<GeographicFrame>&, const Layout&, const sensor::RangingErrorModel&);
 template void start_ranging(InertialFilter<EarthFixedFrame>&, const Layout&, const sensor::RangingErrorModel&);
 
-}  // namespace schuler::fusion
+}  // namespace schuler::filter

@@ -2,9 +2,8 @@
 #pragma once
 
 #include "schuler/filter/pass.h"
-#include "schuler/fusion/settings.h"
 
-namespace schuler::fusion {
+namespace schuler::filter {
 
 /// Where and how uncertain a run starts.
 struct Start {
@@ -20,13 +19,29 @@ struct Start {
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 };
 
-/// The states that a run with these settings and samples needs. @throws Error(Input) where they are more than a filter has room for.
+/// Which instruments beside the inertial unit there are: those that states are made for.
+struct Sensors {
+    bool baro = false, mag = false, odometer = false, heading = false;
+};
+[[nodiscard]] Sensors sensors_of(const Recording& recording);
+
+/// The states that a run with these settings and sensors needs. @throws Error(Input) where they are more than a filter has room for.
+[[nodiscard]] Layout layout_with(const Settings& settings, const Sensors& sensors);
+/// Likewise with the samples of a recording.
 [[nodiscard]] Layout make_layout(const Settings& settings, const Recording& recording);
 
 /// Processes and noise of these states.
 [[nodiscard]] InertialModel make_model(const Settings& settings, const Layout& layout);
 
-/// Everything at the start: sigmas in human coordinates mapped to the error states.
+/// Limits of the gates and of the slow-ramp test, declination: what settings say of a run's data.
+void set_limits(RunData& data, const Settings& settings);
+
+/// A walk at the start: sigmas in human coordinates mapped to the error states. `baro_height`: the first one from there on, NaN where
+/// there is none. Memory that the walk has got is kept: nothing is allocated where it is enough.
+template <class Frame>
+void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& settings, const Start& start, double baro_height);
+
+/// Likewise, a new one, with the barometer of the data's recording.
 template <class Frame>
 [[nodiscard]] Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start);
 
@@ -34,4 +49,4 @@ template <class Frame>
 template <class Frame>
 void start_ranging(InertialFilter<Frame>& filter, const Layout& layout, const sensor::RangingErrorModel& errors);
 
-}  // namespace schuler::fusion
+}  // namespace schuler::filter
