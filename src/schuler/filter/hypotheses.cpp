@@ -57,6 +57,30 @@ Vector9 difference(const earth::Earth& earth, const NavState& a, const NavState&
     return d;
 }
 
+/// What the channels say that refuse their fixes now.
+template <class Frame>
+Opening opening_of(const Walk<Frame>& walk) {
+    Opening o;
+    o.bias_jump = 1.0;
+    for (std::size_t k = 0; k < walk.fixes.size(); ++k) {
+        const FixChannel& c = walk.fixes[k];
+        if (c.run.count() == 0) continue;
+        if (k % 2 == 0) {
+            o.position += c.run.latest();   // horizontal and vertical, where those are two channels
+            o.rate += c.run.rate();
+        } else {
+            o.velocity += c.run.latest();
+        }
+        if (c.fitted) o.span = std::max(o.span, (walk.filter.time() - *c.fitted).seconds());
+    }
+    return o;
+}
+
+Alert alert_of(const Opening& o, Time time, IntegrityTest test) {
+    if (o.position.isZero()) return {time, AidKind::GnssVelocity, test, o.velocity.norm()};
+    return {time, AidKind::GnssPosition, test, o.position.norm()};
+}
+
 template <class Frame>
 double speed_sigma(const InertialFilter<Frame>& filter) {
     return std::sqrt(filter.P.diagonal().template segment<3>(Layout::velocity).maxCoeff());
@@ -165,7 +189,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
     const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
     if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough)
-        walk.wanted = Opening{0, in_place(record.innovation, channel.components), fixes.run.rate(), since_fit, position, true};
+        walk.wanted = opening_of(walk);
     return AidStatus::Rejected;
 }
 
@@ -195,9 +219,9 @@ void Pass<Frame>::open(Walk<Frame>& walk, const Opening& o) const {
     // Since when, and by what velocity: a tilt e makes g e T of it, a heading error that much of the speed. Where attitude was lost (a
     // hole or fault of the inertial unit), the biases learnt since are wrong as well and begin anew.
     auto& P = walk.filter.P;
-    const double size2 = o.innovation.squaredNorm(), span = std::max(1.0, o.span);
-    const double faster2 = o.position ? std::max(size2 / (span * span), o.rate.squaredNorm()) : size2;
-    if (o.position) P.diagonal().template segment<3>(Layout::position).array() += size2;
+    const double size2 = o.position.squaredNorm(), span = std::max(1.0, o.span);
+    const double faster2 = std::max({size2 / (span * span), o.rate.squaredNorm(), o.velocity.squaredNorm()});
+    P.diagonal().template segment<3>(Layout::position).array() += size2;
     P.diagonal().template segment<3>(Layout::velocity).array() += faster2;
     if (settings_.coupling == Coupling::Separate) return;   // which estimates neither attitude nor biases
     constexpr double most_tilt = 0.3, most_heading = 1.0;   // rad: beyond them the filter is not linear
@@ -208,8 +232,8 @@ void Pass<Frame>::open(Walk<Frame>& walk, const Opening& o) const {
     P.template block<3, 3>(Layout::attitude, Layout::attitude) += tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down;
     const auto reopen = [&P](int offset, double sigma) { P.diagonal().template segment<3>(offset).array() += sigma * sigma; };
     double rate = settings_.imu.errors.gyro_initial_bias(), force = settings_.imu.errors.accel_initial_bias();
-    if (o.bias_jump) {
-        constexpr double most_rate = 0.1, most_force = 2.0;   // rad/s, m/s^2
+    if (o.bias_jump > 0.0) {
+        const double most_rate = 0.1 * o.bias_jump, most_force = 2.0 * o.bias_jump;   // rad/s, m/s^2
         rate = std::max(rate, std::min(most_rate, std::sqrt(tilt2 + heading2) / span));
         force = std::max(force, std::min(most_force, std::sqrt(faster2) / span));
     }
@@ -233,7 +257,7 @@ void Pass<Frame>::challenge(Walk<Frame>& walk) const {
     open(w, opening);
     w.openings.push_back(opening);
     constexpr double patience = 60.0;   // s
-    const std::optional<Time>& fitted = walk.fixes[opening.position ? 0 : 1].fitted;
+    const std::optional<Time>& fitted = walk.fixes[opening.position.isZero() ? 1 : 0].fitted;
     rival.begin(walk.filter.time(), true, walk.suspect && (!fitted || *walk.suspect > *fitted), patience);
     walk.rival.use();
 }
@@ -302,9 +326,7 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
     const bool main_refuses = std::ranges::any_of(walk.fixes, [](const FixChannel& c) { return c.run.count() > 0; });
     if (rival.challenger) {
         if (!main_refuses && main.fits >= 2) {   // the receiver was wrong, and has come back
-            const Opening& doubt = rival.walk.openings.back();
-            observer.alert({walk.filter.time(), doubt.position ? AidKind::GnssPosition : AidKind::GnssVelocity, IntegrityTest::Receiver,
-                            doubt.innovation.norm()});
+            observer.alert(alert_of(rival.walk.openings.back(), walk.filter.time(), IntegrityTest::Receiver));
             walk.rival.clear();
             return;
         }
@@ -313,7 +335,7 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
             walk.rival.clear();
             if (!wanted) return;
             walk.wanted = wanted;
-            walk.wanted->bias_jump = attempts % 2 == 0;
+            walk.wanted->bias_jump = attempts % 2 == 0 ? std::pow(10.0, std::min(attempts / 2, 3)) : 0.0;
             propagate_covariance(walk, observer);
             challenge(walk);
             walk.rival.front().attempts = attempts;
@@ -338,9 +360,7 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
             }
         }
         if (rival.accepted_in_row >= needed && age >= seconds) {
-            const Opening& doubt = rival.walk.openings.back();
-            observer.alert({walk.filter.time(), doubt.position ? AidKind::GnssPosition : AidKind::GnssVelocity, IntegrityTest::Navigation,
-                            doubt.innovation.norm()});
+            observer.alert(alert_of(rival.walk.openings.back(), walk.filter.time(), IntegrityTest::Navigation));
             change_sides(walk);
         }
         return;

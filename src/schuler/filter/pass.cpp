@@ -204,7 +204,15 @@ void Pass<Frame>::recover(Walk<Frame>& walk, Channel channel, const Measurement&
         return;
     }
     const GateState& gate = walk.gates[channel.gate()];
-    open(walk, {walk.increment, local.innovation, gate.rate, (walk.filter.time() - gate.since).seconds(), channel.kind == AidKind::GnssPosition});
+    Opening opening;
+    opening.span = (walk.filter.time() - gate.since).seconds();
+    if (channel.kind == AidKind::GnssPosition) {
+        opening.position = local.innovation;
+        opening.rate = gate.rate;
+    } else {
+        opening.velocity = local.innovation;
+    }
+    open(walk, opening);
 }
 
 template <class Frame>

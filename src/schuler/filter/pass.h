@@ -51,11 +51,11 @@ struct Channel {
 /// "The navigation was wrong": its covariance is opened at the end of an increment by what the refused fixes say.
 struct Opening {
     std::size_t increment = 0;
-    Eigen::Vector3d innovation = Eigen::Vector3d::Zero();   ///< NED, m or m/s
-    Eigen::Vector3d rate = Eigen::Vector3d::Zero();         ///< of it, per second
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();     ///< innovation NED, m; zero where no position is refused
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();     ///< likewise, m/s
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();         ///< of the position's, m/s
     double span = 1.0;                   ///< s since the last fix that fitted
-    bool position = true;                ///< otherwise it is of a velocity
-    bool bias_jump = false;              ///< a bias may have jumped by what explains the innovation
+    double bias_jump = 0.0;              ///< a bias may have jumped by what explains the innovation, up to so many tenths of a rad/s
 };
 
 /// Whether the walk asks who is wrong when fixes are refused.

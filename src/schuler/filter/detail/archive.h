@@ -184,7 +184,7 @@ inline void archive(Archive& a, RangeEpochWork& work) {   // the rest is made an
     if (a.reads()) count = 0;
 }
 SCHULER_ARCHIVED(RangeTracking, slots, watch, work)
-SCHULER_ARCHIVED(Opening, increment, innovation, rate, span, position, bias_jump)
+SCHULER_ARCHIVED(Opening, increment, position, velocity, rate, span, bias_jump)
 inline void archive(Archive& a, RefusedRun& run) { run.archive(a); }
 SCHULER_ARCHIVED(FixLevels, two, at_other, other, here, there)
 SCHULER_ARCHIVED(FixChannel, run, levels, fitted, innovation, sigma, fits, sum)
