@@ -59,6 +59,7 @@ namespace {
 struct Quantity {
     Vector3d ImuIncrement::*integral;
     double filter::BridgeNoise::*psd;
+    double least;   ///< rad, m/s: an integral wrong by less is not worth a doubt
     [[nodiscard]] Vector3d of(const ImuIncrement& i) const { return i.*integral / i.dt; }
 };
 
@@ -87,19 +88,31 @@ double duration(const std::vector<ImuIncrement>& increments, const Block& b) {
     return sum;
 }
 
-/// Variance, of its worst axis, of the integral over a block of what departs from the block's median: departures of one sign in a row
-/// are one error. Nothing where the departures are far larger than what is rough: that is motion, however steep.
-double departure(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q, double rough) {
-    double worst = 0.0, square = 0.0;
+double median_of(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q, int axis) {
     std::vector<double> values(b.end - b.first);
+    for (std::size_t i = b.first; i < b.end; ++i) values[i - b.first] = q.of(increments[i])(axis);
+    return math::median(std::move(values));
+}
+
+/// Variance, of its worst axis, of the integral over a block of what lies outside the medians of it and its neighbours: departures of
+/// one sign in a row are one error. A manoeuvre that begins or ends lies between them. Nothing where the departures are far larger than
+/// what is rough: that is motion too, however steep.
+double departure(const std::vector<ImuIncrement>& increments, const std::vector<Block>& blocks, std::size_t k, const Quantity& q,
+                 double rough) {
+    const Block& b = blocks[k];
+    double worst = 0.0, square = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-        for (std::size_t i = b.first; i < b.end; ++i) values[i - b.first] = q.of(increments[i])(axis);
-        const double middle = math::median(values);
+        double low = median_of(increments, b, q, axis), high = low;
+        for (const std::size_t other : {k > 0 ? k - 1 : k, k + 1 < blocks.size() ? k + 1 : k}) {
+            const double middle = median_of(increments, blocks[other], q, axis);
+            low = std::min(low, middle);
+            high = std::max(high, middle);
+        }
         double variance = 0.0, run = 0.0;
         for (std::size_t i = b.first; i < b.end; ++i) {
-            const double e = (q.of(increments[i])(axis) - middle) * increments[i].dt;
-            square += std::pow(e / increments[i].dt, 2) / static_cast<double>(b.end - b.first);
-            if (e * run < 0.0) {
+            const double x = q.of(increments[i])(axis), outside = x - std::clamp(x, low, high), e = outside * increments[i].dt;
+            square += outside * outside / static_cast<double>(b.end - b.first);
+            if (e * run <= 0.0) {
                 variance += run * run;
                 run = 0.0;
             }
@@ -107,7 +120,7 @@ double departure(const std::vector<ImuIncrement>& increments, const Block& b, co
         }
         worst = std::max(worst, variance + run * run);
     }
-    return rough > 0.02 * square ? worst : 0.0;
+    return rough > 0.05 * square ? worst : 0.0;
 }
 
 /// Adds the noise of samples that stay at the largest value that the axis ever shows, three in a row or more, where that is rare and far
@@ -165,8 +178,8 @@ std::vector<Bridge> doubtful_stretches(const ImuTimeline& timeline) {
     }
     if (blocks.size() < 40) return {};   // nothing to compare with
     std::vector<filter::BridgeNoise> noise(blocks.size());
-    for (const Quantity& q : {Quantity{&ImuIncrement::dtheta, &filter::BridgeNoise::gyro_psd},
-                              Quantity{&ImuIncrement::dv, &filter::BridgeNoise::accel_psd}}) {
+    for (const Quantity& q : {Quantity{&ImuIncrement::dtheta, &filter::BridgeNoise::gyro_psd, 1e-3},
+                              Quantity{&ImuIncrement::dv, &filter::BridgeNoise::accel_psd, 0.05}}) {
         std::vector<double> rough(blocks.size());
         for (std::size_t k = 0; k < blocks.size(); ++k) rough[k] = roughness(increments, blocks[k], q);
         std::vector<double> sorted = rough;
@@ -175,8 +188,8 @@ std::vector<Bridge> doubtful_stretches(const ImuTimeline& timeline) {
         const double bulk = *at;
         for (std::size_t k = 0; k < blocks.size(); ++k) {
             if (!(rough[k] > 36.0 * bulk)) continue;
-            const Block& b = blocks[k];
-            noise[k].*q.psd += departure(increments, b, q, rough[k]) / duration(increments, b);
+            const double variance = departure(increments, blocks, k, q, rough[k]);
+            if (variance > q.least * q.least) noise[k].*q.psd += variance / duration(increments, blocks[k]);
         }
         add_saturation(increments, q, blocks, noise);
     }

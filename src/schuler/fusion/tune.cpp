@@ -21,18 +21,19 @@ using Eigen::Vector3d;
 /// Trials run for five minutes; longer, up to twenty, where there was little motion until then: rest tells little of what comes after it.
 Time trial_end(const Recording& recording, Time begin) {
     constexpr double least = 300.0, most = 1200.0, least_moving = 240.0, slow = 2.0;   // s, m/s
-    double moving = 0.0;
+    double moving = 0.0, last = 0.0;
     const GnssFix* before = nullptr;
     const earth::Earth earth;
     for (const GnssFix& fix : recording.gnss) {
         const double t = (fix.time - begin).seconds();
         if (t < 0.0 || !std::isfinite(fix.position.lat)) continue;
         if (t > most) break;
+        if (t > least && moving > least_moving) return begin + Duration::from_seconds(std::max(least, last));
+        last = t;
         if (before != nullptr) {
             const double dt = (fix.time - before->time).seconds();
             if (dt < 1.0) continue;
             if (earth::ned_difference(earth, fix.position, before->position).head<2>().norm() > slow * dt) moving += std::min(dt, 10.0);
-            if (t > least && moving > least_moving) return fix.time;
         }
         before = &fix;
     }
@@ -117,12 +118,14 @@ double curvature_at(double x, const std::map<double, double>& trials) {
     return 2.0 * ((c1 - at->second) / (x1 - x) - (at->second - c0) / (x - x0)) / (x1 - x0);
 }
 
-/// Minimum of f on a grid, refined by bisections of the grid's step.
-Minimum minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements) {
+/// Minimum of f on a grid, refined by bisections of the grid's step; `least`: no smaller argument is tried.
+Minimum minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements, double least) {
     double step = (high - low) / (points - 1), best = low, best_cost = 1e300;
     std::map<double, double> trials;
     for (int i = 0; i < points; ++i) {
-        const double x = low + step * i, c = f(x);
+        const double x = std::max(least, low + step * i);
+        if (trials.contains(x)) continue;
+        const double c = f(x);
         trials[x] = c;
         if (c < best_cost) {
             best = x;
@@ -131,7 +134,8 @@ Minimum minimise(const std::function<double(double)>& f, double low, double high
     }
     for (int r = 0; r < refinements; ++r) {
         step *= 0.5;
-        for (const double x : {best - step, best + step}) {
+        for (const double x : {std::max(least, best - step), best + step}) {
+            if (trials.contains(x)) continue;
             const double c = f(x);
             trials[x] = c;
             if (c < best_cost) {
@@ -197,10 +201,9 @@ struct LogKnob {
     double x = 0.0;
 };
 
-/// No receiver that does not even state its sigmas is better than these from fix to fix, m and m/s, however quiet it is at rest.
-constexpr double least_white = 0.1, least_white_velocity = 0.03;
-/// Nor is a magnetometer on a vehicle: its errors turn with the vehicle and its currents, rad.
-constexpr double least_heading = 0.05;
+bool is_precise(const Recording& recording) {
+    return std::ranges::any_of(recording.gnss, [](const GnssFix& f) { return f.fix == FixType::RtkFixed || f.fix == FixType::RtkFloat; });
+}
 
 std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& recording, MissingStd missing, bool has_velocity) {
     std::vector<LogKnob> knobs;
@@ -212,11 +215,11 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     }
     if (g.estimate_std && missing.position) {
         knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
-                         -4.0, 1.2, false, std::log(least_white / g.default_std_position.x())});
+                         -4.0, 1.2});
         knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); },
-                         -4.0, 1.2, false, std::log(least_white / g.default_std_position.z())});
+                         -4.0, 1.2});
     }
-    const bool precise = std::ranges::any_of(recording.gnss, [](const GnssFix& f) { return f.fix == FixType::RtkFixed || f.fix == FixType::RtkFloat; });
+    const bool precise = is_precise(recording);
     // Receivers wander: filters inside, atmosphere, multipath. Innovations that look alike tell by how much; where sigmas are stated, the
     // physics of a receiver without corrections by how much at least. A fixed solution that states its sigmas hardly wanders.
     const auto wander = [&](double sigma, double time, double low, double high, double least) {
@@ -226,7 +229,7 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
                          }, low, high, false, least});
     };
     if (g.estimate_std && g.errors.correlated_position.isZero()) {
-        if (missing.position) wander(0.5, 60.0, precise ? -3.0 : 0.0, precise ? 0.0 : 1.6, precise ? -1e3 : 0.0);
+        if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3);
         else if (before.imu.estimate_noise && !precise) wander(0.3, 120.0, 0.0, 2.3, 0.0);
     }
     // A log's own sigmas may be too small by far; where they are too large nothing is lost but sharpness.
@@ -238,9 +241,9 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
                          [g, larger](Settings& s, double x) { s.gnss.velocity_std_scale = larger(x) * g.velocity_std_scale; }, 0.0, 3.5, false, 0.0});
     if (g.estimate_std && missing.velocity && has_velocity) {
         knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>(); },
-                         -2.0, 2.0, false, std::log(least_white_velocity / g.default_std_velocity.x())});
+                         -2.0, 2.0});
         knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); },
-                         -2.0, 2.0, false, std::log(least_white_velocity / g.default_std_velocity.z())});
+                         -2.0, 2.0});
     }
     if (before.imu.estimate_noise && before.baro.use && !recording.baro.empty()) {
         const BaroSettings b = before.baro;
@@ -249,11 +252,27 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     }
     if (before.imu.estimate_noise && before.mag.use && !recording.mag.empty()) {
         const MagSettings m = before.mag;
-        knobs.push_back({"mag.heading_std_deg", [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true,
-                         std::log(least_heading / m.heading_std)});
+        knobs.push_back({"mag.heading_std_deg", [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true});
         knobs.push_back({"mag.heading_bias_walk_deg", [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; }, -3.0, 3.0, true});
     }
     return knobs;
+}
+
+/// What was fitted is kept above what the physics of the devices allows, however quiet they were in the trial: a receiver that does not
+/// state its sigmas, without corrections, wanders by half a metre and scatters by some centimetres; a magnetometer's errors turn with
+/// its vehicle and with its currents.
+void keep_physical(Settings& settings, const Settings& before, const Recording& recording, MissingStd missing) {
+    constexpr double least_white = 0.1, least_slow = 0.5, least_velocity = 0.02, least_heading = 0.02;   // m, m, m/s, rad
+    const bool precise = is_precise(recording);
+    GnssSettings& g = settings.gnss;
+    if (before.gnss.estimate_std && missing.position && !precise) {
+        const bool quiet = g.default_std_position.head<2>().minCoeff() < least_slow;
+        g.default_std_position = g.default_std_position.cwiseMax(least_white);
+        if (quiet && before.gnss.errors.correlated_position.isZero())
+            g.errors.correlated_position = g.errors.correlated_position.cwiseMax(least_slow);
+    }
+    if (before.gnss.estimate_std && missing.velocity) g.default_std_velocity = g.default_std_velocity.cwiseMax(least_velocity);
+    if (before.imu.estimate_noise && before.mag.use) settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));
 }
 
 }  // namespace
@@ -269,14 +288,14 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
     findings.tuned_from = start.nav.time;
     findings.tuned_to = judge.stop();
     const auto search = [&](const char* key, bool relative, const std::function<void(Settings&, double)>& apply, double low, double high,
-                            int points, int refinements, bool surroundings) {
+                            int points, int refinements, bool surroundings, double least = -1e3) {
         const Minimum best = minimise(
             [&](double x) {
                 Settings s = settings;
                 apply(s, x);
                 return judge.cost(s, surroundings);
             },
-            low, high, points, refinements);
+            low, high, points, refinements, least);
         apply(settings, best.at);
         const double information = best.curvature * judge.count();
         const double sigma = std::hypot(information > 0.0 ? 1.0 / std::sqrt(information) : 0.5 * (high - low), 0.5 * best.step);
@@ -288,10 +307,10 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
         return best.at;
     };
     for (int round = 0; round < (knobs.empty() ? 1 : 3); ++round) {
-        for (LogKnob& k : knobs)
-            k.x = round == 0 ? search(k.key, true, k.apply, std::max(k.low, k.least), k.high, 5, 1, k.surroundings)
-                             : search(k.key, true, [&k](Settings& s, double x) { k.apply(s, std::max(k.least, x)); }, k.x - 0.7, k.x + 0.7, 3, 2,
-                                      k.surroundings);
+        for (LogKnob& k : knobs) {
+            k.x = round == 0 ? search(k.key, true, k.apply, k.low, k.high, 5, 1, k.surroundings, k.least)
+                             : search(k.key, true, k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings, k.least);
+        }
         if (!settings.gnss.estimate_latency) continue;
         const auto all = [](Settings& s, double x) { s.gnss.latency = x; };
         const double around = settings.gnss.latency;
@@ -311,6 +330,7 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
             search("gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; }, now - 0.2, now + 0.2, 5, 3, false);
         }
     }
+    keep_physical(settings, before, *data.recording, missing);
     if (before.imu.estimate_noise) {
         sensor::ImuErrorModel& imu = settings.imu.errors;
         imu.gyro_noise = as_written(imu.gyro_noise, units::deg_per_sqrt_hour);
