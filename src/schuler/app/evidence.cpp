@@ -56,11 +56,27 @@ public:
         if (refused > many && !fusion::uses_ranges(b_.data.config.filter.coupling))
             add("gnss.refused", "{} of {} fixes were refused", n.gnss_rejected, met);
         longest_refusal();
-        const auto excluded = std::ranges::count_if(b_.result.alerts, [](const fusion::Alert& a) { return a.test != fusion::IntegrityTest::Readmitted; });
-        if (excluded > 0) add("gnss.alert", "the receiver was taken for faulty {} times", excluded);
+        explained_refusals();
         constexpr double long_hole = 1.0;   // s
         if (n.longest_imu_gap > long_hole) add("imu.hole", "a hole of {:.1f} s in the IMU log was bridged", n.longest_imu_gap);
     }
+
+    /// Who was found to be wrong where fixes were refused. What is below a metre is no fault: the first metres of a motion do as much.
+    void explained_refusals() {
+        using fusion::IntegrityTest;
+        constexpr double least = 1.0;   // m or m/s
+        int excluded = 0, jumps = 0, lost = 0;
+        double largest = 0.0;
+        for (const fusion::Alert& a : b_.result.alerts) {
+            if (a.test == IntegrityTest::Tolerance || a.test == IntegrityTest::Innovation || a.test == IntegrityTest::Slow) ++excluded;
+            if (a.test == IntegrityTest::Jump) ++jumps, largest = std::max(largest, a.size);
+            if (a.test == IntegrityTest::Navigation && a.size > least) ++lost;
+        }
+        if (excluded > 0) add("gnss.alert", "the receiver was taken for faulty {}", times(excluded));
+        if (jumps > 0) add("gnss.jump", "the receiver's positions jumped {}, by {:.3g} m at most, without the IMU feeling it", times(jumps), largest);
+        if (lost > 0) add("navigation.lost", "the navigation was found wrong {} by the fixes and begun anew", times(lost));
+    }
+    static std::string times(int n) { return n == 1 ? "once" : fmt::format("{} times", n); }
 
     void of_self_check() {
         if (!b_.self_check) return;

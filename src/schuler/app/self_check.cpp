@@ -42,7 +42,7 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
     const auto t = [&](Time time) { return (time - data.origin).seconds(); };
     for (const fusion::AidRecord& r : result.aids)
         if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld)
-            fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted});
+            fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level});
     if (!fusion::uses_ranges(data.config.filter.coupling)) return fixes;
     for (const GnssFix& fix : data.recording.gnss)   // which are only compared with
         if (fix.fix != FixType::None && std::isfinite(fix.position.lat)) fixes.push_back({t(fix.time), true});

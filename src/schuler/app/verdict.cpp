@@ -32,6 +32,8 @@ constexpr std::array table{
     Row{"gnss.latency", Gravity::Care},                // not known well enough for the speed
     Row{"gnss.explained", Gravity::Care},              // by larger errors of the receiver than were believed
     Row{"gnss.alert", Gravity::Care},                  // the receiver was taken for faulty
+    Row{"gnss.jump", Gravity::Care},                   // its positions moved to another level
+    Row{"navigation.lost", Gravity::Care},             // attitude and biases were found anew
     // of the self-check
     Row{"self_check.failed", Gravity::DoNotUse},       // nine tenths or less inside three sigma
     Row{"self_check.low", Gravity::Care},

@@ -132,6 +132,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
         if (position && !levels.two && since_fit > 5.0 && record.sigma_state.maxCoeff() > 3.0 * sigma) levels.here = 0.0;
         if (position) levels.confirm(elsewhere, since_fit);
         fixes.fit(record.time, in_place(record.innovation, channel.components), sigma);
+        record.other_level = elsewhere;
         return AidStatus::Accepted;
     };
     // Measured from the other level.

@@ -52,6 +52,7 @@ struct AidRecord {
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();       ///< predicted one sigma of the innovation
     Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero(); ///< the part of it that is the filter's own uncertainty
     double nis = 0.0;                ///< normalised innovation squared of the dof components together
+    bool other_level = false;        ///< a position taken less a jump of the receiver (refused_fixes.h), which the innovation is without
 };
 
 /// Estimated sensor errors at one time (estimate, one sigma).
