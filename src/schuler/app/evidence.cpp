@@ -144,7 +144,10 @@ private:
             seconds += (rows[i].time - rows[i - 1].time).seconds();
             worst = std::max(worst, sigma);
         }
-        if (seconds > 0.0) add("solution.adrift", "for {:.0f} s the position is uncertain by more than {:.0f} m, up to {:.3g} m", seconds, useless, worst);
+        // With fixes to go by, such a solution of most of a log says that they cannot be believed.
+        const bool most = rows.size() > 1 && seconds > 0.5 * (rows.back().time - rows.front().time).seconds();
+        const bool fixes = b_.command == "process" && b_.result.counters.gnss_accepted > 0;
+        if (seconds > 0.0) add(most && fixes ? "solution.useless" : "solution.adrift", "for {:.0f} s the position is uncertain by more than {:.0f} m, up to {:.3g} m", seconds, useless, worst);
     }
 
     /// Fixes that are late in an unknown way drag the solution along, and withheld ones cannot tell: no solution is known better than what

@@ -18,6 +18,7 @@ struct Row {
 constexpr std::array table{
     // of the solution (evidence.h)
     Row{"solution.sigma", Gravity::DoNotUse},          // zero or not a number
+    Row{"solution.useless", Gravity::DoNotUse},        // uncertain beyond use for most of the log, in spite of fixes
     Row{"solution.adrift", Gravity::Care},             // uncertain beyond use for a while
     Row{"solution.heading", Gravity::Care},            // it moves, and its heading is not known in the end
     Row{"truth.lost", Gravity::DoNotUse},              // simulated: far outside the sigmas most of the time
