@@ -257,6 +257,7 @@ void Pass<Frame>::challenge(Walk<Frame>& walk) const {
     for (FixChannel& c : w.fixes) c.run.clear();
     open(w, opening);
     w.openings.push_back(opening);
+    rival.opening = opening;
     constexpr double patience = 60.0;   // s
     const std::optional<Time>& fitted = walk.fixes[opening.position.isZero() ? 1 : 0].fitted;
     rival.begin(walk.filter.time(), true, walk.suspect && (!fitted || *walk.suspect > *fitted), patience);
@@ -327,7 +328,7 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
     const bool main_refuses = std::ranges::any_of(walk.fixes, [](const FixChannel& c) { return c.run.count() > 0; });
     if (rival.challenger) {
         if (!main_refuses && main.fits >= 2) {   // the receiver was wrong, and has come back
-            observer.alert(alert_of(rival.walk.openings.back(), walk.filter.time(), IntegrityTest::Receiver));
+            observer.alert(alert_of(rival.opening, walk.filter.time(), IntegrityTest::Receiver));
             walk.rival.clear();
             return;
         }
@@ -361,7 +362,7 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
             }
         }
         if (rival.accepted_in_row >= needed && age >= seconds) {
-            observer.alert(alert_of(rival.walk.openings.back(), walk.filter.time(), IntegrityTest::Navigation));
+            observer.alert(alert_of(rival.opening, walk.filter.time(), IntegrityTest::Navigation));
             change_sides(walk);
         }
         return;

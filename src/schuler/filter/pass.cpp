@@ -128,6 +128,7 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
             walk.filter.feed_back(model_);
             estim::Transition phi;
             for (Shadow<Frame>& s : walk.shadows) {
+                if (!s.alive) continue;
                 (void)s.filter.propagate_covariance(model_, phi);
                 s.filter.feed_back(model_);
             }

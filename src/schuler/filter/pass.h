@@ -116,6 +116,7 @@ struct Rival {
     int accepted_in_row = 0;
     int attempts = 0;                    ///< challengers before it, of the same run
     double patience = 60.0;              ///< s for which it goes on once it has lost
+    Opening opening;                     ///< with which it was opened as a challenger
 
     /// From `now` on; `walk` is the caller's.
     void begin(Time now, bool challenger_, bool explained_, double patience_) {

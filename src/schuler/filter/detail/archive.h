@@ -200,7 +200,7 @@ void archive(Archive& a, AtMostOne<T>& one) {
 SCHULER_ARCHIVED_IN_FRAME(Walk, filter, increment, event, epoch, still, bridge, outputs, next_output, next_constraint, next_feedback,
                           feedback_period, gates, wheels, last_still, carried, corrected, health, shadows, ranges, fixes, suspect, wanted,
                           openings, sides_changed, rival, challenged)
-SCHULER_ARCHIVED_IN_FRAME(Rival, walk, since, challenger, explained, accepted, refused, in_row, attempts, patience)
+SCHULER_ARCHIVED_IN_FRAME(Rival, walk, since, challenger, explained, accepted, refused, in_row, attempts, patience, opening)
 
 #undef SCHULER_ARCHIVED
 #undef SCHULER_ARCHIVED_IN_FRAME
