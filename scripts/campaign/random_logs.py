@@ -170,7 +170,7 @@ def draw(seed, index, shortest=180.0, longest=1200.0):
     properties = {"vehicle": vehicle, "path": path, "duration": duration, "grade": grade, "imu rate": rate, "mounting": words, "axes": written.axes, **told,
                   "gnss velocity": "yes" if written.velocity else "no", "sigma": stated_words(written.stated), "sigma factor": written.stated,
                   "sensors": sensors, "time": written.time, "units": written.imu, "columns": written.gnss, "outages": len(outages)}
-    general = f'name = "log{index}"\nseed = {dice.randrange(1, 1_000_000)}\nduration_s = {duration}\n'
+    general = f'name = "log{index}"\nseed = {dice.randrange(1, 1_000_000)}\nduration_s = {duration}\nreference_rate_hz = 50\n'
     if vehicle == "hand":
         general += toml("vehicle", {"kind": quoted("hand")})
     scenario = general + toml("trajectory", trajectory) + toml("imu", {"rate_hz": rate, "kind": quoted("rates"), "grade": quoted(grade), "mounting_deg": angles})

@@ -42,8 +42,16 @@ class Track:
         if i == 0 or after["time_s"] - self.times[i - 1] > gap:
             return None
         before = self.rows[i - 1]
-        part = (t - before["time_s"]) / (after["time_s"] - before["time_s"])
+        step = after["time_s"] - before["time_s"]
+        part = (t - before["time_s"]) / step
         row = {name: before[name] + part * (after[name] - before[name]) for name in before}
+        # Steps of walkers and waves are too quick for straight lines between tenths of a second: cubic where the neighbours are as near.
+        if 2 <= i < len(self.rows) - 1 and self.times[i + 1] - self.times[i - 2] < 3.01 * step:
+            weights = (-part * (part - 1) * (part - 2) / 6, (part + 1) * (part - 1) * (part - 2) / 2, -(part + 1) * part * (part - 2) / 2,
+                       (part + 1) * part * (part - 1) / 6)
+            around = self.rows[i - 2:i + 2]
+            for name in ("height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s"):
+                row[name] = sum(weight * other[name] for weight, other in zip(weights, around))
         turn = wrapped(after["heading_deg"] - before["heading_deg"])
         row["heading_deg"] = before["heading_deg"] + part * turn
         return row

@@ -41,6 +41,7 @@ Layout full_layout() {
     L.gnss_position = L.add("gnss_position_error", "m", 3);
     L.gnss_velocity = L.add("gnss_velocity_error", "m/s", 3);
     L.gnss_latency = L.add("gnss_latency_error", "s", 1);
+    L.gnss_velocity_latency = L.add("gnss_velocity_latency_error", "s", 1);
     L.odometer_scale = L.add("odometer_scale", "1", 1);
     L.heading_offset = L.add("heading_offset", "rad", 1);
     return L;
@@ -68,7 +69,7 @@ VectorXd sizes(double position, double velocity, double attitude) {
     s.segment<2>(L.mounting).setConstant(1e-3);
     s.segment<3>(L.lever_arm).setConstant(0.1);
     s(L.axle) = 0.1;
-    s(L.mag_bias) = s(L.gnss_latency) = s(L.odometer_scale) = s(L.heading_offset) = 1e-3;
+    s(L.mag_bias) = s(L.gnss_latency) = s(L.gnss_velocity_latency) = s(L.odometer_scale) = s(L.heading_offset) = 1e-3;
     return s;
 }
 
@@ -103,6 +104,7 @@ std::vector<Point> random_points(int count) {
         e.parameters.segment<3>(e.layout.gnss_position) = vector(2.0);
         e.parameters.segment<3>(e.layout.gnss_velocity) = vector(0.1);
         e.parameters(e.layout.gnss_latency) = 0.05 * unit(generator);
+        e.parameters(e.layout.gnss_velocity_latency) = 0.05 * unit(generator);
         e.parameters(e.layout.odometer_scale) = 0.02 * unit(generator);
         e.parameters(e.layout.heading_offset) = unit(generator);
         p.f_b = e.C_nb.transpose() * (Vector3d(0.0, 0.0, -9.8) + vector(5.0));
@@ -172,7 +174,7 @@ SCHULER_JACOBIAN(gnss_position, "filter.gnss_position") {
 
 // The Earth's rate turned by an attitude error is left out of the rate of the lever arm: 7e-5 rad/s times the arm (below 3.5 m).
 SCHULER_JACOBIAN(gnss_velocity, "filter.gnss_velocity") {
-    return models_of([](const Estimate& e) { return gnss_velocity(e, Vector3d(1.0, 2.0, 3.0), variance, unused_arm, false, {}); },
+    return models_of([](const Estimate& e) { return gnss_velocity(e, Vector3d(1.0, 2.0, 3.0), variance, unused_arm, -1, {}); },
                      7.3e-5 * 3.5);
 }
 
@@ -239,11 +241,11 @@ TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
         antenna.position.r += C_eb * arm;
         const Geodetic fix = ins::to_geographic(e.earth, antenna).position;
         EXPECT_LT(gnss_position(e, fix, variance, unused_arm, {}).innovation.norm(), 2e-5) << p.name;
-        EXPECT_LT(gnss_velocity(e, v_n, variance, unused_arm, false, {}).innovation.norm(), 1e-9) << p.name;
+        EXPECT_LT(gnss_velocity(e, v_n, variance, unused_arm, -1, {}).innovation.norm(), 1e-9) << p.name;
         // Without the state, the given lever arm counts.
         e.layout.lever_arm = -1;
         EXPECT_LT(gnss_position(e, fix, variance, arm, {}).innovation.norm(), 2e-5);
-        EXPECT_LT(gnss_velocity(e, v_n, variance, arm, false, {}).innovation.norm(), 1e-9);
+        EXPECT_LT(gnss_velocity(e, v_n, variance, arm, -1, {}).innovation.norm(), 1e-9);
 
         const Vector3d w_ie_b = C_eb.transpose() * w_ie_e, gyro_bias = e.parameters.segment<3>(Layout::gyro_bias);
         EXPECT_LT(zero_rate(e, w_ie_b + gyro_bias, 1.0).innovation.norm(), 1e-12);
@@ -395,7 +397,7 @@ SCHULER_JACOBIAN(ecef_position, "filter.gnss_position_ecef") {
 }
 SCHULER_JACOBIAN(ecef_velocity, "filter.gnss_velocity_ecef") {
     return mapped_models<EarthFixedFrame>(
-        [](const Estimate&, const Estimate& e) { return gnss_velocity(e, {1.0, 2.0, 3.0}, variance, unused_arm, true, {}); }, 3e-4);
+        [](const Estimate&, const Estimate& e) { return gnss_velocity(e, {1.0, 2.0, 3.0}, variance, unused_arm, e.layout.gnss_velocity_latency, {}); }, 3e-4);
 }
 SCHULER_JACOBIAN(ecef_nonholonomic, "filter.nonholonomic_ecef") {
     return mapped_models<EarthFixedFrame>([](const Estimate&, const Estimate& e) { return nonholonomic(e, 0.1, 0.2); }, 3e-4);

@@ -249,6 +249,7 @@ TEST(RealData, DraftsUseKnownKeysOnly) {
                                       "gnss.lever_arm_m",
                                       "gnss.latency_s",
                                       "gnss.latency_std_s",
+                                      "gnss.velocity_latency_std_s",
                                       "gnss.velocity_latency_s",
                                       "gnss.height_latency_s",
                                       "gnss.velocity_down_latency_s",

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <random>
+#include <string>
 
 namespace schuler::inspect::test {
 namespace {
@@ -85,6 +87,27 @@ TEST(SyntheticCar, TiltedMountingIsMeasured) {
     EXPECT_NEAR(roll, 0.0, 1.0);
     EXPECT_NEAR(pitch, -6.0, 0.5);
     EXPECT_NEAR(yaw, 5.0, 0.5);
+}
+
+// At rest nothing turns that could be compared: the noises of gyros and accelerometers of one unit fit each other in one unit only.
+TEST(Units, OfGyrosAtRestByTheNoiseOfTheirAccelerometers) {
+    std::mt19937_64 generator(5);
+    std::normal_distribution<double> normal;
+    constexpr double rate = 100.0, gyro = 0.2 * deg / 60.0, accel = 0.05 / 60.0;   // mems: rad/sqrt(s), m/s/sqrt(s)
+    for (const double factor : {1.0, 1.0 / deg}) {
+        const auto folder = fresh_folder("resting");
+        std::string imu = "time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z\n";
+        for (int i = 0; i < 6000; ++i) {
+            imu += std::to_string(1000.0 + i / rate);
+            for (int k = 0; k < 3; ++k) imu += "," + std::to_string(factor * (0.012 * (k + 1) + gyro * std::sqrt(rate) * normal(generator)));
+            for (int k = 0; k < 3; ++k) imu += "," + std::to_string((k == 2 ? -9.8 : 0.0) + accel * std::sqrt(rate) * normal(generator));
+            imu += "\n";
+        }
+        write_file(folder / "imu.csv", imu);
+        const InspectReport r = inspect(folder);
+        const double scale = factor == 1.0 ? 1.0 : deg;
+        EXPECT_NE(r.dataset_toml.find(scale == 1.0 ? "gyro_rad_s = 1" : "gyro_rad_s = 0.0174"), std::string::npos) << r.dataset_toml;
+    }
 }
 
 TEST(SyntheticCar, LatenciesOfPositionAndVelocityAreSeparate) {

@@ -230,6 +230,19 @@ TEST(RecordedFlight, StaysNearItsPointsAndFindsAnAttitude) {
     }
 }
 
+TEST(RecordedFlight, BeginsAndEndsAtTheSpeedOfTheRecording) {
+    RecordedPath recorded;
+    recorded.spacing = 1.0;
+    for (int k = 0; k <= 60; ++k) recorded.points.push_back({1.0 * k, {0.5 + 2e-5 * k, 1.0, 100.0 + k}, {0.0, 0.1, 0.2}});
+    const auto path = make_path(recorded, earth::wgs84);
+    const double speed = path->at(30.0).v_eb_n.x();
+    EXPECT_GT(speed, 100.0);
+    for (const double t : {0.0, 0.3, 59.7, 60.0}) {
+        EXPECT_NEAR(path->at(t).v_eb_n.x(), speed, 0.01) << t;
+        EXPECT_NEAR(path->at(t).v_eb_n.z(), -1.0, 1e-9) << t;
+    }
+}
+
 TEST(Paths, UnusableSettingsAreNamed) {
     const auto key_of = [](const PathSettings& settings) {
         try {

@@ -258,12 +258,13 @@ TEST(Simulate, LateFixesTellWhereTheAntennaWas) {
     s.gnss.position_latency = 0.4;
     s.gnss.velocity_latency = 0.2;
     const SimulatedData late = simulate(s);
+    ASSERT_EQ(late.recording.gnss.size() + 2, prompt.recording.gnss.size());   // none from before the flight
     for (std::size_t k = 2; k < prompt.recording.gnss.size(); ++k) {
-        EXPECT_EQ(late.recording.gnss[k].time, prompt.recording.gnss[k].time);
+        EXPECT_EQ(late.recording.gnss[k - 2].time, prompt.recording.gnss[k].time);
         const Vector3d apart =
-            testing::ecef(late.recording.gnss[k].position) - testing::ecef(prompt.recording.gnss[k - 2].position);
+            testing::ecef(late.recording.gnss[k - 2].position) - testing::ecef(prompt.recording.gnss[k - 2].position);
         ASSERT_LT(apart.norm(), 1e-8);
-        ASSERT_LT((late.recording.gnss[k].velocity_n - prompt.recording.gnss[k - 1].velocity_n).norm(), 1e-9);
+        ASSERT_LT((late.recording.gnss[k - 2].velocity_n - prompt.recording.gnss[k - 1].velocity_n).norm(), 1e-9);
     }
 }
 

@@ -71,10 +71,13 @@ Config config_from(const SettingList& settings) {
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
     config.filter.aids.nonholonomic = *config.nonholonomic;
-    config.scale_factors = config.scale_factors.value_or(false);
+    // What a unit's scale and axes may err by makes errors that grow with every turn, and that no white noise stands for.
+    const sensor::ImuErrorModel& imu = config.filter.imu.errors;
+    constexpr double telling_scale = 2e-4, telling_misalignment = 1e-3;
+    config.scale_factors = config.scale_factors.value_or(std::max(imu.gyro_scale, imu.accel_scale) >= telling_scale);
     config.filter.scale_factors = *config.scale_factors;
     // turning on the road about one axis only, a cross-axis gyro looks like a tilt that grows with every bend
-    config.misalignments = config.misalignments.value_or(wheeled);
+    config.misalignments = config.misalignments.value_or(wheeled || imu.gyro_misalignment >= telling_misalignment);
     config.filter.misalignments = *config.misalignments;
     return config;
 }

@@ -56,7 +56,7 @@ struct Config : dataset::Description {
     double initial_time = not_given;             ///< s on the data set's own axis
     std::string preset = "ins15";
     Scheme scheme = Scheme::Loose;
-    std::optional<bool> scale_factors, misalignments;  ///< not given: on where simulated, misalignments for a car too
+    std::optional<bool> scale_factors, misalignments;  ///< not given: on where the unit has them, misalignments for a car too
     std::optional<bool> nonholonomic;            ///< not given: on for a car
     fusion::Settings filter;
     GravityConfig gravity;

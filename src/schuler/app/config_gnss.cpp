@@ -67,6 +67,9 @@ void add_gnss_options(OptionTable<Config>& table) {
                             gnss(&GnssSettings::latency_std)))
         .add(number<Config>("gnss.velocity_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the velocity",
                             gnss(&GnssSettings::velocity_latency)))
+        .add(number<Config>("gnss.velocity_latency_std_s", 1.0, 0, 10,
+                            "one sigma of the velocities' latency; above 0 the filter estimates what it is off by, apart from the positions'",
+                            gnss(&GnssSettings::velocity_latency_std)))
         .add(number<Config>("gnss.height_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the height",
                             gnss(&GnssSettings::height_latency)))
         .add(number<Config>("gnss.velocity_down_latency_s", 1.0, latency_low, latency_high,

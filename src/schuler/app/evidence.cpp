@@ -40,6 +40,7 @@ public:
         const fusion::GnssSettings& g = b_.data.config.filter.gnss;
         explained_away("gnss_position_error", "slow error", "m", g.errors.correlated_position);
         explained_away("gnss_latency_error", "latency", "s", Eigen::Vector3d::Constant(g.latency_std));
+        explained_away("gnss_velocity_latency_error", "velocity's latency", "s", Eigen::Vector3d::Constant(g.velocity_latency_std));
         constexpr double vague = 20.0 * units::deg;
         const double heading = rows.back().std_rpy.z();
         const bool moves = std::ranges::any_of(rows, [](const SolutionRow& r) { return r.v_eb_n.head<2>().norm() > 1.0; });

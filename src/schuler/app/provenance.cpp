@@ -164,6 +164,7 @@ void take_in_force(Config& c, const fusion::Findings& findings) {
     f.imu.accel_noise_scale = s.imu.accel_noise_scale;
     f.gnss.latency = s.gnss.latency;
     f.gnss.latency_std = s.gnss.latency_std;
+    f.gnss.velocity_latency_std = s.gnss.velocity_latency_std;
     f.gnss.std_scale = s.gnss.std_scale;
     f.gnss.velocity_std_scale = s.gnss.velocity_std_scale;
     f.gnss.velocity_latency = s.gnss.velocity_latency;

@@ -38,6 +38,7 @@ public:
     int gnss_position = -1;                 ///< 3, m, correlated GNSS position error, north-east-down
     int gnss_velocity = -1;                 ///< 3, m/s, correlated GNSS velocity error, north-east-down
     int gnss_latency = -1;                  ///< 1, s, what the fixes' positions are later than assumed
+    int gnss_velocity_latency = -1;         ///< 1, s, the same of their velocities, where it is apart
     int odometer_scale = -1;                ///< 1, scale-factor error of the odometer
     int heading_offset = -1;                ///< 1, rad, offset of the heading sensor against the body's forward axis
     int clock = -1;                         ///< 1, m, c times the receiver's clock error; every clock and offset column of a range is +1

@@ -47,6 +47,8 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         L.source = L.add("range_slow_error", "m", Layout::slots);
     } else {
         if (settings.gnss.latency_std > 0.0) L.gnss_latency = L.add("gnss_latency_error", "s", 1);
+        if (settings.gnss.use_velocity && settings.gnss.velocity_latency_std > 0.0)
+            L.gnss_velocity_latency = L.add("gnss_velocity_latency_error", "s", 1);
         if (settings.gnss.errors.correlated_position.maxCoeff() > 0.0) L.gnss_position = L.add("gnss_position_error", "m", 3);
         if (settings.gnss.use_velocity && settings.gnss.errors.correlated_velocity.maxCoeff() > 0.0)
             L.gnss_velocity = L.add("gnss_velocity_error", "m/s", 3);
@@ -87,10 +89,13 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
     model.loop = settings.loop;
     model.set_process(layout.baro_bias, 1, {0.0, settings.baro.bias_walk * settings.baro.bias_walk});
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
-    // Loggers and receivers do not keep it to the millisecond: what was learnt is forgotten within a minute.
-    constexpr double latency_time = 60.0;   // s
-    if (layout.gnss_latency >= 0)
-        model.set_process(layout.gnss_latency, 1, StateProcess::markov(settings.gnss.latency_std, latency_time));
+    // Loggers and receivers do not keep it to the millisecond: what was learnt is forgotten, by some hundredths of a second in a minute.
+    const auto latency = [](double sigma) {
+        constexpr double wander = 0.02, time = 60.0;   // s
+        return StateProcess::markov(sigma, time * std::max(1.0, std::pow(sigma / wander, 2)));
+    };
+    if (layout.gnss_latency >= 0) model.set_process(layout.gnss_latency, 1, latency(settings.gnss.latency_std));
+    if (layout.gnss_velocity_latency >= 0) model.set_process(layout.gnss_velocity_latency, 1, latency(settings.gnss.velocity_latency_std));
     model.gnss = settings.gnss.errors;
     for (int i = 0; i < 3; ++i) {
         const sensor::GnssErrorModel& g = model.gnss;
@@ -228,6 +233,7 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
     P.baro(baro_height, settings.baro, start.nav);
     P.set(L.mag_bias, 1, settings.mag.bias_std);
     P.set(L.gnss_latency, 1, settings.gnss.latency_std);
+    P.set(L.gnss_velocity_latency, 1, settings.gnss.velocity_latency_std);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
     P.set(L.heading_offset, 1, settings.heading.offset_std);
     P.slow_error(L.gnss_position, Layout::position, settings.gnss.errors.correlated_position, start.position_of_fix);
@@ -241,6 +247,7 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
         Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
     walk.next_feedback = start.nav.time + walk.feedback_period;
     if (settings.integrity.use && settings.integrity.window > 0.0 && !uses_ranges(settings.coupling)) walk.shadows.resize(2);
+    walk.undecided_heading = start.undecided_heading;
     walk.increment = start.increment;
     walk.next_output = start.nav.time;
     walk.next_constraint = start.nav.time;

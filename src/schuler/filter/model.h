@@ -15,6 +15,8 @@ struct Start {
     /// 1 where a component (north, east, down) comes from a fix and so has the receiver's slow error in it, 0 where it does not.
     Eigen::Vector3d position_of_fix = Eigen::Vector3d::Zero(), velocity_of_fix = Eigen::Vector3d::Zero();
     double std_mounting = 0.03;                   ///< rad
+    /// rad: how far other headings lie that the fixes do not refute. What is reported covers them; the filter, which is linear, does not.
+    double undecided_heading = 0.0;
     std::size_t increment = 0;                    ///< first increment to consume
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 };

@@ -171,10 +171,13 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             const FixNoise& noise = data_.fix_noise[event.index];
             Eigen::Vector3d variance = (model_.layout.gnss_velocity < 0 ? noise.velocity : noise.white_velocity).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_velocity.cwiseAbs2();
-            // Where its latency was fitted by itself, a velocity may be older or younger than the position.
-            const double latency = std::min(settings_.gnss.latency_std, 0.015);   // s: what fits of it are good for
-            variance += latency * latency * e.a_n.cwiseAbs2();
-            return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, settings_.gnss.lever_arm_b, !settings_.gnss.velocity_latency, use);
+            // A latency that had to be found jitters from fix to fix; without a state it is off by what fits of it are good for.
+            const GnssSettings& g = settings_.gnss;
+            const bool own = model_.layout.gnss_velocity_latency >= 0;
+            const double off = own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015);   // s
+            variance += off * off * e.a_n.cwiseAbs2();
+            const int latency = own ? model_.layout.gnss_velocity_latency : g.velocity_latency ? -1 : model_.layout.gnss_latency;
+            return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, g.lever_arm_b, latency, use);
         }
         case AidKind::Baro:
             return baro_height(e, data_.recording->baro[event.index].height, settings_.baro.std * settings_.baro.std);

@@ -90,6 +90,7 @@ struct Walk {
     std::vector<Shadow<Frame>> shadows;               ///< two, or none where slow ramps are not looked for
     RangeTracking ranges;
 
+    double undecided_heading = 0.0;                   ///< rad, Start::undecided_heading
     std::array<FixChannel, 4> fixes{};                ///< position, velocity, and where the vertical has an age of its own: of that
     std::optional<Time> suspect;                      ///< the inertial unit was last bridged
     std::optional<Opening> wanted;                    ///< a rival, at the end of this increment

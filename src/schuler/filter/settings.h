@@ -57,6 +57,9 @@ struct GnssSettings {
     std::optional<double> height_latency;     ///< s, replaces latency for the height
     std::optional<double> velocity_down_latency;  ///< s, replaces velocity_latency for the down component
     double latency_std = 0.0;                 ///< s, one sigma of the positions' latency; above 0 what it is off by is a state
+    /// s, one sigma of the velocities' latency: above 0 what it is off by is a state of its own; otherwise a velocity that has no latency
+    /// of its own either is taken to be as late as the position.
+    double velocity_latency_std = 0.0;
     bool estimate_latency = false;            ///< find the latencies that are not given
     HeightKind height = HeightKind::Ellipsoidal;
     Eigen::Vector3d default_std_position{2.5, 2.5, 5.0};   ///< m, where the log gives none or zero (an autonomous fix)

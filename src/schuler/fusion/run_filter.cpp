@@ -66,13 +66,16 @@ Settings in_force(Settings settings) {
     return settings;
 }
 
-/// One sigma of the positions' latency: where it was fitted, twice what the curvature of the likelihood says, which takes innovations
-/// for independent, within what the fits are good for.
-double latency_std(const GnssSettings& gnss, const Findings& findings) {
-    const auto tuned = std::ranges::find(findings.tuned, "gnss.latency_s", &TunedSetting::key);
-    if (tuned == findings.tuned.end()) return gnss.latency_std;
+/// One sigma of a latency: where it was fitted, twice what the curvature of the likelihood says, which takes innovations for independent,
+/// within what the fits are good for.
+double latency_std(const char* key, double given, const Findings& findings) {
+    const auto tuned = std::ranges::find(findings.tuned, key, &TunedSetting::key);
+    if (tuned == findings.tuned.end()) return given;
     return as_written(std::clamp(2.0 * tuned->sigma, 0.02, 0.1), 1.0);
 }
+
+/// s, one sigma of a latency that nothing is known of yet.
+constexpr double unmeasured_latency = 0.15;
 
 double longest_gap(const ImuTimeline& imu) {
     double longest = 0.0;
@@ -129,11 +132,14 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     data.still = find_still(data.imu, recording, data.events, settings);
 
     Findings findings;
-    Start start = find_start(data, settings, findings, warnings);
+    Settings untuned = settings;
+    if (settings.gnss.estimate_latency) untuned.gnss.latency_std = std::max(settings.gnss.latency_std, unmeasured_latency);
+    Start start = find_start(data, untuned, findings, warnings);
     if (tuning) {
         tune(data, settings, start, origin, findings, warnings);
         data.still = find_still(data.imu, recording, data.events, settings);   // whose fixes have moved in time
-        settings.gnss.latency_std = latency_std(settings.gnss, findings);
+        settings.gnss.latency_std = latency_std("gnss.latency_s", settings.gnss.latency_std, findings);
+        settings.gnss.velocity_latency_std = latency_std("gnss.velocity_latency_s", settings.gnss.velocity_latency_std, findings);
         start = find_start(data, settings, findings, warnings);
     }
     if (settings.imu.estimate_mounting) {

@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
+#include "schuler/fusion/heading_search.h"
 #include "schuler/ins/align.h"
 #include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
@@ -10,8 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
+#include <limits>
+#include <utility>
 
 namespace schuler::fusion {
 namespace {
@@ -113,81 +114,26 @@ Time first_motion(const RunData& data, Time from) {
     return data.imu.increments.back().time;
 }
 
-std::size_t increment_at(const RunData& data, Time t) {
-    const auto it = std::lower_bound(data.imu.increments.begin(), data.imu.increments.end(), t,
-                                     [](const ImuIncrement& i, Time x) { return i.time <= x; });
-    return std::min(static_cast<std::size_t>(it - data.imu.increments.begin()), data.imu.increments.size() - 1);
+/// Level at the start: at rest from the mean specific force, moving from what the gyros carry or else from the first moments.
+Level level_of(const RunData& data, const Settings& settings, const Start& start, const StillStart& still) {
+    const double g = earth::gravity_down(settings.earth.gravity, start.nav.position.lat, start.nav.position.h);
+    const double by_bias = 1.5 * start.std_accel_bias.maxCoeff() / g;
+    if (still.length >= 1.0) return {still.force, Vector3d(0.0, 0.0, -g), std::max(0.2 * units::deg, by_bias)};
+    if (const std::optional<Level> level = carried_level(data, settings, start)) return *level;
+    return {mean_force(data, start.increment, 0.5), gnss_acceleration(data, start.nav.time) - Vector3d(0.0, 0.0, g),
+            std::max(3.0 * units::deg, by_bias)};
 }
 
-/// Settings of a trial: fifteen states, GNSS and standing still only.
-Settings trial_settings(const Settings& settings) {
-    Settings t = settings;
-    t.mechanization = Mechanization::Geographic;
-    t.aids.nonholonomic = t.aids.nonholonomic_auto = false;
-    t.scale_factors = t.misalignments = t.estimate_lever_arm = false;
-    t.baro.use = t.mag.use = t.odometer.use = t.heading.use = false;
-    t.gnss.errors = {};
-    t.gnss.latency_std = 0.0;
-    t.loop = Loop::Closed;
-    t.coupling = Coupling::Loose;
-    t.loose_kind = LooseKind::Standard;
-    t.integrity.use = false;
-    t.smooth = false;
-    return t;
-}
-
-/// The data without the events that a trial has no states for.
-RunData gnss_only(const RunData& all) {
-    RunData data = all;
-    std::erase_if(data.events, [](const Event& e) { return e.kind != AidKind::GnssPosition && e.kind != AidKind::GnssVelocity; });
-    return data;
-}
-
-struct HeadingSearch {
-    StartEstimate best;
-    bool decided = false;
-    double margin = 0.0;      ///< log-likelihood over the best clearly different heading
-    Time until{};
-};
-
-/// Tries headings all around the compass and keeps the one under which the GNSS is least surprising.
-HeadingSearch search_heading(const RunData& all, const Settings& settings, Start start, const Vector3d& f_n, const Vector3d& f_b,
-                             Time motion) {
-    constexpr int hypotheses = 12;
-    const RunData data = gnss_only(all);
-    const Settings trial = trial_settings(settings);
-    start.std_rpy.z() = 0.6 * std::numbers::pi / hypotheses * 2.0;
-    HeadingSearch search;
-    double span = 15.0;
-    const Time end = data.imu.increments.back().time;
-    for (int round = 0; round < 4; ++round, span *= 2.0) {
-        const Time until = std::min(end, std::max(motion, start.nav.time) + Duration::from_seconds(span));
-        const std::size_t last = increment_at(data, until);
-        std::vector<StartEstimate> found;
-        for (int k = 0; k < hypotheses; ++k) {
-            const double heading = 2.0 * std::numbers::pi * k / hypotheses;
-            start.nav.q_nb = ins::attitude_from_specific_force(f_b, f_n, heading);
-            found.push_back(smooth_start(data, trial, start, last));
-        }
-        const auto better = [](const StartEstimate& a, const StartEstimate& b) { return a.log_likelihood < b.log_likelihood; };
-        // Once more from where the best trial ended up: its errors are small, so the linearised filter is judged where it holds.
-        Start refined = start;
-        const StartEstimate coarse = *std::max_element(found.begin(), found.end(), better);
-        refined.nav = coarse.nav;
-        refined.std_rpy = start.std_rpy;
-        refined.gyro_bias = coarse.gyro_bias;
-        StartEstimate best = smooth_start(data, trial, refined, last);
-        const double best_heading = math::rpy_from_quaternion(best.nav.q_nb).z();
-        double rival = -1e300;
-        for (const StartEstimate& e : found) {
-            const double difference = math::wrap_pi(math::rpy_from_quaternion(e.nav.q_nb).z() - best_heading);
-            if (std::abs(difference) > 30.0 * units::deg) rival = std::max(rival, e.log_likelihood);
-        }
-        search = {best, false, best.log_likelihood - rival, until};
-        search.decided = search.margin > 12.0 && best.std_rpy.z() < 10.0 * units::deg;
-        if (search.decided || until == end) return search;
+/// Heading by the first magnetometer sample after the start.
+std::optional<HeadingWitness> magnetic_heading(const RunData& data, const Settings& settings, Time t0, const Level& level) {
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.imu.mounting_rpy) * settings.imu.C_bs;
+    for (const MagSample& s : data.recording->mag) {
+        if (s.time < t0 || !s.field_b.allFinite() || !settings.mag.use) continue;
+        const Eigen::Matrix3d C_level = ins::attitude_from_specific_force(level.f_b, level.f_n, 0.0).toRotationMatrix();
+        const Vector3d field = C_level * (C_bs * s.field_b);
+        return HeadingWitness{math::wrap_2pi(data.declination - std::atan2(field.y(), field.x())), settings.mag.bias_std};
     }
-    return search;
+    return std::nullopt;
 }
 
 void set_biases(Start& start, const Settings& settings) {
@@ -195,6 +141,21 @@ void set_biases(Start& start, const Settings& settings) {
     start.accel_bias = settings.initial.accel_bias;
     start.std_gyro_bias = Vector3d::Constant(settings.imu.errors.gyro_initial_bias());
     start.std_accel_bias = Vector3d::Constant(settings.imu.errors.accel_initial_bias());
+}
+
+/// Velocity from the positions of the first second or two, and its sigma; sigmas are infinite where fixes are too far apart.
+std::pair<Vector3d, Vector3d> velocity_by_positions(const RunData& data, const Settings& settings, const Event& first) {
+    constexpr double least = 0.95, most = 3.0, accel = 2.0;   // s, s, m/s^2: what a vehicle may accelerate by meanwhile
+    const GnssFix& from = data.recording->gnss[first.index];
+    for (const Event& e : data.events) {
+        const double dt = (e.valid - first.valid).seconds();
+        if (e.kind != AidKind::GnssPosition || e.withheld || (e.components & 3) != 3 || dt < least) continue;
+        if (dt > most) break;
+        const Vector3d moved = earth::ned_difference(settings.earth, data.recording->gnss[e.index].position, from.position);
+        const Vector3d noise = std::sqrt(2.0) / dt * data.fix_noise[e.index].position;
+        return {moved / dt, noise.unaryExpr([&](double n) { return std::hypot(n, 0.5 * accel * dt); })};
+    }
+    return {Vector3d::Zero(), Vector3d::Constant(std::numeric_limits<double>::infinity())};
 }
 
 /// Position, velocity and time; attitude is left to the caller.
@@ -229,6 +190,14 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
                 std_velocity(i) = 2.0 * data.fix_noise[fix_event->index].velocity(i) + 0.1;
                 if (!std::isfinite(given.velocity_n(i))) start.velocity_of_fix(i) = 1.0;
             }
+    if (fix_event != nullptr && start.velocity_of_fix.isZero()) {
+        const auto [moved, std_moved] = velocity_by_positions(data, settings, *fix_event);
+        for (int i = 0; i < 3; ++i)
+            if (std::isfinite(moved(i)) && std_moved(i) < std_velocity(i)) {
+                velocity(i) = moved(i);
+                std_velocity(i) = std_moved(i);
+            }
+    }
     start.nav.v_eb_n = or_given(given.velocity_n, velocity);
     start.std_velocity = or_given(given.std_velocity, std_velocity);
     Vector3d std_position = Vector3d::Constant(10.0);
@@ -239,8 +208,11 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
         if (!std::isfinite(start.nav.position.h)) start.nav.position.h = 0.0;
         const double lead = (start.nav.time - fix_event->valid).seconds();
         start.nav.position = earth::moved_by_ned(settings.earth, start.nav.position, start.nav.v_eb_n * lead);
-        std_position = data.fix_noise[fix_event->index].position +
-                       Vector3d::Constant(settings.gnss.lever_arm_b.norm()) + start.std_velocity * std::abs(lead);
+        const FixNoise& noise = data.fix_noise[fix_event->index];
+        const Vector3d late = settings.gnss.latency_std * start.nav.v_eb_n;
+        for (int i = 0; i < 3; ++i)
+            std_position(i) = std::hypot(std::max(noise.position(i), std::hypot(noise.white_position(i), settings.gnss.errors.correlated_position(i))), late(i)) +
+                              settings.gnss.lever_arm_b.norm() + start.std_velocity(i) * std::abs(lead);
         start.position_of_fix.setOnes();
         if (!std::isfinite(fix->position.h)) {
             std_position.z() = 1000.0;
@@ -266,12 +238,9 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
         start.std_velocity.setConstant(0.1);
         start.velocity_of_fix.setZero();
     }
-    const double g = earth::gravity_down(settings.earth.gravity, start.nav.position.lat, start.nav.position.h);
-    const Vector3d acceleration = standing ? Vector3d(Vector3d::Zero()) : gnss_acceleration(data, t0);
-    const Vector3d f_n = acceleration - Vector3d(0.0, 0.0, g);
-    const Vector3d f_b = standing ? still.force : mean_force(data, start.increment, 0.5);
-    const double level_std = standing ? std::max(0.2 * units::deg, 1.5 * start.std_accel_bias.maxCoeff() / g)
-                                      : std::max(3.0 * units::deg, 1.5 * start.std_accel_bias.maxCoeff() / g);
+    const Level level = level_of(data, settings, start, still);
+    const Vector3d &f_n = level.f_n, &f_b = level.f_b;
+    const double level_std = level.std;
     findings.aligned_at = t0;
 
     const auto finish = [&](double heading, double std_heading, const std::string& sentence) {
@@ -307,10 +276,15 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
                                         0.2 * settings.imu.errors.gyro_bias);
     }
 
+    // Beyond `linear` a linearised filter believes to learn what it does not: what it then says is not all that is reported. It starts
+    // from no more than `open`, so that it can follow what it is shown later.
+    constexpr double linear = 15.0 * units::deg, open = 40.0 * units::deg;
+    constexpr double unknown = 100.0 * units::deg;
+    std::optional<double> tried;   // the best of headings that all fit alike
+    const std::optional<HeadingWitness> compass = magnetic_heading(data, settings, t0, level);
     const Time motion = first_motion(data, t0);
     if (motion < data.imu.increments.back().time - Duration::from_seconds(3.0)) {
         Start trial = start;
-        trial.std_rpy = Vector3d::Constant(level_std);
         // A long stand before the first motion says nothing about the heading: the trials begin shortly before the motion.
         const double wait = (motion - t0).seconds();
         const bool late = standing && wait > 30.0 && still.length > wait - 10.0;
@@ -319,11 +293,13 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
             trial.previous = data.imu.increments[trial.increment - 1];
             trial.nav.time = trial.previous.time;
         }
-        const HeadingSearch search = search_heading(data, settings, trial, f_n, f_b, motion);
+        const HeadingSearch search = search_heading(data, settings, trial, level, motion, compass);
         const Vector3d rpy = math::rpy_from_quaternion(search.best.nav.q_nb);
+        // Errors count from here on, however long the search looks on: it ends where it begins.
+        const Time until = std::min(search.until, std::max(motion, t0) + Duration::from_seconds(120.0));
         if (search.decided) {
-            findings.aligned_at = search.until;
-            const double std = std::max(2.0 * units::deg, 3.0 * search.best.std_rpy.z());
+            findings.aligned_at = until;
+            const double std = std::max({2.0 * units::deg, 3.0 * search.best.std_rpy.z(), search.std});
             if (!standing) start.gyro_bias = search.best.gyro_bias;
             const std::string sentence =
                 fmt::format("heading {:.1f} deg at the start found from the motion in the first {:.0f} s",
@@ -339,32 +315,45 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
             start.nav.q_nb = math::quaternion_from_rpy(full);
             return start;
         }
+        if (!compass) tried = math::wrap_2pi(rpy.z());
+        if (search.std < 60.0 * units::deg) {
+            findings.aligned_at = until;
+            if (!standing) start.gyro_bias = search.best.gyro_bias;
+            const double std = 1.5 * search.std;   // the tails are longer than a Gaussian's
+            const auto sentence = [&](double heading, const char* which) {
+                return fmt::format("heading {:.0f} deg at the start, to {:.0f} deg: the {} of what the first {:.0f} s do not refute", heading / units::deg,
+                                   std / units::deg, which, (search.until - t0).seconds());
+            };
+            if (std < linear) {
+                const double heading = math::wrap_2pi(search.heading);
+                return finish(heading, std, sentence(heading, "mean"));
+            }
+            start.undecided_heading = std;
+            const double heading = math::wrap_2pi(rpy.z());
+            return finish(heading, std::min(std, open), sentence(heading, "most likely"));
+        }
     }
     double top_speed = 0.0;
     for (const GnssFix& fix : data.recording->gnss)
         if (fix.velocity_n.allFinite()) top_speed = std::max(top_speed, fix.velocity_n.norm());
     // Without motion: the magnetometer if there is one, otherwise unknown.
-    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.imu.mounting_rpy) * settings.imu.C_bs;
-    for (const MagSample& s : data.recording->mag) {
-        if (s.time < t0 || !s.field_b.allFinite() || !settings.mag.use) continue;
-        const Eigen::Matrix3d C_level = ins::attitude_from_specific_force(f_b, f_n, 0.0).toRotationMatrix();
-        const Vector3d field = C_level * (C_bs * s.field_b);
-        const double heading = math::wrap_2pi(data.declination - std::atan2(field.y(), field.x()));
-        return finish(heading, settings.mag.bias_std,
-                      fmt::format("heading {:.0f} deg from the magnetometer, to {:.0f} deg", heading / units::deg,
-                                  settings.mag.bias_std / units::deg));
-    }
+    if (compass)
+        return finish(compass->heading, compass->std,
+                      fmt::format("heading {:.0f} deg from the magnetometer, to {:.0f} deg", compass->heading / units::deg,
+                                  compass->std / units::deg));
     warnings.add("start.heading",
-                 fmt::format("the heading cannot be found: {}; it starts at north with 100 deg of uncertainty "
+                 fmt::format("the heading cannot be found: {}; it starts at {} with 100 deg of uncertainty "
                              "(give initial.heading_deg)",
                              top_speed > 5.0
                                  ? fmt::format("the fixes reach {:.0f} m/s, but no attitude makes the IMU follow them: check its units, "
                                                "axes and times (`schuler inspect` measures them)",
                                                top_speed)
-                                 : "the log has too little motion and no magnetometer"));
+                                 : "the log has too little motion and no magnetometer",
+                             tried ? fmt::format("{:.0f} deg", *tried / units::deg) : "north"));
     findings.aligned_at = data.imu.increments.back().time;
     findings.heading_found = false;
-    return finish(0.0, 100.0 * units::deg, "heading unknown");
+    start.undecided_heading = unknown;
+    return finish(tried.value_or(0.0), open, "heading unknown");
 }
 
 MountingEstimate estimate_mounting(const RunData& all, const Settings& settings, const Start& start) {

@@ -74,7 +74,49 @@ double quantile(std::vector<double>& x, double q) {
     return x[static_cast<std::size_t>(k)];
 }
 
-StillThresholds learn(const std::vector<Slot>& slots) {
+/// Positions whose noise is metres show a slow speed only over some seconds: the means of ten seconds before and after. False where
+/// there is no need, or none can be told.
+bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events, const Settings& settings) {
+    constexpr double half = 10.0, sharp = 0.1;   // s, m/s
+    struct Point {
+        double t;
+        Eigen::Vector2d p;
+    };
+    std::vector<Point> points;
+    const GnssFix* first = nullptr;
+    for (const Event& e : events) {
+        if (e.withheld || e.kind != AidKind::GnssPosition || (e.components & 3) != 3) continue;
+        const GnssFix& fix = recording.gnss[e.index];
+        if (fix.velocity_n.head<2>().allFinite()) return false;   // they tell more
+        if (first == nullptr) first = &fix;
+        points.push_back({(e.valid - slots.front().end).seconds() + slot_length, earth::ned_difference(settings.earth, fix.position, first->position).head<2>()});
+    }
+    if (points.size() < 20) return false;
+    std::vector<double> second;
+    for (std::size_t i = 2; i < points.size(); ++i) second.push_back((points[i].p - 2.0 * points[i - 1].p + points[i - 2].p).cwiseAbs().maxCoeff());
+    const double white = quantile(second, 0.5) / 1.05 / std::sqrt(6.0);   // the larger of two normal deviates' sizes has the median 1.05 sigma
+    bool told = false;
+    std::size_t low = 0, middle = 0, high = 0;
+    Eigen::Vector2d before = Eigen::Vector2d::Zero(), after = before;
+    for (std::size_t k = 0; k < slots.size(); ++k) {
+        const double t = slot_length * (static_cast<double>(k) + 0.5);
+        for (; high < points.size() && points[high].t < t + half; ++high) after += points[high].p;
+        for (; middle < high && points[middle].t < t; ++middle) {
+            after -= points[middle].p;
+            before += points[middle].p;
+        }
+        for (; low < middle && points[low].t < t - half; ++low) before -= points[low].p;
+        const auto n = static_cast<double>(middle - low), m = static_cast<double>(high - middle);
+        if (n < 5.0 || m < 5.0 || points[middle - 1].t - points[low].t < 0.8 * half || points[high - 1].t - points[middle].t < 0.8 * half) continue;
+        if (white * std::sqrt(1.0 / n + 1.0 / m) / half > sharp) continue;
+        slots[k].add_speed((after / m - before / n).norm() / half);
+        told = true;
+    }
+    return told;
+}
+
+/// `share` of the moving slots that may pass for still, because their speeds hide short stops.
+StillThresholds learn(const std::vector<Slot>& slots, double share) {
     std::vector<double> force, rate;
     std::vector<const Slot*> moving;
     for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -97,7 +139,7 @@ StillThresholds learn(const std::vector<Slot>& slots) {
     t.force_std = 1.25 * quantile(force, 0.95);
     t.rate_std = 1.25 * quantile(rate, 0.95);
     // Shrink until practically no moving slot passes; give up if the two cannot be told apart.
-    const double allowed = 0.001 * static_cast<double>(moving.size());
+    const double allowed = share * static_cast<double>(moving.size());
     for (int i = 0; i < 12; ++i) {
         const auto wrong = std::count_if(moving.begin(), moving.end(), [&](const Slot* s) {
             return s->force_std < t.force_std && s->rate_std < t.rate_std;
@@ -120,7 +162,8 @@ StillReport find_still(const ImuTimeline& imu, const Recording& recording, const
     std::vector<Slot> slots = make_slots(imu);
     for (std::size_t i = 0; i < slots.size(); ++i) add_statistics(slots, i, imu.median_dt);
     add_speeds(slots, recording, events, settings);
-    report.thresholds = learn(slots);
+    const bool coarse = add_slow_speeds(slots, recording, events, settings);
+    report.thresholds = learn(slots, coarse ? 0.25 : 0.001);
     if (!report.thresholds.learnt) return report;
 
     // Aircraft hover and ships drift without the IMU noticing: they stand still only before they first move.

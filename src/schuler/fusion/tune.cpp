@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/filter/fix_noise.h"
 #include "schuler/fusion/timeline.h"
+#include "schuler/math/quantile.h"
 
 #include <fmt/format.h>
 
@@ -67,7 +68,7 @@ public:
         trial.loose_kind = LooseKind::Standard;
         trial.integrity.use = false;
         trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;   // of the noise that is sought
-        trial.gnss.latency_std = 0.0;
+        if (settings.gnss.estimate_latency) trial.gnss.latency_std = trial.gnss.velocity_latency_std = 0.0;   // it is sought itself
         trial.aids.nonholonomic = trial.aids.nonholonomic_auto = false;
         trial.scale_factors = trial.misalignments = trial.estimate_lever_arm = trial.smooth = false;
         if (!surroundings) trial.baro.use = trial.mag.use = false;
@@ -221,16 +222,20 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     }
     const bool precise = is_precise(recording);
     // Receivers wander: filters inside, atmosphere, multipath. Innovations that look alike tell by how much; where sigmas are stated, the
-    // physics of a receiver without corrections by how much at least. A fixed solution that states its sigmas hardly wanders.
-    const auto wander = [&](double sigma, double time, double low, double high, double least) {
+    // physics of a receiver without corrections by how much at least. A fixed solution that states its sigmas hardly wanders. How long an
+    // error lasts minutes do not tell: ten minutes, as the atmosphere's, so that no solution averages away what a receiver says of its
+    // accuracy; `upright`: vertical errors against horizontal ones.
+    // More than some metres no receiver wanders: an inertial unit that is modelled badly must not be taken for that.
+    constexpr double most = 2.5;   // m
+    const auto wander = [&](double sigma, double time, double low, double high, double least, double upright) {
         knobs.push_back({"gnss.correlated_m", [=](Settings& s, double x) {
-                             s.gnss.errors.correlated_position.setConstant(sigma * std::exp(x));
+                             s.gnss.errors.correlated_position = std::min(most, sigma * std::exp(x)) * Vector3d(1.0, 1.0, upright);
                              s.gnss.errors.correlated_time = time;
                          }, low, high, false, least});
     };
     if (g.estimate_std && g.errors.correlated_position.isZero()) {
-        if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3);
-        else if (before.imu.estimate_noise && !precise) wander(0.3, 120.0, 0.0, 2.3, 0.0);
+        if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3, 1.0);
+        else if (before.imu.estimate_noise && !precise) wander(0.3, 600.0, 0.0, 2.3, 0.0, 1.5);
     }
     // A log's own sigmas may be too small by far; where they are too large nothing is lost but sharpness.
     const auto larger = [](double x) { return std::exp(std::max(0.0, x)); };
@@ -258,18 +263,33 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     return knobs;
 }
 
+/// Median of the sigmas that a receiver without corrections states, m, NED; 0 where most fixes are not such.
+Vector3d stated_by_autonomous(const Recording& recording) {
+    Vector3d out = Vector3d::Zero();
+    for (int i = 0; i < 3; ++i) {
+        std::vector<double> stated;
+        for (const GnssFix& f : recording.gnss)
+            if (f.fix == FixType::Autonomous || f.fix == FixType::Unknown) stated.push_back(f.std_position(i));
+        std::erase_if(stated, [](double s) { return !(s > 0.5 && s < 20.0); });   // m: corrected ones are better, useless ones are white
+        if (2 * stated.size() > recording.gnss.size()) out(i) = math::median(std::move(stated));
+    }
+    return out;
+}
+
 /// What was fitted is kept above what the physics of the devices allows, however quiet they were in the trial: a receiver that does not
 /// state its sigmas, without corrections, wanders by half a metre and scatters by some centimetres; a magnetometer's errors turn with
 /// its vehicle and with its currents.
 void keep_physical(Settings& settings, const Settings& before, const Recording& recording, MissingStd missing) {
-    constexpr double least_white = 0.1, least_slow = 0.5, least_velocity = 0.02, least_heading = 0.02;   // m, m, m/s, rad
+    constexpr double least_white = 0.1, least_slow = 0.5, least_velocity = 0.02, least_heading = 0.02, most_slow = 2.5;   // m, m, m/s, rad, m
     const bool precise = is_precise(recording);
     GnssSettings& g = settings.gnss;
+    // What an autonomous receiver says of its accuracy is mostly of what it wanders, and minutes of a log do not show all of that.
+    if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position && before.gnss.errors.correlated_position.isZero())
+        g.errors.correlated_position = g.errors.correlated_position.cwiseMax(stated_by_autonomous(recording).cwiseMin(Vector3d(most_slow, most_slow, 1.5 * most_slow)));
     if (before.gnss.estimate_std && missing.position && !precise) {
-        const bool quiet = g.default_std_position.head<2>().minCoeff() < least_slow;
         g.default_std_position = g.default_std_position.cwiseMax(least_white);
-        if (quiet && before.gnss.errors.correlated_position.isZero())
-            g.errors.correlated_position = g.errors.correlated_position.cwiseMax(least_slow);
+        if (before.gnss.errors.correlated_position.isZero())   // as large as what scatters, at least
+            g.errors.correlated_position = g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_slow)).cwiseMax(least_slow);
     }
     if (before.gnss.estimate_std && missing.velocity) g.default_std_velocity = g.default_std_velocity.cwiseMax(least_velocity);
     if (before.imu.estimate_noise && before.mag.use) settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));

@@ -77,7 +77,8 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
         dr += slow_position.value() + faults.offset(t);
         dv += slow_velocity.value() + faults.velocity_offset(t);
         if (silent(scenario, Channel::Gnss, t) || faults.any(FaultKind::Dropout, t)) continue;
-        const double at_position = std::max(0.0, t - s.position_latency), at_velocity = std::max(0.0, t - s.velocity_latency);
+        const double at_position = t - s.position_latency, at_velocity = t - s.velocity_latency;
+        if (std::min(at_position, at_velocity) < -1e-9) continue;   // of before the flight
         const PointMotion point = point_motion(scenario.earth, path.at(at_position), s.lever_arm_b);
         const PointMotion moving =
             at_velocity == at_position ? point : point_motion(scenario.earth, path.at(at_velocity), s.lever_arm_b);

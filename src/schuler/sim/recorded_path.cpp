@@ -90,14 +90,30 @@ void add_attitude(Channels& c, const RecordedPath& s, const earth::Ellipsoid& el
     }
 }
 
+/// Points that the splines get beyond either end.
+constexpr int margin = 3;
+
+/// Straight on beyond both ends: a recording that begins or ends in motion does so without a jolt.
+std::vector<double> continued(const std::vector<double>& c) {
+    std::vector<double> out;
+    out.reserve(c.size() + 2 * margin);
+    for (int k = margin; k > 0; --k) out.push_back(c[0] + k * (c[0] - c[1]));
+    out.insert(out.end(), c.begin(), c.end());
+    const double last = c.back(), step = last - c[c.size() - 2];
+    for (int k = 1; k <= margin; ++k) out.push_back(last + k * step);
+    return out;
+}
+
 class Recorded final : public TruthPath {
 public:
-    Recorded(const RecordedPath& s, const earth::Ellipsoid& ellipsoid) : ellipsoid_(ellipsoid), start_(s.points.front().position) {
+    Recorded(const RecordedPath& s, const earth::Ellipsoid& ellipsoid)
+        : ellipsoid_(ellipsoid), start_(s.points.front().position), lead_(margin * s.spacing) {
         Channels channels = gridded(s);
         if (!std::ranges::all_of(s.points, [](const RecordedPoint& p) { return p.rpy.allFinite(); })) add_attitude(channels, s, ellipsoid);
-        for (std::vector<double>& c : channels) splines_.emplace_back(s.spacing, std::move(c));
+        for (const std::vector<double>& c : channels) splines_.emplace_back(s.spacing, continued(c));
     }
-    Kinematics at(double t) const override {
+    Kinematics at(double since_first) const override {
+        const double t = since_first + lead_;
         const GeodeticJet<3> p{start_.lat + splines_[0].at(t).to<3>(), start_.lon + splines_[1].at(t).to<3>(),
                                start_.h + splines_[2].at(t).to<3>()};
         const VelocityJet<2> v = velocity(ellipsoid_, p);
@@ -108,6 +124,7 @@ public:
 private:
     earth::Ellipsoid ellipsoid_;
     Geodetic start_;
+    double lead_;
     std::vector<UniformSpline> splines_;
 };
 

@@ -43,7 +43,7 @@ Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vec
 }
 
 Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
-                               bool late_as_position, Components use) {
+                               int latency, Components use) {
     const Vector3d l_b = lever_arm(e, lever_arm_b);
     const Vector3d w_ie_n = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
     const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * w_ie_n;
@@ -60,9 +60,9 @@ Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vec
         attitude_of(row) = by_attitude.row(axis).transpose();
         row.add3(Layout::gyro_bias, by_gyro_bias.row(axis).transpose());
         if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, by_lever_arm.row(axis).transpose());
-        if (e.layout.gnss_latency >= 0 && late_as_position) {
-            m.innovation(m.dof - 1) -= e.parameters(e.layout.gnss_latency) * e.a_n(axis);
-            row.add(e.layout.gnss_latency, -e.a_n(axis));
+        if (latency >= 0) {
+            m.innovation(m.dof - 1) -= e.parameters(latency) * e.a_n(axis);
+            row.add(latency, -e.a_n(axis));
         }
         if (e.layout.gnss_velocity >= 0) {
             m.innovation(m.dof - 1) += e.parameters(e.layout.gnss_velocity + axis);

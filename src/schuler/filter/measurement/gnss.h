@@ -16,9 +16,9 @@ struct Components {
 [[nodiscard]] Measurement gnss_position(const Estimate& estimate, const Geodetic& measured, const Eigen::Vector3d& variance,
                                              const Eigen::Vector3d& lever_arm_b, Components use);
 
-/// Antenna velocity against a measured north-east-down velocity; variance in m^2/s^2. late_as_position: the latency that is a state is
-/// that of the velocity too; the acceleration is taken without its dependence on the attitude.
+/// Antenna velocity against a measured north-east-down velocity; variance in m^2/s^2. latency: the state that its
+/// latency's error is, or -1; the acceleration is taken without its dependence on the attitude.
 [[nodiscard]] Measurement gnss_velocity(const Estimate& estimate, const Eigen::Vector3d& measured,
-                                             const Eigen::Vector3d& variance, const Eigen::Vector3d& lever_arm_b, bool late_as_position, Components use);
+                                             const Eigen::Vector3d& variance, const Eigen::Vector3d& lever_arm_b, int latency, Components use);
 
 }  // namespace schuler::filter

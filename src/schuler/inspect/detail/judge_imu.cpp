@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace schuler::inspect::detail {
@@ -60,7 +61,14 @@ void judge_axes(Study& study) {
 
 void judge_mounting(Study& study) {
     const Mounting& m = study.mounting;
-    if (m.forward_from != ForwardFrom::Travel) return;
+    if (m.forward_from != ForwardFrom::Travel) {
+        constexpr double telling = 5.0;   // m/s
+        std::vector<double> speeds;
+        for (std::size_t k = 0; k < study.gnss.size(); ++k) speeds.push_back(study.gnss.speed(k));
+        if (m.found && !study.gnss.has_velocity() && !speeds.empty() && quantile(std::move(speeds), 0.75) > telling)
+            study.draft.set("imu", "mounting_deg", std::string("estimate"), "forward is only supposed here; the filter finds the direction of travel");
+        return;
+    }
     const Eigen::Vector3d rpy = m.rest_rpy * per_deg;
     const double angle = rpy.norm();
     const std::string text = fmt::format("roll {:.1f}, pitch {:.1f}, yaw {:.1f} deg", rpy.x(), rpy.y(), rpy.z());
@@ -118,14 +126,17 @@ void check_given_axes(Study& study) {
     }
 }
 
-// The best grade that noise and bias allow: noise within a factor two, bias within four sigma of switch-on. The noise holds
-// vibration, so that it alone does not make an instrument worse than consumer grade.
+// The best grade that noise and bias allow: noise clearly below that of the next worse one, whose biases it would otherwise be wrong to
+// rule out, and bias within four sigma of switch-on. The noise holds vibration, so that it alone does not make an instrument worse than
+// consumer grade.
 std::string grade_for(double gyro_noise, double accel_noise, double gyro_bias) {
-    for (const char* name : {"navigation", "tactical", "mems"}) {
-        const sensor::ImuErrorModel model = sensor::imu_grade(name);
-        if (gyro_noise < 2.0 * model.gyro_noise && accel_noise < 3.0 * model.accel_noise &&
-            gyro_bias < 4.0 * model.gyro_initial_bias())
-            return name;
+    constexpr double clearly = 0.6;
+    constexpr std::array<const char*, 4> names{"navigation", "tactical", "mems", "consumer"};
+    for (std::size_t i = 0; i + 1 < names.size(); ++i) {
+        const sensor::ImuErrorModel worse = sensor::imu_grade(names[i + 1]);
+        const bool quiet = gyro_noise < clearly * worse.gyro_noise || accel_noise < clearly * worse.accel_noise;
+        const bool possible = gyro_noise < 2.0 * sensor::imu_grade(names[i]).gyro_noise && accel_noise < 3.0 * sensor::imu_grade(names[i]).accel_noise;
+        if (quiet && possible && gyro_bias < 4.0 * sensor::imu_grade(names[i]).gyro_initial_bias()) return names[i];
     }
     return gyro_bias < 4.0 * sensor::imu_grade("consumer").gyro_initial_bias() ? "consumer" : "adis16405";
 }

@@ -74,11 +74,10 @@ void report(Study& study, const char* key, const std::optional<Age>& age, double
 double rounded(double age) { return std::round(100.0 * age) / 100.0; }
 
 // One key of the draft: what to add to the ages that the log states, where the measured age differs from what would be used.
-double draft_latency(Study& study, const char* key, const std::optional<Age>& age, double stated, bool is_stated, double used,
-                     double ease = 1.0) {
+double draft_latency(Study& study, const char* key, const std::optional<Age>& age, double stated, bool is_stated, double used) {
     if (!age) return used;
     const std::string stated_text = is_stated ? fmt::format(", beyond the {:.2f} s that the log states", stated) : std::string();
-    if (significant(age->value - stated - used, ease * age->sigma)) {
+    if (significant(age->value - stated - used, age->sigma)) {
         study.draft.set("gnss", key, rounded(age->value - stated),
                         fmt::format("{}: {} measured{}", how_sure(confidence_of(*age)), text_of(*age), stated_text), true,
                         Known::Found, age->sigma);
@@ -95,16 +94,24 @@ double draft_latency(Study& study, const char* key, const std::optional<Age>& ag
     return used;
 }
 
-/// What the positions' latency may be off by, so that the filter can carry it: what was measured, within what the fits are good for.
-void draft_uncertainty(Study& study, const std::optional<Age>& age) {
-    // A time of validity in the log itself is believed as long as the data do not speak against it.
-    if (study.states_position_age && !(age && significant(age->value - study.position_age, age->sigma))) return;
-    constexpr double least = 0.02, most = 0.1;   // s: what two fits of one log differ by, and what receivers are late by
-    if (study.given.latency) return;
+/// What a latency may be off by, so that the filter can carry it: what was measured, within what the fits are good for. A time of
+/// validity in the log itself (`stated`) is believed as long as the data do not speak against it.
+void draft_uncertainty(Study& study, const char* key, const std::optional<Age>& age, std::optional<double> stated) {
+    if (stated && !(age && significant(age->value - *stated, age->sigma))) return;
+    constexpr double least = 0.02, most = 0.15;   // s: what two fits of one log differ by, and what receivers are late by
     const double sigma = std::clamp(age ? age->sigma : most, least, most);
-    study.draft.set("gnss", "latency_std_s", std::round(1000.0 * sigma) / 1000.0,
-                    age ? "one sigma of the latency; the filter estimates what is left" : "the latency could not be measured; the filter looks for it",
-                    true);
+    study.draft.set("gnss", key, std::round(1000.0 * sigma) / 1000.0,
+                    age ? "one sigma of it; the filter estimates what is left" : "it could not be measured; the filter looks for it", true);
+}
+
+/// `apart`: the data show a velocity with a latency of its own.
+void draft_uncertainties(Study& study, const Ages& ages, bool apart) {
+    const Given& given = study.given;
+    const auto stated = [](bool is_stated, double age) { return is_stated ? std::optional(age) : std::nullopt; };
+    if (!given.latency) draft_uncertainty(study, "latency_std_s", ages.position, stated(study.states_position_age, study.position_age));
+    // Who gives the one latency means both, unless the data show otherwise.
+    if (study.gnss.has_velocity() && !given.velocity_latency && (!given.latency || apart))
+        draft_uncertainty(study, "velocity_latency_std_s", ages.velocity, stated(study.states_velocity_age, study.velocity_age));
 }
 
 /// A given latency counts on top of what the log states: the data may show that it is counted twice, or wrong.
@@ -134,7 +141,7 @@ void judge_latency(Study& study) {
                                              "older than the stamp; latencies add to them",
                                              study.position_age, study.velocity_age));
     }
-    const Ages ages = measured(study);
+    Ages ages = measured(study);
     report(study, "gnss.latency_s", ages.position, study.position_age, study.states_position_age);
     report(study, "gnss.velocity_latency_s", ages.velocity, study.velocity_age, study.states_velocity_age);
     report(study, "gnss.velocity_behind_position_s", ages.relative, study.velocity_age - study.position_age,
@@ -156,7 +163,7 @@ void judge_latency(Study& study) {
                             "could not be measured: too little motion or no time in common; \"estimate\" has the filter find it",
                             false);
         }
-        draft_uncertainty(study, std::nullopt);
+        draft_uncertainties(study, ages, false);
         return;
     }
     const Given& given = study.given;
@@ -164,7 +171,6 @@ void judge_latency(Study& study) {
     check_given(study, "height_latency_s", given.height_latency, ages.height, study.position_age, study.states_position_age);
     const double used = given.latency ? *given.latency
                                       : draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
-    draft_uncertainty(study, ages.position);
     double used_velocity = used;
     if (study.gnss.has_velocity()) {
         // Against the position is the sharper comparison, where the position is where it is taken to be.
@@ -179,12 +185,13 @@ void judge_latency(Study& study) {
         used_velocity = given.velocity_latency
                             ? *given.velocity_latency
                             : draft_latency(study, "velocity_latency_s", velocity, study.velocity_age, study.states_velocity_age, used);
-        // Receivers filter the vertical more than the horizontal, hardly ever less: the other way asks for more evidence.
-        const bool earlier = ages.velocity_down && ages.velocity_down->value < study.velocity_age + used_velocity;
-        draft_latency(study, "velocity_down_latency_s", ages.velocity_down, study.velocity_age, study.states_velocity_age,
-                      used_velocity, earlier ? 2.0 : 1.0);
+        // One solution gives all three components. Receivers filter the vertical more than the horizontal, never less: a vertical
+        // velocity that seems earlier is a period of steps or waves off.
+        if (ages.velocity_down && ages.velocity_down->value < study.velocity_age + used_velocity) ages.velocity_down.reset();
+        draft_latency(study, "velocity_down_latency_s", ages.velocity_down, study.velocity_age, study.states_velocity_age, used_velocity);
     }
     draft_latency(study, "height_latency_s", ages.height, study.position_age, study.states_position_age, used);
+    draft_uncertainties(study, ages, used_velocity != used);
 }
 
 }  // namespace schuler::inspect::detail

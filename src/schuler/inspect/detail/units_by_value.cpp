@@ -2,7 +2,9 @@
 
 #include "schuler/core/units.h"
 #include "schuler/inspect/detail/robust.h"
+#include "schuler/inspect/detail/still.h"
 #include "schuler/math/rotation.h"
+#include "schuler/sensor/grades.h"
 
 #include <fmt/format.h>
 
@@ -233,6 +235,25 @@ CourseSlope course_slope(const ImuSeries& imu, const GnssSeries& gnss, const Eig
     return result;
 }
 
+namespace {
+
+/// Gyro noise of a unit whose accelerometers have this noise, m/s/sqrt(s), by the grades; rad/sqrt(s). Vibration raises both alike.
+double gyro_noise_beside(double accel_noise) {
+    constexpr std::array<const char*, 4> names{"navigation", "tactical", "mems", "consumer"};
+    double x0 = 0.0, y0 = 0.0;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const sensor::ImuErrorModel grade = sensor::imu_grade(names[i]);
+        const double x = std::log(grade.accel_noise), y = std::log(grade.gyro_noise), at = std::log(accel_noise);
+        if (i == 0 && at <= x) return grade.gyro_noise;
+        if (i > 0 && at <= x) return std::exp(y0 + (y - y0) * (at - x0) / (x - x0));
+        x0 = x;
+        y0 = y;
+    }
+    return std::exp(y0) * accel_noise / std::exp(x0);
+}
+
+}  // namespace
+
 std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const GnssSeries& gnss) {
     std::vector<UnitChange> changes;
     if (imu.size() < 100) return changes;
@@ -262,10 +283,19 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
         confidence = 0.95;
         why = "gravity in sensor axes turns with the integrated rates in this unit only";
     } else if (!stated(file, first)) {
-        const double typical = quantile(rates, 0.5);
-        factor = typical > 0.3 ? units::deg : 1.0;
+        const NoiseLevel noise = noise_level(imu);
+        const double gyro = median({noise.gyro.x(), noise.gyro.y(), noise.gyro.z()}), accel = median({noise.accel.x(), noise.accel.y(), noise.accel.z()});
         confidence = 0.6;
-        why = fmt::format("the median rate is {:.3g}; there is too little motion to compare", typical);
+        if (gyro > 0.0 && accel > 0.0) {
+            constexpr std::array<Candidate, 2> candidates{{{"rad/s", 1.0}, {"deg/s", units::deg}}};
+            const Candidate& best = nearest(candidates, gyro, gyro_noise_beside(accel));
+            factor = best.factor;
+            why = fmt::format("the noise of the gyros fits that of the accelerometers in {}; there is too little motion to compare", best.unit);
+        } else {
+            const double typical = quantile(rates, 0.5);
+            factor = typical > 0.3 ? units::deg : 1.0;
+            why = fmt::format("the median rate is {:.3g}; there is too little motion to compare", typical);
+        }
     }
     if (factor == 1.0 && stated(file, first)) return changes;
     if (stated(file, first) && confidence < 0.9) return changes;

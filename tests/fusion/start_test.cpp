@@ -1,0 +1,139 @@
+// How a run starts: from what the fixes tell of velocity, rest and heading, and what is said where they tell nothing.
+#include "fusion/car_drive.h"
+
+#include "schuler/fusion/start.h"
+#include "schuler/fusion/still.h"
+#include "schuler/fusion/timeline.h"
+#include "schuler/fusion/tune.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Vector3d;
+using namespace testing;
+
+RunData data_of(const Recording& recording, const Settings& settings) {
+    WarningLog unheard;
+    RunData data;
+    data.recording = &recording;
+    data.imu = make_imu_timeline(recording.imu, settings.imu, unheard);
+    set_limits(data, settings);
+    data.events = make_events(recording, settings, recording.gnss.front().time, unheard);
+    data.fix_noise = fix_noise(recording, settings.gnss, unheard);
+    data.still = find_still(data.imu, recording, data.events, settings);
+    return data;
+}
+
+Start start_of(const Recording& recording, const Settings& settings) {
+    Findings findings;
+    WarningLog unheard;
+    return find_start(data_of(recording, settings), settings, findings, unheard);
+}
+
+const ReferenceSample& truth_at(const Recording& recording, Time t) {
+    return *std::ranges::min_element(recording.reference, {}, [t](const ReferenceSample& r) { return std::abs((r.time - t).seconds()); });
+}
+
+void without_velocities(Recording& recording) {
+    for (GnssFix& fix : recording.gnss) fix.velocity_n = fix.std_velocity = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+}
+
+/// At a steady speed from the first instant on.
+sim::Scenario steady(double north, double east) {
+    sim::Scenario s;
+    s.duration = 60.0;
+    s.origin = Time::from_seconds(1000.0);
+    sim::RecordedPath path;
+    for (int k = 0; k <= 70; ++k)
+        path.points.push_back({1.0 * k, {0.5 + north * k / 6.36e6, 1.0 + east * k / 5.6e6, 500.0}, {0.0, 0.0, std::atan2(east, north)}});
+    s.path = path;
+    s.imu.errors = mems();
+    s.gnss.rate = 4.0;
+    return s;
+}
+
+// A fast receiver's fixes are metres from where their stamps say, in turns by other metres than straight on.
+TEST(Start, HeadingIsFoundBesideLatenciesThatNobodyKnows) {
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        sim::Scenario s = town_drive(seed, 4.0, 150.0);
+        s.gnss.white_position.setConstant(0.02);
+        s.gnss.position_latency = 0.28;
+        s.gnss.velocity_latency = 0.1;
+        const Recording recording = sim::simulate(s).recording;
+        Settings f = settings_of(s);
+        f.gnss.latency_std = f.gnss.velocity_latency_std = 0.15;
+        const Start start = start_of(recording, f);
+        const double off = math::wrap_pi(math::rpy_from_quaternion(start.nav.q_nb).z() - truth_at(recording, start.nav.time).rpy.z());
+        EXPECT_LT(std::abs(off), 3.0 * start.std_rpy.z()) << seed;
+        EXPECT_LT(start.std_rpy.z(), 10.0 * deg) << seed;
+        EXPECT_EQ(start.undecided_heading, 0.0) << seed;
+    }
+}
+
+TEST(Start, VelocityComesFromPositionsWhereTheReceiverTellsNone) {
+    const sim::Scenario s = steady(-40.0, 30.0);
+    Recording recording = sim::simulate(s).recording;
+    without_velocities(recording);
+    const Start start = start_of(recording, settings_of(s));
+    const Vector3d off = start.nav.v_eb_n - truth_at(recording, start.nav.time).velocity_n;
+    for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(off(i)), 3.0 * start.std_velocity(i)) << i;
+    EXPECT_LT(start.std_velocity.maxCoeff(), 5.0);
+}
+
+// Steadily straight on a MEMS unit feels nothing of where it points: any heading fits, and that is what is reported to the end.
+TEST(Start, HeadingThatNothingTellsStaysUndecided) {
+    const sim::Scenario s = steady(5.0, 3.0);
+    const Recording recording = sim::simulate(s).recording;
+    Settings f = settings_of(s);
+    f.vehicle = VehicleKind::Ship;
+    const Result result = fuse(recording, f);
+    const SolutionRow& last = result.forward.rows.back();
+    EXPECT_GT(last.std_rpy.z(), 40.0 * deg);
+    const double off = math::wrap_pi(last.rpy.z() - truth_at(recording, last.time).rpy.z());
+    EXPECT_LT(std::abs(off), 3.0 * last.std_rpy.z());
+}
+
+TEST(Start, RestIsSeenInPositionsOfMetres) {
+    sim::Scenario s = town_drive(4, 5.0, 150.0);
+    shake(s);
+    std::get<sim::RoutePath>(s.path).standstill = 40.0;
+    Recording recording = sim::simulate(s).recording;
+    without_velocities(recording);
+    const RunData data = data_of(recording, settings_of(s));
+    double rest = 0.0;
+    for (const StillWindow& w : data.still.windows) {
+        if ((w.end - s.origin).seconds() < 38.0) rest += w.length;
+        EXPECT_LT(truth_at(recording, w.end).velocity_n.norm(), 0.5) << (w.end - s.origin).seconds();
+    }
+    EXPECT_GT(rest, 25.0);
+}
+
+// What a velocity is later than it is told is a state: estimated, and its error covered.
+TEST(Latency, OfTheVelocityIsAStateOfItsOwn) {
+    int inside = 0;
+    constexpr int runs = 4;
+    for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+        sim::Scenario s = town_drive(seed, 5.0, 150.0);
+        s.gnss.velocity_latency = 0.12;
+        const Recording recording = sim::simulate(s).recording;
+        Settings f = settings_of(s);
+        give_start(f, recording, seed);
+        f.gnss.latency_std = f.gnss.velocity_latency_std = 0.15;
+        const Result result = fuse(recording, f);
+        const auto block = std::ranges::find(result.states, "gnss_velocity_latency_error", &LayoutBlock::name);
+        ASSERT_NE(block, result.states.end());
+        const ParameterRow& last = result.forward.parameters.back();
+        const auto k = static_cast<std::size_t>(block->offset - 9);
+        inside += std::abs(last.value[k] - 0.12) < 3.0 * last.std[k] ? 1 : 0;
+        EXPECT_LT(last.std[k], 0.03);
+        EXPECT_NEAR(last.value[k], 0.12, 0.05);
+    }
+    EXPECT_EQ(inside, runs);
+}
+
+}  // namespace
+}  // namespace schuler::fusion
