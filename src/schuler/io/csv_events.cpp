@@ -36,6 +36,7 @@ std::vector<NamedInstant> read_events_csv(const TextInput& input) {
         if (!reader.row_ok()) throw reader.row_error("give seconds on the time axis of the data set, or leave the row out");
         out.push_back({Time{reader.time_ns(0)}, named ? std::string(reader.text(1)) : std::string(), reader.line()});
     }
+    if (out.empty()) throw input_error("has no event", {layout.file, 0, 0, "time_s"}, "give a row an event, or leave out output.events");
     return out;
 }
 

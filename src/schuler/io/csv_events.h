@@ -12,7 +12,7 @@
 namespace schuler::io {
 
 /// time_s [, name], in any order; other columns are ignored. As the file has them. @throws Error(Input) with the line: a time that is no
-/// number; with the column: no time_s.
+/// number; with the column: no time_s; without any event.
 [[nodiscard]] std::vector<NamedInstant> read_events_csv(const TextInput& input);
 
 /// One row an event with the columns of solution.csv and `name`. @throws as SolutionCsvWriter
