@@ -320,6 +320,8 @@ def outputs(program, source):
         check((folder / "out" / name).read_bytes() == (folder / "again" / name).read_bytes(), f"config.toml repeats {name}")
     program("process", "drive", "-o", "plain", "--self-check", "off", "-q")
     check((folder / "plain/solution.csv").read_text().count("\n") == len(solution), "as many rows without all that")
+    other = program("gravity", "drive", "-o", "gravity", "--set", "output.events=shots.csv").stderr
+    check("output.events is given and has no effect" in other and not (folder / "gravity/events.csv").exists(), f"gravity: {other}")
     (folder / "drive/shots.csv").write_text("time_s\n1\nsoon\n")
     program.fails("process", "drive", "-o", "bad", *chosen, parts=["shots.csv:3", "time_s"])
     (folder / "drive/shots.csv").write_text("time_s\n")

@@ -92,6 +92,9 @@ struct EventRows {
 /// Names the lines of events outside the solution.
 void warn_of_events_outside(const ResultBundle& bundle, WarningLog& warnings);
 
+/// Takes out what only a run of the navigation filter gives: the point, the events, the filter backward in time; with a warning each.
+void leave_out_chosen(LoadedDataset& data, WarningLog& warnings);
+
 /// protection.csv: protection levels and alarms of the tight filter, an epoch of ranges a row.
 [[nodiscard]] std::string protection_csv(const ResultBundle& bundle);
 /// receiver.csv: the receiver's own filter of the medium coupling and its check against the tight one.

@@ -39,4 +39,18 @@ void warn_of_events_outside(const ResultBundle& b, WarningLog& warnings) {
                                                rows.front().time.seconds(), rows.back().time.seconds(), outside.size() > 1 ? "s" : "", lines));
 }
 
+void leave_out_chosen(LoadedDataset& data, WarningLog& warnings) {
+    fusion::Settings& f = data.config.filter;
+    const auto tell = [&](bool given, const std::string& key) {
+        if (given) warnings.add("ignored." + key, fmt::format("{} is given and has no effect: it belongs to `schuler process` and `run`", key));
+    };
+    tell(!f.output_lever_arm_b.isZero(0.0), "output.lever_arm_m");
+    tell(!data.events.empty(), "output.events");
+    tell(f.backward, "filter.backward");
+    f.output_lever_arm_b.setZero();
+    f.output_instants.clear();
+    f.backward = false;
+    data.events.clear();
+}
+
 }  // namespace schuler::app
