@@ -59,6 +59,7 @@ void add_processing(CLI::App& app, Options& o) {
         ->type_name("SCHEME");
     app.add_option("--mechanization", o.mechanization, "geographic or ecef")->type_name("FRAME");
     app.add_flag("--smooth", o.smooth, "fixed-interval smoother after the filter");
+    app.add_flag("--backward", o.backward, "a filter backward in time as well, and its difference from the forward one with its sigma");
     add_run_options(app, o);
     app.add_option("--self-check", o.self_check,
                    "on (default): process withholds fixes in windows of its own, says how true the sigmas are, and widens the noise of the "
@@ -226,6 +227,7 @@ app::SettingList settings_of(const Options& o) {
     if (!o.mechanization.empty()) out.push_back(text_setting("filter.mechanization", o.mechanization, "--mechanization"));
     if (!o.loop.empty()) out.push_back(text_setting("filter.loop", o.loop, "--loop"));
     if (o.smooth) out.push_back({"filter.smooth", {true}, {"--smooth", 0, 0, {}}});
+    if (o.backward) out.push_back({"filter.backward", {true}, {"--backward", 0, 0, {}}});
     if (!o.self_check.empty()) out.push_back({"filter.self_check", {o.self_check == "on"}, {"--self-check", 0, 0, {}}});
     if (!o.start.empty())
         out.push_back({"run.start_s", time_value(app::run_time_from_text(o.start, "--start")), {"--start", 0, 0, {}}});

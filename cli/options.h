@@ -34,7 +34,7 @@ struct Options {
     std::string host = "127.0.0.1", workspace = "out", open;  ///< of ui
     std::optional<int> port;
     int max_upload_mb = 2048;
-    bool smooth = false, json = false, quiet = false;
+    bool smooth = false, backward = false, json = false, quiet = false;
     app::EquatorRequest equator;
     app::SchulerRequest schuler;
     app::RequirementsRequest requirements;

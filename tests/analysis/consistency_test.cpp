@@ -79,6 +79,46 @@ TEST(Consistency, BlocksAreTheirOwnErrorsOverTheirOwnSigmas) {
     EXPECT_TRUE(std::isnan(consistency({}, Time{}).position.mean));
 }
 
+/// How many of 200 runs of first-order errors lie outside their bounds, though their sigmas are `stated` times what they should be: 1.
+/// One run is `length` correlation times long; `shared` is the correlation between the axes.
+int runs_outside(double length, double shared, double stated, unsigned seed) {
+    const int n = 400;
+    const double a = std::exp(-length / n), b = std::sqrt(1.0 - a * a);
+    Matrix3d R = Matrix3d::Constant(shared);
+    R.diagonal().setOnes();
+    const Matrix3d L = R.llt().matrixL();
+    std::mt19937_64 rng(seed);
+    std::normal_distribution<double> normal;
+    const Vector3d sigma = Vector3d::Constant(stated), none = not_given3();
+    int outside = 0;
+    for (int run = 0; run < 200; ++run) {
+        Vector3d x = L * test::draw3(normal, rng);
+        std::vector<ErrorRow> rows;
+        for (int i = 0; i < n; ++i) {
+            rows.push_back({Time::from_seconds(i), x, none, none, sigma, none, none});
+            x = a * x + b * (L * test::draw3(normal, rng));
+        }
+        const NeesStatistics s = consistency(rows, Time{}).position;
+        outside += s.mean < s.low95 || s.mean > s.high95;
+    }
+    return outside;
+}
+
+// Five in a hundred are meant: in long runs and in those of a few correlation times, with axes that share most of their error.
+TEST(Consistency, OneMatchedRunInTwentyLiesOutside) {
+    for (const double length : {5.0, 20.0, 100.0})
+        for (const double shared : {0.0, 0.8}) {
+            const int outside = runs_outside(length, shared, 1.0, 11);
+            EXPECT_LE(outside, 20) << length << " correlation times, axes correlated by " << shared;
+            EXPECT_GE(outside, 1) << length << " correlation times, axes correlated by " << shared;
+        }
+}
+
+TEST(Consistency, SigmasThatAreTooSmallAreFound) {
+    EXPECT_GT(runs_outside(100.0, 0.0, 0.7, 12), 180);
+    EXPECT_GT(runs_outside(20.0, 0.0, 0.5, 13), 160);
+}
+
 TEST(Nis, MeanCountsAndNeighbourCorrelation) {
     std::mt19937_64 rng(8);
     std::normal_distribution<double> normal;

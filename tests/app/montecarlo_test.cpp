@@ -1,4 +1,5 @@
 // A campaign repeats single runs, whatever the number of threads; what varies is drawn from its distribution.
+#include "schuler/app/compare_campaign.h"
 #include "schuler/app/montecarlo.h"
 
 #include <gmock/gmock.h>
@@ -72,6 +73,31 @@ TEST(MonteCarlo, RunKIsTheRunWithItsSeed) {
     for (const MonteCarloRun& r : campaign.runs) below += r.summary.north.rms < median - 1e-12 ? 1 : 0;
     EXPECT_EQ(below, 1);
     EXPECT_GT(json["consistency"]["nees_baro_bias"]["mean"].get<double>(), 0.0);
+}
+
+TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
+    std::string text = short_flight;
+    text.insert(text.find("[trajectory]"), "[compare]\nschemes = [\"gnss\", \"loose\"]\n[[compare.window]]\nname = \"end\"\nstart_s = 30\nend_s = 40\n");
+    const ProcessRequest request = request_of(text, "compared");
+    CompareCampaign one = compare_campaign(request, 3, 1), three = compare_campaign(request, 3, 3);
+    one.wall_s = three.wall_s = 1.0;
+    EXPECT_EQ(campaign_json(one), campaign_json(three));
+    EXPECT_EQ(campaign_runs_csv(one), campaign_runs_csv(three));
+
+    // the same as a campaign of the scheme alone
+    const MonteCarlo alone = montecarlo(request_of(short_flight, "alone"), 3, 1);
+    const auto json = nlohmann::json::parse(campaign_json(one));
+    ASSERT_EQ(json["schemes"].size(), 2u);
+    const auto& loose = json["schemes"][1];
+    EXPECT_EQ(loose["scheme"], "loose");
+    double square = 0.0;
+    for (const MonteCarloRun& r : alone.runs) square += r.summary.horizontal.rms * r.summary.horizontal.rms / 3.0;
+    EXPECT_NEAR(loose["horizontal_m"].get<double>(), std::sqrt(square), 1e-9);
+    const auto told = nlohmann::json::parse(summary_json(alone));
+    EXPECT_NEAR(loose["nees_attitude"]["mean"].get<double>(), told["consistency"]["nees_attitude"]["mean"].get<double>(), 1e-9);
+    EXPECT_TRUE(json["schemes"][0]["nees_position"].is_null());
+    EXPECT_GT(loose["windows"][0]["horizontal_max_m"].get<double>(), loose["windows"][0]["horizontal_rms_m"].get<double>());
+    EXPECT_EQ(json["montecarlo"]["runs"], 3);
 }
 
 std::string message_of(const std::string& vary) {

@@ -294,6 +294,41 @@ def analyze(program, source):
     check(not (folder / "fall").exists(), "a failed comparison leaves nothing")
 
 
+def outputs(program, source):
+    """A point, events and the filter backward in time, in files and words."""
+    folder = Path(program.folder)
+    text = (source / "examples/demo.toml").read_text()
+    (folder / "short.toml").write_text(re.sub(r"(?m)^duration_s = .*", "duration_s = 120", text, count=1))
+    program("simulate", "short.toml", "-o", "drive")
+    (folder / "drive/shots.csv").write_text("time_s,name\n60.0037,late\n30.5,early\n-1,before\n")
+    chosen = ["--set", "output.events=shots.csv", "--set", "output.lever_arm_m=[1,0,-2]", "--self-check", "off"]
+    done = program("process", "drive", "-o", "out", "--backward", *chosen)
+    check("shots.csv: 1 of 3 times" in done.stderr and "line 4 (-1.000 s)" in done.stderr, f"an event outside is told: {done.stderr}")
+    summary = json.loads((folder / "out/summary.json").read_text())
+    check(summary["events"] == {"asked": 3, "outside": [{"line": 4, "time_s": -1.0}]}, f"events: {summary['events']}")
+    for key in ("north_m", "east_m", "up_m", "heading_deg"):
+        check(summary["separation"][key]["inside_3sigma"] > 0.97, f"separation {key}: {summary['separation'][key]}")
+    rows = [line.split(",") for line in (folder / "out/events.csv").read_text().splitlines()]
+    check([row[-1] for row in rows] == ["name", "late", "early", "before"] and rows[1][0] == "60.0037", f"events.csv: {rows}")
+    check(rows[3][1:-1] == [""] * 18, "outside the log nothing is said")
+    point, solution = ([line.split(",") for line in (folder / "out" / name).read_text().splitlines()] for name in ("point.csv", "solution.csv"))
+    check(len(point) == len(solution) and point[0] == solution[0], "point.csv has the rows of solution.csv")
+    check(abs(float(point[9][3]) - float(solution[9][3]) - 2) < 0.05, "2 m up is 2 m higher")
+    check("Forward/backward separation" in (folder / "out/report.html").read_text(), "a section of the report")
+    program("process", "drive", "-o", "again", "--config", "out/config.toml", "--self-check", "off", "-q")
+    for name in ("solution.csv", "point.csv", "events.csv"):
+        check((folder / "out" / name).read_bytes() == (folder / "again" / name).read_bytes(), f"config.toml repeats {name}")
+    program("process", "drive", "-o", "plain", "--self-check", "off", "-q")
+    check((folder / "plain/solution.csv").read_text().count("\n") == len(solution), "as many rows without all that")
+    other = program("gravity", "drive", "-o", "gravity", "--set", "output.events=shots.csv").stderr
+    check("output.events is given and has no effect" in other and not (folder / "gravity/events.csv").exists(), f"gravity: {other}")
+    (folder / "drive/shots.csv").write_text("time_s\n1\nsoon\n")
+    program.fails("process", "drive", "-o", "bad", *chosen, parts=["shots.csv:3", "time_s"])
+    (folder / "drive/shots.csv").write_text("time_s\n")
+    program.fails("process", "drive", "-o", "bad", *chosen, parts=["shots.csv", "no event"])
+    program.fails("process", "drive", "-o", "bad", "--backward", "--scheme", "separate", "--set", "filter.smooth=false", parts=["filter.backward"])
+
+
 def determinism(program, source):
     folder = Path(program.folder)
     (folder / "small.toml").write_text(DRIVE)
@@ -419,5 +454,5 @@ def main(topics):
 
 
 if __name__ == "__main__":
-    main({"commands": commands, "bad_input": bad_input, "analyze": analyze, "determinism": determinism, "real_data": real_data,
+    main({"commands": commands, "bad_input": bad_input, "analyze": analyze, "outputs": outputs, "determinism": determinism, "real_data": real_data,
           "attitude": attitude})

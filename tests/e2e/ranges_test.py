@@ -39,6 +39,28 @@ def ranges_schemes(program, source):
     check(table[0].startswith("scheme,satellites,") and len(table) == 21, f"comparison.csv: {table[0]}, {len(table)} lines")
 
 
+def ranges_studies(program, source):
+    """Budget and integrity where the filter has ranges: their errors one at a time, faults in one of them."""
+    flight = source / "examples/triad-4sv.toml"
+    budget = {r["source"]: r for r in json.loads(program("analyze", "budget", flight, "-n", 1, "--json").stdout)["rows"]}
+    check("gnss_white" not in budget and "stations" not in budget, f"only what there is: {list(budget)}")
+    check(budget["range_slow"]["horizontal_m"] > 2 * budget["range_white"]["horizontal_m"] > 0.1, "the slow errors of ranges rule")
+    check(budget["accel_noise"]["horizontal_m"] < 0.2 * budget["all"]["horizontal_m"], "the accelerometers' noise does not")
+    ratio = budget["root_sum_square"]["horizontal_m"] / budget["all"]["horizontal_m"]
+    check(0.5 < ratio < 2, f"the parts explain the whole: {ratio}")
+
+    done = json.loads(program("analyze", "integrity", flight, "--kind", "step", "ramp", "--size", "1,50", "-n", 1, "--json").stdout)
+    row = {(r["kind"], r["size"]): r for r in done["rows"]}
+    check(done["victim"] == "range" and done["false_alarm_runs"] == 0, f"{done}")
+    check(row["step", 1.0]["detected"] == 0, "a step inside the noise is not found")
+    for case in (("step", 50.0), ("ramp", 50.0), ("ramp", 1.0)):
+        r = row[case]
+        check(r["detected"] == 1 and r["largest_horizontal_m"] < 10 < r["largest_horizontal_uncontrolled_m"], f"{case}: {r}")
+    program.fails("analyze", "integrity", flight, "--kind", "freeze", parts=["freeze", "--kind"])
+    for study in ("budget", "integrity"):
+        program.fails("analyze", study, source / "examples/jamming.toml", parts=["receiver.rate_hz"])
+
+
 def ranges_protection(program, source):
     """Faults against protection levels, in short; the files of a run that asks for them."""
     done = json.loads(program("analyze", "protection", "-n", 40, "-o", "trials", "--json").stdout)
@@ -103,4 +125,5 @@ def ranges_adsb(program, source):
 
 
 if __name__ == "__main__":
-    main({"ranges_triad": ranges_triad, "ranges_schemes": ranges_schemes, "ranges_protection": ranges_protection, "ranges_adsb": ranges_adsb})
+    main({"ranges_triad": ranges_triad, "ranges_schemes": ranges_schemes, "ranges_studies": ranges_studies,
+          "ranges_protection": ranges_protection, "ranges_adsb": ranges_adsb})

@@ -1,10 +1,13 @@
 // KML and HDF5 output.
+#include "schuler/io/csv_events.h"
 #include "schuler/io/hdf5_file.h"
 #include "schuler/io/kml.h"
+#include "schuler/io/solution_csv.h"
 
 #include "io/io_fixture.h"
 
 #include <chrono>
+#include <cmath>
 #include <numbers>
 #include <thread>
 
@@ -31,6 +34,29 @@ TEST_F(Kml, TrackIsThinnedAndKeepsItsEnds) {
     EXPECT_NE(track_kml({}, "empty").find("</kml>"), std::string::npos);
     write_track_kml(folder() / "track.kml", rows, "x");
     EXPECT_EQ(content_of(folder() / "track.kml"), track_kml(rows, "x"));
+}
+
+class Events : public test::IoTest {};
+
+TEST_F(Events, KeepTheirOrderNamesAndLines) {
+    std::ofstream(folder() / "shots.csv") << "# exposures\nname,time_s\nB,12.5\n\"a, \"\"b\"\"\",3.25\n,7\n";
+    const std::vector<NamedInstant> events = read_events_csv(TextInput(folder() / "shots.csv"));
+    ASSERT_EQ(events.size(), 3u);
+    EXPECT_EQ(events[0].name, "B");
+    EXPECT_EQ(events[1].time.ns, 3'250'000'000);
+    EXPECT_EQ(events[2].name, "");
+    EXPECT_EQ(events[2].line, 5);
+    std::vector<SolutionRow> rows(3);
+    for (std::size_t i = 0; i < 3; ++i) rows[i].time = events[i].time;
+    rows[2].position = {std::nan(""), std::nan(""), std::nan("")};
+    write_events_csv(folder() / "events.csv", events, rows);
+    const std::string text = content_of(folder() / "events.csv");
+    test::expect_parts(text, {std::string(solution_csv_header()) + ",name\n", "\n12.500,0.0000000000,", ",B\n", "\n7.000,,,,"});
+
+    std::ofstream(folder() / "bad.csv") << "time_s,name\n1,x\nsoon,y\n";
+    test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bad.csv")); }), {"bad.csv:3", "time_s"});
+    std::ofstream(folder() / "bare.csv") << "t,name\n1,x\n";
+    test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bare.csv")); }), {"bare.csv", "time_s"});
 }
 
 TEST_F(Hdf5, RoundTripAndSameBytes) {

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace schuler::analysis {
@@ -43,13 +44,74 @@ double effective_number(std::span<const double> all) {
     return std::clamp(n / std::max(inflation, 1e-3), 1.0, n);
 }
 
+/// Sum over lags of both signs of the squared autocorrelation of a series whose expectation is zero, each lag weighted with the share
+/// of pairs that it has; the window is the first that is `width` times as long as the sum over it [Sokal1997:3].
+double squared_correlation_time(std::span<const double> x) {
+    constexpr double width = 5.0;
+    const auto n = static_cast<double>(x.size());
+    const auto covariance = [&](std::size_t lag) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i + lag < x.size(); ++i) sum += x[i] * x[i + lag];
+        return sum / (n - static_cast<double>(lag));
+    };
+    const double variance = covariance(0);
+    double weighted = n;
+    for (std::size_t lag = 1; lag < x.size() && static_cast<double>(lag) < width * weighted / n; ++lag) {
+        const double rho = covariance(lag) / variance;
+        weighted += 2.0 * (n - static_cast<double>(lag)) * rho * rho;
+    }
+    return weighted / n;
+}
+
+/// How many independent epochs the epochs of a block are worth to the mean of their NEES. For normal errors the covariance of two NEES
+/// is twice the sum of the squared correlations of their components. Correlations are taken about zero, which is what a filter states:
+/// about the mean of the run, errors that hardly change in it would look independent.
+double effective_epochs(const std::vector<Eigen::Vector3d>& all) {
+    constexpr std::size_t enough = 5000;   // a longer series is thinned: correlation times are seconds and more
+    const std::size_t stride = (all.size() + enough - 1) / enough;
+    std::array<std::vector<double>, 3> axes;
+    Eigen::Matrix3d C = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < all.size(); i += stride) {
+        for (Eigen::Index a = 0; a < 3; ++a) axes[static_cast<std::size_t>(a)].push_back(all[i][a]);
+        C += all[i] * all[i].transpose();
+    }
+    const auto n = static_cast<double>(axes[0].size());
+    Eigen::Vector3d time = Eigen::Vector3d::Zero();
+    double live = 0.0, sum = 0.0;
+    for (Eigen::Index a = 0; a < 3; ++a) {
+        if (!(C(a, a) > 0.0)) continue;
+        ++live;
+        time[a] = squared_correlation_time(axes[static_cast<std::size_t>(a)]);
+        sum += time[a];
+        for (Eigen::Index b = 0; b < a; ++b)
+            if (C(b, b) > 0.0) sum += 2.0 * C(a, b) * C(a, b) / (C(a, a) * C(b, b)) * std::sqrt(time[a] * time[b]);
+    }
+    return live > 0.0 ? std::clamp(live * n / sum, 1.0 / 3.0, n) : 1.0;
+}
+
+void set_bounds(NeesStatistics& s) {
+    const double whole = s.expected * s.effective_samples;
+    s.low95 = math::chi_square_quantile(0.025, whole) / s.effective_samples;
+    s.high95 = math::chi_square_quantile(0.975, whole) / s.effective_samples;
+}
+
 NeesStatistics block(std::span<const ErrorRow> rows, Time settled, const Eigen::Vector3d ErrorRow::*error,
                      const Eigen::Vector3d ErrorRow::*sigma) {
-    std::vector<double> values;
+    std::vector<Eigen::Vector3d> standardised;
+    NeesStatistics out;
+    out.expected = 3.0;
+    double sum = 0.0;
     for (const ErrorRow& row : rows) {
-        if (row.time >= settled) values.push_back((row.*error).cwiseQuotient(row.*sigma).squaredNorm());
+        const Eigen::Vector3d z = (row.*error).cwiseQuotient(row.*sigma);
+        if (row.time < settled || !z.allFinite()) continue;
+        standardised.push_back(z);
+        sum += z.squaredNorm();
     }
-    return nees_statistics(values, 3.0);
+    if (standardised.empty()) return out;
+    out.mean = sum / static_cast<double>(standardised.size());
+    out.effective_samples = effective_epochs(standardised);
+    set_bounds(out);
+    return out;
 }
 
 }  // namespace
@@ -70,9 +132,7 @@ NeesStatistics nees_statistics(std::span<const double> values, double dof) {
     if (numbers.empty()) return out;
     out.mean = mean_of(numbers);
     out.effective_samples = effective_number(numbers);
-    const double whole = dof * out.effective_samples;
-    out.low95 = math::chi_square_quantile(0.025, whole) / out.effective_samples;
-    out.high95 = math::chi_square_quantile(0.975, whole) / out.effective_samples;
+    set_bounds(out);
     return out;
 }
 

@@ -29,8 +29,11 @@ struct NeesStatistics {
 /// over positive neighbouring pairs (Geyer 1992, section 3.3); at least one. Bar-Shalom, Li and Kirubarajan 2001, section 5.4.
 [[nodiscard]] NeesStatistics nees_statistics(std::span<const double> values, double dof);
 
-/// NEES of position, velocity and attitude from stated sigmas alone. The expectation is 3 whatever the correlation between the
-/// axes; the bounds assume none and are a little too narrow where there is some.
+/// NEES of position, velocity and attitude from stated sigmas alone; epochs without a finite error and sigma are left out. The
+/// expectation is 3 whatever the correlation between the axes. The bounds are those of effective_samples independent epochs with
+/// independent axes: the variance of the mean follows from the correlations of the standardised errors in time, their integrated
+/// correlation time taken in an automatic window [Sokal1997:3], and between the axes. Where the axes are one and the same error, an epoch
+/// is worth a third of one.
 struct ConsistencySummary {
     NeesStatistics position, velocity, attitude;
 };

@@ -55,6 +55,7 @@ Outcome ahrs_dataset(const AhrsRequest& request) {
     b.name = config.name.empty() ? dataset.name : config.name;
     b.version = request.common.version;
     b.data = load_dataset(dataset, config, warnings);
+    leave_out_chosen(b.data, warnings);
     AhrsInput input = ahrs_input(b.data, request, warnings);
     b.filter = request.filter;
     b.offline = request.offline;

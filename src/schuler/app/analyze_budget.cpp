@@ -19,7 +19,19 @@ struct Source {
     const char* key;
     const char* title;
     void (*keep)(const ScenarioConfig& full, ScenarioConfig& bare);
+    bool (*present)(const ScenarioConfig& full) = [](const ScenarioConfig&) { return true; };
 };
+
+bool has_fixes(const ScenarioConfig& s) { return s.sim.gnss.rate > 0.0; }
+bool has_baro(const ScenarioConfig& s) { return s.sim.baro.rate > 0.0; }
+bool has_satellites(const ScenarioConfig& s) { return s.ranging.rate > 0.0 && s.ranging.systems != "-"; }
+bool has_stations(const ScenarioConfig& s) { return s.ranging.rate > 0.0 && !s.ranging.settings.stations.empty(); }
+
+/// Copies fields of the errors of satellites' ranges.
+template <double sensor::RangeErrorModel::*Field>
+void keep_range(const ScenarioConfig& full, ScenarioConfig& bare) {
+    bare.ranging.settings.errors.satellite.*Field = full.ranging.settings.errors.satellite.*Field;
+}
 
 /// Copies fields of the IMU's error model.
 template <double ImuErrorModel::*... Fields>
@@ -31,7 +43,7 @@ void keep_initial(const ScenarioConfig& full, ScenarioConfig& bare) {
     bare.initial_error.*Field = full.initial_error.*Field;
 }
 
-const std::array<Source, 15> sources{{
+const std::array<Source, 20> all_sources{{
     {"initial_position", "initial position", keep_initial<&InitialError::position>},
     {"initial_velocity", "initial velocity", keep_initial<&InitialError::velocity>},
     {"initial_level", "initial level", keep_initial<&InitialError::level>},
@@ -51,24 +63,46 @@ const std::array<Source, 15> sources{{
      [](const ScenarioConfig& full, ScenarioConfig& bare) {
          bare.sim.gnss.white_position = full.sim.gnss.white_position;
          bare.sim.gnss.white_velocity = full.sim.gnss.white_velocity;
-     }},
+     },
+     has_fixes},
     {"gnss_position", "receiver, slow position",
      [](const ScenarioConfig& full, ScenarioConfig& bare) {
          bare.sim.gnss.errors.correlated_position = full.sim.gnss.errors.correlated_position;
          bare.sim.gnss.errors.change_correlated_position = full.sim.gnss.errors.change_correlated_position;
          bare.sim.gnss.errors.change_white_position = full.sim.gnss.errors.change_white_position;
-     }},
+     },
+     has_fixes},
     {"gnss_velocity", "receiver, slow velocity",
      [](const ScenarioConfig& full, ScenarioConfig& bare) {
          bare.sim.gnss.errors.correlated_velocity = full.sim.gnss.errors.correlated_velocity;
          bare.sim.gnss.errors.change_correlated_velocity = full.sim.gnss.errors.change_correlated_velocity;
          bare.sim.gnss.errors.change_white_velocity = full.sim.gnss.errors.change_white_velocity;
-     }},
-    {"baro", "barometer", [](const ScenarioConfig& full, ScenarioConfig& bare) {
+     },
+     has_fixes},
+    {"range_white", "ranges, white", keep_range<&sensor::RangeErrorModel::white>, has_satellites},
+    {"range_slow", "ranges, slow and reflections",
+     [](const ScenarioConfig& full, ScenarioConfig& bare) {
+         keep_range<&sensor::RangeErrorModel::correlated>(full, bare);
+         bare.ranging.settings.multipath.amplitude = full.ranging.settings.multipath.amplitude;
+     },
+     has_satellites},
+    {"range_rate", "range rates", keep_range<&sensor::RangeErrorModel::rate>, has_satellites},
+    {"stations", "ground stations",
+     [](const ScenarioConfig& full, ScenarioConfig& bare) {
+         bare.ranging.settings.errors.station = full.ranging.settings.errors.station;
+         bare.ranging.settings.errors.network = full.ranging.settings.errors.network;
+     },
+     has_stations},
+    {"clock", "receiver's clock",
+     [](const ScenarioConfig& full, ScenarioConfig& bare) { bare.ranging.settings.errors.clock = full.ranging.settings.errors.clock; },
+     [](const ScenarioConfig& s) { return s.ranging.rate > 0.0; }},
+    {"baro", "barometer",
+     [](const ScenarioConfig& full, ScenarioConfig& bare) {
          bare.sim.baro.white = full.sim.baro.white;
          bare.sim.baro.bias = full.sim.baro.bias;
          bare.sim.baro.bias_walk = full.sim.baro.bias_walk;
-     }}}};
+     },
+     has_baro}}};
 
 /// The scenario without errors of its own.
 ScenarioConfig bare_of(const ScenarioConfig& full) {
@@ -85,6 +119,11 @@ ScenarioConfig bare_of(const ScenarioConfig& full) {
     bare.sim.gnss.errors.correlated_distance = slow.correlated_distance;
     bare.sim.gnss.errors.correlated_velocity_time = slow.correlated_velocity_time;
     bare.sim.baro.white = bare.sim.baro.bias = bare.sim.baro.bias_walk = 0.0;
+    sensor::RangingErrorModel& ranges = bare.ranging.settings.errors;
+    for (sensor::RangeErrorModel* of : {&ranges.satellite, &ranges.station}) of->white = of->correlated = of->rate = 0.0;
+    ranges.network = 0.0;
+    ranges.clock = {0.0, 0.0, 0.0, 0.0};
+    bare.ranging.settings.multipath.amplitude = 0.0;
     bare.initial_error.position = bare.initial_error.velocity = 0.0;
     if (bare.initial_error.given()) bare.initial_error.level = bare.initial_error.heading = 0.0;
     return bare;
@@ -110,6 +149,12 @@ Measures measures_of(const ResultBundle& b) {
 Outcome analyze_budget(const StudyRequest& request) {
     const SettingList base = scenario_settings(request.scenario, request.seed);
     const ScenarioConfig first = scenario_from(base);
+    if (first.receiver_channels.rate > 0.0)
+        throw input_error("a receiver at correlator level has no errors that could be taken one at a time", {.file = {}, .key = "receiver.rate_hz"},
+                          "give ranges.rate_hz and their errors instead");
+    std::vector<const Source*> sources;
+    for (const Source& s : all_sources)
+        if (s.present(first)) sources.push_back(&s);
     const std::size_t rows = sources.size() + 1;   // the last one: everything at once
     std::vector<std::vector<Measures>> all(rows, std::vector<Measures>(request.runs));
     for_each_run(
@@ -122,7 +167,7 @@ Outcome analyze_budget(const StudyRequest& request) {
             ScenarioConfig simulated = full;
             if (row < sources.size()) {
                 simulated = bare_of(full);
-                sources[row].keep(full, simulated);
+                sources[row]->keep(full, simulated);
             }
             WarningLog unheard;
             ResultBundle bundle = simulated_bundle(simulated, request.above, unheard, &full);
@@ -156,7 +201,7 @@ Outcome analyze_budget(const StudyRequest& request) {
             rms[i] = std::sqrt(rms[i]);
         }
         if (row < sources.size()) {
-            line(sources[row].key, sources[row].title, rms);
+            line(sources[row]->key, sources[row]->title, rms);
             continue;
         }
         for (double& x : sum) x = std::sqrt(x);

@@ -9,10 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace schuler::app {
 namespace {
-
 
 /// A kind of fault as a scenario names it, and its size.
 struct Case {
@@ -20,13 +20,24 @@ struct Case {
     double size;
 };
 
+/// When something was found wrong, and the source of ranges it was found of; -1: the receiver's fixes.
+struct Finding {
+    Time time;
+    int source = -1;
+    bool operator==(const Finding&) const = default;
+};
+
 struct Verdict {
-    bool ran = false, detected = false, false_alarm = false;
+    bool detected = false, false_alarm = false;
     double time_to_alert = 0.0;       ///< s, where detected
     double controlled = 0.0;          ///< m, largest horizontal error from the fault on
     double uncontrolled = 0.0;        ///< m, likewise without integrity control and gates
     double healthy_hours = 0.0;
 };
+
+/// What the faults are put into: the receiver's fixes, or the pseudorange of a satellite where the filter, or the receiver of a loose one,
+/// has nothing but ranges.
+enum class Victim { Fixes, Range };
 
 double largest_error(const ResultBundle& b, double from) {
     double out = 0.0;
@@ -35,30 +46,87 @@ double largest_error(const ResultBundle& b, double from) {
     return out;
 }
 
-Verdict judged(const ScenarioConfig& scenario, const SettingList& over, double start, double duration) {
-    Verdict v;
+/// With control: what it finds wrong. Of ranges: alarms of the fault watch, and pseudoranges left out at two epochs running (of one epoch
+/// the gates leave some out by their probability).
+std::vector<Finding> findings_of(const ResultBundle& b) {
+    std::vector<Finding> out;
+    for (const fusion::Alert& a : b.result.alerts)
+        if (a.test != fusion::IntegrityTest::Readmitted) out.push_back({a.time, -1});
+    for (const fusion::ProtectionRow& row : b.result.forward.protection)
+        if (row.alarm >= 0) out.push_back({row.time, row.alarm});
+    std::map<int, bool> left_out;   // whether a source was at its last epoch
+    for (const fusion::AidRecord& r : b.result.aids) {
+        if (r.kind != fusion::AidKind::Pseudorange) continue;
+        const bool now = r.status == fusion::AidStatus::Rejected;
+        if (now && left_out[r.source]) out.push_back({r.stamp, r.source});
+        left_out[r.source] = now;
+    }
+    std::ranges::stable_sort(out, {}, &Finding::time);
+    return out;
+}
+
+/// The scenario with a fault of this kind in a satellite's pseudorange, as [[fault]] means them of fixes: a ramp leaves the rates as they
+/// are, a drift does not.
+void spoil_range(ScenarioConfig& s, const Case& c, const std::string& source, double start, double duration) {
+    sim::RangeFault fault{source, start, duration, 0.0, 0.0, 0.0};
+    if (c.kind == "step") fault.offset = c.size;
+    else if (c.kind == "ramp") fault = {source, start, duration, 0.0, c.size, -c.size};
+    else if (c.kind == "drift") fault.ramp = c.size;
+    else throw input_error(fmt::format("ranges do not fail by \"{}\"", c.kind), {.file = {}, .key = "--kind"}, "give step, ramp or drift");
+    s.ranging.settings.faults.push_back(fault);
+}
+
+/// Satellites measured at every epoch of the span, by name.
+std::vector<std::string> satellites_throughout(const RangingLog& log, Time from, Time to) {
+    std::map<std::uint16_t, std::size_t> seen;
+    std::size_t epochs = 0;
+    for (const RangeEpoch& e : log.epochs) {
+        if (e.time < from || e.time > to) continue;
+        ++epochs;
+        for (const RangeSample& m : log.of(e))
+            if (!log.sources[m.source].station) ++seen[m.source];
+    }
+    std::vector<std::string> out;
+    for (const auto& [source, n] : seen)
+        if (n == epochs) out.push_back(log.sources[source].name);
+    return out;
+}
+
+ResultBundle run_with(const ScenarioConfig& scenario, const SettingList& over, bool controlled) {
+    SettingList all = over;
+    all.push_back({"filter.integrity.use", {controlled}, {}});
+    all.push_back({"filter.protection.use", {controlled}, {}});
+    if (!controlled) all.push_back({"filter.gate_probability", {0.0}, {}});
     WarningLog unheard;
-    SettingList guarded = over, open = over;
-    guarded.push_back({"filter.integrity.use", {true}, {}});
-    open.push_back({"filter.integrity.use", {false}, {}});
-    open.push_back({"filter.gate_probability", {0.0}, {}});
-    ResultBundle bundle = simulated_bundle(scenario, guarded, unheard);
+    ResultBundle bundle = simulated_bundle(scenario, all, unheard);
     fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
+    return bundle;
+}
+
+/// A run against the same one in health: what both find is no detection of the fault.
+Verdict judged(const ScenarioConfig& scenario, const SettingList& over, const std::vector<Finding>& in_health, double start, double duration) {
+    Verdict v;
+    const ResultBundle bundle = run_with(scenario, over, true);
     v.controlled = largest_error(bundle, start);
     v.healthy_hours = start / 3600.0;
-    for (const fusion::Alert& a : bundle.result.alerts) {
-        const double t = bundle.relative(a.time);
-        if (a.test == fusion::IntegrityTest::Readmitted) continue;
+    for (const Finding& f : findings_of(bundle)) {
+        const double t = bundle.relative(f.time);
         if (t < start) v.false_alarm = true;
-        if (t < start || t > start + duration + 5.0 || v.detected) continue;
+        if (t < start || t > start + duration + 5.0 || v.detected || std::ranges::find(in_health, f) != in_health.end()) continue;
         v.detected = true;
         v.time_to_alert = t - start;
     }
-    ResultBundle bare = simulated_bundle(scenario, open, unheard);
-    fuse_and_evaluate(bare, unheard, scenario.sim.reference_rate, {});
-    v.uncontrolled = largest_error(bare, start);
-    v.ran = true;
+    v.uncontrolled = largest_error(run_with(scenario, over, false), start);
     return v;
+}
+
+/// Fixes where there are such and the filter uses them.
+Victim victim_of(const ScenarioConfig& scenario, const SettingList& over) {
+    if (!(scenario.ranging.rate > 0.0)) return Victim::Fixes;
+    if (!(scenario.sim.gnss.rate > 0.0)) return Victim::Range;
+    WarningLog unheard;
+    const Scheme scheme = simulated_bundle(scenario, over, unheard).data.config.scheme;
+    return scheme == Scheme::Tight || scheme == Scheme::Medium ? Victim::Range : Victim::Fixes;
 }
 
 }  // namespace
@@ -74,27 +142,62 @@ Outcome analyze_integrity(const StudyRequest& request) {
         if (sizes.empty()) sizes = kind == "step" ? std::vector<double>{5, 10, 20, 50, 100} : std::vector<double>{0.1, 0.2, 0.5, 1, 2};
         for (const double size : sizes) cases.push_back({kind, size});
     }
-    const auto scenario_of = [&](const Case& c, std::size_t run) {
+    if (first.receiver_channels.rate > 0.0)
+        throw input_error("the signals of a receiver at correlator level are not faulted", {.file = {}, .key = "receiver.rate_hz"},
+                          "give ranges.rate_hz and their errors instead");
+    const Victim victim = victim_of(first, request.above);
+    const auto healthy_of = [&](std::size_t run) {
         SettingList settings = base;
         settings.push_back({"seed", {static_cast<std::int64_t>(first.sim.seed + run)}, {}});
+        return settings;
+    };
+    const auto faulty_fixes = [&](SettingList settings, const Case& c) {
         const ValueTable fault{{"start_s", {start}}, {"duration_s", {request.duration}}, {"sensor", {std::string("gnss")}},
                                {"kind", {c.kind}},   {"size", {c.size}},                 {"direction", {ValueList{{1.0}, {1.0}, {0.0}}}}};
         settings.push_back({"fault", {ValueList{Value{fault}}}, {"--kind", 0, 0, {}}});
         return scenario_from(settings);
     };
-    for (const Case& c : cases) (void)scenario_of(c, 0);   // an unknown kind fails here
+    for (const Case& c : cases) {   // an unknown kind fails here
+        ScenarioConfig unused = faulty_fixes(base, c);
+        if (victim == Victim::Range) spoil_range(unused, c, "", start, request.duration);
+    }
+    // the same runs without a fault: what is found in them anyway, and which satellites there are
+    std::vector<std::vector<Finding>> in_health(request.runs);
+    std::vector<std::vector<std::string>> satellites(request.runs);
+    for_each_run(
+        request.runs, request.jobs,
+        [&](std::size_t run) {
+            const ResultBundle b = run_with(scenario_from(healthy_of(run)), request.above, true);
+            in_health[run] = findings_of(b);
+            const Time begin = b.data.origin + Duration::from_seconds(start), end = begin + Duration::from_seconds(request.duration);
+            if (victim == Victim::Range) satellites[run] = satellites_throughout(b.data.recording.ranges, begin, end);
+        },
+        {});
+    const auto scenario_of = [&](const Case& c, std::size_t run) {
+        SettingList settings = healthy_of(run);
+        if (victim == Victim::Range) {
+            if (satellites[run].empty())
+                throw input_error("no satellite is in view while its range should be wrong", {.file = {}, .key = "--start"}, "give another time");
+            ScenarioConfig s = scenario_from(settings);
+            spoil_range(s, c, satellites[run][run % satellites[run].size()], start, request.duration);
+            return s;
+        }
+        return faulty_fixes(std::move(settings), c);
+    };
     std::vector<Verdict> verdicts(cases.size() * request.runs);
     for_each_run(
         verdicts.size(), request.jobs,
         [&](std::size_t job) {
-            verdicts[job] = judged(scenario_of(cases[job / request.runs], job % request.runs), request.above, start, request.duration);
+            const std::size_t run = job % request.runs;
+            verdicts[job] = judged(scenario_of(cases[job / request.runs], run), request.above, in_health[run], start, request.duration);
         },
         request.progress);
 
     Outcome out;
     Json rows = Json::array();
-    out.tables = fmt::format("{}: faults from {:g} s for {:g} s, {} runs each, north-east\n  {:<20}{:>11}{:>14}{:>12}{:>16}{:>18}\n", first.name, start,
-                             request.duration, request.runs, "fault", "detected", "to alert, s", "95 %, s", "largest, m", "uncontrolled, m");
+    out.tables = fmt::format("{}: faults from {:g} s for {:g} s, {} runs each, {}\n  {:<20}{:>11}{:>14}{:>12}{:>16}{:>18}\n", first.name, start,
+                             request.duration, request.runs, victim == Victim::Range ? "one satellite's range" : "north-east", "fault", "detected",
+                             "to alert, s", "95 %, s", "largest, m", "uncontrolled, m");
     double alarms = 0.0, hours = 0.0;
     for (std::size_t k = 0; k < cases.size(); ++k) {
         std::vector<double> times, with, without;
@@ -125,6 +228,7 @@ Outcome analyze_integrity(const StudyRequest& request) {
     out.tables += fmt::format("false alarms before the faults: {:g} of {} runs, {:.2f} h\n", alarms, request.runs, hours);
     out.json = text_of(Json{{"name", first.name},
                     {"runs", request.runs},
+                    {"victim", victim == Victim::Range ? "range" : "fixes"},
                     {"fault_start_s", start},
                     {"fault_duration_s", request.duration},
                     {"rows", rows},

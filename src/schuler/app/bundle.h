@@ -82,6 +82,19 @@ struct ResultBundle {
 /// run.h5 with solution, sensor errors, innovations, sky, outages, and truth and errors where there is a reference (docs/ui.md).
 void write_run_h5(const std::filesystem::path& file, const ResultBundle& bundle);
 
+/// The solution at each event of the data, in the order of its file; all but the time is NaN at those outside the solution.
+struct EventRows {
+    std::vector<NamedInstant> events;
+    std::vector<SolutionRow> rows;
+    std::vector<NamedInstant> outside;
+};
+[[nodiscard]] EventRows event_rows(const ResultBundle& bundle);
+/// Names the lines of events outside the solution.
+void warn_of_events_outside(const ResultBundle& bundle, WarningLog& warnings);
+
+/// Takes out what only a run of the navigation filter gives: the point, the events, the filter backward in time; with a warning each.
+void leave_out_chosen(LoadedDataset& data, WarningLog& warnings);
+
 /// protection.csv: protection levels and alarms of the tight filter, an epoch of ranges a row.
 [[nodiscard]] std::string protection_csv(const ResultBundle& bundle);
 /// receiver.csv: the receiver's own filter of the medium coupling and its check against the tight one.

@@ -51,6 +51,9 @@ struct Outcome {
 /// Many seeds of a scenario on `jobs` threads (0: one a core): errors and consistency over the runs. @throws Error
 [[nodiscard]] Outcome run_montecarlo(const ProcessRequest& request, std::optional<std::size_t> runs, int jobs);
 
+/// The same through every scheme that the scenario compares, what run_montecarlo does where there are such.
+[[nodiscard]] Outcome montecarlo_of_schemes(const ProcessRequest& request, std::size_t runs, int jobs);
+
 /// Simulates the reference drive, writes its logs into FOLDER/dataset, processes those, evaluates, reports.
 [[nodiscard]] Outcome run_demonstration(const ProcessRequest& request);
 

@@ -11,7 +11,23 @@
 namespace schuler::app {
 namespace {
 
-/// The scenario with so many satellites; as it is where the number is not given.
+/// Points that a curve keeps from its run to the page.
+constexpr std::size_t drawn_points = 6000;
+
+/// The scenario as it was read, the last word on each key, and what stands above the settings of its data set.
+std::string settings_text(const SettingList& settings, const SettingList& over) {
+    SettingList used;
+    for (const Setting& s : settings) {
+        std::erase_if(used, [&s](const Setting& earlier) { return earlier.key == s.key; });
+        used.push_back(s);
+    }
+    const std::string above =
+        over.empty() ? "" : "\n# above the settings of its data set\n" + to_toml(over, config_table().specs(), false);
+    return to_toml(used, scenario_table().specs(), false) + above;
+}
+
+}  // namespace
+
 ScenarioConfig with_satellites(const ScenarioConfig& scenario, std::optional<std::size_t> satellites) {
     ScenarioConfig out = scenario;
     if (!satellites) return out;
@@ -22,10 +38,7 @@ ScenarioConfig with_satellites(const ScenarioConfig& scenario, std::optional<std
     return out;
 }
 
-/// Points that a curve keeps from its run to the page.
-constexpr std::size_t drawn_points = 6000;
-
-ComparedRun run_of(const ResultBundle& bundle, const ScenarioConfig& scenario) {
+ComparedRun compared_run(const ResultBundle& bundle, const ScenarioConfig& scenario) {
     const auto seconds = [&scenario](Time t) { return (t - scenario.sim.origin).seconds(); };
     ErrorCourse errors;
     for (const analysis::ErrorRow& e : bundle.evaluation.errors) {
@@ -49,20 +62,6 @@ ComparedRun run_of(const ResultBundle& bundle, const ScenarioConfig& scenario) {
     return out;
 }
 
-/// The scenario as it was read, the last word on each key, and what stands above the settings of its data set.
-std::string settings_text(const SettingList& settings, const SettingList& over) {
-    SettingList used;
-    for (const Setting& s : settings) {
-        std::erase_if(used, [&s](const Setting& earlier) { return earlier.key == s.key; });
-        used.push_back(s);
-    }
-    const std::string above =
-        over.empty() ? "" : "\n# above the settings of its data set\n" + to_toml(over, config_table().specs(), false);
-    return to_toml(used, scenario_table().specs(), false) + above;
-}
-
-}  // namespace
-
 Outcome compare_schemes(const ProcessRequest& request) {
     const SettingList settings = scenario_settings(request.input, request.seed);
     const ScenarioConfig scenario = scenario_from(settings);
@@ -82,15 +81,15 @@ Outcome compare_schemes(const ProcessRequest& request) {
     for (const std::optional<std::size_t> satellites : counts) {
         const ScenarioConfig flight = with_satellites(scenario, satellites);
         for (const std::string& name : scenario.compared) {
-            const auto known = std::ranges::find(known_schemes(), name, [](const KnownScheme& k) { return std::string(k.name); });
+            const KnownScheme& known = known_scheme(name);
             SettingList over = request.over({});
-            over.insert(over.end(), known->settings.begin(), known->settings.end());
+            over.insert(over.end(), known.settings.begin(), known.settings.end());
             WarningLog warnings;
             ResultBundle bundle = simulated_bundle(flight, over, warnings);
             fuse_and_evaluate(bundle, warnings, scenario.sim.reference_rate, {});
             report_wanted = bundle.data.config.output.wants("report");
-            ComparedRun& run = c.runs.emplace_back(run_of(bundle, scenario));
-            run.scheme = &*known;
+            ComparedRun& run = c.runs.emplace_back(compared_run(bundle, scenario));
+            run.scheme = &known;
             run.satellites = satellites;
             for (const std::string& w : warnings.summary())
                 if (std::ranges::find(c.warnings, w) == c.warnings.end()) c.warnings.push_back(w);

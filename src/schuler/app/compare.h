@@ -20,6 +20,8 @@ struct KnownScheme {
     SettingList settings;
 };
 [[nodiscard]] const std::vector<KnownScheme>& known_schemes();
+/// One of them by its name.
+[[nodiscard]] const KnownScheme& known_scheme(const std::string& name);
 
 /// One scheme on the flight.
 struct ComparedRun {
@@ -44,6 +46,11 @@ struct Comparison {
     /// Further plots for the report, over the time of the scenario: the windows and outages are marked in them as in the others.
     std::vector<report::Panel> plots{};
 };
+
+/// The scenario with so many satellites; as it is where the number is not given. @throws Error(Input) where it has no limit to change.
+[[nodiscard]] ScenarioConfig with_satellites(const ScenarioConfig& scenario, std::optional<std::size_t> satellites);
+/// What is compared of a run that has been evaluated; its scheme and satellites are the caller's.
+[[nodiscard]] ComparedRun compared_run(const ResultBundle& bundle, const ScenarioConfig& scenario);
 
 /// The numbers of the table for a run that has been evaluated.
 [[nodiscard]] std::vector<double> compared_numbers(const ResultBundle& bundle);

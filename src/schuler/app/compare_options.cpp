@@ -33,10 +33,17 @@ const std::vector<KnownScheme>& known_schemes() {
           {"filter.preset", {std::string("ins15")}, {}},
           {"gnss.correlated_m", {0.0}, {}},
           {"gnss.correlated_velocity_m_s", {0.0}, {}}}},
+        {"complex22",
+         "b loose, 22 states",
+         {{"filter.scheme", {std::string("loose")}, {}}, {"filter.preset", {std::string("complex22")}, {}}}},
         {"loose-open",
          "b loose, open loop",
          {{"filter.scheme", {std::string("loose")}, {}}, {"filter.loop", {std::string("open")}, {}}}}};
     return list;
+}
+
+const KnownScheme& known_scheme(const std::string& name) {
+    return *std::ranges::find(known_schemes(), name, [](const KnownScheme& k) { return std::string(k.name); });
 }
 
 namespace {

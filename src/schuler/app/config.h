@@ -45,6 +45,7 @@ struct RunConfig {
 
 struct OutputConfig {
     std::vector<std::string> files{"solution", "summary", "h5", "report", "kml", "config"};
+    std::string events;                          ///< file of instants at which the solution is wanted too
 
     [[nodiscard]] bool wants(std::string_view file) const { return std::ranges::find(files, file) != files.end(); }
 };

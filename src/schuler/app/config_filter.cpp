@@ -147,6 +147,9 @@ void add_filter_options(OptionTable<Config>& table) {
                             [](auto& c) -> auto& { return c.filter.feedback_attitude; }))
         .add(flag<Config>("filter.smooth", "fixed-interval smoother after the filter",
                           [](auto& c) -> auto& { return c.filter.smooth; }))
+        .add(flag<Config>("filter.backward",
+                          "a filter backward in time beside the forward one; their difference with its sigma: run.h5, report, summary.json",
+                          [](auto& c) -> auto& { return c.filter.backward; }))
         .add(flag<Config>("filter.self_check",
                           "`process` withholds fixes in windows of its own, judges the sigmas by them, and widens the noise of the inertial "
                           "unit (imu.gyro_noise_scale, imu.accel_noise_scale) where they are too small",

@@ -97,6 +97,11 @@ void add_run_options(OptionTable<Config>& table) {
         .add(outage_option())
         .add(number<Config>("output.rate_hz", 1.0, 0, 1e5, "rate of the solution; 0 = every IMU epoch",
                             [](auto& c) -> auto& { return c.filter.output_rate; }))
+        .add(vector3<Config>("output.lever_arm_m", 1.0, -1e4, 1e4,
+                             "from the IMU to a point whose solution is wanted as well (point.csv): forward, right, down; events are of that point",
+                             [](auto& c) -> auto& { return c.filter.output_lever_arm_b; }))
+        .add(text<Config>("output.events", "file of instants (time_s, name) at which the solution is wanted too: events.csv, a row each",
+                          [](auto& c) -> auto& { return c.output.events; }))
         .add(output_files_option());
 }
 

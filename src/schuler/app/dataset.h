@@ -40,6 +40,7 @@ using dataset::Needs;
 struct LoadedDataset {
     Recording recording;                 ///< times on the data set's own axis
     AidLog aids;
+    std::vector<NamedInstant> events;    ///< in order of time: those of filter.output_instants
     Config config;
     Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch
     std::set<std::string> given;         ///< keys of the settings that a user or a scenario gave

@@ -126,6 +126,12 @@ Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, con
     if (smoothed) out.outages_forward = outages_of(data, reference, result.forward, true);
     out.aids = aids_of(result.aids, out.settled);
     bias_errors(solution, truth.sensors, out);
+    out.separation = analysis::separation(c.filter.earth, result.forward.rows, result.backward);
+    if (!out.separation.empty()) {
+        const Time end = out.separation.back().time, late = end - Duration::from_seconds(default_settle);
+        out.separated = analysis::summarise(out.separation, out.settled, std::max(late, out.settled));
+        if (out.separated.epochs < 2) out.separated = analysis::summarise(out.separation, Time{INT64_MIN}, end);
+    }
     out.states = state_errors(result.forward.states, c.filter.earth, data.recording.reference, truth);
     return out;
 }

@@ -4,6 +4,7 @@
 #include "schuler/analysis/consistency.h"
 #include "schuler/analysis/errors.h"
 #include "schuler/analysis/outages.h"
+#include "schuler/analysis/separation.h"
 #include "schuler/app/dataset.h"
 #include "schuler/app/state_errors.h"
 #include "schuler/fusion/result.h"
@@ -35,6 +36,8 @@ struct Evaluation {
     std::vector<analysis::OutageStatistics> outages_forward;  ///< of the filter, where smoothed
     std::optional<Eigen::Vector3d> gyro_bias_error;     ///< estimate minus truth at the end, rad/s (simulated data)
     std::optional<Eigen::Vector3d> accel_bias_error;    ///< m/s^2
+    std::vector<analysis::SeparationRow> separation;    ///< forward minus backward filter, where that was asked for
+    analysis::SeparationSummary separated;              ///< of it, without the settling of both
     std::vector<StateErrors> states;                    ///< of the filter, once a second (simulated data)
 };
 

@@ -229,6 +229,7 @@ GravityBundle gravity_of_scenario(const ScenarioConfig& scenario, const ProcessR
     const auto begin = std::chrono::steady_clock::now();
     GravityBundle b;
     b.run = simulated_bundle(scenario, request.over({}), warnings);
+    leave_out_chosen(b.run.data, warnings);
     b.run.data.read_seconds = seconds_since(begin);
     b.run.version = request.version;
     b.over_ground = scenario.sim.anomaly.empty();
@@ -244,6 +245,7 @@ GravityBundle gravity_survey(const ProcessRequest& request, WarningLog& warnings
     b.run.name = config.name.empty() ? dataset.name : config.name;
     b.run.version = request.version;
     b.run.data = load_dataset(dataset, config, warnings);
+    leave_out_chosen(b.run.data, warnings);
     notice = dataset.inferred_toml;
     estimate(b, warnings);
     return b;

@@ -89,7 +89,7 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
     };
     std::vector<Rule> rules = sensor_rules(b);
     if (b.data.config.scheme == Scheme::Gnss)
-        rules.push_back({{"filter.smooth", "filter.loop", "filter.mechanization", "vehicle."}, "the scheme is \"gnss\": there is no filter"});
+        rules.push_back({{"filter.smooth", "filter.loop", "filter.mechanization", "filter.backward", "output.lever_arm_m", "output.events", "vehicle."}, "the scheme is \"gnss\": there is no filter"});
     else
         std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;

@@ -5,6 +5,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/atmosphere.h"
 #include "schuler/io/csv_aids.h"
+#include "schuler/io/csv_events.h"
 #include "schuler/io/csv_recording.h"
 #include "schuler/io/kfgins.h"
 #include "schuler/io/nmea.h"
@@ -202,6 +203,15 @@ void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     }
 }
 
+/// Instants at which the solution is wanted, in order.
+void settle_events(LoadedDataset& out, const fs::path& folder) {
+    Config& c = out.config;
+    if (!c.output.events.empty()) out.events = io::read_events_csv(io::TextInput(resolved(folder, c.output.events, "output.events")));
+    std::ranges::stable_sort(out.events, {}, &NamedInstant::time);
+    c.filter.output_instants.clear();
+    for (const NamedInstant& e : out.events) c.filter.output_instants.push_back(e.time);
+}
+
 /// Where seconds of the week begin anew in one log, those that begin after that instant follow it into the next week.
 void settle_rollover(Recording& r) {
     constexpr double week = 604'800.0;
@@ -304,6 +314,7 @@ LoadedDataset settled_dataset(Recording recording, const Config& config, Warning
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
+    settle_events(out, {});
     return out;
 }
 
@@ -319,6 +330,7 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
+    settle_events(out, dataset.folder);
     check_gravity(out, dataset.folder);
     out.given = dataset.given;
     out.facts = dataset.facts;

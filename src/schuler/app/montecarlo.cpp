@@ -23,19 +23,6 @@ std::vector<Row> sparse(const std::vector<Row>& rows) {
     return out;
 }
 
-/// The settings of one run: another seed, and the varied keys drawn.
-SettingList settings_of_run(const SettingList& base, const std::vector<Variation>& vary, std::uint64_t seed, SettingList& drawn) {
-    SettingList out = base;
-    for (const Variation& v : vary) {
-        math::Random random(seed, "vary." + v.key);
-        const double x = v.normal ? v.first + v.second * random.normal() : v.first + (v.second - v.first) * random.uniform();
-        drawn.push_back({v.key, {x}, {"montecarlo.vary", 0, 0, v.key}});
-    }
-    out.insert(out.end(), drawn.begin(), drawn.end());
-    out.push_back({"seed", {static_cast<std::int64_t>(seed)}, {}});
-    return out;
-}
-
 MonteCarloRun run_of(const ScenarioConfig& scenario, const SettingList& over, ResultBundle& bundle) {
     MonteCarloRun run;
     WarningLog unheard;
@@ -84,6 +71,18 @@ void gather_blocks(MonteCarlo& mc, Time origin) {
 }
 
 }  // namespace
+
+SettingList settings_of_run(const SettingList& base, const std::vector<Variation>& vary, std::uint64_t seed, SettingList& drawn) {
+    SettingList out = base;
+    for (const Variation& v : vary) {
+        math::Random random(seed, "vary." + v.key);
+        const double x = v.normal ? v.first + v.second * random.normal() : v.first + (v.second - v.first) * random.uniform();
+        drawn.push_back({v.key, {x}, {"montecarlo.vary", 0, 0, v.key}});
+    }
+    out.insert(out.end(), drawn.begin(), drawn.end());
+    out.push_back({"seed", {static_cast<std::int64_t>(seed)}, {}});
+    return out;
+}
 
 bool BlockEnsemble::present() const { return nees.array().isFinite().any(); }
 
@@ -137,6 +136,9 @@ MonteCarlo montecarlo(const ProcessRequest& request, std::optional<std::size_t> 
 }
 
 Outcome run_montecarlo(const ProcessRequest& request, std::optional<std::size_t> runs, int jobs) {
+    const ScenarioConfig scenario = read_scenario(request.input, request.seed);
+    if (!scenario.compared.empty())
+        return montecarlo_of_schemes(request, runs.value_or(static_cast<std::size_t>(scenario.montecarlo_runs.value_or(default_runs))), jobs);
     const MonteCarlo mc = montecarlo(request, runs, jobs);
     Outcome out;
     out.folder = request.output.empty() ? std::filesystem::path("out") / (mc.name + "-montecarlo") : request.output;

@@ -49,6 +49,9 @@ struct MonteCarlo {
     [[nodiscard]] analysis::RunsByEpochs counted(const analysis::RunsByEpochs& values) const;
 };
 
+/// The settings of one run: another seed, and the keys that vary, drawn (into `drawn` too).
+[[nodiscard]] SettingList settings_of_run(const SettingList& base, const std::vector<Variation>& vary, std::uint64_t seed, SettingList& drawn);
+
 /// Simulates, fuses and evaluates `runs` runs; run k has the seed of the scenario plus k, so that `schuler run --seed` repeats it.
 /// The result does not depend on `jobs`. @throws Error where no run goes through.
 [[nodiscard]] MonteCarlo montecarlo(const ProcessRequest& request, std::optional<std::size_t> runs, int jobs);

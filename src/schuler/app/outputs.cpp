@@ -1,5 +1,6 @@
 #include "schuler/app/bundle.h"
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/csv_events.h"
 #include "schuler/io/kml.h"
 #include "schuler/io/solution_csv.h"
 
@@ -44,6 +45,11 @@ std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::fil
     if (c.output.wants("solution")) {
         const std::filesystem::path& file = add("solution.csv");
         if (!streamed) io::write_solution_csv(file, b.solution().rows);
+    }
+    if (!b.solution().point.empty()) io::write_solution_csv(add("point.csv"), b.solution().point);
+    if (!b.data.events.empty() && c.scheme != Scheme::Gnss) {
+        const EventRows events = event_rows(b);
+        io::write_events_csv(add("events.csv"), events.events, events.rows);
     }
     if (!b.result.forward.protection.empty()) write_text(add("protection.csv"), protection_csv(b));
     if (!b.result.cross_checks.empty()) write_text(add("receiver.csv"), receiver_csv(b));

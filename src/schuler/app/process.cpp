@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 bool only_written(const LoadedDataset& data) {
     const Config& c = data.config;
     const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
-    return c.scheme == Scheme::Loose && !c.filter.smooth && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
+    return c.scheme == Scheme::Loose && !c.filter.smooth && !c.filter.backward && c.filter.output_lever_arm_b.isZero(0.0) && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
            c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
@@ -94,8 +94,9 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     bundle.ignored = ignored_of(bundle, asked);
     for (const Ignored& i : bundle.ignored)
         warnings.add("ignored." + i.key, fmt::format("{} is given and has no effect: {}", i.key, i.reason));
-    bundle.result.forward.rows = thinned(std::move(bundle.result.forward.rows), bundle.data.config.filter.output_rate);
-    bundle.result.smoothed.rows = thinned(std::move(bundle.result.smoothed.rows), bundle.data.config.filter.output_rate);
+    for (fusion::Trajectory* t : {&bundle.result.forward, &bundle.result.smoothed})
+        for (std::vector<SolutionRow>* rows : {&t->rows, &t->point}) *rows = thinned(std::move(*rows), bundle.data.config.filter.output_rate);
+    warn_of_events_outside(bundle, warnings);
     if (!bundle.evaluation.errors.empty() && bundle.evaluation.summary.epochs == 0) {
         warnings.add(
             "settle",

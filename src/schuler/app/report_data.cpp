@@ -208,6 +208,8 @@ report::ReportInput report_page(const ResultBundle& b) {
     }
     data.errors = points_of(b.evaluation.errors);
     data.forward_errors = points_of(b.evaluation.errors_forward);
+    for (const analysis::SeparationRow& r : b.evaluation.separation)
+        data.separation.push_back({r.time, r.position, r.velocity, r.rpy, r.std_position, r.std_velocity, r.std_rpy});
     data.accuracy = accuracy_of(b.evaluation.summary);
     data.innovations = innovations_of(b);
     add_sensor_errors(b, data);

@@ -55,6 +55,37 @@ void add_solution(io::Hdf5Writer& file, const std::string& group, const std::vec
               [](const SolutionRow& r, std::vector<double>& out) { push(out, r.std_rpy, units::deg); });
 }
 
+/// The solution at the point of the user's choice, and at events.
+void add_chosen(io::Hdf5Writer& file, const ResultBundle& b) {
+    const Eigen::Vector3d& arm = b.data.config.filter.output_lever_arm_b;
+    const std::string lever_arm = fmt::format("{},{},{}", arm.x(), arm.y(), arm.z());
+    if (!b.solution().point.empty()) {
+        add_solution(file, "/point", b.solution().point);
+        file.attribute("/point", "lever_arm_m", lever_arm);
+    }
+    const EventRows events = event_rows(b);
+    if (events.rows.empty() || b.data.config.scheme == Scheme::Gnss) return;
+    add_solution(file, "/events", events.rows);
+    file.attribute("/events", "lever_arm_m", lever_arm);
+    std::vector<std::int64_t> lines;
+    for (const NamedInstant& e : events.events) lines.push_back(e.line);
+    file.integers("/events/line", lines, {{"units", "line of output.events"}});
+}
+
+void add_separation(io::Hdf5Writer& file, const std::vector<analysis::SeparationRow>& rows) {
+    using Row = analysis::SeparationRow;
+    if (rows.empty()) return;
+    add_times(file, "/separation", rows);
+    const auto add = [&](const char* name, const char* columns, const char* unit, double si, Vector3d Row::*value, Vector3d Row::*sigma) {
+        const std::string group = "/separation/";
+        add_table(file, group + name, rows, 3, columns, unit, [=](const Row& r, std::vector<double>& out) { push(out, r.*value, si); });
+        add_table(file, group + "std_" + name, rows, 3, columns, unit, [=](const Row& r, std::vector<double>& out) { push(out, r.*sigma, si); });
+    };
+    add("position", "north,east,down", "m", 1.0, &Row::position, &Row::std_position);
+    add("velocity", "north,east,down", "m/s", 1.0, &Row::velocity, &Row::std_velocity);
+    add("attitude", "roll,pitch,heading", "deg", units::deg, &Row::rpy, &Row::std_rpy);
+}
+
 void add_sensor_errors(io::Hdf5Writer& file, const std::string& group, const std::vector<fusion::SensorErrorRow>& rows) {
     using Row = fusion::SensorErrorRow;
     if (rows.empty()) return;
@@ -216,6 +247,9 @@ void write_run_h5(const std::filesystem::path& path, const ResultBundle& b) {
     io::Hdf5Writer file(path);
     add_solution(file, "/solution", b.solution().rows);
     if (b.smoothed()) add_solution(file, "/forward", b.result.forward.rows);
+    add_chosen(file, b);
+    add_solution(file, "/backward", b.result.backward);
+    add_separation(file, b.evaluation.separation);
     add_sensor_errors(file, "/sensor_errors", b.solution().sensor_errors);
     add_states(file, "/states", b.result.states, b.solution().parameters);
     add_covariances(file, b.result);

@@ -89,7 +89,9 @@ public:
 
     /// The withheld fixes of these windows that were not refused in the undisturbed run; `motion` gets the run's rows.
     std::vector<WithheldEpoch> run(fusion::Settings settings, const std::vector<std::size_t>& chosen, std::vector<SolutionRow>& motion) const {
-        settings.smooth = settings.state_rows = settings.covariance_rows = false;
+        settings.smooth = settings.state_rows = settings.covariance_rows = settings.backward = false;
+        settings.output_instants.clear();
+        settings.output_lever_arm_b.setZero();
         constexpr double rate = 5.0;   // Hz: enough to see how it moves
         settings.output_rate = rate;
         const std::size_t first = settings.outages.size();

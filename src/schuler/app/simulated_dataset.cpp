@@ -322,6 +322,12 @@ SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const Scenario
             fix.std_position = sim::stated_position_sigma(told->sim.gnss);
             fix.std_velocity = sim::stated_velocity_sigma(told->sim.gnss);
         }
+        const sensor::RangingErrorModel& e = told->ranging.settings.errors;
+        for (RangeSample& m : out.recording.ranges.samples) {
+            const bool station = out.recording.ranges.sources[m.source].station;
+            m.std = station ? e.station.white : e.satellite.white;
+            m.std_rate = station ? e.station.rate : e.satellite.rate;
+        }
     }
     round_to_files(out.recording);
     const auto path = sim::make_path(scenario.sim.path, scenario.sim.earth.ellipsoid);

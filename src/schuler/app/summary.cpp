@@ -110,6 +110,27 @@ Json integrity_of(const ResultBundle& b) {
     return {{"alerts", alerts}};
 }
 
+Json events_of(const ResultBundle& b) {
+    if (b.data.events.empty() || b.data.config.scheme == Scheme::Gnss) return nullptr;
+    const EventRows events = event_rows(b);
+    Json outside = Json::array();
+    for (const NamedInstant& e : events.outside) outside.push_back({{"line", e.line}, {"time_s", e.time.seconds()}});
+    return {{"asked", events.rows.size()}, {"outside", outside}};
+}
+
+Json separation_of(const Evaluation& e) {
+    if (e.separation.empty()) return nullptr;
+    const auto of_one = [](const analysis::SeparationSpread& s, double unit) {
+        return Json{{"rms", number(s.rms / unit)}, {"inside_3sigma", number(s.inside_3sigma)}};
+    };
+    const analysis::SeparationSummary& s = e.separated;
+    return {{"epochs", s.epochs},
+            {"north_m", of_one(s.north, 1.0)},
+            {"east_m", of_one(s.east, 1.0)},
+            {"up_m", of_one(s.up, 1.0)},
+            {"heading_deg", of_one(s.heading, units::deg)}};
+}
+
 Json findings_of(const ResultBundle& b) {
     const fusion::Findings& f = b.result.findings;
     const Eigen::Vector3d m = f.mounting_rpy / units::deg;
@@ -213,6 +234,8 @@ std::string summary_json(const ResultBundle& b) {
     out["consistency"] = consistency_of(e);
     out["outages"] = of(e.outages, b.data.origin);
     out["outages_forward"] = b.smoothed() ? of(e.outages_forward, b.data.origin) : Json(nullptr);
+    out["separation"] = separation_of(e);
+    out["events"] = events_of(b);
     out["findings"] = findings_of(b);
     out["integrity"] = integrity_of(b);
     out["facts"] = facts_json(b.facts);

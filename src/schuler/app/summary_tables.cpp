@@ -95,6 +95,16 @@ std::string outage_table(const std::vector<analysis::OutageStatistics>& outages,
     return out;
 }
 
+std::string separation_table(const Evaluation& e) {
+    if (e.separation.empty()) return {};
+    const auto line = [](const char* name, const analysis::SeparationSpread& s, double unit) {
+        return fmt::format("  {:<22}{:>11}{:>15.1f} %\n", name, cell(s.rms / unit), 100.0 * s.inside_3sigma);
+    };
+    const analysis::SeparationSummary& s = e.separated;
+    return fmt::format("{:<24}{:>11}{:>17}\n", "forward minus backward", "rms", "inside 3 sigma") + line("north, m", s.north, 1.0) +
+           line("east, m", s.east, 1.0) + line("up, m", s.up, 1.0) + line("heading, deg", s.heading, units::deg);
+}
+
 }  // namespace
 
 std::string summary_tables(const ResultBundle& b) {
@@ -126,8 +136,9 @@ std::string summary_tables(const ResultBundle& b) {
     }
     if (b.result.alerts.size() > most_lines)
         out += fmt::format("  and {} more (summary.json has them all)\n", b.result.alerts.size() - most_lines);
-    const std::string consistency = consistency_table(e);
+    const std::string consistency = consistency_table(e), separation = separation_table(e);
     if (!consistency.empty()) out += "\n" + consistency;
+    if (!separation.empty()) out += "\n" + separation;
     if (!b.published.source.empty() && !e.states.empty())
         out += "\n" + published_table(b.published, rms_of(e.states, e.settled),
                                       fmt::format("{}, from {:.0f} s", b.name, b.relative(e.settled)));

@@ -24,6 +24,22 @@ SolutionRow solution_row(const NavState& nav, const Matrix9& P_n) {
     return row;
 }
 
+SolutionRow solution_row_at(const Estimate& e, const Matrix9& P_n, const Vector3d& lever_arm_b, const Vector3d& rate_variance) {
+    const Vector3d l_n = e.C_nb * lever_arm_b;
+    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
+    const Vector3d s_n = e.C_nb * w_eb_b.cross(lever_arm_b);
+    NavState there = e.nav;
+    there.position = earth::moved_by_ned(e.earth, e.nav.position, l_n);
+    there.v_eb_n += s_n;
+    Matrix9 T = Matrix9::Identity();
+    T.block<3, 3>(Layout::position, Layout::attitude) = math::skew(l_n);
+    T.block<3, 3>(Layout::velocity, Layout::attitude) = math::skew(s_n);
+    Matrix9 P = T * P_n * T.transpose();
+    const Matrix3d by_rate = e.C_nb * math::skew(lever_arm_b);
+    P.block<3, 3>(Layout::velocity, Layout::velocity) += by_rate * rate_variance.asDiagonal() * by_rate.transpose();
+    return solution_row(there, P);
+}
+
 SensorErrorRow sensor_error_row(Time time, const Layout& layout, const StateVector& parameters, const StateVector& variances) {
     const StateVector std = variances.cwiseMax(0.0).cwiseSqrt();
     const auto value = [&](int offset) -> Vector3d {

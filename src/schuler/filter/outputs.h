@@ -9,6 +9,19 @@ namespace schuler::filter {
 /// Solution row from a geographic state and its 9 x 9 local-level error covariance.
 [[nodiscard]] SolutionRow solution_row(const NavState& nav, const Matrix9& P_n);
 
+/// The solution at a point of the body, `lever_arm_b` from the IMU (m, forward-right-down), by an estimate and its 9 x 9 local-level
+/// covariance. The sigmas have the attitude's share, and in the velocity that of the rate, whose errors of one axis have
+/// `rate_variance` (rad^2/s^2).
+[[nodiscard]] SolutionRow solution_row_at(const Estimate& e, const Matrix9& P_n, const Eigen::Vector3d& lever_arm_b,
+                                          const Eigen::Vector3d& rate_variance);
+/// Likewise by a filter, which takes the rate over an interval of `imu_interval` s.
+template <class Frame>
+[[nodiscard]] SolutionRow solution_row_at(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& P_n,
+                                          const Eigen::Vector3d& lever_arm_b, double imu_interval) {
+    const Eigen::Vector3d noise = Eigen::Vector3d::Constant(model.gyro_psd / imu_interval);
+    return solution_row_at(f.estimate(model), P_n, lever_arm_b, noise + f.P.diagonal().template segment<3>(Layout::gyro_bias).cwiseMax(0.0));
+}
+
 /// Sensor errors from the estimated parameters and the variances of all states.
 [[nodiscard]] SensorErrorRow sensor_error_row(Time time, const Layout& layout, const StateVector& parameters, const StateVector& variances);
 

@@ -21,6 +21,7 @@ namespace schuler::filter {
 namespace {
 
 constexpr Duration tolerance{100'000};   // an event this near to an increment's end needs no split of it
+constexpr Duration instant_tolerance{1'000};
 
 /// A receiver's fix has two sub-vectors, which are controlled each by itself.
 bool is_sub_vector(AidKind kind) { return kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity; }
@@ -58,7 +59,7 @@ Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Setting
       rivalry_(rivalry),
       openings_(std::move(openings)),
       range_test_(uses_ranges(settings.coupling) ? RangeTest(settings.aids.gate_probability, settings.aids.recovery_time) : RangeTest{}),
-      update_with_ranges_(model, settings.ranging, settings.gnss.lever_arm_b, range_test_) {
+      update_with_ranges_(model, settings.ranging, settings.gnss.lever_arm_b, range_test_, data.backward) {
     if (settings.ranging.protection.use) range_test_.watch = ProtectionLimits(settings.ranging.protection).test;
 }
 
@@ -91,19 +92,27 @@ ImuIncrement Pass<Frame>::run_to_events(Walk<Frame>& walk, ImuIncrement inc, con
         const std::vector<RangeEpoch>& epochs = data_.recording->ranges.epochs;
         const Time event = walk.event < data_.events.size() ? data_.events[walk.event].valid : Time{INT64_MAX};
         const Time epoch = ranging && walk.epoch < epochs.size() ? epochs[walk.epoch].time : Time{INT64_MAX};
-        const bool is_event = event <= epoch;
-        const Time valid = is_event ? event : epoch, now = walk.filter.time();
-        if (valid >= inc.time + tolerance) return inc;
-        const std::size_t index = is_event ? walk.event++ : walk.epoch++;
+        const Time measured = std::min(event, epoch);
+        const Time instant = walk.instant < data_.instants.size() ? data_.instants[walk.instant] : Time{INT64_MAX};
+        const bool is_instant = data_.backward ? instant <= measured : instant < measured, is_event = event <= epoch;
+        const Time valid = is_instant ? instant : measured, now = walk.filter.time();
+        const Duration near = is_instant ? instant_tolerance : tolerance;
+        if (valid >= inc.time + near) return inc;
+        const std::size_t index = is_instant ? walk.instant++ : is_event ? walk.event++ : walk.epoch++;
         if (valid < now - tolerance) continue;   // before the start
         const double part = (valid - now).seconds(), rest = (inc.time - valid).seconds();
-        if (part > tolerance.seconds() && rest > tolerance.seconds()) {
+        if (part > near.seconds() && rest > near.seconds()) {
             const double share = part / inc.dt;
             step(walk, {valid, part, share * inc.dtheta, share * inc.dv}, noise, observer);
             inc = {inc.time, rest, (1.0 - share) * inc.dtheta, (1.0 - share) * inc.dv};
-        } else if (rest <= tolerance.seconds() && now < inc.time) {
+        } else if (rest <= near.seconds() && now < inc.time) {
             step(walk, inc, noise, observer);
             inc.dt = 0.0;
+        }
+        if (is_instant) {
+            propagate_covariance(walk, observer);
+            observer.instant(walk, index);
+            continue;
         }
         if (is_event) process(walk, data_.events[index], observer);
         else process(walk, epochs[index], observer);
@@ -382,11 +391,12 @@ template <class Frame>
 void Pass<Frame>::observe_wheels(Walk<Frame>& walk, const Estimate& e) const {
     InertialFilter<Frame>& f = walk.filter;
     const int mounting = model_.layout.mounting;
-    const Eigen::Vector3d v_b = e.C_nb.transpose() * e.nav.v_eb_n;
+    const double along = data_.backward ? -1.0 : 1.0;   // wheels roll forward in the time of the log
+    const Eigen::Vector3d v_b = along * (e.C_nb.transpose() * e.nav.v_eb_n);
     const bool good = f.P.diagonal().template segment<3>(Layout::velocity).maxCoeff() < 0.05 &&
                       f.P.diagonal().template segment<3>(Layout::attitude).maxCoeff() < 4e-4;
     if (v_b.x() < 3.0 || !good) return;
-    walk.wheels.add(v_b, e.w_ib_b.z(), 1.0 / settings_.aids.constraint_rate);
+    walk.wheels.add(v_b, along * e.w_ib_b.z(), 1.0 / settings_.aids.constraint_rate);
     if (walk.wheels.verdict != WheelEvidence::Verdict::Wheels) return;
     f.parameters(mounting) = -std::atan(walk.wheels.mean_down);
     f.parameters(mounting + 1) = std::atan(walk.wheels.mean_side);

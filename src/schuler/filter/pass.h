@@ -76,6 +76,7 @@ struct Walk {
     std::size_t event = 0, epoch = 0;    ///< next measurement, next epoch of ranges
     std::size_t still = 0;
     std::size_t bridge = 0;
+    std::size_t instant = 0;             ///< next of RunData::instants
     std::size_t outputs = 0;             ///< number of outputs made
     Time next_output{};
     Time next_constraint{};
@@ -143,6 +144,8 @@ struct PassObserver : RangeListener {
     /// that of the same time.
     [[nodiscard]] virtual bool wants_all_states(Time) const { return records(); }
     virtual void output(const Walk<Frame>&, Time) {}
+    /// At RunData::instants[index], with the covariance at that time.
+    virtual void instant(const Walk<Frame>&, std::size_t /*index*/) {}
     virtual void outage_epoch(const Filter&, const Event&, const Measurement&, const AidRecord&) {}
     virtual void aid(const AidRecord&) {}
     virtual void alert(const Alert&) {}

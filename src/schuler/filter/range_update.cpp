@@ -73,12 +73,18 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
     const Layout& L = model_.layout;
     const earth::Earth& earth = model_.earth;
     const typename Frame::State state = Frame::corrected(earth, f.estimated(model_), dx.head<9>());
-    const NavState nav = Frame::geographic(earth, state);
+    NavState nav = Frame::geographic(earth, state);
+    const double way = backward_ ? -1.0 : 1.0;   // of the filter's time in that of the ranges
+    const Time time = backward_ ? Time{-f.time().ns} : f.time();
+    earth::Earth turning = earth;
+    turning.ellipsoid.w_ie *= way;
+    nav.v_eb_n *= way;
     const Vector3d w_ib_b = f.w_ib_b + f.error.template segment<3>(Layout::gyro_bias) + dx.segment<3>(Layout::gyro_bias);
     const StateVector nominal = f.estimated_parameters() - dx;
     const Vector3d lever_arm = L.lever_arm < 0 ? lever_arm_b_ : Vector3d(nominal.segment<3>(L.lever_arm));
-    const AntennaEstimate a = antenna_of(earth, nav, nav.q_nb.toRotationMatrix(), w_ib_b, lever_arm);
+    const AntennaEstimate a = antenna_of(turning, nav, nav.q_nb.toRotationMatrix(), way * w_ib_b, lever_arm);
     Matrix9 from_local = Matrix9::Identity();
+    nav.v_eb_n *= way;
     if constexpr (!Frame::errors_are_geographic) from_local = ins::geographic_from_ecef_errors(earth, nav).transpose();
     // the nine entries of errors in local level, mapped to the filter's own
     const auto navigation = [&](estim::Row& row, const Vector3d& position, const Vector3d& velocity, const Vector3d& attitude) {
@@ -97,7 +103,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         // u points down to the receiver: what comes from above has a positive down component
         const gnss::Direction direction{std::atan2(-r.u_n.y(), -r.u_n.x()), std::asin(std::clamp(r.u_n.z(), -1.0, 1.0))};
         if (!source.station && direction.elevation < settings_.corrections.elevation_mask) continue;
-        const double clock = nominal(L.clock), drift = nominal(L.drift);
+        const double clock = nominal(L.clock), drift = way * nominal(L.drift);
         const int slot = slot_of(f, tracking, m.source, source.station, listener), offset = intersystem_of(source);
         if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
 
@@ -111,7 +117,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             double delay = 0.0, more = m.variance;
             if (air && !source.station) {
                 const gnss::AtmosphericDelay d =
-                    gnss::atmospheric_delay(f.time(), m.frequency, a.place, direction,
+                    gnss::atmospheric_delay(time, m.frequency, a.place, direction,
                                             settings_.klobuchar ? &*settings_.klobuchar : nullptr, settings_.corrections);
                 delay = d.delay;
                 // what the models leave is the slow error's, where that is a state
@@ -140,10 +146,10 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.is_rate = true;
             const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
-            navigation(s.row, r.rate_by_position, r.rate_by_velocity, r.rate_by_attitude);
+            navigation(s.row, r.rate_by_position, way * r.rate_by_velocity, r.rate_by_attitude);
             if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.rate_by_lever_arm);
-            s.row.add3(Layout::gyro_bias, r.rate_by_gyro_bias);
-            s.row.add(L.drift, 1.0);
+            s.row.add3(Layout::gyro_bias, way * r.rate_by_gyro_bias);
+            s.row.add(L.drift, way);
             s.innovation = r.rate + drift - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
             work.scalars[work.count++] = s;
         }

@@ -79,13 +79,14 @@ struct RangeListener {
 /// Index of a satellite system's offset in the layout's intersystem block, -1 for GPS and those that share its clock.
 [[nodiscard]] int intersystem_of(const RangeSource& source);
 
-/// Ranges in a filter whose layout has a clock. References are kept.
+/// Ranges in a filter whose layout has a clock. References are kept. `backward`: the filter's time, velocities, rates and the Earth's turn
+/// are reversed (fusion/backward.h), those of the ranges are not.
 template <class Frame>
 class RangeUpdate {
 public:
     RangeUpdate(const InertialModel& model, const RangingFilterSettings& settings, const Eigen::Vector3d& lever_arm_b,
-                const RangeTest& test)
-        : model_(model), settings_(settings), lever_arm_b_(lever_arm_b), test_(test) {}
+                const RangeTest& test, bool backward = false)
+        : model_(model), settings_(settings), lever_arm_b_(lever_arm_b), test_(test), backward_(backward) {}
 
     /// `listener` may be null. Updates the filter with an epoch at its own time (after propagate_covariance). All scalars are used one by one; where the sum of
     /// squares or one of them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the
@@ -124,6 +125,7 @@ private:
     const RangingFilterSettings& settings_;
     const Eigen::Vector3d& lever_arm_b_;
     const RangeTest& test_;
+    bool backward_;
 };
 
 }  // namespace schuler::filter

@@ -123,9 +123,17 @@ struct CrossCheck {
     bool receiver_leads = false;                            ///< the solution is the receiver's
 };
 
+/// The solution at one of Settings::output_instants, of the point of the user's choice where there is one.
+struct InstantRow {
+    std::size_t index = 0;           ///< into them
+    SolutionRow row;
+};
+
 /// One pass over the data, forward or smoothed.
 struct Trajectory {
     std::vector<SolutionRow> rows;
+    std::vector<SolutionRow> point;                ///< of the same times at Settings::output_lever_arm_b; empty where that is zero
+    std::vector<InstantRow> instants;              ///< those inside the pass, in order
     std::vector<SensorErrorRow> sensor_errors;     ///< at most 1 Hz
     std::vector<ParameterRow> parameters;          ///< at most 1 Hz
     std::vector<CovarianceRow> covariances;        ///< at the output rate, forward pass only, where Settings::covariance_rows asks for it
@@ -175,6 +183,7 @@ struct Result {
     Trajectory receiver;                      ///< medium coupling: the receiver's own filter, of the antenna; attitude NaN
     std::vector<CrossCheck> cross_checks;     ///< medium coupling
     Trajectory smoothed;                      ///< empty unless Settings::smooth
+    std::vector<SolutionRow> backward;        ///< of the backward filter before the fix of each time, in order of time; see Settings::backward
     std::vector<AidRecord> aids;              ///< of the forward pass
     std::vector<Alert> alerts;                ///< where exclusions begin and end
     Findings findings;

@@ -190,6 +190,9 @@ struct Settings {
     bool state_rows = false;                  ///< keep what the filter says of each block of states (Trajectory::states)
     bool covariance_rows = false;             ///< keep the whole covariance at every output (Trajectory::covariances)
     double output_rate = 10.0;                ///< Hz of the solution; 0 = every IMU epoch
+    Eigen::Vector3d output_lever_arm_b = Eigen::Vector3d::Zero();  ///< m, IMU to a point whose solution is wanted too; zero: none is
+    std::vector<Time> output_instants;        ///< in order: the solution is wanted there as well (Trajectory::instants)
+    bool backward = false;                    ///< a filter backward in time beside the forward one (fusion/backward.h)
 };
 
 }  // namespace schuler::filter

@@ -13,13 +13,14 @@ namespace schuler::filter {
 template <class Frame>
 class Tape : public PassObserver<Frame> {
 public:
-    enum class Kind : std::uint8_t { Step, Scalar, Renewed, Output, Outage };
+    enum class Kind : std::uint8_t { Step, Scalar, Renewed, Output, Instant, Outage };
     struct Point {                       ///< a state to be smoothed and reported
         InertialFilter<Frame> filter;
         Time time;
         OutageEpoch outage;              ///< of an Outage point
         Measurement measurement;         ///< of an Outage point, rows in local-level errors
-        Matrix9 undecided;               ///< of an Output point: Walk::undecided
+        Matrix9 undecided;               ///< of an Output or Instant point: Walk::undecided
+        std::size_t index = 0;           ///< of an Instant point
     };
 
     explicit Tape(const InertialModel& model) : model_(model) {}
@@ -48,6 +49,10 @@ public:
         order_.push_back(Kind::Output);
         points_.push_back({walk.filter, time, OutageEpoch{}, Measurement{}, walk.undecided(model_)});
     }
+    void instant(const Walk<Frame>& walk, std::size_t index) override {
+        order_.push_back(Kind::Instant);
+        points_.push_back({walk.filter, walk.filter.time(), OutageEpoch{}, Measurement{}, walk.undecided(model_), index});
+    }
     void outage_epoch(const InertialFilter<Frame>& filter, const Event& event, const Measurement& m, const AidRecord&) override {
         order_.push_back(Kind::Outage);
         OutageEpoch epoch;
@@ -73,6 +78,7 @@ public:
                 case Kind::Scalar: adjoint.undo(scalars_[--scalar], size); break;
                 case Kind::Renewed: adjoint.forget(renewed_[--renewed]); break;
                 case Kind::Output:
+                case Kind::Instant:
                 case Kind::Outage: report(order_[i], points_[--point], adjoint); break;
             }
         }

@@ -97,8 +97,9 @@ private:
     std::vector<std::pair<Time, Time>> spans_;
 };
 
-/// The receiver's solution at t, carried on from its last epoch by its velocity; nothing where that is long ago.
-bool by_receiver(const Result& result, const Settings& settings, Time t, std::size_t& at, SolutionRow& row) {
+/// The receiver's solution at t, `from_antenna_b` away from its antenna (m), carried on from its last epoch by its velocity; nothing where that is long ago.
+bool by_receiver(const Result& result, const Settings& settings, const Vector3d& from_antenna_b, std::size_t& at, SolutionRow& row) {
+    const Time t = row.time;
     constexpr double longest = 3.0;  // s
     const std::vector<SolutionRow>& rows = result.receiver.rows;
     while (at + 1 < rows.size() && rows[at + 1].time <= t) ++at;
@@ -106,7 +107,7 @@ bool by_receiver(const Result& result, const Settings& settings, Time t, std::si
     const double since = (t - rows[at].time).seconds();
     if (since > longest) return false;
     Vector3d moved = since * rows[at].v_eb_n;
-    if (row.rpy.allFinite()) moved -= math::dcm_from_rpy(row.rpy) * settings.gnss.lever_arm_b;
+    if (row.rpy.allFinite()) moved += math::dcm_from_rpy(row.rpy) * from_antenna_b;
     row.position = earth::moved_by_ned(settings.earth, rows[at].position, moved);
     row.v_eb_n = rows[at].v_eb_n;
     row.std_position = (rows[at].std_position.cwiseAbs2() + since * since * rows[at].std_velocity.cwiseAbs2()).cwiseSqrt();
@@ -117,14 +118,21 @@ bool by_receiver(const Result& result, const Settings& settings, Time t, std::si
 /// The one solution of the two.
 void merge(const RunData& data, const Settings& settings, Result& result) {
     const Holes holes(data.imu);
-    std::size_t at = 0, check = 0;
-    std::vector<SolutionRow>& rows = result.forward.rows;
-    for (SolutionRow& row : rows) {
+    const auto take_over = [&](SolutionRow& row, const Vector3d& point_b, std::size_t& at, std::size_t& check) {
         while (check + 1 < result.cross_checks.size() && result.cross_checks[check + 1].time <= row.time) ++check;
         const bool leads = check < result.cross_checks.size() && result.cross_checks[check].time <= row.time &&
                            result.cross_checks[check].receiver_leads;
-        if (leads || holes.cover(row.time)) (void)by_receiver(result, settings, row.time, at, row);
-    }
+        if (leads || holes.cover(row.time)) (void)by_receiver(result, settings, point_b - settings.gnss.lever_arm_b, at, row);
+    };
+    const auto take_over_all = [&](auto& list, const Vector3d& point_b, auto row_of) {
+        std::size_t at = 0, check = 0;
+        for (auto& item : list) take_over(row_of(item), point_b, at, check);
+    };
+    const auto itself = [](SolutionRow& row) -> SolutionRow& { return row; };
+    std::vector<SolutionRow>& rows = result.forward.rows;
+    take_over_all(rows, Vector3d::Zero(), itself);
+    take_over_all(result.forward.point, settings.output_lever_arm_b, itself);
+    take_over_all(result.forward.instants, settings.output_lever_arm_b, [](InstantRow& r) -> SolutionRow& { return r.row; });
     const Time last = rows.empty() ? Time{INT64_MIN} : rows.back().time;
     for (std::size_t i = 0; i < result.receiver.rows.size(); ++i) {
         if (result.receiver.rows[i].time <= last || (settings.stop && result.receiver.rows[i].time > *settings.stop)) continue;

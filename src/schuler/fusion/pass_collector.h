@@ -17,8 +17,9 @@ class PassCollector : public PassObserver<Frame> {
 public:
     using Filter = InertialFilter<Frame>;
 
-    PassCollector(const InertialModel& model, const Settings& settings, const PassOptions& options, Result& result, Time start)
-        : model_(model), settings_(settings), options_(options), result_(result), next_sensor_(start) {
+    PassCollector(const InertialModel& model, const Settings& settings, const PassOptions& options, Result& result, Time start,
+                  double imu_interval)
+        : model_(model), settings_(settings), options_(options), result_(result), next_sensor_(start), imu_interval_(imu_interval) {
         if (settings.ranging.protection.use) limits_ = ProtectionLimits(settings.ranging.protection);
     }
 
@@ -31,6 +32,7 @@ public:
         const Matrix9 P = walk.covariance(model_);
         const NavState nav = f.geographic(model_);
         result_.forward.rows.push_back(solution_row(nav, P));
+        if (!settings_.output_lever_arm_b.isZero(0.0)) result_.forward.point.push_back(at_point(f, P));
         if (settings_.covariance_rows) result_.forward.covariances.push_back(covariance_row(time, model_.layout, f.P));
         if (time < next_sensor_) return;
         while (next_sensor_ <= time) next_sensor_ = next_sensor_ + Duration::from_seconds(sensor_row_spacing);
@@ -38,6 +40,9 @@ public:
         if (settings_.state_rows) result_.forward.states.push_back(state_row(model_.layout, nav, parameters, f.P, P));
         result_.forward.sensor_errors.push_back(sensor_error_row(time, model_.layout, parameters, f.P.diagonal()));
         result_.forward.parameters.push_back(parameter_row(time, model_.layout, parameters, f.P));
+    }
+    void instant(const Walk<Frame>& walk, std::size_t index) override {
+        if (options_.outputs) result_.forward.instants.push_back({index, at_point(walk.filter, walk.covariance(model_))});
     }
     void outage_epoch(const Filter&, const Event& event, const Measurement&, const AidRecord& r) override {
         result_.forward.outage_epochs.push_back({event.outage, event.stamp, event.outage_end, r.innovation, r.sigma, r.sigma_state});
@@ -65,6 +70,9 @@ public:
     }
 
 private:
+    [[nodiscard]] SolutionRow at_point(const Filter& f, const Matrix9& P) const {
+        return solution_row_at(model_, f, P, settings_.output_lever_arm_b, imu_interval_);
+    }
     static AidRecord record_of(const RangeScalar& s, Time time, Time stamp) {
         AidRecord r;
         r.time = time;
@@ -92,6 +100,7 @@ private:
     const PassOptions& options_;
     Result& result_;
     Time next_sensor_;
+    double imu_interval_;   // s
     ProtectionLimits limits_;
 };
 

@@ -1,6 +1,7 @@
 #include "schuler/fusion/run_filter.h"
 
 #include "schuler/core/error.h"
+#include "schuler/fusion/backward.h"
 #include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/intermediate_run.h"
 #include "schuler/fusion/start.h"
@@ -28,6 +29,13 @@ const char* unsmoothable(const Settings& s) {
     return nullptr;
 }
 
+/// With what there is no filter backward in time.
+const char* irreversible(const Settings& s) {
+    if (s.coupling == Coupling::Separate) return "with the separate scheme, whose gains are not those of a filter";
+    if (s.coupling == Coupling::Deep) return "with deep coupling, whose receiver cannot be taken back";
+    return nullptr;
+}
+
 void check_settings(const Settings& s) {
     if (!(s.gnss.lever_arm_b.norm() < 1000.0))
         throw input_error(fmt::format("the lever arm is {:.6g} m long", s.gnss.lever_arm_b.norm()),
@@ -37,6 +45,9 @@ void check_settings(const Settings& s) {
                           "give seconds, below 10");
     if (const char* why = unsmoothable(s); s.smooth && why != nullptr)
         throw input_error(fmt::format("there is no smoother {}", why), {.file = {}, .key = "filter.smooth"}, "leave out one of them");
+    if (const char* why = irreversible(s); s.backward && why != nullptr)
+        throw input_error(fmt::format("there is no filter backward in time {}", why), {.file = {}, .key = "filter.backward"},
+                          "leave out one of them");
     if (s.output_rate < 0.0)
         throw input_error("the output rate is negative", {.file = {}, .key = "output_rate"}, "give hertz, or 0 for every IMU epoch");
 }
@@ -165,6 +176,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     findings.heading = math::rpy_from_quaternion(start.nav.q_nb).z();
     findings.std_heading = start.std_rpy.z();
     findings.in_force = std::make_shared<const Settings>(in_force(settings));
+    data.instants = settings.output_instants;   // only now: trials do not stop there
     PassOptions options;
     options.smooth = settings.smooth;
     options.last_increment = last_increment(data, settings);
@@ -179,6 +191,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     }
     Result result = settings.coupling == Coupling::Medium ? run_intermediate_pass(data, settings, start, options)
                                                           : run_pass(data, settings, start, options);
+    if (settings.backward) result.backward = run_backward(data, settings, start, result.forward);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;
     findings.position_latency = settings.gnss.latency;

@@ -66,8 +66,8 @@ private:
 
 /// The way back over the checkpoints of a walk.
 template <class Frame>
-void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const std::vector<Walk<Frame>>& checkpoints, std::size_t end,
-                 const Progress& progress, Trajectory& out) {
+void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Settings& settings, double imu_interval,
+                 const std::vector<Walk<Frame>>& checkpoints, std::size_t end, const Progress& progress, Trajectory& out) {
     StateAdjoint adjoint(estim::padded(model.layout.size));
     Tape<Frame> tape(model);
     Time next_sensor{INT64_MAX};
@@ -76,8 +76,16 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const std:
         InertialFilter<Frame> f = point.filter;
         const bool sensors = kind == Kind::Outage || point.time <= next_sensor;
         smooth_in_place(model, f, a, sensors);
+        const auto at_point = [&] {
+            return solution_row_at(model, f, f.local_covariance(model) + point.undecided, settings.output_lever_arm_b, imu_interval);
+        };
+        if (kind == Kind::Instant) {
+            out.instants.push_back({point.index, at_point()});
+            return;
+        }
         if (kind == Kind::Output) {
             out.rows.push_back(solution_row(f.geographic(model), f.local_covariance(model) + point.undecided));
+            if (!settings.output_lever_arm_b.isZero(0.0)) out.point.push_back(at_point());
             if (!sensors) return;
             next_sensor = point.time - Duration::from_seconds(sensor_row_spacing);
             const StateVector parameters = f.estimated_parameters();
@@ -110,6 +118,8 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const std:
         if (progress && k % 16 == 0) progress(1.0 - 0.7 * static_cast<double>(k) / static_cast<double>(checkpoints.size()));
     }
     std::ranges::reverse(out.rows);
+    std::ranges::reverse(out.point);
+    std::ranges::reverse(out.instants);
     std::ranges::reverse(out.sensor_errors);
     std::ranges::reverse(out.parameters);
     std::ranges::reverse(out.outage_epochs);
@@ -142,7 +152,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
         const double rows = settings.output_rate > 0.0 ? n * data.imu.median_dt * settings.output_rate : n;
         result.forward.rows.reserve(static_cast<std::size_t>(std::min(rows * 1.1 + 16.0, n + 16.0)));
     }
-    PassCollector<Frame> collector(model, settings, options, result, walk.filter.time());
+    PassCollector<Frame> collector(model, settings, options, result, walk.filter.time(), data.imu.median_dt);
     std::vector<Walk<Frame>> checkpoints;
     const auto begin = std::chrono::steady_clock::now();
     const std::size_t block = options.receiver ? 1 : stretch;
@@ -168,7 +178,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     if (options.smooth) {
         const Pass<Frame> decided(model, data, settings, Rivalry::Decided, walk.openings);
         if (walk.sides_changed > 0) checkpoints = checkpoints_of(decided, first_step<Frame>(model, data, settings, start), end);
-        smooth_back(decided, model, checkpoints, end, options.progress, result.smoothed);
+        smooth_back(decided, model, settings, data.imu.median_dt, checkpoints, end, options.progress, result.smoothed);
     }
     return result;
 }

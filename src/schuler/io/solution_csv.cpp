@@ -89,6 +89,11 @@ std::string_view solution_csv_header() {
     return header;
 }
 
+std::string solution_csv_row(const SolutionRow& row) {
+    std::array<char, widest_row> text;
+    return {text.data(), put_row(text.data(), row) - 1};
+}
+
 SolutionCsvWriter::SolutionCsvWriter(const std::filesystem::path& path) : file_(path), buffer_(buffer_size) {
     const std::string_view header = solution_csv_header();
     std::copy(header.begin(), header.end(), buffer_.begin());

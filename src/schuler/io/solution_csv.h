@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace schuler::io {
 
 /// The header line of solution.csv (without line end).
 [[nodiscard]] std::string_view solution_csv_header();
+
+/// One row likewise.
+[[nodiscard]] std::string solution_csv_row(const SolutionRow& row);
 
 /// Writes rows in batches. Angles in degrees (latitude and longitude to 1e-10, attitude to 1e-6), heights to 0.1 mm, velocities
 /// to 0.01 mm/s, sigmas to 1e-5 m, 1e-5 m/s, 1e-6 deg; times exactly; NaN is an empty field. The file appears at commit().

@@ -143,6 +143,7 @@ ReportInput run_report(const RunReportData& data) {
     add(detail::track_section(data));
     add(detail::check_section(data));
     add(detail::error_section(data));
+    add(detail::separation_section(data));
     add(detail::outage_section(data));
     add(detail::uncertainty_section(data));
     add(detail::innovation_section(data));

@@ -102,6 +102,7 @@ struct RunReportData {
 
     std::vector<ErrorPoint> errors;                ///< of `solution`
     std::vector<ErrorPoint> forward_errors;        ///< of the filter before smoothing, thinly drawn; empty unless smoothed
+    std::vector<ErrorPoint> separation;            ///< forward minus backward filter with the sigma of that; may be empty
     std::vector<AccuracyEntry> accuracy;
     std::vector<InnovationGroup> innovations;      ///< of the forward pass
     std::vector<SensorErrorPoint> sensor_errors;
@@ -115,8 +116,8 @@ struct RunReportData {
     std::string settings;                          ///< config.toml
 };
 
-/// The page's content in the order a reviewer reads: track, verdict and self-check, errors (or the uncertainty where there is no reference), outages,
-/// innovations, sensor errors, motion, findings. What was not given is left out.
+/// The page's content in the order a reviewer reads: track, verdict and self-check, errors (or the uncertainty where there is no reference), separation
+/// of the filters forward and backward in time, outages, innovations, sensor errors, motion, findings. What was not given is left out.
 [[nodiscard]] ReportInput run_report(const RunReportData& data);
 
 }  // namespace schuler::report

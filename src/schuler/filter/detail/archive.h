@@ -197,8 +197,9 @@ void archive(Archive& a, AtMostOne<T>& one) {
     a(one.room());
     one.use();
 }
-SCHULER_ARCHIVED_IN_FRAME(Walk, filter, increment, event, epoch, still, bridge, outputs, next_output, next_constraint, next_feedback,
-                          feedback_period, gates, wheels, last_still, carried, corrected, health, shadows, ranges, undecided_heading, fixes, suspect, wanted,
+SCHULER_ARCHIVED_IN_FRAME(Walk, filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint,
+                          next_feedback, feedback_period, gates, wheels, last_still, carried, corrected, health, shadows, ranges,
+                          undecided_heading, fixes, suspect, wanted,
                           openings, sides_changed, rival, challenged)
 SCHULER_ARCHIVED_IN_FRAME(Rival, walk, since, challenger, explained, accepted, refused, in_row, attempts, patience, opening)
 

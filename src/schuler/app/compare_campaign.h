@@ -1,0 +1,46 @@
+// Many seeds of one flight through several schemes.
+#pragma once
+
+#include "schuler/analysis/ensemble.h"
+#include "schuler/app/commands.h"
+#include "schuler/app/compare.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+/// One scheme over all seeds.
+struct SchemeCampaign {
+    const KnownScheme* scheme = nullptr;
+    std::optional<std::size_t> satellites;               ///< compare.satellites
+    std::vector<std::vector<double>> numbers;            ///< of each run, as compared_numbers(); empty: it failed
+    std::vector<std::vector<WindowStatistics>> windows;  ///< of each run
+    std::array<analysis::EnsembleConsistency, 3> nees;   ///< position, velocity, attitude; NaN where the scheme has no covariance
+    std::vector<std::string> failures;                   ///< of the runs that failed, with their seed
+};
+
+struct CompareCampaign {
+    std::string name, version;
+    std::vector<std::uint64_t> seeds;
+    std::vector<CompareWindow> windows;
+    WindowRules rules;
+    std::vector<SchemeCampaign> schemes;                 ///< those of one number of satellites stand together
+    double wall_s = 0.0;
+};
+
+/// Runs every scheme that the scenario compares with seeds of the scenario, of the scenario plus one, and so on: all schemes fly the same
+/// flights. What varies (montecarlo.vary) is drawn for each seed. The result does not depend on `jobs`. @throws Error: the first run of the
+/// first scheme cannot be made.
+[[nodiscard]] CompareCampaign compare_campaign(const ProcessRequest& request, std::size_t runs, int jobs);
+
+/// Root mean squares over the seeds and NEES with the bounds of as many independent runs; one table more a window.
+[[nodiscard]] std::string campaign_tables(const CompareCampaign& campaign);
+[[nodiscard]] std::string campaign_json(const CompareCampaign& campaign);
+/// A row a scheme and run.
+[[nodiscard]] std::string campaign_runs_csv(const CompareCampaign& campaign);
+
+}  // namespace schuler::app
