@@ -2,7 +2,6 @@
 #pragma once
 
 #include "schuler/app/config.h"
-#include "schuler/core/aid_samples.h"
 #include "schuler/core/fact.h"
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
@@ -39,7 +38,6 @@ using dataset::Needs;
 /// A recording with what loading it has told about the settings.
 struct LoadedDataset {
     Recording recording;                 ///< times on the data set's own axis
-    AidLog aids;
     Config config;
     Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch
     std::set<std::string> given;         ///< keys of the settings that a user or a scenario gave
