@@ -62,8 +62,7 @@ struct Innovations : filter::PassObserver<Frame> {
     double nis = 0.0;
     int measured = 0;
 };
-End sail(const sim::Scenario& scenario, const Beliefs& beliefs, const AidLog& aids) {
-    const sim::SimulatedData data = sim::simulate(scenario);
+End sail(const sim::Scenario& scenario, const Beliefs& beliefs, const AidLog& aids, const sim::SimulatedData& data) {
     const ReferenceSample& first = data.recording.reference.front();
     const NavState start{first.time, first.position, first.velocity_n,
                          math::quaternion_from_rpy(first.rpy + Vector3d(1e-4, -1e-4, 0.02))};
@@ -71,6 +70,9 @@ End sail(const sim::Scenario& scenario, const Beliefs& beliefs, const AidLog& ai
     Innovations seen;
     const auto filter = survey.end(seen);
     return {survey.model(), filter, data.recording.reference.back(), seen.nis, seen.measured};
+}
+End sail(const sim::Scenario& scenario, const Beliefs& beliefs, const AidLog& aids) {
+    return sail(scenario, beliefs, aids, sim::simulate(scenario));
 }
 
 sim::AidErrors ones() {
@@ -147,6 +149,21 @@ TEST(SurveyAids, GaugesTellAttitudeAndTheirOwnErrors) {
     const Vector3d rpy = math::rpy_from_quaternion(end.filter.geographic(end.model).q_nb);
     EXPECT_LT((rpy - end.truth.rpy).head<2>().norm(), 1e-3);
     expect_consistent(end);
+}
+
+TEST(SurveyAids, AHeightThatIsOlderThanItsFixCountsWhereItWasTrue) {
+    // The receiver's heights lag by 0.4 s, its horizontal positions do not; the ship heaves.
+    sim::Scenario scenario = voyage(6);
+    scenario.reference_rate = 10.0;
+    sim::SimulatedData data = sim::simulate(scenario);
+    math::Random random(6, "late heights");
+    for (std::size_t i = 1; i < data.recording.gnss.size(); ++i)
+        data.recording.gnss[i].position.h = data.recording.reference[10 * i - 4].position.h + 0.1 * random.normal();
+    Beliefs beliefs = believed();
+    const End taken_as_it_is = sail(scenario, beliefs, {}, data);
+    EXPECT_GT(taken_as_it_is.nis / taken_as_it_is.measured, 1.5);
+    beliefs.settings.gnss.height_latency = 0.4;
+    expect_consistent(sail(scenario, beliefs, {}, data));
 }
 
 TEST(SurveyAids, TheCompassTellsHeadingToItsDeviation) {
