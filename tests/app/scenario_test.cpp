@@ -201,22 +201,28 @@ TEST(Scenario, InstrumentsOfASurveyPassTheirReaders) {
     const Dataset dataset = open_dataset(folder.path());
     WarningLog warnings;
     const LoadedDataset read = load_dataset(dataset, config_from(dataset.settings), warnings);
-    const AidLog &a = read.aids, &b = simulated.aids;
+    const Recording& a = read.recording;
+    const AidLog& b = simulated.aids;
     ASSERT_EQ(a.gauges.size(), 41U);
-    ASSERT_EQ(a.velocities.size(), 21U);
-    ASSERT_EQ(a.headings.size(), 101U);
+    ASSERT_EQ(a.body_velocity.size(), 21U);
+    ASSERT_EQ(a.heading.size(), 101U);
     for (std::size_t i = 0; i < a.gauges.size(); ++i) {
         EXPECT_EQ(a.gauges[i].time, b.gauges[i].time);
         EXPECT_EQ(a.gauges[i].height.head<2>(), b.gauges[i].height.head<2>());
         EXPECT_TRUE(std::isnan(a.gauges[i].height(2)));
     }
-    for (std::size_t i = 0; i < a.velocities.size(); ++i) EXPECT_EQ(a.velocities[i].velocity_b, b.velocities[i].velocity_b);
-    for (std::size_t i = 0; i < a.headings.size(); ++i) EXPECT_EQ(a.headings[i].heading, b.headings[i].heading);
+    for (std::size_t i = 0; i < a.body_velocity.size(); ++i) EXPECT_EQ(a.body_velocity[i].velocity_b, b.velocities[i].velocity_b);
+    for (std::size_t i = 0; i < a.heading.size(); ++i) EXPECT_EQ(a.heading[i].heading, b.headings[i].heading);
     const AidsConfig& told = read.config.aids;
     EXPECT_EQ(told.gauges.lever_arms_b.size(), 2U);
     EXPECT_NEAR(told.gauges.bias, 0.7, 1e-12);
     EXPECT_NEAR(told.log.scale, 4e-3, 1e-12);
     EXPECT_NEAR(told.compass.bias, 2.0 * units::deg, 1e-12);
+    // and the filter believes what is told
+    EXPECT_EQ(read.config.filter.gauges.level_std, told.gauges.bias);
+    EXPECT_EQ(read.config.filter.gauges.lever_arms_b[1], told.gauges.lever_arms_b[1]);
+    EXPECT_EQ(read.config.filter.log.lever_arm_b, Eigen::Vector3d(3.0, 0.0, 2.0));
+    EXPECT_EQ(read.config.filter.heading.offset_std, told.compass.bias);
 }
 
 TEST(Scenario, ExamplesAreRead) {

@@ -1,7 +1,9 @@
 // Rows of every aid and of the propagation, with every optional state present, against differences of what they linearise.
 #include "schuler/core/units.h"
+#include "schuler/filter/measurement/body_velocity.h"
 #include "schuler/filter/measurement/constraint.h"
 #include "schuler/filter/measurement/environment.h"
+#include "schuler/filter/measurement/gauge.h"
 #include "schuler/filter/measurement/gnss.h"
 #include "schuler/filter/measurement/odometer.h"
 #include "schuler/filter/pass.h"
@@ -27,7 +29,7 @@ using Eigen::VectorXd;
 using schuler::test::LinearModel;
 using schuler::test::tolerance_of;
 
-constexpr int N = 40;
+constexpr int N = 48;
 
 Layout full_layout() {
     Layout L;
@@ -44,6 +46,10 @@ Layout full_layout() {
     L.gnss_velocity_latency = L.add("gnss_velocity_latency_error", "s", 1);
     L.odometer_scale = L.add("odometer_scale", "1", 1);
     L.heading_offset = L.add("heading_offset", "rad", 1);
+    L.gauge_level = L.add("gauge_level", "m", 3);
+    L.gauges = 3;
+    L.log_scale = L.add("log_scale", "1", 1);
+    L.log_misalignment = L.add("log_misalignment", "rad", 2);
     return L;
 }
 
@@ -70,6 +76,7 @@ VectorXd sizes(double position, double velocity, double attitude) {
     s.segment<3>(L.lever_arm).setConstant(0.1);
     s(L.axle) = 0.1;
     s(L.mag_bias) = s(L.gnss_latency) = s(L.gnss_velocity_latency) = s(L.odometer_scale) = s(L.heading_offset) = 1e-3;
+    s(L.log_scale) = s(L.log_misalignment) = s(L.log_misalignment + 1) = 1e-3;
     return s;
 }
 
@@ -107,6 +114,8 @@ std::vector<Point> random_points(int count) {
         e.parameters(e.layout.gnss_velocity_latency) = 0.05 * unit(generator);
         e.parameters(e.layout.odometer_scale) = 0.02 * unit(generator);
         e.parameters(e.layout.heading_offset) = unit(generator);
+        e.parameters.segment<3>(e.layout.gauge_level) = Vector3d(30.0, -20.0, 5.0);
+        e.parameters.segment<3>(e.layout.log_scale) = Vector3d(-0.015, 0.01, 0.03);
         p.f_b = e.C_nb.transpose() * (Vector3d(0.0, 0.0, -9.8) + vector(5.0));
         p.name = "point " + std::to_string(k);
         points.push_back(p);
@@ -212,6 +221,16 @@ SCHULER_JACOBIAN(heading_of_body, "filter.heading_of_body") {
     return models_of([](const Estimate& e) { return heading_of_body(e, 1.0, 0.01); });
 }
 
+const std::array<Vector3d, 3> gauge_arms{Vector3d(0.0, 0.0, 1.0), Vector3d(40.0, 1.0, 2.0), Vector3d(-10.0, 8.0, 2.0)};
+
+SCHULER_JACOBIAN(gauge_heights, "filter.gauge_heights") {   // the turn of the vertical over a lever arm is left out
+    return models_of([](const Estimate& e) { return gauge_heights(e, {100.0, 120.0, 90.0}, 0.01, gauge_arms); });
+}
+
+SCHULER_JACOBIAN(body_velocity, "filter.body_velocity") {
+    return models_of([](const Estimate& e) { return body_velocity(e, {5.0, 1.0, 0.0}, 0.01, {12.0, -1.0, 3.0}); });
+}
+
 TEST(Aids, VariancesGoWithTheirComponents) {
     const Estimate e = random_points(1)[0].truth;
     EXPECT_EQ(gnss_position(e, near_to(e), variance, unused_arm, {}).variance, variance);
@@ -265,6 +284,25 @@ TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
         const double heading = std::atan2(forward.y(), forward.x()) + e.parameters(e.layout.heading_offset);
         EXPECT_NEAR(heading_of_body(e, heading, 1.0).innovation(0), 0.0, 1e-12);
     }
+}
+
+TEST(Aids, GaugesAndLogShowWhatTheyShould) {
+    Estimate e = random_points(1)[0].truth;
+    const auto& L = e.layout;
+    // A gauge that is not there leaves no row; the others say the height of their places, counted from the level of each.
+    const Vector3d there(e.nav.position.h - (e.C_nb * gauge_arms[0]).z() + e.parameters(L.gauge_level), not_given,
+                         e.nav.position.h - (e.C_nb * gauge_arms[2]).z() + e.parameters(L.gauge_level + 2));
+    const Measurement m = gauge_heights(e, there, 0.01, gauge_arms);
+    ASSERT_EQ(m.dof, 2);
+    EXPECT_LT(m.innovation.norm(), 1e-9);
+    EXPECT_EQ(m.rows[1](L.gauge_level + 2), 1.0);
+    // Straight ahead at 10 m/s, 1 % too much, seen 0.02 rad to the left by a log that is turned to the right.
+    e.nav.q_nb.setIdentity();
+    e.C_nb.setIdentity();
+    e.nav.v_eb_n = {10.0, 0.0, 0.0};
+    e.parameters.segment<3>(L.log_scale) = Vector3d(0.01, 0.0, 0.02);
+    e.w_ib_b = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;   // no turn against the Earth: the arm does not matter
+    EXPECT_LT(body_velocity(e, {10.1, 0.202, 0.0}, 0.01, {12.0, -1.0, 3.0}).innovation.norm(), 1e-9);
 }
 
 InertialModel model_of(const Estimate& e) {

@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace schuler::fusion {
 namespace {
@@ -68,6 +70,43 @@ TEST(FurtherSensors, OdometerAndHeadingCarryThroughAnOutage) {
     EXPECT_NEAR(last.value[at], 0.03, 3.0 * last.std[at]);
     EXPECT_LT(last.std[at], 0.005);
     EXPECT_GT(last.std[at], 0.0);
+}
+
+TEST(FurtherSensors, ALogOfVelocityCarriesThroughAnOutageAndAGaugeKeepsTheHeight) {
+    sim::Scenario scenario = town_drive(72, 1.0, 240.0);
+    Recording recording = sim::simulate(scenario).recording;
+    Settings settings = settings_of(scenario);
+    settings.outages = {{150.0, 60.0}};
+    settings.log = {.std = 0.02, .scale_std = 0.02, .misalignment_std = 0.02, .lever_arm_b = Vector3d::Zero()};
+    settings.gauges = {.std = 0.05, .level_std = 10.0};
+    WarningLog unheard;
+    const OutageError without = outage_error(run_filter(recording, settings, unheard), recording, 150.0, 210.0);
+    math::Random random(6, "log and gauge");
+    const Eigen::Matrix3d turned = math::dcm_from_rpy({0.0, 0.01, -0.015});
+    for (const ReferenceSample& t : recording.reference) {
+        const Vector3d v_b = math::dcm_from_rpy(t.rpy).transpose() * t.velocity_n;
+        recording.body_velocity.push_back({t.time, 1.01 * (turned * v_b) + 0.02 * random.normal3()});
+        recording.gauges.push_back({t.time, {t.position.h + 5.0 + 0.05 * random.normal(), not_given, not_given}});
+    }
+    for (const Mechanization mechanization : {Mechanization::Geographic, Mechanization::Ecef}) {
+        settings.mechanization = mechanization;
+        const Result found = run_filter(recording, settings, unheard);
+        const OutageError with = outage_error(found, recording, 150.0, 210.0);
+        EXPECT_TRUE(with.inside);
+        EXPECT_LT(with.most, 0.3 * without.most);
+        const ParameterRow& last = found.forward.parameters.back();
+        const auto expect_found = [&](std::string_view name, int i, double truth, double within) {
+            const auto block = std::ranges::find(found.states, name, &LayoutBlock::name);
+            ASSERT_NE(block, found.states.end()) << name;
+            const auto at = static_cast<std::size_t>(block->offset - 9 + i);
+            EXPECT_NEAR(last.value[at], truth, 3.5 * last.std[at]) << name;
+            EXPECT_LT(last.std[at], within) << name;
+        };
+        expect_found("log_scale", 0, 0.01, 0.003);
+        expect_found("log_misalignment", 0, 0.01, 0.01);
+        expect_found("log_misalignment", 1, -0.015, 0.01);
+        expect_found("gauge_level", 0, 5.0, 3.0);
+    }
 }
 
 /// The tight coupling's smoother: better than its filter, and as good as it says.

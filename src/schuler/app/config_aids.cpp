@@ -71,11 +71,11 @@ void add_errors(OptionTable<Target>& table, Aids aids) {
 
 void add_aid_options(OptionTable<Config>& table) {
     table
-        .add(text<Config>("gauges.file", "heights of depth gauges or barometers for gravimetry: time_s, height_1_m, ...",
+        .add(text<Config>("gauges.file", "heights of depth gauges or barometers: time_s, height_1_m, ...",
                           [](auto& c) -> auto& { return c.aids.gauges.file; }))
-        .add(text<Config>("log.file", "velocity in body axes for gravimetry: time_s, vel_x_m_s, vel_y_m_s, vel_z_m_s",
+        .add(text<Config>("log.file", "velocity in body axes: time_s, vel_x_m_s, vel_y_m_s, vel_z_m_s",
                           [](auto& c) -> auto& { return c.aids.log.file; }))
-        .add(text<Config>("compass.file", "true heading for gravimetry: time_s, heading_deg",
+        .add(text<Config>("compass.file", "true heading: time_s, heading_deg",
                           [](auto& c) -> auto& { return c.aids.compass.file; }));
     add_errors<Config>(table, [](auto& c) -> auto& { return c.aids; });
 }
@@ -83,7 +83,7 @@ void add_aid_options(OptionTable<Config>& table) {
 void add_aid_scenario_options(OptionTable<ScenarioConfig>& table) {
     using S = ScenarioConfig;
     table
-        .add(number<S>("gauges.rate_hz", 1.0, 0, 1000, "rate of depth gauges or barometers for gravimetry; 0 = none",
+        .add(number<S>("gauges.rate_hz", 1.0, 0, 1000, "rate of depth gauges or barometers; 0 = none",
                        [](auto& s) -> auto& { return s.aids.gauges.rate; }))
         .add(number<S>("log.rate_hz", 1.0, 0, 1000, "rate of a log of velocity in body axes; 0 = none",
                        [](auto& s) -> auto& { return s.aids.log.rate; }))

@@ -39,7 +39,6 @@ using dataset::Needs;
 /// A recording with what loading it has told about the settings.
 struct LoadedDataset {
     Recording recording;                 ///< times on the data set's own axis
-    AidLog aids;
     std::vector<NamedInstant> events;    ///< in order of time: those of filter.output_instants
     Config config;
     Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch

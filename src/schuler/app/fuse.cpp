@@ -24,8 +24,10 @@ ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList&
     bundle.name = config.name;
     bundle.seed = simulated.seed;
     bundle.published = scenario.published;
+    simulated.recording.gauges = std::move(simulated.aids.gauges);
+    simulated.recording.body_velocity = std::move(simulated.aids.velocities);
+    simulated.recording.heading = std::move(simulated.aids.headings);
     bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
-    bundle.data.aids = std::move(simulated.aids);
     bundle.sky = std::move(simulated.sky);
     bundle.receiver_rows = std::move(simulated.receiver_rows);
     bundle.data.true_reference = true;

@@ -68,15 +68,9 @@ Attainability attainability(const GravityInput& in, const std::vector<SurveyEpoc
     const bool process = g.model != gravimetry::DisturbanceKind::Constant;
     const double random_prior = process ? g.sigma_enu.z() : 0.0;
     a.prior_vertical = std::hypot(g.prior_enu.z(), random_prior);
-    double least_random = random_prior, sigma_position = 0.0, sigma_velocity = 0.0;
+    double least_random = random_prior;
     for (const SurveyEpoch& e : forward) least_random = std::min(least_random, e.sigma_random_n.z());
-    for (const gravimetry::AntennaFix& fix : in.survey.fixes) {
-        sigma_position += fix.sigma_position_n.z() / static_cast<double>(in.survey.fixes.size());
-        sigma_velocity += fix.sigma_velocity_n.z() / static_cast<double>(in.survey.fixes.size());
-    }
-    const double span = (in.survey.fixes.back().time - in.survey.fixes.front().time).seconds();
-    const double rate = span > 0.0 ? static_cast<double>(in.survey.fixes.size() - 1) / span : 1.0;
-    a.resolved_period = gravimetry::resolved_period(in.settings, {sigma_position, sigma_velocity, rate, in.mean_speed});
+    a.resolved_period = gravimetry::resolved_period(in.settings, in.motion);
     const bool level = a.vertical < 0.5 * a.prior_vertical;
     const bool change = process && least_random < 0.5 * random_prior;
     a.usable = level || change;
@@ -94,7 +88,7 @@ Attainability attainability(const GravityInput& in, const std::vector<SurveyEpoc
         if (std::isfinite(a.resolved_period))
             a.statement += fmt::format(
                 "; a wavelength of {:.3g} s{} keeps half its amplitude", a.resolved_period,
-                in.mean_speed > 0.5 ? fmt::format(" ({:.3g} km)", 1e-3 * in.mean_speed * a.resolved_period) : std::string{});
+                in.motion.speed > 0.5 ? fmt::format(" ({:.3g} km)", 1e-3 * in.motion.speed * a.resolved_period) : std::string{});
     }
     return a;
 }
@@ -160,20 +154,21 @@ void estimate(GravityBundle& b, WarningLog& warnings) {
     c.filter.mechanization = fusion::Mechanization::Ecef;
     c.filter.smooth = c.gravity.smooth;
     const GravityInput input = gravity_input(b.run.data, warnings);
-    if (input.gaps > 0)
-        warnings.add("gravity.gaps", fmt::format("{} gaps in the IMU log are bridged; gravity near them is a guess", input.gaps));
-
     const auto filter_begin = std::chrono::steady_clock::now();
-    b.survey = gravimetry::run_survey(input.settings, input.survey, c.gravity.smooth);
+    b.survey = gravimetry::run_survey(input.data, input.filter, input.start, {.smooth = c.gravity.smooth, .steps = input.steps});
     b.run.result.filter_seconds = b.run.timing.filter_s = seconds_since(filter_begin);
     b.run.result.forward = trajectory_of(c.filter.earth, b.survey.forward);
     if (c.gravity.smooth) b.run.result.smoothed = trajectory_of(c.filter.earth, b.survey.smoothed);
     fusion::Counters& n = b.run.result.counters;
-    n.imu_epochs = input.survey.imu.size();
-    n.imu_gaps = input.gaps;
-    n.imu_rate = 1.0 / input.survey.imu.front().dt;
-    n.gnss_epochs = b.run.data.recording.gnss.size();
-    n.gnss_accepted = b.survey.forward.size();
+    n.imu_epochs = input.data.imu.increments.size() - input.start.increment;
+    n.imu_gaps = input.data.imu.gaps;
+    n.imu_rate = 1.0 / input.data.imu.median_dt;
+    for (const fusion::AidRecord& r : b.survey.aids) {
+        if (r.kind != fusion::AidKind::GnssPosition) continue;
+        ++n.gnss_epochs;
+        ++(r.status == fusion::AidStatus::Accepted ? n.gnss_accepted : r.status == fusion::AidStatus::Withheld ? n.gnss_withheld : n.gnss_rejected);
+    }
+    b.run.result.aids = b.survey.aids;
     b.run.result.findings.aligned_at = b.survey.forward.front().time;
     b.run.evaluation = evaluate(b.run.data, b.run.result, b.run.truth);
     if (!b.run.truth.sensors.empty()) b.truth = truth_at(b.survey.forward, b.run.truth.sensors);

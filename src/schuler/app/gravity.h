@@ -3,9 +3,12 @@
 
 #include "schuler/app/bundle.h"
 #include "schuler/app/commands.h"
+#include "schuler/filter/model.h"
 #include "schuler/gravimetry/lines.h"
+#include "schuler/gravimetry/resolution.h"
 #include "schuler/gravimetry/survey_run.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,16 +20,19 @@ struct GravityRequest {
     int runs = 1;                     ///< of a scenario, with seeds from the first on; 1: one survey with all its files
 };
 
-/// Recordings and settings as the gravimetric filter wants them.
+/// Recordings and settings as a survey wants them.
 struct GravityInput {
-    gravimetry::SurveySettings settings;
-    gravimetry::SurveyInput survey;
-    double mean_speed = 0.0;          ///< m/s, of the fixes
-    std::size_t gaps = 0;
+    std::unique_ptr<const Recording> recording;   ///< but its IMU: that of `data`
+    fusion::RunData data;
+    fusion::Settings filter;                      ///< gravity27
+    fusion::Start start;
+    std::vector<Time> steps;                      ///< where the constant part may have changed
+    gravimetry::SurveySettings settings;          ///< the same beliefs, for covariance analysis
+    gravimetry::VerticalMotion motion;            ///< means over the fixes
 };
 
-/// Body increments, fixes in Earth-fixed axes, start and priors. The start is the one given; otherwise that of the loosely coupled
-/// smoother over the same data. Anomalies of the settings are injected. @throws Error(Input)
+/// Increments, events and the states of gravity27. The start is the one given; otherwise that of the loosely coupled smoother over
+/// the same data, whose findings (latencies, noise, mounting) hold then. Anomalies of the settings are injected. @throws Error(Input)
 [[nodiscard]] GravityInput gravity_input(const LoadedDataset& data, WarningLog& warnings);
 
 /// What covariance analysis says can be had, and whether this log had enough of it.

@@ -91,7 +91,8 @@ ClassicalGravity classical_gravity(const GravityBundle& b, const GravityInput& i
     out.period = std::isfinite(given)                          ? given
                  : std::isfinite(b.attainable.resolved_period) ? b.attainable.resolved_period
                                                                : 400.0;
-    out.down = gravimetry::classical_disturbance(input.settings, input.survey, b.survey.forward, out.period);
+    out.down = gravimetry::classical_disturbance(input.filter.earth, input.filter.gnss.lever_arm_b, input.recording->gnss, b.survey.forward,
+                                                 out.period);
     if (!b.truth.empty()) std::tie(out.rms, out.spread) = error_of(b, out.down, out.period);
     return out;
 }

@@ -1,57 +1,21 @@
 #include "schuler/app/gravity.h"
 #include "schuler/earth/enu.h"
-#include "schuler/filter/correction_period.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/gravimetry/resolution.h"
-#include "schuler/ins/step.h"
+#include "schuler/fusion/tune.h"
+#include "schuler/gravimetry/survey_run.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace schuler::app {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using gravimetry::AntennaFix;
-
-Vector3d or_default(const Vector3d& given, const Vector3d& otherwise) { return (given.array() > 0.0).all() ? given : otherwise; }
-
-/// The white part of a sigma of which `systematic` is a state of its own.
-Vector3d without(const Vector3d& sigma, const Vector3d& systematic) {
-    return (sigma.cwiseAbs2() - systematic.cwiseAbs2()).array().max(0.01 * sigma.cwiseAbs2().array()).sqrt().matrix();
-}
-
-bool withheld(const fusion::Settings& s, Time time, Time origin) {
-    const double t = (time - origin).seconds();
-    return std::ranges::any_of(s.outages, [t](const fusion::Outage& o) { return t > o.start && t < o.start + o.duration; });
-}
-
-std::vector<AntennaFix> fixes_of(const LoadedDataset& data, const gravimetry::Prior& prior) {
-    const fusion::Settings& s = data.config.filter;
-    std::vector<AntennaFix> out;
-    for (const GnssFix& fix : data.recording.gnss) {
-        const bool located = std::isfinite(fix.position.lat) && std::isfinite(fix.position.lon) && std::isfinite(fix.position.h);
-        if (fix.fix == FixType::None || !located || withheld(s, fix.time, data.origin)) continue;
-        if ((s.start && fix.time < *s.start) || (s.stop && fix.time > *s.stop)) continue;
-        if (!out.empty() && fix.time <= out.back().time) continue;
-        const Matrix3d C_en = earth::C_en(fix.position.lat, fix.position.lon);
-        AntennaFix a;
-        a.time = fix.time - Duration::from_seconds(s.gnss.latency + fix.position_age);
-        a.position = earth::ecef_from_geodetic(s.earth.ellipsoid, fix.position).r;
-        a.sigma_position_n = without(
-            or_default(fix.std_position, s.gnss.default_std_position).cwiseMax(s.gnss.std_floor_position), prior.gnss_position_n);
-        const bool moving = s.gnss.use_velocity && fix.velocity_n.allFinite();
-        a.velocity = moving ? Vector3d(C_en * fix.velocity_n) : Vector3d::Zero();
-        a.sigma_velocity_n =
-            moving ? without(or_default(fix.std_velocity, s.gnss.default_std_velocity), Vector3d::Constant(prior.gnss_velocity))
-                   : Vector3d::Constant(std::numeric_limits<double>::infinity());
-        out.push_back(a);
-    }
-    return out;
-}
 
 /// The loosely coupled smoother over the same data: start and attitude where the user gives none.
 fusion::Result coarse(const LoadedDataset& data, WarningLog& warnings) {
@@ -85,125 +49,159 @@ SolutionRow given_start(const fusion::InitialSettings& i, Time time) {
     return {i.time.value_or(time), i.position, i.velocity_n, i.rpy, i.std_position, i.std_velocity, i.std_rpy};
 }
 
-/// Priors: the sensors' from their error model, gravity's from [gravity], the start's from its sigmas.
-gravimetry::SurveySettings settings_of(const Config& c, const SolutionRow& start) {
-    const sensor::ImuErrorModel& imu = c.filter.imu.errors;
-    const GravityConfig& g = c.gravity;
-    gravimetry::SurveySettings s;
-    s.earth = c.filter.earth;
-    s.lever_arm_b = c.filter.gnss.lever_arm_b;
+fusion::DisturbanceSettings disturbance_of(const GravityConfig& g) {
     const bool by_time = std::isfinite(g.time);
-    s.disturbance = {g.model, by_time ? g.time : g.length, earth::sigma_swapped(g.sigma_enu), by_time, g.axes};
+    const auto given = [](double x) { return std::isfinite(x) ? x : 0.0; };
+    return {true,
+            {g.model, by_time ? g.time : g.length, earth::sigma_swapped(g.sigma_enu), by_time, g.axes},
+            earth::sigma_swapped(g.prior_enu),
+            given(g.slope),
+            given(g.curvature)};
+}
+
+/// Constant errors of the receiver are slow ones that never change.
+void take_systematic_errors(const GravityConfig& g, sensor::GnssErrorModel& errors) {
+    constexpr double never = std::numeric_limits<double>::infinity();
+    if (std::isfinite(g.gnss_position)) {
+        errors.correlated_position.setConstant(g.gnss_position);
+        errors.correlated_time = never;
+        errors.correlated_distance = 0.0;
+    }
+    if (g.gnss_velocity > 0.0) {
+        errors.correlated_velocity.setConstant(g.gnss_velocity);
+        errors.correlated_velocity_time = never;
+    }
+}
+
+/// The barometer as one gauge with a constant error.
+void take_barometer(const LoadedDataset& data, Recording& recording, fusion::Settings& settings) {
+    const SourcePlace place{{}, 0, 0, "gravity.height_aid"};
+    if (data.recording.baro.empty())
+        throw input_error("there is no barometer or depth gauge to take", place, "name its log in [baro], or leave the key out");
+    if (!data.recording.gauges.empty())
+        throw input_error("the gauges of [gauges] are taken already", place, "leave out one of them");
+    settings.gauges = {.std = settings.baro.std, .level_std = settings.baro.bias_std};
+    for (const BaroSample& b : data.recording.baro) recording.gauges.push_back({b.time, {b.height, not_given, not_given}});
+}
+
+/// The beliefs of a run as covariance analysis wants them.
+gravimetry::SurveySettings beliefs_of(const fusion::Settings& filter, const fusion::Start& start) {
+    const sensor::ImuErrorModel& imu = filter.imu.errors;
+    gravimetry::SurveySettings s;
+    s.earth = filter.earth;
+    s.disturbance = filter.disturbance.model;
+    s.lever_arm_b = filter.gnss.lever_arm_b;
     const auto walk = [](double sigma, double time) { return std::isfinite(time) ? 2.0 * sigma * sigma / time : 0.0; };
     s.noise = {imu.gyro_noise * imu.gyro_noise, imu.accel_noise * imu.accel_noise, walk(imu.gyro_bias, imu.gyro_bias_time),
                walk(imu.accel_bias, imu.accel_bias_time)};
-    gravimetry::Prior& p = s.prior;
-    const double level = std::max(start.std_rpy.x(), start.std_rpy.y());
-    p.attitude_n = {level, level, start.std_rpy.z()};
-    p.velocity = start.std_velocity.maxCoeff();
-    p.position = start.std_position.maxCoeff();
-    p.accel_bias = imu.accel_initial_bias();
-    p.gyro_bias = imu.gyro_initial_bias();
-    p.gnss_position_n =
-        std::isfinite(g.gnss_position) ? Vector3d(Vector3d::Constant(g.gnss_position)) : c.filter.gnss.errors.correlated_position;
-    p.gnss_velocity = g.gnss_velocity;
-    p.disturbance_n = earth::sigma_swapped(g.prior_enu);
-    p.slope = g.slope;
-    p.curvature = g.curvature;
-    s.loop = c.filter.loop;
-    // A disturbance that nobody corrects for acts like an accelerometer's error.
-    const auto bounds = fusion::three_sigma(level, p.gyro_bias, std::hypot(p.accel_bias, p.disturbance_n.head<2>().maxCoeff()));
-    s.feedback_period = c.filter.feedback_period.value_or(fusion::correction_period(bounds, c.filter.feedback_attitude));
+    s.prior.attitude_n = start.std_rpy;
+    s.prior.velocity = start.std_velocity.maxCoeff();
+    s.prior.position = start.std_position.maxCoeff();
+    s.prior.accel_bias = start.std_accel_bias.maxCoeff();
+    s.prior.gyro_bias = start.std_gyro_bias.maxCoeff();
+    s.prior.gnss_position_n = filter.gnss.errors.correlated_position;
+    s.prior.gnss_velocity = filter.gnss.errors.correlated_velocity.maxCoeff();
+    s.prior.disturbance_n = filter.disturbance.prior_n;
+    s.prior.slope = filter.disturbance.slope;
+    s.prior.curvature = filter.disturbance.curvature;
     return s;
 }
 
-/// Gauges, log of velocity and compass, and the barometer where gravity is to have it: measurements and priors.
-void take_aids(const LoadedDataset& data, GravityInput& out) {
-    const Config& c = data.config;
-    const AidsConfig& aids = c.aids;
-    gravimetry::SurveySettings& settings = out.settings;
-    gravimetry::Prior& prior = settings.prior;
-    if (c.gravity.height_aid) {
-        const SourcePlace place{{}, 0, 0, "gravity.height_aid"};
-        if (data.recording.baro.empty())
-            throw input_error("there is no barometer or depth gauge to take", place,
-                              "name its log in [baro], or leave the key out");
-        if (!data.aids.gauges.empty())
-            throw input_error("the gauges of [gauges] are taken already", place, "leave out one of them");
-        prior.height_bias = c.filter.baro.bias_std;
-        for (const BaroSample& b : data.recording.baro)
-            if (std::isfinite(b.height)) out.survey.heights.push_back({b.time, b.height, c.filter.baro.std, 0});
+/// Noise of the fixes that are used, their rate and the speed between them. @throws Error(Input) where there are none
+gravimetry::VerticalMotion motion_of(const GravityInput& in) {
+    gravimetry::VerticalMotion m{0.0, 0.0, 1.0, 0.0};
+    double n = 0.0, moving = 0.0, distance = 0.0;
+    const GnssFix *first = nullptr, *last = nullptr;
+    const Time from = in.start.nav.time, to = in.data.imu.increments.back().time;
+    for (const fusion::Event& e : in.data.events) {
+        if (e.withheld || e.valid < from || e.valid > to) continue;
+        const fusion::FixNoise& noise = in.data.fix_noise[e.index];
+        if (e.kind == fusion::AidKind::GnssVelocity && (e.components & 4) != 0) {
+            m.sigma_velocity += noise.white_velocity.z();
+            moving += 1.0;
+        }
+        if (e.kind != fusion::AidKind::GnssPosition || (e.components & 3) != 3) continue;
+        const GnssFix& fix = in.recording->gnss[e.index];
+        m.sigma_position += noise.white_position.z();
+        n += 1.0;
+        if (last != nullptr)
+            distance += fix.velocity_n.allFinite() ? fix.velocity_n.norm() * (fix.time - last->time).seconds()
+                                                   : earth::ned_difference(in.filter.earth, fix.position, last->position).norm();
+        if (first == nullptr) first = &fix;
+        last = &fix;
     }
-    if (!data.aids.gauges.empty()) prior.height_bias = aids.gauges.bias;
-    for (std::size_t i = 0; i < aids.gauges.lever_arms_b.size(); ++i)
-        settings.gauge_lever_arms_b[i] = aids.gauges.lever_arms_b[i];
-    for (const GaugeSample& s : data.aids.gauges)
-        for (int i = 0; i < static_cast<int>(aids.gauges.lever_arms_b.size()); ++i)
-            if (std::isfinite(s.height(i))) out.survey.heights.push_back({s.time, s.height(i), aids.gauges.white, i});
-    settings.log_lever_arm_b = aids.log.lever_arm_b;
-    prior.log_scale = aids.log.scale;
-    prior.log_misalignment = aids.log.misalignment;
-    for (const BodyVelocitySample& s : data.aids.velocities)
-        out.survey.velocities.push_back({s.time, s.velocity_b, Vector3d::Constant(aids.log.white)});
-    prior.heading_bias = aids.compass.bias;
-    for (const HeadingSample& s : data.aids.headings) out.survey.headings.push_back({s.time, s.heading, aids.compass.white});
+    if (n < 1.0)
+        throw input_error("no satellite fix can be used", {}, "check the times of both logs with `schuler inspect`");
+    const double span = (last->time - first->time).seconds();
+    m.sigma_position /= n;
+    m.sigma_velocity = moving > 0.0 ? m.sigma_velocity / moving : std::numeric_limits<double>::infinity();
+    if (span > 0.0) {
+        m.rate = (n - 1.0) / span;
+        m.speed = distance / span;
+    }
+    return m;
 }
 
 }  // namespace
 
 GravityInput gravity_input(const LoadedDataset& data, WarningLog& warnings) {
     const Config& c = data.config;
-    fusion::ImuTimeline timeline = fusion::make_imu_timeline(data.recording.imu, c.filter.imu, warnings);
-    std::vector<ImuIncrement>& imu = timeline.increments;
-    if (c.filter.stop) std::erase_if(imu, [&](const ImuIncrement& i) { return i.time > *c.filter.stop; });
-    if (imu.empty() || data.recording.gnss.empty())
-        throw input_error(
-            imu.empty() ? "the IMU log has no sample before the end of the run" : "gravimetry needs satellite fixes", {},
-            "give an IMU log and a GNSS log of the same time");
+    if (data.recording.imu.empty() || data.recording.gnss.empty())
+        throw input_error(data.recording.imu.empty() ? "the IMU log is empty" : "gravimetry needs satellite fixes", {},
+                          "give an IMU log and a GNSS log of the same time");
+    GravityInput out;
+    fusion::RunData& run = out.data;
+    run.imu = fusion::make_imu_timeline(data.recording.imu, c.filter.imu, warnings);
     const fusion::InitialSettings& initial = c.filter.initial;
-    const Time first = imu.front().time - Duration::from_seconds(imu.front().dt);
+    const Time first = run.imu.increments.front().time - Duration::from_seconds(run.imu.increments.front().dt);
     const bool given = initial.rpy.allFinite() && initial.velocity_n.allFinite() && std::isfinite(initial.position.lat) &&
                        initial.std_rpy.allFinite() && initial.std_velocity.allFinite() && initial.std_position.allFinite() &&
                        !(c.filter.start && *c.filter.start > first);
     SolutionRow start = given_start(initial, first);
-    double accel_noise = 0.0, gyro_noise = 0.0;
+    fusion::Settings settings = c.filter;
     if (!given || !c.gravity.inject.empty()) {
         const fusion::Result loose = coarse(data, warnings);
         if (!given) start = loose.smoothed.rows.front();
-        if (c.filter.imu.estimate_noise) {
-            accel_noise = loose.findings.accel_noise;
-            gyro_noise = loose.findings.gyro_noise;
-        }
-        if (!c.gravity.inject.empty()) inject(imu, c.gravity.inject, loose.smoothed.rows, data.origin, 1);
+        if (loose.findings.in_force) settings = *loose.findings.in_force;
+        settings.loop = c.filter.loop;
+        WarningLog heard;   // already
+        run.imu = fusion::make_imu_timeline(data.recording.imu, settings.imu, heard);
+        if (!c.gravity.inject.empty()) inject(run.imu.increments, c.gravity.inject, loose.smoothed.rows, data.origin, 1);
     }
+    out.filter = gravimetry::gravity27(std::move(settings), disturbance_of(c.gravity));
+    take_systematic_errors(c.gravity, out.filter.gnss.errors);
+    Recording recording;
+    recording.gnss = data.recording.gnss;
+    recording.heading = data.recording.heading;
+    recording.gauges = data.recording.gauges;
+    recording.body_velocity = data.recording.body_velocity;
+    if (c.gravity.height_aid) take_barometer(data, recording, out.filter);
+    out.recording = std::make_unique<const Recording>(std::move(recording));
+
+    std::vector<ImuIncrement>& imu = run.imu.increments;
+    if (c.filter.stop) std::erase_if(imu, [&](const ImuIncrement& i) { return i.time > *c.filter.stop; });
     // The filter begins where an increment begins.
-    const double half = 0.5 * timeline.median_dt;
-    std::erase_if(imu, [&](const ImuIncrement& i) { return (i.time - start.time).seconds() < half; });
-    if (imu.empty())
+    const double half = 0.5 * run.imu.median_dt;
+    const auto begin = std::ranges::find_if(imu, [&](const ImuIncrement& i) { return (i.time - start.time).seconds() >= half; });
+    if (begin == imu.end())
         throw input_error("the start lies after the IMU log", {{}, 0, 0, "initial.time_s"}, "give a time within the log");
-    GravityInput out;
-    out.gaps = timeline.gaps;
-    out.settings = settings_of(c, start);
-    out.settings.noise.accel_psd = std::max(out.settings.noise.accel_psd, accel_noise * accel_noise);
-    out.settings.noise.gyro_psd = std::max(out.settings.noise.gyro_psd, gyro_noise * gyro_noise);
-    NavState nav{imu.front().time - Duration::from_seconds(imu.front().dt), start.position, start.v_eb_n,
-                 math::quaternion_from_rpy(start.rpy)};
-    out.survey.start = ins::to_ecef(out.settings.earth, nav);
-    out.survey.imu = std::move(imu);
-    out.survey.fixes = fixes_of(data, out.settings.prior);
-    if (out.survey.fixes.empty())
-        throw input_error("no satellite fix can be used", {}, "check the times of both logs with `schuler inspect`");
-    for (const double t : c.gravity.steps) out.survey.steps.push_back(data.origin + Duration::from_seconds(t));
-    take_aids(data, out);
-    const AntennaFix& a = out.survey.fixes.front();
-    double distance = 0.0;
-    for (std::size_t i = 1; i < out.survey.fixes.size(); ++i)
-        distance +=
-            std::isfinite(out.survey.fixes[i].sigma_velocity_n.x())
-                ? out.survey.fixes[i].velocity.norm() * (out.survey.fixes[i].time - out.survey.fixes[i - 1].time).seconds()
-                : (out.survey.fixes[i].position - out.survey.fixes[i - 1].position).norm();
-    const double span = (out.survey.fixes.back().time - a.time).seconds();
-    out.mean_speed = span > 0.0 ? distance / span : 0.0;
+    out.start.increment = static_cast<std::size_t>(begin - imu.begin());
+    out.start.nav = {begin->time - Duration::from_seconds(begin->dt), start.position, start.v_eb_n, math::quaternion_from_rpy(start.rpy)};
+    out.start.std_position = start.std_position;
+    out.start.std_velocity = start.std_velocity;
+    const double level = start.std_rpy.head<2>().maxCoeff();
+    out.start.std_rpy = {level, level, start.std_rpy.z()};
+    out.start.std_gyro_bias.setConstant(out.filter.imu.errors.gyro_initial_bias());
+    out.start.std_accel_bias.setConstant(out.filter.imu.errors.accel_initial_bias());
+
+    run.recording = out.recording.get();
+    run.origin = data.origin;
+    fusion::set_limits(run, out.filter);
+    run.events = fusion::make_events(*out.recording, out.filter, data.origin, warnings);
+    run.fix_noise = fusion::fix_noise(*out.recording, out.filter.gnss, warnings);
+    for (const double t : c.gravity.steps) out.steps.push_back(data.origin + Duration::from_seconds(t));
+    out.settings = beliefs_of(out.filter, out.start);
+    out.motion = motion_of(out);
     return out;
 }
 

@@ -42,7 +42,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
             {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"}, unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
             {{"ranges."}, unless(tight || c.scheme == Scheme::Gnss || !b.data.recording.ranges.empty(), "no ranges are used")},
             {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
-            {{"gauges.", "log.", "compass.", "gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
+            {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
 }
 
 std::vector<Rule> sensor_rules(const ResultBundle& b) {
@@ -60,6 +60,9 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
              unless(mag, "no magnetometer is used")},
             {{"odometer."}, unless(f.odometer.use && !r.odometer.empty(), "no odometer is used")},
             {{"heading."}, unless(f.heading.use && !r.heading.empty(), "no heading sensor is used")},
+            {{"gauges."}, unless(!r.gauges.empty(), "no gauges are used")},
+            {{"log."}, unless(!r.body_velocity.empty(), "no log of velocity is used")},
+            {{"compass."}, unless(f.heading.use && !r.heading.empty(), "no compass is used")},
             {{"gnss.observations", "gnss.navigation"},
              unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
             {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise", "gnss.phase_velocity"},

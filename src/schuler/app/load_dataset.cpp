@@ -193,11 +193,14 @@ void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     if (!c.heading.file.empty())
         out.recording.heading = moved(io::read_compass_csv(io::TextInput(resolved(folder, c.heading.file, "heading.file"))), c.heading);
     if (!c.aids.gauges.file.empty())
-        out.aids.gauges = io::read_gauges_csv(io::TextInput(resolved(folder, c.aids.gauges.file, "gauges.file")));
+        out.recording.gauges = io::read_gauges_csv(io::TextInput(resolved(folder, c.aids.gauges.file, "gauges.file")));
     if (!c.aids.log.file.empty())
-        out.aids.velocities = io::read_log_csv(io::TextInput(resolved(folder, c.aids.log.file, "log.file")));
-    if (!c.aids.compass.file.empty())
-        out.aids.headings = io::read_compass_csv(io::TextInput(resolved(folder, c.aids.compass.file, "compass.file")));
+        out.recording.body_velocity = io::read_log_csv(io::TextInput(resolved(folder, c.aids.log.file, "log.file")));
+    if (!c.aids.compass.file.empty()) {
+        if (!c.heading.file.empty())
+            throw input_error("there are two headings, of [heading] and of [compass]", {{}, 0, 0, "compass.file"}, "leave out one of them");
+        out.recording.heading = io::read_compass_csv(io::TextInput(resolved(folder, c.aids.compass.file, "compass.file")));
+    }
     if (!c.reference.file.empty()) {
         out.recording.reference = read_reference(resolved(folder, c.reference.file, "reference.file"), c.reference, c, warnings);
     }
@@ -223,6 +226,8 @@ void settle_rollover(Recording& r) {
         visit(r.mag);
         visit(r.odometer);
         visit(r.heading);
+        visit(r.gauges);
+        visit(r.body_velocity);
         visit(r.reference);
     };
     each_log([&](const auto& log) {
@@ -304,12 +309,28 @@ void settle_pressures(LoadedDataset& d) {
     }
 }
 
+/// What is believed of gauges, log and compass: the filter has it where it has the samples.
+void believe_aids(Config& c) {
+    const AidsConfig& aids = c.aids;
+    c.filter.gauges.std = aids.gauges.white;
+    c.filter.gauges.level_std = aids.gauges.bias;
+    std::ranges::copy(aids.gauges.lever_arms_b, c.filter.gauges.lever_arms_b.begin());
+    c.filter.log = {.std = aids.log.white,
+                    .scale_std = aids.log.scale,
+                    .misalignment_std = aids.log.misalignment,
+                    .lever_arm_b = aids.log.lever_arm_b};
+    if (aids.compass.file.empty()) return;
+    c.filter.heading.std = aids.compass.white;
+    c.filter.heading.offset_std = aids.compass.bias;
+}
+
 }  // namespace
 
 LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings) {
     LoadedDataset out;
     out.recording = std::move(recording);
     out.config = config;
+    believe_aids(out.config);
     if (out.recording.gnss.empty() && !out.recording.ranges.empty()) out.recording.gnss = fixes_from_ranges(out.recording.ranges, config);
     settle_pressures(out);
     settle_heights(out, warnings);
@@ -322,6 +343,7 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     const auto begin = std::chrono::steady_clock::now();
     LoadedDataset out;
     out.config = config;
+    believe_aids(out.config);
     read_imu(dataset.folder, out, warnings);
     read_others(dataset.folder, out, warnings);
     read_gnss(dataset.folder, out, warnings);

@@ -7,18 +7,6 @@
 
 namespace schuler {
 
-/// Heights by up to three gauges, m; NaN where one is not there.
-struct GaugeSample {
-    Time time;
-    Eigen::Vector3d height = not_given3();
-};
-
-/// Velocity against the Earth at a log, body axes, m/s.
-struct BodyVelocitySample {
-    Time time;
-    Eigen::Vector3d velocity_b;
-};
-
 /// An instant at which a user wants the solution: an exposure of a camera, a shot.
 struct NamedInstant {
     Time time;

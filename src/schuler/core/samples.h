@@ -75,6 +75,18 @@ struct HeadingSample {
     double std = not_given;          ///< rad, one sigma
 };
 
+/// Heights by up to three gauges, m; NaN where one is not there.
+struct GaugeSample {
+    Time time;
+    Eigen::Vector3d height = not_given3();
+};
+
+/// Velocity against the Earth at a log, body axes, m/s.
+struct BodyVelocitySample {
+    Time time;
+    Eigen::Vector3d velocity_b;
+};
+
 /// Truth or another program's solution. NaN members are absent.
 struct ReferenceSample {
     Time time;
@@ -92,6 +104,8 @@ struct Recording {
     std::vector<MagSample> mag;
     std::vector<OdometerSample> odometer;
     std::vector<HeadingSample> heading;
+    std::vector<GaugeSample> gauges;
+    std::vector<BodyVelocitySample> body_velocity;
     RangingLog ranges;
     std::vector<ReferenceSample> reference;
 };

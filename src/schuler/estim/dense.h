@@ -14,13 +14,4 @@ void propagate(Eigen::Matrix<double, N, N>& P, const Eigen::Matrix<double, N, N>
     P = 0.5 * (whole + whole.transpose()) + Q;
 }
 
-/// L <- Phi^T L Phi for symmetric L, exactly symmetric: the adjoint recursion of the smoother.
-template <int N>
-void propagate_adjoint(Eigen::Matrix<double, N, N>& L, const Eigen::Matrix<double, N, N>& Phi) {
-    Eigen::Matrix<double, N, N> half, whole;
-    half.noalias() = L * Phi;
-    whole.noalias() = Phi.transpose() * half;
-    L = 0.5 * (whole + whole.transpose());
-}
-
 }  // namespace schuler::estim

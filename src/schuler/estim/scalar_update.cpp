@@ -52,7 +52,7 @@ void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
     template struct Adjoint<N>;
 SCHULER_INSTANTIATE(7)
 SCHULER_INSTANTIATE(10)
-SCHULER_INSTANTIATE(40)
+SCHULER_INSTANTIATE(36)
 #undef SCHULER_INSTANTIATE
 
 }  // namespace schuler::estim

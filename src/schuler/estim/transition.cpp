@@ -67,8 +67,9 @@ StateVector Transition::times(const StateVector& x) const {
         const Shear& s = shears[static_cast<std::size_t>(i)];
         y(s.to) += s.factor * y(s.from);
     }
+    const Eigen::Matrix<double, coupled, 1> head = rows.topRows(driven).transpose() * y.head(driven);
     y.array() *= diagonal.array();
-    y.head<coupled>().noalias() = rows.topRows(driven).transpose() * x.head(driven);
+    y.head<coupled>() = head;
     return y;
 }
 
@@ -106,6 +107,15 @@ void propagate(StateMatrix& P, const Transition& phi, int used) {
 }
 
 Eigen::Matrix<double, coupled, coupled> propagated_corner(const StateMatrix& P, const Transition& phi) {
+    if (phi.shear_count > 0) {   // A S instead of A
+        Transition all = phi;
+        all.shear_count = 0;
+        for (int i = phi.shear_count; i-- > 0;) {
+            const Transition::Shear& s = phi.shears[static_cast<std::size_t>(i)];
+            if (s.to < phi.driven && s.from < phi.driven) all.rows.row(s.from) += s.factor * all.rows.row(s.to);
+        }
+        return propagated_corner(P, all);
+    }
     alignas(32) double T[coupled * max_states];
     coupled_rows(P.data(), P.rows(), phi, phi.driven, T);
     Eigen::Matrix<double, coupled, coupled> out;

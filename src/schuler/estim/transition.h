@@ -1,7 +1,7 @@
-// Covariance propagation for states whose dynamics couple in the first nine rows: Phi = [A; 0 D] after S, D diagonal, S a few shears.
+// Covariance propagation for states whose dynamics couple in the first nine rows: Phi = [A; 0 D] S, D diagonal, S a few shears.
 //
 // This is the shape of every error-state filter here: nine coupled states driven by the errors of the inertial sensors, and any number
-// of first-order processes, of which some are the integral of another (a clock's bias). The cost is that of the columns of A that are
+// of processes, of which some are the integral of another (a clock's bias, the chain of gravity). The cost is that of the columns of A that are
 // not zero, the leading ones; nothing is allocated and nothing of size N x N x N is multiplied.
 #pragma once
 
@@ -16,7 +16,7 @@ struct Transition {
     static constexpr int coupled = 9;
     static constexpr int max_driven = 48;   ///< columns of A
 
-    /// x_to += factor x_from, both behind the driven states.
+    /// x_to += factor x_from, both behind the coupled states.
     struct Shear {
         int to, from;
         double factor;
@@ -27,7 +27,7 @@ struct Transition {
     int driven = padded(coupled);          ///< columns of A in use, a multiple of four; further ones are zero
     Rows rows = Rows::Zero();              ///< column r is row r of A
     StateVector diagonal;                  ///< D; entries from 9 on are used
-    std::array<Shear, 8> shears{};         ///< before D, in this order
+    std::array<Shear, 20> shears{};        ///< before A and D, in this order
     int shear_count = 0;
 
     /// Phi x.
@@ -40,7 +40,7 @@ struct Transition {
 /// on return. The others stay as they are: they are not correlated with the rest.
 void propagate(StateMatrix& P, const Transition& phi, int used);
 
-/// The leading 9 x 9 block of Phi P Phi^T alone.
+/// The leading 9 x 9 block of Phi P Phi^T alone. Shears count where both their states are driven.
 [[nodiscard]] Eigen::Matrix<double, Transition::coupled, Transition::coupled> propagated_corner(const StateMatrix& P, const Transition& phi);
 
 /// L <- Phi^T L Phi for symmetric L: the adjoint recursion of the smoother.

@@ -15,7 +15,7 @@
 
 namespace schuler::filter {
 
-/// Makes the events of GNSS, barometer, magnetometer, odometer and heading sensor. The settings are kept by reference.
+/// Makes the events of the receiver and of every other instrument. The settings are kept by reference.
 class EventMaker {
 public:
     /// origin: zero of the outages' times.
@@ -34,6 +34,8 @@ public:
     [[nodiscard]] bool is_due(const MagSample& s);
     [[nodiscard]] bool is_due(const OdometerSample& s);
     [[nodiscard]] bool is_due(const HeadingSample& s) const { return settings_.heading.use && std::isfinite(s.heading); }
+    [[nodiscard]] bool is_due(const GaugeSample& s) const { return settings_.gauges.use && s.height.array().isFinite().any(); }
+    [[nodiscard]] bool is_due(const BodyVelocitySample& s) const { return settings_.log.use && s.velocity_b.allFinite(); }
 
     /// What it remembers of the samples so far.
     struct Memory {

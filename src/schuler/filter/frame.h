@@ -28,6 +28,8 @@ struct GeographicFrame {
     static NavState geographic(const earth::Earth&, const State& s) { return s; }
     static State from_geographic(const earth::Earth&, const NavState& s) { return s; }
     static double ground_speed(const State& s) { return s.v_eb_n.head<2>().norm(); }
+    static const Eigen::Vector3d& velocity(const State& s) { return s.v_eb_n; }
+    static Eigen::Matrix3d C_en(const earth::Earth&, const State& s) { return earth::C_en(s.position.lat, s.position.lon); }
     static constexpr bool errors_are_geographic = true;
 };
 
@@ -49,6 +51,11 @@ struct EarthFixedFrame {
     static double ground_speed(const State& s) {
         const Eigen::Vector3d up = s.position.r.normalized();
         return (s.v_eb_e - s.v_eb_e.dot(up) * up).norm();
+    }
+    static const Eigen::Vector3d& velocity(const State& s) { return s.v_eb_e; }
+    static Eigen::Matrix3d C_en(const earth::Earth& earth, const State& s) {
+        const Geodetic place = earth::geodetic_from_ecef(earth.ellipsoid, s.position);
+        return earth::C_en(place.lat, place.lon);
     }
     static constexpr bool errors_are_geographic = false;
 };

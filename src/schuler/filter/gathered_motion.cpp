@@ -41,7 +41,7 @@ GatheredMotion::GatheredMotion(const Layout& layout) {
 }
 
 void GatheredMotion::reset() {
-    time = gyro_variance = accel_variance = 0.0;
+    time = distance = gyro_variance = accel_variance = 0.0;
     force.setZero();
     force_twice.setZero();
     turn.setZero();
@@ -84,7 +84,7 @@ void GatheredMotion::add(const Layout& layout, double dt, const Matrix3d& C, con
     gain_velocity_by_accel += accel;
 }
 
-void GatheredMotion::fill(const Layout& layout, const ins::ErrorDynamics& earth, estim::Transition& phi) const {
+void GatheredMotion::fill(const Layout& layout, estim::Transition& phi) const {
     phi.driven = estim::padded(layout.driven());
     phi.rows.setZero();
     for (int i = 0; i < 9; ++i) phi.rows(i, i) = 1.0;
@@ -106,8 +106,6 @@ void GatheredMotion::fill(const Layout& layout, const ins::ErrorDynamics& earth,
     if (layout.gyro_scale >= 0) gains(layout.gyro_scale, layout.accel_scale, 0, 3);
     if (layout.gyro_misalignment >= 0)
         gains(layout.gyro_misalignment, layout.accel_misalignment, layout.gyro_scale >= 0 ? 3 : 0, 6);
-
-    add_earth(earth, phi);
 }
 
 void GatheredMotion::add_earth(const ins::ErrorDynamics& earth, estim::Transition& phi) const {

@@ -30,6 +30,7 @@ struct GatheredMotion {
     using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 9>;
 
     double time = 0.0;                                           ///< s
+    double distance = 0.0;                                       ///< m (or s) of the way, where the disturbance of gravity is a state
     Eigen::Vector3d force = Eigen::Vector3d::Zero();             ///< integral of specific force, m/s
     Eigen::Vector3d force_twice = Eigen::Vector3d::Zero();       ///< its integral, m
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();              ///< integral of C: attitude by gyro bias, s
@@ -49,18 +50,17 @@ struct GatheredMotion {
     void add(const Layout& layout, double dt, const Eigen::Matrix3d& C, const Eigen::Vector3d& df, const Eigen::Vector3d& w_b,
              const Eigen::Vector3d& f_b, double gyro_psd, double accel_psd);
 
-    /// Rows and `driven` of Phi over a span that is not empty, the Earth's part of the dynamics `earth` (that without specific force)
-    /// half before and half behind the rest. What is left out is of the order of (T w_ie)^2: 1e-10 in a tenth of a second.
-    void fill(const Layout& layout, const ins::ErrorDynamics& earth, estim::Transition& phi) const;
+    /// Rows and `driven` of Phi over a span that is not empty, the Earth's part of the dynamics left out.
+    void fill(const Layout& layout, estim::Transition& phi) const;
+    /// Puts the Earth's part of the dynamics (that without specific force) half before and half behind the rest, which is filled.
+    /// What is left out is of the order of (T w_ie)^2: 1e-10 in a tenth of a second.
+    void add_earth(const ins::ErrorDynamics& earth, estim::Transition& phi) const;
 
     /// Covariance of position, velocity and attitude that white noise and the biases' walks have made over the span: exact for the
     /// attitude and to the leading orders in T for the others, with the mean specific force in the terms of third order.
     [[nodiscard]] Matrix9 noise(const BiasNoise& biases) const;
     /// Adds it to P, with what the biases' walks share with their states; their own variances not.
     void add_noise(const BiasNoise& biases, estim::StateMatrix& P) const;
-
-private:
-    void add_earth(const ins::ErrorDynamics& earth, estim::Transition& phi) const;
 };
 
 }  // namespace schuler::filter

@@ -97,10 +97,17 @@ template <class Frame>
 void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncrement& raw, const BridgeNoise& bridge) {
     const double dt = raw.dt;
     const ImuIncrement inc = corrected(model, raw);
-    const ins::CompensatedIncrement motion = ins::compensate(previous, inc);
+    ins::CompensatedIncrement motion = ins::compensate(previous, inc);
     const Matrix3d C0 = C;
     const Vector3d df = C0 * motion.dv;   // dv is resolved in the body axes of the start of the step
-    set_nav(Frame::step(model.earth, nav, motion));
+    if (model.layout.gravity_constant >= 0) {
+        follow_disturbance(model, 0.5 * dt);   // felt half way
+        motion.dv += felt_disturbance(model, dt);
+        set_nav(Frame::step(model.earth, nav, motion));
+        follow_disturbance(model, 0.5 * dt);
+    } else {
+        set_nav(Frame::step(model.earth, nav, motion));
+    }
     previous = inc;
     w_ib_b = inc.dtheta / dt;
     double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
@@ -110,6 +117,35 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         accel_psd += more.accel_psd;
     }
     gathered.add(model.layout, dt, 0.5 * (C0 + C), df, w_ib_b, inc.dv / dt, gyro_psd, accel_psd);
+}
+
+template <class Frame>
+Matrix3d InertialFilter<Frame>::disturbance_axes(const InertialModel& model) const {
+    const bool local = model.disturbance.axes == DisturbanceAxes::LocalLevel;
+    if (local == Frame::errors_are_geographic) return Matrix3d::Identity();
+    const Matrix3d C_en = Frame::C_en(model.earth, nav);
+    return local ? C_en : Matrix3d(C_en.transpose());
+}
+
+template <class Frame>
+void InertialFilter<Frame>::follow_disturbance(const InertialModel& model, double dt) {
+    // the way of the vehicle, which may not be that of the nominal state
+    const double distance = model.disturbance.pace(Frame::velocity(nav) - error.segment<3>(Layout::velocity)) * dt;
+    advance_disturbance(model.disturbance, model.layout, distance, parameters);
+    gathered.distance += distance;
+}
+
+template <class Frame>
+Vector3d InertialFilter<Frame>::felt_disturbance(const InertialModel& model, double dt) const {
+    return dt * (C.transpose() * (disturbance_axes(model) * disturbance_of(model.layout, parameters)));
+}
+
+template <class Frame>
+void InertialFilter<Frame>::fill_transition(const InertialModel& model, estim::Transition& phi) const {
+    gathered.fill(model.layout, phi);
+    if (model.layout.gravity_constant >= 0)
+        fill_disturbance(model.disturbance, model.layout, gathered.time, gathered.distance, disturbance_axes(model), phi);
+    gathered.add_earth(Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
 }
 
 template <class Frame>
@@ -133,9 +169,9 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
         cached_diagonal.template segment<3>(L.gnss_position).setConstant(std::exp(-times));
         cached_q.template segment<3>(L.gnss_position) = -std::expm1(-2.0 * times) * model.gnss.correlated_position.cwiseAbs2();
     }
-    gathered.fill(L, Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
     phi.diagonal = cached_diagonal;
     phi.shear_count = 0;
+    fill_transition(model, phi);
     if (L.clock >= 0) phi.shears[static_cast<std::size_t>(phi.shear_count++)] = {L.clock, L.drift, T};
     estim::propagate(P, phi, used);
     gathered.add_noise(bias_noise(model), P);
@@ -148,7 +184,11 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
         P(L.drift, L.clock) += cross;
         parameters(L.clock) += T * parameters(L.drift);
     }
-    parameters.tail(n - 9).array() *= phi.diagonal.tail(n - 9).array();
+    if (L.gravity_constant >= 0)
+        add_disturbance_noise(model.disturbance, L, T, gathered.distance,
+                              model.disturbance.from_local_level(Frame::C_en(model.earth, nav)), disturbance_axes(model), P);
+    // the disturbance's nominal values have gone on with the nominal state
+    parameters.tail(n - 9).array() *= cached_diagonal.tail(n - 9).array();
     if (model.loop != Loop::Closed) error = phi.times(error);
     mean_force = gathered.force / T;
     gathered.reset();
@@ -190,10 +230,16 @@ void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector&
 }
 
 template <class Frame>
-void InertialFilter<Frame>::feed_back(const InertialModel& model) {
+estim::Transition InertialFilter<Frame>::feed_back(const InertialModel& model) {
+    estim::Transition turn;
+    turn.diagonal = StateVector::Ones(P.rows());
+    for (int i = 0; i < 9; ++i) turn.rows(i, i) = 1.0;
+    turn.rows.block<3, 3>(Layout::attitude, Layout::attitude) -= 0.5 * math::skew(error.segment<3>(Layout::attitude));   // transposed
     set_nav(Frame::corrected(model.earth, nav, error.head<9>()));
     parameters.tail(error.size() - 9) -= error.tail(error.size() - 9);
     error.setZero();
+    estim::propagate(P, turn, used);
+    return turn;
 }
 
 template <class Frame>
@@ -258,7 +304,8 @@ Matrix9 InertialFilter<Frame>::local_covariance(const InertialModel& model) cons
     Matrix9 P9 = P.topLeftCorner<9, 9>();
     if (gathered.time > 0.0) {
         estim::Transition phi;
-        gathered.fill(model.layout, Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
+        if (model.layout.gravity_constant >= 0) phi.diagonal = StateVector::Ones(P.rows());
+        fill_transition(model, phi);
         P9 = estim::propagated_corner(P, phi) + gathered.noise(bias_noise(model));
     }
     if constexpr (Frame::errors_are_geographic) return P9;

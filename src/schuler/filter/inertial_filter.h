@@ -5,6 +5,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/estim/transition.h"
 #include "schuler/estim/update.h"
+#include "schuler/filter/disturbance.h"
 #include "schuler/filter/frame.h"
 #include "schuler/filter/gathered_motion.h"
 #include "schuler/filter/layout.h"
@@ -41,6 +42,7 @@ struct InertialModel {
     std::array<StateProcess, estim::max_states> process{};   ///< of the states from 9 on
     double clock_psd = 0.0, drift_psd = 0.0;   ///< m^2/s, m^2/s^3
     sensor::GnssErrorModel gnss;               ///< of the receiver's states, whose decay may follow the speed
+    DisturbanceModel disturbance;              ///< of gravity, where the layout has it
     Loop loop = Loop::Closed;
     StateVector floor;                         ///< least variances after an update
 
@@ -124,8 +126,10 @@ struct InertialFilter {
 
     /// Corrects the estimate by dx: the nominal state in the closed loop, `error` otherwise.
     void apply(const InertialModel& model, const StateVector& dx);
-    /// nominal <- corrected(nominal, error): the correction of the open or mixed loop. The estimate stays as it is.
-    void feed_back(const InertialModel& model);
+    /// nominal <- corrected(nominal, error): the correction of the open or mixed loop. The estimate stays as it is. What is left of an
+    /// attitude error is counted from the new nominal attitude: e + a x e/2 for a correction by a. A tilt of 1e-4 rad turns an azimuth
+    /// error of 1e-3 into 1e-7 rad of tilt, which shows by then; after a single measurement it is nothing. Returns that turn.
+    estim::Transition feed_back(const InertialModel& model);
     /// Gives a state another meaning: its value 0, variance as given, no correlation.
     void renew(int state, double variance);
     /// The process of a slot of the source block.
@@ -139,6 +143,16 @@ struct InertialFilter {
 
     /// 9 x 9 map of the filter's first nine errors to north-east-down errors (identity in the geographic frame).
     [[nodiscard]] Matrix9 to_local_level(const InertialModel& model) const;
+
+private:
+    /// Rows and disturbance of gravity of the transition over the motion gathered; phi's D and shears are those of the other states.
+    void fill_transition(const InertialModel& model, estim::Transition& phi) const;
+    /// Nominal disturbance of gravity and `gathered.distance` after dt at the velocity of now.
+    void follow_disturbance(const InertialModel& model, double dt);
+    /// The disturbance as the accelerometers would feel it, over dt: m/s, body axes.
+    [[nodiscard]] Eigen::Vector3d felt_disturbance(const InertialModel& model, double dt) const;
+    /// The axes of the disturbance's model to those of the frame.
+    [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };
 
 }  // namespace schuler::filter

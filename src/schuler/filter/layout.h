@@ -30,6 +30,10 @@ public:
     int accel_scale = -1;                   ///< 3
     int gyro_misalignment = -1;             ///< 6, rad: what x measures of y and z, y of x and z, z of x and y
     int accel_misalignment = -1;            ///< 6, rad, in the same order
+    int gravity_constant = -1;              ///< 3, m/s^2, disturbance of gravity in the axes of its model: systematic part
+    int gravity_random = -1;                ///< 3, m/s^2, random part
+    int gravity_slope = -1;                 ///< 3, by metres (or seconds) of the way: of the random part, or of a polynomial
+    int gravity_curvature = -1;             ///< 3, second derivative of the same
     int mounting = -1;                      ///< 2: pitch and yaw of the vehicle's forward axis in body axes, rad
     int axle = -1;                          ///< 1, m, distance of the IMU ahead of the unsteered axle
     int lever_arm = -1;                     ///< 3, m, body
@@ -41,6 +45,10 @@ public:
     int gnss_velocity_latency = -1;         ///< 1, s, the same of their velocities, where it is apart
     int odometer_scale = -1;                ///< 1, scale-factor error of the odometer
     int heading_offset = -1;                ///< 1, rad, offset of the heading sensor against the body's forward axis
+    int gauge_level = -1;                   ///< `gauges`, m, constant error of the height of each
+    int gauges = 0;
+    int log_scale = -1;                     ///< 1, scale-factor error of the log of velocity in body axes
+    int log_misalignment = -1;              ///< 2, rad, of the same about the right and down axes
     int clock = -1;                         ///< 1, m, c times the receiver's clock error; every clock and offset column of a range is +1
     int drift = -1;                         ///< 1, m/s, its rate; follows the clock
     int network = -1;                       ///< 1, m, ground stations' common offset
@@ -58,7 +66,7 @@ public:
     int add(std::string_view name, std::string_view unit, int states);
 
     [[nodiscard]] std::span<const LayoutBlock> blocks() const { return {blocks_.data(), count_}; }
-    /// Leading states that act on position, velocity and attitude during a step: these three and the inertial sensors' errors.
+    /// Leading states that act on position, velocity and attitude during a step: these three, the inertial sensors' errors, gravity.
     [[nodiscard]] int driven() const;
     /// States in use when no slot of the source block is.
     [[nodiscard]] int without_slots() const { return source < 0 ? size : source; }

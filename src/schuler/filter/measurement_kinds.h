@@ -21,7 +21,9 @@ enum class AidKind : std::uint8_t {
     Pseudorange,
     RangeRate,
     Odometer,
-    Heading
+    Heading,
+    Gauges,
+    BodyVelocity
 };
 
 /// One kind.
@@ -46,6 +48,8 @@ inline constexpr std::array measurement_infos{
     MeasurementInfo{AidKind::RangeRate, "range_rate", "range rate", "m/s", 1.0, {"rate"}},
     MeasurementInfo{AidKind::Odometer, "odometer", "odometer", "m/s", 1.0, {"speed"}},
     MeasurementInfo{AidKind::Heading, "heading", "heading sensor", "deg", units::deg, {"heading"}},
+    MeasurementInfo{AidKind::Gauges, "gauges", "height gauges", "m", 1.0, {"1", "2", "3"}},
+    MeasurementInfo{AidKind::BodyVelocity, "body_velocity", "velocity log", "m/s", 1.0, {"forward", "right", "down"}},
 };
 inline constexpr std::size_t measurement_kinds = measurement_infos.size();
 

@@ -16,7 +16,12 @@ namespace schuler::filter {
 using Eigen::Vector3d;
 
 Sensors sensors_of(const Recording& recording) {
-    return {!recording.baro.empty(), !recording.mag.empty(), !recording.odometer.empty(), !recording.heading.empty()};
+    int gauges = 0;
+    for (const GaugeSample& s : recording.gauges)
+        for (int i = gauges; i < 3; ++i)
+            if (std::isfinite(s.height(i))) gauges = i + 1;
+    return {!recording.baro.empty(),    !recording.mag.empty(), !recording.odometer.empty(),
+            !recording.heading.empty(), gauges,                 !recording.body_velocity.empty()};
 }
 
 Layout layout_with(const Settings& settings, const Sensors& sensors) {
@@ -29,6 +34,7 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         L.gyro_misalignment = L.add("gyro_misalignment", "rad", 6);
         L.accel_misalignment = L.add("accel_misalignment", "rad", 6);
     }
+    if (settings.disturbance.estimate) add_disturbance(settings.disturbance.model, L);
     if (settings.aids.nonholonomic || settings.aids.nonholonomic_auto) {
         L.mounting = L.add("mounting", "rad", 2);
         L.axle = L.add("axle", "m", 1);
@@ -39,6 +45,14 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
     if (sensors.odometer && settings.odometer.use) L.odometer_scale = L.add("odometer_scale", "1", 1);
     if (sensors.heading && settings.heading.use && settings.heading.offset_std > 0.0)
         L.heading_offset = L.add("heading_offset", "rad", 1);
+    if (sensors.gauges > 0 && settings.gauges.use && settings.gauges.level_std > 0.0) {
+        L.gauges = sensors.gauges;
+        L.gauge_level = L.add("gauge_level", "m", L.gauges);
+    }
+    if (sensors.log && settings.log.use) {
+        if (settings.log.scale_std > 0.0) L.log_scale = L.add("log_scale", "1", 1);
+        if (settings.log.misalignment_std > 0.0) L.log_misalignment = L.add("log_misalignment", "rad", 2);
+    }
     if (uses_ranges(settings.coupling)) {
         L.clock = L.add("clock_bias", "m", 1);
         L.drift = L.add("clock_drift", "m/s", 1);
@@ -87,6 +101,7 @@ void set_limits(RunData& data, const Settings& settings) {
 InertialModel make_model(const Settings& settings, const Layout& layout) {
     InertialModel model(settings.earth, layout, driving(settings.imu));
     model.loop = settings.loop;
+    model.disturbance = settings.disturbance.model;
     model.set_process(layout.baro_bias, 1, {0.0, settings.baro.bias_walk * settings.baro.bias_walk});
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
     // Loggers and receivers do not keep it to the millisecond: what was learnt is forgotten, by some hundredths of a second in a minute.
@@ -236,13 +251,20 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
     P.set(L.gnss_velocity_latency, 1, settings.gnss.velocity_latency_std);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
     P.set(L.heading_offset, 1, settings.heading.offset_std);
+    P.set(L.gauge_level, L.gauges, settings.gauges.level_std);
+    P.set(L.log_scale, 1, settings.log.scale_std);
+    P.set(L.log_misalignment, 2, settings.log.misalignment_std);
+    if (L.gravity_constant >= 0)
+        start_disturbance(settings.disturbance, L, earth::C_en(start.nav.position.lat, start.nav.position.lon), f.P);
     P.slow_error(L.gnss_position, Layout::position, settings.gnss.errors.correlated_position, start.position_of_fix);
     P.slow_error(L.gnss_velocity, Layout::velocity, settings.gnss.errors.correlated_velocity, start.velocity_of_fix);
     if (L.clock >= 0) start_ranging(f, L, settings.ranging.errors);
     walk.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
 
-    const InertialErrorBounds bounds =
-        three_sigma(start.std_rpy.head<2>().maxCoeff(), start.std_gyro_bias.maxCoeff(), start.std_accel_bias.maxCoeff());
+    // A disturbance of gravity that nobody corrects for acts like an accelerometer's error.
+    const double gravity = settings.disturbance.estimate ? settings.disturbance.prior_n.head<2>().maxCoeff() : 0.0;
+    const InertialErrorBounds bounds = three_sigma(start.std_rpy.head<2>().maxCoeff(), start.std_gyro_bias.maxCoeff(),
+                                                   std::hypot(start.std_accel_bias.maxCoeff(), gravity));
     walk.feedback_period =
         Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
     walk.next_feedback = start.nav.time + walk.feedback_period;

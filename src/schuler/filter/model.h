@@ -24,6 +24,8 @@ struct Start {
 /// Which instruments beside the inertial unit there are: those that states are made for.
 struct Sensors {
     bool baro = false, mag = false, odometer = false, heading = false;
+    int gauges = 0;                               ///< how many
+    bool log = false;
 };
 [[nodiscard]] Sensors sensors_of(const Recording& recording);
 

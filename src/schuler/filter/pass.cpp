@@ -4,8 +4,10 @@
 
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
+#include "schuler/filter/measurement/body_velocity.h"
 #include "schuler/filter/measurement/constraint.h"
 #include "schuler/filter/measurement/environment.h"
+#include "schuler/filter/measurement/gauge.h"
 #include "schuler/filter/measurement/gnss.h"
 #include "schuler/filter/measurement/odometer.h"
 #include "schuler/math/rotation.h"
@@ -66,11 +68,13 @@ Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Setting
 template <class Frame>
 void Pass<Frame>::propagate_covariance(Walk<Frame>& walk, Observer& observer) const {
     estim::Transition phi;
+    const double span = walk.filter.gathered.time;
     if (!walk.filter.propagate_covariance(model_, phi)) return;
     for (CarriedFix& c : walk.carried)
         if (c.left > 0) c.corrected = phi.times(c.corrected);
     walk.ranges.watch.propagate(phi);
     if (observer.records()) observer.step(phi);
+    observer.propagated(walk.filter, span);
 }
 
 template <class Frame>
@@ -134,12 +138,12 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
         constrain(walk, observer);
         if (model_.loop == Loop::Mixed && inc.time >= walk.next_feedback) {
             propagate_covariance(walk, observer);
-            walk.filter.feed_back(model_);
-            estim::Transition phi;
+            estim::Transition phi = walk.filter.feed_back(model_);
+            if (observer.records()) observer.step(phi);
             for (Shadow<Frame>& s : walk.shadows) {
                 if (!s.alive) continue;
                 (void)s.filter.propagate_covariance(model_, phi);
-                s.filter.feed_back(model_);
+                (void)s.filter.feed_back(model_);
             }
             walk.next_feedback = inc.time + walk.feedback_period;
         }
@@ -205,6 +209,12 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             const double std = s.std > 0.0 ? s.std : settings_.heading.std;
             return heading_of_body(e, s.heading, std * std);
         }
+        case AidKind::Gauges:
+            return gauge_heights(e, data_.recording->gauges[event.index].height, settings_.gauges.std * settings_.gauges.std,
+                                 settings_.gauges.lever_arms_b);
+        case AidKind::BodyVelocity:
+            return body_velocity(e, data_.recording->body_velocity[event.index].velocity_b, settings_.log.std * settings_.log.std,
+                                 settings_.log.lever_arm_b);
         default: return {};
     }
 }
@@ -319,6 +329,7 @@ void Pass<Frame>::process(Walk<Frame>& walk, const Event& event, Observer& obser
     if (record.status == AidStatus::Accepted && event.kind == AidKind::GnssPosition) renew_shadows(walk);
     if (is_sub_vector(event.kind)) unpack(record, event.components);
     observer.aid(record);
+    observer.measured(walk, event, record);
 }
 
 template <class Frame>

@@ -138,6 +138,8 @@ struct PassObserver : RangeListener {
     /// Whether transitions and scalars are wanted: recording them costs time.
     [[nodiscard]] virtual bool records() const { return false; }
     virtual void step(const estim::Transition&) {}
+    /// The covariance has followed the nominal state over so many seconds.
+    virtual void propagated(const Filter&, double) {}
     void scalar(const estim::RowUpdate&) override {}
     void renewed(int) override {}
     /// Whether an output at this time needs more of the filter than the nominal state and its local_covariance: its covariance is then
@@ -148,6 +150,8 @@ struct PassObserver : RangeListener {
     virtual void instant(const Walk<Frame>&, std::size_t /*index*/) {}
     virtual void outage_epoch(const Filter&, const Event&, const Measurement&, const AidRecord&) {}
     virtual void aid(const AidRecord&) {}
+    /// After it: what the estimate has become by an event.
+    virtual void measured(const Walk<Frame>&, const Event&, const AidRecord&) {}
     virtual void alert(const Alert&) {}
     /// After the update with an epoch of ranges.
     virtual void ranges(const Walk<Frame>&, const RangeEpoch&) {}

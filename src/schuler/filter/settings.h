@@ -4,12 +4,14 @@
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
 #include "schuler/estim/loop.h"
+#include "schuler/filter/disturbance.h"
 #include "schuler/filter/ranging_settings.h"
 #include "schuler/sensor/gnss_errors.h"
 #include "schuler/sensor/grades.h"
 
 #include <Eigen/Core>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -102,6 +104,23 @@ struct HeadingSettings {
     double offset_std = 0.0;                  ///< rad, of the sensor against the body's forward axis; 0: it is none of the states
 };
 
+/// Depth gauges, barometers and altimeters at places of their own (Recording::gauges).
+struct GaugeSettings {
+    bool use = true;
+    double std = 0.05;                        ///< m, white
+    double level_std = 10.0;                  ///< m, constant error of each; 0: none of the states
+    std::array<Eigen::Vector3d, 3> lever_arms_b{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};   ///< m
+};
+
+/// A log of velocity in body axes (Doppler log, DVL; Recording::body_velocity).
+struct LogSettings {
+    bool use = true;
+    double std = 0.02;                        ///< m/s, white
+    double scale_std = 0.005;                 ///< scale-factor error; 0: none of the states
+    double misalignment_std = 0.005;          ///< rad, about the right and down axes; 0: none of the states
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< m, IMU to log
+};
+
 /// Initial state where the user gives it; NaN members are found by the program.
 struct InitialSettings {
     std::optional<Time> time;
@@ -183,6 +202,9 @@ struct Settings {
     MagSettings mag;
     OdometerSettings odometer;
     HeadingSettings heading;
+    GaugeSettings gauges;
+    LogSettings log;
+    DisturbanceSettings disturbance;
     AidSettings aids;
     InitialSettings initial;
     std::optional<Time> start, stop;          ///< absolute, on the data set's axis

@@ -4,7 +4,9 @@
 
 #include "schuler/filter/pass.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace schuler::filter {
@@ -108,6 +110,26 @@ void smooth_in_place(const InertialModel& model, InertialFilter<Frame>& filter, 
         filter.P.template topLeftCorner<9, 9>() -= part;
     }
     filter.apply(model, dx);
+}
+
+/// The way back over the checkpoints of a walk whose last increment was `end`: each stretch is replayed onto the tape and rewound;
+/// `report(Kind, point, adjoint)` for each of its points, the last one first. The covariance of a checkpoint is of its own time.
+template <class Frame, class Report>
+void rewind_checkpoints(const Pass<Frame>& pass, const InertialModel& model, const std::vector<Walk<Frame>>& checkpoints, std::size_t end,
+                        Tape<Frame>& tape, const std::function<void(double)>& progress, Report&& report) {
+    estim::StateAdjoint adjoint(estim::padded(model.layout.size));
+    std::size_t last = end;
+    for (std::size_t k = checkpoints.size(); k-- > 0;) {
+        tape.clear();
+        Walk<Frame> replay = checkpoints[k];
+        const std::size_t first = replay.increment;
+        pass.advance(replay, last, tape);
+        pass.propagate_covariance(replay, tape);
+        tape.rewind(adjoint, report);
+        if (first == 0) break;
+        last = first - 1;
+        if (progress && k % 16 == 0) progress(1.0 - 0.7 * static_cast<double>(k) / static_cast<double>(checkpoints.size()));
+    }
 }
 
 }  // namespace schuler::filter

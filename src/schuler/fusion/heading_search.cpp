@@ -172,7 +172,7 @@ Settings trial_settings(const Settings& settings) {
     t.mechanization = Mechanization::Geographic;
     t.aids.nonholonomic = t.aids.nonholonomic_auto = false;
     t.scale_factors = t.misalignments = t.estimate_lever_arm = false;
-    t.baro.use = t.mag.use = t.odometer.use = t.heading.use = false;
+    t.baro.use = t.mag.use = t.odometer.use = t.heading.use = t.gauges.use = t.log.use = t.disturbance.estimate = false;
     t.gnss.errors = {};
     t.gnss.latency_std = t.gnss.velocity_latency_std = 0.0;
     t.loop = Loop::Closed;

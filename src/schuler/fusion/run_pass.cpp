@@ -68,7 +68,6 @@ private:
 template <class Frame>
 void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Settings& settings, double imu_interval,
                  const std::vector<Walk<Frame>>& checkpoints, std::size_t end, const Progress& progress, Trajectory& out) {
-    StateAdjoint adjoint(estim::padded(model.layout.size));
     Tape<Frame> tape(model);
     Time next_sensor{INT64_MAX};
     using Kind = typename Tape<Frame>::Kind;
@@ -105,18 +104,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
         for (int i = 0; i < m.dof; ++i) epoch.sigma_state(i) = std::sqrt(std::max(0.0, epoch.sigma(i) * epoch.sigma(i) - m.variance(i)));
         out.outage_epochs.push_back(epoch);
     };
-    std::size_t last = end;
-    for (std::size_t k = checkpoints.size(); k-- > 0;) {
-        tape.clear();
-        Walk<Frame> replay = checkpoints[k];
-        const std::size_t first = replay.increment;
-        pass.advance(replay, last, tape);
-        pass.propagate_covariance(replay, tape);
-        tape.rewind(adjoint, report);
-        if (first == 0) break;
-        last = first - 1;
-        if (progress && k % 16 == 0) progress(1.0 - 0.7 * static_cast<double>(k) / static_cast<double>(checkpoints.size()));
-    }
+    rewind_checkpoints(pass, model, checkpoints, end, tape, progress, report);
     std::ranges::reverse(out.rows);
     std::ranges::reverse(out.point);
     std::ranges::reverse(out.instants);

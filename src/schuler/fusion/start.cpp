@@ -209,10 +209,11 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
         const double lead = (start.nav.time - fix_event->valid).seconds();
         start.nav.position = earth::moved_by_ned(settings.earth, start.nav.position, start.nav.v_eb_n * lead);
         const FixNoise& noise = data.fix_noise[fix_event->index];
-        const Vector3d late = settings.gnss.latency_std * start.nav.v_eb_n;
-        for (int i = 0; i < 3; ++i)
-            std_position(i) = std::hypot(std::max(noise.position(i), std::hypot(noise.white_position(i), settings.gnss.errors.correlated_position(i))), late(i)) +
-                              settings.gnss.lever_arm_b.norm() + start.std_velocity(i) * std::abs(lead);
+        const Vector3d late = settings.gnss.latency_std * start.nav.v_eb_n, &slow = settings.gnss.errors.correlated_position;
+        for (int i = 0; i < 3; ++i) {
+            const double whole = std::max(noise.position(i), std::hypot(noise.white_position(i), slow(i)));
+            std_position(i) = std::hypot(whole, late(i)) + settings.gnss.lever_arm_b.norm() + start.std_velocity(i) * std::abs(lead);
+        }
         start.position_of_fix.setOnes();
         if (!std::isfinite(fix->position.h)) {
             std_position.z() = 1000.0;
@@ -321,8 +322,8 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
             if (!standing) start.gyro_bias = search.best.gyro_bias;
             const double std = 1.5 * search.std;   // the tails are longer than a Gaussian's
             const auto sentence = [&](double heading, const char* which) {
-                return fmt::format("heading {:.0f} deg at the start, to {:.0f} deg: the {} of what the first {:.0f} s do not refute", heading / units::deg,
-                                   std / units::deg, which, (search.until - t0).seconds());
+                return fmt::format("heading {:.0f} deg at the start, to {:.0f} deg: the {} of what the first {:.0f} s do not refute",
+                                   heading / units::deg, std / units::deg, which, (search.until - t0).seconds());
             };
             if (std < linear) {
                 const double heading = math::wrap_2pi(search.heading);

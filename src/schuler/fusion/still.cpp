@@ -89,7 +89,8 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
         const GnssFix& fix = recording.gnss[e.index];
         if (fix.velocity_n.head<2>().allFinite()) return false;   // they tell more
         if (first == nullptr) first = &fix;
-        points.push_back({(e.valid - slots.front().end).seconds() + slot_length, earth::ned_difference(settings.earth, fix.position, first->position).head<2>()});
+        points.push_back({(e.valid - slots.front().end).seconds() + slot_length,
+                          earth::ned_difference(settings.earth, fix.position, first->position).head<2>()});
     }
     if (points.size() < 20) return false;
     std::vector<double> second;
@@ -107,7 +108,8 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
         }
         for (; low < middle && points[low].t < t - half; ++low) before -= points[low].p;
         const auto n = static_cast<double>(middle - low), m = static_cast<double>(high - middle);
-        if (n < 5.0 || m < 5.0 || points[middle - 1].t - points[low].t < 0.8 * half || points[high - 1].t - points[middle].t < 0.8 * half) continue;
+        if (n < 5.0 || m < 5.0) continue;
+        if (points[middle - 1].t - points[low].t < 0.8 * half || points[high - 1].t - points[middle].t < 0.8 * half) continue;
         if (white * std::sqrt(1.0 / n + 1.0 / m) / half > sharp) continue;
         slots[k].add_speed((after / m - before / n).norm() / half);
         told = true;

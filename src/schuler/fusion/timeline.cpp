@@ -175,6 +175,8 @@ std::vector<Event> make_events(const Recording& recording, const Settings& setti
     add_events(recording.mag, AidKind::Mag, 1, maker, events);
     add_events(recording.odometer, AidKind::Odometer, 1, maker, events);
     add_events(recording.heading, AidKind::Heading, 1, maker, events);
+    add_events(recording.gauges, AidKind::Gauges, 7, maker, events);
+    add_events(recording.body_velocity, AidKind::BodyVelocity, 7, maker, events);
     const std::size_t repeated = maker.memory.repeated;
     if (repeated > 0)
         warnings.add("gnss.duplicates", fmt::format("{} GNSS epochs repeat the one before them and were left out", repeated));

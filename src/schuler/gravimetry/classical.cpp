@@ -28,28 +28,23 @@ std::vector<double> low_passed(const std::vector<double>& t, const std::vector<d
     return out;
 }
 
-std::vector<double> classical_disturbance(const SurveySettings& settings, const SurveyInput& input,
+std::vector<double> classical_disturbance(const earth::Earth& earth, const Vector3d& lever_arm_b, const std::vector<GnssFix>& fixes,
                                           const std::vector<SurveyEpoch>& forward, double period) {
     const std::size_t n = forward.size();
     if (n < 3) throw input_error("fewer than three fixes lie within the IMU log", {}, "gravimetry needs a longer log");
     std::vector<double> t(n), h(n), raw(n);
-    std::size_t fix = 0;
     for (std::size_t i = 0; i < n; ++i) {
         t[i] = (forward[i].time - forward.front().time).seconds();
-        // The fix that made this epoch: the last one not later than half an IMU sample after it.
-        while (fix + 1 < input.fixes.size() && std::abs((input.fixes[fix + 1].time - forward[i].time).seconds()) <
-                                                   std::abs((input.fixes[fix].time - forward[i].time).seconds()))
-            ++fix;
-        const Vector3d r = input.fixes[fix].position - forward[i].nav.q_eb * settings.lever_arm_b;
-        h[i] = earth::geodetic_from_ecef(settings.earth.ellipsoid, Ecef{r}).h;
+        const Vector3d antenna = earth::ecef_from_geodetic(earth.ellipsoid, fixes[forward[i].fix].position).r;
+        h[i] = earth::geodetic_from_ecef(earth.ellipsoid, Ecef{antenna - forward[i].nav.q_eb * lever_arm_b}).h;
     }
     for (std::size_t i = 1; i + 1 < n; ++i) {
         const double before = t[i] - t[i - 1], after = t[i + 1] - t[i];
         const double climb = 2.0 * ((h[i + 1] - h[i]) / after - (h[i] - h[i - 1]) / before) / (before + after);
-        const Geodetic place = earth::geodetic_from_ecef(settings.earth.ellipsoid, forward[i].nav.position);
+        const Geodetic place = earth::geodetic_from_ecef(earth.ellipsoid, forward[i].nav.position);
         const Matrix3d C_ne = earth::C_en(place.lat, place.lon).transpose();
         const Vector3d v_n = C_ne * forward[i].nav.v_eb_e;
-        const earth::EarthTerms terms = earth::terms_at(settings.earth, place, v_n);
+        const earth::EarthTerms terms = earth::terms_at(earth, place, v_n);
         const double eotvos = (2.0 * terms.w_ie_n + terms.w_en_n).cross(v_n).z();
         const double f_down = 0.5 * (forward[i].f_n.z() + forward[i + 1].f_n.z());
         raw[i] = -climb - f_down + eotvos - terms.g_n.z();

@@ -24,12 +24,6 @@ StateMatrix prior_covariance(const SurveySettings& settings, const Ecef& positio
     set(gnss_position, turned(C_en, prior.gnss_position_n));
     set(gnss_velocity, even(prior.gnss_velocity));
     set(systematic, turned(axes, prior.disturbance_n));
-    const auto alone = [&P](int i, double sigma) { P(i, i) = sigma * sigma; };
-    for (int gauge = 0; gauge < max_gauges; ++gauge) alone(height_bias + gauge, prior.height_bias);
-    alone(heading_bias, prior.heading_bias);
-    alone(log_scale, prior.log_scale);
-    alone(log_misalignment, prior.log_misalignment);
-    alone(log_misalignment + 1, prior.log_misalignment);
     const Matrix3d stationary = settings.disturbance.stationary(), random_part = turned(axes, settings.disturbance.sigma_n);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) P.block<3, 3>(random + 3 * i, random + 3 * j) = stationary(i, j) * random_part;

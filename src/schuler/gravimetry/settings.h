@@ -1,10 +1,7 @@
-// What a survey is believed to be: instruments, priors, the model of the disturbance.
+// What covariance analysis believes of a survey: instruments, priors, the model of the disturbance.
 #pragma once
 
-#include "schuler/estim/loop.h"
 #include "schuler/gravimetry/model.h"
-
-#include <array>
 
 namespace schuler::gravimetry {
 
@@ -18,10 +15,6 @@ struct Prior {
     Eigen::Vector3d gnss_position_n = Eigen::Vector3d::Constant(0.05);   ///< systematic error of the receiver, m
     double gnss_velocity = 0.05;     ///< m/s
     Eigen::Vector3d disturbance_n = Eigen::Vector3d::Constant(1e-4);   ///< systematic part, m/s^2
-    double height_bias = 0.0;        ///< of each depth gauge or barometer, m; 0: there is none
-    double heading_bias = 0.0;       ///< of a compass, rad; 0: there is none
-    double log_scale = 0.0;          ///< of a log of velocity in body axes
-    double log_misalignment = 0.0;   ///< of the same, rad
     double slope = 0.0;              ///< of a ramp, m/s^2 per metre (per second where the disturbance runs by time)
     double curvature = 0.0;          ///< second derivative of a parabola, m/s^2 per square metre (or second)
 };
@@ -31,12 +24,7 @@ struct SurveySettings {
     DisturbanceModel disturbance;
     SensorNoise noise;
     Prior prior;
-    estim::Loop loop = estim::Loop::Closed;
-    double feedback_period = 60.0;   ///< least time between corrections of the mixed loop, s
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< IMU to antenna, m
-    Eigen::Vector3d log_lever_arm_b = Eigen::Vector3d::Zero();  ///< IMU to the log of velocity, m
-    std::array<Eigen::Vector3d, max_gauges> gauge_lever_arms_b{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-                                                               Eigen::Vector3d::Zero()};
 };
 
 /// P at a start with the errors of the prior; the random part of the disturbance is in its stationary state.

@@ -1,10 +1,7 @@
 #include "schuler/gravimetry/survey_run.h"
 
 #include "schuler/core/error.h"
-#include "schuler/estim/dense.h"
-#include "schuler/gravimetry/survey_filter.h"
-
-#include <fmt/format.h>
+#include "schuler/filter/tape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,154 +10,201 @@ namespace schuler::gravimetry {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using Frame = filter::EarthFixedFrame;
+using Filter = filter::InertialFilter<Frame>;
+using Walk = filter::Walk<Frame>;
+using filter::AidKind;
+using filter::Event;
+using filter::InertialModel;
+using filter::Layout;
+using filter::Matrix9;
 
 namespace {
 
-/// States that are reported: position, velocity, attitude, sensor errors, systematic and random part of the disturbance.
-constexpr int kept_first = gnss_position, reported = kept_first + 6;
-using Columns = Eigen::Matrix<double, max_states, reported>;
-using Reported = Eigen::Matrix<double, reported, reported>;
-
-Columns reported_columns(const StateMatrix& M) {
-    Columns out;
-    out << M.leftCols<kept_first>(), M.middleCols<6>(systematic);
-    return out;
-}
-Reported reported_block(const Columns& columns) {
-    Reported out;
-    out << columns.topRows<kept_first>(), columns.middleRows<6>(systematic);
-    return out;
-}
-
-SurveyEpoch epoch_of(const SurveySettings& settings, const SurveyState& state, const Reported& P, const FixStep& step) {
-    const Geodetic place = earth::geodetic_from_ecef(settings.earth.ellipsoid, state.nav.position);
-    const Matrix3d C_ne = earth::C_en(place.lat, place.lon).transpose();
-    const Matrix3d to_ned = settings.disturbance.from_local_level(C_ne.transpose()).transpose();   // of the disturbance
-    const auto turned = [](const Matrix3d& C, const Matrix3d& block) {
-        return Vector3d((C * block * C.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
-    };
-    const auto sigma = [&](const Matrix3d& block) { return turned(C_ne, block); };
-    const auto block = [&P](int i, int j) { return Matrix3d(P.block<3, 3>(i, j)); };
-    const auto sigma_b = [&block](int i) { return Vector3d(block(i, i).diagonal().cwiseMax(0.0).cwiseSqrt()); };
-    constexpr int s = kept_first, r = kept_first + 3;   // systematic and random part
-    return {state.nav.time,
-            state.nav,
-            to_ned * state.disturbance(),
-            turned(to_ned, block(s, s) + block(r, r) + block(s, r) + block(r, s)),
-            turned(to_ned, block(r, r)),
-            sigma(block(attitude, attitude)),
-            sigma(block(velocity, velocity)),
-            sigma(block(position, position)),
-            state.parameters.segment<3>(accel_bias),
-            state.parameters.segment<3>(gyro_bias),
-            sigma_b(accel_bias),
-            sigma_b(gyro_bias),
-            C_ne * step.f_e,
-            step.nis(),
-            static_cast<int>(step.used)};
+/// P_n: of position, velocity and attitude, local level.
+SurveyEpoch epoch_of(const InertialModel& model, const Filter& f, const Matrix9& P_n, std::size_t fix) {
+    const Layout& L = model.layout;
+    const estim::StateVector parameters = f.estimated_parameters();
+    const auto sigma = [](const auto& variances) { return Vector3d(variances.cwiseMax(0.0).cwiseSqrt()); };
+    SurveyEpoch e;
+    e.nav = f.estimated(model);
+    e.time = e.nav.time;
+    e.fix = fix;
+    const Matrix3d to_ned = model.disturbance.from_local_level(Frame::C_en(model.earth, e.nav)).transpose();
+    const auto turned = [&](const Matrix3d& block) { return sigma((to_ned * block * to_ned.transpose()).diagonal()); };
+    const auto block = [&f](int i, int j) { return Matrix3d(f.P.block<3, 3>(i, j)); };
+    const int s = L.gravity_constant, r = L.gravity_random;
+    e.disturbance_n = to_ned * filter::disturbance_of(L, parameters);
+    e.sigma_disturbance_n = turned(r < 0 ? block(s, s) : Matrix3d(block(s, s) + block(r, r) + block(s, r) + block(r, s)));
+    e.sigma_random_n = r < 0 ? Vector3d(Vector3d::Zero()) : turned(block(r, r));
+    e.sigma_position_n = sigma(P_n.diagonal().segment<3>(Layout::position));
+    e.sigma_velocity_n = sigma(P_n.diagonal().segment<3>(Layout::velocity));
+    e.sigma_attitude_n = sigma(P_n.diagonal().segment<3>(Layout::attitude));
+    e.accel_bias = parameters.segment<3>(Layout::accel_bias);
+    e.gyro_bias = parameters.segment<3>(Layout::gyro_bias);
+    e.sigma_accel_bias = sigma(f.P.diagonal().segment<3>(Layout::accel_bias));
+    e.sigma_gyro_bias = sigma(f.P.diagonal().segment<3>(Layout::gyro_bias));
+    return e;
 }
 
-/// What the way back needs of a fix.
-struct Kept {
-    FixStep step;
-    SurveyState state;
-    Columns P;
+/// An epoch begins with the position of a fix that is not withheld; what is measured at the same time belongs to it.
+bool begins_epoch(const Event& event) {
+    return event.kind == AidKind::GnssPosition && (event.components & 3) == 3 && !event.withheld;
+}
+
+class ForwardEpochs : public filter::PassObserver<Frame> {
+public:
+    ForwardEpochs(const InertialModel& model, SurveyResult& result) : model_(model), result_(result) {}
+
+    void propagated(const Filter& f, double time) override {
+        // Less what is known of the errors of a nominal state that is not corrected.
+        const Vector3d force = f.mean_force + f.error.segment<3>(Layout::attitude).cross(f.mean_force) +
+                               f.C * f.error.segment<3>(Layout::accel_bias);
+        force_ += time * force;
+        elapsed_ += time;
+    }
+    void aid(const filter::AidRecord& record) override { result_.aids.push_back(record); }
+    void measured(const Walk& walk, const Event& event, const filter::AidRecord& record) override {
+        std::vector<SurveyEpoch>& epochs = result_.forward;
+        const bool begins = begins_epoch(event);
+        if (!begins && (epochs.empty() || epochs.back().time != walk.filter.time())) {
+            if (!epochs.empty()) count(epochs.back(), record);   // a velocity that is older or younger than its position
+            return;
+        }
+        SurveyEpoch e = epoch_of(model_, walk.filter, walk.covariance(model_), begins ? event.index : epochs.back().fix);
+        if (begins) {
+            e.f_n = elapsed_ > 0.0 ? Vector3d(Frame::C_en(model_.earth, e.nav).transpose() * force_ / elapsed_) : Vector3d::Zero();
+            force_.setZero();
+            elapsed_ = 0.0;
+            epochs.push_back(e);
+        } else {
+            e.f_n = epochs.back().f_n;
+            e.nis = epochs.back().nis;
+            e.measured = epochs.back().measured;
+            epochs.back() = e;
+        }
+        count(epochs.back(), record);
+    }
+
+private:
+    static void count(SurveyEpoch& e, const filter::AidRecord& record) {
+        const bool of_fix = record.kind == AidKind::GnssPosition || record.kind == AidKind::GnssVelocity;
+        if (!of_fix || record.status != filter::AidStatus::Accepted) return;
+        e.nis += record.nis;
+        e.measured += record.dof;
+    }
+
+    const InertialModel& model_;
+    SurveyResult& result_;
+    Vector3d force_ = Vector3d::Zero();   // integral since the last epoch, m/s
+    double elapsed_ = 0.0;
 };
 
-/// Steps back over a stretch; epochs are appended, the last one first.
-void rewind(const SurveySettings& settings, const std::vector<Kept>& tape, estim::Adjoint<max_states>& adjoint,
-            std::vector<SurveyEpoch>& out) {
-    for (std::size_t k = tape.size(); k-- > 0;) {
-        const Kept& here = tape[k];
-        if (here.step.satellites) {
-            const Eigen::Matrix<double, reported, 1> dx = -here.P.transpose().lazyProduct(adjoint.lambda);
-            Columns LP;
-            LP.noalias() = adjoint.Lambda * here.P;
-            StateVector whole = StateVector::Zero();
-            whole.head<kept_first>() = dx.head<kept_first>();
-            whole.segment<6>(systematic) = dx.tail<6>();
-            out.push_back(
-                epoch_of(settings, corrected(here.state, whole), reported_block(here.P) - here.P.transpose() * LP, here.step));
-        }
-        for (std::size_t i = here.step.used; i-- > 0;) adjoint.undo(here.step.updates[i]);
-        adjoint.lambda = here.step.Phi.transpose().lazyProduct(adjoint.lambda).eval();
-        estim::propagate_adjoint<max_states>(adjoint.Lambda, here.step.Phi);
+/// The same epochs as points of the way back.
+class SurveyTape : public filter::Tape<Frame> {
+public:
+    using filter::Tape<Frame>::Tape;
+    void output(const Walk&, Time) override {}
+    void outage_epoch(const Filter&, const Event&, const filter::Measurement&, const filter::AidRecord&) override {}
+    void measured(const Walk& walk, const Event& event, const filter::AidRecord&) override {
+        const Time now = walk.filter.time();
+        if (begins_epoch(event)) epoch_ = now;
+        if (epoch_ == now) Tape::output(walk, now);
     }
+
+private:
+    Time epoch_{INT64_MIN};
+};
+
+void open_systematic_part(const filter::Settings& settings, const InertialModel& model, Walk& walk) {
+    Filter& f = walk.filter;
+    filter::open_disturbance(settings.disturbance, model.layout, Frame::C_en(model.earth, f.nav), f.P);
+    if (!walk.rival.empty()) open_systematic_part(settings, model, walk.rival.front().walk);
 }
 
-/// The filter and the next of everything. Copying it is saving the run.
-struct Walk {
-    SurveyFilter filter;
-    std::size_t increment = 0, fix = 0, height = 0, velocity = 0, heading = 0, step = 0;
-
-    /// Advances by one increment and takes what is due at its end; `taken(FixStep)` is called for each.
-    template <class Taken>
-    void advance(const SurveyInput& input, Taken&& taken) {
-        const ImuIncrement& now = input.imu[increment++];
-        const double gap = (now.time - filter.reference().nav.time).seconds() - now.dt;
-        if (!(now.dt > 0.0) || std::abs(gap) > 0.5 * now.dt)
-            throw input_error(fmt::format("the increment at {:.3f} s does not follow the one before", now.time.seconds()), {},
-                              "gravimetry needs an IMU log without gaps");
-        if (step < input.steps.size() && input.steps[step] <= now.time) {
-            filter.open_disturbance();
-            ++step;
+/// The walk to its end, with checkpoints where they are wanted.
+std::vector<Walk> walk_along(const filter::Pass<Frame>& pass, const filter::RunData& data, const filter::Settings& settings,
+                             const InertialModel& model, Walk& walk, const SurveyOptions& options, bool keep,
+                             filter::PassObserver<Frame>& observer) {
+    const std::vector<ImuIncrement>& imu = data.imu.increments;
+    std::vector<Walk> checkpoints;
+    std::size_t step = 0;
+    while (walk.increment < imu.size()) {
+        pass.propagate_covariance(walk, observer);
+        for (; step < options.steps.size() && options.steps[step] <= imu[walk.increment].time; ++step)
+            open_systematic_part(settings, model, walk);
+        if (keep) {
+            checkpoints.push_back(walk);
+            checkpoints.back().rival.clear();
         }
-        filter.advance(now);
-        const double half = 0.5 * now.dt;
-        const auto each_due = [&](std::size_t& next, const auto& all, auto take) {
-            for (; next < all.size() && (all[next].time - now.time).seconds() < half; ++next) {
-                const double late = (now.time - all[next].time).seconds();
-                if (late <= half) taken(take(all[next], late));   // the others lie before the first increment
-            }
-        };
-        const auto as_it_is = [&](const auto& measured, double) { return filter.take(measured); };
-        each_due(height, input.heights, as_it_is);
-        each_due(velocity, input.velocities, as_it_is);
-        each_due(heading, input.headings, as_it_is);
-        each_due(fix, input.fixes, [&](AntennaFix moved, double late) {
-            if (std::isfinite(moved.sigma_velocity_n.sum())) moved.position += late * moved.velocity;
-            return filter.take(moved);
-        });
+        std::size_t end = std::min(imu.size(), walk.increment + options.stretch);
+        if (step < options.steps.size()) {
+            const auto next = std::ranges::lower_bound(imu, options.steps[step], {}, &ImuIncrement::time);
+            end = std::min(end, static_cast<std::size_t>(next - imu.begin()));
+        }
+        pass.advance(walk, end - 1, observer);
+        if (options.progress) options.progress(static_cast<double>(end) / static_cast<double>(imu.size()) * (keep ? 0.4 : 1.0));
     }
-    [[nodiscard]] Kept kept(const FixStep& taken) const {
-        return {taken, filter.estimate(), taken.satellites ? reported_columns(filter.P()) : Columns::Zero()};
-    }
-};
+    return checkpoints;
+}
 
 }  // namespace
 
-SurveyResult run_survey(const SurveySettings& settings, const SurveyInput& input, bool smooth, std::size_t stretch) {
-    Walk walk{SurveyFilter(settings, input.start)};
+filter::Settings gravity27(filter::Settings s, const filter::DisturbanceSettings& disturbance) {
+    s.disturbance = disturbance;
+    s.disturbance.estimate = true;
+    s.coupling = filter::Coupling::Loose;
+    s.loose_kind = filter::LooseKind::Standard;
+    s.mechanization = filter::Mechanization::Ecef;
+    s.integrity.use = s.aids.zero_velocity = s.aids.nonholonomic = s.aids.nonholonomic_auto = false;
+    s.baro.use = s.mag.use = s.odometer.use = false;
+    return s;
+}
+
+SurveyResult run_survey(const filter::RunData& data, const filter::Settings& settings, const filter::Start& start,
+                        const SurveyOptions& options) {
+    settings.disturbance.model.check();
+    const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
+    const filter::Pass<Frame> pass(model, data, settings, filter::Rivalry::Contest);
+    const auto begin = [&] {
+        Walk walk = filter::first_step<Frame>(model, data, settings, start);
+        walk.next_output = Time{INT64_MAX};
+        // What is measured at the start itself meets a body whose rate is not known yet.
+        while (walk.event < data.events.size() && data.events[walk.event].valid <= start.nav.time) ++walk.event;
+        return walk;
+    };
     SurveyResult result;
-    std::vector<Walk> checkpoints;
-    std::vector<Kept> tape;
-    while (walk.increment < input.imu.size()) {
-        if (smooth && (checkpoints.empty() || tape.size() >= stretch)) {
-            checkpoints.push_back(walk);
-            tape.clear();
-        }
-        walk.advance(input, [&](const FixStep& taken) {
-            const Kept here = walk.kept(taken);
-            if (taken.satellites) result.forward.push_back(epoch_of(settings, here.state, reported_block(here.P), taken));
-            if (smooth) tape.push_back(here);
-        });
-    }
+    Walk walk = begin();
+    ForwardEpochs epochs(model, result);
+    std::vector<Walk> checkpoints = walk_along(pass, data, settings, model, walk, options, options.smooth, epochs);
     if (result.forward.empty())
         throw input_error("no satellite fix lies within the IMU log", {}, "check the time stamps of both");
-    estim::Adjoint<max_states> adjoint;
-    std::size_t end = input.imu.size();
-    for (std::size_t k = checkpoints.size(); k-- > 0;) {
-        Walk& replay = checkpoints[k];
-        const std::size_t first = replay.increment;
-        if (k + 1 < checkpoints.size()) {   // the last stretch is on the tape already
-            tape.clear();
-            while (replay.increment < end)
-                replay.advance(input, [&](const FixStep& taken) { tape.push_back(replay.kept(taken)); });
-        }
-        rewind(settings, tape, adjoint, result.smoothed);
-        end = first;
+    if (!options.smooth) return result;
+    const filter::Pass<Frame> decided(model, data, settings, filter::Rivalry::Decided, walk.openings);
+    if (walk.sides_changed > 0) {   // again, by the hypotheses that were right in the end
+        filter::PassObserver<Frame> nobody;
+        Walk right = begin();
+        checkpoints = walk_along(decided, data, settings, model, right, options, true, nobody);
     }
+    SurveyTape tape(model);
+    Time last{INT64_MAX};
+    filter::rewind_checkpoints(decided, model, checkpoints, data.imu.increments.size() - 1, tape, options.progress,
+                               [&](auto, const SurveyTape::Point& point, const estim::StateAdjoint& adjoint) {
+                                   if (point.time >= last) return;   // of the same epoch: the last of them counts
+                                   last = point.time;
+                                   Filter f = point.filter;
+                                   smooth_in_place(model, f, adjoint, true);
+                                   result.smoothed.push_back(epoch_of(model, f, f.local_covariance(model) + point.undecided, 0));
+                               });
     std::ranges::reverse(result.smoothed);
+    for (std::size_t i = 0; i < result.smoothed.size(); ++i) {
+        const SurveyEpoch& f = result.forward[i];
+        SurveyEpoch& s = result.smoothed[i];
+        s.f_n = f.f_n;
+        s.nis = f.nis;
+        s.measured = f.measured;
+        s.fix = f.fix;
+    }
     return result;
 }
 

@@ -164,7 +164,7 @@ void archive(Archive& a, SamplePool<Sample>& pool) {
     a(pool.memory.order, pool.memory.free, pool.memory.uses, pool.memory.first);
 }
 
-SCHULER_ARCHIVED(GatheredMotion, time, force, force2, turn, turn2, v_g, p_g, gain_turn, gain_v_g, gain_p_g, gain_v_a, gain_p_a, gyro, accel)
+SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, turn, turn2, v_g, p_g, gain_turn, gain_v_g, gain_p_g, gain_v_a, gain_p_a, gyro, accel)
 SCHULER_ARCHIVED(StateProcess, decay, psd)
 SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, mean_force, cached_time,
                           cached_diagonal, cached_q, slot_process)
