@@ -65,7 +65,8 @@ void judge_mounting(Study& study) {
         constexpr double telling = 5.0;   // m/s
         std::vector<double> speeds;
         for (std::size_t k = 0; k < study.gnss.size(); ++k) speeds.push_back(study.gnss.speed(k));
-        if (m.found && !study.gnss.has_velocity() && !speeds.empty() && quantile(std::move(speeds), 0.75) > telling)
+        // In the air the mean force is no vertical: only what has rested knows its level.
+        if (m.found && study.still.any() && !study.gnss.has_velocity() && !speeds.empty() && quantile(std::move(speeds), 0.75) > telling)
             study.draft.set("imu", "mounting_deg", std::string("estimate"), "forward is only supposed here; the filter finds the direction of travel");
         return;
     }
