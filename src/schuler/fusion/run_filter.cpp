@@ -4,6 +4,7 @@
 #include "schuler/fusion/backward.h"
 #include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/intermediate_run.h"
+#include "schuler/fusion/mounting.h"
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
