@@ -166,8 +166,6 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
             data.imu = make_imu_timeline(recording.imu, settings.imu, heard);
             data.still = find_still(data.imu, recording, data.events, settings);
             start = find_start(data, settings, findings, heard);
-            // the vehicle's heading is no better known than the angle between its axes and the unit's
-            start.undecided_heading = std::hypot(start.undecided_heading, mounting.std_rpy.z());
         } else {
             warnings.add("mounting", "the mounting of the IMU cannot be found: the vehicle hardly moves; its axes are taken as the "
                                      "vehicle's and the vehicle constraint is left out");
