@@ -144,6 +144,9 @@ TEST(Navigator, RefusesBadSamplesUnharmed) {
             EXPECT_EQ(disturbed.feed(MagSample{now, Vector3d::Zero()}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(OdometerSample{now, 10.0, -2.0}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(HeadingSample{now, 1e9, 0.1}), FeedStatus::BadValue);
+            EXPECT_EQ(disturbed.feed(GaugeSample{now, Vector3d(nan, 1e9, 0.0)}), FeedStatus::BadValue);
+            EXPECT_EQ(disturbed.feed(GaugeSample{now, Vector3d::Constant(nan)}), FeedStatus::BadValue);
+            EXPECT_EQ(disturbed.feed(BodyVelocitySample{now, Vector3d(nan, 0.0, 0.0)}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(now, {}), FeedStatus::NotUsed);
         }
         while (const std::optional<SolutionRow> row = disturbed.poll_row()) others.push_back(*row);
@@ -176,12 +179,14 @@ TEST(Navigator, NoSampleThrows) {
         fix.position_age = any();
         fix.velocity_age = any();
         FeedStatus status = FeedStatus::Taken;
-        switch (k++ % 6) {
+        switch (k++ % 8) {
             case 0: status = navigator.feed(ImuSample{time, any3(), any3()}); break;
             case 1: status = navigator.feed(fix); break;
             case 2: status = navigator.feed(BaroSample{time, any()}); break;
             case 3: status = navigator.feed(MagSample{time, any3()}); break;
             case 4: status = navigator.feed(OdometerSample{time, any(), any()}); break;
+            case 5: status = navigator.feed(GaugeSample{time, any3()}); break;
+            case 6: status = navigator.feed(BodyVelocitySample{time, any3()}); break;
             default: status = navigator.feed(HeadingSample{time, any(), any()}); break;
         }
         taken += status == FeedStatus::Taken ? 1u : 0u;

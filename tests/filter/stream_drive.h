@@ -38,6 +38,8 @@ inline StreamLog car_log(std::uint64_t seed, double duration = 50.0) {
         log.recording.odometer.push_back({t.time, 1.01 * C_nb.col(0).dot(t.velocity_n) + 0.05 * random.normal(), 0.05});
         log.recording.heading.push_back({t.time + Duration{3'000'000}, t.rpy.z() + 0.01 * random.normal(), 0.01});
         log.recording.mag.push_back({t.time, C_nb.transpose() * Eigen::Vector3d(2e-5, 0.0, 4e-5)});
+        log.recording.gauges.push_back({t.time, Eigen::Vector3d(t.position.h + 0.1 * random.normal(), t.position.h - 0.3, NAN)});
+        log.recording.body_velocity.push_back({t.time, C_nb.transpose() * t.velocity_n + 0.05 * Eigen::Vector3d(random.normal(), 0.0, 0.0)});
     }
     // a receiver whose fixes are told a tenth of a second late, and are valid inside of increments
     for (GnssFix& fix : log.recording.gnss) fix.time = fix.time + Duration{103'000'000};
@@ -113,7 +115,7 @@ inline Batch run_batch(const Recording& recording, const Settings& settings, dou
 /// One sample of any instrument; a range epoch by its index.
 struct Sample {
     Time arrival;
-    std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample, std::size_t> what;
+    std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample, GaugeSample, BodyVelocitySample, std::size_t> what;
 };
 
 /// All samples in the order of their stamps.
@@ -128,6 +130,8 @@ inline std::vector<Sample> samples_of(const Recording& r) {
     add(r.mag);
     add(r.odometer);
     add(r.heading);
+    add(r.gauges);
+    add(r.body_velocity);
     for (std::size_t i = 0; i < r.ranges.epochs.size(); ++i) all.push_back({r.ranges.epochs[i].time, i});
     std::ranges::stable_sort(all, {}, &Sample::arrival);
     return all;
@@ -138,7 +142,8 @@ inline NavigatorSettings stream_settings(const Recording& r, const Settings& set
     n.filter = settings;
     n.imu_interval = batch.data.imu.median_dt;
     const auto rate = [](const auto& list) { return list.empty() ? 0.0 : 20.0; };
-    n.rates = {10.0, rate(r.baro), rate(r.mag), rate(r.odometer), rate(r.heading), rate(r.ranges)};
+    n.rates = {10.0, rate(r.baro), rate(r.mag), rate(r.odometer), rate(r.heading), rate(r.gauges), rate(r.body_velocity), rate(r.ranges)};
+    n.rates.gauge_count = r.gauges.empty() ? 0 : 2;
     n.still = batch.data.still.thresholds;
     n.still_delay = 0.65;
     n.start = batch.start;

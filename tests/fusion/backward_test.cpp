@@ -140,6 +140,26 @@ TEST(Backward, FaultsShow) {
     EXPECT_GT(outside(turning)(6), 0.15);
 }
 
+// Gauges and a log carry both ways through a gap of the fixes; a velocity of the log that keeps its sign would be refused.
+TEST(Backward, GaugesAndLogAreUsedInTheirOwnTime) {
+    Settings f;
+    Recording recording;
+    const Result r = both_ways(4, f, recording, [&](Recording& log) {
+        math::Random random(4, "log and gauges");
+        for (const ReferenceSample& t : log.reference) {
+            log.body_velocity.push_back({t.time, math::dcm_from_rpy(t.rpy).transpose() * t.velocity_n + 0.02 * random.normal3()});
+            log.gauges.push_back({t.time, Vector3d(t.position.h + 0.05 * random.normal(), not_given, not_given)});
+        }
+        f.outages = {{60.0, 80.0}};
+    });
+    const auto z = standardised(f.earth, r, 1020.0, 1180.0);
+    ASSERT_GT(z.cols(), 1500);
+    EXPECT_LT(z.rowwise().norm().maxCoeff() / std::sqrt(static_cast<double>(z.cols())), 1.8);
+    const SolutionRow& inside = *std::ranges::find(r.backward, Time::from_seconds(1100.0), &SolutionRow::time);
+    EXPECT_LT(inside.std_velocity.norm(), 0.1);      // with the unit alone 0.5 m/s after 40 s
+    EXPECT_LT(inside.std_position.z(), 0.3);
+}
+
 // Ranges: their rows are made in the time of the log, with the Earth's turn while the signal travels and the clock as it runs.
 TEST(Backward, RangesAreUsedInTheirOwnTime) {
     for (const Mechanization m : {Mechanization::Geographic, Mechanization::Ecef}) {

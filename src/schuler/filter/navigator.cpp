@@ -26,8 +26,10 @@ Refusal unusable(const NavigatorSettings& n) {
     if (!(n.longest_hole >= n.imu_interval && n.longest_hole <= 60.0))
         return {BadSettings, "longest_hole", "the longest hole is to be below 60 s"};
     const FeedRates& r = n.rates;
-    for (const double rate : {r.gnss, r.baro, r.mag, r.odometer, r.heading, r.ranges})
+    for (const double rate : {r.gnss, r.baro, r.mag, r.odometer, r.heading, r.gauges, r.log, r.ranges})
         if (!(rate >= 0.0 && rate <= 1e4)) return {BadSettings, "rates", "a rate is to be from 0 to 10 kHz"};
+    if (r.gauge_count < 0 || r.gauge_count > 3) return {BadSettings, "rates.gauge_count", "there are to be three gauges at most"};
+    if ((r.gauges > 0.0) != (r.gauge_count > 0)) return {BadSettings, "rates.gauges", "the rate of the gauges and their number do not fit"};
     if (r.range_sources > 4096) return {BadSettings, "rates.range_sources", "there are to be 4096 sources of ranges at most"};
     if (!(s.gnss.lever_arm_b.norm() < 1000.0)) return {BadSettings, "gnss.lever_arm_m", "the lever arm is to be below 1000 m"};
     if (!(std::abs(s.gnss.latency) < 10.0)) return {BadSettings, "gnss.latency_s", "the latency is to be below 10 s"};
@@ -83,6 +85,8 @@ FeedStatus Navigator::feed(const BaroSample& sample) { return engine_->feed(Sour
 FeedStatus Navigator::feed(const MagSample& sample) { return engine_->feed(Source::Mag, sample); }
 FeedStatus Navigator::feed(const OdometerSample& sample) { return engine_->feed(Source::Odometer, sample); }
 FeedStatus Navigator::feed(const HeadingSample& sample) { return engine_->feed(Source::Heading, sample); }
+FeedStatus Navigator::feed(const GaugeSample& sample) { return engine_->feed(Source::Gauges, sample); }
+FeedStatus Navigator::feed(const BodyVelocitySample& sample) { return engine_->feed(Source::Log, sample); }
 FeedStatus Navigator::feed(Time time, std::span<const RangeSample> samples) { return engine_->feed(time, samples); }
 std::optional<std::uint16_t> Navigator::range_source(std::string_view name, bool station) {
     return engine_->stream.range_source(name, station);

@@ -40,6 +40,8 @@ public:
     FeedStatus feed(const MagSample& sample);
     FeedStatus feed(const OdometerSample& sample);
     FeedStatus feed(const HeadingSample& sample);
+    FeedStatus feed(const GaugeSample& sample);
+    FeedStatus feed(const BodyVelocitySample& sample);
     /// One epoch of ranges, whose sources are those of range_source(); at most 64.
     FeedStatus feed(Time time, std::span<const RangeSample> samples);
     /// Index of a satellite ("G05") or ground station for RangeSample::source; the name has at most 15 characters. Nothing where the

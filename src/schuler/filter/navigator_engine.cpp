@@ -209,7 +209,9 @@ public:
     const InertialModel& model() const override { return model_; }
 
 private:
-    static Sensors sensors_of(const FeedRates& r) { return {r.baro > 0.0, r.mag > 0.0, r.odometer > 0.0, r.heading > 0.0}; }
+    static Sensors sensors_of(const FeedRates& r) {
+        return {r.baro > 0.0, r.mag > 0.0, r.odometer > 0.0, r.heading > 0.0, r.gauge_count, r.log > 0.0};
+    }
 
     NavigatorState state_of(const InertialFilter<Frame>& f, const Matrix9& undecided) const {
         return {f.geographic(model_), f.local_covariance(model_) + undecided};

@@ -24,7 +24,7 @@ struct Fnv {
 /// Before the parts of a navigator.
 struct Header {
     static constexpr std::uint64_t its_name = 0x56414e4c55484353;   // "SCHULNAV"
-    static constexpr std::uint64_t its_version = 1;
+    static constexpr std::uint64_t its_version = 2;
     std::uint64_t name = its_name, version = its_version, settings = 0, size = 0, checksum = 0;
 };
 
@@ -52,9 +52,11 @@ std::uint64_t NavigatorEngine::fingerprint() const {
                               g.latency, latency(g.velocity_latency), latency(g.height_latency), latency(g.velocity_down_latency),
                               g.std_scale, g.velocity_std_scale, s.baro.std, s.mag.heading_std, s.odometer.std, s.heading.std,
                               s.aids.gate_probability, s.aids.constraint_rate, s.output_rate,
-                              r.gnss, r.baro, r.mag, r.odometer, r.heading, r.ranges};
+                              r.gnss, r.baro, r.mag, r.odometer, r.heading, r.gauges, r.log, r.ranges, s.gauges.std, s.log.std};
     for (const double x : numbers) f.number(x);
-    for (const Eigen::Vector3d& v : {g.lever_arm_b, s.imu.mounting_rpy, g.default_std_position, g.default_std_velocity})
+    const std::array<Eigen::Vector3d, 3>& gauges = s.gauges.lever_arms_b;
+    for (const Eigen::Vector3d& v : {g.lever_arm_b, s.imu.mounting_rpy, g.default_std_position, g.default_std_velocity, s.log.lever_arm_b,
+                                     gauges[0], gauges[1], gauges[2]})
         for (int i = 0; i < 3; ++i) f.number(v(i));
     for (int i = 0; i < 9; ++i) f.number(s.imu.C_bs(i));
     const int choices[] = {static_cast<int>(s.mechanization), static_cast<int>(s.loop), static_cast<int>(s.coupling),

@@ -16,12 +16,13 @@
 namespace schuler::filter {
 
 /// The instruments that feed a navigator.
-enum class Source : std::uint8_t { Imu, Gnss, Baro, Mag, Odometer, Heading, Ranges };
-inline constexpr std::size_t source_count = 7;
+enum class Source : std::uint8_t { Imu, Gnss, Baro, Mag, Odometer, Heading, Gauges, Log, Ranges };
+inline constexpr std::size_t source_count = 9;
 
 /// Most samples a second that are fed of each instrument; room is made for so many. 0: there is no such instrument.
 struct FeedRates {
-    double gnss = 20.0, baro = 0.0, mag = 0.0, odometer = 0.0, heading = 0.0, ranges = 0.0;   ///< Hz
+    double gnss = 20.0, baro = 0.0, mag = 0.0, odometer = 0.0, heading = 0.0, gauges = 0.0, log = 0.0, ranges = 0.0;   ///< Hz
+    int gauge_count = 0;                     ///< how many of GaugeSample::height there are, at most 3
     std::size_t range_sources = 128;         ///< satellites and stations that a run meets
 };
 

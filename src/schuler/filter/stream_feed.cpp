@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numbers>
 #include <string>
+#include <tuple>
 
 namespace schuler::filter {
 
@@ -110,26 +111,28 @@ FeedStatus StreamTimeline::feed(const GnssFix& fix) {
     if (is_bad(fix)) return count(Source::Gnss, FeedStatus::BadValue);
     return feed(Source::Gnss, fix, fix.time - events_.oldest_age(fix), gnss_, recording_.gnss);
 }
-FeedStatus StreamTimeline::feed(const BaroSample& s) {
-    if (!settings_.filter.baro.use) return count(Source::Baro, FeedStatus::NotUsed);
-    if (is_bad(s.time) || is_bad(s.height, 1e5)) return count(Source::Baro, FeedStatus::BadValue);
-    return feed(Source::Baro, s, s.time, baro_, recording_.baro);
+template <class Sample>
+FeedStatus StreamTimeline::take(const Sample& s, bool used, bool bad) {
+    auto& instrument = std::get<Instrument<Sample>>(instruments_);
+    if (!used) return count(instrument.source, FeedStatus::NotUsed);
+    if (bad || is_bad(s.time)) return count(instrument.source, FeedStatus::BadValue);
+    return feed(instrument.source, s, s.time, instrument.pool, recording_.*instrument.store);
 }
+FeedStatus StreamTimeline::feed(const BaroSample& s) { return take(s, settings_.filter.baro.use, is_bad(s.height, 1e5)); }
 FeedStatus StreamTimeline::feed(const MagSample& s) {
-    if (!settings_.filter.mag.use) return count(Source::Mag, FeedStatus::NotUsed);
-    if (is_bad(s.time) || is_bad(s.field_b.norm(), 1e6) || !(s.field_b.norm() > 0.0)) return count(Source::Mag, FeedStatus::BadValue);
-    return feed(Source::Mag, s, s.time, mag_, recording_.mag);
+    return take(s, settings_.filter.mag.use, is_bad(s.field_b.norm(), 1e6) || !(s.field_b.norm() > 0.0));
 }
 FeedStatus StreamTimeline::feed(const OdometerSample& s) {
-    if (!settings_.filter.odometer.use) return count(Source::Odometer, FeedStatus::NotUsed);
-    if (is_bad(s.time) || is_bad(s.speed, 1e3) || is_bad_sigma(s.std)) return count(Source::Odometer, FeedStatus::BadValue);
-    return feed(Source::Odometer, s, s.time, odometer_, recording_.odometer);
+    return take(s, settings_.filter.odometer.use, is_bad(s.speed, 1e3) || is_bad_sigma(s.std));
 }
 FeedStatus StreamTimeline::feed(const HeadingSample& s) {
-    if (!settings_.filter.heading.use) return count(Source::Heading, FeedStatus::NotUsed);
-    if (is_bad(s.time) || is_bad(s.heading, 4.0 * std::numbers::pi) || is_bad_sigma(s.std))
-        return count(Source::Heading, FeedStatus::BadValue);
-    return feed(Source::Heading, s, s.time, heading_, recording_.heading);
+    return take(s, settings_.filter.heading.use, is_bad(s.heading, 4.0 * std::numbers::pi) || is_bad_sigma(s.std));
+}
+FeedStatus StreamTimeline::feed(const GaugeSample& s) {
+    return take(s, settings_.filter.gauges.use, has_bad(s.height, 1e5) || !s.height.array().isFinite().any());
+}
+FeedStatus StreamTimeline::feed(const BodyVelocitySample& s) {
+    return take(s, settings_.filter.log.use, is_bad(s.velocity_b.norm(), 1e3));
 }
 
 FeedStatus StreamTimeline::feed(Time time, std::span<const RangeSample> samples) {

@@ -30,6 +30,12 @@ std::size_t aid_capacity(const NavigatorSettings& s, double rate) {
 
 }  // namespace
 
+template <class Sample>
+StreamTimeline::Instrument<Sample> StreamTimeline::instrument(const NavigatorSettings& s, Source source, AidKind kind, std::uint8_t components,
+                                                              double FeedRates::*rate, std::vector<Sample> Recording::*store) {
+    return {source, kind, components, rate, store, detail::SamplePool<Sample>(aid_capacity(s, s.rates.*rate))};
+}
+
 StreamTimeline::StreamTimeline(const NavigatorSettings& s)
     : settings_(s),
       thresholds_(s.still.force_std > 0.0 ? s.still : thresholds_of_noise(s.filter.imu.errors, s.imu_interval)),
@@ -39,20 +45,23 @@ StreamTimeline::StreamTimeline(const NavigatorSettings& s)
       imu_store_(imu_capacity(s)),
       imu_(imu_capacity(s)),
       gnss_(aid_capacity(s, s.rates.gnss)),
-      baro_(aid_capacity(s, s.rates.baro)),
-      mag_(aid_capacity(s, s.rates.mag)),
-      odometer_(aid_capacity(s, s.rates.odometer)),
-      heading_(aid_capacity(s, s.rates.heading)),
+      instruments_{instrument(s, Source::Baro, AidKind::Baro, 4, &FeedRates::baro, &Recording::baro),
+                   instrument(s, Source::Mag, AidKind::Mag, 1, &FeedRates::mag, &Recording::mag),
+                   instrument(s, Source::Odometer, AidKind::Odometer, 1, &FeedRates::odometer, &Recording::odometer),
+                   instrument(s, Source::Heading, AidKind::Heading, 1, &FeedRates::heading, &Recording::heading),
+                   instrument(s, Source::Gauges, AidKind::Gauges, 7, &FeedRates::gauges, &Recording::gauges),
+                   instrument(s, Source::Log, AidKind::BodyVelocity, 7, &FeedRates::log, &Recording::body_velocity)},
       interval_(s.filter.imu, s.imu_interval),
       hang_(s.imu_interval),
       motion_(s.imu_interval),
       events_(settings_.filter, Time{}) {
-    const auto room = [&](auto& store, double rate) { store.resize(aid_capacity(s, rate)); };
-    room(recording_.gnss, s.rates.gnss);
-    room(recording_.baro, s.rates.baro);
-    room(recording_.mag, s.rates.mag);
-    room(recording_.odometer, s.rates.odometer);
-    room(recording_.heading, s.rates.heading);
+    recording_.gnss.resize(aid_capacity(s, s.rates.gnss));
+    std::size_t others = 0;
+    each_instrument([&](auto& instrument) {
+        auto& store = recording_.*instrument.store;
+        store.resize(aid_capacity(s, s.rates.*instrument.rate));
+        others += store.size();
+    });
     data_.fix_noise.resize(recording_.gnss.size());
     data_.recording = &recording_;
     set_limits(data_, s.filter);
@@ -60,8 +69,7 @@ StreamTimeline::StreamTimeline(const NavigatorSettings& s)
     data_.imu.increments.reserve(idle_increments + 2 * (static_cast<std::size_t>(most_pieces) + 2) +
                                  static_cast<std::size_t>(2.0 * s.still_delay / s.imu_interval));
     data_.imu.bridges.reserve(64);
-    data_.events.reserve(4 * recording_.gnss.size() + recording_.baro.size() + recording_.mag.size() + recording_.odometer.size() +
-                         recording_.heading.size());
+    data_.events.reserve(4 * recording_.gnss.size() + others);
     data_.still.windows.reserve(64);
     slots_.reserve(64);
     const std::size_t epochs = aid_capacity(s, s.rates.ranges);
@@ -77,10 +85,7 @@ void StreamTimeline::clear() {
     memory.released.fill(Time{INT64_MIN});
     imu_.clear();
     gnss_.clear();
-    baro_.clear();
-    mag_.clear();
-    odometer_.clear();
-    heading_.clear();
+    each_instrument([](auto& instrument) { instrument.pool.clear(); });
     data_.imu.increments.clear();
     data_.imu.bridges.clear();
     data_.events.clear();
@@ -235,6 +240,8 @@ int rank(AidKind kind) {
         case AidKind::Mag: return 2;
         case AidKind::Odometer: return 3;
         case AidKind::Heading: return 4;
+        case AidKind::Gauges: return 5;
+        case AidKind::BodyVelocity: return 6;
         default: return 0;
     }
 }
@@ -249,17 +256,14 @@ void StreamTimeline::insert(const Event& event) {
 }
 
 template <class Sample>
-void StreamTimeline::release(Time until, AidKind kind, std::uint8_t components, detail::SamplePool<Sample>& pool,
-                             const std::vector<Sample>& store) {
-    const auto source = static_cast<std::size_t>(kind == AidKind::Baro       ? Source::Baro
-                                                 : kind == AidKind::Mag      ? Source::Mag
-                                                 : kind == AidKind::Odometer ? Source::Odometer
-                                                                             : Source::Heading);
+void StreamTimeline::release(Time until, Instrument<Sample>& instrument) {
+    detail::SamplePool<Sample>& pool = instrument.pool;
+    const std::vector<Sample>& store = recording_.*instrument.store;
     while (!pool.empty() && store[pool.index(0)].time < until) {
         const std::size_t index = pool.take();
-        memory.released[source] = store[index].time;
+        memory.released[static_cast<std::size_t>(instrument.source)] = store[index].time;
         pool.hold(index);
-        if (events_.is_due(store[index])) insert(event_at(store[index].time, kind, components, index));
+        if (events_.is_due(store[index])) insert(event_at(store[index].time, instrument.kind, instrument.components, index));
         else pool.let_go(index);
     }
 }
@@ -279,22 +283,14 @@ void StreamTimeline::release(Time until) {
         });
         gnss_.let_go(index);
     }
-    release(until, AidKind::Baro, 4, baro_, recording_.baro);
-    release(until, AidKind::Mag, 1, mag_, recording_.mag);
-    release(until, AidKind::Odometer, 1, odometer_, recording_.odometer);
-    release(until, AidKind::Heading, 1, heading_, recording_.heading);
+    each_instrument([&](auto& instrument) { release(until, instrument); });
 }
 
 void StreamTimeline::let_go(const Event& e) {
-    switch (e.kind) {
-        case AidKind::GnssPosition:
-        case AidKind::GnssVelocity: gnss_.let_go(e.index); break;
-        case AidKind::Baro: baro_.let_go(e.index); break;
-        case AidKind::Mag: mag_.let_go(e.index); break;
-        case AidKind::Odometer: odometer_.let_go(e.index); break;
-        case AidKind::Heading: heading_.let_go(e.index); break;
-        default: break;
-    }
+    if (e.kind == AidKind::GnssPosition || e.kind == AidKind::GnssVelocity) gnss_.let_go(e.index);
+    each_instrument([&](auto& instrument) {
+        if (instrument.kind == e.kind) instrument.pool.let_go(e.index);
+    });
 }
 
 StreamTimeline::Places StreamTimeline::forget(Places p, bool all) {

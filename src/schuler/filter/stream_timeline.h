@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace schuler::filter {
@@ -33,6 +34,8 @@ public:
     FeedStatus feed(const MagSample& sample);
     FeedStatus feed(const OdometerSample& sample);
     FeedStatus feed(const HeadingSample& sample);
+    FeedStatus feed(const GaugeSample& sample);
+    FeedStatus feed(const BodyVelocitySample& sample);
     FeedStatus feed(Time time, std::span<const RangeSample> samples);
     /// Index of a source of ranges, which is added; nothing where there is no room.
     std::optional<std::uint16_t> range_source(std::string_view name, bool station);
@@ -100,15 +103,36 @@ public:
 private:
     static constexpr int needed_strangers = 20;
 
+    /// What measures one thing, true at its stamps: who it is, and its samples that wait.
+    template <class Sample>
+    struct Instrument {
+        Source source;
+        AidKind kind;
+        std::uint8_t components;
+        double FeedRates::*rate;
+        std::vector<Sample> Recording::*store;
+        detail::SamplePool<Sample> pool;
+    };
+    template <class Sample>
+    static Instrument<Sample> instrument(const NavigatorSettings& s, Source source, AidKind kind, std::uint8_t components,
+                                         double FeedRates::*rate, std::vector<Sample> Recording::*store);
+
     FeedStatus count(Source source, FeedStatus status);
     [[nodiscard]] FeedStatus check_time(Time valid) const;
+    template <class Sample>
+    FeedStatus take(const Sample& sample, bool used, bool bad);
     template <class Sample>
     FeedStatus feed(Source source, const Sample& sample, Time valid, detail::SamplePool<Sample>& pool, std::vector<Sample>& store);
     void add_increment(const ImuIncrement& increment, bool interpolated);
     void bridge(const ImuIncrement& interval);
     void release(Time until);
     template <class Sample>
-    void release(Time until, AidKind kind, std::uint8_t components, detail::SamplePool<Sample>& pool, const std::vector<Sample>& store);
+    void release(Time until, Instrument<Sample>& instrument);
+    /// `visit(Instrument&)` for each of them, in the order in which their measurements of one time are used.
+    template <class Visit>
+    void each_instrument(Visit&& visit) {
+        std::apply([&](auto&... instrument) { (visit(instrument), ...); }, instruments_);
+    }
     void insert(const Event& event);
     void let_go(const Event& event);
     void add_speeds(const GnssFix& fix, const Event& event);
@@ -124,10 +148,9 @@ private:
     std::vector<ImuSample> imu_store_;
     detail::SamplePool<ImuSample> imu_;
     detail::SamplePool<GnssFix> gnss_;
-    detail::SamplePool<BaroSample> baro_;
-    detail::SamplePool<MagSample> mag_;
-    detail::SamplePool<OdometerSample> odometer_;
-    detail::SamplePool<HeadingSample> heading_;
+    std::tuple<Instrument<BaroSample>, Instrument<MagSample>, Instrument<OdometerSample>, Instrument<HeadingSample>,
+               Instrument<GaugeSample>, Instrument<BodyVelocitySample>>
+        instruments_;
     std::vector<std::uint32_t> free_ranges_; // runs of samples in the log of ranges
     IntervalMaker interval_;
     HangWatch hang_;
@@ -173,9 +196,10 @@ void StreamTimeline::ahead(std::size_t from, Take&& take) const {
 template <class Archive>
 void StreamTimeline::archive(Archive& a) {
     a(counters, memory, data_.imu.increments, data_.imu.bridges, data_.events, data_.still.windows, data_.fix_noise);
-    a(recording_.gnss, recording_.baro, recording_.mag, recording_.odometer, recording_.heading, imu_store_);
+    a(recording_.gnss, imu_store_);
     a(recording_.ranges.sources, recording_.ranges.epochs, recording_.ranges.samples, free_ranges_);
-    a(imu_, gnss_, baro_, mag_, odometer_, heading_);
+    a(imu_, gnss_);
+    each_instrument([&](auto& instrument) { a(recording_.*instrument.store, instrument.pool); });
     a(interval_.memory, hang_.memory, motion_.memory, events_.memory, slots_, hole_, hangs_);
 }
 

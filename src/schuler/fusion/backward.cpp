@@ -33,21 +33,34 @@ Recording turned(const Recording& r) {
     out.mag = turned(r.mag);
     out.odometer = turned(r.odometer);
     out.heading = turned(r.heading);
+    out.gauges = turned(r.gauges);
+    out.body_velocity = turned(r.body_velocity);
     out.ranges = r.ranges;
     out.ranges.epochs = turned(std::move(out.ranges.epochs));
     for (GnssFix& f : out.gnss) f.velocity_n = -f.velocity_n;
     for (OdometerSample& s : out.odometer) s.speed = -s.speed;
+    for (BodyVelocitySample& s : out.body_velocity) s.velocity_b = -s.velocity_b;
     return out;
 }
 
+/// Samples of the channel that events of this kind refer to.
 std::size_t samples_of(const Recording& r, AidKind kind) {
-    switch (kind) {
+    switch (kind) {   // complete, so that a new kind is missed by the compiler
+        case AidKind::GnssPosition:
+        case AidKind::GnssVelocity: return r.gnss.size();
         case AidKind::Baro: return r.baro.size();
         case AidKind::Mag: return r.mag.size();
         case AidKind::Odometer: return r.odometer.size();
         case AidKind::Heading: return r.heading.size();
-        default: return r.gnss.size();
+        case AidKind::Gauges: return r.gauges.size();
+        case AidKind::BodyVelocity: return r.body_velocity.size();
+        case AidKind::ZeroVelocity:
+        case AidKind::ZeroRate:
+        case AidKind::Nonholonomic:
+        case AidKind::Pseudorange:
+        case AidKind::RangeRate: break;   // no events of the timeline
     }
+    return 0;
 }
 
 std::vector<Event> turned(const std::vector<Event>& events, const Recording& recording) {
@@ -109,6 +122,7 @@ Start start_at(const SolutionRow& row, const SensorErrorRow& errors, const Start
     out.std_gyro_bias = (opening * errors.std_gyro_bias).cwiseMin(errors.std_gyro_bias.cwiseMax(start.std_gyro_bias));
     out.std_accel_bias = (opening * errors.std_accel_bias).cwiseMin(errors.std_accel_bias.cwiseMax(start.std_accel_bias));
     out.std_mounting = std_mounting;
+    out.undecided_heading = start.undecided_heading;
     return out;
 }
 

@@ -20,6 +20,9 @@ public:
         memory.free.reserve(capacity);
         clear();
     }
+    SamplePool(SamplePool&&) = default;   // a copy would have no room
+    SamplePool& operator=(SamplePool&&) = default;
+
     void clear() {
         memory.order.clear();
         memory.first = 0;
