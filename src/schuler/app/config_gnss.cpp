@@ -67,6 +67,10 @@ void add_gnss_options(OptionTable<Config>& table) {
                             gnss(&GnssSettings::latency_std)))
         .add(number<Config>("gnss.velocity_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the velocity",
                             gnss(&GnssSettings::velocity_latency)))
+        .add(number<Config>("gnss.jitter_s", 1.0, 0, 10,
+                            "one sigma of the white error of the fixes' times: positions vary by it times the velocity, velocities times the "
+                            "acceleration; default: fitted with the noise",
+                            [](auto& c) -> auto& { return c.filter.gnss.jitter; }))
         .add(number<Config>("gnss.velocity_latency_std_s", 1.0, 0, 10,
                             "one sigma of the velocities' latency; above 0 the filter estimates what it is off by, apart from the positions'",
                             gnss(&GnssSettings::velocity_latency_std)))

@@ -68,6 +68,12 @@ void add_imu_options(OptionTable<Config>& table) {
     add_imu_error_options(table, "imu.", [](auto& c) -> auto& { return c.filter.imu.errors; });
     table.add(flag<Config>("imu.estimate_noise", "fit the white noise to the innovations; default: where the noise is not given",
                            [](auto& c) -> auto& { return c.filter.imu.estimate_noise; }));
+    table.add(number<Config>("imu.gyro_vibration", 1.0, 0, 100,
+                             "share of what successive samples of the gyros differ by that is white noise on top of the stated one; default: "
+                             "fitted with the noise",
+                             [](auto& c) -> auto& { return c.filter.imu.gyro_vibration; }));
+    table.add(number<Config>("imu.accel_vibration", 1.0, 0, 100, "... of the accelerometers",
+                             [](auto& c) -> auto& { return c.filter.imu.accel_vibration; }));
     table.add(number<Config>("imu.gyro_noise_scale", 1.0, 0.01, 1000,
                              "factor of the gyros' noise and bias wander in the filter; default: found by the self-check of `process`",
                              [](auto& c) -> auto& { return c.filter.imu.gyro_noise_scale; }));

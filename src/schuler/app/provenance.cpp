@@ -99,7 +99,7 @@ public:
             fact.sigma = tuned->relative ? tuned->sigma * size_of(fact.value) : tuned->sigma;
             fact.from = b_.relative(f.tuned_from);
             fact.to = b_.relative(f.tuned_to);
-            fact.note = "fitted to the innovations";
+            fact.note = tuned->at_floor ? "the innovations would allow less: what such a device reaches at best" : "fitted to the innovations";
         }
         if (key == "imu.mounting_deg" && f.std_mounting_rpy.norm() > 0.0) {
             fact.how = Known::Found;
@@ -162,9 +162,12 @@ void take_in_force(Config& c, const fusion::Findings& findings) {
     f.imu.errors.accel_noise = s.imu.errors.accel_noise;
     f.imu.gyro_noise_scale = s.imu.gyro_noise_scale;
     f.imu.accel_noise_scale = s.imu.accel_noise_scale;
+    f.imu.gyro_vibration = s.imu.gyro_vibration;
+    f.imu.accel_vibration = s.imu.accel_vibration;
     f.gnss.latency = s.gnss.latency;
     f.gnss.latency_std = s.gnss.latency_std;
     f.gnss.velocity_latency_std = s.gnss.velocity_latency_std;
+    f.gnss.jitter = s.gnss.jitter;
     f.gnss.std_scale = s.gnss.std_scale;
     f.gnss.velocity_std_scale = s.gnss.velocity_std_scale;
     f.gnss.velocity_latency = s.gnss.velocity_latency;

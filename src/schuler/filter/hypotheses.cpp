@@ -333,7 +333,9 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
             walk.rival.clear();
             return;
         }
-        if (rival.refused > 0 && rival.accepted_in_row == 0) {   // it does not explain them either: perhaps a bias has jumped
+        // One that takes the velocities and refuses all positions, or the other way round, explains as little as one that refuses both.
+        const bool half = rival.refused >= settings_.aids.recovery_count && 4 * rival.refused > rival.accepted;
+        if (half || (rival.refused > 0 && rival.accepted_in_row == 0)) {   // it does not explain them either: perhaps a bias has jumped
             const int attempts = rival.attempts + 1;
             walk.rival.clear();
             if (!wanted) return;

@@ -39,6 +39,7 @@ struct InertialModel {
     double accel_psd = 0.0;   ///< m^2/s^3
     /// One sigma of scale factors and misalignments where they are no states: noise while the vehicle manoeuvres.
     double gyro_gain = 0.0, accel_gain = 0.0;
+    double gyro_vibration = 0.0, accel_vibration = 0.0;   ///< ImuSettings, with the scale of the noise
     std::array<StateProcess, estim::max_states> process{};   ///< of the states from 9 on
     double clock_psd = 0.0, drift_psd = 0.0;   ///< m^2/s, m^2/s^3
     sensor::GnssErrorModel gnss;               ///< of the receiver's states, whose decay may follow the speed

@@ -195,7 +195,7 @@ public:
             if (increment.time <= ahead_.time()) return;
             estim::Transition phi;
             if (ahead_.gathered.time + increment.dt > longest_span) (void)ahead_.propagate_covariance(model_, phi);
-            ahead_.propagate(model_, increment, noise);
+            ahead_.propagate(model_, increment, with_vibration(model_, walk_.vibration, noise));   // as it shakes now
         });
         return state_of(ahead_, walk_.undecided(model_));
     }

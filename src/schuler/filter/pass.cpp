@@ -59,6 +59,7 @@ Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Setting
       data_(data),
       settings_(settings),
       rivalry_(rivalry),
+      vibrates_(model.gyro_vibration > 0.0 || model.accel_vibration > 0.0),
       openings_(std::move(openings)),
       range_test_(uses_ranges(settings.coupling) ? RangeTest(settings.aids.gate_probability, settings.aids.recovery_time) : RangeTest{}),
       update_with_ranges_(model, settings.ranging, settings.gnss.lever_arm_b, range_test_, data.backward) {
@@ -130,8 +131,13 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
     for (; walk.increment <= last && walk.increment < data_.imu.increments.size(); ++walk.increment) {
         while (walk.bridge < data_.imu.bridges.size() && data_.imu.bridges[walk.bridge].last < walk.increment) ++walk.bridge;
         const bool bridged = walk.bridge < data_.imu.bridges.size() && data_.imu.bridges[walk.bridge].first <= walk.increment;
-        const BridgeNoise noise = bridged ? data_.imu.bridges[walk.bridge].noise : BridgeNoise{};
-        const ImuIncrement inc = run_to_events(walk, data_.imu.increments[walk.increment], noise, observer);
+        const ImuIncrement& whole = data_.imu.increments[walk.increment];
+        BridgeNoise noise = bridged ? data_.imu.bridges[walk.bridge].noise : BridgeNoise{};
+        if (vibrates_) {
+            if (!bridged) walk.vibration.add(whole);
+            noise = with_vibration(model_, walk.vibration, noise);
+        }
+        const ImuIncrement inc = run_to_events(walk, whole, noise, observer);
         if (inc.dt > 0.0) step(walk, inc, noise, observer);
         if (bridged) walk.suspect = walk.filter.time();
         if (settings_.loose_kind == LooseKind::Aggressive) carry_on(walk, observer);
@@ -176,7 +182,7 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             Eigen::Vector3d variance = (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
             // Where the latency had to be found it jitters from fix to fix as well, by some milliseconds.
-            const double jitter = std::min(0.4 * settings_.gnss.latency_std, 0.01);   // s
+            const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));   // s
             variance += jitter * jitter * e.nav.v_eb_n.cwiseAbs2();
             return gnss_position(e, data_.recording->gnss[event.index].position, variance, settings_.gnss.lever_arm_b, use);
         }
@@ -187,7 +193,7 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             // A latency that had to be found jitters from fix to fix; without a state it is off by what fits of it are good for.
             const GnssSettings& g = settings_.gnss;
             const bool own = model_.layout.gnss_velocity_latency >= 0;
-            const double off = own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015);   // s
+            const double off = g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));   // s
             variance += off * off * e.a_n.cwiseAbs2();
             const int latency = own ? model_.layout.gnss_velocity_latency : g.velocity_latency ? -1 : model_.layout.gnss_latency;
             return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, g.lever_arm_b, latency, use);

@@ -12,6 +12,7 @@
 #include "schuler/filter/result.h"
 #include "schuler/filter/settings.h"
 #include "schuler/filter/timeline.h"
+#include "schuler/filter/vibration.h"
 #include "schuler/filter/wheel_evidence.h"
 
 #include <array>
@@ -84,6 +85,7 @@ struct Walk {
     Duration feedback_period{};
     std::array<GateState, Channel::count> gates{};    ///< by Channel::gate()
     WheelEvidence wheels;
+    Vibration vibration;
     Time last_still{INT64_MIN / 2};
     std::array<CarriedFix, 2> carried{};              ///< position, velocity: Aggressive
     std::array<std::optional<Time>, Channel::count> corrected{};   ///< by Channel::gate(), when last: Separate
@@ -105,6 +107,12 @@ struct Walk {
     /// Covariance of the same with it.
     [[nodiscard]] Matrix9 covariance(const InertialModel& model) const { return filter.local_covariance(model) + undecided(model); }
 };
+
+/// Noise of a step with what the unit shakes by.
+[[nodiscard]] inline BridgeNoise with_vibration(const InertialModel& model, const Vibration& vibration, const BridgeNoise& noise) {
+    return {noise.gyro_psd + model.gyro_vibration * model.gyro_vibration * vibration.gyro_psd,
+            noise.accel_psd + model.accel_vibration * model.accel_vibration * vibration.accel_psd};
+}
 
 /// The other hypothesis about fixes that were refused, a walk of its own over the same data. A challenger says that the navigation was
 /// wrong; once it is believed, the one that refused the fixes goes on as rival for a while.
@@ -215,6 +223,7 @@ private:
     const RunData& data_;
     const Settings& settings_;
     Rivalry rivalry_;
+    bool vibrates_;
     std::vector<Opening> openings_;
     RangeTest range_test_;
     RangeUpdate<Frame> update_with_ranges_;

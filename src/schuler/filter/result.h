@@ -149,6 +149,7 @@ struct TunedSetting {
     std::string key;                          ///< of dataset.toml
     double sigma = 0.0;                       ///< by the curvature of the likelihood, which takes innovations for independent
     bool relative = false;                    ///< sigma is a share of the value, not in SI
+    bool at_floor = false;                    ///< the fit was smaller than such a device can be: a bound is used
 };
 
 /// What start-up and the estimators of settings found.

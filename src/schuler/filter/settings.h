@@ -48,6 +48,9 @@ struct ImuSettings {
     /// Factors of what drives the errors of free inertial navigation, white noise and wander of the biases, beyond `errors`: 1 where
     /// not given. The start keeps its priors.
     std::optional<double> gyro_noise_scale, accel_noise_scale;
+    /// Share (of the root) of what successive samples differ by that is noise on top of `errors`: 0 none, 1 all (filter/vibration.h).
+    /// Not given: none, or fitted with the noise.
+    std::optional<double> gyro_vibration, accel_vibration;
     double gap_factor = 3.0;                             ///< a step longer than this times the median is a gap
 };
 
@@ -62,6 +65,9 @@ struct GnssSettings {
     /// s, one sigma of the velocities' latency: above 0 what it is off by is a state of its own; otherwise a velocity that has no latency
     /// of its own either is taken to be as late as the position.
     double velocity_latency_std = 0.0;
+    /// s, one sigma of the white error of the times of fixes, by which positions vary with the velocity and velocities with the
+    /// acceleration. Not given: what the latency's sigma leaves to it, or fitted with the noise.
+    std::optional<double> jitter;
     bool estimate_latency = false;            ///< find the latencies that are not given
     HeightKind height = HeightKind::Ellipsoidal;
     Eigen::Vector3d default_std_position{2.5, 2.5, 5.0};   ///< m, where the log gives none or zero (an autonomous fix)

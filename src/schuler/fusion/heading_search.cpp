@@ -1,6 +1,7 @@
 #include "schuler/fusion/heading_search.h"
 
 #include "schuler/core/units.h"
+#include "schuler/fusion/trial.h"
 #include "schuler/ins/align.h"
 #include "schuler/math/rotation.h"
 
@@ -165,34 +166,6 @@ std::optional<Level> carried_level(const RunData& data, const Settings& settings
     const double sensors = std::hypot(1.5 * start.std_accel_bias.maxCoeff() / g, 0.5 * gyro_bias * (from + length));
     level.std = std::max(1.0 * units::deg, std::hypot(receiver, sensors));
     return level;
-}
-
-Settings trial_settings(const Settings& settings) {
-    Settings t = settings;
-    t.mechanization = Mechanization::Geographic;
-    t.aids.nonholonomic = t.aids.nonholonomic_auto = false;
-    t.scale_factors = t.misalignments = t.estimate_lever_arm = false;
-    t.baro.use = t.mag.use = t.odometer.use = t.heading.use = t.gauges.use = t.log.use = t.disturbance.estimate = false;
-    t.gnss.errors = {};
-    t.gnss.latency_std = t.gnss.velocity_latency_std = 0.0;
-    t.loop = Loop::Closed;
-    t.coupling = Coupling::Loose;
-    t.loose_kind = LooseKind::Standard;
-    t.integrity.use = false;
-    t.smooth = false;
-    return t;
-}
-
-RunData gnss_only(const RunData& all) {
-    RunData data = all;
-    std::erase_if(data.events, [](const Event& e) { return e.kind != AidKind::GnssPosition && e.kind != AidKind::GnssVelocity; });
-    return data;
-}
-
-std::size_t increment_at(const RunData& data, Time t) {
-    const auto it = std::lower_bound(data.imu.increments.begin(), data.imu.increments.end(), t,
-                                     [](const ImuIncrement& i, Time x) { return i.time <= x; });
-    return std::min(static_cast<std::size_t>(it - data.imu.increments.begin()), data.imu.increments.size() - 1);
 }
 
 }  // namespace schuler::fusion

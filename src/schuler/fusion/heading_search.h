@@ -7,9 +7,10 @@
 
 namespace schuler::fusion {
 
-/// What another witness says of the heading at the start, rad.
+/// What an instrument says of the heading at the start, rad.
 struct HeadingWitness {
     double heading = 0.0, std = 0.0;
+    const char* name = "";        ///< of the instrument, in sentences
 };
 
 /// What all trials together know.
@@ -39,12 +40,5 @@ struct Level {
 /// start, where roll, pitch and waves average out; the receiver's mean acceleration of the same time is taken off. Nothing where the
 /// receiver's fixes do not tell it.
 [[nodiscard]] std::optional<Level> carried_level(const RunData& data, const Settings& settings, const Start& start);
-
-/// Settings of a trial: fifteen states, GNSS and standing still only.
-[[nodiscard]] Settings trial_settings(const Settings& settings);
-/// The data without the events that a trial has no states for.
-[[nodiscard]] RunData gnss_only(const RunData& all);
-/// Index of the increment that holds a time.
-[[nodiscard]] std::size_t increment_at(const RunData& data, Time t);
 
 }  // namespace schuler::fusion

@@ -3,6 +3,7 @@
 #include "schuler/earth/earth.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/filter/outputs.h"
+#include "schuler/fusion/trial.h"
 #include "schuler/gnss/sampled_ranges.h"
 #include "schuler/gnss/single_point.h"
 
@@ -16,17 +17,17 @@ using Eigen::Vector3d;
 namespace {
 
 Settings of_receiver(const Settings& settings) {
-    Settings s = settings;
+    Settings s = trial_settings(settings);
     s.imu.errors = {};
+    s.coupling = settings.coupling;   // whose ranges it takes
+    s.imu.gyro_vibration = s.imu.accel_vibration = std::nullopt;
     s.imu.errors.accel_noise = settings.ranging.receiver_acceleration;
     s.gnss.lever_arm_b.setZero();
     s.ranging.protection.use = false;
     s.ranging.baro_bias_time = 0.0;
-    s.scale_factors = s.misalignments = s.estimate_lever_arm = s.baro.use = s.mag.use = s.odometer.use = s.heading.use = false;
     s.aids = {};
     s.aids.gate_probability = settings.aids.gate_probability;
     s.aids.recovery_time = settings.aids.recovery_time;
-    s.loop = Loop::Closed;
     return s;
 }
 

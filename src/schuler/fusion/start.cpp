@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/heading_search.h"
+#include "schuler/fusion/trial.h"
 #include "schuler/ins/align.h"
 #include "schuler/math/rotation.h"
 
@@ -130,9 +131,27 @@ std::optional<HeadingWitness> magnetic_heading(const RunData& data, const Settin
         if (s.time < t0 || !s.field_b.allFinite() || !settings.mag.use) continue;
         const Eigen::Matrix3d C_level = ins::attitude_from_specific_force(level.f_b, level.f_n, 0.0).toRotationMatrix();
         const Vector3d field = C_level * (C_bs * s.field_b);
-        return HeadingWitness{math::wrap_2pi(data.declination - std::atan2(field.y(), field.x())), settings.mag.bias_std};
+        return HeadingWitness{math::wrap_2pi(data.declination - std::atan2(field.y(), field.x())), settings.mag.bias_std, "magnetometer"};
     }
     return std::nullopt;
+}
+
+/// By the first sample of a sensor of the heading within seconds of the start.
+std::optional<HeadingWitness> sensed_heading(const RunData& data, const Settings& settings, Time t0) {
+    constexpr double latest = 5.0;   // s
+    if (!settings.heading.use) return std::nullopt;
+    for (const HeadingSample& s : data.recording->heading) {
+        if (s.time < t0 || !std::isfinite(s.heading)) continue;
+        if ((s.time - t0).seconds() > latest) break;
+        return HeadingWitness{s.heading, std::hypot(s.std > 0.0 ? s.std : settings.heading.std, settings.heading.offset_std), "heading sensor"};
+    }
+    return std::nullopt;
+}
+
+/// The better of the instruments that show a heading.
+std::optional<HeadingWitness> shown_heading(const RunData& data, const Settings& settings, Time t0, const Level& level) {
+    const std::optional<HeadingWitness> sensor = sensed_heading(data, settings, t0), compass = magnetic_heading(data, settings, t0, level);
+    return !compass || (sensor && sensor->std < compass->std) ? sensor : compass;
 }
 
 void set_biases(Start& start, const Settings& settings) {
@@ -281,7 +300,7 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
     constexpr double linear = 15.0 * units::deg, open = 40.0 * units::deg;
     constexpr double unknown = 100.0 * units::deg;
     std::optional<double> tried;   // the best of headings that all fit alike
-    const std::optional<HeadingWitness> compass = magnetic_heading(data, settings, t0, level);
+    const std::optional<HeadingWitness> shown = shown_heading(data, settings, t0, level);
     const Time motion = first_motion(data, t0);
     if (motion < data.imu.increments.back().time - Duration::from_seconds(3.0)) {
         Start trial = start;
@@ -293,7 +312,7 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
             trial.previous = data.imu.increments[trial.increment - 1];
             trial.nav.time = trial.previous.time;
         }
-        const HeadingSearch search = search_heading(data, settings, trial, level, motion, compass);
+        const HeadingSearch search = search_heading(data, settings, trial, level, motion, shown);
         const Vector3d rpy = math::rpy_from_quaternion(search.best.nav.q_nb);
         // Errors count from here on, however long the search looks on: it ends where it begins.
         const Time until = std::min(search.until, std::max(motion, t0) + Duration::from_seconds(120.0));
@@ -315,7 +334,7 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
             start.nav.q_nb = math::quaternion_from_rpy(full);
             return start;
         }
-        if (!compass) tried = math::wrap_2pi(rpy.z());
+        if (!shown) tried = math::wrap_2pi(rpy.z());
         if (search.std < 60.0 * units::deg) {
             findings.aligned_at = until;
             if (!standing) start.gyro_bias = search.best.gyro_bias;
@@ -336,11 +355,11 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
     double top_speed = 0.0;
     for (const GnssFix& fix : data.recording->gnss)
         if (fix.velocity_n.allFinite()) top_speed = std::max(top_speed, fix.velocity_n.norm());
-    // Without motion: the magnetometer if there is one, otherwise unknown.
-    if (compass)
-        return finish(compass->heading, compass->std,
-                      fmt::format("heading {:.0f} deg from the magnetometer, to {:.0f} deg", compass->heading / units::deg,
-                                  compass->std / units::deg));
+    // Without motion: an instrument if there is one, otherwise unknown.
+    if (shown)
+        return finish(shown->heading, shown->std,
+                      fmt::format("heading {:.0f} deg from the {}, to {:.0f} deg", shown->heading / units::deg, shown->name,
+                                  shown->std / units::deg));
     warnings.add("start.heading",
                  fmt::format("the heading cannot be found: {}; it starts at {} with 100 deg of uncertainty "
                              "(give initial.heading_deg)",
@@ -348,7 +367,7 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
                                  ? fmt::format("the fixes reach {:.0f} m/s, but no attitude makes the IMU follow them: check its units, "
                                                "axes and times (`schuler inspect` measures them)",
                                                top_speed)
-                                 : "the log has too little motion and no magnetometer",
+                                 : "the log has too little motion, no magnetometer and no sensor of the heading",
                              tried ? fmt::format("{:.0f} deg", *tried / units::deg) : "north"));
     findings.aligned_at = data.imu.increments.back().time;
     findings.heading_found = false;

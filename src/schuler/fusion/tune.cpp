@@ -2,7 +2,9 @@
 
 #include "schuler/core/units.h"
 #include "schuler/filter/fix_noise.h"
+#include "schuler/filter/vibration.h"
 #include "schuler/fusion/timeline.h"
+#include "schuler/fusion/trial.h"
 #include "schuler/math/quantile.h"
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <utility>
 
 namespace schuler::fusion {
 namespace {
@@ -50,10 +53,11 @@ public:
         const auto it = std::lower_bound(data.imu.increments.begin(), data.imu.increments.end(), stop,
                                          [](const ImuIncrement& i, Time t) { return i.time < t; });
         last_ = std::min(last_, static_cast<std::size_t>(it - data.imu.increments.begin()));
+        find_speeds(stop);
     }
 
     [[nodiscard]] Time stop() const { return data_.imu.increments[last_].time; }
-    /// Components that the last cost was the mean of.
+    /// Components that the last cost was the mean of, by weight.
     [[nodiscard]] double count() const { return count_; }
 
     /// Mean negative log-likelihood per component: of the GNSS alone, or of barometer and magnetometer too.
@@ -61,16 +65,9 @@ public:
         WarningLog unheard;
         data_.events = make_events(*data_.recording, settings, origin_, unheard);
         data_.fix_noise = fix_noise(*data_.recording, settings.gnss, unheard);
-        Settings trial = settings;
-        trial.mechanization = Mechanization::Geographic;
-        trial.loop = Loop::Closed;
-        trial.coupling = Coupling::Loose;
-        trial.loose_kind = LooseKind::Standard;
-        trial.integrity.use = false;
+        Settings trial = plain_settings(settings);
         trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;   // of the noise that is sought
         if (settings.gnss.estimate_latency) trial.gnss.latency_std = trial.gnss.velocity_latency_std = 0.0;   // it is sought itself
-        trial.aids.nonholonomic = trial.aids.nonholonomic_auto = false;
-        trial.scale_factors = trial.misalignments = trial.estimate_lever_arm = trial.smooth = false;
         if (!surroundings) trial.baro.use = trial.mag.use = false;
         if (!surroundings) std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
         PassOptions options;
@@ -79,18 +76,21 @@ public:
         options.last_increment = last_;
         const Result run = run_pass(data_, trial, start_, options);
         double sum = 0.0, n = 0.0;
+        std::size_t at = 0;
         for (const AidRecord& r : run.aids) {
             const bool counts = r.kind == AidKind::GnssPosition || r.kind == AidKind::GnssVelocity || r.kind == AidKind::Baro ||
                                 r.kind == AidKind::Mag;
             if (!counts || r.status == AidStatus::Withheld || (r.time - start_.nav.time).seconds() < 5.0) continue;
+            while (at + 1 < speeds_.size() && speeds_[at + 1].first <= r.time) ++at;
+            const double weight = speeds_.empty() || speeds_[at].second > slow_ ? 1.0 : weight_at_rest;
             for (int i = 0; i < 3; ++i) {
                 if (!(r.sigma(i) > 0.0)) continue;
                 const double x = std::abs(r.innovation(i)) / r.sigma(i);
                 // Huber's tails: a few bad fixes must not decide; one that is wrong by thousands of sigmas, less still.
                 constexpr double straight = 3.0, far = 10.0;
                 const double tail = x < far ? straight * x : straight * far * (1.0 + std::log(x / far));
-                sum += std::log(r.sigma(i)) + (x < straight ? 0.5 * x * x : tail - 0.5 * straight * straight);
-                n += 1.0;
+                sum += weight * (std::log(r.sigma(i)) + (x < straight ? 0.5 * x * x : tail - 0.5 * straight * straight));
+                n += weight;
             }
         }
         count_ = n;
@@ -98,6 +98,30 @@ public:
     }
 
 private:
+    /// A receiver at rest says nothing of its errors in motion, nor a unit at rest of its own, and logs begin and end with minutes of it.
+    static constexpr double weight_at_rest = 0.02;
+
+    /// Speeds by the fixes, and which are slow: a quarter of what is usual at the upper end.
+    void find_speeds(Time stop) {
+        const earth::Earth earth;
+        const GnssFix* before = nullptr;
+        std::vector<double> sorted;
+        for (const GnssFix& fix : data_.recording->gnss) {
+            if (fix.time < start_.nav.time || fix.time > stop || !std::isfinite(fix.position.lat)) continue;
+            double speed = fix.velocity_n.head<2>().norm();
+            if (!std::isfinite(speed)) {
+                const double dt = before != nullptr ? (fix.time - before->time).seconds() : 0.0;
+                speed = dt > 0.0 ? earth::ned_difference(earth, fix.position, before->position).head<2>().norm() / dt : 0.0;
+            }
+            before = &fix;
+            speeds_.emplace_back(fix.time, speed);
+            sorted.push_back(speed);
+        }
+        if (!sorted.empty()) slow_ = std::max(0.5, 0.25 * math::quantile(sorted, 0.95));   // m/s
+    }
+
+    std::vector<std::pair<Time, double>> speeds_;
+    double slow_ = 0.0;
     RunData& data_;
     const Start& start_;
     Time origin_;
@@ -119,12 +143,14 @@ double curvature_at(double x, const std::map<double, double>& trials) {
     return 2.0 * ((c1 - at->second) / (x1 - x) - (at->second - c0) / (x - x0)) / (x1 - x0);
 }
 
-/// Minimum of f on a grid, refined by bisections of the grid's step; `least`: no smaller argument is tried.
-Minimum minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements, double least) {
+/// Minimum of f on a grid, refined by bisections of the grid's step; no argument below `least` or above `most` is tried.
+Minimum minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements, double least, double most) {
+    low = std::clamp(low, least, most);
+    high = std::clamp(high, least, most);
     double step = (high - low) / (points - 1), best = low, best_cost = 1e300;
     std::map<double, double> trials;
     for (int i = 0; i < points; ++i) {
-        const double x = std::max(least, low + step * i);
+        const double x = low + step * i;
         if (trials.contains(x)) continue;
         const double c = f(x);
         trials[x] = c;
@@ -135,7 +161,7 @@ Minimum minimise(const std::function<double(double)>& f, double low, double high
     }
     for (int r = 0; r < refinements; ++r) {
         step *= 0.5;
-        for (const double x : {std::max(least, best - step), best + step}) {
+        for (const double x : {std::max(least, best - step), std::min(most, best + step)}) {
             if (trials.contains(x)) continue;
             const double c = f(x);
             trials[x] = c;
@@ -192,13 +218,16 @@ std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& 
 
 namespace {
 
+/// m: more no receiver wanders; an inertial unit that is modelled badly must not be taken for that.
+constexpr double most_wander = 2.5;
+
 /// A positive setting searched on a logarithmic scale about its value before tuning; NaN-free and remembered between rounds.
 struct LogKnob {
     const char* key;                                ///< of dataset.toml
     std::function<void(Settings&, double)> apply;   ///< sets the setting to its first value times exp(x)
     double low, high;                               ///< of x, first round
     bool surroundings = false;
-    double least = -1e3;                            ///< of x, in every round
+    double least = -1e3, most = 1e3;                ///< of x, in every round
     double x = 0.0;
 };
 
@@ -206,13 +235,42 @@ bool is_precise(const Recording& recording) {
     return std::ranges::any_of(recording.gnss, [](const GnssFix& f) { return f.fix == FixType::RtkFixed || f.fix == FixType::RtkFloat; });
 }
 
-std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& recording, MissingStd missing, bool has_velocity) {
+filter::Vibration mean_vibration(const ImuTimeline& imu) {
+    filter::Vibration now, mean;
+    for (const ImuIncrement& increment : imu.increments) {
+        now.add(increment);
+        mean.gyro_psd += now.gyro_psd;
+        mean.accel_psd += now.accel_psd;
+    }
+    mean.gyro_psd /= static_cast<double>(imu.increments.size());
+    mean.accel_psd /= static_cast<double>(imu.increments.size());
+    return mean;
+}
+
+std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& recording, const ImuTimeline& imu_log, MissingStd missing, bool has_velocity) {
     std::vector<LogKnob> knobs;
     const sensor::ImuErrorModel imu = before.imu.errors;
     const GnssSettings g = before.gnss;
+    // Loggers stamp fixes when they come in. What that makes of the fixes goes with the motion as the unit's errors do, so it comes first.
+    const double least_jitter = std::log(0.003), most_jitter = std::log(0.35);   // s
+    if (before.imu.estimate_noise && !g.jitter)
+        knobs.push_back({"gnss.jitter_s", [](Settings& s, double x) { s.gnss.jitter = std::exp(x); }, least_jitter, std::log(0.2), false, least_jitter, most_jitter});
     if (before.imu.estimate_noise) {
-        knobs.push_back({"imu.gyro_noise_deg_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.gyro_noise = std::exp(x) * imu.gyro_noise; }, -1.4, 4.2});
-        knobs.push_back({"imu.accel_noise_m_s_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.accel_noise = std::exp(x) * imu.accel_noise; }, -1.4, 5.6});
+        // White noise cannot be more than what successive samples differ by. Without that bound whatever the trial's states cannot explain
+        // is taken for it, and what came of it is a filter that knows no heading and grows uncertain at rest.
+        constexpr double all = 1.5, worse = 3.0;   // of what is seen, of the grade
+        const filter::Vibration mean = mean_vibration(imu_log);
+        const double shaken = std::log(all);
+        const double most_gyro = std::log(std::max(worse, all * std::sqrt(mean.gyro_psd) / imu.gyro_noise));
+        const double most_accel = std::log(std::max(worse, all * std::sqrt(mean.accel_psd) / imu.accel_noise));
+        if (!before.imu.gyro_vibration)
+            knobs.push_back({"imu.gyro_vibration", [](Settings& s, double x) { s.imu.gyro_vibration = std::exp(x); }, -3.0, shaken, false, -3.0, shaken});
+        if (!before.imu.accel_vibration)
+            knobs.push_back({"imu.accel_vibration", [](Settings& s, double x) { s.imu.accel_vibration = std::exp(x); }, -3.0, shaken, false, -3.0, shaken});
+        knobs.push_back({"imu.gyro_noise_deg_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.gyro_noise = std::exp(x) * imu.gyro_noise; },
+                         -1.4, 4.2, false, -1e3, most_gyro});
+        knobs.push_back({"imu.accel_noise_m_s_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.accel_noise = std::exp(x) * imu.accel_noise; },
+                         -1.4, 5.6, false, -1e3, most_accel});
     }
     if (g.estimate_std && missing.position) {
         knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
@@ -225,11 +283,9 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     // physics of a receiver without corrections by how much at least. A fixed solution that states its sigmas hardly wanders. How long an
     // error lasts minutes do not tell: ten minutes, as the atmosphere's, so that no solution averages away what a receiver says of its
     // accuracy; `upright`: vertical errors against horizontal ones.
-    // More than some metres no receiver wanders: an inertial unit that is modelled badly must not be taken for that.
-    constexpr double most = 2.5;   // m
     const auto wander = [&](double sigma, double time, double low, double high, double least, double upright) {
         knobs.push_back({"gnss.correlated_m", [=](Settings& s, double x) {
-                             s.gnss.errors.correlated_position = std::min(most, sigma * std::exp(x)) * Vector3d(1.0, 1.0, upright);
+                             s.gnss.errors.correlated_position = std::min(most_wander, sigma * std::exp(x)) * Vector3d(1.0, 1.0, upright);
                              s.gnss.errors.correlated_time = time;
                          }, low, high, false, least});
     };
@@ -280,16 +336,16 @@ Vector3d stated_by_autonomous(const Recording& recording) {
 /// state its sigmas, without corrections, wanders by half a metre and scatters by some centimetres; a magnetometer's errors turn with
 /// its vehicle and with its currents.
 void keep_physical(Settings& settings, const Settings& before, const Recording& recording, MissingStd missing) {
-    constexpr double least_white = 0.1, least_slow = 0.5, least_velocity = 0.02, least_heading = 0.02, most_slow = 2.5;   // m, m, m/s, rad, m
+    constexpr double least_white = 0.1, least_slow = 0.5, least_velocity = 0.02, least_heading = 0.02;   // m, m, m/s, rad
     const bool precise = is_precise(recording);
     GnssSettings& g = settings.gnss;
     // What an autonomous receiver says of its accuracy is mostly of what it wanders, and minutes of a log do not show all of that.
     if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position && before.gnss.errors.correlated_position.isZero())
-        g.errors.correlated_position = g.errors.correlated_position.cwiseMax(stated_by_autonomous(recording).cwiseMin(Vector3d(most_slow, most_slow, 1.5 * most_slow)));
+        g.errors.correlated_position = g.errors.correlated_position.cwiseMax(stated_by_autonomous(recording).cwiseMin(most_wander * Vector3d(1.0, 1.0, 1.5)));
     if (before.gnss.estimate_std && missing.position && !precise) {
         g.default_std_position = g.default_std_position.cwiseMax(least_white);
         if (before.gnss.errors.correlated_position.isZero())   // as large as what scatters, at least
-            g.errors.correlated_position = g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_slow)).cwiseMax(least_slow);
+            g.errors.correlated_position = g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_wander)).cwiseMax(least_slow);
     }
     if (before.gnss.estimate_std && missing.velocity) g.default_std_velocity = g.default_std_velocity.cwiseMax(least_velocity);
     if (before.imu.estimate_noise && before.mag.use) settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));
@@ -304,18 +360,18 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
     const bool has_velocity = settings.gnss.use_velocity &&
                               std::any_of(data.recording->gnss.begin(), data.recording->gnss.end(),
                                           [](const GnssFix& f) { return f.velocity_n.head<2>().allFinite(); });
-    std::vector<LogKnob> knobs = noise_knobs(before, *data.recording, missing, has_velocity);
+    std::vector<LogKnob> knobs = noise_knobs(before, *data.recording, data.imu, missing, has_velocity);
     findings.tuned_from = start.nav.time;
     findings.tuned_to = judge.stop();
     const auto search = [&](const char* key, bool relative, const std::function<void(Settings&, double)>& apply, double low, double high,
-                            int points, int refinements, bool surroundings, double least = -1e3) {
+                            int points, int refinements, bool surroundings, double least = -1e3, double most = 1e3) {
         const Minimum best = minimise(
             [&](double x) {
                 Settings s = settings;
                 apply(s, x);
                 return judge.cost(s, surroundings);
             },
-            low, high, points, refinements, least);
+            low, high, points, refinements, least, most);
         apply(settings, best.at);
         const double information = best.curvature * judge.count();
         const double sigma = std::hypot(information > 0.0 ? 1.0 / std::sqrt(information) : 0.5 * (high - low), 0.5 * best.step);
@@ -328,8 +384,8 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
     };
     for (int round = 0; round < (knobs.empty() ? 1 : 3); ++round) {
         for (LogKnob& k : knobs) {
-            k.x = round == 0 ? search(k.key, true, k.apply, k.low, k.high, 5, 1, k.surroundings, k.least)
-                             : search(k.key, true, k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings, k.least);
+            k.x = round == 0 ? search(k.key, true, k.apply, k.low, k.high, 5, 1, k.surroundings, k.least, k.most)
+                             : search(k.key, true, k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings, k.least, k.most);
         }
         if (!settings.gnss.estimate_latency) continue;
         const auto all = [](Settings& s, double x) { s.gnss.latency = x; };
@@ -350,11 +406,23 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
             search("gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; }, now - 0.2, now + 0.2, 5, 3, false);
         }
     }
+    const Settings fitted = settings;
     keep_physical(settings, before, *data.recording, missing);
+    const auto note_floor = [&](const char* key, bool raised) {
+        const auto same = std::ranges::find(findings.tuned, key, &TunedSetting::key);
+        if (raised && same != findings.tuned.end()) same->at_floor = true;
+    };
+    note_floor("gnss.correlated_m", settings.gnss.errors.correlated_position != fitted.gnss.errors.correlated_position);
+    note_floor("gnss.default_std_m", settings.gnss.default_std_position != fitted.gnss.default_std_position);
+    note_floor("gnss.default_std_velocity_m_s", settings.gnss.default_std_velocity != fitted.gnss.default_std_velocity);
+    note_floor("mag.heading_std_deg", settings.mag.heading_std != fitted.mag.heading_std);
     if (before.imu.estimate_noise) {
         sensor::ImuErrorModel& imu = settings.imu.errors;
         imu.gyro_noise = as_written(imu.gyro_noise, units::deg_per_sqrt_hour);
         imu.accel_noise = as_written(imu.accel_noise, units::m_s_per_sqrt_hour);
+        for (std::optional<double>* share : {&settings.imu.gyro_vibration, &settings.imu.accel_vibration})
+            if (*share) *share = as_written(**share, 1.0);
+        if (settings.gnss.jitter) settings.gnss.jitter = as_written(*settings.gnss.jitter, 1.0);
         settings.mag.heading_std = as_written(settings.mag.heading_std, units::deg);
         settings.mag.bias_walk = as_written(settings.mag.bias_walk, units::deg);
     }

@@ -174,6 +174,7 @@ SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
 SCHULER_ARCHIVED(CarriedFix, measurement, corrected, left, stamp, next, every)
 SCHULER_ARCHIVED(GateState, run, since, last, innovation, rate)
+SCHULER_ARCHIVED(Vibration, gyro_psd, accel_psd, samples, rate, force, rate_step, force_step)
 SCHULER_ARCHIVED(WheelEvidence, verdict, n, turned, mean_side, mean_down, m2_side, m2_down)
 SCHULER_ARCHIVED(ChannelHealth, excluded, used, agrees, failed_run, slow_run)
 SCHULER_ARCHIVED_IN_FRAME(Shadow, filter, since, alive)
@@ -200,7 +201,7 @@ void archive(Archive& a, AtMostOne<T>& one) {
     one.use();
 }
 SCHULER_ARCHIVED_IN_FRAME(Walk, filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint,
-                          next_feedback, feedback_period, gates, wheels, last_still, carried, corrected, health, shadows, ranges,
+                          next_feedback, feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges,
                           undecided_heading, fixes, suspect, wanted,
                           openings, sides_changed, rival, challenged)
 SCHULER_ARCHIVED_IN_FRAME(Rival, walk, since, challenger, explained, accepted, refused, in_row, attempts, patience, opening)

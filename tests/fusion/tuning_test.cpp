@@ -1,0 +1,68 @@
+// What is fitted to the innovations of a log: noise goes where it belongs, and no further than the devices allow.
+#include "fusion/car_drive.h"
+
+#include "schuler/math/random.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Vector3d;
+using namespace testing;
+
+/// A drive whose noise is to be found; the settings begin with the grade's.
+struct Log {
+    Recording recording;
+    Settings settings;
+};
+
+Log log_of(sim::Scenario scenario, std::uint64_t seed) {
+    shake(scenario);
+    scenario.gnss.white_position = {0.05, 0.05, 0.1};
+    Log log{sim::simulate(scenario).recording, settings_of(scenario)};
+    for (GnssFix& f : log.recording.gnss) {
+        f.std_position = {0.05, 0.05, 0.1};
+        f.fix = FixType::RtkFixed;
+    }
+    give_start(log.settings, log.recording, seed);
+    log.settings.imu.estimate_noise = true;
+    return log;
+}
+
+TEST(Tuning, StampsThatJitterAreFoundAndNotTakenForNoiseOfTheUnit) {
+    for (const double jitter : {0.0, 0.06}) {
+        Log log = log_of(town_drive(81, 5.0), 81);
+        math::Random random(81, "jitter");
+        for (GnssFix& f : log.recording.gnss) f.time = f.time + Duration::from_seconds(jitter * random.normal());
+        std::ranges::sort(log.recording.gnss, {}, &GnssFix::time);
+        const Result r = fuse(log.recording, log.settings);
+        const Settings& found = *r.findings.in_force;
+        if (jitter == 0.0) EXPECT_LT(*found.gnss.jitter, 0.015);
+        else EXPECT_NEAR(*found.gnss.jitter, jitter, 0.4 * jitter);
+        EXPECT_LT(found.imu.errors.accel_noise, 4.0 * log.settings.imu.errors.accel_noise) << jitter;
+        EXPECT_LT(rms(errors(log.settings, r.forward.rows, log.recording), 30.0).position, jitter == 0.0 ? 0.1 : 0.4);
+    }
+}
+
+// Scale errors of some percent are nothing that a trial with fifteen states knows; white noise does not explain them either.
+TEST(Tuning, NoiseOfTheUnitIsNoMoreThanItsSamplesShow) {
+    sim::Scenario scenario = town_drive(82, 5.0);
+    scenario.imu.errors.gyro_scale = 0.05;
+    scenario.imu.errors.accel_scale = 0.05;
+    const Log log = log_of(scenario, 82);
+    const double dt = 0.01;
+    double gyro2 = 0.0;
+    const std::vector<ImuSample>& imu = log.recording.imu;
+    const double per_rate = log.settings.imu.kind == ImuKind::Increments ? 1.0 / dt : 1.0;
+    for (std::size_t i = 1; i + 1 < imu.size(); ++i)
+        gyro2 += (imu[i - 1].gyro - 2.0 * imu[i].gyro + imu[i + 1].gyro).squaredNorm() * per_rate * per_rate * dt / (18.0 * static_cast<double>(imu.size()));
+    const Settings& found = *fuse(log.recording, log.settings).findings.in_force;
+    EXPECT_LT(found.imu.errors.gyro_noise, 1.55 * std::sqrt(gyro2));
+    EXPECT_LE(*found.imu.gyro_vibration, 1.5);
+}
+
+}  // namespace
+}  // namespace schuler::fusion
