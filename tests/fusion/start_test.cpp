@@ -135,5 +135,33 @@ TEST(Latency, OfTheVelocityIsAStateOfItsOwn) {
     EXPECT_EQ(inside, runs);
 }
 
+// A start by the magnetometer has its constant error in it: the samples that follow have it too and tell nothing new.
+TEST(Start, WhatTheMagnetometerShowedIsNotUsedTwice) {
+    sim::Scenario scenario;
+    scenario.seed = 12;
+    scenario.duration = 120.0;
+    scenario.origin = Time::from_seconds(1000.0);
+    scenario.path = sim::StaticPath{{0.9, 0.5, 100.0}, {0.0, 0.0, 1.0}};
+    scenario.imu.errors = mems();
+    Recording recording = sim::simulate(scenario).recording;
+    constexpr double wrong = 0.3;   // rad
+    for (std::size_t i = 0; i < recording.imu.size(); i += 10)
+        recording.mag.push_back({recording.imu[i].time, math::dcm_from_rpy({0.0, 0.0, 1.0 + wrong}).transpose() * Vector3d(2e-5, 0.0, 4e-5)});
+    Settings f = settings_of(scenario);
+    f.vehicle = VehicleKind::Static;
+    f.mag.declination = 0.0;
+    const Result r = fuse(recording, f);
+    const SolutionRow &first = r.forward.rows.front(), &last = r.forward.rows.back();
+    EXPECT_NEAR(first.std_rpy.z(), f.mag.bias_std, 0.05);
+    EXPECT_GT(last.std_rpy.z(), 0.9 * f.mag.bias_std);   // 0.7 of it where two sources seem to agree
+    EXPECT_NEAR(math::wrap_pi(last.rpy.z() - 1.0), wrong, 0.05);
+
+    // A sensor of the heading is asked as well, and is believed by its sigma.
+    for (std::size_t i = 0; i < recording.imu.size(); i += 100) recording.heading.push_back({recording.imu[i].time, 1.0, 0.01});
+    const Result sensed = fuse(recording, f);
+    EXPECT_LT(sensed.findings.std_heading, 0.05);
+    EXPECT_NEAR(math::wrap_pi(sensed.forward.rows.back().rpy.z() - 1.0), 0.0, 0.02);
+}
+
 }  // namespace
 }  // namespace schuler::fusion

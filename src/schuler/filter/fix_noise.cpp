@@ -5,15 +5,11 @@
 
 namespace schuler::filter {
 
-namespace {
-
-/// White part of the sigma that a log states of the whole error, whose slow part is a state. What is left is kept above a tenth of
-/// it, for it may be a small difference of rounded numbers; a sigma below the slow part's cannot have meant that too.
+// What is left is kept above a tenth of the whole, for it may be a small difference of rounded numbers; a sigma below the slow part's cannot
+// have meant that too.
 double white_part(double stated, double slow) {
     return stated > slow ? std::max(std::sqrt(stated * stated - slow * slow), 0.1 * stated) : stated;
 }
-
-}  // namespace
 
 bool is_stated(double sigma) { return std::isfinite(sigma) && sigma > 0.0; }
 

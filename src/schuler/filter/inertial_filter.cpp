@@ -116,7 +116,15 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         gyro_psd += more.gyro_psd;
         accel_psd += more.accel_psd;
     }
-    gathered.add(model.layout, dt, 0.5 * (C0 + C), df, w_ib_b, inc.dv / dt, gyro_psd, accel_psd);
+    gathered.add(model.layout, dt, 0.5 * (C0 + C), bridge.standing ? vertical_part(model, df, dt) : df, w_ib_b, inc.dv / dt, gyro_psd, accel_psd);
+}
+
+template <class Frame>
+Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const Vector3d& df, double dt) const {
+    constexpr double calm = 0.2;   // m/s^2: more than noise, bias and level leave to a body at rest
+    const Matrix3d C_en = Frame::errors_are_geographic ? Matrix3d(Matrix3d::Identity()) : Frame::C_en(model.earth, nav);
+    const Vector3d down = C_en.col(2), vertical = down.dot(df) * down;
+    return (df - vertical).norm() < calm * dt ? vertical : df;
 }
 
 template <class Frame>

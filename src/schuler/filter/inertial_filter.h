@@ -56,6 +56,7 @@ struct InertialModel {
 struct BridgeNoise {
     double gyro_psd = 0.0;
     double accel_psd = 0.0;
+    bool standing = false;      ///< the body has stood still until now
 };
 
 /// A plain copyable struct: copying it is saving the filter.
@@ -152,6 +153,9 @@ private:
     void follow_disturbance(const InertialModel& model, double dt);
     /// The disturbance as the accelerometers would feel it, over dt: m/s, body axes.
     [[nodiscard]] Eigen::Vector3d felt_disturbance(const InertialModel& model, double dt) const;
+    /// Velocity increment by which errors of a body at rest grow: what is horizontal of the measured one is noise, and a transition made of it
+    /// would tell the heading from noise (as many radians as the noise is of itself, at each measurement).
+    [[nodiscard]] Eigen::Vector3d vertical_part(const InertialModel& model, const Eigen::Vector3d& df, double dt) const;
     /// The axes of the disturbance's model to those of the frame.
     [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };

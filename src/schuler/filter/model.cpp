@@ -188,6 +188,13 @@ public:
         for (int i = 0; offset >= 0 && i < 3; ++i)
             if (of_fix(i) > 0.0) tie(offset + i, state + i, -std::min(sigma(i) * sigma(i), variance(state + i)));
     }
+    /// Constant error of an instrument that shows the heading; a start by it has the error with the other sign, and an attitude error
+    /// about the vertical is the opposite of a heading error.
+    void shown_heading(int own, double sigma, bool started_by_it) {
+        constexpr int state = Layout::attitude + 2;
+        set(own, 1, sigma);
+        if (own >= 0 && started_by_it) tie(own, state, std::min(sigma * sigma, variance(state)));
+    }
     /// A first barometric height that contradicts the stated bias speaks instead of it; its bias errs with the height it was taken from.
     void baro(double first_height, const BaroSettings& settings, const NavState& nav) {
         if (L_.baro_bias < 0) return;
@@ -248,11 +255,11 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
         P.set(L.lever_arm, 3, 1.0);
     }
     P.baro(baro_height, settings.baro, start.nav);
-    P.set(L.mag_bias, 1, settings.mag.bias_std);
+    P.shown_heading(L.mag_bias, settings.mag.bias_std, start.heading_of_mag);
     P.set(L.gnss_latency, 1, settings.gnss.latency_std);
     P.set(L.gnss_velocity_latency, 1, settings.gnss.velocity_latency_std);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
-    P.set(L.heading_offset, 1, settings.heading.offset_std);
+    P.shown_heading(L.heading_offset, settings.heading.offset_std, start.heading_of_sensor);
     P.set(L.gauge_level, L.gauges, settings.gauges.level_std);
     P.set(L.log_scale, 1, settings.log.scale_std);
     P.set(L.log_misalignment, 2, settings.log.misalignment_std);

@@ -14,6 +14,8 @@ struct Start {
     Eigen::Vector3d std_gyro_bias, std_accel_bias;
     /// 1 where a component (north, east, down) comes from a fix and so has the receiver's slow error in it, 0 where it does not.
     Eigen::Vector3d position_of_fix = Eigen::Vector3d::Zero(), velocity_of_fix = Eigen::Vector3d::Zero();
+    /// The heading is what the magnetometer or the sensor of the heading showed: it has the constant error in it that is a state of theirs.
+    bool heading_of_mag = false, heading_of_sensor = false;
     double std_mounting = 0.03;                   ///< rad
     /// rad: how far other headings lie that the fixes do not refute. What is reported covers them; the filter, which is linear, does not.
     double undecided_heading = 0.0;

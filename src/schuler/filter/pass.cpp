@@ -137,6 +137,8 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
             if (!bridged) walk.vibration.add(whole);
             noise = with_vibration(model_, walk.vibration, noise);
         }
+        constexpr double recently = 0.5;   // s
+        noise.standing = (whole.time - walk.last_still).seconds() < recently;
         const ImuIncrement inc = run_to_events(walk, whole, noise, observer);
         if (inc.dt > 0.0) step(walk, inc, noise, observer);
         if (bridged) walk.suspect = walk.filter.time();

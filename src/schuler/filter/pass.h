@@ -111,7 +111,7 @@ struct Walk {
 /// Noise of a step with what the unit shakes by.
 [[nodiscard]] inline BridgeNoise with_vibration(const InertialModel& model, const Vibration& vibration, const BridgeNoise& noise) {
     return {noise.gyro_psd + model.gyro_vibration * model.gyro_vibration * vibration.gyro_psd,
-            noise.accel_psd + model.accel_vibration * model.accel_vibration * vibration.accel_psd};
+            noise.accel_psd + model.accel_vibration * model.accel_vibration * vibration.accel_psd, noise.standing};
 }
 
 /// The other hypothesis about fixes that were refused, a walk of its own over the same data. A challenger says that the navigation was

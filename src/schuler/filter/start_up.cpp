@@ -231,6 +231,7 @@ void StartUp::course() {
 
 void StartUp::found(double heading, double std) {
     memory.has_heading = true;
+    memory.heading_of_mag = memory.heading_of_sensor = false;
     memory.psi = heading - yaw_in_level();
     memory.std_heading = std;
 }
@@ -245,6 +246,7 @@ void StartUp::compass() {
     const ins::Gyrocompass c = ins::gyrocompass(settings_.filter.earth, place, m.force / m.still, m.rate / m.still,
                                                 imu.accel_initial_bias(), gyro_std);
     m.has_heading = true;
+    m.heading_of_mag = m.heading_of_sensor = false;
     m.psi = c.rpy.z();   // body x had no heading in the level frame when it stood
     m.std_heading = 2.0 * c.std_rpy.z();
 }
@@ -270,12 +272,14 @@ void StartUp::add_mag(const Vector3d& field_b, double declination) {
     if (!stands() && (m.now - m.first).seconds() < patience) return;
     const Vector3d rpy = math::rpy_from_quaternion(m.q_wb);
     found(ins::heading_from_magnetometer(field_b, rpy.x(), rpy.y(), declination), settings_.filter.mag.bias_std);
+    m.heading_of_mag = true;
 }
 
 void StartUp::add_heading(const HeadingSample& s) {
     if (!memory.level) return;
     const double white = s.std > 0.0 ? s.std : settings_.filter.heading.std;
     found(s.heading, std::hypot(white, settings_.filter.heading.offset_std));
+    memory.heading_of_sensor = true;
 }
 
 Phase StartUp::phase() const {
@@ -306,6 +310,8 @@ Start StartUp::start_with(const Quaterniond& q_nb, const Vector3d& std_rpy) cons
     start.accel_bias = given.accel_bias;
     start.std_accel_bias.setConstant(s.imu.errors.accel_initial_bias());
     start.std_mounting = s.imu.mounting_std;
+    start.heading_of_mag = m.heading_of_mag && !std::isfinite(given.rpy.z());
+    start.heading_of_sensor = m.heading_of_sensor && !std::isfinite(given.rpy.z());
 
     Vector3d velocity = Vector3d::Zero(), std_velocity = Vector3d::Constant(s.vehicle == VehicleKind::Air ? 20.0 : 5.0);
     if (stands()) {

@@ -80,6 +80,7 @@ public:
         Time velocity_time{};
         // heading
         bool has_heading = false;
+        bool heading_of_mag = false, heading_of_sensor = false;
         double psi = 0.0, std_heading = 0.0;      ///< rad, of the level frame
         Eigen::Vector2d tilt = Eigen::Vector2d::Zero(), std_tilt = Eigen::Vector2d::Zero();   ///< about north and east, rad
     };

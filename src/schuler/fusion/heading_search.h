@@ -10,7 +10,7 @@ namespace schuler::fusion {
 /// What an instrument says of the heading at the start, rad.
 struct HeadingWitness {
     double heading = 0.0, std = 0.0;
-    const char* name = "";        ///< of the instrument, in sentences
+    bool by_mag = false;          ///< by the magnetometer; otherwise by a sensor of the heading
 };
 
 /// What all trials together know.

@@ -131,7 +131,7 @@ std::optional<HeadingWitness> magnetic_heading(const RunData& data, const Settin
         if (s.time < t0 || !s.field_b.allFinite() || !settings.mag.use) continue;
         const Eigen::Matrix3d C_level = ins::attitude_from_specific_force(level.f_b, level.f_n, 0.0).toRotationMatrix();
         const Vector3d field = C_level * (C_bs * s.field_b);
-        return HeadingWitness{math::wrap_2pi(data.declination - std::atan2(field.y(), field.x())), settings.mag.bias_std, "magnetometer"};
+        return HeadingWitness{math::wrap_2pi(data.declination - std::atan2(field.y(), field.x())), settings.mag.bias_std, true};
     }
     return std::nullopt;
 }
@@ -143,7 +143,7 @@ std::optional<HeadingWitness> sensed_heading(const RunData& data, const Settings
     for (const HeadingSample& s : data.recording->heading) {
         if (s.time < t0 || !std::isfinite(s.heading)) continue;
         if ((s.time - t0).seconds() > latest) break;
-        return HeadingWitness{s.heading, std::hypot(s.std > 0.0 ? s.std : settings.heading.std, settings.heading.offset_std), "heading sensor"};
+        return HeadingWitness{s.heading, std::hypot(s.std > 0.0 ? s.std : settings.heading.std, settings.heading.offset_std), false};
     }
     return std::nullopt;
 }
@@ -356,9 +356,13 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
     for (const GnssFix& fix : data.recording->gnss)
         if (fix.velocity_n.allFinite()) top_speed = std::max(top_speed, fix.velocity_n.norm());
     // Without motion: an instrument if there is one, otherwise unknown.
+    if (shown && !std::isfinite(given.rpy.z())) {
+        start.heading_of_mag = shown->by_mag;
+        start.heading_of_sensor = !shown->by_mag;
+    }
     if (shown)
         return finish(shown->heading, shown->std,
-                      fmt::format("heading {:.0f} deg from the {}, to {:.0f} deg", shown->heading / units::deg, shown->name,
+                      fmt::format("heading {:.0f} deg from the {}, to {:.0f} deg", shown->heading / units::deg, shown->by_mag ? "magnetometer" : "sensor of the heading",
                                   shown->std / units::deg));
     warnings.add("start.heading",
                  fmt::format("the heading cannot be found: {}; it starts at {} with 100 deg of uncertainty "

@@ -341,7 +341,15 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
     GnssSettings& g = settings.gnss;
     // What an autonomous receiver says of its accuracy is mostly of what it wanders, and minutes of a log do not show all of that.
     if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position && before.gnss.errors.correlated_position.isZero())
-        g.errors.correlated_position = g.errors.correlated_position.cwiseMax(stated_by_autonomous(recording).cwiseMin(most_wander * Vector3d(1.0, 1.0, 1.5)));
+    {
+        const Vector3d stated = stated_by_autonomous(recording), slow = g.errors.correlated_position.cwiseMax(stated.cwiseMin(most_wander * Vector3d(1.0, 1.0, 1.5)));
+        // What was fitted is what scatters: with a larger slow part the whole is larger, and not the white part smaller.
+        if (stated.x() > 0.0 && slow.x() > g.errors.correlated_position.x()) {
+            const double white = white_part(g.std_scale * stated.x(), g.errors.correlated_position.x());
+            g.std_scale = std::max(g.std_scale, std::hypot(white, slow.x()) / stated.x());
+        }
+        g.errors.correlated_position = slow;
+    }
     if (before.gnss.estimate_std && missing.position && !precise) {
         g.default_std_position = g.default_std_position.cwiseMax(least_white);
         if (before.gnss.errors.correlated_position.isZero())   // as large as what scatters, at least

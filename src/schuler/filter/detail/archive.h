@@ -140,7 +140,7 @@ SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, cn0, tx, veloc
 SCHULER_ARCHIVED(RangeEpoch, time, first, count)
 SCHULER_ARCHIVED(SolutionRow, time, position, v, rpy, std_position, std_velocity, std_rpy)
 
-SCHULER_ARCHIVED(BridgeNoise, gyro, accel)
+SCHULER_ARCHIVED(BridgeNoise, gyro, accel, standing)
 SCHULER_ARCHIVED(Bridge, first, last, noise)
 SCHULER_ARCHIVED(Event, valid, stamp, kind, components, withheld, outage, outage_end, change, index)
 SCHULER_ARCHIVED(StillWindow, end, length, rate, force)
@@ -159,7 +159,7 @@ SCHULER_ARCHIVED(StreamTimeline::Memory, any_imu, newest, last_settled, released
 SCHULER_ARCHIVED(StartUp::Fit, since, N, y, sum2, rows, v_w, p_w, has_origin, origin)
 SCHULER_ARCHIVED(StartUp::Memory, any, now, first, last, recent_dv, recent_time, still, still_end, rate, force, level, at_rest, q_wb,
                  std_level, gyro_bias, std_gyro_bias, rest_bias, fit, has_position, has_velocity, position, position_time, std_position,
-                 velocity, std_velocity, has_height, velocity_given, velocity_time, has_heading, psi, std_heading, tilt, std_tilt)
+                 velocity, std_velocity, has_height, velocity_given, velocity_time, has_heading, by_mag, by_sensor, psi, std_heading, tilt, std_tilt)
 
 template <class Sample>
 void archive(Archive& a, SamplePool<Sample>& pool) {
