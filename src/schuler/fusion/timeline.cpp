@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/filter/event_maker.h"
 #include "schuler/filter/imu_intervals.h"
+#include "schuler/fusion/gnss_faults.h"
 #include "schuler/fusion/imu_faults.h"
 #include "schuler/math/quantile.h"
 
@@ -169,8 +170,9 @@ void add_events(const std::vector<Sample>& samples, AidKind kind, std::uint8_t c
 std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings) {
     std::vector<Event> events;
     EventMaker maker(settings, origin);
+    const FrozenFixes frozen = frozen_fixes(recording.gnss, settings.earth);
     for (std::size_t i = 0; i < recording.gnss.size(); ++i)
-        maker.gnss(recording.gnss[i], i, [&](const Event& e) { events.push_back(e); });
+        maker.gnss(frozen.without(recording.gnss[i], i), i, [&](const Event& e) { events.push_back(e); });
     add_events(recording.baro, AidKind::Baro, 4, maker, events);
     add_events(recording.mag, AidKind::Mag, 1, maker, events);
     add_events(recording.odometer, AidKind::Odometer, 1, maker, events);
@@ -180,6 +182,10 @@ std::vector<Event> make_events(const Recording& recording, const Settings& setti
     const std::size_t repeated = maker.memory.repeated;
     if (repeated > 0)
         warnings.add("gnss.duplicates", fmt::format("{} GNSS epochs repeat the one before them and were left out", repeated));
+    if (frozen.any())
+        warnings.add("gnss.frozen", fmt::format("the receiver hung: {} positions and {} velocities, the first {:.1f} s after the first fix, repeat the "
+                                                "ones before to the last digit while it moved; they were left out",
+                                                frozen.positions, frozen.velocities, (*frozen.first - origin).seconds()));
     std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.valid < b.valid; });
     withhold_before_ends(events);
     return events;
