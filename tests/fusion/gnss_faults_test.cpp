@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -92,6 +93,39 @@ TEST(FrozenFixes, OneThatHangsFromRestOnShowsItByTheLeapAtItsEnd) {
         EXPECT_EQ(found.positions, 140u);
         EXPECT_EQ(found.velocities, velocities ? 140u : 0u);
     }
+}
+
+/// Metres east for the fixes of [first, end): at once, and growing by the second.
+void stray(std::vector<GnssFix>& fixes, std::size_t first, std::size_t end, double at_once, double rate) {
+    for (std::size_t i = first; i < end; ++i)
+        fixes[i].position = earth::moved_by_ned({}, fixes[i].position, {0.0, at_once + rate * 0.2 * static_cast<double>(i - first), 0.0});
+}
+
+std::size_t count(const std::vector<bool>& marked) { return static_cast<std::size_t>(std::ranges::count(marked, true)); }
+
+TEST(StrayedPositions, OnesThatComeBackToTheWayOfTheVelocitiesAreNamed) {
+    const earth::Earth earth;
+    auto ramp = drive(0.5, 0.0);
+    stray(ramp, 200, 300, 0.0, 2.0);   // 40 m in the end
+    const auto ramped = strayed_positions(ramp, earth);
+    for (std::size_t i = 225; i < 300; ++i) EXPECT_TRUE(ramped[i]) << i;
+    for (std::size_t i = 300; i < ramp.size(); ++i) EXPECT_FALSE(ramped[i]) << i;
+}
+
+TEST(StrayedPositions, NobodyIsNamedWhereTheWayDoesNotClose) {
+    const earth::Earth earth;
+    EXPECT_EQ(count(strayed_positions(drive(1.0, 0.0), earth)), 0u);
+    EXPECT_EQ(count(strayed_positions(drive(0.0, 11.0), earth)), 0u);
+    EXPECT_EQ(count(strayed_positions(drive(1.0, 0.0, false), earth)), 0u);
+    auto stays = drive(0.5, 0.0);
+    stray(stays, 200, stays.size(), 40.0, 0.0);
+    EXPECT_EQ(count(strayed_positions(stays, earth)), 0u);
+    auto level = drive(0.5, 0.0);   // a jump and a jump back
+    stray(level, 200, 300, 40.0, 0.0);
+    EXPECT_EQ(count(strayed_positions(level, earth)), 0u);
+    auto velocities = drive(0.5, 0.0);   // wrong ones
+    for (std::size_t i = 200; i < 300; ++i) velocities[i].velocity_n.y() += 3.0;
+    EXPECT_EQ(count(strayed_positions(velocities, earth)), 0u);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "schuler/fusion/gnss_faults.h"
 
+#include "schuler/math/quantile.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -143,6 +145,110 @@ FrozenFixes frozen_fixes(const std::vector<GnssFix>& fixes, const earth::Earth& 
     out.position = std::move(positions.marked);
     out.velocity = std::move(velocities.marked);
     return out;
+}
+
+namespace {
+
+/// Positions less the way by the stated velocities. Constant where both are right.
+class Misclosure {
+public:
+    Misclosure(const std::vector<GnssFix>& fixes, const earth::Earth& earth) : track_(fixes, earth) {
+        const std::size_t n = track_.size();
+        off_.assign(n, Vector2d::Zero());
+        broken_.assign(n, false);
+        std::vector<double> steps, drifts;
+        for (std::size_t k = 1; k < n; ++k) {
+            const double dt = track_.seconds(k - 1, k);
+            broken_[k] = !(dt > 0.0 && dt < longest_step && velocity(k - 1).allFinite() && velocity(k).allFinite());
+            if (broken_[k]) continue;
+            off_[k] = off_[k - 1] + track_.way(k - 1, k) - 0.5 * dt * (velocity(k - 1) + velocity(k));
+            steps.push_back((off_[k] - off_[k - 1]).norm());
+        }
+        for (std::size_t from = 0, k = 1; k < n; ++k) {
+            if (broken_[k]) from = k;
+            if (track_.seconds(from, k) < drift_span) continue;
+            drifts.push_back((off_[k] - off_[from]).norm() / track_.seconds(from, k));
+            from = k;
+        }
+        if (!steps.empty()) scatter_ = math::median(std::move(steps));
+        if (!drifts.empty()) drift_ = std::clamp(2.0 * math::median(std::move(drifts)), 0.01, 0.1);
+    }
+
+    [[nodiscard]] const Track& track() const { return track_; }
+    /// Whether the step to k is a leap of the positions.
+    [[nodiscard]] bool leaps(std::size_t k) const {
+        if (broken_[k]) return false;
+        const double late = latency * (velocity(k) - velocity(k - 1)).norm();
+        return (off_[k] - off_[k - 1]).norm() > std::max(3.0, sigmas * std::sqrt(2.0) * noise(k)) + late;
+    }
+    /// The last fix before `back` that was where the track is from `back` on; none within two minutes: `back` itself.
+    [[nodiscard]] std::size_t left(std::size_t back) const {
+        if (back + around > track_.size()) return back;
+        Vector2d level;
+        for (int axis = 0; axis < 2; ++axis) {
+            std::vector<double> values;
+            for (std::size_t k = back; k < back + around; ++k) values.push_back(off_[k](axis));
+            level(axis) = math::median(std::move(values));
+        }
+        const auto at_level = [&](std::size_t k) { return (off_[k] - level).norm() <= agreed(back, k); };
+        if (!held(back, at_level)) return back;
+        for (std::size_t k = back; k-- > around && !broken_[k + 1] && track_.seconds(k, back) < longest;)
+            if (k + 1 < back && at_level(k) && held(k + 1 - around, at_level)) return onset(k, back, level);
+        return back;
+    }
+
+    /// Whether the positions of a stretch are not just at another level: that is a jump and a jump back.
+    [[nodiscard]] bool wanders(std::size_t first, std::size_t last) const { return (off_[last] - off_[first]).norm() > agreed(first, last); }
+
+private:
+    static constexpr double longest_step = 3.0, longest = 120.0, drift_span = 30.0;   // s
+    static constexpr double latency = 0.5;                                            // s, of position against velocity
+    static constexpr std::size_t around = 5;
+
+    [[nodiscard]] Vector2d velocity(std::size_t k) const { return track_.fix(k).velocity_n.head<2>(); }
+    [[nodiscard]] double noise(std::size_t k) const {
+        const double stated = track_.fix(k).std_position.head<2>().norm();
+        return std::max(scatter_, std::isfinite(stated) ? std::min(stated, 10.0) : 0.0);
+    }
+    [[nodiscard]] double agreed(std::size_t back, std::size_t k) const {
+        return std::max(1.0, 0.5 * sigmas * noise(back)) + drift_ * std::abs(track_.seconds(k, back));
+    }
+    template <class At>
+    [[nodiscard]] bool held(std::size_t first, At&& at_level) const {
+        std::size_t n = 0;
+        for (std::size_t k = first; k < first + around; ++k) n += at_level(k) ? 1 : 0;
+        return n + 1 >= around;
+    }
+    /// Positions that go little by little left before they were seen to: back along their way.
+    [[nodiscard]] std::size_t onset(std::size_t k, std::size_t back, const Vector2d& level) const {
+        const double span = track_.seconds(k, back - 1), way = (off_[back - 1] - level).norm();
+        if (!(span > 0.0) || (off_[k + 1] - level).norm() > 2.0 * agreed(back, k)) return k;
+        const double earlier = std::min(0.5 * span, agreed(back, k) * span / std::max(way, 1.0));
+        std::size_t first = k;
+        while (first > 0 && !broken_[first] && track_.seconds(first - 1, k) < earlier) --first;
+        return first;
+    }
+
+    Track track_;
+    std::vector<Vector2d> off_;
+    std::vector<bool> broken_;   // no way is known to this fix
+    double scatter_ = 0.0;       // m, between neighbours
+    double drift_ = 0.1;         // m/s, of the misclosure in this log
+};
+
+}  // namespace
+
+std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
+    const Misclosure misclosure(fixes, earth);
+    const Track& track = misclosure.track();
+    Marks strayed{std::vector<bool>(fixes.size(), false)};
+    for (std::size_t k = 1; k < track.size(); ++k) {
+        if (!misclosure.leaps(k)) continue;
+        const std::size_t left = misclosure.left(k);
+        if (left + 1 < k && misclosure.wanders(left + 1, k - 1)) strayed.mark(track, left, k - 1);
+    }
+    strayed.settle(track.size());
+    return strayed.marked;
 }
 
 }  // namespace schuler::fusion
