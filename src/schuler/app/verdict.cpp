@@ -45,6 +45,8 @@ constexpr std::array table{
     Row{"time.overlap", Gravity::Care},
     Row{"imu.hole", Gravity::Care},
     Row{"imu.stuck", Gravity::Care},
+    Row{"gnss.frozen", Gravity::Care},
+    Row{"gnss.strayed", Gravity::Care},
     Row{"contradiction.", Gravity::Care},
     Row{"gnss.fix.unknown", Gravity::Care},
     Row{"gnss.klobuchar", Gravity::Care},

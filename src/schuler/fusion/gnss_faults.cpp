@@ -1,0 +1,254 @@
+#include "schuler/fusion/gnss_faults.h"
+
+#include "schuler/math/quantile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace schuler::fusion {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr std::size_t least_fixes = 3;
+constexpr double least_span = 2.0;       // s
+constexpr double least_way = 5.0;        // m
+constexpr double velocity_error = 0.3;   // m/s, lasting one of a stated velocity
+constexpr double digits = 3.0, sigmas = 5.0;
+constexpr std::size_t most_runs = 20;
+
+bool has_position(const GnssFix& f) { return f.fix != FixType::None && std::isfinite(f.position.lat) && std::isfinite(f.position.lon); }
+
+/// Exactly equal, or both absent.
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+bool same_position(const GnssFix& a, const GnssFix& b) {
+    return a.position.lat == b.position.lat && a.position.lon == b.position.lon && same(a.position.h, b.position.h);
+}
+bool same_velocity(const GnssFix& a, const GnssFix& b) {
+    return a.velocity_n.head<2>().allFinite() && a.velocity_n.head<2>() == b.velocity_n.head<2>() && same(a.velocity_n.z(), b.velocity_n.z());
+}
+
+/// A log's fixes that have a position.
+class Track {
+public:
+    Track(const std::vector<GnssFix>& fixes, const earth::Earth& earth) : fixes_(fixes), earth_(earth) {
+        for (std::size_t i = 0; i < fixes.size(); ++i)
+            if (has_position(fixes[i])) index_.push_back(i);
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t k = 1; k < size(); ++k) {
+            const Vector2d step = way(k - 1, k).cwiseAbs();
+            for (const double s : step)
+                if (s > 1e-4) least = std::min(least, s);   // below: rounding of degrees
+        }
+        if (std::isfinite(least)) digit_ = least;
+    }
+
+    [[nodiscard]] std::size_t size() const { return index_.size(); }
+    [[nodiscard]] std::size_t index(std::size_t k) const { return index_[k]; }
+    [[nodiscard]] const GnssFix& fix(std::size_t k) const { return fixes_[index_[k]]; }
+    [[nodiscard]] double seconds(std::size_t from, std::size_t to) const { return (fix(to).time - fix(from).time).seconds(); }
+    /// North, east, m.
+    [[nodiscard]] Vector2d way(std::size_t from, std::size_t to) const {
+        return earth::ned_difference(earth_, fix(to).position, fix(from).position).head<2>();
+    }
+    /// The way by the stated velocities; those that are absent count as none.
+    [[nodiscard]] Vector2d way_by_velocities(std::size_t from, std::size_t to) const {
+        Vector2d sum = Vector2d::Zero();
+        for (std::size_t k = from + 1; k <= to; ++k) {
+            const Vector2d v = fix(k).velocity_n.head<2>();
+            if (v.allFinite()) sum += v * seconds(k - 1, k);
+        }
+        return sum;
+    }
+    /// m: what two positions may differ by, and a velocity add to it in `span` seconds, without contradiction.
+    [[nodiscard]] double allowed(std::size_t k, double span) const {
+        const double stated = fix(k).std_position.head<2>().norm();
+        const double sigma = std::isfinite(stated) ? std::clamp(stated, 0.5, 10.0) : 3.0;   // m; absurd ones are no measure
+        return std::max({least_way, sigmas * sigma, digits * digit_}) + velocity_error * span;
+    }
+
+private:
+    const std::vector<GnssFix>& fixes_;
+    const earth::Earth& earth_;
+    std::vector<std::size_t> index_;
+    double digit_ = 0.0;   // m, the smallest step of the log
+};
+
+/// `run(first, last)` for every run of fixes that equal the one before; first is the one that is repeated.
+template <class Same, class Run>
+void for_each_run(const Track& track, Same&& same_as, Run&& run) {
+    for (std::size_t first = 0, k = 1; k <= track.size(); ++k) {
+        if (k < track.size() && same_as(track.fix(k - 1), track.fix(k))) continue;
+        const std::size_t last = k - 1;
+        if (last - first + 1 >= least_fixes && track.seconds(first, last) >= least_span) run(first, last);
+        first = k;
+    }
+}
+
+/// Whether positions that repeat from `first` to `last` end with a leap beyond what the track does afterwards.
+bool ends_with_leap(const Track& track, std::size_t first, std::size_t last) {
+    if (last + 2 >= track.size()) return false;
+    const double step = track.seconds(last, last + 1), next = track.seconds(last + 1, last + 2);
+    if (!(step > 0.0 && next > 0.0) || step > 0.5 * track.seconds(first, last)) return false;   // an outage: it may have moved since
+    const double usual = track.way(last + 1, last + 2).norm() * step / next;
+    return track.way(last, last + 1).norm() > 2.0 * track.allowed(last, step) + 3.0 * usual;
+}
+
+struct Marks {
+    std::vector<bool> marked;
+    std::size_t runs = 0;
+    void mark(const Track& track, std::size_t first, std::size_t last) {
+        for (std::size_t k = first + 1; k <= last; ++k) marked[track.index(k)] = true;
+        ++runs;
+    }
+    /// Number of the marked, none where to hold values is the custom of this log.
+    std::size_t settle(std::size_t fixes) {
+        const auto count = static_cast<std::size_t>(std::ranges::count(marked, true));
+        if (3 * count <= fixes && runs <= most_runs) return count;
+        std::fill(marked.begin(), marked.end(), false);
+        return 0;
+    }
+};
+
+}  // namespace
+
+GnssFix FrozenFixes::without(const GnssFix& fix, std::size_t index) const {
+    GnssFix out = fix;
+    if (!any()) return out;
+    constexpr double absent = std::numeric_limits<double>::quiet_NaN();
+    if (position[index]) out.position = {absent, absent, absent};
+    if (velocity[index]) out.velocity_n.setConstant(absent);
+    return out;
+}
+
+FrozenFixes frozen_fixes(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
+    FrozenFixes out;
+    const Track track(fixes, earth);
+    Marks positions{std::vector<bool>(fixes.size(), false)}, velocities = positions;
+    for_each_run(track, same_position, [&](std::size_t first, std::size_t last) {
+        const bool led_away = track.way_by_velocities(first, last).norm() > track.allowed(first, track.seconds(first, last));
+        if (led_away || ends_with_leap(track, first, last)) positions.mark(track, first, last);
+    });
+    for_each_run(track, same_velocity, [&](std::size_t first, std::size_t last) {
+        bool along = true;   // with positions that hang
+        for (std::size_t k = first + 1; k <= last; ++k) along &= positions.marked[track.index(k)];
+        const Vector2d off = track.way(first, last) - track.way_by_velocities(first, last);
+        if (along || off.norm() > track.allowed(first, track.seconds(first, last))) velocities.mark(track, first, last);
+    });
+    out.positions = positions.settle(track.size());
+    out.velocities = velocities.settle(track.size());
+    for (std::size_t i = 0; i < fixes.size() && !out.first; ++i)
+        if (positions.marked[i] || velocities.marked[i]) out.first = fixes[i].time;
+    if (!out.first) return out;
+    out.position = std::move(positions.marked);
+    out.velocity = std::move(velocities.marked);
+    return out;
+}
+
+namespace {
+
+/// Positions less the way by the stated velocities. Constant where both are right.
+class Misclosure {
+public:
+    Misclosure(const std::vector<GnssFix>& fixes, const earth::Earth& earth) : track_(fixes, earth) {
+        const std::size_t n = track_.size();
+        off_.assign(n, Vector2d::Zero());
+        broken_.assign(n, false);
+        std::vector<double> steps, drifts;
+        for (std::size_t k = 1; k < n; ++k) {
+            const double dt = track_.seconds(k - 1, k);
+            broken_[k] = !(dt > 0.0 && dt < longest_step && velocity(k - 1).allFinite() && velocity(k).allFinite());
+            if (broken_[k]) continue;
+            off_[k] = off_[k - 1] + track_.way(k - 1, k) - 0.5 * dt * (velocity(k - 1) + velocity(k));
+            steps.push_back((off_[k] - off_[k - 1]).norm());
+        }
+        for (std::size_t from = 0, k = 1; k < n; ++k) {
+            if (broken_[k]) from = k;
+            if (track_.seconds(from, k) < drift_span) continue;
+            drifts.push_back((off_[k] - off_[from]).norm() / track_.seconds(from, k));
+            from = k;
+        }
+        if (!steps.empty()) scatter_ = math::median(std::move(steps));
+        if (!drifts.empty()) drift_ = std::clamp(2.0 * math::median(std::move(drifts)), 0.01, 0.1);
+    }
+
+    [[nodiscard]] const Track& track() const { return track_; }
+    /// Whether the step to k is a leap of the positions.
+    [[nodiscard]] bool leaps(std::size_t k) const {
+        if (broken_[k]) return false;
+        const double late = latency * (velocity(k) - velocity(k - 1)).norm();
+        return (off_[k] - off_[k - 1]).norm() > std::max(3.0, sigmas * std::sqrt(2.0) * noise(k)) + late;
+    }
+    /// The last fix before `back` that was where the track is from `back` on; none within two minutes: `back` itself.
+    [[nodiscard]] std::size_t left(std::size_t back) const {
+        if (back + around > track_.size()) return back;
+        Vector2d level;
+        for (int axis = 0; axis < 2; ++axis) {
+            std::vector<double> values;
+            for (std::size_t k = back; k < back + around; ++k) values.push_back(off_[k](axis));
+            level(axis) = math::median(std::move(values));
+        }
+        const auto at_level = [&](std::size_t k) { return (off_[k] - level).norm() <= agreed(back, k); };
+        if (!held(back, at_level)) return back;
+        for (std::size_t k = back; k-- > around && !broken_[k + 1] && track_.seconds(k, back) < longest;)
+            if (k + 1 < back && at_level(k) && held(k + 1 - around, at_level)) return onset(k, back, level);
+        return back;
+    }
+
+    /// Whether the positions of a stretch are not just at another level: that is a jump and a jump back.
+    [[nodiscard]] bool wanders(std::size_t first, std::size_t last) const { return (off_[last] - off_[first]).norm() > agreed(first, last); }
+
+private:
+    static constexpr double longest_step = 3.0, longest = 120.0, drift_span = 30.0;   // s
+    static constexpr double latency = 0.5;                                            // s, of position against velocity
+    static constexpr std::size_t around = 5;
+
+    [[nodiscard]] Vector2d velocity(std::size_t k) const { return track_.fix(k).velocity_n.head<2>(); }
+    [[nodiscard]] double noise(std::size_t k) const {
+        const double stated = track_.fix(k).std_position.head<2>().norm();
+        return std::max(scatter_, std::isfinite(stated) ? std::min(stated, 10.0) : 0.0);
+    }
+    [[nodiscard]] double agreed(std::size_t back, std::size_t k) const {
+        return std::max(1.0, 0.5 * sigmas * noise(back)) + drift_ * std::abs(track_.seconds(k, back));
+    }
+    template <class At>
+    [[nodiscard]] bool held(std::size_t first, At&& at_level) const {
+        std::size_t n = 0;
+        for (std::size_t k = first; k < first + around; ++k) n += at_level(k) ? 1 : 0;
+        return n + 1 >= around;
+    }
+    /// Positions that go little by little left before they were seen to: back along their way.
+    [[nodiscard]] std::size_t onset(std::size_t k, std::size_t back, const Vector2d& level) const {
+        const double span = track_.seconds(k, back - 1), way = (off_[back - 1] - level).norm();
+        if (!(span > 0.0) || (off_[k + 1] - level).norm() > 2.0 * agreed(back, k)) return k;
+        const double earlier = std::min(0.5 * span, agreed(back, k) * span / std::max(way, 1.0));
+        std::size_t first = k;
+        while (first > 0 && !broken_[first] && track_.seconds(first - 1, k) < earlier) --first;
+        return first;
+    }
+
+    Track track_;
+    std::vector<Vector2d> off_;
+    std::vector<bool> broken_;   // no way is known to this fix
+    double scatter_ = 0.0;       // m, between neighbours
+    double drift_ = 0.1;         // m/s, of the misclosure in this log
+};
+
+}  // namespace
+
+std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
+    const Misclosure misclosure(fixes, earth);
+    const Track& track = misclosure.track();
+    Marks strayed{std::vector<bool>(fixes.size(), false)};
+    for (std::size_t k = 1; k < track.size(); ++k) {
+        if (!misclosure.leaps(k)) continue;
+        const std::size_t left = misclosure.left(k);
+        if (left + 1 < k && misclosure.wanders(left + 1, k - 1)) strayed.mark(track, left, k - 1);
+    }
+    strayed.settle(track.size());
+    return strayed.marked;
+}
+
+}  // namespace schuler::fusion
