@@ -246,10 +246,11 @@ TEST(SyntheticCar, HeaderlessIncrementsAsKfGinsWritesThem) {
     EXPECT_NEAR(number_of(r, "gnss.latency_s"), 0.0, 0.04);
 }
 
-TEST(SyntheticCar, NoTimeInCommonIsAnErrorWithAMend) {
+TEST(SyntheticCar, NoTimeInCommonIsAnErrorWithAMendWhereNothingMoves) {
     const auto folder = fresh_folder("apart");
     CarLog car;
     car.gnss_start = 900000.0;
+    car.duration = 20.0;
     write_car(folder, car);
     const InspectReport r = inspect(folder);
     ASSERT_TRUE(has_problem(r, Level::Error, "have no time in common"));

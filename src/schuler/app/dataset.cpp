@@ -42,6 +42,10 @@ void resolve(Dataset& d, const fs::path& path, Needs needs, const SettingList& g
         // axes of time are the loader's where it knows dates; names are the folder's
         std::erase_if(r.facts, [](const Fact& f) { return f.key == "name"; });
     }
+    if (r.report.refusal && needs == Needs::ImuAndGnss) {
+        const inspect::Refusal& refused = *r.report.refusal;
+        throw input_error(refused.text, {refused.file, 0, 0, refused.key}, refused.mend);
+    }
     const std::string origin = "found in " + path.string();
     d.settings = completed(settings_of(r.facts, origin), given);
     d.facts = std::move(r.facts);

@@ -241,6 +241,21 @@ void settle_rollover(Recording& r) {
     });
 }
 
+/// The clock of the IMU and of what was logged with it ran fast: their seconds as the receiver's clock tells them, from the IMU's first.
+void settle_drift(Recording& r, double drift) {
+    if (drift == 0.0 || r.imu.empty()) return;
+    const Time from = r.imu.front().time;
+    const auto each = [&](auto& log) {
+        for (auto& sample : log) sample.time = sample.time + Duration::from_seconds(-drift * (sample.time - from).seconds());
+    };
+    each(r.imu);
+    each(r.baro);
+    each(r.mag);
+    each(r.odometer);
+    each(r.gauges);
+    each(r.body_velocity);
+}
+
 /// Gravity must show in the accelerometers: a wrong unit is said before a filter makes nonsense of it.
 void check_gravity(const LoadedDataset& data, const fs::path& folder) {
     const std::vector<ImuSample>& imu = data.recording.imu;
@@ -349,6 +364,7 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     read_gnss(dataset.folder, out, warnings);
     read_ranges(dataset.folder, out, warnings);
     settle_rollover(out.recording);
+    settle_drift(out.recording, out.config.clock_drift);
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);

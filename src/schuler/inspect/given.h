@@ -18,7 +18,7 @@ struct GivenFile {
     std::string name;                              ///< as the user writes it
     std::map<std::string, std::string> columns;    ///< canonical name = the file's name
     std::map<std::string, double> scale;           ///< canonical name = factor to the canonical unit
-    double time_offset = 0.0;                      ///< s, added to the file's times
+    double time_offset = 0.0;                      ///< s, added to the file's times, named or not
 };
 
 struct Given {

@@ -101,6 +101,14 @@ void choose_files(Study& study) {
     study.baro_file = choose(study, io::TableKind::Baro, "baro");
     study.mag_file = choose(study, io::TableKind::Mag, "mag");
     study.reference_file = choose(study, io::TableKind::Reference, "reference");
+    const auto shift = [](LoadedFile* file, const GivenFile& given) {
+        if (file != nullptr && !file->as.kind) file->add_to_times(given.time_offset);
+    };
+    shift(study.imu_file, study.given.imu);
+    shift(study.gnss_file, study.given.gnss);
+    shift(study.baro_file, study.given.baro);
+    shift(study.mag_file, study.given.mag);
+    shift(study.reference_file, study.given.reference);
 }
 
 void report_lacking(Study& study) {
@@ -212,6 +220,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     if (study.mag_file != nullptr) study.mag_units = detail::judge_units(*study.mag_file);
     report_lacking(study);
     detail::judge_time(study);
+    detail::judge_clock(study);
     detail::study_motion(study);
     detail::judge_vehicle(study);
     detail::judge_imu(study);
@@ -227,6 +236,8 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     report.findings = std::move(study.findings);
     report.problems = std::move(study.problems);
     report.contradictions = std::move(study.contradictions);
+    report.doubts = std::move(study.doubts);
+    report.refusal = std::move(study.refusal);
     report.facts = study.draft.facts();
     std::ranges::move(study.stated, std::back_inserter(report.facts));
     std::erase_if(report.facts, [&](const Fact& fact) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,12 @@ struct Contradiction {
     std::string text;                 ///< both values, in one sentence
 };
 
+/// Why a data set cannot be used as it is given.
+struct Refusal {
+    std::string file, key;            ///< relative to the folder; of dataset.toml
+    std::string text, mend;
+};
+
 struct InspectReport {
     std::string path;
     std::vector<FileReport> files;  ///< in order of their names
@@ -58,6 +65,8 @@ struct InspectReport {
     std::vector<Problem> problems;  ///< of the set as a whole
     std::vector<Fact> facts;  ///< the settings that the files state or show, those that are given left out
     std::vector<Contradiction> contradictions;
+    std::vector<std::string> doubts;  ///< what was taken otherwise than the files say it, with the evidence
+    std::optional<Refusal> refusal;
     std::string dataset_toml;  ///< commented, parsable; empty where nothing usable was found
 };
 

@@ -240,6 +240,29 @@ void judge_samples(Study& study) {
     }
 }
 
+/// Offset and drift of the clock of the IMU and of what was logged with it.
+void draft_clock(Study& study) {
+    const double weeks = study.dated_fixes_move() ? 0.0 : study.imu_shift;
+    const double offset = weeks + study.clock_shift;
+    if (offset != 0.0 && !study.given.has("imu.time_offset_s")) {
+        const std::string why = study.clock_shift == 0.0 ? "likely: whole weeks, to meet the dated GNSS times" : "likely: " + study.clock_evidence;
+        const double sigma = study.clock_sigma > 0.0 ? study.clock_sigma : not_given;
+        study.draft.set("imu", "time_offset_s", offset, why, true, Known::Found, sigma);
+        const FileReport& imu = study.imu_file->report;
+        const auto along = [&](const LoadedFile* file, const char* section) {
+            if (file == nullptr || study.given.has(std::string(section) + ".time_offset_s")) return;
+            const double common = std::min(file->report.stop_s, imu.stop_s) - std::max(file->report.start_s, imu.start_s);
+            if (common > 0.5 * std::min(file->report.stop_s - file->report.start_s, imu.stop_s - imu.start_s))
+                study.draft.set(section, "time_offset_s", offset, "on the clock of the IMU", true, Known::Found, sigma);
+        };
+        along(study.baro_file, "baro");
+        along(study.mag_file, "mag");
+    }
+    if (study.clock_drift != 0.0)
+        study.draft.set("imu", "clock_drift_ppm", study.clock_drift,
+                        "likely: the lag of the GNSS behind the IMU grows by this along the log", true, Known::Found, study.clock_drift_sigma);
+}
+
 }  // namespace
 
 void judge_imu(Study& study) {
@@ -254,9 +277,7 @@ void judge_imu(Study& study) {
                     true, Known::File);
     if (increments) study.draft.set("imu", "stamp", std::string("end"), "usual for increments", true, Known::Default);
     draft_columns(study, "imu", *study.imu_file, study.imu_units);
-    if (study.imu_shift != 0.0 && !study.dated_fixes_move())
-        study.draft.set("imu", "time_offset_s", study.imu_shift,
-                        "likely: whole weeks, to meet the dated GNSS times");
+    draft_clock(study);
     judge_axes(study);
     judge_mounting(study);
     check_given_axes(study);

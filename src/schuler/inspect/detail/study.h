@@ -10,6 +10,7 @@
 #include "schuler/inspect/detail/units_by_value.h"
 #include "schuler/inspect/inspect.h"
 
+#include <optional>
 #include <vector>
 
 namespace schuler::inspect::detail {
@@ -28,6 +29,13 @@ struct Study {
     GnssSeries gnss;
     std::vector<ReferenceSample> reference;
     double imu_shift = 0.0;               ///< s that were added to the IMU's times to meet the GNSS (whole weeks)
+    double clock_shift = 0.0;             ///< s added beyond that, by motion
+    double clock_sigma = 0.0;             ///< s; 0 of a shift that clocks are known to make
+    std::string clock_evidence;
+    double clock_drift = 0.0;             ///< ppm by which the IMU's clock runs fast; taken out of `imu`
+    double clock_drift_sigma = 0.0;
+    std::optional<Refusal> refusal;
+    std::vector<std::string> doubts;      ///< what was taken otherwise than written
     double gravity = 9.80665;             ///< m/s^2, local where the position is known
     bool overlap = false;                 ///< IMU and GNSS have at least 10 s in common
 
@@ -59,6 +67,7 @@ struct Study {
 
 /// Each judge reads the study, adds findings, problems and lines of the draft. Order as listed.
 void judge_time(Study& study);           ///< scale, overlap, series
+void judge_clock(Study& study);          ///< shifts the IMU's series where the motion shows it
 void study_motion(Study& study);         ///< gyro unit, rest, fits, travel, mounting: what the others read
 void judge_vehicle(Study& study);        ///< rest, kind
 void judge_imu(Study& study);            ///< axes, mounting, noise, saturation
@@ -67,6 +76,9 @@ void judge_latency(Study& study);
 void judge_baro(Study& study);
 void judge_mag(Study& study);
 void judge_reference(Study& study);
+
+/// Whether a fit shows the lag of the GNSS behind the IMU.
+[[nodiscard]] bool shows_lag(const MotionFit& fit);
 
 /// The columns and scale lines of a section, where names or units need saying.
 void draft_columns(Study& study, const std::string& section, const LoadedFile& file, const std::vector<UnitChange>& units);
