@@ -374,7 +374,8 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     out.facts = dataset.facts;
     for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
     for (const inspect::Contradiction& c : dataset.contradictions)
-        warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; the given value is used", c.key, c.text));
+        warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; {} is used", c.key, c.text,
+                                                            c.better ? "what they show, " + to_text(*c.better) + "," : std::string("the given value")));
     out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return out;
 }

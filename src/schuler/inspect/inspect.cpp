@@ -111,6 +111,23 @@ void choose_files(Study& study) {
     shift(study.reference_file, study.given.reference);
 }
 
+/// Logs with the names of the interface and nothing else to be found in them: speed by wheels, heading.
+void choose_plain_aids(Study& study) {
+    if (!study.given.find_aids) return;
+    for (const char* section : {"odometer", "heading"}) {
+        const bool named = study.given.has(std::string(section) + ".file") || (section == std::string_view("heading") && study.given.has("compass.file"));
+        for (LoadedFile& file : study.files) {
+            if (named || file.report.kind != section) continue;
+            if (study.draft.has(section)) {
+                study.problem(Level::Info, fmt::format("{} could be [{}] as well; the first by name was taken", file.report.path, section), "");
+                continue;
+            }
+            file.report.chosen = true;
+            study.draft.set(section, "file", file.report.path, fmt::format("{:.4g} Hz", file.report.rate_hz));
+        }
+    }
+}
+
 void report_lacking(Study& study) {
     const auto any = [&](const char* kind) {
         return std::any_of(study.files.begin(), study.files.end(), [&](const LoadedFile& f) { return f.report.kind == kind; });
@@ -219,6 +236,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     if (study.gnss_file != nullptr) study.gnss_units = detail::judge_units(*study.gnss_file);
     if (study.mag_file != nullptr) study.mag_units = detail::judge_units(*study.mag_file);
     report_lacking(study);
+    detail::judge_coordinates(study);
     detail::judge_time(study);
     detail::judge_clock(study);
     detail::study_motion(study);
@@ -229,6 +247,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     detail::judge_baro(study);
     detail::judge_mag(study);
     detail::judge_reference(study);
+    choose_plain_aids(study);
 
     InspectReport report;
     report.path = path.string();

@@ -50,6 +50,8 @@ struct Finding {
 struct Contradiction {
     std::string key;
     std::string text;                 ///< both values, in one sentence
+    std::optional<FactValue> better;  ///< what the data show, where the given value is refuted beyond doubt and this is used instead
+    double sigma = not_given;         ///< of it
 };
 
 /// Why a data set cannot be used as it is given.

@@ -142,6 +142,23 @@ std::string grade_for(double gyro_noise, double accel_noise, double gyro_bias) {
     return gyro_bias < 4.0 * sensor::imu_grade("consumer").gyro_initial_bias() ? "consumer" : "adis16405";
 }
 
+/// A given grade whose biases cannot be is refuted. Noise above its own may be vibration: it is then measured instead of believed.
+void check_given_grade(Study& study, const std::string& found, double bias, double noise) {
+    const Given& given = study.given;
+    if (!given.gyro_bias || !study.still.any()) return;
+    constexpr double earth_rate = 7.3e-5, many = 6.0, louder = 5.0;
+    if (bias > many * *given.gyro_bias + 2.0 * earth_rate) {
+        study.refutes("imu.grade",
+                      fmt::format("its gyros' biases are {:.2g} deg/s at switch-on; at rest they turn at {:.2g} deg/s", *given.gyro_bias * per_deg, bias * per_deg),
+                      found);
+    } else if (noise > louder * *given.gyro_noise && !given.has("imu.estimate_noise")) {
+        study.contradicts("imu.grade", fmt::format("its gyros' noise is {:.2g} deg/sqrt(h); at its quietest the log has {:.2g}, by noise or vibration: "
+                                                   "noise is measured",
+                                                   *given.gyro_noise / units::deg_per_sqrt_hour, noise / units::deg_per_sqrt_hour));
+        study.draft.set("imu", "estimate_noise", true, "the log is louder than the grade that is given");
+    }
+}
+
 void judge_grade(Study& study) {
     const NoiseLevel noise = noise_level(study.imu);
     const bool fitted = study.velocity_fit.windows >= 3;
@@ -164,6 +181,7 @@ void judge_grade(Study& study) {
     study.draft.set("imu", "grade", grade,
                     fmt::format("{}: noise below {:.2g} deg/sqrt(h), {:.2g} m/s/sqrt(h){}; a data sheet knows better",
                                 how_sure(confidence), gyro, accel, bias_text));
+    check_given_grade(study, grade, bias_size, gyro * units::deg_per_sqrt_hour);
     if (biased) {
         study.found("imu.gyro_bias",
                     fmt::format("[{:.3f}, {:.3f}, {:.3f}] deg/s", bias.x() * per_deg, bias.y() * per_deg, bias.z() * per_deg),
@@ -257,6 +275,8 @@ void draft_clock(Study& study) {
         };
         along(study.baro_file, "baro");
         along(study.mag_file, "mag");
+        for (const LoadedFile& file : study.files)
+            if (file.report.kind == "odometer") along(&file, "odometer");
     }
     if (study.clock_drift != 0.0)
         study.draft.set("imu", "clock_drift_ppm", study.clock_drift,

@@ -60,6 +60,8 @@ struct Study {
     void problem(Level level, std::string text, std::string mend = {});
     void states(std::string key, FactValue value, std::string note, Known how = Known::File);
     void contradicts(std::string key, std::string text);
+    /// Refuted beyond doubt: `better` is used.
+    void refutes(std::string key, std::string text, FactValue better, double sigma = not_given);
     /// Whether the loader brings the dated fixes of a described data set to the axis of its other logs, instead of them to the fixes.
     [[nodiscard]] bool dated_fixes_move() const { return !given.find_logs && gnss_file != nullptr && gnss_file->gps_time; }
     [[nodiscard]] double confidence_in(const std::string& key) const;
@@ -76,6 +78,11 @@ void judge_latency(Study& study);
 void judge_baro(Study& study);
 void judge_mag(Study& study);
 void judge_reference(Study& study);
+
+/// Exchanges latitude and longitude where the velocities say that they are. Before the series are made.
+void judge_coordinates(Study& study);
+/// Turns gyros round whose signs do not belong to the accelerometers' axes, after the fit to the track. True where it did.
+bool judge_gyro_signs(Study& study);
 
 /// Whether a fit shows the lag of the GNSS behind the IMU.
 [[nodiscard]] bool shows_lag(const MotionFit& fit);
