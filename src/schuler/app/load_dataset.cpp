@@ -4,6 +4,7 @@
 #include "schuler/app/raw_gnss.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/atmosphere.h"
+#include "schuler/fusion/heading_search.h"
 #include "schuler/io/csv_aids.h"
 #include "schuler/io/csv_events.h"
 #include "schuler/io/csv_recording.h"
@@ -341,6 +342,21 @@ void believe_aids(Config& c) {
 
 }  // namespace
 
+namespace {
+
+/// Near the poles the geographic frame is of no use: the Earth-fixed one is taken where none is given.
+void choose_mechanization(LoadedDataset& data) {
+    const auto polar = [](const GnssFix& fix) { return std::abs(fix.position.lat) > fusion::polar_latitude; };
+    if (data.given.contains("filter.mechanization") || std::ranges::none_of(data.recording.gnss, polar)) return;
+    data.config.filter.mechanization = fusion::Mechanization::Ecef;
+    Fact& fact = data.facts.emplace_back();
+    fact.key = "filter.mechanization";
+    fact.value = std::string("ecef");
+    fact.note = "fixes within 5 deg of a pole";
+}
+
+}  // namespace
+
 LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings) {
     LoadedDataset out;
     out.recording = std::move(recording);
@@ -372,6 +388,7 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     check_gravity(out, dataset.folder);
     out.given = dataset.given;
     out.facts = dataset.facts;
+    choose_mechanization(out);
     for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
     for (const inspect::Contradiction& c : dataset.contradictions)
         warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; {} is used", c.key, c.text,

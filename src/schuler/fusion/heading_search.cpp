@@ -93,7 +93,8 @@ HeadingSearch search_heading(const RunData& all, const Settings& settings, const
                              const std::optional<HeadingWitness>& witness) {
     RunData data = gnss_only(all);
     allow_for_latency(data, settings.gnss);
-    const Settings settings_of_trial = trial_settings(settings);
+    Settings settings_of_trial = trial_settings(settings);
+    if (std::abs(given.nav.position.lat) >= polar_latitude) settings_of_trial.mechanization = settings.mechanization;
     Start start = given;
     start.std_rpy = Vector3d(level.std, level.std, 1.2 * std::numbers::pi / headings);
     std::vector<Start> starts(headings, start);

@@ -7,6 +7,9 @@
 
 namespace schuler::fusion {
 
+/// rad: north of it, and south of its like, the geographic frame turns too fast beneath a vehicle (tan(lat) v / R; 11 times v / R here).
+inline constexpr double polar_latitude = 1.4835298641951802;   // 85 deg
+
 /// What another witness says of the heading at the start, rad.
 struct HeadingWitness {
     double heading = 0.0, std = 0.0;

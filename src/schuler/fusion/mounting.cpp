@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 MountingEstimate estimate_mounting(const RunData& all, const Settings& settings, const Start& start) {
     const RunData data = gnss_only(all);
     Settings trial = trial_settings(settings);
+    if (std::abs(start.nav.position.lat) >= polar_latitude) trial.mechanization = settings.mechanization;
     trial.output_rate = 5.0;
     PassOptions options;
     options.rivalry = Rivalry::None;

@@ -1,5 +1,6 @@
 #include "schuler/fusion/tune.h"
 
+#include "schuler/fusion/heading_search.h"
 #include "schuler/core/units.h"
 #include "schuler/filter/fix_noise.h"
 #include "schuler/fusion/timeline.h"
@@ -62,7 +63,7 @@ public:
         data_.events = make_events(*data_.recording, settings, origin_, unheard);
         data_.fix_noise = fix_noise(*data_.recording, settings.gnss, unheard);
         Settings trial = settings;
-        trial.mechanization = Mechanization::Geographic;
+        if (std::abs(start_.nav.position.lat) < polar_latitude) trial.mechanization = Mechanization::Geographic;
         trial.loop = Loop::Closed;
         trial.coupling = Coupling::Loose;
         trial.loose_kind = LooseKind::Standard;
