@@ -6,6 +6,7 @@
 #include "schuler/app/solution_stream.h"
 #include "schuler/app/stated_check.h"
 #include "schuler/app/toml_file.h"
+#include "schuler/fusion/legs.h"
 
 #include <algorithm>
 #include <chrono>
@@ -23,6 +24,7 @@ bool only_written(const LoadedDataset& data) {
     const Config& c = data.config;
     const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
     return c.scheme == Scheme::Loose && !c.filter.smooth && !c.filter.backward && c.filter.output_lever_arm_b.isZero(0.0) && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
+           fusion::leg_starts(data.recording).size() < 2 &&
            c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
