@@ -68,9 +68,17 @@ bool check_itself(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog&
 /// The lever arm that is given, checked; true where the run was repeated with it as a state, and then `rows` has the rows of the solution.
 bool check_what_is_stated(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
     const std::optional<LeverArmDoubt> doubt = doubt_of_lever_arm(bundle.data, bundle.result);
-    if (!doubt || !repeated(bundle, doubt->settings, rows)) return false;
-    bundle.data.config.filter.estimate_lever_arm = true;
-    bundle.data.config.filter.gnss.lever_arm_b = doubt->settings.gnss.lever_arm_b;
+    if (!doubt) return false;
+    fusion::Settings& filter = bundle.data.config.filter;
+    if (!doubt->refuted) {
+        if (!repeated(bundle, doubt->settings, rows)) return false;
+        filter.estimate_lever_arm = true;
+    } else {   // noise and latencies were found with the wrong one
+        filter.estimate_lever_arm = true;
+        filter.gnss.lever_arm_b = doubt->found_b;
+        WarningLog heard;
+        fuse_and_evaluate(bundle, heard, internal_rate(bundle.data), {}, rows);
+    }
     warnings.add("contradiction.gnss.lever_arm_m", doubt->text());
     if (!doubt->refuted) return true;
     bundle.data.given.erase("gnss.lever_arm_m");

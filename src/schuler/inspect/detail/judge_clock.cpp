@@ -113,14 +113,14 @@ void judge_clock(Study& study) {
     const std::string evidence = fmt::format(
         "at {:+.10g} s turns and accelerations of the IMU and of the track agree (correlation {:.2f}{}){}", shift,
         best->peak.correlation, fit_text, best->known && !best->known->name.empty() ? ": " + best->known->name : "");
-    const std::string stated = study.overlap ? "as they are they do not" : "as they are the logs have no time in common";
+    const std::string stated = study.overlap ? "as they are they do not" : "as they are the logs do not overlap in time";
     if (is_given) {
         const bool of_imu = given.has("imu.time_offset_s");
         const char* key = of_imu ? "imu.time_offset_s" : "gnss.time_offset_s";
         const double better = of_imu ? given.imu.time_offset + shift : given.gnss.time_offset - shift;
         study.refusal = Refusal{(of_imu ? study.imu_file : study.gnss_file)->report.path, key,
                                 fmt::format("the motion contradicts the times of IMU and GNSS: {}; {}", evidence, stated),
-                                fmt::format("give {:.10g} there, or leave it out", better)};
+                                fmt::format("give {:.10g} there, or leave it out", std::round(1e3 * better) / 1e3)};
         study.contradicts(key, study.refusal->text);
         return;
     }
