@@ -127,6 +127,29 @@ TEST(Given, DataThatContradictALatencySaySoWithBothValues) {
     EXPECT_EQ(r.contradictions[0].key, "gnss.velocity_latency_s");
     EXPECT_NE(r.contradictions[0].text.find("0.400 s is given"), std::string::npos) << r.contradictions[0].text;
     EXPECT_NE(r.contradictions[0].text.find("the data show 0.2"), std::string::npos) << r.contradictions[0].text;
+    ASSERT_TRUE(r.contradictions[0].better);   // refuted: what the data show is used
+    EXPECT_NEAR(std::get<double>(*r.contradictions[0].better), 0.2, 0.03);
+    given.velocity_latency = 0.28;   // doubted: the filter has the difference for its sigma
+    const InspectReport doubted = inspect(folder, given);
+    ASSERT_EQ(doubted.contradictions.size(), 1u);
+    EXPECT_FALSE(doubted.contradictions[0].refuted);
+    const auto sigma = std::ranges::find(doubted.facts, "gnss.velocity_latency_std_s", &Fact::key);
+    ASSERT_NE(sigma, doubted.facts.end());
+    EXPECT_NEAR(std::get<double>(sigma->value), 0.08, 0.03);
+}
+
+/// The car's gyros have biases of 0.1 deg/s.
+TEST(Given, AGradeWhoseBiasesCannotBeIsRefutedAndALoudLogMeasured) {
+    const fs::path folder = turned_car("given_grade");
+    Given given = named(folder);
+    given.keys.insert("imu.grade");
+    given.gyro_noise = 1.0;
+    given.gyro_bias = 1e-6;
+    const InspectReport r = inspect(folder, given);
+    ASSERT_TRUE(contradicted(r, "imu.grade"));
+    EXPECT_TRUE(r.contradictions[0].better);
+    given.gyro_bias = 0.01;
+    EXPECT_FALSE(contradicted(inspect(folder, given), "imu.grade"));
 }
 
 TEST(Given, ColumnsAndScalesAreReadAsSaid) {

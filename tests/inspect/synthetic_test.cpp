@@ -6,6 +6,8 @@
 #include "schuler/sensor/axes.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 #include <Eigen/Geometry>
 
 #include <cmath>
@@ -197,12 +199,55 @@ TEST(SyntheticCar, AWrongNameOfTheUnitIsAnErrorWithTheFactor) {
     EXPECT_EQ(value_of(r, "imu.axes"), "frd");
 }
 
-TEST(SyntheticCar, GyrosTurningTheWrongWayAreSeen) {
+TEST(SyntheticCar, GyrosTurningTheWrongWayAreTurnedRound) {
     const auto folder = fresh_folder("sign");
     CarLog car;
     car.gyro_factor = -1.0;
     write_car(folder, car);
-    EXPECT_TRUE(has_problem(inspect(folder), Level::Error, "gyros turn against the GNSS course"));
+    const InspectReport r = inspect(folder);
+    const auto fact = std::ranges::find(r.facts, "imu.scale", &Fact::key);
+    ASSERT_NE(fact, r.facts.end());
+    const auto& scale = std::get<std::map<std::string, double>>(fact->value);
+    // the vertical one at least: a car hardly turns about the others
+    EXPECT_EQ(scale.contains("gyro_rad_s") ? scale.at("gyro_rad_s") : scale.at("gyro_z_rad_s"), -1.0);
+    EXPECT_EQ(r.doubts.size(), 1u);
+    EXPECT_FALSE(has_problem(r, Level::Error, "gyros turn against the GNSS course"));
+}
+
+TEST(SyntheticCar, ExchangedLatitudeAndLongitudeAreExchangedBack) {
+    const auto folder = fresh_folder("exchanged");
+    CarLog car;
+    car.gnss_header = "time_s,lon_deg,lat_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s";
+    write_car(folder, car);
+    const InspectReport r = inspect(folder);
+    const auto fact = std::ranges::find(r.facts, "gnss.columns", &Fact::key);
+    ASSERT_NE(fact, r.facts.end());
+    const auto& columns = std::get<std::map<std::string, std::string>>(fact->value);
+    EXPECT_EQ(columns.at("lat_deg"), "lon_deg");
+    EXPECT_EQ(columns.at("lon_deg"), "lat_deg");
+    EXPECT_EQ(r.doubts.size(), 1u);
+}
+
+TEST(SyntheticCar, OdometerAndHeadingBesideItAreFound) {
+    const auto folder = fresh_folder("plain_aids");
+    write_car(folder, CarLog{});
+    std::string speed = "time_s,speed_m_s\n", heading = "time_s,heading_deg,std_deg\n";
+    for (int i = 0; i < 100; ++i) {
+        speed += std::to_string(1000 + i) + ",1.5\n";
+        heading += std::to_string(1000 + i) + ",90.0,0.5\n";
+    }
+    write_file(folder / "wheels.csv", speed);
+    write_file(folder / "heading.csv", heading);
+    const auto text = [](const InspectReport& r, const char* key) {
+        const auto fact = std::ranges::find(r.facts, key, &Fact::key);
+        return fact == r.facts.end() ? std::string() : std::get<std::string>(fact->value);
+    };
+    const InspectReport r = inspect(folder);
+    EXPECT_EQ(text(r, "odometer.file"), "wheels.csv");
+    EXPECT_EQ(text(r, "heading.file"), "heading.csv");
+    Given given;
+    given.find_aids = false;
+    EXPECT_EQ(text(inspect(folder, given), "odometer.file"), "");
 }
 
 TEST(SyntheticCar, MillisecondsAndRadiansByValue) {
@@ -246,10 +291,11 @@ TEST(SyntheticCar, HeaderlessIncrementsAsKfGinsWritesThem) {
     EXPECT_NEAR(number_of(r, "gnss.latency_s"), 0.0, 0.04);
 }
 
-TEST(SyntheticCar, NoTimeInCommonIsAnErrorWithAMend) {
+TEST(SyntheticCar, NoTimeInCommonIsAnErrorWithAMendWhereNothingMoves) {
     const auto folder = fresh_folder("apart");
     CarLog car;
     car.gnss_start = 900000.0;
+    car.duration = 20.0;
     write_car(folder, car);
     const InspectReport r = inspect(folder);
     ASSERT_TRUE(has_problem(r, Level::Error, "have no time in common"));

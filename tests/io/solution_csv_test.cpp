@@ -136,6 +136,20 @@ TEST_F(Solution, TextIsAsDocumented) {
         "0.01000,0.02000,0.03000,,,,0.057296,0.057296,0.057296\n");
 }
 
+TEST_F(Solution, LegsAreALastColumnWhereThereAreSeveral) {
+    std::mt19937_64 rng(4);
+    const std::vector<SolutionRow> rows{row(rng, 1'000'000'000), row(rng, 2'000'000'000), row(rng, 9'000'000'000)};
+    const std::vector<Time> legs{Time{500'000'000}, Time{9'000'000'000}};
+    write_solution_csv(folder() / "s.csv", rows, legs);
+    const std::string text = content_of(folder() / "s.csv");
+    EXPECT_EQ(text.substr(0, text.find('\n')), std::string(solution_csv_header()) + ",leg");
+    EXPECT_EQ(text.substr(text.size() - 3), ",2\n");
+    WarningLog log;
+    EXPECT_EQ(read_solution_csv(folder() / "s.csv", log).size(), 3u);
+    write_solution_csv(folder() / "one.csv", rows, std::span(legs).first(1));
+    EXPECT_EQ(content_of(folder() / "one.csv").find("leg"), std::string::npos);
+}
+
 TEST_F(Solution, AppearsOnlyWhenCommitted) {
     const auto path = folder() / "solution.csv";
     {

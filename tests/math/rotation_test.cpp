@@ -1,4 +1,5 @@
 #include "schuler/math/rotation.h"
+#include "schuler/math/steep_attitude.h"
 
 #include <gtest/gtest.h>
 
@@ -91,6 +92,20 @@ TEST(Orthonormalised, RemovesSmallDrift) {
     C(0, 1) += 1e-6;
     C *= 1.0 + 1e-6;
     EXPECT_LT((orthonormalised(C).transpose() * orthonormalised(C) - Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-11);
+}
+
+/// Of an attitude known to the same sigma about every axis no reported sigma is larger; below 80 deg the angles' own are reported.
+TEST(SteepAttitude, SigmasStayThoseOfTheRotation) {
+    for (const double pitch : {1.41, 1.5707, -1.5707, std::numbers::pi / 2}) {
+        const Matrix3d J = attitude_error_from_phi({0.4, pitch, 2.0});
+        for (int i = 0; i < 3; ++i) EXPECT_NEAR(J.row(i).norm(), 1.0, 1e-12) << pitch;
+    }
+    const Vector3d gentle(0.4, 1.2, 2.0);
+    EXPECT_EQ(attitude_error_from_phi(gentle), rpy_error_from_phi(gentle));
+    // a turn about the vertical is one of heading, one about the body's x axis one of roll
+    const Vector3d rpy(0.4, 1.55, 2.0);
+    EXPECT_NEAR((attitude_error_from_phi(rpy) * Vector3d(0, 0, -0.01)).z(), 0.01, 1e-15);
+    EXPECT_NEAR((attitude_error_from_phi(rpy) * (-0.01 * dcm_from_rpy(rpy).col(0))).x(), 0.01, 1e-12);
 }
 
 }  // namespace

@@ -111,6 +111,9 @@ void add_dataset_options(OptionTable<Config>& table) {
         .add(number<Config>("earth.rotation_rad_s", 1.0, 0.0, 1e-3, "rotation rate of the Earth",
                             [](auto& c) -> auto& { return c.filter.earth.ellipsoid.w_ie; }));
     add_file(table, "imu", "IMU log: CSV or the text format of KF-GINS", [](auto& c) -> auto& { return c.imu; });
+    table.add(number<Config>("imu.clock_drift_ppm", 1e-6, -1e4, 1e4,
+                             "the clock of this log, of barometer, magnetometer and odometer runs fast by this; counted from the first row",
+                             [](auto& c) -> auto& { return c.clock_drift; }));
     add_file(table, "gnss", "receiver's solution: CSV, RTKLIB .pos, NMEA or the text format of KF-GINS",
              [](auto& c) -> auto& { return c.gnss; });
     add_file(table, "baro", "barometer log", [](auto& c) -> auto& { return c.baro; });

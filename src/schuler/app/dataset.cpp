@@ -42,10 +42,27 @@ void resolve(Dataset& d, const fs::path& path, Needs needs, const SettingList& g
         // axes of time are the loader's where it knows dates; names are the folder's
         std::erase_if(r.facts, [](const Fact& f) { return f.key == "name"; });
     }
+    if (r.report.refusal && needs == Needs::ImuAndGnss) {
+        const inspect::Refusal& refused = *r.report.refusal;
+        throw input_error(refused.text, {refused.file, 0, 0, refused.key}, refused.mend);
+    }
     const std::string origin = "found in " + path.string();
-    d.settings = completed(settings_of(r.facts, origin), given);
-    d.facts = std::move(r.facts);
     d.contradictions = std::move(r.report.contradictions);
+    SettingList believed = given;   // all but what is refuted
+    for (const inspect::Contradiction& c : d.contradictions) {
+        if (!c.refuted) continue;
+        std::erase_if(believed, [&](const Setting& s) { return s.key == c.key; });
+        d.given.erase(c.key);
+        if (!c.better) continue;
+        Fact& fact = r.facts.emplace_back();
+        fact.key = c.key;
+        fact.value = *c.better;
+        fact.how = Known::Found;
+        fact.sigma = c.sigma;
+        fact.note = c.text;
+    }
+    d.settings = completed(settings_of(r.facts, origin), believed);
+    d.facts = std::move(r.facts);
     d.doubts = std::move(r.doubts);
     d.inferred_toml = std::move(r.dataset_toml);
     d.report = std::move(r.report);

@@ -27,7 +27,7 @@ struct ToValue {
 };
 
 inspect::GivenFile file_of(const FileSource& source, const std::filesystem::path& folder, const std::string& key) {
-    if (source.file.empty()) return {};
+    if (source.file.empty()) return {{}, {}, {}, {}, source.time_offset};   // of the log that takes this role
     return {resolved(folder, source.file, key), source.file, source.columns, source.scale, source.time_offset};
 }
 
@@ -103,6 +103,10 @@ inspect::Given given_of(const Config& c, const SettingList& given, const std::fi
     g.axes = c.axes;
     if (g.has("imu.axes")) g.C_bs = c.filter.imu.C_bs;
     if (g.has("imu.mounting_deg") && !c.filter.imu.estimate_mounting) g.mounting_rpy = c.filter.imu.mounting_rpy;
+    if (g.has("imu.grade")) {
+        g.gyro_bias = c.filter.imu.errors.gyro_initial_bias();
+        g.gyro_noise = c.filter.imu.errors.gyro_noise;
+    }
     const fusion::GnssSettings& gnss = c.filter.gnss;
     if (g.has("gnss.latency_s") && !gnss.estimate_latency) g.latency = gnss.latency;
     g.velocity_latency = gnss.velocity_latency;

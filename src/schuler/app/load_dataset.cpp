@@ -241,6 +241,21 @@ void settle_rollover(Recording& r) {
     });
 }
 
+/// The clock of the IMU and of what was logged with it ran fast: their seconds as the receiver's clock tells them, from the IMU's first.
+void settle_drift(Recording& r, double drift) {
+    if (drift == 0.0 || r.imu.empty()) return;
+    const Time from = r.imu.front().time;
+    const auto each = [&](auto& log) {
+        for (auto& sample : log) sample.time = sample.time + Duration::from_seconds(-drift * (sample.time - from).seconds());
+    };
+    each(r.imu);
+    each(r.baro);
+    each(r.mag);
+    each(r.odometer);
+    each(r.gauges);
+    each(r.body_velocity);
+}
+
 /// Gravity must show in the accelerometers: a wrong unit is said before a filter makes nonsense of it.
 void check_gravity(const LoadedDataset& data, const fs::path& folder) {
     const std::vector<ImuSample>& imu = data.recording.imu;
@@ -326,6 +341,23 @@ void believe_aids(Config& c) {
 
 }  // namespace
 
+namespace {
+
+/// Near the poles the geographic frame is of no use: the Earth-fixed one is taken where none is given.
+void choose_mechanization(LoadedDataset& data) {
+    // there the geographic frame turns too fast beneath a vehicle: tan(lat) v / R
+    constexpr double polar_latitude = 85.0 * units::deg;
+    const auto polar = [](const GnssFix& fix) { return std::abs(fix.position.lat) > polar_latitude; };
+    if (data.given.contains("filter.mechanization") || std::ranges::none_of(data.recording.gnss, polar)) return;
+    data.config.filter.mechanization = fusion::Mechanization::Ecef;
+    Fact& fact = data.facts.emplace_back();
+    fact.key = "filter.mechanization";
+    fact.value = std::string("ecef");
+    fact.note = "fixes within 5 deg of a pole";
+}
+
+}  // namespace
+
 LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings) {
     LoadedDataset out;
     out.recording = std::move(recording);
@@ -349,6 +381,7 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     read_gnss(dataset.folder, out, warnings);
     read_ranges(dataset.folder, out, warnings);
     settle_rollover(out.recording);
+    settle_drift(out.recording, out.config.clock_drift);
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
@@ -356,9 +389,13 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     check_gravity(out, dataset.folder);
     out.given = dataset.given;
     out.facts = dataset.facts;
+    choose_mechanization(out);
     for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
     for (const inspect::Contradiction& c : dataset.contradictions)
-        warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; the given value is used", c.key, c.text));
+        warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; {}", c.key, c.text,
+                                                            !c.refuted ? std::string("the given value is used")
+                                                            : c.better ? fmt::format("{} is used", to_text(*c.better))
+                                                                       : std::string("it is left out")));
     out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return out;
 }

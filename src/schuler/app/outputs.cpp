@@ -44,9 +44,9 @@ std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::fil
     const auto add = [&](const char* name) -> const std::filesystem::path& { return written.emplace_back(folder / name); };
     if (c.output.wants("solution")) {
         const std::filesystem::path& file = add("solution.csv");
-        if (!streamed) io::write_solution_csv(file, b.solution().rows);
+        if (!streamed) io::write_solution_csv(file, b.solution().rows, b.result.legs);
     }
-    if (!b.solution().point.empty()) io::write_solution_csv(add("point.csv"), b.solution().point);
+    if (!b.solution().point.empty()) io::write_solution_csv(add("point.csv"), b.solution().point, b.result.legs);
     if (!b.data.events.empty() && c.scheme != Scheme::Gnss) {
         const EventRows events = event_rows(b);
         io::write_events_csv(add("events.csv"), events.events, events.rows);

@@ -4,7 +4,9 @@
 #include "schuler/app/ignored.h"
 #include "schuler/app/provenance.h"
 #include "schuler/app/solution_stream.h"
+#include "schuler/app/stated_check.h"
 #include "schuler/app/toml_file.h"
+#include "schuler/fusion/legs.h"
 
 #include <algorithm>
 #include <chrono>
@@ -22,6 +24,7 @@ bool only_written(const LoadedDataset& data) {
     const Config& c = data.config;
     const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
     return c.scheme == Scheme::Loose && !c.filter.smooth && !c.filter.backward && c.filter.output_lever_arm_b.isZero(0.0) && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
+           fusion::leg_starts(data.recording).size() < 2 &&
            c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
@@ -62,13 +65,40 @@ bool check_itself(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog&
     return widened;
 }
 
+/// The lever arm that is given, checked; true where the run was repeated with it as a state, and then `rows` has the rows of the solution.
+bool check_what_is_stated(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
+    const std::optional<LeverArmDoubt> doubt = doubt_of_lever_arm(bundle.data, bundle.result);
+    if (!doubt) return false;
+    fusion::Settings& filter = bundle.data.config.filter;
+    if (!doubt->refuted) {
+        if (!repeated(bundle, doubt->settings, rows)) return false;
+        filter.estimate_lever_arm = true;
+    } else {   // noise and latencies were found with the wrong one
+        filter.estimate_lever_arm = true;
+        filter.gnss.lever_arm_b = doubt->found_b;
+        WarningLog heard;
+        fuse_and_evaluate(bundle, heard, internal_rate(bundle.data), {}, rows);
+    }
+    warnings.add("contradiction.gnss.lever_arm_m", doubt->text());
+    if (!doubt->refuted) return true;
+    bundle.data.given.erase("gnss.lever_arm_m");
+    Fact& fact = bundle.data.facts.emplace_back();
+    fact.key = "gnss.lever_arm_m";
+    const Eigen::Vector3d& l = doubt->found_b;
+    fact.value = std::vector<double>{l.x(), l.y(), l.z()};
+    fact.how = Known::Found;
+    fact.sigma = doubt->std_b.head<2>().maxCoeff();
+    fact.note = doubt->text();
+    return true;
+}
+
 /// From loaded data to files: the part that process and run share.
 Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog& warnings,
                  const fs::path& folder, std::chrono::steady_clock::time_point begin) {
     bundle.version = request.version;
     Outcome out;
     out.folder = request.folder_for(bundle.name);
-    std::unique_ptr<SolutionStream> stream, widened;
+    std::unique_ptr<SolutionStream> stream, checked, widened;
     const auto into = [&](std::unique_ptr<SolutionStream>& file) -> fusion::RowSink {
         if (!only_written(bundle.data)) return {};
         return [&](std::span<const SolutionRow> rows) {
@@ -80,6 +110,8 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
         };
     };
     fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, into(stream));
+    if (bundle.command == "process" && check_what_is_stated(bundle, into(checked), warnings)) stream = std::move(checked);
+    checked.reset();
     if (bundle.command == "process" && check_itself(bundle, into(widened), warnings)) stream = std::move(widened);
     widened.reset();
     take_in_force(bundle.data.config, bundle.result.findings);

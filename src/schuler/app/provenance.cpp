@@ -23,7 +23,7 @@ constexpr std::array reported = {"time.scale", "vehicle.kind", "imu.file", "imu.
                                  "mag.heading_std_deg", "mag.heading_bias_walk_deg", "reference.file"};
 
 bool describes_data(std::string_view key) {
-    return std::ranges::any_of(std::array{"time.", "vehicle.", "imu.", "gnss.", "baro.", "mag.", "stations.", "reference.", "initial."},
+    return std::ranges::any_of(std::array{"time.", "vehicle.", "imu.", "gnss.", "baro.", "mag.", "stations.", "reference.", "initial.", "filter.mechanization"},
                                [&](std::string_view section) { return key.starts_with(section); });
 }
 

@@ -2,6 +2,7 @@
 #include "schuler/app/sky.h"
 #include "schuler/core/units.h"
 #include "schuler/io/hdf5_file.h"
+#include "schuler/io/solution_csv.h"
 
 #include <span>
 
@@ -36,9 +37,14 @@ void add_times(io::Hdf5Writer& file, const std::string& group, const Rows& rows)
     file.table(group + "/time_s", s, 1, {{"units", "s"}});
 }
 
-void add_solution(io::Hdf5Writer& file, const std::string& group, const std::vector<SolutionRow>& rows) {
+void add_solution(io::Hdf5Writer& file, const std::string& group, const std::vector<SolutionRow>& rows, const std::vector<Time>& legs = {}) {
     if (rows.empty()) return;
     add_times(file, group, rows);
+    if (legs.size() > 1) {
+        std::vector<double> leg;
+        for (const SolutionRow& r : rows) leg.push_back(io::leg_at(legs, r.time));
+        file.table(group + "/leg", leg, 1, {});
+    }
     add_table(file, group + "/position", rows, 3, "lat,lon,height", "deg,deg,m",
               [](const SolutionRow& r, std::vector<double>& out) {
                   push(out, {r.position.lat / units::deg, r.position.lon / units::deg, r.position.h});
@@ -245,8 +251,8 @@ void add_outages(io::Hdf5Writer& file, const std::string& group, const std::vect
 
 void write_run_h5(const std::filesystem::path& path, const ResultBundle& b) {
     io::Hdf5Writer file(path);
-    add_solution(file, "/solution", b.solution().rows);
-    if (b.smoothed()) add_solution(file, "/forward", b.result.forward.rows);
+    add_solution(file, "/solution", b.solution().rows, b.result.legs);
+    if (b.smoothed()) add_solution(file, "/forward", b.result.forward.rows, b.result.legs);
     add_chosen(file, b);
     add_solution(file, "/backward", b.result.backward);
     add_separation(file, b.evaluation.separation);

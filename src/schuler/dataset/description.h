@@ -41,6 +41,7 @@ struct Description {
     TimeConfig time;
     FileSource imu, gnss, baro, mag, odometer, heading, reference;
     FileSource ranges;                           ///< [stations] file: pseudoranges to satellites and ground stations
+    double clock_drift = 0.0;                    ///< s/s by which the clock of the IMU and of what was logged with it runs fast
     std::string station_coordinates;             ///< [stations] coordinates: places of the stations
     RawGnssConfig raw;
     std::string axes = "frd";                    ///< sensor axes of the IMU

@@ -42,7 +42,7 @@ bool recognised(const inspect::InspectReport& report, std::initializer_list<std:
 }
 
 std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
-    std::vector<std::string> doubts;
+    std::vector<std::string> doubts = report.doubts;
     for (const inspect::FileReport& file : report.files) {
         if (!file.chosen) continue;
         for (const inspect::Problem& problem : file.problems) {
@@ -60,6 +60,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
     r.report = inspect::inspect(path, given);
     if (!given.find_logs) {
         r.facts = r.report.facts;
+        r.doubts = r.report.doubts;
         return r;
     }
     if (needs == Needs::ImuAndGnss && !recognised(r.report, {"imu", "kfgins_imu"})) {

@@ -1,6 +1,7 @@
 #include "schuler/filter/outputs.h"
 
 #include "schuler/math/rotation.h"
+#include "schuler/math/steep_attitude.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,7 @@ SolutionRow solution_row(const NavState& nav, const Matrix9& P_n) {
     row.rpy = math::rpy_from_quaternion(nav.q_nb);
     row.std_position = P_n.diagonal().segment<3>(Layout::position).cwiseMax(0.0).cwiseSqrt();
     row.std_velocity = P_n.diagonal().segment<3>(Layout::velocity).cwiseMax(0.0).cwiseSqrt();
-    const Matrix3d J = math::rpy_error_from_phi(row.rpy);
+    const Matrix3d J = math::attitude_error_from_phi(row.rpy);
     const Matrix3d P_rpy = J * P_n.block<3, 3>(Layout::attitude, Layout::attitude) * J.transpose();
     row.std_rpy = P_rpy.diagonal().cwiseMax(0.0).cwiseSqrt();
     return row;

@@ -187,6 +187,7 @@ struct Result {
     std::vector<SolutionRow> backward;        ///< of the backward filter before the fix of each time, in order of time; see Settings::backward
     std::vector<AidRecord> aids;              ///< of the forward pass
     std::vector<Alert> alerts;                ///< where exclusions begin and end
+    std::vector<Time> legs;                   ///< first inertial sample of each part that was navigated by itself, in order; one without pauses
     Findings findings;
     Counters counters;
     double filter_seconds = 0.0;              ///< wall time of the forward pass alone, for timing only

@@ -4,6 +4,7 @@
 #include "schuler/fusion/backward.h"
 #include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/intermediate_run.h"
+#include "schuler/fusion/legs.h"
 #include "schuler/fusion/mounting.h"
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
@@ -120,8 +121,11 @@ void check_input(const Recording& recording, const Settings& settings, WarningLo
                           "check that both files use the same time axis (`schuler inspect` shows their spans), or give [initial]");
 }
 
-Result run_filter(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
-                  const RowSink& rows, const ReceiverInLoop& receiver) {
+namespace {
+
+/// One leg, or a log without pauses.
+Result run_leg(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress, const RowSink& rows,
+               const ReceiverInLoop& receiver) {
     check_settings(given);
     if (given.coupling == Coupling::Deep && !receiver)
         throw input_error("deep coupling commands the correlators of a receiver, and a log has none",
@@ -208,7 +212,52 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
     result.counters.imu_duplicates = data.imu.duplicates;
     result.counters.imu_rate = 1.0 / data.imu.median_dt;
     result.counters.longest_imu_gap = longest_gap(data.imu);
+    result.legs = {recording.imu.front().time};
     return result;
+}
+
+}  // namespace
+
+Result run_filter(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
+                  const RowSink& rows, const ReceiverInLoop& receiver) {
+    const std::vector<Time> starts = leg_starts(recording);
+    if (starts.size() < 2 || receiver) return run_leg(recording, given, warnings, progress, rows, receiver);
+    check_settings(given);
+    check_overlap(recording, given.initial, warnings);
+    const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
+    std::optional<Result> all;
+    std::optional<Error> failure;
+    std::size_t left_out = 0;
+    for (std::size_t k = 0; k < starts.size(); ++k) {
+        const Recording leg = leg_of(recording, starts, k);
+        if ((given.stop && leg.imu.front().time > *given.stop) || (given.start && leg.imu.back().time < *given.start)) continue;
+        const Time zero = leg.gnss.empty() ? leg.imu.front().time : leg.gnss.front().time;
+        const double seconds = (zero - origin).seconds();
+        Settings settings = given;
+        if (all) settings = continued(given, *all, leg, seconds);
+        else
+            for (Outage& o : settings.outages) o.start -= seconds;
+        try {
+            Result r = run_leg(leg, settings, warnings, progress, rows, {});
+            if (all) {
+                append(*all, std::move(r));
+                continue;
+            }
+            if (r.findings.in_force) {   // of the whole log
+                auto whole = std::make_shared<Settings>(*r.findings.in_force);
+                whole->outages = given.outages;
+                r.findings.in_force = std::move(whole);
+            }
+            all = std::move(r);
+        } catch (const Error& e) {   // too short, or without fixes
+            if (!failure) failure = e;
+            ++left_out;
+        }
+    }
+    if (!all) throw failure ? *failure : input_error("no leg of the log can be navigated", {.file = {}, .key = "imu.file"}, "give a longer log");
+    warnings.add("legs", fmt::format("the inertial log pauses for more than {:.0f} s: {} legs, each started anew{}", longest_bridge, starts.size(),
+                                     left_out > 0 ? fmt::format("; {} left out: {}", left_out, failure->reason()) : std::string()));
+    return std::move(*all);
 }
 
 }  // namespace schuler::fusion

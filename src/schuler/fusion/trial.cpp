@@ -6,7 +6,6 @@ namespace schuler::fusion {
 
 Settings plain_settings(const Settings& settings) {
     Settings s = settings;
-    s.mechanization = Mechanization::Geographic;
     s.loop = Loop::Closed;
     s.coupling = Coupling::Loose;
     s.loose_kind = LooseKind::Standard;

@@ -8,7 +8,7 @@
 
 namespace schuler::fusion {
 
-/// Fifteen states and those of the instruments, closed loop, loose, geographic; no vehicle constraints, no integrity control, no smoother.
+/// Fifteen states and those of the instruments, closed loop, loose; no vehicle constraints, no integrity control, no smoother.
 [[nodiscard]] Settings plain_settings(const Settings& settings);
 /// Likewise with GNSS and standing still only, whose errors are white and whose times are known.
 [[nodiscard]] Settings trial_settings(const Settings& settings);

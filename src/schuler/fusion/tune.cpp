@@ -333,15 +333,14 @@ Vector3d stated_by_autonomous(const Recording& recording) {
 }
 
 /// What was fitted is kept above what the physics of the devices allows, however quiet they were in the trial: a receiver that does not
-/// state its sigmas, without corrections, wanders by half a metre and scatters by some centimetres; a magnetometer's errors turn with
-/// its vehicle and with its currents.
+/// state its sigmas, without corrections, wanders by a metre and a half (4 m at 95 % horizontally is what the open service gives) and scatters
+/// by some centimetres; a magnetometer's errors turn with its vehicle and with its currents.
 void keep_physical(Settings& settings, const Settings& before, const Recording& recording, MissingStd missing) {
-    constexpr double least_white = 0.1, least_slow = 0.5, least_velocity = 0.02, least_heading = 0.02;   // m, m, m/s, rad
+    constexpr double least_white = 0.1, least_slow = 1.5, least_velocity = 0.02, least_heading = 0.02;   // m, m, m/s, rad
     const bool precise = is_precise(recording);
     GnssSettings& g = settings.gnss;
     // What an autonomous receiver says of its accuracy is mostly of what it wanders, and minutes of a log do not show all of that.
-    if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position && before.gnss.errors.correlated_position.isZero())
-    {
+    if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position && before.gnss.errors.correlated_position.isZero()) {
         const Vector3d stated = stated_by_autonomous(recording), slow = g.errors.correlated_position.cwiseMax(stated.cwiseMin(most_wander * Vector3d(1.0, 1.0, 1.5)));
         // What was fitted is what scatters: with a larger slow part the whole is larger, and not the white part smaller.
         if (stated.x() > 0.0 && slow.x() > g.errors.correlated_position.x()) {

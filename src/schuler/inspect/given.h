@@ -18,7 +18,7 @@ struct GivenFile {
     std::string name;                              ///< as the user writes it
     std::map<std::string, std::string> columns;    ///< canonical name = the file's name
     std::map<std::string, double> scale;           ///< canonical name = factor to the canonical unit
-    double time_offset = 0.0;                      ///< s, added to the file's times
+    double time_offset = 0.0;                      ///< s, added to the file's times, named or not
 };
 
 struct Given {
@@ -31,6 +31,7 @@ struct Given {
     std::string axes;                              ///< as written
     Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< of `axes`
     std::optional<Eigen::Vector3d> mounting_rpy;   ///< rad; empty where it is to be estimated
+    std::optional<double> gyro_bias, gyro_noise;         ///< of imu.grade: one sigma at switch-on, rad/s; rad/sqrt(s)
     std::optional<double> latency, velocity_latency, height_latency, velocity_down_latency;  ///< s
 
     [[nodiscard]] bool has(const std::string& key) const { return keys.contains(key); }

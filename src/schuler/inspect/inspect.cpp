@@ -101,6 +101,31 @@ void choose_files(Study& study) {
     study.baro_file = choose(study, io::TableKind::Baro, "baro");
     study.mag_file = choose(study, io::TableKind::Mag, "mag");
     study.reference_file = choose(study, io::TableKind::Reference, "reference");
+    const auto shift = [](LoadedFile* file, const GivenFile& given) {
+        if (file != nullptr && !file->as.kind) file->add_to_times(given.time_offset);
+    };
+    shift(study.imu_file, study.given.imu);
+    shift(study.gnss_file, study.given.gnss);
+    shift(study.baro_file, study.given.baro);
+    shift(study.mag_file, study.given.mag);
+    shift(study.reference_file, study.given.reference);
+}
+
+/// Logs with the names of the interface and nothing else to be found in them: speed by wheels, heading.
+void choose_plain_aids(Study& study) {
+    if (!study.given.find_aids) return;
+    for (const char* section : {"odometer", "heading"}) {
+        const bool named = study.given.has(std::string(section) + ".file") || (section == std::string_view("heading") && study.given.has("compass.file"));
+        for (LoadedFile& file : study.files) {
+            if (named || file.report.kind != section) continue;
+            if (study.draft.has(section)) {
+                study.problem(Level::Info, fmt::format("{} could be [{}] as well; the first by name was taken", file.report.path, section), "");
+                continue;
+            }
+            file.report.chosen = true;
+            study.draft.set(section, "file", file.report.path, fmt::format("{:.4g} Hz", file.report.rate_hz));
+        }
+    }
 }
 
 void report_lacking(Study& study) {
@@ -211,7 +236,9 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     if (study.gnss_file != nullptr) study.gnss_units = detail::judge_units(*study.gnss_file);
     if (study.mag_file != nullptr) study.mag_units = detail::judge_units(*study.mag_file);
     report_lacking(study);
+    detail::judge_coordinates(study);
     detail::judge_time(study);
+    detail::judge_clock(study);
     detail::study_motion(study);
     detail::judge_vehicle(study);
     detail::judge_imu(study);
@@ -220,6 +247,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     detail::judge_baro(study);
     detail::judge_mag(study);
     detail::judge_reference(study);
+    choose_plain_aids(study);
 
     InspectReport report;
     report.path = path.string();
@@ -227,6 +255,8 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     report.findings = std::move(study.findings);
     report.problems = std::move(study.problems);
     report.contradictions = std::move(study.contradictions);
+    report.doubts = std::move(study.doubts);
+    report.refusal = std::move(study.refusal);
     report.facts = study.draft.facts();
     std::ranges::move(study.stated, std::back_inserter(report.facts));
     std::erase_if(report.facts, [&](const Fact& fact) {

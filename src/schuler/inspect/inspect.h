@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,15 @@ struct Finding {
 struct Contradiction {
     std::string key;
     std::string text;                 ///< both values, in one sentence
+    bool refuted = false;             ///< beyond doubt: the given value is not used
+    std::optional<FactValue> better;  ///< what the data show and is used instead; refuted without it: as if nothing were given
+    double sigma = not_given;         ///< of it
+};
+
+/// Why a data set cannot be used as it is given.
+struct Refusal {
+    std::string file, key;            ///< relative to the folder; of dataset.toml
+    std::string text, mend;
 };
 
 struct InspectReport {
@@ -58,6 +68,8 @@ struct InspectReport {
     std::vector<Problem> problems;  ///< of the set as a whole
     std::vector<Fact> facts;  ///< the settings that the files state or show, those that are given left out
     std::vector<Contradiction> contradictions;
+    std::vector<std::string> doubts;  ///< what was taken otherwise than the files say it, with the evidence
+    std::optional<Refusal> refusal;
     std::string dataset_toml;  ///< commented, parsable; empty where nothing usable was found
 };
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -120,7 +121,17 @@ void SolutionCsvWriter::commit() {
     file_.commit();
 }
 
-void write_solution_csv(const std::filesystem::path& path, std::span<const SolutionRow> rows) {
+int leg_at(std::span<const Time> legs, Time time) {
+    return std::max(1, static_cast<int>(std::ranges::upper_bound(legs, time) - legs.begin()));
+}
+
+void write_solution_csv(const std::filesystem::path& path, std::span<const SolutionRow> rows, std::span<const Time> legs) {
+    if (legs.size() > 1) {
+        std::string text = fmt::format("{},leg\n", solution_csv_header());
+        for (const SolutionRow& row : rows) text += fmt::format("{},{}\n", solution_csv_row(row), leg_at(legs, row.time));
+        write_file(path, text);
+        return;
+    }
     SolutionCsvWriter writer(path);
     writer.append(rows);
     writer.commit();

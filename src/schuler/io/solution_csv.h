@@ -40,8 +40,11 @@ private:
     std::size_t used_ = 0;
 };
 
-/// Writes a whole solution.
-void write_solution_csv(const std::filesystem::path& path, std::span<const SolutionRow> rows);
+/// Writes a whole solution. `legs`: begin of each; with more than one there is a last column `leg`, counted from 1.
+void write_solution_csv(const std::filesystem::path& path, std::span<const SolutionRow> rows, std::span<const Time> legs = {});
+
+/// The leg that a time belongs to, from 1.
+[[nodiscard]] int leg_at(std::span<const Time> legs, Time time);
 
 /// Reads a solution; columns are found as in any CSV file, missing sigmas are NaN. Throws Error(Input) as read_reference_csv.
 [[nodiscard]] std::vector<SolutionRow> read_solution_csv(const TextInput& input, WarningLog& log);

@@ -142,6 +142,23 @@ std::string grade_for(double gyro_noise, double accel_noise, double gyro_bias) {
     return gyro_bias < 4.0 * sensor::imu_grade("consumer").gyro_initial_bias() ? "consumer" : "adis16405";
 }
 
+/// A given grade whose biases cannot be is refuted. Noise above its own may be vibration: it is then measured instead of believed.
+void check_given_grade(Study& study, const std::string& found, double bias, double noise) {
+    const Given& given = study.given;
+    if (!given.gyro_bias || !study.still.any()) return;
+    constexpr double earth_rate = 7.3e-5, many = 6.0, louder = 5.0;
+    if (bias > many * *given.gyro_bias + 2.0 * earth_rate) {
+        study.refutes("imu.grade",
+                      fmt::format("its gyros' biases are {:.2g} deg/s at switch-on; at rest they turn at {:.2g} deg/s", *given.gyro_bias * per_deg, bias * per_deg),
+                      FactValue(found));
+    } else if (noise > louder * *given.gyro_noise && !given.has("imu.estimate_noise")) {
+        study.contradicts("imu.grade", fmt::format("its gyros' noise is {:.2g} deg/sqrt(h); at its quietest the log has {:.2g}, by noise or vibration: "
+                                                   "noise is measured",
+                                                   *given.gyro_noise / units::deg_per_sqrt_hour, noise / units::deg_per_sqrt_hour));
+        study.draft.set("imu", "estimate_noise", true, "the log is louder than the grade that is given");
+    }
+}
+
 void judge_grade(Study& study) {
     const NoiseLevel noise = noise_level(study.imu);
     const bool fitted = study.velocity_fit.windows >= 3;
@@ -164,6 +181,7 @@ void judge_grade(Study& study) {
     study.draft.set("imu", "grade", grade,
                     fmt::format("{}: noise below {:.2g} deg/sqrt(h), {:.2g} m/s/sqrt(h){}; a data sheet knows better",
                                 how_sure(confidence), gyro, accel, bias_text));
+    check_given_grade(study, grade, bias_size, gyro * units::deg_per_sqrt_hour);
     if (biased) {
         study.found("imu.gyro_bias",
                     fmt::format("[{:.3f}, {:.3f}, {:.3f}] deg/s", bias.x() * per_deg, bias.y() * per_deg, bias.z() * per_deg),
@@ -240,6 +258,31 @@ void judge_samples(Study& study) {
     }
 }
 
+/// Offset and drift of the clock of the IMU and of what was logged with it.
+void draft_clock(Study& study) {
+    const double weeks = study.dated_fixes_move() ? 0.0 : study.imu_shift;
+    const double offset = weeks + study.clock_shift;
+    if (offset != 0.0 && !study.given.has("imu.time_offset_s")) {
+        const std::string why = study.clock_shift == 0.0 ? "likely: whole weeks, to meet the dated GNSS times" : "likely: " + study.clock_evidence;
+        const double sigma = study.clock_sigma > 0.0 ? study.clock_sigma : not_given;
+        study.draft.set("imu", "time_offset_s", offset, why, true, Known::Found, sigma);
+        const FileReport& imu = study.imu_file->report;
+        const auto along = [&](const LoadedFile* file, const char* section) {
+            if (file == nullptr || study.given.has(std::string(section) + ".time_offset_s")) return;
+            const double common = std::min(file->report.stop_s, imu.stop_s) - std::max(file->report.start_s, imu.start_s);
+            if (common > 0.5 * std::min(file->report.stop_s - file->report.start_s, imu.stop_s - imu.start_s))
+                study.draft.set(section, "time_offset_s", offset, "on the clock of the IMU", true, Known::Found, sigma);
+        };
+        along(study.baro_file, "baro");
+        along(study.mag_file, "mag");
+        for (const LoadedFile& file : study.files)
+            if (file.report.kind == "odometer") along(&file, "odometer");
+    }
+    if (study.clock_drift != 0.0)
+        study.draft.set("imu", "clock_drift_ppm", study.clock_drift,
+                        "likely: the lag of the GNSS behind the IMU grows by this along the log", true, Known::Found, study.clock_drift_sigma);
+}
+
 }  // namespace
 
 void judge_imu(Study& study) {
@@ -254,9 +297,7 @@ void judge_imu(Study& study) {
                     true, Known::File);
     if (increments) study.draft.set("imu", "stamp", std::string("end"), "usual for increments", true, Known::Default);
     draft_columns(study, "imu", *study.imu_file, study.imu_units);
-    if (study.imu_shift != 0.0 && !study.dated_fixes_move())
-        study.draft.set("imu", "time_offset_s", study.imu_shift,
-                        "likely: whole weeks, to meet the dated GNSS times");
+    draft_clock(study);
     judge_axes(study);
     judge_mounting(study);
     check_given_axes(study);

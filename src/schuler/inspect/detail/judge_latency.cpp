@@ -114,14 +114,36 @@ void draft_uncertainties(Study& study, const Ages& ages, bool apart) {
         draft_uncertainty(study, "velocity_latency_std_s", ages.velocity, stated(study.states_velocity_age, study.velocity_age));
 }
 
-/// A given latency counts on top of what the log states: the data may show that it is counted twice, or wrong.
-void check_given(Study& study, const char* key, const std::optional<double>& given, const std::optional<Age>& age, double stated,
-                 bool is_stated) {
-    if (!given || !age || !significant(age->value - stated - *given, age->sigma)) return;
+/// A given latency counts on top of what the log states: the data may show that it is counted twice, or wrong. Beyond doubt they are
+/// believed; else the given one is used, and the filter has the difference for its sigma. Returns what is used.
+/// @param otherwise what would be used had nothing been given, and nothing been measured
+double check_given(Study& study, const char* key, double given, const std::optional<Age>& age, double stated, bool is_stated, double otherwise) {
+    if (!age || !significant(age->value - stated - given, age->sigma)) return given;
     const std::string beyond =
         is_stated ? fmt::format(" on top of the {:.3f} s that a column of the file accounts for", stated) : std::string();
-    study.contradicts(std::string("gnss.") + key, fmt::format("{:.3f} s is given{}; the data show {:.3f} +- {:.3f} s{} ({})", *given, beyond,
-                                                              age->value - stated, age->sigma, is_stated ? " beyond it" : "", age->from));
+    const double shown = age->value - stated, off = std::abs(shown - given);
+    const std::string full = std::string("gnss.") + key;
+    const std::string text = fmt::format("{:.3f} s is given{}; the data show {:.3f} +- {:.3f} s{} ({})", given, beyond, shown, age->sigma,
+                                         is_stated ? " beyond it" : "", age->from);
+    constexpr double beyond_doubt = 10.0, least = 0.1;   // sigmas; s
+    const bool refuted = off > std::max(beyond_doubt * age->sigma, least);
+    const std::string_view name(key);
+    const bool has_sigma = name == "latency_s" || name == "velocity_latency_s";
+    const std::string sigma_key = std::string(key, name.size() - 2) + "_std_s";
+    if (has_sigma && !refuted)
+        study.draft.set("gnss", sigma_key, std::round(1000.0 * off) / 1000.0, "what the given one and the data differ by");
+    if (has_sigma && refuted) draft_uncertainty(study, sigma_key.c_str(), age, is_stated ? std::optional(stated) : std::nullopt);
+    if (!refuted) {
+        study.contradicts(full, text);
+        return given;
+    }
+    // as if nothing had been given
+    if (significant(shown - otherwise, age->sigma)) {
+        study.refutes(full, text, FactValue(rounded(shown)), age->sigma);
+        return shown;
+    }
+    study.refutes(full, text, name == "latency_s" && !is_stated ? std::optional<FactValue>(std::string("estimate")) : std::nullopt);
+    return otherwise;
 }
 
 }  // namespace
@@ -167,9 +189,9 @@ void judge_latency(Study& study) {
         return;
     }
     const Given& given = study.given;
-    check_given(study, "latency_s", given.latency, ages.position, study.position_age, study.states_position_age);
-    check_given(study, "height_latency_s", given.height_latency, ages.height, study.position_age, study.states_position_age);
-    const double used = given.latency ? *given.latency
+    if (given.height_latency)
+        check_given(study, "height_latency_s", *given.height_latency, ages.height, study.position_age, study.states_position_age, 0.0);
+    const double used = given.latency ? check_given(study, "latency_s", *given.latency, ages.position, study.position_age, study.states_position_age, 0.0)
                                       : draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
     double used_velocity = used;
     if (study.gnss.has_velocity()) {
@@ -179,11 +201,12 @@ void judge_latency(Study& study) {
         if (ages.relative && ages.position && std::abs(ages.position->value - position) < 1.5 * ages.position->sigma) {
             velocity = Age{position + ages.relative->value, ages.relative->sigma, ages.relative->from};
         }
-        check_given(study, "velocity_latency_s", given.velocity_latency, velocity, study.velocity_age, study.states_velocity_age);
-        check_given(study, "velocity_down_latency_s", given.velocity_down_latency, ages.velocity_down, study.velocity_age,
-                    study.states_velocity_age);
+        if (given.velocity_down_latency)
+            check_given(study, "velocity_down_latency_s", *given.velocity_down_latency, ages.velocity_down, study.velocity_age,
+                        study.states_velocity_age, used);
         used_velocity = given.velocity_latency
-                            ? *given.velocity_latency
+                            ? check_given(study, "velocity_latency_s", *given.velocity_latency, velocity, study.velocity_age,
+                                          study.states_velocity_age, used)
                             : draft_latency(study, "velocity_latency_s", velocity, study.velocity_age, study.states_velocity_age, used);
         // One solution gives all three components. Receivers filter the vertical more than the horizontal, never less: a vertical
         // velocity that seems earlier is a period of steps or waves off.

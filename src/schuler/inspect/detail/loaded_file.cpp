@@ -71,6 +71,14 @@ void LoadedFile::problem(Level level, std::string text, std::string mend) {
     report.problems.push_back({level, std::move(text), std::move(mend)});
 }
 
+void LoadedFile::add_to_times(double seconds) {
+    const std::int64_t ns = Duration::from_seconds(seconds).ns;
+    for (std::int64_t& t : time_ns) t += ns;
+    cadence_origin_ns += ns;
+    report.start_s += seconds;
+    report.stop_s += seconds;
+}
+
 Eigen::Vector3d LoadedFile::vector(const std::string& x, const std::string& y, const std::string& z, std::size_t row) const {
     const auto value = [&](const std::string& name) {
         const auto it = columns.find(name);

@@ -47,6 +47,7 @@ struct LoadedFile {
     /// Three columns as a vector of one row; NaN where absent.
     [[nodiscard]] Eigen::Vector3d vector(const std::string& x, const std::string& y, const std::string& z, std::size_t row) const;
     void problem(Level level, std::string text, std::string mend = {});
+    void add_to_times(double seconds);
 };
 
 /// Recognises and reads one file. Never throws on odd content.

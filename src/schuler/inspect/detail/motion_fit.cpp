@@ -13,7 +13,6 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double window_length = 10.0;           // s: gyro drift stays small, a turn or a stop fits in
 constexpr double sigma_horizontal = 0.1;         // m/s, weights of the rows against the priors
 constexpr double sigma_down = 0.3;               // m/s: the vertical channel may have a lag of its own
 constexpr double sigma_accel_bias = 0.15;        // m/s^2 about the median of all windows
@@ -80,7 +79,7 @@ bool covers(const ImuSeries& imu, Window& w) {
     return true;
 }
 
-std::vector<Window> windows_of(const ImuSeries& imu, std::span<const Observation> all, double least_motion) {
+std::vector<Window> windows_of(const ImuSeries& imu, std::span<const Observation> all, double least_motion, double window_length) {
     std::vector<Window> windows;
     for (std::size_t first = 0; first < all.size();) {
         std::size_t last = first;
@@ -286,10 +285,10 @@ void collect_pointings(const ImuSeries& imu, const Window& w, double lag, double
 }  // namespace
 
 MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource source, const Eigen::Vector3d& gyro_bias,
-                     bool bias_known, double gravity, double pointing_speed) {
+                     bool bias_known, double gravity, double pointing_speed, double window_length) {
     MotionFit fit;
     const std::vector<Observation> all = observations(gnss, source);
-    std::vector<Window> windows = windows_of(imu, all, 0.4);
+    std::vector<Window> windows = windows_of(imu, all, 0.4, window_length);
     fit.windows = static_cast<int>(windows.size());
     if (windows.size() < 3) return fit;
 
@@ -303,8 +302,10 @@ MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource sou
         fit.accel_bias = median_of(windows, at_accel);
         prior = prior_about(fit.gyro_bias, fit.accel_bias, sigma_gyro_bias, sigma_accel_bias);
         std::vector<std::vector<double>> horizontal, down;
+        fit.curves.clear();
         for (const Window& w : windows) {
             Curves curves = scan(imu, w, prior, gravity);
+            fit.curves.push_back({0.5 * (w.seen.front().begin + w.seen.back().end), curves.horizontal});
             horizontal.push_back(std::move(curves.horizontal));
             down.push_back(std::move(curves.down));
         }

@@ -26,6 +26,12 @@ struct Pointing {
     Eigen::Matrix3d C_ns;  ///< sensor to north-east-down
 };
 
+/// How badly one window fits at each lag, in units of its own residual.
+struct LagCurve {
+    double t;  ///< middle of the window, s
+    std::vector<double> horizontal;
+};
+
 struct MotionFit {
     int windows = 0;  ///< stretches with enough motion
     Agreement horizontal;  ///< lag of the horizontal channels behind the IMU, s (positive: GNSS is late)
@@ -34,12 +40,16 @@ struct MotionFit {
     double motion = 0.0;  ///< of the horizontal velocity about its mean, median window, m/s
     Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< median over windows, rad/s
     Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< likewise, m/s^2
+    std::vector<LagCurve> curves;  ///< of the windows, in order of time
     std::vector<Pointing> pointings;  ///< epochs faster than `pointing_speed` in windows that show the heading
 };
 
 /// Lags that are tried, s.
 inline constexpr double first_lag = -0.48, lag_step = 0.04;
 inline constexpr int lag_count = 45;
+
+/// Motion of steps and turns shows in 10 s; slow curves of a quiet unit need a minute.
+inline constexpr double short_window = 10.0, long_window = 60.0;  // s
 
 /// In each window of about 10 s the velocity is modelled as v(t) = v0 + g t + C_ns0 u(t - lag), u being the specific force
 /// integrated in the sensor axes of the window's start by the gyros; unknown are v0, C_ns0, the biases and the lag. Gauss-Newton
@@ -49,7 +59,8 @@ inline constexpr int lag_count = 45;
 /// @param gravity m/s^2, local
 /// @param pointing_speed m/s, slowest speed whose direction counts
 [[nodiscard]] MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource source,
-                                   const Eigen::Vector3d& gyro_bias, bool bias_known, double gravity, double pointing_speed);
+                                   const Eigen::Vector3d& gyro_bias, bool bias_known, double gravity, double pointing_speed,
+                                   double window_length = short_window);
 
 /// How much later the velocity column is than the position column, s: displacements against the integral of the velocity.
 /// @param down the vertical channel instead of the horizontal ones

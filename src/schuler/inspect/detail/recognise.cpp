@@ -168,6 +168,27 @@ void read_as_said(LoadedFile& file, const io::TableLayout& layout) {
     judge_time_unit(file, layout);
 }
 
+/// Speed by wheels, or heading, by the names of the interface: these logs have no others.
+bool recognise_plain_aid(LoadedFile& file, const io::TableLayout& layout) {
+    const auto is = [&](const char* value, const char* sigma) {
+        const auto known = [&](const std::string& name) { return name == "time_s" || name == value || name == sigma; };
+        const auto has = [&](const char* name) { return std::ranges::find(layout.names, name) != layout.names.end(); };
+        return has("time_s") && has(value) && std::ranges::all_of(layout.names, known);
+    };
+    const char* kind = is("speed_m_s", "std_m_s") ? "odometer" : is("heading_deg", "std_deg") ? "heading" : nullptr;
+    if (kind == nullptr) return false;
+    file.report.kind = kind;
+    for (std::size_t i = 0; i < layout.names.size(); ++i) {
+        io::ColumnMatch match;
+        match.canonical = match.file_name = layout.names[i];
+        match.column = static_cast<int>(i);
+        match.unit_stated = true;
+        file.plan.matches.push_back(match);
+    }
+    read_table(file, layout);
+    return true;
+}
+
 void recognise_table(LoadedFile& file) {
     const io::TextInput input(file.path);
     io::TableLayout layout = io::inspect_table(input);
@@ -189,6 +210,7 @@ void recognise_table(LoadedFile& file) {
         read_table(file, layout);
         return;
     }
+    if (recognise_plain_aid(file, layout)) return;
     file.table = io::guess_table_kind(layout);
     if (!file.table) {
         // Columns that are blank in the first rows (a marker not yet seen) count as well.

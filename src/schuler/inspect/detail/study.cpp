@@ -22,7 +22,11 @@ void Study::states(std::string key, FactValue value, std::string note, Known how
     fact.note = std::move(note);
 }
 
-void Study::contradicts(std::string key, std::string text) { contradictions.push_back({std::move(key), std::move(text)}); }
+void Study::contradicts(std::string key, std::string text) { contradictions.push_back({std::move(key), std::move(text), false, {}, not_given}); }
+
+void Study::refutes(std::string key, std::string text, std::optional<FactValue> better, double sigma) {
+    contradictions.push_back({std::move(key), std::move(text), true, std::move(better), sigma});
+}
 
 double Study::confidence_in(const std::string& key) const {
     const auto it = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.key == key; });

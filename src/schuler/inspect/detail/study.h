@@ -10,6 +10,7 @@
 #include "schuler/inspect/detail/units_by_value.h"
 #include "schuler/inspect/inspect.h"
 
+#include <optional>
 #include <vector>
 
 namespace schuler::inspect::detail {
@@ -28,6 +29,13 @@ struct Study {
     GnssSeries gnss;
     std::vector<ReferenceSample> reference;
     double imu_shift = 0.0;               ///< s that were added to the IMU's times to meet the GNSS (whole weeks)
+    double clock_shift = 0.0;             ///< s added beyond that, by motion
+    double clock_sigma = 0.0;             ///< s; 0 of a shift that clocks are known to make
+    std::string clock_evidence;
+    double clock_drift = 0.0;             ///< ppm by which the IMU's clock runs fast; taken out of `imu`
+    double clock_drift_sigma = 0.0;
+    std::optional<Refusal> refusal;
+    std::vector<std::string> doubts;      ///< what was taken otherwise than written
     double gravity = 9.80665;             ///< m/s^2, local where the position is known
     bool overlap = false;                 ///< IMU and GNSS have at least 10 s in common
 
@@ -52,6 +60,8 @@ struct Study {
     void problem(Level level, std::string text, std::string mend = {});
     void states(std::string key, FactValue value, std::string note, Known how = Known::File);
     void contradicts(std::string key, std::string text);
+    /// Refuted beyond doubt: `better` is used, or what is used where nothing is given.
+    void refutes(std::string key, std::string text, std::optional<FactValue> better, double sigma = not_given);
     /// Whether the loader brings the dated fixes of a described data set to the axis of its other logs, instead of them to the fixes.
     [[nodiscard]] bool dated_fixes_move() const { return !given.find_logs && gnss_file != nullptr && gnss_file->gps_time; }
     [[nodiscard]] double confidence_in(const std::string& key) const;
@@ -59,6 +69,7 @@ struct Study {
 
 /// Each judge reads the study, adds findings, problems and lines of the draft. Order as listed.
 void judge_time(Study& study);           ///< scale, overlap, series
+void judge_clock(Study& study);          ///< shifts the IMU's series where the motion shows it
 void study_motion(Study& study);         ///< gyro unit, rest, fits, travel, mounting: what the others read
 void judge_vehicle(Study& study);        ///< rest, kind
 void judge_imu(Study& study);            ///< axes, mounting, noise, saturation
@@ -67,6 +78,14 @@ void judge_latency(Study& study);
 void judge_baro(Study& study);
 void judge_mag(Study& study);
 void judge_reference(Study& study);
+
+/// Exchanges latitude and longitude where the velocities say that they are. Before the series are made.
+void judge_coordinates(Study& study);
+/// Turns gyros round whose signs do not belong to the accelerometers' axes, after the fit to the track. True where it did.
+bool judge_gyro_signs(Study& study);
+
+/// Whether a fit shows the lag of the GNSS behind the IMU.
+[[nodiscard]] bool shows_lag(const MotionFit& fit);
 
 /// The columns and scale lines of a section, where names or units need saying.
 void draft_columns(Study& study, const std::string& section, const LoadedFile& file, const std::vector<UnitChange>& units);

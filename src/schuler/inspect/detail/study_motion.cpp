@@ -2,6 +2,7 @@
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
+#include "schuler/inspect/detail/clock.h"
 #include "schuler/math/rotation.h"
 
 #include <fmt/format.h>
@@ -67,6 +68,46 @@ void take_given_axes(Study& study) {
     if (miss(Eigen::Matrix3d::Identity()) <= miss(m.C_bs) + 15.0 * units::deg) take_axes(m, Eigen::Matrix3d::Identity(), "frd");
 }
 
+/// The fit in short windows; where they show no lag, as with slow curves of a quiet unit, in long ones if these do.
+MotionFit fitted(const Study& study, FitSource source, const Eigen::Vector3d& bias, bool known) {
+    MotionFit fit = fit_motion(study.imu, study.gnss, source, bias, known, study.gravity, pointing_speed);
+    if (shows_lag(fit)) return fit;
+    const MotionFit slow = fit_motion(study.imu, study.gnss, source, bias, known, study.gravity, pointing_speed, long_window);
+    if (!shows_lag(slow)) return fit;
+    fit.horizontal = slow.horizontal;
+    fit.down = slow.down;
+    fit.curves = slow.curves;
+    return fit;
+}
+
+void fit_track(Study& study) {
+    study.still = still_periods(study.imu, study.overlap ? study.gnss : GnssSeries{});
+    if (!study.overlap) return;
+    study.velocity_fit = fitted(study, FitSource::Velocity, study.still.w, study.still.any());
+    const bool biased = study.velocity_fit.windows >= 3;
+    study.position_fit =
+        fitted(study, FitSource::Displacement, biased ? study.velocity_fit.gyro_bias : study.still.w, biased || study.still.any());
+    study.travel = travel_of(study.gnss.has_velocity() ? study.velocity_fit : study.position_fit);
+}
+
+/// Clocks of cheap loggers run some 10 to 100 ppm fast or slow: a second in some hours.
+void take_out_drift(Study& study) {
+    if (!study.overlap || study.given.has("imu.clock_drift_ppm")) return;
+    const MotionFit& fit = shows_lag(study.velocity_fit) ? study.velocity_fit : study.position_fit;
+    if (!shows_lag(fit)) return;
+    const ClockDrift drift = drift_of(fit.curves);
+    const double span = fit.curves.empty() ? 0.0 : fit.curves.back().t - fit.curves.front().t;
+    constexpr double significant = 5.0, least = 0.01;   // sigmas; s over the log
+    if (!drift.found || std::abs(drift.ppm) < significant * drift.sigma || std::abs(drift.ppm) * 1e-6 * span < least) return;
+    study.clock_drift = std::round(10.0 * drift.ppm) / 10.0;
+    study.clock_drift_sigma = drift.sigma;
+    study.found("imu.clock_drift_ppm", fmt::format("{:.1f} +- {:.1f} ppm", drift.ppm, drift.sigma), 0.9,
+                fmt::format("the GNSS falls {} the IMU by {:.0f} ms over {:.0f} s of motion", drift.ppm > 0.0 ? "before" : "behind",
+                            std::abs(drift.ppm) * 1e-3 * span, span));
+    set_clock(study.imu, 0.0, study.clock_drift, study.imu.t.front());
+    fit_track(study);
+}
+
 }  // namespace
 
 void study_motion(Study& study) {
@@ -84,19 +125,13 @@ void study_motion(Study& study) {
         study.down_velocity_behind_height = velocity_behind_position(study.gnss, true);
     }
     if (study.imu_file == nullptr || study.imu.empty()) return;
+    for (UnitChange& change : judge_gyro_unit(*study.imu_file, study.imu, study.overlap ? study.gnss : GnssSeries{}))
+        study.imu_units.push_back(std::move(change));
+    fit_track(study);
+    if (judge_gyro_signs(study)) fit_track(study);
+    take_out_drift(study);
     const GnssSeries none;
     const GnssSeries& gnss = study.overlap ? study.gnss : none;
-    for (UnitChange& change : judge_gyro_unit(*study.imu_file, study.imu, gnss)) study.imu_units.push_back(std::move(change));
-    study.still = still_periods(study.imu, gnss);
-    if (study.overlap) {
-        study.velocity_fit = fit_motion(study.imu, study.gnss, FitSource::Velocity, study.still.w, study.still.any(),
-                                        study.gravity, pointing_speed);
-        const bool biased = study.velocity_fit.windows >= 3;
-        study.position_fit =
-            fit_motion(study.imu, study.gnss, FitSource::Displacement, biased ? study.velocity_fit.gyro_bias : study.still.w,
-                       biased || study.still.any(), study.gravity, pointing_speed);
-        study.travel = travel_of(study.gnss.has_velocity() ? study.velocity_fit : study.position_fit);
-    }
     const AttitudeAgreement attitude = attitude_agreement(study.imu, study.still.w, study.reference, study.origin);
     const bool rest = study.still.any();
     study.mounting = mounting_of(rest ? study.still.f : mean_specific_force(study.imu), rest, study.travel, attitude);

@@ -1,0 +1,139 @@
+// The clocks of IMU and GNSS: what their motion says about the times as they are written.
+#include "schuler/inspect/detail/clock.h"
+#include "schuler/inspect/detail/study.h"
+
+#include "schuler/core/units.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::inspect::detail {
+namespace {
+
+constexpr double decisive = 25.0;     // support of a shift before it is looked at: above chance among all shifts of a day
+constexpr double beyond_stated = 15.0;
+constexpr double beyond_rival = 6.0;  // a likelihood of 400 against the second best
+constexpr double trust_in_known = 5.0;
+constexpr double longest_lag = 1.2, earliest_lag = 0.2;   // s, what a receiver's latency explains
+
+double leap_seconds(const Study& study) {
+    constexpr double dated = 1e8, latest = 18.0;
+    const double t = study.gnss_file->report.start_s;
+    const bool from_1980 = study.gnss_file->gps_time || (t > dated && t < 1.5e9);
+    return from_1980 ? static_cast<double>(gps_minus_utc(static_cast<std::int64_t>(t))) : latest;
+}
+
+/// The fit of the IMU to the track at a shift, with the gyros in the unit that the course shows.
+MotionFit fit_at(const Study& study, double shift, double window) {
+    ImuSeries imu = study.imu;
+    set_clock(imu, shift, 0.0, 0.0);
+    Eigen::Vector3d f = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < imu.size(); ++i) {
+        f += imu.f[i];
+        w += imu.w[i] / static_cast<double>(imu.size());
+    }
+    const CourseSlope course = course_slope(imu, study.gnss, -f.normalized(), w);
+    const double ratio = std::abs(course.slope);
+    if (std::abs(course.correlation) > 0.7 && (ratio < 0.13 || ratio > 7.6))
+        for (Eigen::Vector3d& rate : imu.w) rate *= ratio < 0.13 ? units::deg : 1.0 / units::deg;
+    const StillPeriods still = still_periods(imu, study.gnss);
+    constexpr double fast = 3.0;   // m/s
+    const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
+    return fit_motion(imu, study.gnss, source, still.w, still.any(), study.gravity, fast, window);
+}
+
+struct Choice {
+    ClockPeak peak;
+    std::optional<KnownShift> known;
+    bool unique = false;
+    double rival = 0.0;        // support of the second best
+};
+
+/// The best shift; one that clocks are known to make before one that is a little better.
+std::optional<Choice> best_of(const ClockScan& scan, double leap) {
+    if (scan.peaks.empty()) return std::nullopt;
+    Choice best{scan.peaks.front(), known_shift(scan.peaks.front().shift, leap), false};
+    for (const ClockPeak& p : scan.peaks) {
+        if (best.known || p.support < scan.peaks.front().support - trust_in_known) break;
+        if (const auto known = known_shift(p.shift, leap)) best = {p, known, false};
+    }
+    double rival = 0.0;
+    for (const ClockPeak& p : scan.peaks) {
+        if (std::abs(p.shift - best.peak.shift) < scan.width) continue;
+        const bool lesser = best.known && !known_shift(p.shift, leap);
+        rival = std::max(rival, p.support - (lesser ? beyond_rival + trust_in_known : 0.0));
+    }
+    best.rival = rival;
+    best.unique = best.peak.support > decisive && best.peak.support - rival > beyond_rival;
+    return best;
+}
+
+/// Plain without a fit, which steps, waves and vibration can spoil: a shift that clocks make, or one without any rival.
+bool plain(const Choice& best, const ClockScan& scan) {
+    constexpr double much = 40.0;
+    const double support = best.peak.support;
+    return support > much && support > scan.stated + 0.9 * much && (best.known || (support > 1.5 * much && support > best.rival + 0.75 * much));
+}
+
+std::string sizes(double shift) { return fmt::format("{:.10g} s {}", std::abs(shift), shift < 0.0 ? "earlier" : "later"); }
+
+}  // namespace
+
+bool shows_lag(const MotionFit& fit) {
+    return fit.windows >= 3 && fit.horizontal.found && fit.horizontal.contrast >= 0.2 && fit.horizontal.sigma <= 0.1;
+}
+
+void judge_clock(Study& study) {
+    if (study.imu_file == nullptr || study.gnss_file == nullptr || study.imu.empty() || study.gnss.size() < 20) return;
+    const Given& given = study.given;
+    const bool is_given = given.has("imu.time_offset_s") || given.has("gnss.time_offset_s");
+    // where the user says what the seconds count from, the loader brings dated fixes to them
+    if (study.dated_fixes_move() && (given.has("time.scale") || given.has("time.week") || given.has("time.date"))) return;
+    const double leap = leap_seconds(study);
+    const ClockScan scan = scan_clocks(study.imu, study.gnss, study.gravity);
+    const std::optional<Choice> best = best_of(scan, leap);
+    if (!best || !best->unique) return;
+    if (study.overlap && best->peak.support < scan.stated + beyond_stated) return;
+    const double sought = best->known ? best->known->shift : best->peak.shift;
+    if (study.overlap && sought > -earliest_lag && sought < longest_lag) return;
+    const double supposed = best->known ? sought : sought - 0.4;   // within the lags that are tried
+    double window = short_window;
+    MotionFit there = fit_at(study, supposed, window);
+    if (!shows_lag(there)) there = fit_at(study, supposed, window = long_window);
+    const bool fits = shows_lag(there) && there.rms < 0.6 * there.motion &&
+                      !(study.overlap && there.rms > 0.7 * fit_at(study, 0.0, window).rms);
+    if (!fits && !plain(*best, scan)) return;
+    // A shift of its own holds the receiver's latency too: the two cannot be told apart.
+    const double lag = fits ? there.horizontal.at - 0.4 : 0.0;
+    const double shift = best->known ? sought : std::round(100.0 * (sought + lag)) / 100.0;
+    const std::string fit_text =
+        fits ? fmt::format("; {} windows, left of {:.3g} m/s motion {:.2g} m/s", there.windows, there.motion, there.rms) : std::string();
+    const std::string evidence = fmt::format(
+        "at {:+.10g} s turns and accelerations of the IMU and of the track agree (correlation {:.2f}{}){}", shift,
+        best->peak.correlation, fit_text, best->known && !best->known->name.empty() ? ": " + best->known->name : "");
+    const std::string stated = study.overlap ? "as they are they do not" : "as they are the logs do not overlap in time";
+    if (is_given) {
+        const bool of_imu = given.has("imu.time_offset_s");
+        const char* key = of_imu ? "imu.time_offset_s" : "gnss.time_offset_s";
+        const double better = of_imu ? given.imu.time_offset + shift : given.gnss.time_offset - shift;
+        study.refusal = Refusal{(of_imu ? study.imu_file : study.gnss_file)->report.path, key,
+                                fmt::format("the motion contradicts the times of IMU and GNSS: {}; {}", evidence, stated),
+                                fmt::format("give {:.10g} there, or leave it out", std::round(1e3 * better) / 1e3)};
+        study.contradicts(key, study.refusal->text);
+        return;
+    }
+    study.clock_shift = shift;
+    study.clock_sigma = best->known ? 0.0 : fits ? std::hypot(there.horizontal.sigma, 0.02) : 0.1;
+    study.clock_evidence = fmt::format("{}; {}", evidence, stated);
+    study.overlap = true;
+    set_clock(study.imu, shift, 0.0, 0.0);
+    study.found("imu.clock", sizes(shift), best->known ? 0.95 : 0.8, study.clock_evidence);
+    study.doubts.push_back(fmt::format("the clocks of {} and {} differ: the IMU's times are taken {} ({})", study.imu_file->report.path,
+                                       study.gnss_file->report.path, sizes(shift), study.clock_evidence));
+    std::erase_if(study.problems, [](const Problem& p) { return p.level == Level::Error && p.text.find("no time in common") != std::string::npos; });
+    study.problem(Level::Warning, study.doubts.back(), "nothing to do where that is right; else give [imu] time_offset_s");
+}
+
+}  // namespace schuler::inspect::detail

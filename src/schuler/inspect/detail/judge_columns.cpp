@@ -1,0 +1,137 @@
+// Columns that are not what their names say: latitude for longitude, gyros that turn the other way.
+#include "schuler/inspect/detail/study.h"
+
+#include "schuler/core/units.h"
+#include "schuler/earth/earth.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace schuler::inspect::detail {
+namespace {
+
+/// Displacements over about 2 s against the mean velocity between them: sum of squared differences, and of the displacements.
+struct Misfit {
+    double miss = 0.0, moved = 0.0;
+};
+Misfit misfit(const LoadedFile& file, const char* lat, const char* lon) {
+    const std::vector<double>&p = file[lat], &q = file[lon], &vn = file["vel_n_m_s"], &ve = file["vel_e_m_s"];
+    constexpr double span = 2.0;   // s
+    const earth::Earth earth;
+    Misfit sum;
+    std::size_t first = 0;
+    double n = 0.0, e = 0.0;
+    for (std::size_t k = 1; k < p.size(); ++k) {
+        const double dt = static_cast<double>(file.time_ns[k] - file.time_ns[k - 1]) * 1e-9;
+        n += 0.5 * dt * (vn[k] + vn[k - 1]);
+        e += 0.5 * dt * (ve[k] + ve[k - 1]);
+        const double whole = static_cast<double>(file.time_ns[k] - file.time_ns[first]) * 1e-9;
+        if (whole < span) continue;
+        const Geodetic a{p[first] * units::deg, q[first] * units::deg, 0.0}, b{p[k] * units::deg, q[k] * units::deg, 0.0};
+        const Eigen::Vector2d moved = earth::ned_difference(earth, b, a).head<2>();
+        const double miss = (moved - Eigen::Vector2d(n, e)).squaredNorm();
+        constexpr double jump = 1e6;   // m^2: no vehicle's
+        if (dt > 0.0 && dt < 2.5 && std::isfinite(miss) && miss < jump) {
+            sum.miss += miss;
+            sum.moved += n * n + e * e;
+        }
+        first = k;
+        n = e = 0.0;
+    }
+    return sum;
+}
+
+Eigen::Vector3d mean_force(const ImuSeries& imu) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& f : imu.f) sum += f / static_cast<double>(imu.size());
+    return sum;
+}
+
+}  // namespace
+
+void judge_coordinates(Study& study) {
+    if (study.gnss_file == nullptr) return;
+    LoadedFile& file = *study.gnss_file;
+    if (!file.has("lat_deg") || !file.has("lon_deg") || !file.has("vel_n_m_s") || !file.has("vel_e_m_s")) return;
+    constexpr double most = 90.0;
+    if (std::ranges::any_of(file["lon_deg"], [](double x) { return std::abs(x) > most; })) return;
+    const Misfit as_named = misfit(file, "lat_deg", "lon_deg");
+    constexpr double much = 400.0, wrong = 0.1, right = 0.05;   // m^2; shares of the motion
+    if (as_named.moved < much || as_named.miss < wrong * as_named.moved) return;
+    const Misfit exchanged = misfit(file, "lon_deg", "lat_deg");
+    if (exchanged.miss > right * exchanged.moved || exchanged.miss > right * as_named.miss) return;
+    const io::ColumnMatch *lat = file.plan.find("lat_deg"), *lon = file.plan.find("lon_deg");
+    const std::string text = fmt::format("latitude and longitude are exchanged: the positions move as the velocities say only with {} as the latitude "
+                                         "(of the motion {:.1g} are left, else {:.1g})",
+                                         lon->file_name, std::sqrt(exchanged.miss / exchanged.moved), std::sqrt(as_named.miss / as_named.moved));
+    if (file.as.overrides.columns.contains("lat_deg") || file.as.overrides.columns.contains("lon_deg") || lat->file_name == lon->file_name) {
+        study.contradicts("gnss.columns", text);
+        return;
+    }
+    file.column_map["lat_deg"] = lon->file_name;
+    file.column_map["lon_deg"] = lat->file_name;
+    std::swap(file.columns["lat_deg"], file.columns["lon_deg"]);
+    study.found("gnss.columns", "latitude and longitude exchanged", 0.95, text);
+    study.doubts.push_back(fmt::format("{}: {}; taken so", file.report.path, text));
+    file.problem(Level::Warning, text, "name the columns rightly");
+}
+
+bool judge_gyro_signs(Study& study) {
+    if (!study.overlap || study.imu_file == nullptr || study.imu_file->has("dtheta_x_rad")) return false;
+    const MotionFit& fit = study.gnss.has_velocity() ? study.velocity_fit : study.position_fit;
+    const Eigen::Vector3d up = study.still.any() ? study.still.f : mean_force(study.imu);
+    constexpr double against = -0.6;   // correlation of the course's rate with the rate about the vertical
+    const bool turns_against = up.norm() > 0.0 && course_slope(study.imu, study.gnss, -up.normalized(), study.still.w).correlation < against;
+    if (fit.windows < 5 || (!turns_against && shows_lag(fit) && fit.rms < 0.3 * fit.motion)) return false;
+    const auto& given = study.imu_file->as.overrides.scale;
+    if (std::ranges::any_of(given, [](const auto& entry) { return entry.first.starts_with("gyro"); })) return false;
+    const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
+    constexpr double fast = 3.0;   // m/s
+    struct Trial {
+        Eigen::Vector3d sign;
+        MotionFit fit;
+    };
+    std::vector<Trial> trials;
+    for (int k = 1; k < 8; ++k) {
+        const Eigen::Vector3d sign((k & 1) != 0 ? -1.0 : 1.0, (k & 2) != 0 ? -1.0 : 1.0, (k & 4) != 0 ? -1.0 : 1.0);
+        ImuSeries turned = study.imu;
+        for (Eigen::Vector3d& w : turned.w) w = sign.cwiseProduct(w);
+        const Eigen::Vector3d bias = sign.cwiseProduct(study.still.w);
+        trials.push_back({sign, fit_motion(turned, study.gnss, source, bias, study.still.any(), study.gravity, fast)});
+    }
+    const double lowest = std::ranges::min(trials, {}, [](const Trial& t) { return t.fit.rms; }).fit.rms;
+    // axes that hardly turn may have either sign: as few as possible are turned round
+    const Trial* best = nullptr;
+    for (const Trial& t : trials)
+        if (t.fit.rms < 1.15 * lowest && (best == nullptr || t.sign.sum() > best->sign.sum())) best = &t;
+    constexpr double clearly = 0.5;
+    if (!shows_lag(best->fit) || best->fit.rms > (turns_against ? 0.9 : clearly) * fit.rms || best->fit.rms > clearly * best->fit.motion) return false;
+    static constexpr std::array<const char*, 3> names{"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s"};
+    std::string axes;
+    const std::string why = fmt::format("with the sign of its column the IMU leaves {:.2g} m/s of the track's motion, turned round {:.2g} m/s", fit.rms, best->fit.rms);
+    const bool all = best->sign.sum() < -2.5;
+    double unit = 1.0;
+    for (UnitChange& change : study.imu_units)
+        if (change.key == "gyro_rad_s") {
+            unit = change.factor / study.imu_file->plan.find(names[0])->factor;
+            if (all) change.factor = -change.factor;
+        }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (best->sign(static_cast<Eigen::Index>(i)) > 0.0) continue;
+        axes += fmt::format("{}{}", axes.empty() ? "" : ", ", names[i][5]);
+        for (double& v : study.imu_file->columns[names[i]]) v = -v;
+        const double factor = -unit * study.imu_file->plan.find(names[i])->factor;
+        if (!all) study.imu_units.push_back({names[i], factor, "turned round", 0.9, why, false});
+    }
+    if (all && unit == 1.0)
+        study.imu_units.push_back({"gyro_rad_s", -study.imu_file->plan.find(names[0])->factor, "turned round", 0.9, why, false});
+    for (Eigen::Vector3d& w : study.imu.w) w = best->sign.cwiseProduct(w);
+    study.doubts.push_back(fmt::format("{}: gyro {} turned round: {}", study.imu_file->report.path, axes, why));
+    study.problem(Level::Warning, study.doubts.back(), "check the sign of the column");
+    return true;
+}
+
+}  // namespace schuler::inspect::detail

@@ -1,0 +1,118 @@
+// IMU and GNSS on clocks that differ: found by the motion of a synthetic car.
+#include "schuler/inspect/detail/clock.h"
+#include "schuler/inspect/inspect.h"
+
+#include "report_queries.h"
+#include "synthetic_car.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace schuler::inspect::test {
+namespace {
+
+const Fact* fact_of(const InspectReport& r, const std::string& key) {
+    const auto it = std::ranges::find(r.facts, key, &Fact::key);
+    return it == r.facts.end() ? nullptr : &*it;
+}
+
+double offset_of(const InspectReport& r) {
+    const Fact* fact = fact_of(r, "imu.time_offset_s");
+    return fact == nullptr ? 0.0 : std::get<double>(fact->value);
+}
+
+InspectReport report_with(double gnss_minus_imu, CarLog car, const Given& given = {}) {
+    const auto folder = fresh_folder("clock");
+    car.gnss_start = car.imu_start + gnss_minus_imu;
+    write_car(folder, car);
+    return inspect(folder, given);
+}
+
+/// Differences that clocks make are found exactly, beside a latency of the receiver, whatever the units and axes.
+TEST(Clock, KnownDifferencesAreFoundBesideALatency) {
+    CarLog car;
+    car.position_latency = car.velocity_latency = 0.15;
+    car.gyro_factor = 57.295779513;
+    car.imu_header = "time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z";
+    car.imu_start = 1.7e9;
+    for (const double shift : {18.0, -18.0, 3600.0, -7218.0, -315964782.0, 86400.0}) {
+        const InspectReport r = report_with(shift, car);
+        EXPECT_EQ(offset_of(r), shift);
+        EXPECT_NEAR(number_of(r, "gnss.latency_s"), 0.15, 0.04) << shift;
+        EXPECT_EQ(r.doubts.size(), 1u);
+        EXPECT_FALSE(has_problem(r, Level::Error, "no time in common"));
+    }
+}
+
+TEST(Clock, AnyOtherDifferenceIsFoundWithItsSigma) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> far(-90.0, 90.0);
+    for (int i = 0; i < 6; ++i) {
+        const double shift = far(random);
+        if (std::abs(shift) < 3.0) continue;
+        const InspectReport r = report_with(shift, CarLog{});
+        const Fact* fact = fact_of(r, "imu.time_offset_s");
+        ASSERT_NE(fact, nullptr) << shift;
+        EXPECT_NEAR(offset_of(r), shift, std::max(3.0 * fact->sigma, 0.06));
+    }
+}
+
+TEST(Clock, OneClockIsLeftAlone) {
+    for (const double latency : {0.0, 0.3, 0.9}) {
+        CarLog car;
+        car.position_latency = car.velocity_latency = latency;
+        const InspectReport r = report_with(0.0, car);
+        EXPECT_EQ(fact_of(r, "imu.time_offset_s"), nullptr) << latency;
+        EXPECT_TRUE(r.doubts.empty());
+    }
+}
+
+TEST(Clock, AnOffsetThatIsGivenAndContradictedIsRefusedWithTheBestOne) {
+    Given given;
+    given.keys = {"imu.time_offset_s"};
+    given.imu.time_offset = 18.0;   // of the folder's log, which is not named
+    EXPECT_FALSE(report_with(18.0, CarLog{}, given).refusal);
+    given.imu.time_offset = 3.0;
+    const InspectReport r = report_with(18.0, CarLog{}, given);
+    ASSERT_TRUE(r.refusal);
+    EXPECT_EQ(r.refusal->key, "imu.time_offset_s");
+    EXPECT_NE(r.refusal->text.find("+15 s"), std::string::npos) << r.refusal->text;
+    EXPECT_NE(r.refusal->mend.find("give 18"), std::string::npos) << r.refusal->mend;
+    EXPECT_EQ(fact_of(r, "imu.time_offset_s"), nullptr);
+}
+
+TEST(Clock, KnownShiftsHaveNames) {
+    using detail::known_shift;
+    EXPECT_EQ(known_shift(18.1, 18.0)->shift, 18.0);
+    EXPECT_EQ(known_shift(-315964781.6, 18.0)->shift, -315964782.0);
+    EXPECT_NE(known_shift(-315964781.6, 18.0)->name.find("1970"), std::string::npos);
+    EXPECT_NE(known_shift(604800.0, 18.0)->name.find("1 week"), std::string::npos);
+    EXPECT_NE(known_shift(-7200.0, 18.0)->name.find("2 h"), std::string::npos);
+    EXPECT_FALSE(known_shift(1234.0, 18.0));
+    EXPECT_FALSE(known_shift(-1.0, 18.0));
+}
+
+/// Parabolas whose vertices lie on a line: its slope comes out, and noise alone is no drift.
+TEST(Clock, DriftIsTheSlopeOfTheLags) {
+    std::mt19937 random(5);
+    std::normal_distribution<double> noise(0.0, 0.01);
+    for (const double ppm : {-120.0, -40.0, 0.0, 75.0}) {
+        std::vector<detail::LagCurve> curves;
+        for (int w = 0; w < 60; ++w) {
+            detail::LagCurve c{15.0 * w, {}};
+            const double lag = 0.2 - ppm * 1e-6 * (c.t - 450.0) + noise(random);
+            for (int i = 0; i < detail::lag_count; ++i) c.horizontal.push_back(10.0 + 400.0 * std::pow(detail::first_lag + detail::lag_step * i - lag, 2));
+            curves.push_back(std::move(c));
+        }
+        const detail::ClockDrift drift = detail::drift_of(curves);
+        ASSERT_TRUE(drift.found);
+        EXPECT_NEAR(drift.ppm, ppm, 4.0 * drift.sigma) << drift.sigma;
+        EXPECT_LT(drift.sigma, 12.0);
+    }
+}
+
+}  // namespace
+}  // namespace schuler::inspect::test
