@@ -167,16 +167,17 @@ void add_events(const std::vector<Sample>& samples, AidKind kind, std::uint8_t c
 
 }  // namespace
 
-std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings) {
+std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings, Screening screening) {
     std::vector<Event> events;
     EventMaker maker(settings, origin);
     std::vector<GnssFix> fixes = recording.gnss;
     if (!settings.gnss.use_velocity)
         for (GnssFix& fix : fixes) fix.velocity_n.setConstant(not_given);   // no witnesses either
-    const FrozenFixes frozen = frozen_fixes(fixes, settings.earth);
-    for (std::size_t i = 0; i < fixes.size(); ++i) fixes[i] = frozen.without(fixes[i], i);
+    FrozenFixes frozen;
+    if (screening == Screening::WholeLog) frozen = frozen_fixes(fixes, settings.earth);
+    for (std::size_t i = 0; frozen.any() && i < fixes.size(); ++i) fixes[i] = frozen.without(fixes[i], i);
     std::vector<bool> strayed(fixes.size(), false);
-    if (!settings.integrity.use && settings.aids.gate_probability > 0.0)   // it has rules of its own; nothing is to be refused
+    if (screening == Screening::WholeLog && !settings.integrity.use && settings.aids.gate_probability > 0.0)   // it has rules of its own; nothing is to be refused
         strayed = strayed_positions(fixes, settings.earth);
     for (std::size_t i = 0; i < fixes.size(); ++i) {
         if (strayed[i]) fixes[i].position = {not_given, not_given, not_given};

@@ -15,9 +15,12 @@ namespace schuler::fusion {
 [[nodiscard]] ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSettings& settings,
                                             WarningLog& warnings);
 
-/// GNSS, barometer and magnetometer epochs in order of validity, duplicates dropped, latencies applied, outages marked.
-/// origin: zero of the outages' times (stamp of the first GNSS epoch).
-[[nodiscard]] std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin,
-                                             WarningLog& warnings);
+/// Whether fixes are left out for what later ones say of them (fusion/gnss_faults.h), which a stream cannot know.
+enum class Screening { WholeLog, None };
+
+/// Epochs of all instruments in order of validity, duplicates dropped, latencies applied, outages marked. origin: zero of the outages'
+/// times (stamp of the first GNSS epoch).
+[[nodiscard]] std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings,
+                                             Screening screening = Screening::WholeLog);
 
 }  // namespace schuler::fusion

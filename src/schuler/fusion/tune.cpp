@@ -99,7 +99,7 @@ public:
 
 private:
     /// A receiver at rest says nothing of its errors in motion, nor a unit at rest of its own, and logs begin and end with minutes of it.
-    static constexpr double weight_at_rest = 0.02;
+    static constexpr double weight_at_rest = 0.1;
 
     /// Speeds by the fixes, and which are slow: a quarter of what is usual at the upper end.
     void find_speeds(Time stop) {
@@ -306,6 +306,14 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
         knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); },
                          -2.0, 2.0});
     }
+    // A receiver's own filter smooths its velocities: they are wrong for seconds, by as much in one fix as in the next.
+    if (g.estimate_std && before.imu.estimate_noise && missing.velocity && has_velocity && g.errors.correlated_velocity.isZero())
+        knobs.push_back({"gnss.correlated_velocity_m_s",
+                         [](Settings& s, double x) {
+                             s.gnss.errors.correlated_velocity = std::exp(x) * Vector3d(1.0, 1.0, 1.5);
+                             s.gnss.errors.correlated_velocity_time = 3.0;
+                         },
+                         std::log(0.02), std::log(1.0), false, std::log(0.02), std::log(1.0)});
     if (before.imu.estimate_noise && before.baro.use && !recording.baro.empty()) {
         const BaroSettings b = before.baro;
         knobs.push_back({"baro.white_m", [b](Settings& s, double x) { s.baro.std = std::exp(x) * b.std; }, -3.0, 1.5, true});
@@ -333,10 +341,10 @@ Vector3d stated_by_autonomous(const Recording& recording) {
 }
 
 /// What was fitted is kept above what the physics of the devices allows, however quiet they were in the trial: a receiver that does not
-/// state its sigmas, without corrections, wanders by a metre and a half (4 m at 95 % horizontally is what the open service gives) and scatters
+/// state its sigmas, without corrections, wanders by a metre (open services reach 2 to 4 m at 95 % horizontally) and scatters
 /// by some centimetres; a magnetometer's errors turn with its vehicle and with its currents.
 void keep_physical(Settings& settings, const Settings& before, const Recording& recording, MissingStd missing) {
-    constexpr double least_white = 0.1, least_slow = 1.5, least_velocity = 0.02, least_heading = 0.02;   // m, m, m/s, rad
+    constexpr double least_white = 0.1, least_slow = 1.0, least_velocity = 0.02, least_heading = 0.02;   // m, m, m/s, rad
     const bool precise = is_precise(recording);
     GnssSettings& g = settings.gnss;
     // What an autonomous receiver says of its accuracy is mostly of what it wanders, and minutes of a log do not show all of that.
