@@ -160,23 +160,6 @@ TEST(Hypotheses, TheSmootherKnowsWhoWasRight) {
     EXPECT_LT(worst(smoothed), 0.4 * worst(forward));   // not less: from the fault to the first refused fix nobody knew
 }
 
-// A receiver that is still finding itself misleads the filter in the first seconds. What takes its velocities and refuses all positions for
-// ever is no explanation either: the next challenger has to get its chance.
-TEST(Hypotheses, AChallengerThatTakesHalfOfTheFixesIsBegunAnew) {
-    for (const std::uint64_t seed : {47u, 48u, 49u}) {
-        Drive d = drive(seed);
-        for (GnssFix& f : d.recording.gnss) {
-            const double t = (f.time - d.scenario.origin).seconds();
-            const double lie = 3.0 * std::exp(-t / 4.0);   // m/s, the way it came
-            f.velocity_n += Vector3d(-0.4 * lie, -lie, lie);
-            f.position = earth::moved_by_ned(d.settings.earth, f.position, 4.0 * Vector3d(0.4 * lie, lie, -lie));
-        }
-        const Outcome o = outcome(d);
-        EXPECT_LT(o.at_end, 0.5) << seed;
-        EXPECT_EQ(o.denied, 0.0) << seed;
-    }
-}
-
 TEST(Hypotheses, AnUndisturbedDriveAsksNobody) {
     const Outcome o = outcome(drive(46));
     EXPECT_TRUE(o.result.alerts.empty());
