@@ -104,7 +104,7 @@ inline Batch run_batch(const Recording& recording, const Settings& settings, dou
     data.imu = make_imu_timeline(recording.imu, settings.imu, unheard);
     if (data.imu.gaps == 0) data.imu.bridges.clear();   // what only a whole log makes doubtful
     set_limits(data, settings);
-    data.events = make_events(recording, settings, Time{}, unheard, Screening::None);
+    data.events = make_events(recording, settings, Time{}, unheard);
     data.fix_noise = fix_noise(recording, settings.gnss, unheard);
     data.still = find_still(data.imu, recording, data.events, settings);
     batch.start = true_start(data, recording, start_after);

@@ -75,8 +75,9 @@ TEST(FrozenFixes, WhatHangsInMotionIsNamedToTheFix) {
             EXPECT_EQ(found.positions, position ? 80u : 0u);
             EXPECT_EQ(found.velocities, velocity ? 80u : 0u);
             EXPECT_EQ(*found.first, fixes[251].time);
+            const FixScreen screen{found.position, found.velocity};
             for (std::size_t i = 0; i < fixes.size(); ++i) {
-                const GnssFix left = found.without(fixes[i], i);
+                const GnssFix left = screen.without(fixes[i], i);
                 const bool inside = i > 250 && i <= 330;
                 EXPECT_EQ(std::isnan(left.position.lat), position && inside) << i;
                 EXPECT_EQ(std::isnan(left.velocity_n.x()), velocity && inside) << i;
@@ -126,6 +127,26 @@ TEST(StrayedPositions, NobodyIsNamedWhereTheWayDoesNotClose) {
     auto velocities = drive(0.5, 0.0);   // wrong ones
     for (std::size_t i = 200; i < 300; ++i) velocities[i].velocity_n.y() += 3.0;
     EXPECT_EQ(count(strayed_positions(velocities, earth)), 0u);
+}
+
+TEST(FixScreen, FollowsTheSettings) {
+    auto hung = drive(1.0, 0.0), ramp = drive(0.5, 0.0);
+    hang(hung, 250, 330, true, false);
+    stray(ramp, 200, 300, 0.0, 2.0);
+    Settings settings;
+    WarningLog heard;
+    EXPECT_EQ(count(screen_fixes(hung, settings, hung.front().time, heard).position), 80u);
+    EXPECT_GE(count(screen_fixes(ramp, settings, ramp.front().time, heard).position), 75u);
+    EXPECT_EQ(heard.topics(), (std::vector<std::string>{"gnss.frozen", "gnss.strayed"}));
+    Settings integrity = settings, ungated = settings, positions_only = settings;
+    integrity.integrity.use = true;
+    ungated.aids.gate_probability = 0.0;
+    positions_only.gnss.use_velocity = false;
+    for (const Settings& s : {integrity, ungated, positions_only}) {
+        WarningLog none;
+        EXPECT_TRUE(screen_fixes(ramp, s, ramp.front().time, none).position.empty());
+        EXPECT_TRUE(none.empty());
+    }
 }
 
 }  // namespace

@@ -59,7 +59,8 @@ TEST(Tuning, NoiseOfTheUnitIsNoMoreThanItsSamplesShow) {
     const double per_rate = log.settings.imu.kind == ImuKind::Increments ? 1.0 / dt : 1.0;
     for (std::size_t i = 1; i + 1 < imu.size(); ++i)
         gyro2 += (imu[i - 1].gyro - 2.0 * imu[i].gyro + imu[i + 1].gyro).squaredNorm() * per_rate * per_rate * dt / (18.0 * static_cast<double>(imu.size()));
-    const Settings& found = *fuse(log.recording, log.settings).findings.in_force;
+    const Result solution = fuse(log.recording, log.settings);
+    const Settings& found = *solution.findings.in_force;
     EXPECT_LT(found.imu.errors.gyro_noise, 1.55 * std::sqrt(gyro2));
     EXPECT_LE(*found.imu.gyro_vibration, 1.5);
 }

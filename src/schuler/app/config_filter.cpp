@@ -152,7 +152,7 @@ void add_filter_options(OptionTable<Config>& table) {
                           [](auto& c) -> auto& { return c.filter.backward; }))
         .add(flag<Config>("filter.self_check",
                           "`process` withholds fixes in windows of its own, judges the sigmas by them, and widens the noise of the inertial "
-                          "unit (imu.gyro_noise_scale, imu.accel_noise_scale) where they are too small",
+                          "unit (imu.gyro_noise_scale, imu.accel_noise_scale) where they are too small; it checks a given lever arm too",
                           [](auto& c) -> auto& { return c.run.self_check; }))
         .add(flag<Config>("filter.scale_factors",
                           "gyro and accelerometer scale factors as states; default: on if a simulated IMU has them",

@@ -197,7 +197,8 @@ GravityInput gravity_input(const LoadedDataset& data, WarningLog& warnings) {
     run.recording = out.recording.get();
     run.origin = data.origin;
     fusion::set_limits(run, out.filter);
-    run.events = fusion::make_events(*out.recording, out.filter, data.origin, warnings);
+    const fusion::FixScreen screen = fusion::screen_fixes(out.recording->gnss, out.filter, data.origin, warnings);
+    run.events = fusion::make_events(*out.recording, out.filter, data.origin, warnings, screen);
     run.fix_noise = fusion::fix_noise(*out.recording, out.filter.gnss, warnings);
     for (const double t : c.gravity.steps) out.steps.push_back(data.origin + Duration::from_seconds(t));
     out.settings = beliefs_of(out.filter, out.start);

@@ -339,10 +339,6 @@ void believe_aids(Config& c) {
     c.filter.heading.offset_std = aids.compass.bias;
 }
 
-}  // namespace
-
-namespace {
-
 /// Near the poles the geographic frame is of no use: the Earth-fixed one is taken where none is given.
 void choose_mechanization(LoadedDataset& data) {
     // there the geographic frame turns too fast beneath a vehicle: tan(lat) v / R

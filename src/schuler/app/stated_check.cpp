@@ -54,7 +54,7 @@ std::string LeverArmDoubt::text() const {
 }
 
 std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const fusion::Result& result) {
-    if (!data.given.contains("gnss.lever_arm_m") || data.config.scheme != Scheme::Loose || !result.findings.in_force) return std::nullopt;
+    if (!data.given.contains("gnss.lever_arm_m") || data.config.scheme != Scheme::Loose || !result.findings.in_force || !data.config.run.self_check) return std::nullopt;
     LeverArmDoubt doubt;
     doubt.settings = *result.findings.in_force;
     if (doubt.settings.estimate_lever_arm) return std::nullopt;

@@ -44,6 +44,7 @@ constexpr std::array table{
     Row{"start.heading", Gravity::Care},
     Row{"time.overlap", Gravity::Care},
     Row{"imu.hole", Gravity::Care},
+    Row{"legs.left_out", Gravity::Care},
     Row{"imu.stuck", Gravity::Care},
     Row{"gnss.frozen", Gravity::Care},
     Row{"gnss.strayed", Gravity::Care},

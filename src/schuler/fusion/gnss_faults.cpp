@@ -2,6 +2,8 @@
 
 #include "schuler/math/quantile.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t least_fixes = 3;
 constexpr double least_span = 2.0;       // s
 constexpr double least_way = 5.0;        // m
@@ -113,15 +116,6 @@ struct Marks {
 };
 
 }  // namespace
-
-GnssFix FrozenFixes::without(const GnssFix& fix, std::size_t index) const {
-    GnssFix out = fix;
-    if (!any()) return out;
-    constexpr double absent = std::numeric_limits<double>::quiet_NaN();
-    if (position[index]) out.position = {absent, absent, absent};
-    if (velocity[index]) out.velocity_n.setConstant(absent);
-    return out;
-}
 
 FrozenFixes frozen_fixes(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
     FrozenFixes out;
@@ -249,6 +243,37 @@ std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const ear
     }
     strayed.settle(track.size());
     return strayed.marked;
+}
+
+GnssFix FixScreen::without(const GnssFix& fix, std::size_t index) const {
+    GnssFix out = fix;
+    if (!position.empty() && position[index]) out.position = {absent, absent, absent};
+    if (!velocity.empty() && velocity[index]) out.velocity_n.setConstant(absent);
+    return out;
+}
+
+FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settings, Time origin, WarningLog& warnings) {
+    std::vector<GnssFix> seen = fixes;
+    if (!settings.gnss.use_velocity)
+        for (GnssFix& fix : seen) fix.velocity_n.setConstant(absent);
+    const FrozenFixes frozen = frozen_fixes(seen, settings.earth);
+    FixScreen screen{frozen.position, frozen.velocity};
+    if (frozen.any())
+        warnings.add("gnss.frozen", fmt::format("the receiver hung: {} positions and {} velocities, the first {:.1f} s after the first fix, repeat the "
+                                                "ones before to the last digit while it moved; they were left out",
+                                                frozen.positions, frozen.velocities, (*frozen.first - origin).seconds()));
+    if (settings.integrity.use || settings.aids.gate_probability <= 0.0) return screen;
+    for (std::size_t i = 0; frozen.any() && i < seen.size(); ++i) seen[i] = screen.without(seen[i], i);
+    const std::vector<bool> strayed = strayed_positions(seen, settings.earth);
+    const auto first = std::ranges::find(strayed, true);
+    if (first == strayed.end()) return screen;
+    warnings.add("gnss.strayed", fmt::format("{} positions, the first {:.1f} s after the first fix, left the way of the receiver's own velocities "
+                                             "and leapt back to it later; they were left out",
+                                             std::ranges::count(strayed, true),
+                                             (fixes[static_cast<std::size_t>(first - strayed.begin())].time - origin).seconds()));
+    screen.position.resize(fixes.size(), false);
+    for (std::size_t i = 0; i < fixes.size(); ++i) screen.position[i] = screen.position[i] || strayed[i];
+    return screen;
 }
 
 }  // namespace schuler::fusion

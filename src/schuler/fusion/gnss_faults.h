@@ -1,8 +1,10 @@
 // What a receiver's own record says of its faults: values that hang, positions that stray.
 #pragma once
 
+#include "schuler/core/log.h"
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
+#include "schuler/fusion/settings.h"
 
 #include <cstddef>
 #include <optional>
@@ -17,8 +19,6 @@ struct FrozenFixes {
     std::optional<Time> first;
 
     [[nodiscard]] bool any() const { return first.has_value(); }
-    /// The fix without what hangs.
-    [[nodiscard]] GnssFix without(const GnssFix& fix, std::size_t index) const;
 };
 
 /// Looks for fixes that repeat to the last digit while the receiver itself says motion. A receiver at rest repeats too (it holds its position,
@@ -36,5 +36,18 @@ struct FrozenFixes {
 /// that walks along tells it. The way before and after is held by four of five fixes; the leap is beyond five sigma (stated, or as the log
 /// scatters) and 3 m. None where a third of the fixes would be, or more than twenty runs.
 [[nodiscard]] std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth);
+
+/// What of a log's fixes is left out for what later ones say of them, which a stream cannot know.
+struct FixScreen {
+    std::vector<bool> position, velocity;   ///< true: left out; one a fix, or empty where nothing is
+
+    /// The fix without what is left out, which is NaN.
+    [[nodiscard]] GnssFix without(const GnssFix& fix, std::size_t index) const;
+};
+
+/// Both looks at a log, with a warning each for what they find. Velocities that the filter does not use (gnss.use_velocity) are no witnesses;
+/// positions that strayed are left out only where the filter may refuse fixes by its gates, which integrity control replaces.
+/// origin: zero of the times in the warnings.
+[[nodiscard]] FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settings, Time origin, WarningLog& warnings);
 
 }  // namespace schuler::fusion

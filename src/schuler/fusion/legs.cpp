@@ -10,9 +10,22 @@
 namespace schuler::fusion {
 namespace {
 
+/// The samples from `from` to before `to`; logs need not be in order of time.
 template <class Sample>
-void cut(std::vector<Sample>& log, Time from, Time to) {
-    std::erase_if(log, [&](const Sample& s) { return s.time < from || s.time >= to; });
+std::vector<Sample> within(const std::vector<Sample>& log, Time from, Time to) {
+    std::vector<Sample> part;
+    std::ranges::copy_if(log, std::back_inserter(part), [&](const Sample& s) { return s.time >= from && s.time < to; });
+    return part;
+}
+
+RangingLog within(const RangingLog& log, Time from, Time to) {
+    RangingLog part{log.sources, within(log.epochs, from, to), {}};
+    for (RangeEpoch& e : part.epochs) {
+        const std::span<const RangeSample> samples = log.of(e);
+        e.first = static_cast<decltype(e.first)>(part.samples.size());
+        part.samples.insert(part.samples.end(), samples.begin(), samples.end());
+    }
+    return part;
 }
 
 template <class Row>
@@ -48,7 +61,6 @@ std::vector<Time> leg_starts(const Recording& recording) {
 }
 
 Recording leg_of(const Recording& recording, const std::vector<Time>& starts, std::size_t leg) {
-    Recording out = recording;
     const auto last_before = [&](Time start) {
         const auto it = std::ranges::lower_bound(recording.imu, start, {}, &ImuSample::time);
         return std::prev(it)->time;
@@ -58,16 +70,16 @@ Recording leg_of(const Recording& recording, const std::vector<Time>& starts, st
         return before + Duration::from_seconds(0.5 * (starts[k] - before).seconds());
     };
     const Time from = leg == 0 ? Time{INT64_MIN} : middle(leg), to = leg + 1 == starts.size() ? Time{INT64_MAX} : middle(leg + 1);
-    cut(out.imu, from, to);
-    cut(out.gnss, from, to);
-    cut(out.baro, from, to);
-    cut(out.mag, from, to);
-    cut(out.odometer, from, to);
-    cut(out.heading, from, to);
-    cut(out.gauges, from, to);
-    cut(out.body_velocity, from, to);
-    cut(out.ranges.epochs, from, to);
-    out.reference.clear();
+    Recording out;
+    out.imu = within(recording.imu, from, to);
+    out.gnss = within(recording.gnss, from, to);
+    out.baro = within(recording.baro, from, to);
+    out.mag = within(recording.mag, from, to);
+    out.odometer = within(recording.odometer, from, to);
+    out.heading = within(recording.heading, from, to);
+    out.gauges = within(recording.gauges, from, to);
+    out.body_velocity = within(recording.body_velocity, from, to);
+    out.ranges = within(recording.ranges, from, to);
     return out;
 }
 

@@ -139,7 +139,8 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
     data.origin = origin;
     set_limits(data, settings);
-    data.events = make_events(recording, settings, origin, warnings);
+    const FixScreen screen = screen_fixes(recording.gnss, settings, origin, warnings);
+    data.events = make_events(recording, settings, origin, warnings, screen);
     const MissingStd missing = missing_std(recording);
     const bool tuning = settings.gnss.estimate_latency || settings.imu.estimate_noise ||
                         (settings.gnss.estimate_std && (missing.position || missing.velocity));
@@ -152,7 +153,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     if (settings.gnss.estimate_latency) untuned.gnss.latency_std = std::max(settings.gnss.latency_std, unmeasured_latency);
     Start start = find_start(data, untuned, findings, warnings);
     if (tuning) {
-        tune(data, settings, start, origin, findings, warnings);
+        tune(data, settings, start, screen, findings, warnings);
         data.still = find_still(data.imu, recording, data.events, settings);   // whose fixes have moved in time
         settings.gnss.latency_std = latency_std("gnss.latency_s", settings.gnss.latency_std, findings);
         settings.gnss.velocity_latency_std = latency_std("gnss.velocity_latency_s", settings.gnss.velocity_latency_std, findings);
@@ -255,8 +256,9 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
         }
     }
     if (!all) throw failure ? *failure : input_error("no leg of the log can be navigated", {.file = {}, .key = "imu.file"}, "give a longer log");
-    warnings.add("legs", fmt::format("the inertial log pauses for more than {:.0f} s: {} legs, each started anew{}", longest_bridge, starts.size(),
-                                     left_out > 0 ? fmt::format("; {} left out: {}", left_out, failure->reason()) : std::string()));
+    warnings.add("legs", fmt::format("the inertial log pauses for more than {:.0f} s: {} legs, each started anew", longest_bridge, starts.size()));
+    if (failure)
+        warnings.add("legs.left_out", fmt::format("{} of {} legs {} left out: {}", left_out, starts.size(), left_out == 1 ? "is" : "are", failure->reason()));
     return std::move(*all);
 }
 

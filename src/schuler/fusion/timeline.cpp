@@ -3,7 +3,6 @@
 #include "schuler/core/error.h"
 #include "schuler/filter/event_maker.h"
 #include "schuler/filter/imu_intervals.h"
-#include "schuler/fusion/gnss_faults.h"
 #include "schuler/fusion/imu_faults.h"
 #include "schuler/math/quantile.h"
 
@@ -167,22 +166,11 @@ void add_events(const std::vector<Sample>& samples, AidKind kind, std::uint8_t c
 
 }  // namespace
 
-std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings, Screening screening) {
+std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings, const FixScreen& screen) {
     std::vector<Event> events;
     EventMaker maker(settings, origin);
-    std::vector<GnssFix> fixes = recording.gnss;
-    if (!settings.gnss.use_velocity)
-        for (GnssFix& fix : fixes) fix.velocity_n.setConstant(not_given);   // no witnesses either
-    FrozenFixes frozen;
-    if (screening == Screening::WholeLog) frozen = frozen_fixes(fixes, settings.earth);
-    for (std::size_t i = 0; frozen.any() && i < fixes.size(); ++i) fixes[i] = frozen.without(fixes[i], i);
-    std::vector<bool> strayed(fixes.size(), false);
-    if (screening == Screening::WholeLog && !settings.integrity.use && settings.aids.gate_probability > 0.0)   // it has rules of its own; nothing is to be refused
-        strayed = strayed_positions(fixes, settings.earth);
-    for (std::size_t i = 0; i < fixes.size(); ++i) {
-        if (strayed[i]) fixes[i].position = {not_given, not_given, not_given};
-        maker.gnss(fixes[i], i, [&](const Event& e) { events.push_back(e); });
-    }
+    for (std::size_t i = 0; i < recording.gnss.size(); ++i)
+        maker.gnss(screen.without(recording.gnss[i], i), i, [&](const Event& e) { events.push_back(e); });
     add_events(recording.baro, AidKind::Baro, 4, maker, events);
     add_events(recording.mag, AidKind::Mag, 1, maker, events);
     add_events(recording.odometer, AidKind::Odometer, 1, maker, events);
@@ -192,15 +180,6 @@ std::vector<Event> make_events(const Recording& recording, const Settings& setti
     const std::size_t repeated = maker.memory.repeated;
     if (repeated > 0)
         warnings.add("gnss.duplicates", fmt::format("{} GNSS epochs repeat the one before them and were left out", repeated));
-    if (frozen.any())
-        warnings.add("gnss.frozen", fmt::format("the receiver hung: {} positions and {} velocities, the first {:.1f} s after the first fix, repeat the "
-                                                "ones before to the last digit while it moved; they were left out",
-                                                frozen.positions, frozen.velocities, (*frozen.first - origin).seconds()));
-    if (const auto first = std::ranges::find(strayed, true); first != strayed.end())
-        warnings.add("gnss.strayed", fmt::format("{} positions, the first {:.1f} s after the first fix, left the way of the receiver's own velocities "
-                                                 "and leapt back to it later; they were left out",
-                                                 std::ranges::count(strayed, true),
-                                                 (fixes[static_cast<std::size_t>(first - strayed.begin())].time - origin).seconds()));
     std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.valid < b.valid; });
     withhold_before_ends(events);
     return events;

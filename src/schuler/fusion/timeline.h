@@ -4,6 +4,7 @@
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
 #include "schuler/filter/timeline.h"
+#include "schuler/fusion/gnss_faults.h"
 #include "schuler/fusion/settings.h"
 
 #include <vector>
@@ -15,12 +16,9 @@ namespace schuler::fusion {
 [[nodiscard]] ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSettings& settings,
                                             WarningLog& warnings);
 
-/// Whether fixes are left out for what later ones say of them (fusion/gnss_faults.h), which a stream cannot know.
-enum class Screening { WholeLog, None };
-
 /// Epochs of all instruments in order of validity, duplicates dropped, latencies applied, outages marked. origin: zero of the outages'
-/// times (stamp of the first GNSS epoch).
+/// times (stamp of the first GNSS epoch). screen: what is left out of the fixes.
 [[nodiscard]] std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings,
-                                             Screening screening = Screening::WholeLog);
+                                             const FixScreen& screen = {});
 
 }  // namespace schuler::fusion

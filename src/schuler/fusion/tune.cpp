@@ -47,8 +47,8 @@ Time trial_end(const Recording& recording, Time begin) {
 /// A trial: one run over a limited span, judged by how probable its innovations were.
 class Judge {
 public:
-    Judge(RunData& data, const Start& start, Time origin)
-        : data_(data), start_(start), origin_(origin), last_(data.imu.increments.size() - 1) {
+    Judge(RunData& data, const Start& start, const FixScreen& screen)
+        : data_(data), start_(start), screen_(screen), last_(data.imu.increments.size() - 1) {
         const Time stop = trial_end(*data.recording, start.nav.time);
         const auto it = std::lower_bound(data.imu.increments.begin(), data.imu.increments.end(), stop,
                                          [](const ImuIncrement& i, Time t) { return i.time < t; });
@@ -63,7 +63,7 @@ public:
     /// Mean negative log-likelihood per component: of the GNSS alone, or of barometer and magnetometer too.
     double cost(const Settings& settings, bool surroundings) {
         WarningLog unheard;
-        data_.events = make_events(*data_.recording, settings, origin_, unheard);
+        data_.events = make_events(*data_.recording, settings, data_.origin, unheard, screen_);
         data_.fix_noise = fix_noise(*data_.recording, settings.gnss, unheard);
         Settings trial = plain_settings(settings);
         trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;   // of the noise that is sought
@@ -124,7 +124,7 @@ private:
     double slow_ = 0.0;
     RunData& data_;
     const Start& start_;
-    Time origin_;
+    const FixScreen& screen_;
     std::size_t last_;
     double count_ = 0.0;
 };
@@ -368,8 +368,8 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
 
 }  // namespace
 
-void tune(RunData& data, Settings& settings, const Start& start, Time origin, Findings& findings, WarningLog& warnings) {
-    Judge judge(data, start, origin);
+void tune(RunData& data, Settings& settings, const Start& start, const FixScreen& screen, Findings& findings, WarningLog& warnings) {
+    Judge judge(data, start, screen);
     const MissingStd missing = missing_std(*data.recording);
     const Settings before = settings;
     const bool has_velocity = settings.gnss.use_velocity &&
@@ -444,7 +444,7 @@ void tune(RunData& data, Settings& settings, const Start& start, Time origin, Fi
     findings.std_position_scale = settings.gnss.default_std_position.cwiseQuotient(before.gnss.default_std_position);
     findings.std_velocity_scale = settings.gnss.default_std_velocity.cwiseQuotient(before.gnss.default_std_velocity);
     WarningLog unheard;
-    data.events = make_events(*data.recording, settings, origin, unheard);
+    data.events = make_events(*data.recording, settings, data.origin, unheard, screen);
     data.fix_noise = fix_noise(*data.recording, settings.gnss, missing.position || missing.velocity ? warnings : unheard);
 }
 

@@ -1,6 +1,7 @@
 // Settings found from the data: latencies, GNSS and IMU noise, by the likelihood of the innovations (prediction-error method).
 #pragma once
 
+#include "schuler/fusion/gnss_faults.h"
 #include "schuler/fusion/run_pass.h"
 
 namespace schuler::fusion {
@@ -19,7 +20,7 @@ struct MissingStd {
 
 /// Adjusts in place the settings that are to be estimated (gnss.latency and the channels', default sigmas, IMU noise): each by a
 /// one-dimensional search on the log-likelihood of the GNSS innovations of a trial run over at most ten minutes. `data` is
-/// brought up to date with the result. Withheld epochs take no part.
-void tune(RunData& data, Settings& settings, const Start& start, Time origin, Findings& findings, WarningLog& warnings);
+/// brought up to date with the result. Withheld epochs take no part, nor does what `screen` leaves out.
+void tune(RunData& data, Settings& settings, const Start& start, const FixScreen& screen, Findings& findings, WarningLog& warnings);
 
 }  // namespace schuler::fusion

@@ -14,7 +14,6 @@ namespace schuler::inspect::detail {
 namespace {
 
 constexpr double least_common = 10.0;            // s
-constexpr double early = 0.2, late = 1.2;        // s: what a receiver may seem early or be late
 
 /// Values on an even grid; where `known` is 0 there is none.
 struct Channel {
@@ -234,7 +233,7 @@ ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravi
     for (std::size_t k = 0; k < size; ++k) {
         const double l = support[(k + size - 1) % size], m = support[k], r = support[(k + 1) % size];
         const double shift = shift_of(k);
-        if (shift > -early - step && shift < late + step) scan.stated = std::max(scan.stated, m);
+        if (shift > earliest_lag - step && shift < latest_lag + step) scan.stated = std::max(scan.stated, m);
         if (m <= 5.0 || m < l || m <= r) continue;
         const double curve = l - 2.0 * m + r;
         scan.peaks.push_back({shift + (curve < 0.0 ? step * std::clamp(0.5 * (l - r) / curve, -0.5, 0.5) : 0.0), m, rho[k]});
@@ -248,9 +247,9 @@ std::optional<KnownShift> known_shift(double shift, double leap) {
     constexpr double hour = 3600.0, day = 24.0 * hour, week = 7.0 * day, epochs = 315'964'800.0;
     for (const double seconds : {0.0, leap, -leap}) {
         // a late GNSS seems to want later IMU times
-        const double hours = std::round((shift - 0.4 - seconds) / hour) * hour;
+        const double hours = std::round((shift - middle_lag - seconds) / hour) * hour;
         const double rest = shift - hours - seconds;
-        if (rest < -early || rest > late) continue;
+        if (rest < earliest_lag || rest > latest_lag) continue;
         KnownShift known{hours + seconds, {}};
         double left = hours;
         const auto add = [&](const std::string& text) { known.name += (known.name.empty() ? "" : " and ") + text; };

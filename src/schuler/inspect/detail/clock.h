@@ -10,6 +10,9 @@
 
 namespace schuler::inspect::detail {
 
+/// s: how early or late the fixes of a receiver may seem beside the IMU without a clock being wrong, and the middle of it.
+inline constexpr double earliest_lag = -0.2, latest_lag = 1.2, middle_lag = 0.4;
+
 /// How well the logs agree where the IMU's times are later by `shift`.
 struct ClockPeak {
     double shift = 0.0;        ///< s
@@ -34,7 +37,7 @@ struct KnownShift {
     double shift = 0.0;        ///< s
     std::string name;          ///< "18 leap seconds", "GPS time counted from 1970", ...
 };
-/// The known shift that a measured one is, where the GNSS is late by -0.2 to 1.2 s beside it. @param leap seconds between UTC and GPS time
+/// The known shift that a measured one is, where the GNSS is late by earliest_lag to latest_lag beside it. @param leap seconds between UTC and GPS time
 [[nodiscard]] std::optional<KnownShift> known_shift(double shift, double leap);
 
 /// Drift of the IMU's clock against GNSS time.

@@ -16,7 +16,6 @@ constexpr double decisive = 25.0;     // support of a shift before it is looked 
 constexpr double beyond_stated = 15.0;
 constexpr double beyond_rival = 6.0;  // a likelihood of 400 against the second best
 constexpr double trust_in_known = 5.0;
-constexpr double longest_lag = 1.2, earliest_lag = 0.2;   // s, what a receiver's latency explains
 
 double leap_seconds(const Study& study) {
     constexpr double dated = 1e8, latest = 18.0;
@@ -35,13 +34,11 @@ MotionFit fit_at(const Study& study, double shift, double window) {
         w += imu.w[i] / static_cast<double>(imu.size());
     }
     const CourseSlope course = course_slope(imu, study.gnss, -f.normalized(), w);
-    const double ratio = std::abs(course.slope);
-    if (std::abs(course.correlation) > 0.7 && (ratio < 0.13 || ratio > 7.6))
-        for (Eigen::Vector3d& rate : imu.w) rate *= ratio < 0.13 ? units::deg : 1.0 / units::deg;
+    const double unit = gyro_unit_of(course).value_or(1.0);
+    for (Eigen::Vector3d& rate : imu.w) rate *= unit;
     const StillPeriods still = still_periods(imu, study.gnss);
-    constexpr double fast = 3.0;   // m/s
     const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
-    return fit_motion(imu, study.gnss, source, still.w, still.any(), study.gravity, fast, window);
+    return fit_motion(imu, study.gnss, source, still.w, still.any(), study.gravity, window);
 }
 
 struct Choice {
@@ -77,7 +74,7 @@ bool plain(const Choice& best, const ClockScan& scan) {
     return support > much && support > scan.stated + 0.9 * much && (best.known || (support > 1.5 * much && support > best.rival + 0.75 * much));
 }
 
-std::string sizes(double shift) { return fmt::format("{:.10g} s {}", std::abs(shift), shift < 0.0 ? "earlier" : "later"); }
+std::string words_of_shift(double shift) { return fmt::format("{:.10g} s {}", std::abs(shift), shift < 0.0 ? "earlier" : "later"); }
 
 }  // namespace
 
@@ -97,8 +94,8 @@ void judge_clock(Study& study) {
     if (!best || !best->unique) return;
     if (study.overlap && best->peak.support < scan.stated + beyond_stated) return;
     const double sought = best->known ? best->known->shift : best->peak.shift;
-    if (study.overlap && sought > -earliest_lag && sought < longest_lag) return;
-    const double supposed = best->known ? sought : sought - 0.4;   // within the lags that are tried
+    if (study.overlap && sought > earliest_lag && sought < latest_lag) return;
+    const double supposed = best->known ? sought : sought - middle_lag;
     double window = short_window;
     MotionFit there = fit_at(study, supposed, window);
     if (!shows_lag(there)) there = fit_at(study, supposed, window = long_window);
@@ -106,7 +103,7 @@ void judge_clock(Study& study) {
                       !(study.overlap && there.rms > 0.7 * fit_at(study, 0.0, window).rms);
     if (!fits && !plain(*best, scan)) return;
     // A shift of its own holds the receiver's latency too: the two cannot be told apart.
-    const double lag = fits ? there.horizontal.at - 0.4 : 0.0;
+    const double lag = fits ? there.horizontal.at - middle_lag : 0.0;
     const double shift = best->known ? sought : std::round(100.0 * (sought + lag)) / 100.0;
     const std::string fit_text =
         fits ? fmt::format("; {} windows, left of {:.3g} m/s motion {:.2g} m/s", there.windows, there.motion, there.rms) : std::string();
@@ -129,9 +126,9 @@ void judge_clock(Study& study) {
     study.clock_evidence = fmt::format("{}; {}", evidence, stated);
     study.overlap = true;
     set_clock(study.imu, shift, 0.0, 0.0);
-    study.found("imu.clock", sizes(shift), best->known ? 0.95 : 0.8, study.clock_evidence);
+    study.found("imu.clock", words_of_shift(shift), best->known ? 0.95 : 0.8, study.clock_evidence);
     study.doubts.push_back(fmt::format("the clocks of {} and {} differ: the IMU's times are taken {} ({})", study.imu_file->report.path,
-                                       study.gnss_file->report.path, sizes(shift), study.clock_evidence));
+                                       study.gnss_file->report.path, words_of_shift(shift), study.clock_evidence));
     std::erase_if(study.problems, [](const Problem& p) { return p.level == Level::Error && p.text.find("no time in common") != std::string::npos; });
     study.problem(Level::Warning, study.doubts.back(), "nothing to do where that is right; else give [imu] time_offset_s");
 }

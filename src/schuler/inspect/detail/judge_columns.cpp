@@ -89,7 +89,6 @@ bool judge_gyro_signs(Study& study) {
     const auto& given = study.imu_file->as.overrides.scale;
     if (std::ranges::any_of(given, [](const auto& entry) { return entry.first.starts_with("gyro"); })) return false;
     const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
-    constexpr double fast = 3.0;   // m/s
     struct Trial {
         Eigen::Vector3d sign;
         MotionFit fit;
@@ -100,7 +99,7 @@ bool judge_gyro_signs(Study& study) {
         ImuSeries turned = study.imu;
         for (Eigen::Vector3d& w : turned.w) w = sign.cwiseProduct(w);
         const Eigen::Vector3d bias = sign.cwiseProduct(study.still.w);
-        trials.push_back({sign, fit_motion(turned, study.gnss, source, bias, study.still.any(), study.gravity, fast)});
+        trials.push_back({sign, fit_motion(turned, study.gnss, source, bias, study.still.any(), study.gravity)});
     }
     const double lowest = std::ranges::min(trials, {}, [](const Trial& t) { return t.fit.rms; }).fit.rms;
     // axes that hardly turn may have either sign: as few as possible are turned round

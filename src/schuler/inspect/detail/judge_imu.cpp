@@ -2,6 +2,7 @@
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
+#include "schuler/earth/ellipsoid.h"
 #include "schuler/math/rotation.h"
 #include "schuler/sensor/grades.h"
 
@@ -146,7 +147,8 @@ std::string grade_for(double gyro_noise, double accel_noise, double gyro_bias) {
 void check_given_grade(Study& study, const std::string& found, double bias, double noise) {
     const Given& given = study.given;
     if (!given.gyro_bias || !study.still.any()) return;
-    constexpr double earth_rate = 7.3e-5, many = 6.0, louder = 5.0;
+    constexpr double many = 6.0, louder = 5.0;
+    constexpr double earth_rate = earth::wgs84.w_ie;
     if (bias > many * *given.gyro_bias + 2.0 * earth_rate) {
         study.refutes("imu.grade",
                       fmt::format("its gyros' biases are {:.2g} deg/s at switch-on; at rest they turn at {:.2g} deg/s", *given.gyro_bias * per_deg, bias * per_deg),

@@ -271,11 +271,11 @@ Eigen::Vector3d median_of(const std::vector<Window>& windows, int block) {
     return result;
 }
 
-void collect_pointings(const ImuSeries& imu, const Window& w, double lag, double gravity, double least_speed, MotionFit& fit) {
+void collect_pointings(const ImuSeries& imu, const Window& w, double lag, double gravity, MotionFit& fit) {
     const WindowModel model(imu, w, gravity);
     for (const Observation& o : w.seen) {
         const double speed = o.v.head<2>().norm();
-        if (speed < least_speed) continue;
+        if (speed < pointing_speed) continue;
         const Eigen::Matrix3d C_ns = w.C_ns0 * model.path().rotation_at(0.5 * (o.begin + o.end) - lag);
         const Eigen::Vector3d travel = C_ns.transpose() * o.v.normalized();
         fit.pointings.push_back({0.5 * (o.begin + o.end), speed, travel, C_ns.row(2).transpose(), C_ns});
@@ -285,7 +285,7 @@ void collect_pointings(const ImuSeries& imu, const Window& w, double lag, double
 }  // namespace
 
 MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource source, const Eigen::Vector3d& gyro_bias,
-                     bool bias_known, double gravity, double pointing_speed, double window_length) {
+                     bool bias_known, double gravity, double window_length) {
     MotionFit fit;
     const std::vector<Observation> all = observations(gnss, source);
     std::vector<Window> windows = windows_of(imu, all, 0.4, window_length);
@@ -329,7 +329,7 @@ MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource sou
         motion.push_back(w.motion);
         // The row sigma is a guess: the residuals correct what the heading is known to.
         if (w.heading_sigma * std::max(0.3, w.rms / sigma_horizontal) < 0.05) {
-            collect_pointings(imu, w, lag, gravity, pointing_speed, fit);
+            collect_pointings(imu, w, lag, gravity, fit);
         }
     }
     fit.rms = median(std::move(rms));

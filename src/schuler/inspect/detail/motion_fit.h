@@ -48,6 +48,9 @@ struct MotionFit {
 inline constexpr double first_lag = -0.48, lag_step = 0.04;
 inline constexpr int lag_count = 45;
 
+/// m/s: slower, the direction of travel is noisy.
+inline constexpr double pointing_speed = 3.0;
+
 /// Motion of steps and turns shows in 10 s; slow curves of a quiet unit need a minute.
 inline constexpr double short_window = 10.0, long_window = 60.0;  // s
 
@@ -57,10 +60,8 @@ inline constexpr double short_window = 10.0, long_window = 60.0;  // s
 /// (44) without the position), a scan over the lag.
 /// @param gyro_bias rad/s; bias_known: it was measured at rest or by another fit (else it may be anything up to 3 deg/s)
 /// @param gravity m/s^2, local
-/// @param pointing_speed m/s, slowest speed whose direction counts
 [[nodiscard]] MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource source,
-                                   const Eigen::Vector3d& gyro_bias, bool bias_known, double gravity, double pointing_speed,
-                                   double window_length = short_window);
+                                   const Eigen::Vector3d& gyro_bias, bool bias_known, double gravity, double window_length = short_window);
 
 /// How much later the velocity column is than the position column, s: displacements against the integral of the velocity.
 /// @param down the vertical channel instead of the horizontal ones

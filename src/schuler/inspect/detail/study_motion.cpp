@@ -15,7 +15,6 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double pointing_speed = 3.0;   // m/s: slower, the direction of travel is noisy
 
 // Attitude of the reference file; quaternions of the sensor itself say nothing about a mounting and are left out.
 std::vector<ReferenceSample> reference_attitude(const LoadedFile& file) {
@@ -70,9 +69,9 @@ void take_given_axes(Study& study) {
 
 /// The fit in short windows; where they show no lag, as with slow curves of a quiet unit, in long ones if these do.
 MotionFit fitted(const Study& study, FitSource source, const Eigen::Vector3d& bias, bool known) {
-    MotionFit fit = fit_motion(study.imu, study.gnss, source, bias, known, study.gravity, pointing_speed);
+    MotionFit fit = fit_motion(study.imu, study.gnss, source, bias, known, study.gravity);
     if (shows_lag(fit)) return fit;
-    const MotionFit slow = fit_motion(study.imu, study.gnss, source, bias, known, study.gravity, pointing_speed, long_window);
+    const MotionFit slow = fit_motion(study.imu, study.gnss, source, bias, known, study.gravity, long_window);
     if (!shows_lag(slow)) return fit;
     fit.horizontal = slow.horizontal;
     fit.down = slow.down;

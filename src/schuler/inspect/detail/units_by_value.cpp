@@ -235,6 +235,14 @@ CourseSlope course_slope(const ImuSeries& imu, const GnssSeries& gnss, const Eig
     return result;
 }
 
+std::optional<double> gyro_unit_of(const CourseSlope& course) {
+    // halfway, in ratio, between one and 57.3
+    constexpr double apart = 7.6, clear = 0.7;
+    if (std::abs(course.correlation) <= clear) return std::nullopt;
+    const double ratio = std::abs(course.slope);
+    return ratio < 1.0 / apart ? units::deg : ratio > apart ? 1.0 / units::deg : 1.0;
+}
+
 namespace {
 
 /// Gyro noise of a unit whose accelerometers have this noise, m/s/sqrt(s), by the grades; rad/sqrt(s). Vibration raises both alike.
@@ -273,9 +281,8 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
 
     double factor = 1.0, confidence = 0.0;
     std::string why;
-    if (std::abs(course.correlation) > 0.7) {
-        const double ratio = std::abs(course.slope);
-        factor = ratio < 0.13 ? units::deg : ratio > 7.6 ? 1.0 / units::deg : 1.0;
+    if (const std::optional<double> unit = gyro_unit_of(course)) {
+        factor = *unit;
         confidence = 0.98;
         why = fmt::format("GNSS course rate / gyro rate about the vertical = {:.3g} over {} epochs", course.slope, course.epochs);
     } else if (unturned > 1e-3 && std::min({as_radians, as_degrees, too_small}) < 0.5 * unturned) {

@@ -4,6 +4,7 @@
 #include "schuler/inspect/detail/loaded_file.h"
 #include "schuler/inspect/detail/motion.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,5 +37,8 @@ struct CourseSlope {
 };
 [[nodiscard]] CourseSlope course_slope(const ImuSeries& imu, const GnssSeries& gnss, const Eigen::Vector3d& down_s,
                                        const Eigen::Vector3d& gyro_bias);
+
+/// Factor from the rates' unit to rad/s by the course: 1, that of degrees, or its inverse; nothing where the two are not related.
+[[nodiscard]] std::optional<double> gyro_unit_of(const CourseSlope& course);
 
 }  // namespace schuler::inspect::detail
