@@ -7,6 +7,7 @@
 #include "schuler/app/stated_check.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/fusion/legs.h"
+#include "schuler/fusion/lost_way.h"
 
 #include <algorithm>
 #include <chrono>
@@ -109,7 +110,13 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
             file->append(rows);
         };
     };
+    const WarningLog before = warnings;
     fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, into(stream));
+    if (stream && fusion::lost_way(bundle.result)) {   // begun anew only where its rows are not written yet
+        stream.reset();
+        warnings = before;
+        fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, {});
+    }
     if (bundle.command == "process" && check_what_is_stated(bundle, into(checked), warnings)) stream = std::move(checked);
     checked.reset();
     if (bundle.command == "process" && check_itself(bundle, into(widened), warnings)) stream = std::move(widened);

@@ -34,7 +34,7 @@ constexpr std::array table{
     Row{"gnss.explained", Gravity::Care},              // by larger errors of the receiver than were believed
     Row{"gnss.alert", Gravity::Care},                  // the receiver was taken for faulty
     Row{"gnss.jump", Gravity::Care},                   // its positions moved to another level
-    Row{"navigation.lost", Gravity::Care},             // attitude and biases were found anew
+    Row{"navigation.lost", Gravity::Care},             // attitude and biases were found anew, or all of it
     // of the self-check
     Row{"self_check.failed", Gravity::DoNotUse},       // nine tenths or less inside three sigma
     Row{"self_check.low", Gravity::Care},

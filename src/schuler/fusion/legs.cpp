@@ -60,16 +60,7 @@ std::vector<Time> leg_starts(const Recording& recording) {
     return starts;
 }
 
-Recording leg_of(const Recording& recording, const std::vector<Time>& starts, std::size_t leg) {
-    const auto last_before = [&](Time start) {
-        const auto it = std::ranges::lower_bound(recording.imu, start, {}, &ImuSample::time);
-        return std::prev(it)->time;
-    };
-    const auto middle = [&](std::size_t k) {
-        const Time before = last_before(starts[k]);
-        return before + Duration::from_seconds(0.5 * (starts[k] - before).seconds());
-    };
-    const Time from = leg == 0 ? Time{INT64_MIN} : middle(leg), to = leg + 1 == starts.size() ? Time{INT64_MAX} : middle(leg + 1);
+Recording part_of(const Recording& recording, Time from, Time to) {
     Recording out;
     out.imu = within(recording.imu, from, to);
     out.gnss = within(recording.gnss, from, to);
@@ -81,6 +72,19 @@ Recording leg_of(const Recording& recording, const std::vector<Time>& starts, st
     out.body_velocity = within(recording.body_velocity, from, to);
     out.ranges = within(recording.ranges, from, to);
     return out;
+}
+
+Recording leg_of(const Recording& recording, const std::vector<Time>& starts, std::size_t leg) {
+    const auto last_before = [&](Time start) {
+        const auto it = std::ranges::lower_bound(recording.imu, start, {}, &ImuSample::time);
+        return std::prev(it)->time;
+    };
+    const auto middle = [&](std::size_t k) {
+        const Time before = last_before(starts[k]);
+        return before + Duration::from_seconds(0.5 * (starts[k] - before).seconds());
+    };
+    const Time from = leg == 0 ? Time{INT64_MIN} : middle(leg), to = leg + 1 == starts.size() ? Time{INT64_MAX} : middle(leg + 1);
+    return part_of(recording, from, to);
 }
 
 Settings continued(const Settings& settings, const Result& before, const Recording& leg, double seconds) {

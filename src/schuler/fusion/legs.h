@@ -18,6 +18,9 @@ inline constexpr double longest_bridge = 120.0;
 /// The samples of one leg: inertial ones from `from` to before `to`, the others from half way through the pauses around it.
 [[nodiscard]] Recording leg_of(const Recording& recording, const std::vector<Time>& starts, std::size_t leg);
 
+/// The samples from `from` to before `to`.
+[[nodiscard]] Recording part_of(const Recording& recording, Time from, Time to);
+
 /// Settings for a leg after another: what that one found is in force, the biases begin where they were, with the sigmas of a switch-on.
 /// A car that is where it was parked points where it pointed. `seconds`: from the origin of the whole log to that of the leg.
 [[nodiscard]] Settings continued(const Settings& settings, const Result& before, const Recording& leg, double seconds);

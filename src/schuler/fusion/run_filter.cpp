@@ -5,6 +5,7 @@
 #include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/intermediate_run.h"
 #include "schuler/fusion/legs.h"
+#include "schuler/fusion/lost_way.h"
 #include "schuler/fusion/mounting.h"
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
@@ -217,12 +218,76 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     return result;
 }
 
+/// Whether a run that lost its way may begin anew: by fixes, and where the rows of the first are not written yet.
+bool may_begin_anew(const Settings& s, const RowSink& rows, const ReceiverInLoop& receiver) {
+    return !rows && !receiver && !uses_ranges(s.coupling) && s.coupling != Coupling::Separate && !s.integrity.use && s.aids.gate_probability > 0.0;
+}
+
+Time origin_of(const Recording& recording) { return recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time; }
+
+/// Settings for a part of a recording whose origin is another one.
+Settings moved(Settings settings, const Recording& whole, const Recording& part) {
+    const double seconds = (origin_of(part) - origin_of(whole)).seconds();
+    for (Outage& o : settings.outages) o.start -= seconds;
+    return settings;
+}
+
+/// A run; where it lost its way, the part before that and one begun anew there, if that one explains the fixes.
+Result run_found(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress, const RowSink& rows,
+                 const ReceiverInLoop& receiver, int attempts = 3) {
+    Result result = run_leg(recording, given, warnings, progress, rows, receiver);
+    if (attempts == 0 || !may_begin_anew(given, rows, receiver)) return result;
+    const std::optional<Time> since = lost_way(result);
+    if (!since) return result;
+    const Recording rest = part_of(recording, *since, Time{INT64_MAX});
+    WarningLog heard;
+    Settings anew = moved(given, recording, rest);
+    anew.initial = {};
+    std::optional<Result> found;
+    try {
+        found = run_found(rest, anew, heard, progress, {}, {}, attempts - 1);
+    } catch (const Error&) {   // nothing to start from
+        return result;
+    }
+    if (!found_again(positions_after(result, *since), positions_after(*found, *since))) return result;
+    warnings.add("navigation.lost_way", fmt::format("{:.1f} s after the first fix the navigation had lost its way and did not find back to the fixes by "
+                                                    "itself; it was begun anew there, in motion",
+                                                    (*since - origin_of(recording)).seconds()));
+    // What came before, with what the rest shows.
+    Settings first = found->findings.in_force ? *found->findings.in_force : given;
+    first.initial = given.initial;
+    first.outages = given.outages;
+    std::optional<Result> all;
+    try {
+        const Recording part = part_of(recording, Time{INT64_MIN}, *since + Duration{1});
+        all = run_leg(part, first, heard, progress, {}, {});
+        if (const std::optional<CarriedHeading> shown = heading_carried_back(*all, *found)) {
+            Settings turned = first;
+            turned.initial.rpy.z() = shown->heading;
+            turned.initial.std_rpy.z() = shown->std;
+            Result again = run_leg(part, turned, heard, progress, {}, {});
+            if (positions_after(again, Time{INT64_MIN}).refused <= positions_after(*all, Time{INT64_MIN}).refused) all = std::move(again);
+        }
+    } catch (const Error&) {   // too short
+    }
+    auto whole = std::make_shared<Settings>(first);
+    found->findings.in_force = std::move(whole);
+    if (!all) return std::move(*found);
+    const Findings before = all->findings;
+    all->findings = found->findings;
+    all->findings.started_at = before.started_at;
+    all->findings.heading = before.heading;
+    all->findings.std_heading = before.std_heading;
+    append(*all, std::move(*found));
+    return std::move(*all);
+}
+
 }  // namespace
 
 Result run_filter(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                   const RowSink& rows, const ReceiverInLoop& receiver) {
     const std::vector<Time> starts = leg_starts(recording);
-    if (starts.size() < 2 || receiver) return run_leg(recording, given, warnings, progress, rows, receiver);
+    if (starts.size() < 2 || receiver) return run_found(recording, given, warnings, progress, rows, receiver);
     check_settings(given);
     check_overlap(recording, given.initial, warnings);
     const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
@@ -239,7 +304,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
         else
             for (Outage& o : settings.outages) o.start -= seconds;
         try {
-            Result r = run_leg(leg, settings, warnings, progress, rows, {});
+            Result r = run_found(leg, settings, warnings, progress, rows, {});
             if (all) {
                 append(*all, std::move(r));
                 continue;

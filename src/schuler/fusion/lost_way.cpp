@@ -1,0 +1,67 @@
+#include "schuler/fusion/lost_way.h"
+
+#include "schuler/core/units.h"
+#include "schuler/math/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::fusion {
+namespace {
+
+bool is_position(const AidRecord& r) { return r.kind == AidKind::GnssPosition; }
+
+}  // namespace
+
+PositionCount positions_after(const Result& result, Time since) {
+    PositionCount n;
+    for (const AidRecord& r : result.aids) {
+        if (!is_position(r) || r.time <= since) continue;
+        n.used += r.status == AidStatus::Accepted ? 1 : 0;
+        n.refused += r.status == AidStatus::Rejected ? 1 : 0;
+    }
+    return n;
+}
+
+std::optional<Time> lost_way(const Result& result) {
+    constexpr double span = 120.0;   // s
+    constexpr std::size_t least = 5;
+    const auto again = [&](const Alert& a) {
+        return std::ranges::any_of(result.alerts, [&](const Alert& b) {
+            return b.test == IntegrityTest::Navigation && b.time > a.time && (b.time - a.time).seconds() < span;
+        });
+    };
+    for (const Alert& a : result.alerts) {
+        if (a.test != IntegrityTest::Navigation) continue;
+        PositionCount n;
+        std::optional<Time> before;
+        for (const AidRecord& r : result.aids) {
+            if (!is_position(r) || (r.time - a.time).seconds() > span) continue;
+            if (r.time > a.time) {
+                n.used += r.status == AidStatus::Accepted ? 1 : 0;
+                n.refused += r.status == AidStatus::Rejected ? 1 : 0;
+            } else if (r.status == AidStatus::Accepted) {
+                before = r.time;
+            }
+        }
+        if (n.refused < least || (10 * n.refused < n.refused + n.used && !again(a))) continue;
+        return before.value_or(result.findings.started_at);
+    }
+    return std::nullopt;
+}
+
+bool found_again(const PositionCount& lost, const PositionCount& anew) {
+    return anew.used > 0 && 2 * anew.refused < lost.refused && 10 * anew.refused <= anew.refused + anew.used;
+}
+
+std::optional<CarriedHeading> heading_carried_back(const Result& before, const Result& after) {
+    if (before.forward.rows.empty() || after.forward.rows.empty()) return std::nullopt;
+    const SolutionRow &end = before.forward.rows.back(), &begin = after.forward.rows.front();
+    constexpr double longest = 5.0, turning = 5.0 * units::deg;   // s between the two, rad in it
+    if ((begin.time - end.time).seconds() > longest) return std::nullopt;
+    const double off = math::wrap_pi(end.rpy.z() - begin.rpy.z()), sigma = std::hypot(end.std_rpy.z(), begin.std_rpy.z());
+    if (std::abs(off) < 3.0 * sigma) return std::nullopt;
+    return CarriedHeading{math::wrap_pi(before.findings.heading - off), std::hypot(begin.std_rpy.z(), turning)};
+}
+
+}  // namespace schuler::fusion
