@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace schuler::fusion {
 namespace {
@@ -50,8 +51,19 @@ std::optional<Time> lost_way(const Result& result) {
     return std::nullopt;
 }
 
-bool found_again(const PositionCount& lost, const PositionCount& anew) {
-    return anew.used > 0 && 2 * anew.refused < lost.refused && 10 * anew.refused <= anew.refused + anew.used;
+bool found_again(const Result& lost, const Result& anew, Time since) {
+    constexpr double clear = 5.0 * units::deg, span = 120.0, least = 2.0;   // rad, s, s
+    const PositionCount before = positions_after(lost, since), now = positions_after(anew, since);
+    if (now.used == 0 || 2 * now.refused >= before.refused || 10 * now.refused > now.refused + now.used) return false;
+    double apart = 0.0;   // s
+    const std::vector<SolutionRow>& rows = anew.forward.rows;
+    for (std::size_t i = 1; i < rows.size() && (rows[i].time - rows.front().time).seconds() < span; ++i) {
+        const auto same = std::ranges::lower_bound(lost.forward.rows, rows[i].time, {}, &SolutionRow::time);
+        if (same == lost.forward.rows.end()) break;
+        const double angle = math::quaternion_from_rpy(rows[i].rpy).angularDistance(math::quaternion_from_rpy(same->rpy));
+        if (angle > clear) apart += (rows[i].time - rows[i - 1].time).seconds();
+    }
+    return apart > least;
 }
 
 std::optional<CarriedHeading> heading_carried_back(const Result& before, const Result& after) {

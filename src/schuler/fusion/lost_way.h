@@ -21,9 +21,10 @@ struct PositionCount {
 };
 [[nodiscard]] PositionCount positions_after(const Result& result, Time since);
 
-/// Whether a run that began anew at the end of another explains the fixes that the other one refused: less than half as many are refused,
-/// and no more than a tenth.
-[[nodiscard]] bool found_again(const PositionCount& lost, const PositionCount& anew);
+/// Whether a run that began anew at `since` explains what another refused: its attitude is another one (by five degrees for two
+/// seconds of its first two minutes; where it is the same one, it is not the way that is wrong), and of the positions since then it refuses less than
+/// half as many, and no more than a tenth.
+[[nodiscard]] bool found_again(const Result& lost, const Result& anew, Time since);
 
 /// The heading at the start of a run that its successor, begun anew where this one ends, shows: its own less what it is off by at the end,
 /// for the gyros carry an error of the heading along. Nothing where the two agree within three sigma.

@@ -249,7 +249,7 @@ Result run_found(const Recording& recording, const Settings& given, WarningLog& 
     } catch (const Error&) {   // nothing to start from
         return result;
     }
-    if (!found_again(positions_after(result, *since), positions_after(*found, *since))) return result;
+    if (!found_again(result, *found, *since)) return result;
     warnings.add("navigation.lost_way", fmt::format("{:.1f} s after the first fix the navigation had lost its way and did not find back to the fixes by "
                                                     "itself; it was begun anew there, in motion",
                                                     (*since - origin_of(recording)).seconds()));
