@@ -2,6 +2,8 @@
 
 #include "schuler/math/rotation.h"
 
+#include <array>
+
 namespace schuler::filter {
 
 using Eigen::Matrix3d;
@@ -12,18 +14,14 @@ namespace {
 
 constexpr int p = Layout::position, v = Layout::velocity, a = Layout::attitude;
 
-/// What misaligned axes measure of w, and scale factors: the matrix whose product with (scale, misalignments) is (S + M) w.
-GatheredMotion::Columns gain_input(const Layout& layout, const Vector3d& w) {
-    const bool scale = layout.gyro_scale >= 0, misaligned = layout.gyro_misalignment >= 0;
-    GatheredMotion::Columns X = GatheredMotion::Columns::Zero(3, (scale ? 3 : 0) + (misaligned ? 6 : 0));
-    if (scale) X.leftCols<3>() = w.asDiagonal();
-    if (!misaligned) return X;
-    const Eigen::Index m = scale ? 3 : 0;
-    X.row(0).segment<2>(m) << w.y(), w.z();
-    X.row(1).segment<2>(m + 2) << w.x(), w.z();
-    X.row(2).segment<2>(m + 4) << w.x(), w.y();
-    return X;
-}
+/// A scale factor or misalignment: what it adds to the rate about `axis` is itself times the rate about `of`.
+struct Gain {
+    int axis, of;
+};
+constexpr std::array<Gain, 9> gains_of_axes{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 0}, {1, 2}, {2, 0}, {2, 1}}};
+
+/// The first of them that a layout has: scale factors come before misalignments.
+std::size_t first_gain(const Layout& layout) { return layout.gyro_scale >= 0 ? 0 : 3; }
 
 /// Puts a block of A into the rows of the transition.
 template <class Block>
@@ -73,15 +71,17 @@ void GatheredMotion::add(const Layout& layout, double dt, const Matrix3d& C, con
     gyro_variance += gyro_psd * dt;
     accel_variance += accel_psd * dt;
     if (gain_turn.cols() == 0) return;
-    const Columns gyro = dturn * gain_input(layout, w_b), accel = -dturn * gain_input(layout, f_b);
-    for (Eigen::Index i = 0; i < gyro.cols(); ++i) {
-        const Vector3d dv = df.cross(gain_turn.col(i) + 0.5 * gyro.col(i));
+    const std::size_t first = first_gain(layout);
+    for (Eigen::Index i = 0; i < gain_turn.cols(); ++i) {
+        const Gain& g = gains_of_axes[first + static_cast<std::size_t>(i)];
+        const Vector3d gyro = w_b(g.of) * dturn.col(g.axis), accel = -f_b(g.of) * dturn.col(g.axis);
+        const Vector3d dv = df.cross(gain_turn.col(i) + 0.5 * gyro);
         gain_position_by_gyro.col(i) += dt * gain_velocity_by_gyro.col(i) + half * dv;
         gain_velocity_by_gyro.col(i) += dv;
+        gain_turn.col(i) += gyro;
+        gain_position_by_accel.col(i) += dt * gain_velocity_by_accel.col(i) + half * accel;
+        gain_velocity_by_accel.col(i) += accel;
     }
-    gain_turn += gyro;
-    gain_position_by_accel += dt * gain_velocity_by_accel + half * accel;
-    gain_velocity_by_accel += accel;
 }
 
 void GatheredMotion::fill(const Layout& layout, estim::Transition& phi) const {
