@@ -294,6 +294,8 @@ void StreamTimeline::let_go(const Event& e) {
 }
 
 StreamTimeline::Places StreamTimeline::forget(Places p, bool all) {
+    if (p.increment < idle_increments && !all) p.increment = 0;
+    if (p.increment + p.event + p.epoch + p.still + p.bridge == 0) return p;
     const auto drop = [](auto& list, std::size_t count) {
         if (count > 0) list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(count));
     };
@@ -304,7 +306,6 @@ StreamTimeline::Places StreamTimeline::forget(Places p, bool all) {
     drop(recording_.ranges.epochs, p.epoch);
     drop(data_.still.windows, p.still);
     drop(data_.imu.bridges, p.bridge);
-    if (p.increment < idle_increments && !all) p.increment = 0;
     if (p.increment == 0) return p;
     for (Bridge& b : data_.imu.bridges) {
         b.first -= std::min(b.first, p.increment);
