@@ -85,9 +85,8 @@ void GatheredMotion::add(const Layout& layout, double dt, const Matrix3d& C, con
 }
 
 void GatheredMotion::fill(const Layout& layout, estim::Transition& phi) const {
-    phi.rows.topRows(phi.driven).setZero();
     phi.driven = estim::padded(layout.driven());
-    phi.rows.topRows(phi.driven).setZero();
+    phi.rows.setZero();
     for (int i = 0; i < 9; ++i) phi.rows(i, i) = 1.0;
     put(phi, p, v, Matrix3d(time * Matrix3d::Identity()));
     put(phi, p, a, skew(force_twice));
@@ -121,8 +120,7 @@ void GatheredMotion::add_earth(const ins::ErrorDynamics& earth, estim::Transitio
     by_p.noalias() += skew(force_twice).lazyProduct(by_a);
     by_v.noalias() += skew(force).lazyProduct(by_a);
     // F Phi, entry by entry: most of F is zero.
-    estim::Transition::Rows before;
-    before.topRows(phi.driven) = phi.rows.topRows(phi.driven);
+    const estim::Transition::Rows before = phi.rows;
     for (int k = 0; k < 9; ++k)
         for (int r = 0; r < 9; ++r)
             if (F(r, k) != 0.0) phi.rows.col(r).head(phi.driven) += (h * F(r, k)) * before.col(k).head(phi.driven);

@@ -108,11 +108,19 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         const int slot = slot_of(f, tracking, m.source, source.station, listener), offset = intersystem_of(source);
         if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
 
-        RangeScalar scalar;
-        scalar.source = m.source;
-        scalar.station = source.station;
-        scalar.slot = slot;
-        scalar.distance = r.range;
+        const auto next = [&](bool is_rate) -> RangeScalar& {
+            RangeScalar& s = work.scalars[work.count++];   // of another epoch
+            s.source = m.source;
+            s.station = source.station;
+            s.is_rate = is_rate;
+            s.use = true;
+            s.slot = slot;
+            s.distance = r.range;
+            s.sequential = 0.0;
+            s.s = 1.0;
+            s.row.count = 0;
+            return s;
+        };
         const sensor::RangeErrorModel& errors = errors_of(source.station);
         if (std::isfinite(m.pseudorange)) {
             double delay = 0.0, more = m.variance;
@@ -126,7 +134,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             } else if (source.station && settings_.corrections.troposphere != gnss::TroposphereModel::None) {
                 delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, r.range);
             }
-            RangeScalar& s = work.scalars[work.count++] = scalar;
+            RangeScalar& s = next(false);
             // measured when the receiver's clock showed the time, which is bias/c after it was
             const double computed = r.range - r.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
                                     (source.station ? nominal(L.network) : offset >= 0 ? nominal(L.intersystem + offset) : 0.0) +
@@ -142,8 +150,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.innovation = computed - m.pseudorange + s.row.dot(dx);
         }
         if (settings_.use_rates && std::isfinite(m.range_rate) && (m.tx_velocity.allFinite() || source.station)) {
-            RangeScalar& s = work.scalars[work.count++] = scalar;
-            s.is_rate = true;
+            RangeScalar& s = next(true);
             const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
             navigation(s.row, r.rate_by_position, way * r.rate_by_velocity, r.rate_by_attitude);
