@@ -253,6 +253,9 @@ private:
 
     /// What both hypotheses of the walk have behind them.
     void forget_consumed() {
+        if (walk_.event == 0 && walk_.epoch == 0 && walk_.still == 0 && walk_.bridge == 0 && walk_.openings.empty() && walk_.rival.empty() &&
+            walk_.increment < StreamTimeline::idle_increments)
+            return;   // after nearly every sample
         const auto places = [](const Walk<Frame>& w) {
             return StreamTimeline::Places{w.increment, w.event, w.epoch, w.still, w.bridge};
         };

@@ -15,7 +15,6 @@ namespace {
 
 /// The walk takes measurements this much behind an increment's end with it; no less than Pass does.
 constexpr Duration tolerance{200'000};
-constexpr std::size_t idle_increments = 256;   // consumed ones that are kept until they are moved out
 
 std::size_t capacity(double rate, double seconds) {
     return rate > 0.0 ? static_cast<std::size_t>(std::ceil(1.5 * rate * seconds)) + 8 : 0;
@@ -294,8 +293,6 @@ void StreamTimeline::let_go(const Event& e) {
 }
 
 StreamTimeline::Places StreamTimeline::forget(Places p, bool all) {
-    if (p.increment < idle_increments && !all) p.increment = 0;
-    if (p.increment + p.event + p.epoch + p.still + p.bridge == 0) return p;
     const auto drop = [](auto& list, std::size_t count) {
         if (count > 0) list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(count));
     };
@@ -306,6 +303,7 @@ StreamTimeline::Places StreamTimeline::forget(Places p, bool all) {
     drop(recording_.ranges.epochs, p.epoch);
     drop(data_.still.windows, p.still);
     drop(data_.imu.bridges, p.bridge);
+    if (p.increment < idle_increments && !all) p.increment = 0;
     if (p.increment == 0) return p;
     for (Bridge& b : data_.imu.bridges) {
         b.first -= std::min(b.first, p.increment);
