@@ -2,15 +2,110 @@
 
 #include "schuler/estim/detail/vec4.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace schuler::estim {
 
+namespace {
+
+using detail::broadcast;
+using detail::load;
+using detail::store;
+using detail::Vec4;
+
+/// The entries of a row that are not zero.
+struct Entries {
+    std::array<int, Row::dense + Row::most> state;
+    std::array<double, Row::dense + Row::most> value;
+    std::size_t count = 0;
+
+    explicit Entries(const Row& h) {
+        for (int i = 0; i < Row::dense; ++i) add(i, h.head(i));
+        for (std::size_t k = 0; k < static_cast<std::size_t>(h.count); ++k) add(h.index[k], h.value[k]);
+    }
+    void add(int i, double x) {
+        if (x == 0.0) return;
+        state[count] = i;
+        value[count++] = x;
+    }
+};
+
+/// y = the sum of the entries times columns of M, `Vectors` vectors from x on.
+template <int Vectors>
+void combine_columns(const Entries& h, const double* M, long stride, double* y) {
+    Vec4 sum[Vectors] = {};
+    for (std::size_t k = 0; k < h.count; ++k) {
+        const Vec4 f = broadcast(h.value[k]);
+        const double* m = M + h.state[k] * stride;
+        for (int i = 0; i < Vectors; ++i) sum[i] += f * load(m + 4 * i);
+    }
+    for (int i = 0; i < Vectors; ++i) store(y + 4 * i, sum[i]);
+}
+
+/// The first `size` (a multiple of four) components of that.
+void combine(const Entries& h, const double* M, long stride, int size, double* y) {
+    int v = 0;
+    for (; v + 16 <= size; v += 16) combine_columns<4>(h, M + v, stride, y + v);
+    for (; v < size; v += 4) combine_columns<1>(h, M + v, stride, y + v);
+}
+
+/// Four columns of Y, `Vectors` vectors of rows: Y - X F^T with `count` columns of X and F, all sums in registers; `finish(row, columns)`
+/// may change what is stored.
+template <int Vectors, class Finish>
+void subtract_product(double* y, long y_stride, const double* x, const double* f, long stride, int count, int row, Finish& finish) {
+    Vec4 sum[4][Vectors] = {};
+    x += row;
+    y += row;
+    for (int k = 0; k < count; ++k, x += stride, f += stride) {
+        const Vec4 fa = broadcast(f[0]), fb = broadcast(f[1]), fc = broadcast(f[2]), fd = broadcast(f[3]);
+        for (int i = 0; i < Vectors; ++i) {
+            const Vec4 v = load(x + 4 * i);
+            sum[0][i] += v * fa;
+            sum[1][i] += v * fb;
+            sum[2][i] += v * fc;
+            sum[3][i] += v * fd;
+        }
+    }
+    for (int i = 0; i < Vectors; ++i) {
+        Vec4 columns[4];
+        for (int c = 0; c < 4; ++c) columns[c] = load(y + c * y_stride + 4 * i) - sum[c][i];
+        finish(row + 4 * i, columns);
+        for (int c = 0; c < 4; ++c) store(y + c * y_stride + 4 * i, columns[c]);
+    }
+}
+
+/// The same for `size` rows, a multiple of four.
+template <class Finish>
+void subtract_products(double* y, long y_stride, const double* x, const double* f, long stride, int count, int size, Finish&& finish) {
+    int r = 0;
+    for (; r + 8 <= size; r += 8) subtract_product<2>(y, y_stride, x, f, stride, count, r, finish);
+    if (r < size) subtract_product<1>(y, y_stride, x, f, stride, count, r, finish);
+}
+
+/// Four scalars of an epoch: the inverse of the diagonal of L, what is below it, and their whitened innovations.
+struct FourPivots {
+    double inverse[4] = {}, l[4][4] = {}, y[4] = {};
+
+    /// Columns of P H^T, or of H P H^T, less what the scalars before have taken: those of G, or of L.
+    void divide(Vec4* x) const {
+        x[0] *= broadcast(inverse[0]);
+        x[1] = (x[1] - broadcast(l[1][0]) * x[0]) * broadcast(inverse[1]);
+        x[2] = (x[2] - broadcast(l[2][0]) * x[0] - broadcast(l[2][1]) * x[1]) * broadcast(inverse[2]);
+        x[3] = (x[3] - broadcast(l[3][0]) * x[0] - broadcast(l[3][1]) * x[1] - broadcast(l[3][2]) * x[2]) * broadcast(inverse[3]);
+    }
+    [[nodiscard]] Vec4 told(const Vec4* x) const {
+        return (broadcast(y[0]) * x[0] + broadcast(y[1]) * x[1]) + (broadcast(y[2]) * x[2] + broadcast(y[3]) * x[3]);
+    }
+};
+
+}  // namespace
+
 StateVector Row::times(const StateMatrix& P, int used) const {
-    StateVector ph = StateVector::Zero(P.rows());
-    for (int i = 0; i < dense; ++i)
-        if (head(i) != 0.0) ph.head(used) += head(i) * P.col(i).head(used);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) ph.head(used) += value[k] * P.col(index[k]).head(used);
+    StateVector ph(P.rows());
+    combine(Entries(*this), P.data(), P.rows(), used, ph.data());
+    ph.tail(P.rows() - used).setZero();
     return ph;
 }
 
@@ -38,108 +133,80 @@ RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovatio
     return u;
 }
 
-namespace {
-
-using detail::broadcast;
-using detail::load;
-using detail::store;
-using detail::Vec4;
-
-/// y -= the sum of factor[k] times column k of G, four columns at a time.
-void subtract_columns(double* y, const double* G, long stride, const double* factor, int count, int used) {
-    int k = 0;
-    for (; k + 4 <= count; k += 4) {
-        const double *a = G + k * stride, *b = a + stride, *c = b + stride, *d = c + stride;
-        const Vec4 fa = broadcast(factor[k]), fb = broadcast(factor[k + 1]), fc = broadcast(factor[k + 2]), fd = broadcast(factor[k + 3]);
-        for (int v = 0; v < used; v += 4) store(y + v, load(y + v) - (fa * load(a + v) + fb * load(b + v)) - (fc * load(c + v) + fd * load(d + v)));
+void EpochUpdate::add(const Row& h, double innovation, double r) {
+    const int k = count_++, lane = k % 4;
+    const Entries entries(h);
+    double* column = &G_(0, k);
+    combine(entries, P_.data(), P_.rows(), used_, column);
+    double* of_state = &by_state_(k, 0);
+    for (int i = 0; i < used_; ++i, of_state += states_stride) {
+        if (lane == 0) store(of_state, Vec4{column[i], 0.0, 0.0, 0.0});
+        else *of_state = column[i];
     }
-    for (; k < count; ++k) {
-        const Vec4 f = broadcast(factor[k]);
-        for (int v = 0; v < used; v += 4) store(y + v, load(y + v) - f * load(G + k * stride + v));
-    }
+    alignas(32) double products[most];   // h P H^T for all scalars up to this one
+    combine(entries, by_state_.data(), states_stride, padded(k + 1), products);
+    for (int i = 0; i <= k; ++i) G_(used_ + k, i) = products[i];
+    for (int i = k - lane; i < k; ++i) G_(used_ + i, k) = 0.0;
+    innovation_[static_cast<std::size_t>(k)] = innovation;
+    s_[static_cast<std::size_t>(k)] = r;
 }
 
-/// Four columns of P from c on, rows r to r + 7: P -= G G^T there, all sums in registers.
-void subtract_eight(double* P, const double* G, long stride, int count, int r, int c) {
-    Vec4 a0{}, a1{}, b0{}, b1{}, c0{}, c1{}, d0{}, d1{};
-    for (int k = 0; k < count; ++k) {
-        const double* g = G + k * stride;
-        const Vec4 x0 = load(g + r), x1 = load(g + r + 4);
-        const Vec4 ya = broadcast(g[c]), yb = broadcast(g[c + 1]), yc = broadcast(g[c + 2]), yd = broadcast(g[c + 3]);
-        a0 += x0 * ya;
-        a1 += x1 * ya;
-        b0 += x0 * yb;
-        b1 += x1 * yb;
-        c0 += x0 * yc;
-        c1 += x1 * yc;
-        d0 += x0 * yd;
-        d1 += x1 * yd;
+StateVector EpochUpdate::solve() {
+    const int whole = padded(count_), end = used_ + whole;
+    G_.block(0, count_, end, whole - count_).setZero();
+    G_.block(used_ + count_, 0, whole - count_, count_).setZero();
+    double *z = innovation_.data(), *s = s_.data();
+    std::fill(z + count_, z + whole, 0.0);
+    StateVector dx = StateVector::Zero(P_.rows());
+    for (int c = 0; c < whole; c += 4) {
+        double *columns = &G_(0, c), *diagonal = &G_(used_ + c, c);
+        const double *before = G_.data(), *factors = before + used_ + c;
+        subtract_products(diagonal, rows, factors, factors, rows, c, 4, [](int, Vec4*) {});
+        FourPivots f;
+        for (int k = 0; k < 4 && c + k < count_; ++k) {
+            double pivot = diagonal[k * rows + k];
+            for (int j = 0; j < k; ++j) {
+                pivot -= f.l[k][j] * f.l[k][j];
+                z[c + k] -= f.l[k][j] * f.y[j];
+            }
+            pivot += s[c + k];   // the noise at the last: it may be small beside the rest
+            s[c + k] = pivot;
+            f.inverse[k] = 1.0 / std::sqrt(pivot);
+            f.y[k] = z[c + k] * f.inverse[k];
+            for (int i = k + 1; i < 4; ++i) {
+                double l = diagonal[k * rows + i];
+                for (int j = 0; j < k; ++j) l -= f.l[i][j] * f.l[k][j];
+                f.l[i][k] = l * f.inverse[k];
+            }
+        }
+        subtract_products(columns, rows, before, factors, rows, c, used_, [&](int r, Vec4* x) {
+            f.divide(x);
+            store(dx.data() + r, load(dx.data() + r) + f.told(x));
+        });
+        const int next = c + 4;
+        subtract_products(columns + used_ + next, rows, before + used_ + next, factors, rows, c, whole - next, [&](int r, Vec4* x) {
+            f.divide(x);
+            store(z + next + r, load(z + next + r) - f.told(x));
+        });
     }
-    double* p = P + c * stride + r;
-    const Vec4 sums[4][2] = {{a0, a1}, {b0, b1}, {c0, c1}, {d0, d1}};
-    for (const Vec4(&sum)[2] : sums) {
-        store(p, load(p) - sum[0]);
-        store(p + 4, load(p + 4) - sum[1]);
-        p += stride;
-    }
+    return dx;
 }
 
-/// The same for rows r to r + 3.
-void subtract_four(double* P, const double* G, long stride, int count, int r, int c) {
-    Vec4 s0{}, s1{}, s2{}, s3{};
-    for (int k = 0; k < count; ++k) {
-        const double* g = G + k * stride;
-        const Vec4 x = load(g + r);
-        s0 += x * broadcast(g[c]);
-        s1 += x * broadcast(g[c + 1]);
-        s2 += x * broadcast(g[c + 2]);
-        s3 += x * broadcast(g[c + 3]);
-    }
-    double* p = P + c * stride + r;
-    store(p, load(p) - s0);
-    store(p + stride, load(p + stride) - s1);
-    store(p + 2 * stride, load(p + 2 * stride) - s2);
-    store(p + 3 * stride, load(p + 3 * stride) - s3);
-}
-
-}  // namespace
-
-EpochUpdate::EpochUpdate(const StateMatrix& P, int used) : P_(P), used_(used), G_(P.rows(), most) {
-    by_state_.leftCols(used).setZero();
-}
-
-RowUpdate EpochUpdate::add(StateVector& dx, const Row& h, double innovation, double r) {
+RowUpdate EpochUpdate::result(const Row& h, int k) const {
     RowUpdate u;
     u.h = h;
-    StateVector ph = h.times(P_, used_);
-    // h G, for all scalars before this one at once; behind them stands what an epoch that was taken back has left, which is not used.
-    alignas(32) double known[most] = {};
-    const auto gather = [&](int state, double value) {
-        const Vec4 f = broadcast(value);
-        const double* g = by_state_.data() + state * most;
-        for (int v = 0; v < count_; v += 4) store(known + v, load(known + v) + f * load(g + v));
-    };
-    for (int i = 0; i < Row::dense; ++i)
-        if (h.head(i) != 0.0) gather(i, h.head(i));
-    for (std::size_t k = 0; k < static_cast<std::size_t>(h.count); ++k) gather(h.index[k], h.value[k]);
-    subtract_columns(ph.data(), G_.data(), G_.rows(), known, count_, used_);
-    u.s = h.dot(ph) + r;
-    u.innovation = innovation - h.dot(dx);
-    u.k = ph / u.s;
-    dx += u.innovation * u.k;
-    const double scale = 1.0 / std::sqrt(u.s);
-    double* column = G_.data() + count_ * G_.rows();
-    for (int i = 0; i < used_; ++i) by_state_(count_, i) = column[i] = scale * ph(i);
-    ++count_;
+    u.k = StateVector::Zero(P_.rows());
+    u.k.head(used_) = G_.col(k).head(used_) / std::sqrt(s(k));
+    u.innovation = innovation(k);
+    u.s = s(k);
     return u;
 }
 
 void EpochUpdate::apply(StateMatrix& P) const {
     const long stride = P.rows();
     for (int c = 0; c < used_; c += 4) {
-        int r = c;
-        for (; r + 8 <= used_; r += 8) subtract_eight(P.data(), G_.data(), stride, count_, r, c);
-        if (r < used_) subtract_four(P.data(), G_.data(), stride, count_, r, c);
+        const double* g = G_.data() + c;
+        subtract_products(P.data() + c * stride + c, stride, g, g, rows, count_, used_ - c, [](int, Vec4*) {});
     }
     for (int c = 0; c < used_; ++c)
         for (int r = c + 1; r < used_; ++r) P(c, r) = P(r, c);

@@ -50,25 +50,37 @@ struct RowUpdate {
 /// measurement's unit), with the optimal gain: P - P h h^T P / s, Joseph's form expanded for that gain, which keeps P exactly symmetric.
 RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, int used);
 
-/// Many such updates of one epoch: P is read throughout and written once, by a product of blocks. The same numbers but for rounding.
+/// Many scalars of one epoch at once: what their updates one by one, in the order in which they were added, would find and do, by products
+/// of blocks. The same numbers but for rounding.
 class EpochUpdate {
 public:
     static constexpr int most = 64;   ///< scalars
 
-    /// P is kept by reference and stays as it is until `apply`.
-    EpochUpdate(const StateMatrix& P, int used);
-    /// One more scalar, as `update` has it.
-    RowUpdate add(StateVector& dx, const Row& h, double innovation, double r);
+    /// P is kept by reference and stays as it is until `apply`. It does not change between the first `add` and `apply`.
+    EpochUpdate(const StateMatrix& P, int used) : P_(P), used_(used) {}
     /// As if no scalar had been added.
     void reset() { count_ = 0; }
+    /// One more scalar, as `update` has it.
+    void add(const Row& h, double innovation, double r);
+    /// Works all of them out, once; returns the error that they tell.
+    StateVector solve();
+    /// Of scalar k, after `solve`: what `update` would have returned for it.
+    [[nodiscard]] double innovation(int k) const { return innovation_[static_cast<std::size_t>(k)]; }
+    [[nodiscard]] double s(int k) const { return s_[static_cast<std::size_t>(k)]; }
+    [[nodiscard]] RowUpdate result(const Row& h, int k) const;
     /// P after all of them; P is the matrix of the constructor.
     void apply(StateMatrix& P) const;
 
 private:
+    static constexpr int rows = max_states + most, states_stride = most + 4;   // 4: columns of one state fall into different cache sets
+
     const StateMatrix& P_;
     int used_, count_ = 0;
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_states, most> G_;   ///< P - G G^T is the covariance
-    Eigen::Matrix<double, most, max_states> by_state_;                               ///< G^T: the gains of one state side by side
+    std::array<double, most> innovation_, s_;
+    /// P H^T and below it (from row `used` on) the lower triangle of H P H^T; `solve` makes them G and L, with L L^T = H P H^T + R and
+    /// G L^T = P H^T: the covariance is P - G G^T then. Column k of G is the gain of scalar k times the root of s.
+    Eigen::Matrix<double, rows, most> G_;
+    Eigen::Matrix<double, states_stride, max_states> by_state_;   // (P H^T)^T
 };
 
 /// The same with a gain that somebody else chose, in Joseph's form (I - k h) P (I - k h)^T + k r k^T: exact for any gain.

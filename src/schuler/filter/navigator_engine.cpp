@@ -62,19 +62,22 @@ FeedStatus NavigatorEngine::feed(const ImuSample& sample) {
         return stream.feed(sample);
     }
     while (status == FeedStatus::Taken && stream.settle()) {
-        NavigatorEvent e;
-        e.time = stream.settled();
-        e.seconds = stream.hole();
-        e.kind = NavigatorEvent::Kind::Hole;
-        if (e.seconds > 0.0) tell(e);
-        e.kind = NavigatorEvent::Kind::Hang;
-        if (stream.hangs()) tell(e);
+        const auto tell_of = [&](NavigatorEvent::Kind kind, double seconds) {
+            NavigatorEvent e;
+            e.time = stream.settled();
+            e.kind = kind;
+            e.seconds = seconds;
+            tell(e);
+        };
+        if (stream.hole() > 0.0) tell_of(NavigatorEvent::Kind::Hole, stream.hole());
+        if (stream.hangs()) tell_of(NavigatorEvent::Kind::Hang, stream.hole());
         if (!running()) align();
         if (!running() || advance()) continue;
-        e = {};
-        e.time = stream.settled();
-        e.kind = NavigatorEvent::Kind::Diverged;
+        const Time time = stream.settled();
         restart();
+        NavigatorEvent e;
+        e.time = time;
+        e.kind = NavigatorEvent::Kind::Diverged;
         tell(e);
         break;
     }
@@ -250,6 +253,9 @@ private:
 
     /// What both hypotheses of the walk have behind them.
     void forget_consumed() {
+        if (walk_.event == 0 && walk_.epoch == 0 && walk_.still == 0 && walk_.bridge == 0 && walk_.openings.empty() && walk_.rival.empty() &&
+            walk_.increment < StreamTimeline::idle_increments)
+            return;   // after nearly every sample
         const auto places = [](const Walk<Frame>& w) {
             return StreamTimeline::Places{w.increment, w.event, w.epoch, w.still, w.bridge};
         };

@@ -45,6 +45,13 @@ void unpack(AidRecord& record, std::uint8_t components) {
     }
 }
 
+/// Whether a transition has been gathered over as long as it may be: the next step would make it longer, by more than rounding.
+template <class Frame>
+bool is_full(const InertialFilter<Frame>& filter, double next) {
+    constexpr double rounding = 1e-9;   // s
+    return filter.gathered.time + next > longest_span + rounding;
+}
+
 bool in_outage(const Settings& settings, Time origin, Time t) {
     const double s = (t - origin).seconds();
     return std::ranges::any_of(settings.outages, [s](const Outage& o) { return s > o.start && s < o.start + o.duration; });
@@ -80,11 +87,11 @@ void Pass<Frame>::propagate_covariance(Walk<Frame>& walk, Observer& observer) co
 
 template <class Frame>
 void Pass<Frame>::step(Walk<Frame>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const {
-    if (walk.filter.gathered.time > 0.0 && walk.filter.gathered.time + increment.dt > longest_span) propagate_covariance(walk, observer);
+    if (walk.filter.gathered.time > 0.0 && is_full(walk.filter, increment.dt)) propagate_covariance(walk, observer);
     for (Shadow<Frame>& s : walk.shadows) {
         if (!s.alive) continue;
         estim::Transition phi;
-        if (s.filter.gathered.time + increment.dt > longest_span) (void)s.filter.propagate_covariance(model_, phi);
+        if (is_full(s.filter, increment.dt)) (void)s.filter.propagate_covariance(model_, phi);
         s.filter.propagate(model_, increment, noise);
     }
     walk.filter.propagate(model_, increment, noise);
@@ -126,8 +133,6 @@ ImuIncrement Pass<Frame>::run_to_events(Walk<Frame>& walk, ImuIncrement inc, con
 
 template <class Frame>
 void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const {
-    const Duration output_step =
-        settings_.output_rate > 0.0 ? Duration::from_seconds(1.0 / settings_.output_rate) : Duration{0};
     for (; walk.increment <= last && walk.increment < data_.imu.increments.size(); ++walk.increment) {
         while (walk.bridge < data_.imu.bridges.size() && data_.imu.bridges[walk.bridge].last < walk.increment) ++walk.bridge;
         const bool bridged = walk.bridge < data_.imu.bridges.size() && data_.imu.bridges[walk.bridge].first <= walk.increment;
@@ -157,11 +162,13 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
         }
         if (rivalry_ != Rivalry::None) contest(walk, observer);
         if (inc.time >= walk.next_output) {
-            if (model_.loop != Loop::Closed || observer.wants_all_states(inc.time)) propagate_covariance(walk, observer);
+            // A span that the next step ends is ended here: its transition is not made twice.
+            if (model_.loop != Loop::Closed || observer.wants_all_states(inc.time) || is_full(walk.filter, whole.dt))
+                propagate_covariance(walk, observer);
             observer.output(walk, inc.time);
             ++walk.outputs;
-            if (output_step.ns > 0)
-                while (walk.next_output <= inc.time) walk.next_output = walk.next_output + output_step;
+            const Duration step = settings_.output_rate > 0.0 ? Duration::from_seconds(1.0 / settings_.output_rate) : Duration{0};
+            while (step.ns > 0 && walk.next_output <= inc.time) walk.next_output = walk.next_output + step;
         }
     }
 }
@@ -344,15 +351,16 @@ template <class Frame>
 void Pass<Frame>::process(Walk<Frame>& walk, const RangeEpoch& epoch, Observer& observer) const {
     propagate_covariance(walk, observer);
     const RangingLog& log = data_.recording->ranges;
-    std::span<const RangeSample> samples = log.of(epoch);
-    std::array<RangeSample, RangeEpochWork::most> stations;
+    RangeListener* listener = observer.records() ? &observer : nullptr;
     if (in_outage(settings_, data_.origin, epoch.time)) {   // satellites are withheld, stations are not
+        std::array<RangeSample, RangeEpochWork::most> stations;
         std::size_t n = 0;
-        for (const RangeSample& s : samples)
+        for (const RangeSample& s : log.of(epoch))
             if (log.sources[s.source].station && n < stations.size()) stations[n++] = s;
-        samples = {stations.data(), n};
+        (void)update_with_ranges_(walk.filter, walk.ranges, log, {stations.data(), n}, listener);
+    } else {
+        (void)update_with_ranges_(walk.filter, walk.ranges, log, log.of(epoch), listener);
     }
-    (void)update_with_ranges_(walk.filter, walk.ranges, log, samples, observer.records() ? &observer : nullptr);
     if (!walk.filter.P.diagonal().allFinite())
         throw computation_error(fmt::format("the filter diverged at {:.3f} s, channel {}", walk.filter.time().seconds(),
                                             info_of(AidKind::Pseudorange).name),

@@ -101,21 +101,30 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         const Vector3d velocity = m.tx_velocity.allFinite() ? m.tx_velocity : Vector3d(Vector3d::Zero());
         const RangeRows r = range_rows(a, m.tx, velocity);
         // u points down to the receiver: what comes from above has a positive down component
-        const gnss::Direction direction{std::atan2(-r.u_n.y(), -r.u_n.x()), std::asin(std::clamp(r.u_n.z(), -1.0, 1.0))};
+        const bool delayed = air && !source.station;
+        const gnss::Direction direction{delayed ? std::atan2(-r.u_n.y(), -r.u_n.x()) : 0.0, std::asin(std::clamp(r.u_n.z(), -1.0, 1.0))};
         if (!source.station && direction.elevation < settings_.corrections.elevation_mask) continue;
         const double clock = nominal(L.clock), drift = way * nominal(L.drift);
         const int slot = slot_of(f, tracking, m.source, source.station, listener), offset = intersystem_of(source);
         if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
 
-        RangeScalar scalar;
-        scalar.source = m.source;
-        scalar.station = source.station;
-        scalar.slot = slot;
-        scalar.distance = r.range;
+        const auto next = [&](bool is_rate) -> RangeScalar& {
+            RangeScalar& s = work.scalars[work.count++];   // of another epoch
+            s.source = m.source;
+            s.station = source.station;
+            s.is_rate = is_rate;
+            s.use = true;
+            s.slot = slot;
+            s.distance = r.range;
+            s.sequential = 0.0;
+            s.s = 1.0;
+            s.row.count = 0;
+            return s;
+        };
         const sensor::RangeErrorModel& errors = errors_of(source.station);
         if (std::isfinite(m.pseudorange)) {
             double delay = 0.0, more = m.variance;
-            if (air && !source.station) {
+            if (delayed) {
                 const gnss::AtmosphericDelay d =
                     gnss::atmospheric_delay(time, m.frequency, a.place, direction,
                                             settings_.klobuchar ? &*settings_.klobuchar : nullptr, settings_.corrections);
@@ -125,7 +134,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             } else if (source.station && settings_.corrections.troposphere != gnss::TroposphereModel::None) {
                 delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, r.range);
             }
-            RangeScalar s = scalar;
+            RangeScalar& s = next(false);
             // measured when the receiver's clock showed the time, which is bias/c after it was
             const double computed = r.range - r.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
                                     (source.station ? nominal(L.network) : offset >= 0 ? nominal(L.intersystem + offset) : 0.0) +
@@ -139,11 +148,9 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             else if (offset >= 0) s.row.add(L.intersystem + offset, 1.0);
             if (slot >= 0) s.row.add(slot, 1.0);
             s.innovation = computed - m.pseudorange + s.row.dot(dx);
-            work.scalars[work.count++] = s;
         }
         if (settings_.use_rates && std::isfinite(m.range_rate) && (m.tx_velocity.allFinite() || source.station)) {
-            RangeScalar s = scalar;
-            s.is_rate = true;
+            RangeScalar& s = next(true);
             const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
             navigation(s.row, r.rate_by_position, way * r.rate_by_velocity, r.rate_by_attitude);
@@ -151,32 +158,32 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.row.add3(Layout::gyro_bias, way * r.rate_by_gyro_bias);
             s.row.add(L.drift, way);
             s.innovation = r.rate + drift - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
-            work.scalars[work.count++] = s;
         }
     }
 }
 
-/// Uses the scalars that are in use one by one, anew; false where a limit is exceeded.
+/// Uses the scalars that are in use as if one by one, anew; false where a limit is exceeded.
 template <class Frame>
 bool RangeUpdate<Frame>::use_all(const RangeTest& test, estim::EpochUpdate& update, RangeEpochWork& work, StateVector& dx,
                                  RangeListener* listener) const {
     update.reset();
-    dx.setZero();
+    for (const RangeScalar& s : work.all())
+        if (s.use) update.add(s.row, s.innovation, s.variance);
+    dx = update.solve();
     double sum = 0.0;
-    std::size_t n = 0;
+    int n = 0;
     bool good = true;
     for (RangeScalar& s : work.all()) {
         if (!s.use) continue;
-        const estim::RowUpdate u = update.add(dx, s.row, s.innovation, s.variance);
-        if (listener != nullptr) listener->scalar(u);
-        s.s = u.s;
-        s.sequential = u.innovation / std::sqrt(u.s);
+        if (listener != nullptr) listener->scalar(update.result(s.row, n));
+        s.s = update.s(n);
+        s.sequential = update.innovation(n) / std::sqrt(s.s);
         const double square = s.sequential * s.sequential;
         sum += square;
         ++n;
         good = good && square <= test.single;
     }
-    return good && sum <= test.whole[n];
+    return good && sum <= test.whole[static_cast<std::size_t>(n)];
 }
 
 /// A jump that all satellites' pseudoranges share belongs to the clock: opens it. True where there was one.

@@ -15,7 +15,6 @@ namespace {
 
 /// The walk takes measurements this much behind an increment's end with it; no less than Pass does.
 constexpr Duration tolerance{200'000};
-constexpr std::size_t idle_increments = 256;   // consumed ones that are kept until they are moved out
 
 std::size_t capacity(double rate, double seconds) {
     return rate > 0.0 ? static_cast<std::size_t>(std::ceil(1.5 * rate * seconds)) + 8 : 0;

@@ -22,6 +22,7 @@ namespace schuler::filter {
 class StreamTimeline {
 public:
     static constexpr double most_ahead = 5.0;   ///< s that a measurement may be ahead of the IMU
+    static constexpr std::size_t idle_increments = 256;   ///< consumed ones that are kept until they are moved out
 
     /// Settings are kept by reference. Takes all memory.
     explicit StreamTimeline(const NavigatorSettings& settings);

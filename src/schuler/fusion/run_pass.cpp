@@ -140,6 +140,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
         const double rows = settings.output_rate > 0.0 ? n * data.imu.median_dt * settings.output_rate : n;
         result.forward.rows.reserve(static_cast<std::size_t>(std::min(rows * 1.1 + 16.0, n + 16.0)));
     }
+    result.aids.reserve(data.events.size() + (uses_ranges(settings.coupling) ? 2 * data.recording->ranges.samples.size() : 0));
     PassCollector<Frame> collector(model, settings, options, result, walk.filter.time(), data.imu.median_dt);
     std::vector<Walk<Frame>> checkpoints;
     const auto begin = std::chrono::steady_clock::now();

@@ -33,17 +33,21 @@ AntennaEstimate antenna_of(const earth::Earth& earth, const NavState& nav, const
 RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Vector3d& velocity) {
     const Vector3d w(0.0, 0.0, a.w_ie);
     // the transmitter in the axes of the time of reception: two rounds of light time
+    double sine = 0.0, cosine = 1.0;
+    const auto turned = [&](const Vector3d& x) {
+        return Vector3d(cosine * x.x() + sine * x.y(), cosine * x.y() - sine * x.x(), x.z());
+    };
     Vector3d r_j = transmitter.r;
-    Matrix3d turn = Matrix3d::Identity();
     double range = (a.r_e - r_j).norm();
     for (int i = 0; i < 2; ++i) {
-        const double angle = a.w_ie * range / speed_of_light, s = std::sin(angle), c = std::cos(angle);
-        turn << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
-        r_j = turn * transmitter.r;
+        const double angle = a.w_ie * range / speed_of_light;   // 1e-5: further terms of the series are below rounding
+        sine = angle * (1.0 - angle * angle / 6.0);
+        cosine = 1.0 - 0.5 * angle * angle;
+        r_j = turned(transmitter.r);
         range = (a.r_e - r_j).norm();
     }
     const Vector3d u_e = (a.r_e - r_j) / range;
-    const Vector3d vi_j = turn * (velocity + w.cross(transmitter.r));   // against inertial space
+    const Vector3d vi_j = turned(velocity + w.cross(transmitter.r));   // against inertial space
     const double slower = 1.0 - u_e.dot(vi_j) / speed_of_light;
     RangeRows m;
     m.range = range;
