@@ -124,6 +124,50 @@ def ranges_adsb(program, source):
     program.fails("process", folder, "--scheme", "tight", "-o", "none", parts=["squitters.avr", "stations.csv"])
 
 
+def ranges_car(program, source):
+    """Tight coupling, smoothed, with magnetometer and wheels: better than without them, forward and smoothed, and as good as it says."""
+    folder, seeds = Path(program.folder), (1, 2, 3)
+    without = {"mag.use": "false", "filter.nonholonomic": "false", "filter.zero_velocity": "false", "filter.detect_wheels": "false"}
+    inside = count = 0
+    squares = {name: [0.0, 0.0, 0.0] for name in ("with", "without")}
+    nees = {block: [0.0, 0.0, 0.0] for block in ("position", "velocity", "attitude")}
+    for seed in seeds:
+        program("simulate", source / "examples/car-tight.toml", "--seed", seed, "-o", "drive", "-q")
+        for name, less in (("with", {}), ("without", without)):
+            told = json.loads(program("process", "drive", "--scheme", "tight", "--smooth", "--settle", 60, "-o", name, "--json",
+                                      *(x for key, value in less.items() for x in ("--set", f"{key}={value}"))).stdout)
+            check(told["scheme"] == "tight" and told["smoothed"], f"what was in force: {told['scheme']}, smoothed {told['smoothed']}")
+            errors, used = told["errors"], told["consistency"]["nis"]
+            check(all((used.get(aid) is not None) == (name == "with") for aid in ("mag", "nonholonomic")), f"{name}: aids used {list(used)}")
+            for i, rms in enumerate((errors["position_m"]["horizontal"]["rms"], errors["attitude_deg"]["heading"]["rms"],
+                                     errors["position_m_forward"]["horizontal"]["rms"])):
+                squares[name][i] += rms**2
+            if name == "without":
+                continue
+            for block, sums in nees.items():
+                for i, key in enumerate(("mean", "low95", "high95")):
+                    sums[i] += told["consistency"][f"nees_{block}"][key] / len(seeds)
+        truth = {row[0]: [float(x) for x in row[1:4]] for row in table(folder / "drive/reference.csv")}
+        for row in table(folder / "with/solution.csv"):
+            if row[0] not in truth:
+                continue
+            lat, lon, height = truth[row[0]]
+            own = [float(x) for x in row[1:]]
+            off = ((own[0] - lat) * 111_320, (own[1] - lon) * 111_320 * math.cos(math.radians(lat)), own[2] - height)
+            inside += sum(abs(x) < 3 * sigma for x, sigma in zip(off, own[9:12]))
+            count += 3
+    for i, (what, factor) in enumerate((("horizontal", 0.9), ("heading", 0.9), ("forward", 0.2))):
+        check(squares["with"][i] < factor**2 * squares["without"][i], f"{what}: {squares}")
+    check(count > 3000 and inside > 0.98 * count, f"inside three sigma: {inside} of {count}")
+    for block, (mean, low, high) in nees.items():
+        check(low < mean < high, f"NEES {block}: {mean}, {low} to {high}")
+
+
+def table(path):
+    """Rows of a CSV file without its head."""
+    return [line.split(",") for line in path.read_text().splitlines()[1:]]
+
+
 if __name__ == "__main__":
     main({"ranges_triad": ranges_triad, "ranges_schemes": ranges_schemes, "ranges_studies": ranges_studies,
-          "ranges_protection": ranges_protection, "ranges_adsb": ranges_adsb})
+          "ranges_protection": ranges_protection, "ranges_adsb": ranges_adsb, "ranges_car": ranges_car})

@@ -17,6 +17,8 @@ constexpr std::size_t kept_epochs = 500;   ///< of the NEES of each run
 struct Kept {
     ComparedRun run;
     std::vector<std::array<double, 3>> nees;   ///< position, velocity, attitude, settled
+    SquaredCourse course;
+    bool report_wanted = false;
     std::string failure;
 };
 
@@ -28,6 +30,8 @@ Kept kept_of(const ScenarioConfig& flight, const SettingList& over) {
     out.run = compared_run(bundle, flight);
     out.run.course = {};
     out.run.receiver = {};
+    out.course.add(bundle.evaluation.errors, flight.sim.origin, flight.sim.duration);
+    out.report_wanted = bundle.data.config.output.wants("report");
     std::vector<std::array<double, 3>> all;
     for (const StateErrors& e : bundle.evaluation.states)
         if (e.time >= bundle.evaluation.settled) all.push_back({e.nees[0], e.nees[1], e.nees[2]});
@@ -58,6 +62,9 @@ CompareCampaign compare_campaign(const ProcessRequest& request, std::size_t runs
     c.version = request.version;
     c.windows = scenario.windows;
     c.rules = scenario.window_rules;
+    c.outages = scenario.outages;
+    c.duration = scenario.sim.duration;
+    c.settings = to_toml(base, scenario_table().specs(), false);
     for (std::size_t k = 0; k < runs; ++k) c.seeds.push_back(scenario.sim.seed + k);
     std::vector<std::optional<std::size_t>> counts(scenario.compared_satellites.begin(), scenario.compared_satellites.end());
     if (counts.empty()) counts.emplace_back();
@@ -88,12 +95,14 @@ CompareCampaign compare_campaign(const ProcessRequest& request, std::size_t runs
         SchemeCampaign& s = c.schemes[i];
         const std::span<const Kept> own(all.data() + i * runs, runs);
         for (const Kept& k : own) {
+            s.course.add(k.course);
             s.numbers.push_back(k.run.numbers);
             s.windows.push_back(k.run.windows);
             if (!k.failure.empty()) s.failures.push_back(k.failure);
         }
         for (std::size_t block = 0; block < 3; ++block) s.nees[block] = nees_of(own, block);
     }
+    c.report_wanted = all.front().report_wanted;
     c.wall_s = seconds_since(begin);
     return c;
 }
@@ -107,7 +116,8 @@ Outcome montecarlo_of_schemes(const ProcessRequest& request, std::size_t runs, i
     out.tables = campaign_tables(c);
     const auto write = [&](const char* name, const std::string& text) { write_text(out.files.emplace_back(out.folder / name), text); };
     write("runs.csv", campaign_runs_csv(c));
-    write("summary.json", out.json);
+    if (c.report_wanted) write("report.html", report::render(campaign_report(c)));
+    write("summary.json", out.json);   // last: who waits for it finds all
     for (const SchemeCampaign& s : c.schemes)
         for (const std::string& failure : s.failures) out.warnings.push_back(fmt::format("{}, {}", s.scheme->name, failure));
     return out;

@@ -2,16 +2,29 @@
 #pragma once
 
 #include "schuler/analysis/ensemble.h"
+#include "schuler/analysis/errors.h"
 #include "schuler/app/commands.h"
 #include "schuler/app/compare.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace schuler::app {
+
+/// Squares of the errors of one run, or of many, in equal spans of the scenario, beside the variances that the solution stated.
+struct SquaredCourse {
+    static constexpr std::size_t spans = 300, quantities = 4;   ///< horizontal and height, m; velocity, m/s; heading, rad
+    std::array<std::array<double, spans>, quantities> square{}, variance{};
+    std::array<std::array<double, spans>, quantities> count{};
+
+    /// Error rows of one run, whose times count from `origin`, over a scenario of `duration` s. Rows that state no sigma do not count.
+    void add(const std::vector<analysis::ErrorRow>& rows, Time origin, double duration);
+    void add(const SquaredCourse& other);
+};
 
 /// One scheme over all seeds.
 struct SchemeCampaign {
@@ -20,6 +33,7 @@ struct SchemeCampaign {
     std::vector<std::vector<double>> numbers;            ///< of each run, as compared_numbers(); empty: it failed
     std::vector<std::vector<WindowStatistics>> windows;  ///< of each run
     std::array<analysis::EnsembleConsistency, 3> nees;   ///< position, velocity, attitude; NaN where the scheme has no covariance
+    SquaredCourse course;                                ///< of all runs together
     std::vector<std::string> failures;                   ///< of the runs that failed, with their seed
 };
 
@@ -29,6 +43,10 @@ struct CompareCampaign {
     std::vector<CompareWindow> windows;
     WindowRules rules;
     std::vector<SchemeCampaign> schemes;                 ///< those of one number of satellites stand together
+    std::vector<OutageSpan> outages;                     ///< of GNSS
+    double duration = 0.0;                               ///< s, of the scenario
+    std::string settings;                                ///< TOML
+    bool report_wanted = true;                           ///< output.files has "report"
     double wall_s = 0.0;
 };
 
@@ -40,6 +58,8 @@ struct CompareCampaign {
 /// Root mean squares over the seeds and NEES with the bounds of as many independent runs; one table more a window.
 [[nodiscard]] std::string campaign_tables(const CompareCampaign& campaign);
 [[nodiscard]] std::string campaign_json(const CompareCampaign& campaign);
+/// report.html: the tables, and for each scheme the root mean square of the errors over the seeds beside the sigma it stated, over time.
+[[nodiscard]] report::ReportInput campaign_report(const CompareCampaign& campaign);
 /// A row a scheme and run.
 [[nodiscard]] std::string campaign_runs_csv(const CompareCampaign& campaign);
 

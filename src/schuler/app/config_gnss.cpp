@@ -67,6 +67,9 @@ void add_gnss_options(OptionTable<Config>& table) {
                             gnss(&GnssSettings::latency_std)))
         .add(number<Config>("gnss.velocity_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the velocity",
                             gnss(&GnssSettings::velocity_latency)))
+        .add(flag<Config>("gnss.consider_errors",
+                          "loose coupling: the slow errors of fixes widen the covariance and lower the gains, but are not estimated",
+                          gnss(&GnssSettings::consider_errors)))
         .add(number<Config>("gnss.jitter_s", 1.0, 0, 10,
                             "one sigma of the white error of the fixes' times: positions vary by it times the velocity, velocities times the "
                             "acceleration; default: fitted with the noise",

@@ -2,6 +2,7 @@
 
 #include "schuler/app/detail/json.h"
 #include "schuler/app/fuse.h"
+#include "schuler/app/ignored.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/core/units.h"
 #include "schuler/gravimetry/resolution.h"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 
 namespace schuler::app {
 namespace {
@@ -147,9 +149,12 @@ GravityInnovations innovations_of(const GravityBundle& b) {
     return out;
 }
 
-/// From loaded data to the survey and its numbers.
-void estimate(GravityBundle& b, WarningLog& warnings) {
+/// From loaded data to the survey and its numbers. `asked`: keys of settings that were given.
+void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& warnings) {
     b.run.command = "gravity";
+    b.run.ignored = ignored_of(b.run, asked);
+    for (const Ignored& i : b.run.ignored)
+        warnings.add("ignored." + i.key, fmt::format("{} is given and has no effect: {}", i.key, i.reason));
     Config& c = b.run.data.config;
     c.filter.mechanization = fusion::Mechanization::Ecef;
     c.filter.smooth = c.gravity.smooth;
@@ -228,7 +233,9 @@ GravityBundle gravity_of_scenario(const ScenarioConfig& scenario, const ProcessR
     b.run.data.read_seconds = seconds_since(begin);
     b.run.version = request.version;
     b.over_ground = scenario.sim.anomaly.empty();
-    estimate(b, warnings);
+    std::set<std::string> asked;   // a scenario's own words are the simulator's business
+    for (const Setting& setting : request.over({})) asked.insert(setting.key);
+    estimate(b, asked, warnings);
     return b;
 }
 
@@ -242,7 +249,7 @@ GravityBundle gravity_survey(const ProcessRequest& request, WarningLog& warnings
     b.run.data = load_dataset(dataset, config, warnings);
     leave_out_chosen(b.run.data, warnings);
     notice = dataset.inferred_toml;
-    estimate(b, warnings);
+    estimate(b, b.run.data.given, warnings);
     return b;
 }
 

@@ -25,11 +25,17 @@ bool states_all(const std::vector<GnssFix>& fixes, Eigen::Vector3d GnssFix::*std
     });
 }
 
+bool ranges_state_all(const RangingLog& log, double RangeSample::*std) {
+    const auto stated = [&](const RangeSample& m) { return log.sources[m.source].station || m.*std > 0.0; };
+    return !log.empty() && std::ranges::all_of(log.samples, stated);
+}
+
 std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const Config& c = b.data.config;
     const fusion::Settings& f = c.filter;
     const bool tight = c.scheme == Scheme::Tight || c.scheme == Scheme::Medium || c.scheme == Scheme::Deep;
     return {{{"filter.aggressive_parts"}, unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
+            {{"gnss.consider_errors"}, unless(c.scheme == Scheme::Loose, "the scheme is not \"loose\"")},
             {{"filter.separate."}, unless(c.scheme == Scheme::Separate, "the scheme is not \"separate\"")},
             {{"filter.integrity."},
              tight ? "it watches a receiver's fixes; ranges are watched by filter.protection" : unless(f.integrity.use, "filter.integrity.use is not on")},
@@ -40,9 +46,43 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
             {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
              unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
             {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"}, unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
-            {{"ranges."}, unless(tight || c.scheme == Scheme::Gnss || !b.data.recording.ranges.empty(), "no ranges are used")},
+            {{"filter.zero_", "filter.nonholonomic_std_", "filter.constraint_rate_hz", "filter.floor_", "mag.heading_"},
+             unless(c.scheme != Scheme::Separate, "the separate scheme is corrected by position, velocity and height alone")},
+            {{"gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_"},
+             unless(!tight, "the coupling takes ranges instead of fixes")},
+            {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
+             unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
+                    "no standstill was found")},
+            {{"ranges.receiver_acceleration_m_s_sqrt_s"}, unless(c.scheme == Scheme::Medium, "the scheme is not \"medium\"")},
+            {{"ranges.white_m"},
+             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std), "the log states the sigmas of all ranges")},
+            {{"ranges.rate_m_s"},
+             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate), "the log states the sigmas of all rates")},
+            {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
             {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
             {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
+}
+
+/// `schuler gravity`: what gravimetry::gravity27 switches off. Without [initial] a run before it finds the start, with all of this.
+std::vector<Rule> gravity_rules(const ResultBundle& b) {
+    const Config& c = b.data.config;
+    const char* what = c.filter.initial.rpy.allFinite() ? "" : "; it serves the search for the start alone";
+    const auto by_survey = [&](const char* reason) { return std::string(reason) + what; };
+    return {{{"filter.scheme"}, unless(c.scheme == Scheme::Loose, by_survey("gravimetry is loosely coupled"))},
+            {{"filter.loose", "filter.aggressive_parts", "filter.separate.", "filter.protection.", "gnss.consider_errors"},
+             by_survey("gravimetry is loosely coupled and uses each fix at its time")},
+            {{"filter.mechanization"},
+             unless(c.filter.mechanization == fusion::Mechanization::Ecef, by_survey("gravimetry is Earth-fixed"))},
+            {{"filter.smooth"}, by_survey("gravity.smooth says whether gravimetry smooths")},
+            {{"filter.backward"}, by_survey("gravimetry has no filter backward in time")},
+            {{"filter.integrity."}, by_survey("gravimetry does not exclude the receiver")},
+            {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "odometer."},
+             by_survey("gravimetry uses no wheels and no standstill")},
+            {{"mag."}, by_survey("gravimetry uses no magnetometer")},
+            {{"baro."}, unless(c.gravity.height_aid, by_survey("the barometer is used with gravity.height_aid only"))},
+            {{"filter.self_check"}, "it belongs to `schuler process`"},
+            {{"output.lever_arm_m", "output.events"}, "gravimetry writes neither"},
+            {{"ranges.", "stations."}, by_survey("gravimetry uses no ranges")}};
 }
 
 std::vector<Rule> sensor_rules(const ResultBundle& b) {
@@ -50,7 +90,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
     const fusion::Settings& f = c.filter;
     const Recording& r = b.data.recording;
     const bool baro = f.baro.use && !r.baro.empty(), mag = f.mag.use && !r.mag.empty();
-    const bool raw = c.gnss.file.empty() || c.scheme == Scheme::Tight || c.scheme == Scheme::Medium;
+    const bool raw = c.gnss.file.empty() || c.scheme == Scheme::Tight || c.scheme == Scheme::Medium || c.scheme == Scheme::Deep;
     const bool velocities = std::ranges::any_of(r.gnss, [](const GnssFix& x) { return x.velocity_n.allFinite(); });
     const fusion::InitialSettings& i = f.initial;
     const bool position = std::isfinite(i.position.lat) && std::isfinite(i.position.lon) && std::isfinite(i.position.h);
@@ -66,7 +106,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
             {{"gnss.observations", "gnss.navigation"},
              unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
             {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise", "gnss.phase_velocity"},
-             unless(!c.raw.observations.empty() || !r.ranges.empty(), "there are no raw measurements")},
+             unless(raw && (!c.raw.observations.empty() || !r.ranges.empty()), "no raw measurements are used")},
             {{"gnss.undulation_m"},
              unless(b.data.logged_height == fusion::HeightKind::Msl, "the heights are not above mean sea level (gnss.height)")},
             {{"gnss.default_std_m"},
@@ -90,14 +130,18 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
         const auto it = std::ranges::find(list, key, &Setting::key);
         return it == list.end() ? std::string() : to_toml(it->value);
     };
-    std::vector<Rule> rules = sensor_rules(b);
-    if (b.data.config.scheme == Scheme::Gnss)
-        rules.push_back({{"filter.smooth", "filter.loop", "filter.mechanization", "filter.backward", "output.lever_arm_m", "output.events", "vehicle."}, "the scheme is \"gnss\": there is no filter"});
-    else
+    std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};   // the first that fits speaks
+    std::ranges::move(sensor_rules(b), std::back_inserter(rules));
+    if (b.data.config.scheme == Scheme::Gnss && b.command != "gravity")
+        rules.insert(rules.begin(), {{"filter.", "output.lever_arm_m", "output.events", "vehicle.", "mag.", "baro.", "odometer.",
+                                      "heading.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s",
+                                      "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},
+                                     "the scheme is \"gnss\": there is no filter"});
+    else if (b.command != "gravity")
         std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {
-        if (value_in(used, key) == value_in(defaults, key)) continue;
+        if ((key == "filter.scheme" && b.command != "gravity") || value_in(used, key) == value_in(defaults, key)) continue;
         const auto rule = std::ranges::find_if(rules, [&](const Rule& r) {
             return !r.reason.empty() && std::ranges::any_of(r.keys, [&](std::string_view k) { return key.starts_with(k); });
         });

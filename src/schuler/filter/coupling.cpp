@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
 
 namespace schuler::filter {
 
@@ -14,10 +15,58 @@ namespace {
 /// 0: position, 1: velocity.
 std::size_t sub_vector(AidKind kind) { return kind == AidKind::GnssVelocity ? 1 : 0; }
 
+/// r such that r . Phi e = h . e for an error e at the start of the span. Behind the coupled states, of which a process that forgets says
+/// of its past no more than of its future, best guess and factor are the same in both directions.
+StateVector row_after(const estim::Transition& phi, const StateVector& h) {
+    constexpr int n = estim::Transition::coupled;
+    StateVector s = h;
+    for (int i = 0; i < phi.shear_count; ++i) {
+        const estim::Transition::Shear& shear = phi.shears[static_cast<std::size_t>(i)];
+        s(shear.from) -= shear.factor * s(shear.to);
+    }
+    // column r of rows.topRows<n>() is row r of A's square part: its transpose, as it is needed here
+    const Vector9 y = phi.rows.template topRows<n>().partialPivLu().solve(s.head<n>());
+    s.head<n>() = y;
+    const Eigen::Index driven = std::min<Eigen::Index>(phi.driven, s.size());
+    s.segment(n, driven - n) -= phi.rows.middleRows(n, driven - n) * y;
+    s.tail(s.size() - n).array() *= phi.diagonal.tail(s.size() - n).array();
+    return s;
+}
+
+StateVector dense(const estim::Row& row, Eigen::Index size) {
+    StateVector h = StateVector::Zero(size);
+    h.head<estim::Row::dense>() = row.head;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(row.count); ++k) h(row.index[k]) += row.value[k];
+    return h;
+}
+
+/// Scalar update by a dense row. Where the slow errors of fixes are `considered` only, their share of the
+/// gain is nothing; Joseph's form is exact for the gain that is left [Schmidt1966].
+void update_dense(StateVector& dx, StateMatrix& P, const StateVector& h, double innovation, double variance, const Layout& L,
+                  bool considered) {
+    const StateVector ph = P * h;
+    const double s = h.dot(ph) + variance;
+    StateVector k = ph / s;
+    if (considered && L.gnss_position >= 0) k.segment<3>(L.gnss_position).setZero();
+    if (considered && L.gnss_velocity >= 0) k.segment<3>(L.gnss_velocity).setZero();
+    dx += k * (innovation - h.dot(dx));
+    for (Eigen::Index c = 0; c < P.cols(); ++c)
+        for (Eigen::Index r = c; r < P.rows(); ++r) P(c, r) = P(r, c) = P(r, c) - k(r) * ph(c) - ph(r) * k(c) + s * k(r) * k(c);
+}
+
 }  // namespace
 
 template <class Frame>
 StateVector Pass<Frame>::update(Walk<Frame>& walk, const Measurement& m, Observer& observer) const {
+    if (considers(settings_)) {
+        StateVector dx = StateVector::Zero(walk.filter.P.rows());
+        for (int i = 0; i < m.dof; ++i)
+            update_dense(dx, walk.filter.P, dense(m.rows[static_cast<std::size_t>(i)], dx.size()), m.innovation(i), m.variance(i),
+                         model_.layout, true);
+        walk.filter.P.diagonal() = walk.filter.P.diagonal().cwiseMax(model_.floor);
+        walk.filter.apply(model_, dx);
+        return dx;
+    }
     if (walk.ranges.watch.on) {
         StateMatrix P = walk.filter.P;
         StateVector dx = StateVector::Zero(P.rows());
@@ -48,6 +97,7 @@ bool Pass<Frame>::use(Walk<Frame>& walk, Channel channel, const Measurement& loc
     if (interval.seconds() > 0.0 && interval.seconds() < 10.0) c.every = Duration{interval.ns / settings_.aggressive_parts};
     c.measurement = part;
     c.corrected = dx;
+    for (int i = 0; i < part.dof; ++i) c.rows[static_cast<std::size_t>(i)] = dense(part.rows[static_cast<std::size_t>(i)], dx.size());
     c.left = settings_.aggressive_parts - 1;
     c.stamp = stamp;
     c.next = walk.filter.time() + c.every;
@@ -55,13 +105,35 @@ bool Pass<Frame>::use(Walk<Frame>& walk, Channel channel, const Measurement& loc
 }
 
 template <class Frame>
+void Pass<Frame>::carry(CarriedFix& fix, const estim::Transition& phi) const {
+    const Layout& L = model_.layout;
+    fix.corrected = phi.times(fix.corrected);
+    for (int i = 0; i < fix.measurement.dof; ++i) {
+        StateVector& h = fix.rows[static_cast<std::size_t>(i)];
+        // what a slow error of the fix has forgotten since is noise
+        const auto forgotten = [&](int state, const Eigen::Vector3d& sigma) {
+            for (int k = 0; state >= 0 && k < 3; ++k)
+                fix.measurement.variance(i) += std::pow(h(state + k) * sigma(k), 2) * (1.0 - std::pow(phi.diagonal(state + k), 2));
+        };
+        forgotten(L.gnss_position, model_.gnss.correlated_position);
+        forgotten(L.gnss_velocity, model_.gnss.correlated_velocity);
+        h = row_after(phi, h);
+    }
+}
+
+template <class Frame>
 void Pass<Frame>::carry_on(Walk<Frame>& walk, Observer& observer) const {
     for (CarriedFix& c : walk.carried) {
         if (c.left <= 0 || walk.filter.time() < c.next) continue;
         propagate_covariance(walk, observer);
-        Measurement m = c.measurement;
-        for (int i = 0; i < m.dof; ++i) m.innovation(i) -= m.rows[static_cast<std::size_t>(i)].dot(c.corrected);
-        const StateVector dx = update(walk, m, observer);
+        StateVector dx = StateVector::Zero(walk.filter.P.rows());
+        for (int i = 0; i < c.measurement.dof; ++i) {
+            const StateVector& h = c.rows[static_cast<std::size_t>(i)];
+            update_dense(dx, walk.filter.P, h, c.measurement.innovation(i) - h.dot(c.corrected), c.measurement.variance(i), model_.layout,
+                         considers(settings_));
+        }
+        walk.filter.P.diagonal() = walk.filter.P.diagonal().cwiseMax(model_.floor);
+        walk.filter.apply(model_, dx);
         for (CarriedFix& other : walk.carried)
             if (other.left > 0) other.corrected += dx;
         --c.left;
@@ -167,6 +239,7 @@ void Pass<Frame>::renew_shadows(Walk<Frame>& walk) const {
 #define SCHULER_INSTANTIATE(Frame)                                                                                                   \
     template StateVector Pass<Frame>::update(Walk<Frame>&, const Measurement&, Observer&) const;                                     \
     template bool Pass<Frame>::use(Walk<Frame>&, Channel, const Measurement&, const Measurement&, Time, Observer&) const;            \
+    template void Pass<Frame>::carry(CarriedFix&, const estim::Transition&) const;                                                   \
     template void Pass<Frame>::carry_on(Walk<Frame>&, Observer&) const;                                                              \
     template AidStatus Pass<Frame>::examine(Walk<Frame>&, Channel, const AidRecord&, const Examined&, Observer&) const;              \
     template void Pass<Frame>::look_back(Walk<Frame>&, const Event&, Observer&) const;                                               \

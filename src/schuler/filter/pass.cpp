@@ -79,7 +79,7 @@ void Pass<Frame>::propagate_covariance(Walk<Frame>& walk, Observer& observer) co
     const double span = walk.filter.gathered.time;
     if (!walk.filter.propagate_covariance(model_, phi)) return;
     for (CarriedFix& c : walk.carried)
-        if (c.left > 0) c.corrected = phi.times(c.corrected);
+        if (c.left > 0) carry(c, phi);
     walk.ranges.watch.propagate(phi);
     if (observer.records()) observer.step(phi);
     observer.propagated(walk.filter, span);

@@ -21,11 +21,12 @@
 
 namespace schuler::filter {
 
-/// A fix that is used in parts until the next one (LooseKind::Aggressive). Carried on by the inertial motion since, it differs from the
-/// estimate by the innovation at its time less what the corrections since have become: no inertial motion is needed explicitly.
+/// A fix that is used in parts until the next one (LooseKind::Aggressive). Carried on by the inertial motion since, it has the errors of
+/// that motion in it: it is a measurement of the error at its own time, `rows` times the error of now (docs/estimation.md).
 struct CarriedFix {
     Measurement measurement;             ///< at the time of the fix; its variance is that of one part
     StateVector corrected;               ///< sum of the corrections since, propagated
+    std::array<StateVector, 3> rows;     ///< of the measurement in the errors of now
     int left = 0;                        ///< parts
     Time stamp{}, next{};
     Duration every{1'000'000'000};
@@ -209,6 +210,8 @@ private:
     bool use_separately(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp) const;
     /// Updates the filter and what remembers its corrections. Returns the error that was found.
     StateVector update(Walk<Frame>& walk, const Measurement& m, Observer& observer) const;
+    /// A fix that is used in parts over a span with this transition.
+    void carry(CarriedFix& fix, const estim::Transition& phi) const;
     /// The parts of the fixes carried on that are due.
     void carry_on(Walk<Frame>& walk, Observer& observer) const;
     /// Integrity of one sub-vector of a fix: whether it may be used.

@@ -77,6 +77,7 @@ struct GnssSettings {
     double std_scale = 1.0;                   ///< of the log's own sigmas of positions
     double velocity_std_scale = 1.0;          ///< ... of velocities
     bool use_velocity = true;
+    bool consider_errors = false;             ///< loose coupling: the slow errors widen the covariance, but are not estimated [Schmidt1966]
     /// Slowly varying errors; those above zero are states. A log states the sigma of the whole error: with such states, only what
     /// is left of it is white noise. The defaults above are of the white part.
     sensor::GnssErrorModel errors;
@@ -222,5 +223,8 @@ struct Settings {
     std::vector<Time> output_instants;        ///< in order: the solution is wanted there as well (Trajectory::instants)
     bool backward = false;                    ///< a filter backward in time beside the forward one (fusion/backward.h)
 };
+
+/// The slow errors of fixes are states that keep their estimates.
+[[nodiscard]] inline bool considers(const Settings& s) { return s.coupling == Coupling::Loose && s.gnss.consider_errors; }
 
 }  // namespace schuler::filter

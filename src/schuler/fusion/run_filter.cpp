@@ -27,6 +27,7 @@ using Eigen::Vector3d;
 const char* unsmoothable(const Settings& s) {
     if (s.coupling == Coupling::Separate) return "with the separate scheme, whose gains are not those of a filter";
     if (s.loose_kind == LooseKind::Aggressive && s.coupling == Coupling::Loose) return "with aggressive coupling, which uses a fix in parts";
+    if (considers(s)) return "with gnss.consider_errors, whose gains are not those of a filter";
     if (s.integrity.use && !uses_ranges(s.coupling)) return "with integrity control, which goes back to an older solution";
     if (s.ranging.protection.use && uses_ranges(s.coupling)) return "with filter.protection, which takes a fault out of the estimate";
     return nullptr;

@@ -157,7 +157,7 @@ filter::Settings gravity27(filter::Settings s, const filter::DisturbanceSettings
     s.loose_kind = filter::LooseKind::Standard;
     s.mechanization = filter::Mechanization::Ecef;
     s.integrity.use = s.aids.zero_velocity = s.aids.nonholonomic = s.aids.nonholonomic_auto = false;
-    s.baro.use = s.mag.use = s.odometer.use = false;
+    s.baro.use = s.mag.use = s.odometer.use = s.gnss.consider_errors = false;
     return s;
 }
 

@@ -172,7 +172,7 @@ SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, u
                           cached_diagonal, cached_q, slot_process)
 SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
-SCHULER_ARCHIVED(CarriedFix, measurement, corrected, left, stamp, next, every)
+SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, every)
 SCHULER_ARCHIVED(GateState, run, since, last, innovation, rate)
 SCHULER_ARCHIVED(Vibration, gyro_psd, accel_psd, samples, rate, force, rate_step, force_step)
 SCHULER_ARCHIVED(WheelEvidence, verdict, n, turned, mean_side, mean_down, m2_side, m2_down)

@@ -1,0 +1,91 @@
+"""Nothing that a user sets is ignored silently: every coupling with every key, one at a time."""
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+from program_test import check, main
+
+DRIVE = """
+name = "heard"
+duration_s = 80
+reference_rate_hz = 1
+[trajectory]
+type = "car"
+start = { lat_deg = 48.1, lon_deg = 11.5, height_m = 500 }
+standstill_s = 30
+[imu]
+rate_hz = 20
+grade = "mems"
+[gnss]
+rate_hz = 1
+white_m = [1, 1, 2]
+white_velocity_m_s = [0.05, 0.05, 0.1]
+[baro]
+rate_hz = 1
+white_m = 0.5
+bias_m = 2
+[mag]
+rate_hz = 2
+[ranges]
+rate_hz = 1
+systems = "G"
+gps_week = 2300
+gps_second = 0
+throughout = true
+[vehicle]
+kind = "car"
+[filter]
+initial_error = { level_deg = 1, heading_deg = 5, velocity_m_s = 0.1, position_m = 5 }
+"""
+
+# Values apart from the defaults and from what the scenario says.
+KEYS = {
+    "filter.mechanization": '"ecef"', "filter.loop": '"open"', "filter.smooth": "true", "filter.backward": "true",
+    "filter.feedback_period_s": "7", "filter.feedback_attitude_deg": "2", "filter.scale_factors": "false", "filter.misalignments": "false",
+    "filter.estimate_lever_arm": "true", "filter.zero_velocity_std_m_s": "0.3", "filter.zero_rate_std_deg_s": "2",
+    "filter.nonholonomic": "false", "filter.nonholonomic_std_lateral_m_s": "0.9", "filter.constraint_rate_hz": "3", "filter.gate_probability": "0.01",
+    "filter.floor_m": "3", "filter.loose": '"aggressive"', "filter.aggressive_parts": "4", "filter.separate.restart_s": "20",
+    "filter.separate.position_time_s": "33", "filter.separate.baro_time_s": "80", "filter.integrity.use": "true", "filter.integrity.window_s": "33",
+    "filter.protection.use": "true", "filter.protection.missed_detection": "0.01", "mag.use": "false", "mag.heading_std_deg": "9",
+    "baro.white_m": "4", "gnss.lever_arm_m": "[1, 2, -3]", "gnss.latency_std_s": "0.1", "gnss.correlated_m": "[2, 2, 3]",
+    "gnss.consider_errors": "true", "gnss.elevation_mask_deg": "33", "ranges.white_m": "9", "ranges.correlated_m": "7",
+    "ranges.use_rates": "false", "ranges.receiver_acceleration_m_s_sqrt_s": "9", "ranges.clock_h0_s": "1e-15", "odometer.std_m_s": "3",
+    "heading.std_deg": "7", "output.lever_arm_m": "[5, 0, 0]", "vehicle.kind": '"air"',
+}
+
+
+def run(program, *arguments):
+    return subprocess.run([program.path, *map(str, arguments)], cwd=program.folder, capture_output=True, text=True, timeout=60, stdin=subprocess.DEVNULL)
+
+
+def heard(program, source):
+    """What is written changes, or the key is refused by name, or it is told that it has no effect."""
+    folder = Path(program.folder)
+    (folder / "drive.toml").write_text(DRIVE)
+    program("simulate", "drive.toml", "-o", "drive", "-q")
+
+    def outputs(name):
+        told = json.loads((folder / name / "summary.json").read_text())
+        told.pop("timing"), told.pop("facts"), told.pop("ignored"), told.pop("warnings")
+        return [(file.name, file.read_bytes()) for file in sorted((folder / name).glob("*.csv"))], json.dumps(told)
+
+    silent = []
+    for scheme in ("gnss", "separate", "loose", "tight", "medium"):
+        program("process", "drive", "--scheme", scheme, "-o", "plain", "-q")
+        plain = outputs("plain")
+        for key, value in KEYS.items():
+            shutil.rmtree(folder / "with", ignore_errors=True)
+            done = run(program, "process", "drive", "--scheme", scheme, "-o", "with", "-q", "--set", f"{key}={value}")
+            if done.returncode != 0:
+                if done.returncode != 2 or key not in done.stderr:
+                    silent.append((scheme, key, done.returncode, done.stderr))
+                continue
+            named = [i["key"] for i in json.loads((folder / "with/summary.json").read_text())["ignored"]]
+            if outputs("with") == plain and key not in named:
+                silent.append((scheme, key))
+    check(not silent, "ignored without a word: " + "; ".join(map(str, silent)))
+
+
+if __name__ == "__main__":
+    main({"heard": heard})
