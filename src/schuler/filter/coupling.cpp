@@ -65,6 +65,7 @@ StateVector Pass<Frame>::update(Walk<Frame>& walk, const Measurement& m, Observe
                          model_.layout, true);
         walk.filter.P.diagonal() = walk.filter.P.diagonal().cwiseMax(model_.floor);
         walk.filter.apply(model_, dx);
+        observer.corrected();
         return dx;
     }
     if (walk.ranges.watch.on) {
@@ -134,6 +135,7 @@ void Pass<Frame>::carry_on(Walk<Frame>& walk, Observer& observer) const {
         }
         walk.filter.P.diagonal() = walk.filter.P.diagonal().cwiseMax(model_.floor);
         walk.filter.apply(model_, dx);
+        observer.corrected();
         for (CarriedFix& other : walk.carried)
             if (other.left > 0) other.corrected += dx;
         --c.left;

@@ -282,6 +282,7 @@ private:
 
     // what happens on the walk
     void scalar(const estim::RowUpdate&) override { changed_ = true; }
+    void corrected() override { changed_ = true; }
     void ranges(const Walk<Frame>&, const RangeEpoch&) override { changed_ = true; }
     bool wants_all_states(Time time) const override { return time >= next_all_states_; }
     void output(const Walk<Frame>& walk, Time time) override {
