@@ -47,6 +47,8 @@ def gravity(program, source):
     check(len(lines) == found["epochs"] + 1 and "disturbance_up_mgal" in lines[0], "gravity.csv has the epochs")
     check(abs(float(lines[-1].split(",")[lines[0].split(",").index("gravity_disturbance_mgal")]) + up["estimate"]) < 1e-3,
           "stronger gravity is positive in gravity_disturbance_mgal")
+    told = program("gravity", "survey.toml", "-o", "told", "--set", "filter.integrity.use=true", "--set", "mag.heading_std_deg=9").stderr
+    check(all(f"{key} is given and has no effect: gravimetry" in told for key in ("filter.integrity.use", "mag.heading_std_deg")), f"what is switched off is named: {told}")
     points = json.loads((folder / "g/gravity.geojson").read_text())["features"]
     check(len(points) == found["epochs"] and abs(points[0]["geometry"]["coordinates"][1] - 55.8) < 0.1, "gravity.geojson has them too")
     check("Disturbance of gravity" in (folder / "g/report.html").read_text(), "the report shows it")

@@ -8,12 +8,12 @@ from program_test import check, main
 
 DRIVE = """
 name = "heard"
-duration_s = 80
+duration_s = 50
 reference_rate_hz = 1
 [trajectory]
 type = "car"
 start = { lat_deg = 48.1, lon_deg = 11.5, height_m = 500 }
-standstill_s = 30
+standstill_s = 20
 [imu]
 rate_hz = 20
 grade = "mems"

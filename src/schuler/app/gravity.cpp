@@ -153,8 +153,7 @@ GravityInnovations innovations_of(const GravityBundle& b) {
 void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& warnings) {
     b.run.command = "gravity";
     b.run.ignored = ignored_of(b.run, asked);
-    for (const Ignored& i : b.run.ignored)
-        warnings.add("ignored." + i.key, fmt::format("{} is given and has no effect: {}", i.key, i.reason));
+    warn_of_ignored(b.run.ignored, warnings);
     Config& c = b.run.data.config;
     c.filter.mechanization = fusion::Mechanization::Ecef;
     c.filter.smooth = c.gravity.smooth;

@@ -1,8 +1,11 @@
 #include "schuler/app/ignored.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <string_view>
 
 namespace schuler::app {
@@ -148,6 +151,20 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
         if (rule != rules.end()) ignored.push_back({key, rule->reason});
     }
     return ignored;
+}
+
+void warn_of_ignored(const std::vector<Ignored>& ignored, WarningLog& warnings) {
+    constexpr std::size_t shown = 4;
+    std::map<std::string, std::vector<std::string>> keys;   // by reason
+    for (const Ignored& i : ignored) keys[i.reason].push_back(i.key);
+    for (const Ignored& i : ignored) {
+        const std::vector<std::string>& same = keys[i.reason];
+        if (same.front() != i.key) continue;
+        std::string names = fmt::format("{}", fmt::join(same.begin(), same.begin() + static_cast<std::ptrdiff_t>(std::min(shown, same.size())), ", "));
+        if (same.size() > shown) names += fmt::format(" and {} more", same.size() - shown);
+        warnings.add("ignored." + i.key, fmt::format("{} {} given and {} no effect: {}", names, same.size() == 1 ? "is" : "are",
+                                                     same.size() == 1 ? "has" : "have", i.reason));
+    }
 }
 
 }  // namespace schuler::app

@@ -13,4 +13,7 @@ namespace schuler::app {
 /// nothing and is left out.
 [[nodiscard]] std::vector<Ignored> ignored_of(const ResultBundle& bundle, const std::set<std::string>& given);
 
+/// One warning a reason, with the keys that it holds for.
+void warn_of_ignored(const std::vector<Ignored>& ignored, WarningLog& warnings);
+
 }  // namespace schuler::app

@@ -131,8 +131,7 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
         for (const Setting& s : request.over({})) asked.insert(s.key);
     }
     bundle.ignored = ignored_of(bundle, asked);
-    for (const Ignored& i : bundle.ignored)
-        warnings.add("ignored." + i.key, fmt::format("{} is given and has no effect: {}", i.key, i.reason));
+    warn_of_ignored(bundle.ignored, warnings);
     for (fusion::Trajectory* t : {&bundle.result.forward, &bundle.result.smoothed})
         for (std::vector<SolutionRow>* rows : {&t->rows, &t->point}) *rows = thinned(std::move(*rows), bundle.data.config.filter.output_rate);
     warn_of_events_outside(bundle, warnings);
