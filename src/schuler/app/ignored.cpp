@@ -39,6 +39,9 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const bool tight = c.scheme == Scheme::Tight || c.scheme == Scheme::Medium || c.scheme == Scheme::Deep;
     return {{{"filter.aggressive_parts"}, unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
             {{"gnss.consider_errors"}, unless(c.scheme == Scheme::Loose, "the scheme is not \"loose\"")},
+            {{"gnss.consider_errors"},
+             unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
+                    "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
             {{"filter.separate."}, unless(c.scheme == Scheme::Separate, "the scheme is not \"separate\"")},
             {{"filter.integrity."},
              tight ? "it watches a receiver's fixes; ranges are watched by filter.protection" : unless(f.integrity.use, "filter.integrity.use is not on")},
