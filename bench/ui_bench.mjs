@@ -1,6 +1,6 @@
 // Numbers of the page of `schuler ui`, in headless Chromium: first paint, opening of an hour's run at 100 Hz, frames a second while a
 // million points are panned and zoomed, size of the bundle.
-//   node bench/ui_bench.mjs --program build/bin/schuler --modules build/ui/node_modules --dist build/ui/dist
+//   node bench/ui_bench.mjs --program build/bin/schuler --modules build/ui/node_modules --dist ui/bundle
 import { spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";

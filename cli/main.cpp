@@ -1,4 +1,5 @@
 // The program `schuler`: command line, what goes to which stream, exit status.
+#include "documentation.h"
 #include "options.h"
 #include "progress.h"
 
@@ -12,10 +13,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -169,7 +173,9 @@ int main(int argc, char** argv) {
                     "schuler");
     cli::add_commands(parser, options);
     try {
-        parser.parse(argc, argv);
+        auto arguments = cli::with_help_of_commands({argv + 1, argv + argc}, parser);
+        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
+        parser.parse(std::move(arguments));
     } catch (const CLI::CallForVersion&) {
         fmt::print("schuler {}\n", SCHULER_VERSION);
         return flushed(done);
@@ -190,6 +196,15 @@ int main(int argc, char** argv) {
     try {
         if (options.command == "ui") {
             cli::serve_page(options);
+            return flushed(done);
+        }
+        if (options.command == "completion") {
+            fmt::print("{}", cli::completion_script(parser, options.topic));
+            return flushed(done);
+        }
+        if (options.command == "help" && options.topic.empty()) {
+            fmt::print("{}", options.manual ? cli::manual_page(parser, SCHULER_VERSION)
+                                            : parser.get_formatter()->make_help(&parser, "schuler", CLI::AppFormatMode::Normal));
             return flushed(done);
         }
         const app::Outcome out = perform(options);

@@ -177,10 +177,17 @@ void add_file_commands(CLI::App& parser, Options& o) {
     convert->add_option("OUT", o.output, "file to write")->required();
     convert->add_option("--to", o.format, "csv, kml, kf-gins, rinex-obs or rinex-nav (default: by the name of OUT)")->type_name("FORMAT");
 
-    CLI::App* help = add_command(parser, o, "help", "the keys of settings and scenario files",
-                                 "  schuler help settings\n  schuler help settings imu.\n  schuler help scenario trajectory.");
-    help->add_option("TOPIC", o.topic, "settings or scenario")->required()->check(CLI::IsMember({"settings", "scenario"}));
+    CLI::App* help = add_command(parser, o, "help", "a command, or the keys of settings and scenario files",
+                                 "  schuler help process\n  schuler help settings\n  schuler help settings imu.\n"
+                                 "  schuler help scenario trajectory.\n  schuler help --man >schuler.1");
+    help->add_option("TOPIC", o.topic, "settings or scenario, or a command")->check(CLI::IsMember({"settings", "scenario"}));
     help->add_option("PREFIX", o.prefix, "only keys that begin so");
+    help->add_flag("--man", o.manual, "all commands as a manual page");
+
+    CLI::App* completion = add_command(parser, o, "completion", "a script that completes commands and options in a shell",
+                                       "  source <(schuler completion bash)\n"
+                                       "  schuler completion zsh >~/.zsh/functions/_schuler            a folder of $fpath");
+    completion->add_option("SHELL", o.topic, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
 }
 
 app::Setting text_setting(const std::string& key, const std::string& text, const std::string& option) {

@@ -27,6 +27,7 @@ struct Options {
     std::optional<double> settle, output_rate;
     std::optional<std::uint64_t> seed;
     std::string topic, prefix;
+    bool manual = false;               ///< of help
     bool response = false;             ///< of gravity
     std::string filter = "mekf";       ///< of ahrs
     bool six_axis = false, offline = false, calibrate = false;

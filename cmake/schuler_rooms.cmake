@@ -1,25 +1,11 @@
 # A room is src/schuler/NAME with an archive schuler_NAME, so that a link finds what a room uses and should not. What users link
 # is libschuler: the objects of all rooms in one archive, with the third-party libraries behind it.
+#   PRECOMPILED    the name of its precompiled headers (schuler_precompile.cmake)
 
-# With SCHULER_PCH: what nearly every file includes, parsed once for all targets that name the same owner; the first target of an
-# owner is the owner. Off by default, so that a forgotten include is found.
-function(schuler_precompile target owner headers)
-    if(NOT SCHULER_PCH)
-        return()
-    endif()
-    get_property(first GLOBAL PROPERTY SCHULER_PCH_${owner})
-    if(first)
-        target_precompile_headers(${target} REUSE_FROM ${first})
-    else()
-        target_precompile_headers(${target} PRIVATE ${headers})
-        set_property(GLOBAL PROPERTY SCHULER_PCH_${owner} ${target})
-    endif()
-endfunction()
-set(SCHULER_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <fmt/format.h> <algorithm> <array> <cmath> <filesystem> <functional>
-    <map> <optional> <string> <vector>)
+include(schuler_precompile)
 
 function(schuler_room name)
-    cmake_parse_arguments(ROOM "" "" "DEPENDS;PRIVATE;HEADERS" ${ARGN})
+    cmake_parse_arguments(ROOM "" "PRECOMPILED" "DEPENDS;PRIVATE;HEADERS" ${ARGN})
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/schuler/${name}/*.cpp")
     set(target schuler_${name})
     if(sources)
@@ -27,7 +13,7 @@ function(schuler_room name)
         target_link_libraries(${target} PUBLIC ${ROOM_DEPENDS} PRIVATE schuler_flags ${ROOM_PRIVATE} ${ROOM_HEADERS})
         target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/src")
         target_compile_definitions(${target} PUBLIC ${SCHULER_ABI_DEFINITIONS})
-        schuler_precompile(${target} rooms "${SCHULER_COMMON_HEADERS}")
+        schuler_precompile(${target} "${ROOM_PRECOMPILED}")
         set_property(GLOBAL APPEND PROPERTY SCHULER_OBJECTS $<TARGET_OBJECTS:${target}>)
     else()
         add_library(${target} INTERFACE)

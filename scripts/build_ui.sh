@@ -1,50 +1,37 @@
 #!/usr/bin/env bash
-# Builds the page of `schuler ui` for the build of the program.
+# Builds the page of `schuler ui` from ui/. What comes out is kept in ui/bundle, from where the build of the program takes it, so that
+# only who changes the page needs Node.
 #
-#   scripts/build_ui.sh AUTO|ON|OFF FOLDER     writes FOLDER/dist and then FOLDER/built
+#   scripts/build_ui.sh FOLDER             builds the page into FOLDER/dist
+#   scripts/build_ui.sh FOLDER --update    and puts it into ui/bundle
+#   scripts/build_ui.sh FOLDER --check     and compares it with ui/bundle byte by byte; exit status 1 when they differ
 #
-# AUTO: where npm is missing or reaches no registry, dist holds a page that says so, and the program is built all the same; the next
-# build tries again once ui/ has changed or FOLDER/built is removed. ON makes that an error. OFF always makes that page. The packages
-# are those of ui/package-lock.json, kept in FOLDER/node_modules; their install scripts are not run.
+# Exit status 77 when Node 18 or npm is missing or npm reaches no registry. The packages are those of ui/package-lock.json, kept in
+# FOLDER/node_modules; their install scripts are not run. The same sources and the same lock give the same bytes.
 set -euo pipefail
-mode=$1 folder=$2
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-mkdir -p "$folder"
-rm -rf "$folder/dist" "$folder/built"
+[ $# -ge 1 ] || { sed -n 's/^# \{0,1\}//; 2,10p' "$0" >&2; exit 2; }
+mkdir -p "$1"
+folder=$(cd "$1" && pwd) mode=${2:-}
 
-without_page() {
-    if [ "$mode" = ON ]; then
-        echo "build_ui: $1" >&2
-        exit 1
-    fi
-    [ "$mode" = OFF ] || echo "build_ui: the page of \`schuler ui\` is left out: $1" >&2
-    mkdir -p "$folder/dist"
-    cat >"$folder/dist/index.html" <<HTML
-<!doctype html><html lang="en"><meta charset="utf-8"><title>Schuler</title>
-<body style="font:1rem sans-serif;max-width:40rem;margin:4rem auto">
-<h1>Schuler</h1><p>This program was built without its page: $1.</p>
-<p>The server and its API (<a href="/api/openapi.json">/api/openapi.json</a>) work. To have the page: make npm and its registry
-reachable, remove <code>ui/built</code> from the build folder and build again.</p></body></html>
-HTML
-    echo without >"$folder/built"
-    exit 0
+cannot() {
+    echo "SKIPPED: $1"
+    exit 77
 }
-
-[ "$mode" != OFF ] || without_page "the build was asked to leave it out"
-command -v node >/dev/null && command -v npm >/dev/null || without_page "there is no npm"
-[ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ] || without_page "Node is older than 18"
+command -v node >/dev/null && command -v npm >/dev/null || cannot "there is no npm"
+[ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ] || cannot "Node is older than 18"
 
 # Work beside the sources, not in them: two builds may run at a time.
-rm -rf "$folder/src"
+rm -rf "$folder/dist" "$folder/src"
 mkdir -p "$folder/src"
 for part in index.html package.json package-lock.json vite.config.ts tsconfig.json src public; do
-    [ ! -e "$root/ui/$part" ] || cp -r "$root/ui/$part" "$folder/src/"
+    cp -r "$root/ui/$part" "$folder/src/"
 done
 sum=$(sha256sum <"$root/ui/package-lock.json")
 if [ "$(cat "$folder/packages" 2>/dev/null)" != "$sum" ]; then
     rm -rf "$folder/node_modules" "$folder/packages"
     (cd "$folder/src" && timeout 300 npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1 --fetch-timeout=20000) \
-        >"$folder/npm.log" 2>&1 || without_page "npm could not install the packages of ui/package-lock.json (see ui/npm.log in the build folder)"
+        >"$folder/npm.log" 2>&1 || cannot "npm could not install the packages of ui/package-lock.json; $folder/npm.log says why"
     mv "$folder/src/node_modules" "$folder/node_modules"
     echo "$sum" >"$folder/packages"
 fi
@@ -53,4 +40,18 @@ ln -sfn "$folder/node_modules" "$folder/src/node_modules"
     cat "$folder/vite.log" >&2
     exit 1
 }
-echo with >"$folder/built"
+
+case "$mode" in
+    "") ;;
+    --update)
+        rm -rf "$root/ui/bundle"
+        cp -r "$folder/dist" "$root/ui/bundle"
+        ;;
+    --check)
+        diff -rq "$root/ui/bundle" "$folder/dist" || {
+            echo "ui/bundle is not what ui/ gives; scripts/build_ui.sh $folder --update renews it"
+            exit 1
+        }
+        ;;
+    *) echo "build_ui: unknown '$mode'" >&2; exit 2 ;;
+esac

@@ -10,19 +10,20 @@ set -euo pipefail
 shopt -s inherit_errexit
 
 build=(
-    build-essential cmake ninja-build ccache pkg-config
+    g++ cmake ninja-build pkg-config
     libeigen3-dev           # linear algebra
     libgeographiclib-dev    # geodesy, normal gravity
-    libfmt-dev libspdlog-dev
+    libfmt-dev
     libcli11-dev            # command line
     libtomlplusplus-dev libyaml-cpp-dev nlohmann-json3-dev
     libhdf5-dev zlib1g-dev libfast-float-dev
     libkissfft-dev
-    libboost-dev            # Multiprecision: ranks decided with a hundred digits
+    libboost-dev            # Math: distributions; Multiprecision: ranks decided with a hundred digits
     libcpp-httplib-dev      # the server of `schuler ui`
-    nodejs npm              # its page; where they are there in another way, they are not installed
 )
 test=(
+    ccache
+    nodejs npm                      # build the page of `schuler ui`; where they are there in another way, they are not installed
     libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
     clang-16 libclang-rt-16-dev     # libFuzzer and its run-time libraries
     rtklib                          # convbin, rnx2rtkp: oracles, never linked

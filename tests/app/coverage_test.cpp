@@ -12,7 +12,7 @@ namespace {
 
 std::vector<CheckFix> fixes_every(double step, double length) {
     std::vector<CheckFix> fixes;
-    for (double t = 0.0; t <= length; t += step) fixes.push_back({t, true});
+    for (double t = 0.0; t <= length; t += step) fixes.push_back({t, true, true});
     return fixes;
 }
 
@@ -43,12 +43,25 @@ TEST(Coverage, WindowsAvoidOutagesAndBadFixes) {
     const CheckWindows w = check_windows(fixes, 20.0, 600.0, outages);
     ASSERT_GE(w.windows.size(), 8U);
     for (const fusion::Outage& o : w.windows) {
-        EXPECT_FALSE(overlap(o, {100.0 - w.length, 30.0 + 2.0 * w.length})) << o.start;
+        EXPECT_FALSE(overlap(o, {97.0, 36.0})) << o.start;   // with three seconds of fixes before and after
         const auto good = std::ranges::count_if(fixes, [&](const CheckFix& f) { return f.good && f.t > o.start && f.t < o.start + o.duration; });
         EXPECT_GT(static_cast<double>(good), o.duration) << o.start;   // of two fixes a second
     }
     std::erase_if(fixes, [](const CheckFix& f) { return f.t > 60.0; });   // a receiver that falls silent
     EXPECT_FALSE(check_windows(fixes, 20.0, 600.0, {}).why_none.empty());
+}
+
+// Standing still is known: where there are windows enough in motion, it is motion that is judged.
+TEST(Coverage, WindowsAreInMotionWhereThereIsEnoughOfIt) {
+    std::vector<CheckFix> fixes = fixes_every(1.0, 1000.0);
+    for (CheckFix& f : fixes) f.moving = f.t > 600.0;
+    const CheckWindows some = check_windows(fixes, 20.0, 1000.0, {});
+    EXPECT_EQ(some.length, 15.0);
+    EXPECT_GT(some.windows.front().start, 590.0);
+    for (CheckFix& f : fixes) f.moving = f.t > 970.0;
+    const CheckWindows none = check_windows(fixes, 20.0, 1000.0, {});
+    EXPECT_EQ(none.length, 60.0);
+    EXPECT_LT(none.windows.front().start, 60.0);
 }
 
 TEST(Coverage, CountsByHand) {

@@ -1,11 +1,14 @@
 // A campaign repeats single runs, whatever the number of threads; what varies is drawn from its distribution.
 #include "schuler/app/compare_campaign.h"
+#include "schuler/app/fuse.h"
 #include "schuler/app/montecarlo.h"
+#include "schuler/app/provenance.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -98,6 +101,49 @@ TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
     EXPECT_TRUE(json["schemes"][0]["nees_position"].is_null());
     EXPECT_GT(loose["windows"][0]["horizontal_max_m"].get<double>(), loose["windows"][0]["horizontal_rms_m"].get<double>());
     EXPECT_EQ(json["montecarlo"]["runs"], 3);
+}
+
+constexpr const char* ranges_flight =
+    "name = \"ranges\"\nseed = 3\nduration_s = 400\nreference_rate_hz = 1\n[compare]\nschemes = [\"loose-15\", \"loose\"]\n"
+    "[trajectory]\ntype = \"weave\"\nstart = { lat_deg = 52, lon_deg = 104, height_m = 9000 }\nspeed_m_s = 230\n"
+    "[imu]\nrate_hz = 10\ngrade = \"tactical\"\n[gnss]\nrate_hz = 0\n[baro]\nrate_hz = 1\nwhite_m = 1\nbias_m = 30\nbias_time_s = 2000\n"
+    "[ranges]\nrate_hz = 1\nsystems = \"G\"\ngps_week = 2300\ngps_second = 0\nelevation_mask_deg = 7.5\n"
+    "[run]\nsettle_s = 60\n"
+    "[filter]\ninitial_error = { level_deg = 0.05, heading_deg = 0.1, velocity_m_s = 0.1, position_m = 10 }\n";
+
+/// Fixes made of ranges have their slow errors, by the geometry: who does not know that takes them for noise (NEES of 300 here).
+TEST(MonteCarlo, FixesOfRangesAreToldTheirSlowErrors) {
+    const CompareCampaign campaign = compare_campaign(request_of(ranges_flight, "ranges"), 8, 1);
+    const auto json = nlohmann::json::parse(campaign_json(campaign));
+    for (const auto& scheme : json["schemes"]) {
+        // 8 runs of 3 degrees of freedom, 99.9 % bounds
+        EXPECT_GT(scheme["nees_position"]["mean"].get<double>(), 0.9) << scheme["scheme"];
+        EXPECT_LT(scheme["nees_position"]["mean"].get<double>(), 6.4) << scheme["scheme"];
+        EXPECT_LT(scheme["nees_velocity"]["mean"].get<double>(), 6.4) << scheme["scheme"];
+    }
+}
+
+TEST(MonteCarlo, GivenSlowErrorsOfFixesAreKept) {
+    WarningLog unheard;
+    const auto bundle_of = [&](const std::string& text) {
+        return simulated_bundle(scenario_from(scenario_settings(request_of(text, "slow").input, {})), {}, unheard);
+    };
+    std::string text = ranges_flight;
+    const ResultBundle derived = bundle_of(text);
+    const sensor::GnssErrorModel& found = derived.data.config.filter.gnss.errors;
+    EXPECT_GT(found.correlated_position.x(), 0.5);   // of 2 m each range
+    EXPECT_LT(found.correlated_position.z(), 8.0);
+    EXPECT_EQ(found.correlated_time, 600.0);
+    const std::vector<Fact> facts = facts_of(derived);
+    const auto fact = std::ranges::find(facts, "gnss.correlated_m", &Fact::key);
+    ASSERT_NE(fact, facts.end());
+    EXPECT_EQ(fact->how, Known::Found);
+    EXPECT_THAT(fact->note, testing::HasSubstr("ranges.correlated_m"));
+
+    text.insert(text.find("[baro]"), "correlated_m = 0.25\n");
+    const ResultBundle given = bundle_of(text);
+    EXPECT_EQ(given.data.config.filter.gnss.errors.correlated_position, Eigen::Vector3d::Constant(0.25));
+    EXPECT_TRUE(given.data.given.contains("gnss.correlated_m"));
 }
 
 std::string message_of(const std::string& vary) {

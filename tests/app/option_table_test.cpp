@@ -127,6 +127,13 @@ TEST(OptionTable, GradeComesBeforeTheNumbersThatRefineItWhateverTheirOrder) {
     const SettingList base = config_table().read(parse_toml("[imu]\ngyro_bias_deg_h = 7\n", "a"), "a");
     const Config d = config_from(overlaid(base, {setting_from_text("imu.grade=navigation")}));
     EXPECT_NEAR(d.filter.imu.errors.gyro_bias, 0.003 * M_PI / 180 / 3600, 1e-15);
+    // likewise an oscillator; in one layer its coefficients refine it
+    const SettingList clock = config_table().read(parse_toml("[ranges]\nclock = \"tcxo\"\nclock_h0_s = 1e-21\n", "a"), "a");
+    EXPECT_EQ(config_from(clock).filter.ranging.errors.clock.h0, 1e-21);
+    EXPECT_EQ(config_from(clock).filter.ranging.errors.clock.h_minus2, sensor::tcxo.h_minus2);
+    const Config e = config_from(overlaid(clock, {setting_from_text("ranges.clock=ocxo")}));
+    EXPECT_EQ(e.filter.ranging.errors.clock.h0, sensor::ocxo.h0);
+    EXPECT_EQ(e.filter.ranging.errors.clock.h_minus2, sensor::ocxo.h_minus2);
 }
 
 TEST(OptionTable, WhatWasUsedReadsBackTheSame) {

@@ -1,4 +1,4 @@
-// A simulated town drive and the settings with which it is fused: what the tests of whole runs share.
+// A simulated town drive, a flight, and the settings with which they are fused: what the tests of whole runs share.
 #pragma once
 
 #include "schuler/analysis/errors.h"
@@ -43,8 +43,35 @@ inline sim::Scenario town_drive(std::uint64_t seed, double gnss_rate = 1.0, doub
     return s;
 }
 
+/// A flight in slow curves from the first instant on, whose fixes are later than told.
+inline sim::Scenario flight_in_curves(std::uint64_t seed, double latency) {
+    sim::Scenario s;
+    s.seed = seed;
+    s.duration = 150.0;
+    s.origin = Time::from_seconds(1000.0);
+    sim::FigureEightPath path;
+    path.start = {31.7 * deg, 52.8 * deg, 2400.0};
+    path.length = 1800.0;
+    path.width = 700.0;
+    path.period = 110.0;
+    s.path = path;
+    s.imu.errors = sensor::imu_grade("mems");
+    s.gnss.rate = 10.0;
+    s.gnss.white_position = Eigen::Vector3d(0.3, 0.3, 0.5);
+    s.gnss.white_velocity = Eigen::Vector3d(0.05, 0.05, 0.08);
+    s.gnss.position_latency = s.gnss.velocity_latency = latency;
+    return s;
+}
+
 /// The engine's shaking, by which an IMU tells driving from standing.
 inline void shake(sim::Scenario& s) { std::get<sim::RoutePath>(s.path).vibration = {12.0, 5e-4, 0.5}; }
+
+/// A simulated drive, what its instruments recorded, and how it is fused.
+struct Drive {
+    sim::Scenario scenario;
+    Recording recording;
+    Settings settings;
+};
 
 inline Settings settings_of(const sim::Scenario& s) {
     Settings f;

@@ -20,6 +20,16 @@ Recording paused(Recording r, double at, double pause) {
     return r;
 }
 
+/// The drive, with nothing logged for some time.
+Recording without(Recording r, double at, double seconds) {
+    const auto lose = [&](auto& log) {
+        std::erase_if(log, [&](const auto& s) { return s.time.seconds() >= 1000.0 + at && s.time.seconds() < 1000.0 + at + seconds; });
+    };
+    lose(r.imu);
+    lose(r.gnss);
+    return r;
+}
+
 class Legs : public ::testing::Test {
 protected:
     sim::Scenario scenario = town_drive(11, 2.0, 200.0);
@@ -34,7 +44,7 @@ protected:
 
 TEST_F(Legs, BeginAfterPausesOnly) {
     EXPECT_EQ(leg_starts(whole).size(), 1u);
-    EXPECT_EQ(leg_starts(paused(whole, 100.0, 60.0)).size(), 1u);
+    for (const double seconds : {1.0, 60.0}) EXPECT_EQ(leg_starts(without(whole, 100.0, seconds)).size(), 1u) << seconds;
     const Recording r = paused(whole, 100.0, 604800.0);
     const std::vector<Time> starts = leg_starts(r);
     ASSERT_EQ(starts.size(), 2u);
@@ -63,6 +73,22 @@ TEST_F(Legs, AnHoursPauseIsNotBridged) {
     // no row in between
     for (const SolutionRow& row : result.forward.rows)
         EXPECT_TRUE(row.time.seconds() < 1101.0 || row.time >= result.legs[1]) << row.time.seconds();
+}
+
+/// The clock of both logs is set under way: what lies between is no time, which a bridge would drive on through.
+TEST_F(Legs, AClockThatIsSetBeginsOneWithTheAttitudeOfTheLast) {
+    settings.smooth = false;
+    const double usual = rms(errors(settings, fuse(whole, settings).forward.rows, whole), 15.0).position;
+    const auto fastest = std::ranges::max_element(whole.reference, {}, [](const ReferenceSample& s) { return s.velocity_n.norm(); });
+    for (const double step : {1.0, 20.0}) {
+        const Recording r = paused(whole, fastest->time.seconds() - 1000.0, step);
+        const Result result = fuse(r, settings);
+        ASSERT_EQ(result.legs.size(), 2u);
+        const auto e = errors(settings, result.forward.rows, r);
+        EXPECT_LT(rms(e, 15.0).position, 1.5 * usual) << step;
+        for (const analysis::ErrorRow& row : e)
+            EXPECT_TRUE((row.position.array().abs() < 5.0 * row.std_position.array()).all()) << row.time.seconds();
+    }
 }
 
 TEST_F(Legs, OutagesKeepTheirTimes) {

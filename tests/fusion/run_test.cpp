@@ -20,11 +20,6 @@ using Eigen::Vector3d;
 using namespace testing;
 
 /// A drive with a given start, which saves the search for the heading.
-struct Drive {
-    sim::Scenario scenario;
-    Recording recording;
-    Settings settings;
-};
 Drive drive(std::uint64_t seed, double gnss_rate = 1.0, bool shaking = true) {
     Drive d;
     d.scenario = town_drive(seed, gnss_rate);

@@ -135,6 +135,24 @@ TEST(Latency, OfTheVelocityIsAStateOfItsOwn) {
     EXPECT_EQ(inside, runs);
 }
 
+// A start by fixes is as late as they are. Were it taken for on time, all that follows would agree with a latency of nothing.
+TEST(Latency, OfTheFixesThatARunStartsFromIsNotTakenForNothing) {
+    int inside = 0, epochs = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        const sim::Scenario s = flight_in_curves(seed, 0.22);
+        const Recording recording = sim::simulate(s).recording;
+        Settings f = settings_of(s);
+        f.vehicle = VehicleKind::Air;
+        f.scale_factors = f.misalignments = true;
+        f.gnss.latency_std = f.gnss.velocity_latency_std = 0.15;
+        for (const analysis::ErrorRow& e : errors(f, fuse(recording, f).forward.rows, recording)) {
+            inside += (e.position.array().abs() < 3.0 * e.std_position.array()).all() ? 1 : 0;
+            ++epochs;
+        }
+    }
+    EXPECT_GT(inside, 0.97 * epochs);
+}
+
 // A start by the magnetometer has its constant error in it: the samples that follow have it too and tell nothing new.
 TEST(Start, WhatTheMagnetometerShowedIsNotUsedTwice) {
     sim::Scenario scenario;
@@ -161,6 +179,23 @@ TEST(Start, WhatTheMagnetometerShowedIsNotUsedTwice) {
     const Result sensed = fuse(recording, f);
     EXPECT_LT(sensed.findings.std_heading, 0.05);
     EXPECT_NEAR(math::wrap_pi(sensed.forward.rows.back().rpy.z() - 1.0), 0.0, 0.02);
+}
+
+// Velocities made of range rates err by a decimetre a second, and a car that nothing shakes is as calm in motion: their means tell rest.
+TEST(Still, IsFoundFromTheMeansOfTheRangesOwnVelocities) {
+    sim::Scenario scenario = town_drive(5, 1.0, 200.0);
+    std::get<sim::RoutePath>(scenario.path).standstill = 40.0;
+    scenario.gnss.white_velocity.setConstant(0.1);
+    Recording recording = sim::simulate(scenario).recording;
+    Settings f = settings_of(scenario);
+    EXPECT_TRUE(data_of(recording, f).still.windows.empty());
+    f.coupling = Coupling::Tight;
+    recording.ranges.samples.emplace_back();
+    recording.ranges.epochs.push_back({recording.gnss.front().time, 0, 1});
+    const std::vector<StillWindow> windows = data_of(recording, f).still.windows;
+    EXPECT_GT(windows.size(), 100u);   // of 200 in 40 s
+    for (const StillWindow& w : windows)
+        EXPECT_LT(truth_at(recording, w.end).velocity_n.norm(), 0.01) << w.end.seconds();
 }
 
 }  // namespace

@@ -65,5 +65,39 @@ TEST(Tuning, NoiseOfTheUnitIsNoMoreThanItsSamplesShow) {
     EXPECT_LE(*found.imu.gyro_vibration, 1.5);
 }
 
+// Errors of gains and axes are states of the trials where the run has them: noise that fixes cannot tell stays what the grade says.
+TEST(Tuning, GainErrorsAreNotTakenForNoise) {
+    sim::Scenario scenario = flight_in_curves(85, 0.0);
+    scenario.imu.errors = sensor::imu_grade("consumer");
+    const Recording recording = sim::simulate(scenario).recording;
+    Settings settings = settings_of(scenario);
+    settings.vehicle = VehicleKind::Air;
+    settings.scale_factors = settings.misalignments = settings.imu.estimate_noise = true;
+    const Settings found = *fuse(recording, settings).findings.in_force;
+    EXPECT_NEAR(std::log(found.imu.errors.gyro_noise / settings.imu.errors.gyro_noise), 0.0, 1.0);
+    EXPECT_NEAR(std::log(found.imu.errors.accel_noise / settings.imu.errors.accel_noise), 0.0, 1.0);
+    EXPECT_LT(*found.imu.gyro_vibration, 0.5);
+}
+
+// What motion in windows has measured bounds what the likelihood of a whole trial may make of it.
+TEST(Tuning, ALatencyIsLookedForWithinWhatWasMeasuredOfIt) {
+    Log log = log_of(town_drive(83, 1.0, 120.0), 83);
+    log.settings.imu.estimate_noise = false;
+    log.settings.gnss.estimate_latency = true;
+    constexpr double late = 0.3;
+    for (GnssFix& f : log.recording.gnss) f.time = f.time + Duration::from_seconds(late);
+    for (const double measured : {0.02, 0.15}) {   // the latter: not at all
+        log.settings.gnss.latency_std = log.settings.gnss.velocity_latency_std = measured;
+        const Result r = fuse(log.recording, log.settings);
+        const Settings& found = *r.findings.in_force;
+        if (measured < 0.1) {
+            EXPECT_LE(std::abs(found.gnss.latency), 0.08);
+            EXPECT_GE(found.gnss.latency_std, 0.05);   // torn between the two
+        } else {
+            EXPECT_NEAR(found.gnss.latency, late, 0.05);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace schuler::fusion

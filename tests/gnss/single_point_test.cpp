@@ -68,6 +68,45 @@ struct StaticFiles : Files {
         : Files("spirent_static_4h", "noatm.obs", {"nav_GN.23N", "nav_EN.23L", "nav_CN.23C", "nav_JN.23J", "nav_RN.23G"}) {}
 };
 
+/// Satellites all around a receiver at rest.
+std::vector<Range> made_up_ranges(const Geodetic& at) {
+    const Ecef receiver = earth::ecef_from_geodetic(earth::wgs84, at);
+    const Eigen::Matrix3d C_en = earth::C_en(at.lat, at.lon);
+    std::vector<Range> ranges;
+    for (int k = 0; k < 8; ++k) {
+        const double azimuth = 0.7 * k, elevation = (15.0 + 8.0 * k) * deg;
+        const Eigen::Vector3d u(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), -std::sin(elevation));
+        Range r;
+        r.satellite = {System::Gps, static_cast<std::uint8_t>(k + 1)};
+        r.position.r = receiver.r + 2.2e7 * (C_en * u);
+        r.sigma = 0.5 + 0.1 * k;
+        r.slow = 2.0;
+        r.pseudorange = model_range(r, receiver, at, nullptr, without_atmosphere().ranges).range + 40.0;
+        ranges.push_back(r);
+    }
+    return ranges;
+}
+
+TEST(SinglePoint, GainsTellWhatEachRangesErrorDoes) {
+    const BroadcastSource nobody{Navigation{}};
+    SinglePoint solver(nobody, std::nullopt, without_atmosphere());
+    const std::vector<Range> ranges = made_up_ranges(static_truth);
+    const SinglePointSolution right = solver.solve(ranges, Time{});
+    ASSERT_EQ(right.status, SinglePointStatus::Solved);
+    Eigen::Matrix3d whole = Eigen::Matrix3d::Zero(), slow = whole;
+    for (std::size_t k = 0; k < ranges.size(); ++k) {
+        std::vector<Range> wrong = ranges;
+        wrong[k].pseudorange += 1.0;
+        const Eigen::Vector3d moved = solver.solve(wrong, Time{}).position.r - right.position.r, gain = right.satellites[k].gain;
+        EXPECT_LT((moved - gain).norm(), 1e-5) << k;
+        EXPECT_GT(gain.norm(), 0.01) << k;
+        whole += (4.0 + ranges[k].sigma * ranges[k].sigma) * gain * gain.transpose();
+        slow += 4.0 * gain * gain.transpose();
+    }
+    EXPECT_LT((right.covariance - whole).norm(), 1e-9);
+    EXPECT_LT((right.slow_covariance - slow).norm(), 1e-9);
+}
+
 TEST(SinglePoint, SignalGeneratorAtRestEveryEpochToMillimetres) {
     SKIP_WITHOUT_DATA();
     const StaticFiles files;

@@ -17,7 +17,8 @@ LIBRARIES = [
     (r"Eigen/|unsupported/Eigen/", "Eigen"), (r"fmt/", "fmt"), (r"spdlog/", "spdlog"), (r"kiss_fft|kissfft", "kissfft"),
     (r"GeographicLib/", "GeographicLib"), (r"hdf5|H5", "HDF5"), (r"matio", "matio"), (r"yaml-cpp/", "yaml-cpp"), (r"zlib\.h", "zlib"),
     (r"fast_float/", "fast_float"), (r"toml\+\+/|toml\.hpp", "toml++"), (r"nlohmann/", "nlohmann-json"),
-    (r"CLI/", "CLI11"), (r"boost/multiprecision/", "Boost.Multiprecision"), (r"httplib\.h", "cpp-httplib"), (r"linux/", "Linux"),
+    (r"CLI/", "CLI11"), (r"boost/multiprecision/", "Boost.Multiprecision"),
+    (r"boost/math/", "Boost.Math"), (r"httplib\.h", "cpp-httplib"), (r"linux/", "Linux"),
     (r"(sys|netinet|arpa)/|(unistd|fcntl|poll|termios|signal)\.h", "POSIX"),
 ]
 EVERYWHERE = {"Eigen", "fmt"}

@@ -7,9 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <random>
+#include <string>
 
 namespace schuler::inspect::test {
 namespace {
@@ -67,6 +71,51 @@ TEST(Clock, OneClockIsLeftAlone) {
         const InspectReport r = report_with(0.0, car);
         EXPECT_EQ(fact_of(r, "imu.time_offset_s"), nullptr) << latency;
         EXPECT_TRUE(r.doubts.empty());
+    }
+}
+
+/// The rows of a CSV log from `from` on (s) later by `step`; those from there to `lost` s after it are left out.
+void later_from(const std::filesystem::path& file, double from, double step, double lost = 0.0) {
+    std::ifstream in(file);
+    std::string text, line;
+    std::getline(in, line);
+    text = line + '\n';
+    while (std::getline(in, line)) {
+        const std::size_t comma = line.find(',');
+        const double t = std::stod(line.substr(0, comma));
+        if (t >= from && t < from + lost) continue;
+        text += fmt::format("{:.6f}{}\n", t + (t >= from ? step : 0.0), line.substr(comma));
+    }
+    in.close();
+    write_file(file, text);
+}
+
+/// A second is what a receiver loses with a fix, and a logger with a full buffer; the motion tells it from a clock that was set.
+TEST(Clock, AStepWithinALogIsToldFromAHole) {
+    CarLog car;
+    car.duration = 300.0;
+    car.gnss_rate = 1.0;
+    car.position_latency = car.velocity_latency = 0.1;
+    for (const bool imu : {true, false}) {
+        const std::string file = imu ? car.imu_name : car.gnss_name;
+        for (const double step : {0.6, 1.0, 3600.0}) {
+            const auto folder = fresh_folder("clock_step");
+            write_car(folder, car);
+            later_from(folder / file, car.imu_start + 150.0, step);
+            const InspectReport r = inspect(folder);
+            ASSERT_EQ(r.clock_steps.size(), 1u) << file << step;
+            EXPECT_EQ(r.clock_steps[0].imu, imu);
+            EXPECT_NEAR(r.clock_steps[0].seconds, step, 0.011);
+            EXPECT_NEAR(r.clock_steps[0].after, 150.0, 1.01);
+            EXPECT_NEAR(number_of(r, "gnss.latency_s"), 0.1, 0.04);
+            EXPECT_EQ(fact_of(r, "imu.time_offset_s"), nullptr);
+        }
+        for (const double lost : {1.0, 10.0}) {
+            const auto folder = fresh_folder("clock_hole");
+            write_car(folder, car);
+            later_from(folder / file, car.imu_start + 150.0, 0.0, lost);
+            EXPECT_TRUE(inspect(folder).clock_steps.empty()) << file << lost;
+        }
     }
 }
 

@@ -55,6 +55,33 @@ TEST(SyntheticCar, InOrderEverythingIsFound) {
     EXPECT_NEAR(z, 0.0015 / deg, 0.01);
 }
 
+/// A column of the other sign makes a mirror of the axes, which turns of the gyros cannot mend.
+TEST(SyntheticCar, AnAccelerometerOfTheOtherSignIsTurnedRound) {
+    for (const int axis : {0, 1, 2}) {
+        const auto folder = fresh_folder("mirror");
+        CarLog car;
+        car.duration = 240.0;
+        write_car(folder, car);
+        std::ifstream in(folder / car.imu_name);
+        std::string text, line;
+        std::getline(in, line);
+        text = line + '\n';
+        while (std::getline(in, line)) {
+            std::size_t at = 0;
+            for (int column = 0; column < 4 + axis; ++column) at = line.find(',', at) + 1;
+            if (line[at] == '-') line.erase(at, 1);
+            else line.insert(at, "-");
+            text += line + '\n';
+        }
+        in.close();
+        write_file(folder / car.imu_name, text);
+        const InspectReport r = inspect(folder);
+        EXPECT_TRUE(sets(r, std::string("imu.scale = { accel_") + "xyz"[axis] + "_m_s2 = -1 }")) << axis << r.dataset_toml;
+        EXPECT_EQ(value_of(r, "vehicle.kind"), "car");
+        EXPECT_EQ(value_of(r, "imu.axes"), "frd");
+    }
+}
+
 class AxesFound : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(AxesFound, FromGravityAndTravel) {

@@ -18,8 +18,7 @@ public:
     [[nodiscard]] LineOfSight motion(std::size_t i, double t) const override {
         const auto k = static_cast<double>(i);
         const LineOfSight m{2.1e7 + 1e5 * k, -300.0 + 100.0 * k, 0.1, 0.0};
-        // a swing of 5 m/s^2
-        const double w = 2.0 * std::numbers::pi / 10.0, a = 5.0;
+        const double w = 2.0 * std::numbers::pi / 10.0, a = swing;
         LineOfSight out = m.after(t);
         out.range -= a / w / w * std::sin(w * t + k);
         out.rate -= a / w * std::cos(w * t + k);
@@ -33,6 +32,7 @@ public:
     [[nodiscard]] bool in_view(std::size_t, double) const override { return true; }
 
     double db = 45.0, silent_from = 1e9, silent_to = 1e9;
+    double swing = 5.0;   ///< m/s^2
 
 private:
     std::size_t size_;
@@ -177,6 +177,75 @@ TEST(Bank, StatesTheSigmasOfItsRangesAndRates) {
             EXPECT_NEAR(errors.range_nis / errors.n, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");
             EXPECT_NEAR(errors.rate_nis / errors.rates, 1.0, 0.4) << db << (guidance == Guidance::None ? " alone" : " aided");
         }
+    }
+}
+
+/// A rate is that of the instant it is given for: what of its errors goes with the acceleration is a time by which it is early.
+TEST(Bank, ItsRatesAreOfTheirInstant) {
+    for (const Guidance guidance : {Guidance::None, Guidance::Loops}) {
+        Steady field(8);
+        field.swing = 100.0;
+        Bank bank(field, quiet_clock(guidance), 11);
+        std::vector<BankMeasurement> out;
+        double with_acceleration = 0.0, squares = 0.0, nis = 0.0, n = 0.0;
+        for (int k = 0; k < 40'000; ++k) {
+            if (guidance == Guidance::Loops && k % 10 == 0) guide(bank, field, 0.0, 0.0, 5.0, 0.2);
+            bank.step(Eigen::Vector3d::Zero());
+            if (k % 200 != 199) continue;
+            bank.measure(out, 0.2);
+            if (bank.now() < 10.0) continue;
+            for (const BankMeasurement& m : out) {
+                const LineOfSight truth = field.motion(m.signal, bank.now());
+                const double error = m.rate - truth.rate;
+                with_acceleration += error * truth.acceleration;
+                squares += truth.acceleration * truth.acceleration;
+                nis += error * error / m.rate_variance;
+                n += 1.0;
+            }
+        }
+        const char* which = guidance == Guidance::None ? "alone" : "aided";
+        ASSERT_GT(n, 1000.0) << which;
+        // half an update of the loop is 5 ms, half a code period of the aid 0.5 ms
+        EXPECT_NEAR(with_acceleration / squares, 0.0, guidance == Guidance::None ? 3e-4 : 5e-5) << which;
+        EXPECT_NEAR(nis / n, 1.0, 0.2) << which;
+    }
+}
+
+/// The oscillator's noise is in all rates of an instant, not quite alike: what they share, and what each has besides, have the stated variances.
+TEST(Bank, StatesWhatRatesShareOfTheClocksNoise) {
+    constexpr double h0 = 8e-21, c = gnss::speed_of_light, density = 0.5 * c * c * h0;
+    for (const Guidance guidance : {Guidance::None, Guidance::Loops}) {
+        double shared = 0.0, epochs = 0.0, own = 0.0, freedom = 0.0;
+        for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+            Steady field(8);
+            BankSettings settings = quiet_clock(guidance);
+            settings.oscillator.h0 = h0;
+            Bank bank(field, settings, seed);
+            std::vector<BankMeasurement> out;
+            for (int k = 0; k < 60'000; ++k) {
+                if (guidance == Guidance::Loops && k % 10 == 0) guide(bank, field, 0.0, 0.0, 5.0, 0.2);
+                bank.step(Eigen::Vector3d::Zero());
+                if (k % 500 != 499 || k < 10'000) continue;
+                bank.measure(out, 0.5);
+                if (out.size() < 8) continue;
+                const double common = density / shared_rate_span(settings);
+                double mean = 0.0, square = 0.0, each = 0.0;
+                for (const BankMeasurement& m : out) {
+                    const double e = m.rate - field.motion(m.signal, bank.now() - bank.clock() / c).rate;
+                    mean += e / 8.0;
+                    square += e * e;
+                    each += (m.rate_variance + density / m.rate_span - common) / 8.0;
+                }
+                own += (square - 8.0 * mean * mean) / each;
+                freedom += 7.0;
+                shared += mean * mean / (common + each / 8.0);
+                epochs += 1.0;
+            }
+        }
+        const char* which = guidance == Guidance::None ? "alone" : "aided";
+        ASSERT_GT(epochs, 350.0) << which;
+        EXPECT_NEAR(own / freedom, 1.0, 0.12) << which;   // four sigma of the mean of so many squares 0.11
+        EXPECT_NEAR(shared / epochs, 1.0, 0.3) << which;
     }
 }
 

@@ -280,5 +280,18 @@ TEST(Paths, UnusableSettingsAreNamed) {
     EXPECT_EQ(key_of(flight), "trajectory.period_s");
 }
 
+// The shortest runway is as long as a leg has to be, whichever way it points.
+TEST(FlightPhases, SlowTakeoffsLeaveInAnyDirection) {
+    FlightPhase phase;
+    phase.start = {0.9, -0.05, 900.0};
+    phase.speed = 72.0;
+    phase.height_change = 800.0;
+    phase.duration = 300.0;
+    for (int k = 0; k < 50; ++k) {
+        phase.heading = 0.125 * k;
+        EXPECT_NO_THROW((void)make_path(takeoff_route(phase), earth::wgs84)) << phase.heading;
+    }
+}
+
 }  // namespace
 }  // namespace schuler::sim

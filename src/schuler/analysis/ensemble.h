@@ -32,6 +32,8 @@ struct EnsembleConsistency {
     double high95 = std::numeric_limits<double>::quiet_NaN();
     double inside = std::numeric_limits<double>::quiet_NaN();     ///< share of epochs whose mean over the runs is in its own bounds
     double worth = 0.0;                                           ///< independent epochs that a run is worth
+
+    [[nodiscard]] bool in_band() const { return mean >= low95 && mean <= high95; }
 };
 
 /// Bounds of the mean of n independent chi-square values of `dof` degrees of freedom [BarShalom2001:5.4.2]. n need not be whole.

@@ -36,6 +36,7 @@ OutageStatistics outage_statistics(const OutageSpan& span, std::span<const Outag
         // Written so that a NaN counts as outside.
         const bool inside = std::abs(e.error.x()) <= 3.0 * e.sigma.x() && std::abs(e.error.y()) <= 3.0 * e.sigma.y();
         out.inside_3sigma = out.inside_3sigma && inside;
+        out.epochs_inside += inside ? 1 : 0;
     }
     const Eigen::Vector3d& end = errors.back().error;
     out.end_horizontal = std::hypot(end.x(), end.y());

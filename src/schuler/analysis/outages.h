@@ -29,6 +29,7 @@ struct OutageError {
 struct OutageStatistics {
     OutageSpan span;
     std::size_t epochs = 0;
+    std::size_t epochs_inside = 0;   ///< of them: north and east inside three sigma
     double end_horizontal = std::numeric_limits<double>::quiet_NaN();
     double max_horizontal = std::numeric_limits<double>::quiet_NaN();
     double growth_horizontal = std::numeric_limits<double>::quiet_NaN();   ///< length of the change from the first epoch to the end

@@ -33,6 +33,15 @@ struct ComparedRun {
     std::vector<ReceiverRow> receiver;         ///< of a receiver at correlator level
 };
 
+/// The numbers of satellites of runs that are ordered by them.
+template <class Runs>
+std::vector<std::optional<std::size_t>> counts_of_satellites(const Runs& runs) {
+    std::vector<std::optional<std::size_t>> counts;
+    for (const auto& run : runs)
+        if (counts.empty() || counts.back() != run.satellites) counts.push_back(run.satellites);
+    return counts;
+}
+
 struct Comparison {
     std::string name{}, version{};
     std::uint64_t seed = 0;

@@ -47,8 +47,6 @@ std::vector<double> window_of(const SchemeCampaign& s, std::size_t window) {
     return out;
 }
 
-bool in_band(const analysis::EnsembleConsistency& c) { return c.mean >= c.low95 && c.mean <= c.high95; }
-
 std::string cell(double x) {
     if (!std::isfinite(x)) return "-";
     const double a = std::abs(x);
@@ -93,7 +91,7 @@ std::string campaign_tables(const CompareCampaign& c) {
     out += table_of(c, head + "\n", [](const SchemeCampaign& s) {
         std::string row;
         for (const analysis::EnsembleConsistency& n : s.nees)
-            row += std::isfinite(n.mean) ? fmt::format("{:>26}", fmt::format("{:.2f} ({:.2f} to {:.2f}) {}", n.mean, n.low95, n.high95, in_band(n) ? "  in" : "OUT"))
+            row += std::isfinite(n.mean) ? fmt::format("{:>26}", fmt::format("{:.2f} ({:.2f} to {:.2f}) {}", n.mean, n.low95, n.high95, n.in_band() ? "  in" : "OUT"))
                                          : fmt::format("{:>26}", "-");
         if (!s.failures.empty()) row += fmt::format("   {} failed", s.failures.size());
         return row;

@@ -14,7 +14,7 @@ constexpr std::array<const char*, 3> block_titles{"position", "velocity", "attit
 
 std::string band_of(const analysis::EnsembleConsistency& n) {
     if (!std::isfinite(n.mean)) return report::number(n.mean);
-    return fmt::format("{:.2f} ({:.2f} to {:.2f}){}", n.mean, n.low95, n.high95, n.mean < n.low95 || n.mean > n.high95 ? " OUT" : "");
+    return fmt::format("{:.2f} ({:.2f} to {:.2f}){}", n.mean, n.low95, n.high95, n.in_band() ? "" : " OUT");
 }
 
 report::TableBlock nees_table(const CompareCampaign& c) {
@@ -105,15 +105,12 @@ report::ReportInput campaign_report(const CompareCampaign& c) {
     report::Section courses{"Errors over time",
                             "Root mean square over the runs, and dashed the sigma that the solutions stated: "
                             "where a scheme is honest the two run together."};
-    std::vector<std::optional<std::size_t>> counts;
-    for (const SchemeCampaign& s : c.schemes) {
-        if (!counts.empty() && counts.back() == s.satellites) continue;
-        counts.push_back(s.satellites);
+    for (const std::optional<std::size_t>& satellites : counts_of_satellites(c.schemes)) {
         report::Group& group = courses.groups.emplace_back();
-        if (s.satellites) group.title = fmt::format("{} satellites", *s.satellites);
-        group.panels = {panel_of(c, s.satellites, 0, "horizontal error", "m", 1.0), panel_of(c, s.satellites, 1, "height error", "m", 1.0),
-                        panel_of(c, s.satellites, 2, "velocity error", "m/s", 1.0),
-                        panel_of(c, s.satellites, 3, "heading error", "deg", 1.0 / units::deg)};
+        if (satellites) group.title = fmt::format("{} satellites", *satellites);
+        group.panels = {panel_of(c, satellites, 0, "horizontal error", "m", 1.0), panel_of(c, satellites, 1, "height error", "m", 1.0),
+                        panel_of(c, satellites, 2, "velocity error", "m/s", 1.0),
+                        panel_of(c, satellites, 3, "heading error", "deg", 1.0 / units::deg)};
     }
     page.sections.push_back(std::move(honesty));
     page.sections.push_back(std::move(courses));

@@ -97,14 +97,12 @@ report::ReportInput comparison_report(const Comparison& c) {
                                          [k](const ComparedRun& r) { return window_numbers(r.windows[k]); }));
 
     report::Section errors{"Errors over time", "Where a scheme has no solution its line has a gap."};
-    std::vector<std::optional<std::size_t>> counts;
-    for (const ComparedRun& run : c.runs) {
-        if (!counts.empty() && counts.back() == run.satellites) continue;
-        counts.push_back(run.satellites);
+    const std::vector<std::optional<std::size_t>> counts = counts_of_satellites(c.runs);
+    for (const std::optional<std::size_t>& satellites : counts) {
         report::Group& group = errors.groups.emplace_back();
-        if (run.satellites) group.title = fmt::format("{} satellites", *run.satellites);
-        group.panels = {error_panel(c, run.satellites, "horizontal error", &ErrorCourse::horizontal),
-                        error_panel(c, run.satellites, "vertical error, absolute", &ErrorCourse::vertical)};
+        if (satellites) group.title = fmt::format("{} satellites", *satellites);
+        group.panels = {error_panel(c, satellites, "horizontal error", &ErrorCourse::horizontal),
+                        error_panel(c, satellites, "vertical error, absolute", &ErrorCourse::vertical)};
         for (Panel& panel : group.panels) panel.spans = marks;
     }
     const std::size_t in_each = c.runs.size() / counts.size();

@@ -75,7 +75,8 @@ struct Config : dataset::Description {
 /// @throws Error(Input) naming the setting's place.
 [[nodiscard]] Config config_from(const SettingList& settings);
 
-/// Layers of settings, the later ones over the earlier ones: a later IMU grade also discards the numbers of earlier layers.
+/// Layers of settings, the later ones over the earlier ones: what a later imu.grade or ranges.clock stands for is also discarded
+/// from earlier layers.
 [[nodiscard]] SettingList overlaid(SettingList base, const SettingList& above);
 
 /// "key=value" of the command line. @throws Error(Input) for a missing '=' or an unknown key.

@@ -23,17 +23,18 @@ double usual_step(std::span<const CheckFix> fixes) {
     return steps[steps.size() / 2];
 }
 
-/// Time in which the filter is itself again after an outage, s.
-double recovery(double length) { return std::max(length, 10.0); }
+/// Time between a window and the one after it, s.
+double pause_after(double length) { return std::max(length, 10.0); }
 
+/// A window may follow an outage of the user's as soon as the filter has some fixes again: its sigmas are to hold then, too.
 bool clear_of(std::span<const fusion::Outage> outages, double start, double stop) {
-    return std::ranges::none_of(outages, [&](const fusion::Outage& o) {
-        return start < o.start + o.duration + recovery(o.duration) && stop + recovery(stop - start) > o.start;
-    });
+    constexpr double some_fixes = 3.0;   // s
+    return std::ranges::none_of(
+        outages, [&](const fusion::Outage& o) { return start < o.start + o.duration + some_fixes && stop + some_fixes > o.start; });
 }
 
-/// Fixes all through, used before and after, and most of them good.
-bool can_be_judged(std::span<const CheckFix> fixes, double start, double stop, double step) {
+/// Fixes all through, used before and after, and most of them good; most of them `in_motion` where that is asked for.
+bool can_be_judged(std::span<const CheckFix> fixes, double start, double stop, double step, bool in_motion) {
     constexpr double tolerance = 1e-6;
     const auto begin = std::ranges::upper_bound(fixes, start + tolerance, {}, &CheckFix::t);
     const auto end = std::ranges::lower_bound(fixes, stop - tolerance, {}, &CheckFix::t);
@@ -41,18 +42,19 @@ bool can_be_judged(std::span<const CheckFix> fixes, double start, double stop, d
     const auto before = std::prev(begin);
     if (!before->good || start - before->t > 2.0 * step || end->t - stop > 2.0 * step) return false;
     const auto good = std::count_if(begin, end, [](const CheckFix& f) { return f.good; });
+    if (in_motion && 2 * std::count_if(begin, end, [](const CheckFix& f) { return f.moving; }) <= end - begin) return false;
     const double whole = (stop - start) / step;
     return 2 * good > end - begin && 2.0 * static_cast<double>(end - begin) > whole;
 }
 
 std::vector<fusion::Outage> windows_of(double length, std::span<const CheckFix> fixes, double from, double to,
-                                       std::span<const fusion::Outage> outages) {
+                                       std::span<const fusion::Outage> outages, bool in_motion) {
     std::vector<fusion::Outage> windows;
     const double step = usual_step(fixes);
     for (double t = from; t + length <= to;) {
-        if (clear_of(outages, t, t + length) && can_be_judged(fixes, t, t + length, step)) {
+        if (clear_of(outages, t, t + length) && can_be_judged(fixes, t, t + length, step, in_motion)) {
             windows.push_back({t, length});
-            t += length + recovery(length);
+            t += length + pause_after(length);
         } else {
             t += 0.5 * length;
         }
@@ -104,9 +106,11 @@ double Inside::share() const {
 
 CheckWindows check_windows(std::span<const CheckFix> fixes, double from, double to, std::span<const fusion::Outage> outages) {
     constexpr std::size_t enough = 8, least = 4;
-    for (const double length : {60.0, 15.0, 5.0}) {
-        CheckWindows out{length, windows_of(length, fixes, from, to, outages), {}};
-        if (out.windows.size() >= enough || (length == 5.0 && out.windows.size() >= least)) return out;
+    for (const bool in_motion : {true, false}) {
+        for (const double length : {60.0, 15.0, 5.0}) {
+            CheckWindows out{length, windows_of(length, fixes, from, to, outages, in_motion), {}};
+            if (out.windows.size() >= enough || (length == 5.0 && out.windows.size() >= least)) return out;
+        }
     }
     return {std::numeric_limits<double>::quiet_NaN(),
             {},
@@ -258,6 +262,10 @@ double rounded(double x) { return std::strtod(fmt::format("{:.3g}", x).c_str(), 
 bool covers(const Coverage& c) {
     const std::size_t lost = c.held.epochs - c.held.inside;
     return c.epochs.share() >= wanted_coverage && 20 * lost <= std::max<std::size_t>(c.held.epochs, 20);
+}
+
+NoiseScale NoiseScale::or_larger(const NoiseScale& other) const {
+    return {std::max(gyro, other.gyro), std::max(accel, other.accel), apart || other.apart};
 }
 
 NoiseScale NoiseScale::times(const NoiseScale& more) const {

@@ -18,7 +18,8 @@ namespace schuler::app {
 /// A fix of the undisturbed run; t: s after the origin of the command line's times.
 struct CheckFix {
     double t = 0.0;
-    bool good = true;   ///< it was not refused
+    bool good = true;     ///< it was not refused
+    bool moving = true;   ///< the vehicle moved
 };
 
 /// Which fixes to withhold. Even and odd windows are withheld in runs of their own, so that between two windows of a run lies at least
@@ -30,7 +31,8 @@ struct CheckWindows {
 };
 
 /// Windows between `from` and `to` of the longest of 60, 15 and 5 s of which there are eight at least, or else of 5 s, four at least:
-/// with fixes all through, most of them good, and apart from the user's outages.
+/// with fixes all through, most of them good, and apart from the user's outages. At rest standing still is known and little grows: where there
+/// are as many windows most of which is in motion, only those are taken.
 [[nodiscard]] CheckWindows check_windows(std::span<const CheckFix> fixes, double from, double to,
                                          std::span<const fusion::Outage> outages);
 
@@ -92,6 +94,8 @@ struct NoiseScale {
     [[nodiscard]] bool is_one() const { return gyro == 1.0 && accel == 1.0; }
     /// One after the other, within `most`, as a settings file has it.
     [[nodiscard]] NoiseScale times(const NoiseScale& more) const;
+    /// The larger of each.
+    [[nodiscard]] NoiseScale or_larger(const NoiseScale& other) const;
 };
 
 /// Whether this coverage is what is asked for: of the epochs, and one window in twenty may be lost.

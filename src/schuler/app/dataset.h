@@ -53,8 +53,9 @@ struct LoadedDataset {
 /// @throws Error(Input) with file, line, column or key.
 [[nodiscard]] LoadedDataset load_dataset(const Dataset& dataset, const Config& config, WarningLog& warnings);
 
-/// Settles times and axes of a recording that is in memory.
-[[nodiscard]] LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings);
+/// Settles times and axes of a recording that is in memory; `given`: keys of the settings that somebody gave.
+[[nodiscard]] LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings,
+                                            std::set<std::string> given = {});
 
 /// $NAME and ${NAME} replaced by environment variables. @throws Error(Input) for one that is not set.
 [[nodiscard]] std::string with_environment(const std::string& path, const std::string& key);

@@ -54,7 +54,7 @@ std::vector<analysis::OutageStatistics> outages_of(const LoadedDataset& data, co
         std::vector<analysis::OutageError> errors;
         for (const fusion::OutageEpoch& e : trajectory.outage_epochs) {
             if (e.outage != static_cast<int>(k)) continue;
-            errors.push_back({e.time, earth::enu_from_ned(e.error), earth::sigma_swapped(e.sigma)});
+            errors.push_back({e.time, earth::enu_from_ned(e.error), earth::sigma_swapped(e.sigma_apart)});
         }
         out.push_back(analysis::outage_statistics(span, errors));
     }

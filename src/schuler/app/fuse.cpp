@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <set>
+#include <utility>
 
 namespace schuler::app {
 namespace {
@@ -20,6 +22,9 @@ ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList&
                               const ScenarioConfig* told) {
     SimulatedDataset simulated = simulate_dataset(scenario, told);
     const Config config = config_from(overlaid(simulated.settings, over));
+    std::set<std::string> given;
+    for (const SettingList* list : {&std::as_const(simulated.settings), &over})
+        for (const Setting& s : *list) given.insert(s.key);
     ResultBundle bundle;
     bundle.name = config.name;
     bundle.seed = simulated.seed;
@@ -27,12 +32,10 @@ ResultBundle simulated_bundle(const ScenarioConfig& scenario, const SettingList&
     simulated.recording.gauges = std::move(simulated.aids.gauges);
     simulated.recording.body_velocity = std::move(simulated.aids.velocities);
     simulated.recording.heading = std::move(simulated.aids.headings);
-    bundle.data = settled_dataset(std::move(simulated.recording), config, warnings);
+    bundle.data = settled_dataset(std::move(simulated.recording), config, warnings, std::move(given));
     bundle.sky = std::move(simulated.sky);
     bundle.receiver_rows = std::move(simulated.receiver_rows);
     bundle.data.true_reference = true;
-    for (const Setting& s : simulated.settings) bundle.data.given.insert(s.key);
-    for (const Setting& s : over) bundle.data.given.insert(s.key);
     bundle.truth = hidden_truth(simulated.truth, bundle.data.config.filter.imu);
     return bundle;
 }
@@ -56,6 +59,7 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         using fusion::Coupling;
         if (bundle.sky && settings.coupling == Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);
         if (bundle.sky && settings.coupling == Coupling::Medium) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
+        if (receiver) settings.ranging.errors.rate_span = bundle.data.config.filter.ranging.errors.rate_span = receiver->rate_span();
         fusion::ReceiverInLoop in_loop;
         if (receiver) in_loop = std::bind_front(&SimulatedReceiver::run, &*receiver);
         bundle.result = fusion::run_filter(bundle.data.recording, settings, warnings, progress, rows, in_loop);

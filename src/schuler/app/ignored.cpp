@@ -45,6 +45,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
             {{"filter.separate."}, unless(c.scheme == Scheme::Separate, "the scheme is not \"separate\"")},
             {{"filter.integrity."},
              tight ? "it watches a receiver's fixes; ranges are watched by filter.protection" : unless(f.integrity.use, "filter.integrity.use is not on")},
+            {{"filter.preset"}, unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off")},
             {{"filter.loose"}, unless(c.scheme == Scheme::Loose, "the scheme is not \"loose\"")},
             {{"filter.loop"}, unless(c.scheme != Scheme::Separate, "the corrections of the separate scheme are its coupling: the loop is closed")},
             {{"filter.protection."}, unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},

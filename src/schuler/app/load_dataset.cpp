@@ -3,6 +3,7 @@
 #include "schuler/app/load_ranges.h"
 #include "schuler/app/raw_gnss.h"
 #include "schuler/core/units.h"
+#include "schuler/dataset/clock_steps.h"
 #include "schuler/earth/atmosphere.h"
 #include "schuler/io/csv_aids.h"
 #include "schuler/io/csv_events.h"
@@ -153,7 +154,7 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
         const Duration shift = Duration::from_seconds(c.gnss.time_offset) + -axis_zero(c.time, log.epochs.front().time, *axis);
         for (RangeEpoch& e : log.epochs) e.time = e.time + shift;
     }
-    if (out.recording.gnss.empty() && c.gnss.file.empty()) out.recording.gnss = fixes_from_ranges(log, c);
+    if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
 }
 
 /// Heights above mean sea level become ellipsoidal where the undulation is known.
@@ -354,12 +355,13 @@ void choose_mechanization(LoadedDataset& data) {
 
 }  // namespace
 
-LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings) {
+LoadedDataset settled_dataset(Recording recording, const Config& config, WarningLog& warnings, std::set<std::string> given) {
     LoadedDataset out;
+    out.given = std::move(given);
     out.recording = std::move(recording);
     out.config = config;
     believe_aids(out.config);
-    if (out.recording.gnss.empty() && !out.recording.ranges.empty()) out.recording.gnss = fixes_from_ranges(out.recording.ranges, config);
+    if (out.recording.gnss.empty() && !out.recording.ranges.empty()) take_fixes_from_ranges(out);
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
@@ -371,20 +373,21 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     const auto begin = std::chrono::steady_clock::now();
     LoadedDataset out;
     out.config = config;
+    out.given = dataset.given;
+    out.facts = dataset.facts;
     believe_aids(out.config);
     read_imu(dataset.folder, out, warnings);
     read_others(dataset.folder, out, warnings);
     read_gnss(dataset.folder, out, warnings);
     read_ranges(dataset.folder, out, warnings);
     settle_rollover(out.recording);
+    dataset::put_clock_steps_back(out.recording, dataset.report.clock_steps);
     settle_drift(out.recording, out.config.clock_drift);
     settle_pressures(out);
     settle_heights(out, warnings);
     settle_times(out);
     settle_events(out, dataset.folder);
     check_gravity(out, dataset.folder);
-    out.given = dataset.given;
-    out.facts = dataset.facts;
     choose_mechanization(out);
     for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
     for (const inspect::Contradiction& c : dataset.contradictions)

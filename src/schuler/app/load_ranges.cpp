@@ -1,14 +1,18 @@
 #include "schuler/app/load_ranges.h"
 
+#include "schuler/app/facts.h"
 #include "schuler/app/raw_gnss.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/sampled_ranges.h"
 #include "schuler/io/adsb.h"
 #include "schuler/io/csv_ranges.h"
 #include "schuler/io/raw_input.h"
+#include "schuler/math/quantile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 namespace schuler::app {
 namespace {
@@ -135,15 +139,88 @@ RangingLog ranges_from_raw(const fs::path& folder, Config& c, WarningLog& warnin
     return log;
 }
 
-std::vector<GnssFix> fixes_from_ranges(const RangingLog& log, const Config& c) {
+namespace {
+
+/// One sigma of the position's jump from one solution to the next, Earth-fixed covariance, m^2: every range's slow error stays what it was,
+/// but the position takes another part of it.
+Eigen::Matrix3d jump_between(const gnss::SinglePointSolution& before, const gnss::SinglePointSolution& after) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    const auto in = [](const gnss::SinglePointSolution& s, gnss::SatelliteId id) {
+        const auto it = std::ranges::find(s.satellites, id, &gnss::SatelliteUse::satellite);
+        return it == s.satellites.end() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : it->gain;
+    };
+    const auto add = [&sum](const Eigen::Vector3d& by, double variance) { sum += variance * by * by.transpose(); };
+    for (const gnss::SatelliteUse& u : after.satellites) add(u.gain - in(before, u.satellite), u.slow_variance);
+    for (const gnss::SatelliteUse& u : before.satellites)
+        if (std::ranges::find(after.satellites, u.satellite, &gnss::SatelliteUse::satellite) == after.satellites.end())
+            add(u.gain, u.slow_variance);
+    return sum;
+}
+
+/// Sigmas north, east, down of many epochs.
+class LevelSigmas {
+public:
+    void add(const Eigen::Matrix3d& covariance_e, const Geodetic& at) {
+        const Eigen::Matrix3d C_ne = earth::C_en(at.lat, at.lon).transpose();
+        const Eigen::Vector3d sigma = (C_ne * covariance_e * C_ne.transpose()).diagonal().cwiseSqrt();
+        for (std::size_t i = 0; i < 3; ++i) axes_[i].push_back(sigma(static_cast<Eigen::Index>(i)));
+    }
+    /// Zero where there are none.
+    [[nodiscard]] Eigen::Vector3d median() const {
+        if (axes_[0].empty()) return Eigen::Vector3d::Zero();
+        return {math::median(axes_[0]), math::median(axes_[1]), math::median(axes_[2])};
+    }
+
+private:
+    std::array<std::vector<double>, 3> axes_;
+};
+
+}  // namespace
+
+RangeFixes fixes_from_ranges(const RangingLog& log, const Config& c, double slow) {
     const gnss::BroadcastSource nobody{gnss::Navigation{}};
     gnss::SinglePoint solver(nobody, c.filter.ranging.klobuchar, c.raw.solver);
-    std::vector<GnssFix> out;
+    RangeFixes out;
+    LevelSigmas sigmas, jumps;
+    std::optional<gnss::SinglePointSolution> before;
     for (const RangeEpoch& e : log.epochs) {
-        const gnss::SinglePointSolution s = solver.solve(gnss::satellite_ranges(log, e), e.time);
-        if (s.status == gnss::SinglePointStatus::Solved) out.push_back(fix_from(s));
+        std::vector<gnss::Range> ranges = gnss::satellite_ranges(log, e);
+        for (gnss::Range& r : ranges) r.slow = slow;
+        gnss::SinglePointSolution s = solver.solve(std::move(ranges), e.time);
+        if (s.status != gnss::SinglePointStatus::Solved) continue;
+        const GnssFix& fix = out.fixes.emplace_back(fix_from(s));
+        sigmas.add(s.slow_covariance, fix.position);
+        if (before && before->used() != s.used()) jumps.add(jump_between(*before, s), fix.position);
+        before = std::move(s);
     }
+    out.slow = sigmas.median();
+    out.change = jumps.median();
     return out;
+}
+
+void take_fixes_from_ranges(LoadedDataset& data) {
+    const sensor::RangeErrorModel& ranges = data.config.filter.ranging.errors.satellite;
+    const bool known = data.given.contains("ranges.correlated_m");
+    RangeFixes found = fixes_from_ranges(data.recording.ranges, data.config, known ? ranges.correlated : 0.0);
+    data.recording.gnss = std::move(found.fixes);
+    if (!known || data.given.contains("gnss.correlated_m") || data.recording.gnss.empty()) return;
+    sensor::GnssErrorModel& errors = data.config.filter.gnss.errors;
+    const auto tell = [&data](const char* key, auto& setting, const auto& value, const char* note) {
+        if (data.given.contains(key)) return;
+        setting = value;
+        Fact fact;
+        fact.key = key;
+        fact.value = fact_value_of(*config_table().find(key)->get(data.config));
+        fact.note = note;
+        data.facts.push_back(std::move(fact));
+    };
+    const char* by_geometry = "derived from ranges.correlated_m by the geometry of the fixes";
+    const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+    tell("gnss.correlated_m", errors.correlated_position, found.slow, by_geometry);
+    tell("gnss.change_correlated_m", errors.change_correlated_position, found.change, by_geometry);
+    tell("gnss.correlated_time_s", errors.correlated_time, ranges.correlation_time, "that of the ranges");
+    tell("gnss.correlated_distance_m", errors.correlated_distance, 0.0, "that of the ranges");
+    tell("gnss.correlated_velocity_m_s", errors.correlated_velocity, none, "the errors of range rates are white");
 }
 
 }  // namespace schuler::app

@@ -13,7 +13,18 @@ namespace schuler::app {
 /// The receiver's raw measurements as ranges free of satellite clocks, in GPS time; sets what follows for the filter's corrections.
 [[nodiscard]] RangingLog ranges_from_raw(const std::filesystem::path& folder, Config& config, WarningLog& warnings);
 
-/// Fixes of the satellites' ranges, epoch by epoch, where there are enough of them: start-up and the other schemes need them.
-[[nodiscard]] std::vector<GnssFix> fixes_from_ranges(const RangingLog& log, const Config& config);
+/// Fixes of satellites' ranges with what their errors are by the geometry, north, east, down, one sigma.
+struct RangeFixes {
+    std::vector<GnssFix> fixes;                                ///< they state the sigma of the whole error
+    Eigen::Vector3d slow = Eigen::Vector3d::Zero();            ///< m, of the slow errors: median over the fixes
+    Eigen::Vector3d change = Eigen::Vector3d::Zero();          ///< m, by which those jump with the set of satellites: median; 0: it stays
+};
+/// Epoch by epoch, where there are enough ranges: start-up and the other schemes need them. `slow`: m, one sigma of the slow error of a
+/// range; 0: not known.
+[[nodiscard]] RangeFixes fixes_from_ranges(const RangingLog& log, const Config& config, double slow);
+
+/// Gives the recording its fixes from its ranges. Where the ranges' slow error is given (ranges.correlated_m) and that of the fixes is not
+/// (gnss.correlated_m), the filter is told what the first makes of the second, and the facts say so (docs/estimation.md).
+void take_fixes_from_ranges(LoadedDataset& data);
 
 }  // namespace schuler::app

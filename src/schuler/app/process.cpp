@@ -7,7 +7,7 @@
 #include "schuler/app/stated_check.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/fusion/legs.h"
-#include "schuler/fusion/lost_way.h"
+#include "schuler/fusion/realignment.h"
 
 #include <algorithm>
 #include <chrono>
@@ -112,7 +112,7 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     };
     const WarningLog before = warnings;
     fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, into(stream));
-    if (stream && fusion::lost_way(bundle.result)) {   // begun anew only where its rows are not written yet
+    if (stream && fusion::may_realign(bundle.data.config.filter) && fusion::diverged_at(bundle.result)) {   // aligned anew only where its rows are not written yet
         stream.reset();
         warnings = before;
         fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, {});

@@ -7,6 +7,7 @@
 #include "schuler/app/triad.h"
 #include "schuler/earth/earth.h"
 #include "schuler/fusion/run_filter.h"
+#include "schuler/math/binomial.h"
 #include "schuler/math/random.h"
 
 #include <fmt/format.h>
@@ -68,11 +69,11 @@ struct Share {
         return trials > 0 ? static_cast<double>(events) / static_cast<double>(trials) : not_given;
     }
     [[nodiscard]] std::string text() const {
-        const auto [low, high] = bounds_of_a_share(events, trials);
+        const auto [low, high] = math::binomial_bounds(events, trials, 0.95);
         return fmt::format("{} of {}: {:.2e} ({:.2e} to {:.2e})", events, trials, value(), low, high);
     }
     [[nodiscard]] Json json() const {
-        const auto [low, high] = bounds_of_a_share(events, trials);
+        const auto [low, high] = math::binomial_bounds(events, trials, 0.95);
         return {
             {"events", events}, {"trials", trials}, {"share", number(value())}, {"low95", number(low)}, {"high95", number(high)}};
     }
@@ -90,28 +91,6 @@ std::string csv_of(const std::vector<ProtectionTrial>& trials) {
 }
 
 }  // namespace
-
-std::array<double, 2> bounds_of_a_share(std::size_t events, std::size_t trials) {
-    // the binomial's tail by its terms; the bound by bisection
-    const auto n = static_cast<double>(trials);
-    const auto at_most = [&](std::size_t k, double p) {
-        double sum = 0.0;
-        for (std::size_t i = 0; i <= k; ++i) {
-            const auto x = static_cast<double>(i);
-            const double log_choose = std::lgamma(n + 1.0) - std::lgamma(x + 1.0) - std::lgamma(n - x + 1.0);
-            sum += std::exp(log_choose + x * std::log(p) + (n - x) * std::log1p(-p));
-        }
-        return sum;
-    };
-    const auto solved = [&](auto is_low) {
-        double low = 1e-12, high = 1.0 - 1e-12;
-        for (int i = 0; i < 200; ++i) (is_low(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
-        return 0.5 * (low + high);
-    };
-    constexpr double tail = 0.025;
-    return {events == 0 ? 0.0 : solved([&](double p) { return 1.0 - at_most(events - 1, p) < tail; }),
-            events == trials ? 1.0 : solved([&](double p) { return at_most(events, p) > tail; })};
-}
 
 ProtectionTrial run_protection_trial(std::size_t j, std::uint64_t seed, bool double_fault,
                                      const fusion::ProtectionSettings& settings) {

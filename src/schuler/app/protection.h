@@ -47,7 +47,4 @@ struct ProtectionRequest {
 /// Missed detections and false alarms with 95 % bounds beside the stated risk.
 [[nodiscard]] Outcome analyze_protection(const ProtectionRequest& request);
 
-/// Bounds of a probability after `events` in `trials`, 95 %, exact (Clopper and Pearson).
-[[nodiscard]] std::array<double, 2> bounds_of_a_share(std::size_t events, std::size_t trials);
-
 }  // namespace schuler::app

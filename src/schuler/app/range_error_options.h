@@ -36,6 +36,8 @@ void add_range_error_options(OptionTable<Target>& table, Errors errors) {
         double low;
     } others[] = {{"ranges.network_m", "offset of the stations' common time against the satellites', one sigma", &M::network, 0},
                   {"ranges.network_time_s", "its correlation time", &M::network_time, 1e-3},
+                  {"ranges.rate_span_s", "what a range rate is a mean over: the clock's noise in it is the same for all; 0 = the sigmas have it",
+                   &M::rate_span, 0},
                   {"ranges.intersystem_m", "constant offset of each further satellite system", &M::intersystem, 0}};
     for (const auto& r : others)
         table.add(number<Target>(r.name, 1.0, r.low, 1e7, r.help, [errors, field = r.field](auto& t) -> auto& { return errors(t).*field; }));

@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -133,6 +134,7 @@ struct ScenarioConfig {
     std::vector<std::size_t> compared_satellites;   ///< ... with so many satellites from the first limit of the ranges on; empty: as it is
     std::vector<CompareWindow> windows;         ///< ... told apart in these spans
     WindowRules window_rules;
+    std::set<std::string> given;                ///< keys of the settings it was made of
     SettingList assumed;                        ///< imu.* settings that the filter is told instead of the simulated ones
     Config processing;                          ///< its [filter] section
 };

@@ -39,13 +39,14 @@ private:
 /// Fixes of the undisturbed run with what became of them.
 std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& result) {
     std::vector<CheckFix> fixes;
+    const Regimes regime(result.forward.rows);
     const auto t = [&](Time time) { return (time - data.origin).seconds(); };
     for (const fusion::AidRecord& r : result.aids)
         if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld)
-            fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level});
+            fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level, regime.at(r.stamp) != Regime::Rest});
     if (!fusion::uses_ranges(data.config.filter.coupling)) return fixes;
     for (const GnssFix& fix : data.recording.gnss)   // which are only compared with
-        if (fix.fix != FixType::None && std::isfinite(fix.position.lat)) fixes.push_back({t(fix.time), true});
+        if (fix.fix != FixType::None && std::isfinite(fix.position.lat)) fixes.push_back({t(fix.time), true, regime.at(fix.time) != Regime::Rest});
     return fixes;
 }
 
@@ -179,10 +180,27 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     constexpr std::size_t short_log = 300'000;   // IMU epochs: a walk along them takes a fraction of what start-up took
     const int trials = data.recording.imu.size() <= short_log ? 3 : 1;
     const double share = coverage_of(epochs[speaks], windows.length).epochs.share();
-    const Halves now = with_wider_noise(checker, halves, windows.length, speaks, axes, trials, share, scale);
-    out.tried = scale;
+    Halves now = with_wider_noise(checker, halves, windows.length, speaks, axes, trials, share, scale);
     const std::size_t judges = 1 - speaks;
-    const Coverage without = coverage_of(epochs[judges], windows.length), with = coverage_of(now[judges], windows.length);
+    Coverage without = coverage_of(epochs[judges], windows.length), with = coverage_of(now[judges], windows.length);
+    // What covers one half and not the other is too little: then the other half speaks as well, each is judged with what the other one asks
+    // for, and the larger noise is taken.
+    const NoiseScale others = covers(with) ? NoiseScale{} : missing_noise(epochs[judges], axes);
+    if (others.gyro > scale.gyro || others.accel > scale.accel) {
+        NoiseScale second = others;
+        const Halves then = with_wider_noise(checker, halves, windows.length, judges, axes, trials, without.epochs.share(), second);
+        without = out.coverage;
+        with = coverage_of(both(then[speaks], now[judges]), windows.length);
+        now = then;
+        const NoiseScale larger = scale.or_larger(second);
+        if (larger.gyro != second.gyro || larger.accel != second.accel)
+            for_each_run(2, 2, [&](std::size_t i) {
+                std::vector<SolutionRow> unread;
+                now[i] = checker.run(checker.with(larger), halves[i], unread);
+            }, {});
+        scale = larger;
+    }
+    out.tried = scale;
     // Noise that makes the sigmas of the judging windows no truer, or the errors in them much larger, is not what was missing.
     const double gain = (with.epochs.share() - without.epochs.share()) + (with.held.share() - without.held.share());
     if (!(gain > 0.0 && with.end_rms < 1.5 * without.end_rms)) return;

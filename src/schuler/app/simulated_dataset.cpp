@@ -214,13 +214,13 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
         c.ranges.file = "ranges.csv";
         if (!s.ranging.settings.stations.empty()) c.station_coordinates = "stations.csv";
         c.filter.ranging.errors = s.ranging.settings.errors;
+        if (s.receiver_channels.rate > 0.0) c.filter.ranging.errors.rate_span = receiver::shared_rate_span(s.receiver_channels.bank);
         gnss::RangeSettings& corrections = c.raw.solver.ranges;
         corrections.elevation_mask = s.ranging.settings.masks.elevation - 1.0 * units::deg;
         if (!s.ranging.settings.atmosphere) corrections.troposphere = gnss::TroposphereModel::None;
         corrections.ionosphere = gnss::IonosphereModel::None;
         corrections.code_sigma = s.ranging.settings.errors.satellite.white;
         corrections.doppler_sigma = s.ranging.settings.errors.satellite.rate;
-        c.filter.ranging.baro_bias_time = s.sim.baro.bias_time;
     }
     c.reference.file = "reference.csv";
     c.filter.imu.kind = s.sim.imu.kind;
@@ -247,6 +247,7 @@ Config described(const ScenarioConfig& s, const Recording& recording) {
     c.filter.baro.std = std::max(s.sim.baro.white, 1e-3);
     c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
     c.filter.baro.bias_walk = s.sim.baro.bias_walk;
+    c.filter.baro.bias_time = s.sim.baro.bias_time;
     // Hard iron turns the heading by its part across it; soft iron by about its coefficients. Both change as the vehicle turns,
     // which takes some ten seconds.
     constexpr double turn_time = 10.0;
@@ -339,7 +340,11 @@ SimulatedDataset simulate_dataset(const ScenarioConfig& scenario, const Scenario
         give_initial_state(c, scenario.initial_error, out.recording.reference.front(), scenario.sim.earth, out.seed);
         state_initial_sigmas(c.filter.initial, believed.initial_error);
     }
+    // Fixes that will be made of the ranges have those' slow errors, which follow from the geometry: nothing is told instead.
+    const bool by_ranges = out.recording.gnss.empty() && !out.recording.ranges.empty() && !believed.given.contains("gnss.correlated_m") &&
+                           !believed.given.contains("gnss.receiver");
     for (Setting& s : config_table().used(c)) {
+        if (by_ranges && (s.key.starts_with("gnss.correlated_") || s.key.starts_with("gnss.change_")) && !believed.given.contains(s.key)) continue;
         if (is_relevant(s.key, c, scenario.sim.disturbed())) out.settings.push_back(std::move(s));
     }
     out.settings.insert(out.settings.end(), believed.assumed.begin(), believed.assumed.end());

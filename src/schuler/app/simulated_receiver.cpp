@@ -79,6 +79,7 @@ std::optional<gnss::SatelliteState> SimulatedSky::satellite(std::size_t signal, 
 SimulatedReceiver::SimulatedReceiver(const SimulatedSky& sky, receiver::Guidance guidance)
     : sky_(sky), settings_(sky.settings().bank), predictions_(sky.size()) {
     settings_.guidance = guidance;
+    rate_span_ = receiver::shared_rate_span(settings_);
     interval_ = guidance == receiver::Guidance::Generators ? deep_interval : 1.0 / sky.settings().rate;
 }
 
@@ -130,9 +131,7 @@ void SimulatedReceiver::measure(RangingLog& log) {
     bank_->measure(measured_, interval_);
     RangeEpoch epoch{sky_.time(bank_->now()), log.samples.size(), 0};
     const double t = bank_->now() - bank_->clock() / c;   // true time when the receiver's clock shows now
-    // The clock's white frequency noise, a mean over what a rate is measured over, is the same for all channels and no state of
-    // the filter: so many rates with so many times its variance say of the drift what one of them does.
-    const double clock_density = 0.5 * c * c * settings_.oscillator.h0 * static_cast<double>(measured_.size());
+    const double clock_density = 0.5 * c * c * settings_.oscillator.h0;
     for (const receiver::BankMeasurement& m : measured_) {
         const double left = bank_->now() - m.range / c;   // by the satellite's clock: the receiver's error is in both
         const auto guess = sky_.satellite(m.signal, left);
@@ -146,7 +145,9 @@ void SimulatedReceiver::measure(RangingLog& log) {
         s.std = std::sqrt(m.range_variance);
         if (std::isfinite(m.rate_variance)) {
             s.range_rate = m.rate;
-            s.std_rate = std::sqrt(m.rate_variance + clock_density / m.rate_span);
+            // what a rate has of the clock's noise beyond what all of them share, for which the filter has a state
+            const double more = clock_density * std::max(0.0, 1.0 / m.rate_span - 1.0 / rate_span_);
+            s.std_rate = std::sqrt(m.rate_variance + more);
         }
         s.cn0 = receiver::db_from_cn0(m.cn0);
         s.tx = sent->position;

@@ -71,6 +71,8 @@ Json of(const std::vector<analysis::OutageStatistics>& outages, Time origin) {
         row["end_vertical_m"] = number(o.end_vertical);
         row["max_3d_m"] = number(o.max_3d);
         row["inside_3sigma"] = o.epochs > 0 ? Json(o.inside_3sigma) : Json(nullptr);
+        row["epochs"] = o.epochs;
+        row["epochs_inside_3sigma"] = o.epochs_inside;
         list.push_back(std::move(row));
     }
     return list;

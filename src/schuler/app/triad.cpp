@@ -112,7 +112,7 @@ fusion::Settings settings_of(const TriadCase& which, const sim::Scenario& s, con
     f.ranging.corrections.troposphere = gnss::TroposphereModel::None;
     f.ranging.corrections.ionosphere = gnss::IonosphereModel::None;
     f.ranging.corrections.elevation_mask = 0.0;
-    f.ranging.baro_bias_time = 2000.0;
+    f.baro.bias_time = 2000.0;
     f.baro.std = 1.0;
     f.baro.bias_std = which.baro_sigma;
     f.output_rate = 1.0;

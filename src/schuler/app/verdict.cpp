@@ -34,7 +34,8 @@ constexpr std::array table{
     Row{"gnss.explained", Gravity::Care},              // by larger errors of the receiver than were believed
     Row{"gnss.alert", Gravity::Care},                  // the receiver was taken for faulty
     Row{"gnss.jump", Gravity::Care},                   // its positions moved to another level
-    Row{"navigation.lost", Gravity::Care},             // attitude and biases were found anew, or all of it
+    Row{"navigation.lost", Gravity::Care},             // attitude and biases were found anew
+    Row{"navigation.realigned", Gravity::Care},        // and all of the start
     // of the self-check
     Row{"self_check.failed", Gravity::DoNotUse},       // nine tenths or less inside three sigma
     Row{"self_check.low", Gravity::Care},
@@ -43,11 +44,13 @@ constexpr std::array table{
     // of start-up and of the logs (warnings)
     Row{"start.heading", Gravity::Care},
     Row{"time.overlap", Gravity::Care},
+    Row{"imu.saturated", Gravity::DoNotUse},           // so often that the log does not hold the motion
     Row{"imu.hole", Gravity::Care},
     Row{"legs.left_out", Gravity::Care},
     Row{"imu.stuck", Gravity::Care},
     Row{"gnss.frozen", Gravity::Care},
     Row{"gnss.strayed", Gravity::Care},
+    Row{"gnss.height_off", Gravity::Care},
     Row{"contradiction.", Gravity::Care},
     Row{"gnss.fix.unknown", Gravity::Care},
     Row{"gnss.klobuchar", Gravity::Care},

@@ -1,6 +1,7 @@
 #include "schuler/core/time.h"
 
 #include <array>
+#include <chrono>
 #include <cmath>
 
 namespace schuler {
@@ -10,15 +11,12 @@ constexpr std::int64_t ns_per_s = 1'000'000'000;
 constexpr std::int64_t s_per_day = 86'400;
 constexpr std::int64_t s_per_week = 7 * s_per_day;
 
-/// Days from 1980-01-06 (the GPS epoch) to a date of the proleptic Gregorian calendar.
+constexpr std::chrono::sys_days gps_epoch = std::chrono::year{1980} / 1 / 6;
+
+/// Days from the GPS epoch to a date of the proleptic Gregorian calendar.
 constexpr std::int64_t days_since_gps_epoch(int y, int m, int d) {
-    const std::int64_t yy = m <= 2 ? y - 1 : y;
-    const std::int64_t era = (yy >= 0 ? yy : yy - 399) / 400;
-    const std::int64_t yoe = yy - era * 400;
-    const std::int64_t doy = (153 * (m + (m > 2 ? -3 : 9)) + 2) / 5 + d - 1;
-    const std::int64_t doe = yoe * 365 + yoe / 4 - yoe / 100 + doy;
-    constexpr std::int64_t unix_to_gps_days = 3657;
-    return era * 146'097 + doe - 719'468 - unix_to_gps_days;
+    using namespace std::chrono;
+    return (sys_days{year{y} / m / 1} - gps_epoch).count() + d - 1;
 }
 
 /// First UTC second (counted without leap seconds) at which GPS - UTC has the value index + 1.
@@ -49,16 +47,9 @@ Calendar calendar_from_seconds(std::int64_t s, std::int64_t ns) {
         rest += s_per_day;
         --days;
     }
-    const std::int64_t z = days + 3657 + 719'468;
-    const std::int64_t era = (z >= 0 ? z : z - 146'096) / 146'097;
-    const std::int64_t doe = z - era * 146'097;
-    const std::int64_t yoe = (doe - doe / 1460 + doe / 36'524 - doe / 146'096) / 365;
-    const std::int64_t doy = doe - (365 * yoe + yoe / 4 - yoe / 100);
-    const std::int64_t mp = (5 * doy + 2) / 153;
-    const int day = static_cast<int>(doy - (153 * mp + 2) / 5 + 1);
-    const int month = static_cast<int>(mp < 10 ? mp + 3 : mp - 9);
-    const int year = static_cast<int>(yoe + era * 400 + (month <= 2 ? 1 : 0));
-    return {year, month, day, static_cast<int>(rest / 3600), static_cast<int>(rest % 3600 / 60),
+    const std::chrono::year_month_day date = gps_epoch + std::chrono::days(days);
+    return {static_cast<int>(date.year()), static_cast<int>(static_cast<unsigned>(date.month())),
+            static_cast<int>(static_cast<unsigned>(date.day())), static_cast<int>(rest / 3600), static_cast<int>(rest % 3600 / 60),
             static_cast<double>(rest % 60) + static_cast<double>(ns) * 1e-9};
 }
 

@@ -116,6 +116,13 @@ double Row::operator()(int i) const {
     return sum;
 }
 
+StateVector Row::whole(Eigen::Index size) const {
+    StateVector h = StateVector::Zero(size);
+    h.head<dense>() = head;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) h(index[k]) += value[k];
+    return h;
+}
+
 RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, int used) {
     RowUpdate u;
     u.h = h;
@@ -212,6 +219,16 @@ void EpochUpdate::apply(StateMatrix& P) const {
         for (int r = c + 1; r < used_; ++r) P(c, r) = P(r, c);
 }
 
+void correct_covariance(StateMatrix& P, const StateVector& k, const StateVector& ph, double s, int used) {
+    for (int c = 0; c < used; ++c) {
+        const double kc = k(c), a = ph(c) - s * kc;
+        // Column c of P - k ph^T - ph k^T + s k k^T.
+        P.col(c).head(used) -= k.head(used) * a + ph.head(used) * kc;
+    }
+    for (int c = 0; c < used; ++c)
+        for (int i = c + 1; i < used; ++i) P(c, i) = P(i, c) = 0.5 * (P(c, i) + P(i, c));
+}
+
 RowUpdate update_with_gain(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, const StateVector& k,
                               int used) {
     RowUpdate u;
@@ -221,13 +238,7 @@ RowUpdate update_with_gain(StateVector& dx, StateMatrix& P, const Row& h, double
     u.s = h.dot(ph) + r;
     u.innovation = innovation - h.dot(dx);
     dx += u.innovation * k;
-    for (int c = 0; c < used; ++c) {
-        const double kc = k(c), a = ph(c) - u.s * kc;
-        // Column c of P - k ph^T - ph k^T + s k k^T.
-        P.col(c).head(used) -= k.head(used) * a + ph.head(used) * kc;
-    }
-    for (int c = 0; c < used; ++c)
-        for (int i = c + 1; i < used; ++i) P(c, i) = P(i, c) = 0.5 * (P(c, i) + P(i, c));
+    correct_covariance(P, k, ph, u.s, used);
     return u;
 }
 
@@ -236,9 +247,7 @@ void StateAdjoint::undo(const RowUpdate& u, int used) {
     StateVector lk = StateVector::Zero(lambda.size());
     lk.head(used).noalias() = Lambda.topLeftCorner(used, used) * u.k.head(used);
     const double klk = u.k.head(used).dot(lk.head(used)) + 1.0 / u.s;
-    StateVector h = StateVector::Zero(lambda.size());
-    h.head<Row::dense>() = u.h.head;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(u.h.count); ++k) h(u.h.index[k]) += u.h.value[k];
+    const StateVector h = u.h.whole(lambda.size());
     lambda -= h * correction;
     for (int c = 0; c < used; ++c) {
         const double hc = h(c), a = klk * hc - lk(c);

@@ -36,6 +36,8 @@ struct Row {
     /// P h for the leading `used` states, zero beyond them.
     [[nodiscard]] StateVector times(const StateMatrix& P, int used) const;
     [[nodiscard]] double operator()(int i) const;
+    /// All of it, for so many states.
+    [[nodiscard]] StateVector whole(Eigen::Index size) const;
 };
 
 /// What one scalar update did: enough to undo it in the backward pass of the smoother.
@@ -83,7 +85,10 @@ private:
     Eigen::Matrix<double, states_stride, max_states> by_state_;   // (P H^T)^T
 };
 
-/// The same with a gain that somebody else chose, in Joseph's form (I - k h) P (I - k h)^T + k r k^T: exact for any gain.
+/// The leading `used` states of P after a correction with the gain k, whatever it is, by an innovation of variance s; ph is P h.
+void correct_covariance(StateMatrix& P, const StateVector& k, const StateVector& ph, double s, int used);
+
+/// The same as `update` with a gain that somebody else chose, in Joseph's form (I - k h) P (I - k h)^T + k r k^T: exact for any gain.
 RowUpdate update_with_gain(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, const StateVector& k,
                               int used);
 

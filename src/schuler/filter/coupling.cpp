@@ -33,25 +33,33 @@ StateVector row_after(const estim::Transition& phi, const StateVector& h) {
     return s;
 }
 
-StateVector dense(const estim::Row& row, Eigen::Index size) {
-    StateVector h = StateVector::Zero(size);
-    h.head<estim::Row::dense>() = row.head;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(row.count); ++k) h(row.index[k]) += row.value[k];
-    return h;
+/// Corrects the filter by scalars whose rows are dense. Where the slow errors of fixes are `considered` only, their share of the gain is
+/// nothing [Schmidt1966]. The smoother does not follow. Returns the error that was found.
+template <class Frame>
+StateVector correct(Walk<Frame>& walk, const InertialModel& model, const Measurement& m, const std::array<StateVector, 3>& rows,
+                    const StateVector& corrected, bool considered, PassObserver<Frame>& observer) {
+    StateMatrix& P = walk.filter.P;
+    StateVector dx = StateVector::Zero(P.rows());
+    for (int i = 0; i < m.dof; ++i) {
+        const StateVector& h = rows[static_cast<std::size_t>(i)];
+        const StateVector ph = P * h;
+        const double s = h.dot(ph) + m.variance(i);
+        StateVector k = ph / s;
+        for (const int state : {model.layout.gnss_position, model.layout.gnss_velocity})
+            if (considered && state >= 0) k.segment<3>(state).setZero();
+        dx += k * (m.innovation(i) - h.dot(corrected) - h.dot(dx));
+        estim::correct_covariance(P, k, ph, s, walk.filter.used);
+    }
+    P.diagonal() = P.diagonal().cwiseMax(model.floor);
+    walk.filter.apply(model, dx);
+    observer.corrected();
+    return dx;
 }
 
-/// Scalar update by a dense row. Where the slow errors of fixes are `considered` only, their share of the
-/// gain is nothing; Joseph's form is exact for the gain that is left [Schmidt1966].
-void update_dense(StateVector& dx, StateMatrix& P, const StateVector& h, double innovation, double variance, const Layout& L,
-                  bool considered) {
-    const StateVector ph = P * h;
-    const double s = h.dot(ph) + variance;
-    StateVector k = ph / s;
-    if (considered && L.gnss_position >= 0) k.segment<3>(L.gnss_position).setZero();
-    if (considered && L.gnss_velocity >= 0) k.segment<3>(L.gnss_velocity).setZero();
-    dx += k * (innovation - h.dot(dx));
-    for (Eigen::Index c = 0; c < P.cols(); ++c)
-        for (Eigen::Index r = c; r < P.rows(); ++r) P(c, r) = P(r, c) = P(r, c) - k(r) * ph(c) - ph(r) * k(c) + s * k(r) * k(c);
+std::array<StateVector, 3> rows_of(const Measurement& m, Eigen::Index size) {
+    std::array<StateVector, 3> rows;
+    for (int i = 0; i < m.dof; ++i) rows[static_cast<std::size_t>(i)] = m.rows[static_cast<std::size_t>(i)].whole(size);
+    return rows;
 }
 
 }  // namespace
@@ -59,14 +67,8 @@ void update_dense(StateVector& dx, StateMatrix& P, const StateVector& h, double 
 template <class Frame>
 StateVector Pass<Frame>::update(Walk<Frame>& walk, const Measurement& m, Observer& observer) const {
     if (considers(settings_)) {
-        StateVector dx = StateVector::Zero(walk.filter.P.rows());
-        for (int i = 0; i < m.dof; ++i)
-            update_dense(dx, walk.filter.P, dense(m.rows[static_cast<std::size_t>(i)], dx.size()), m.innovation(i), m.variance(i),
-                         model_.layout, true);
-        walk.filter.P.diagonal() = walk.filter.P.diagonal().cwiseMax(model_.floor);
-        walk.filter.apply(model_, dx);
-        observer.corrected();
-        return dx;
+        const Eigen::Index size = walk.filter.P.rows();
+        return correct(walk, model_, m, rows_of(m, size), StateVector::Zero(size), true, observer);
     }
     if (walk.ranges.watch.on) {
         StateMatrix P = walk.filter.P;
@@ -98,7 +100,7 @@ bool Pass<Frame>::use(Walk<Frame>& walk, Channel channel, const Measurement& loc
     if (interval.seconds() > 0.0 && interval.seconds() < 10.0) c.every = Duration{interval.ns / settings_.aggressive_parts};
     c.measurement = part;
     c.corrected = dx;
-    for (int i = 0; i < part.dof; ++i) c.rows[static_cast<std::size_t>(i)] = dense(part.rows[static_cast<std::size_t>(i)], dx.size());
+    c.rows = rows_of(part, dx.size());
     c.left = settings_.aggressive_parts - 1;
     c.stamp = stamp;
     c.next = walk.filter.time() + c.every;
@@ -127,15 +129,7 @@ void Pass<Frame>::carry_on(Walk<Frame>& walk, Observer& observer) const {
     for (CarriedFix& c : walk.carried) {
         if (c.left <= 0 || walk.filter.time() < c.next) continue;
         propagate_covariance(walk, observer);
-        StateVector dx = StateVector::Zero(walk.filter.P.rows());
-        for (int i = 0; i < c.measurement.dof; ++i) {
-            const StateVector& h = c.rows[static_cast<std::size_t>(i)];
-            update_dense(dx, walk.filter.P, h, c.measurement.innovation(i) - h.dot(c.corrected), c.measurement.variance(i), model_.layout,
-                         considers(settings_));
-        }
-        walk.filter.P.diagonal() = walk.filter.P.diagonal().cwiseMax(model_.floor);
-        walk.filter.apply(model_, dx);
-        observer.corrected();
+        const StateVector dx = correct(walk, model_, c.measurement, c.rows, c.corrected, considers(settings_), observer);
         for (CarriedFix& other : walk.carried)
             if (other.left > 0) other.corrected += dx;
         --c.left;

@@ -44,6 +44,8 @@ struct GatheredMotion {
     GatheredMotion() = default;
     explicit GatheredMotion(const Layout& layout);
     void reset();
+    /// Whether a step of `next` s would make the span longer than it may be, by more than rounding.
+    [[nodiscard]] bool is_full(double next) const { return time > 0.0 && time + next > longest_span + 1e-9; }
 
     /// One step: `C` the mean attitude over it, df its velocity increment in the frame's axes (m/s), w_b and f_b the mean rate and
     /// specific force in body axes that the sensors' gain errors act on.

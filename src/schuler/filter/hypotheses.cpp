@@ -176,7 +176,9 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     const FixChannel& speeds = walk.fixes[channel.vertical_only ? 3 : 1];
     if (position && !suspect && fixes.run.shape(speed_sigma(walk.filter)) == RunShape::Constant) {
         const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
-        if (jump && (at_once || since_fit > 5.0 || speeds.fits >= few_fixes)) {
+        // After an interruption the navigation has drifted away itself where the velocities are refused as well.
+        const bool only_here = since_fit > 5.0 && speeds.run.count() == 0;
+        if (jump && (at_once || only_here || speeds.fits >= few_fixes)) {
             observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
             levels.jumped(fixes.run.mean(), fixes.run.span(), at_once);
             fixes.run.clear();

@@ -110,6 +110,7 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     }
     previous = inc;
     w_ib_b = inc.dtheta / dt;
+    recent_force = recent_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(recent_force + (df - dt * recent_force) / (force_memory + dt));
     double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
     if (model.gyro_gain > 0.0 || model.accel_gain > 0.0) {
         const BridgeNoise more = gain_noise(model, raw);
@@ -121,10 +122,16 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
 
 template <class Frame>
 Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const Vector3d& df, double dt) const {
-    constexpr double calm = 0.2;   // m/s^2: more than noise, bias and level leave to a body at rest
+    constexpr double calm = 0.2;   // m/s^2: more than noise, bias and level that are known leave to a body at rest
     const Matrix3d C_en = Frame::errors_are_geographic ? Matrix3d(Matrix3d::Identity()) : Frame::C_en(model.earth, nav);
     const Vector3d down = C_en.col(2), vertical = down.dot(df) * down;
-    return (df - vertical).norm() < calm * dt ? vertical : df;
+    const double horizontal = (df - vertical).norm() / dt;
+    if (horizontal < calm) return vertical;
+    // Not known yet, they may leave more: three sigma of their sum.
+    constexpr int a = Layout::attitude, b = Layout::accel_bias;
+    const Matrix3d F = math::skew(vertical / dt), cross = F * P.block<3, 3>(a, b) * C.transpose();
+    const Matrix3d M = F * P.block<3, 3>(a, a) * F.transpose() + C * P.block<3, 3>(b, b) * C.transpose() - cross - cross.transpose();
+    return horizontal * horizontal < 9.0 * (M.trace() - down.dot(M * down)) ? vertical : df;
 }
 
 template <class Frame>
@@ -228,6 +235,20 @@ Matrix3d InertialFilter<Frame>::innovation_covariance(const Measurement& m) cons
 }
 
 template <class Frame>
+Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, const Measurement& m, const Matrix9& undecided) const {
+    const int slow = model.layout.gnss_position;
+    Vector3d sigma = Vector3d::Zero();
+    for (int i = 0; i < m.dof; ++i) {
+        estim::Row row = m.rows[static_cast<std::size_t>(i)];
+        for (std::size_t k = 0; k < static_cast<std::size_t>(row.count); ++k)
+            if (slow >= 0 && row.index[k] >= slow && row.index[k] < slow + 3) row.value[k] = 0.0;
+        const double of_fix = slow >= 0 ? model.gnss.correlated_position(i) : 0.0;
+        sigma(i) = std::sqrt(std::max(0.0, row.dot(row.times(P, used))) + undecided(i, i) + m.variance(i) + of_fix * of_fix);
+    }
+    return sigma;
+}
+
+template <class Frame>
 void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
     if (model.loop != Loop::Closed) {
         error += dx;
@@ -291,8 +312,8 @@ Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
     else
         e.C_nb = e.nav.q_nb.toRotationMatrix();
     e.w_ib_b = w_ib_b;
-    const Vector3d force_n = Frame::errors_are_geographic ? mean_force
-                                                          : Vector3d(earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * mean_force);
+    const Vector3d force_n = Frame::errors_are_geographic ? recent_force
+                                                          : Vector3d(earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * recent_force);
     e.a_n = force_n + earth::terms_at(model.earth, e.nav.position, e.nav.v_eb_n).g_n;
     if (!fed_back) e.w_ib_b += error.segment<3>(Layout::gyro_bias);
     e.parameters = estimated_parameters();

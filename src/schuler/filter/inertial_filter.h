@@ -59,6 +59,9 @@ struct BridgeNoise {
     bool standing = false;      ///< the body has stood still until now
 };
 
+/// s, time constant of the specific force by which rows with a latency see the acceleration: what a receiver's velocity is a mean over.
+inline constexpr double force_memory = 0.05;
+
 /// A plain copyable struct: copying it is saving the filter.
 template <class Frame>
 struct InertialFilter {
@@ -73,6 +76,7 @@ struct InertialFilter {
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
     Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();       ///< corrected rate of the last step, rad/s
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();   ///< specific force over the last span, frame axes, m/s^2
+    Eigen::Vector3d recent_force = Eigen::Vector3d::Zero(); ///< likewise, an exponential mean over force_memory, whatever the spans
     double cached_time = -1.0;                              ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
     std::array<StateProcess, Layout::slots> slot_process{};   ///< of the source block, whose states change their sources
@@ -105,6 +109,10 @@ struct InertialFilter {
 
     /// Innovation covariance (dof x dof used, the rest identity) of a measurement in the filter's own errors.
     [[nodiscard]] Eigen::Matrix3d innovation_covariance(const Measurement& m) const;
+
+    /// One sigma of the innovations of a position (own errors; components in the order north, east, down), were its slow errors none of
+    /// the states: of the states without them, of `undecided` between hypotheses, and of the whole error of the fix.
+    [[nodiscard]] Eigen::Vector3d sigma_apart(const InertialModel& model, const Measurement& m, const Matrix9& undecided) const;
 
     /// Sequential update and closed-loop correction. `record(RowUpdate)` is called for each scalar. Returns the error that was found.
     template <class Record>

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -56,6 +57,7 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
     if (uses_ranges(settings.coupling)) {
         L.clock = L.add("clock_bias", "m", 1);
         L.drift = L.add("clock_drift", "m/s", 1);
+        if (settings.ranging.use_rates && settings.ranging.errors.rate_span > 0.0) L.rate_noise = L.add("range_rate_common_noise", "m/s", 1);
         L.network = L.add("station_network_offset", "m", 1);
         L.intersystem = L.add("intersystem_offset", "m", 3);
         L.source = L.add("range_slow_error", "m", Layout::slots);
@@ -102,7 +104,9 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
     InertialModel model(settings.earth, layout, driving(settings.imu));
     model.loop = settings.loop;
     model.disturbance = settings.disturbance.model;
-    model.set_process(layout.baro_bias, 1, {0.0, settings.baro.bias_walk * settings.baro.bias_walk});
+    const BaroSettings& baro = settings.baro;
+    model.set_process(layout.baro_bias, 1, baro.bias_time > 0.0 ? StateProcess::markov(baro.bias_std, baro.bias_time)
+                                                               : StateProcess{0.0, baro.bias_walk * baro.bias_walk});
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
     // Loggers and receivers do not keep it to the millisecond: what was learnt is forgotten, by some hundredths of a second in a minute.
     const auto latency = [](double sigma) {
@@ -124,8 +128,6 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
         model.clock_psd = e.clock.phase_psd();
         model.drift_psd = e.clock.frequency_psd();
         model.set_process(layout.network, 1, StateProcess::markov(e.network, e.network_time));
-        if (settings.ranging.baro_bias_time > 0.0)
-            model.set_process(layout.baro_bias, 1, StateProcess::markov(settings.baro.bias_std, settings.ranging.baro_bias_time));
         // What has no states of its own: fixes are too noisy to tell, ranges at ten hertz are not.
         const sensor::ImuErrorModel& imu = settings.imu.errors;
         model.gyro_gain = std::hypot(layout.gyro_scale < 0 ? imu.gyro_scale : 0.0, layout.gyro_misalignment < 0 ? imu.gyro_misalignment : 0.0);
@@ -164,6 +166,21 @@ public:
         P_n_.block<3, 3>(Layout::attitude, Layout::attitude) = J * start.std_rpy.cwiseAbs2().asDiagonal() * J.transpose();
         if constexpr (!Frame::errors_are_geographic) T_ = f_.to_local_level(model).inverse();
         f_.P.template topLeftCorner<9, 9>() = T_ * P_n_ * T_.transpose();
+    }
+
+    /// The fixes' latencies are off by something of a covariance (s^2), and so is what the start has of them, by its `rates` (local level,
+    /// a column a latency): z = x - rate * latency. own: the states of these latencies' errors, -1 where there are none. What else the
+    /// start is tied to has no part in this.
+    void latencies(const std::array<int, 2>& own, const Eigen::Matrix2d& covariance, const Eigen::Matrix<double, 9, 2>& rates) {
+        const Eigen::Matrix<double, 9, 2> errors = T_ * rates, shared = errors * covariance;
+        f_.P.template topLeftCorner<9, 9>().noalias() += shared * errors.transpose();
+        for (int i = 0; i < 2; ++i) {
+            if (own[i] < 0) continue;
+            f_.P.template block<9, 1>(0, own[i]) = shared.col(i);
+            f_.P.template block<1, 9>(own[i], 0) = shared.col(i).transpose();
+            for (int k = 0; k < 2; ++k)
+                if (own[k] >= 0) f_.P(own[i], own[k]) = covariance(i, k);
+        }
     }
 
     /// Variance of a navigation state, local level.
@@ -213,6 +230,32 @@ private:
     Matrix9 P_n_ = Matrix9::Zero(), T_ = Matrix9::Identity();   // T: local level to the filter's own errors
 };
 
+/// Specific force at the start, in the filter's axes: of an acceleration that fixes show, else of none.
+template <class Frame>
+Vector3d start_force(const InertialModel& model, const Start& start) {
+    const Geodetic& at = start.nav.position;
+    const Vector3d force_n = start.velocity_rate - earth::terms_at(model.earth, at, start.nav.v_eb_n).g_n;
+    return Frame::errors_are_geographic ? force_n : Vector3d(earth::C_en(at.lat, at.lon) * force_n);
+}
+
+/// A start by fixes is as late as they are: what position and velocity are off by is known where the latency is. (An attitude error about
+/// the vertical is the opposite of a heading error.)
+template <class Frame>
+void start_latencies(StartCovariance<Frame>& P, const GnssSettings& gnss, const Layout& L, const Start& start) {
+    // Receivers mostly give both of one instant; that they differ little the fixes tell, which says nothing about what both are late by.
+    constexpr double alike = 0.9;
+    Eigen::Matrix<double, 9, 2> rates = Eigen::Matrix<double, 9, 2>::Zero();
+    rates.col(0).segment<3>(Layout::position) = start.position_rate;
+    const bool shared = L.gnss_velocity_latency < 0 && !gnss.velocity_latency;   // one latency for both
+    auto of_velocity = rates.col(shared ? 0 : 1);
+    of_velocity.segment<3>(Layout::velocity) = start.velocity_rate;
+    of_velocity(Layout::attitude + 2) = -start.heading_rate;
+    const double position = gnss.latency_std, velocity = gnss.velocity_latency_std, both = alike * position * velocity;
+    Eigen::Matrix2d covariance;
+    covariance << position * position, both, both, velocity * velocity;
+    P.latencies({L.gnss_latency, L.gnss_velocity_latency}, covariance, rates);
+}
+
 }  // namespace
 
 template <class Frame>
@@ -235,10 +278,12 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
     f = InertialFilter<Frame>(model);
     f.set_nav(Frame::from_geographic(model.earth, start.nav));
     f.previous = start.previous;
+    f.recent_force = start_force<Frame>(model, start);
     f.parameters.template segment<3>(Layout::gyro_bias) = start.gyro_bias;
     f.parameters.template segment<3>(Layout::accel_bias) = start.accel_bias;
 
     StartCovariance<Frame> P(f, model, start);
+    start_latencies(P, settings.gnss, L, start);
     const sensor::ImuErrorModel& imu = settings.imu.errors;
     P.template set<3>(Layout::gyro_bias, start.std_gyro_bias);
     P.template set<3>(Layout::accel_bias, start.std_accel_bias);
@@ -256,8 +301,6 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
     }
     P.baro(baro_height, settings.baro, start.nav);
     P.shown_heading(L.mag_bias, settings.mag.bias_std, start.heading_of_mag);
-    P.set(L.gnss_latency, 1, settings.gnss.latency_std);
-    P.set(L.gnss_velocity_latency, 1, settings.gnss.velocity_latency_std);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
     P.shown_heading(L.heading_offset, settings.heading.offset_std, start.heading_of_sensor);
     P.set(L.gauge_level, L.gauges, settings.gauges.level_std);

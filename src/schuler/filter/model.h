@@ -14,6 +14,10 @@ struct Start {
     Eigen::Vector3d std_gyro_bias, std_accel_bias;
     /// 1 where a component (north, east, down) comes from a fix and so has the receiver's slow error in it, 0 where it does not.
     Eigen::Vector3d position_of_fix = Eigen::Vector3d::Zero(), velocity_of_fix = Eigen::Vector3d::Zero();
+    /// How fast what comes from fixes changes: position, m/s, velocity, m/s^2 (north, east, down), and heading, rad/s; 0 where it does not
+    /// come from fixes. A start by fixes that are late by dt is off by dt times these, whatever the fixes after it say.
+    Eigen::Vector3d position_rate = Eigen::Vector3d::Zero(), velocity_rate = Eigen::Vector3d::Zero();
+    double heading_rate = 0.0;
     /// The heading is what the magnetometer or the sensor of the heading showed: it has the constant error in it that is a state of theirs.
     bool heading_of_mag = false, heading_of_sensor = false;
     double std_mounting = 0.03;                   ///< rad

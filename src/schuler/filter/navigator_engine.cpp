@@ -197,7 +197,7 @@ public:
         stream.ahead(walk_.increment, [&](const ImuIncrement& increment, const BridgeNoise& noise) {
             if (increment.time <= ahead_.time()) return;
             estim::Transition phi;
-            if (ahead_.gathered.time + increment.dt > longest_span) (void)ahead_.propagate_covariance(model_, phi);
+            if (ahead_.gathered.is_full(increment.dt)) (void)ahead_.propagate_covariance(model_, phi);
             ahead_.propagate(model_, increment, with_vibration(model_, walk_.vibration, noise));   // as it shakes now
         });
         return state_of(ahead_, walk_.undecided(model_));

@@ -45,13 +45,6 @@ void unpack(AidRecord& record, std::uint8_t components) {
     }
 }
 
-/// Whether a transition has been gathered over as long as it may be: the next step would make it longer, by more than rounding.
-template <class Frame>
-bool is_full(const InertialFilter<Frame>& filter, double next) {
-    constexpr double rounding = 1e-9;   // s
-    return filter.gathered.time + next > longest_span + rounding;
-}
-
 bool in_outage(const Settings& settings, Time origin, Time t) {
     const double s = (t - origin).seconds();
     return std::ranges::any_of(settings.outages, [s](const Outage& o) { return s > o.start && s < o.start + o.duration; });
@@ -87,11 +80,11 @@ void Pass<Frame>::propagate_covariance(Walk<Frame>& walk, Observer& observer) co
 
 template <class Frame>
 void Pass<Frame>::step(Walk<Frame>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const {
-    if (walk.filter.gathered.time > 0.0 && is_full(walk.filter, increment.dt)) propagate_covariance(walk, observer);
+    if (walk.filter.gathered.is_full(increment.dt)) propagate_covariance(walk, observer);
     for (Shadow<Frame>& s : walk.shadows) {
         if (!s.alive) continue;
         estim::Transition phi;
-        if (is_full(s.filter, increment.dt)) (void)s.filter.propagate_covariance(model_, phi);
+        if (s.filter.gathered.is_full(increment.dt)) (void)s.filter.propagate_covariance(model_, phi);
         s.filter.propagate(model_, increment, noise);
     }
     walk.filter.propagate(model_, increment, noise);
@@ -163,7 +156,7 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
         if (rivalry_ != Rivalry::None) contest(walk, observer);
         if (inc.time >= walk.next_output) {
             // A span that the next step ends is ended here: its transition is not made twice.
-            if (model_.loop != Loop::Closed || observer.wants_all_states(inc.time) || is_full(walk.filter, whole.dt))
+            if (model_.loop != Loop::Closed || observer.wants_all_states(inc.time) || walk.filter.gathered.is_full(whole.dt))
                 propagate_covariance(walk, observer);
             observer.output(walk, inc.time);
             ++walk.outputs;
@@ -177,6 +170,20 @@ template <class Frame>
 bool Pass<Frame>::uses(AidKind kind) const {
     // With ranges the receiver's own fixes would be used twice: they are what an outage without a reference is judged by.
     return !is_sub_vector(kind) || !uses_ranges(settings_.coupling);
+}
+
+/// Variances of what a row that is linear in the latency leaves out: its error times that of the velocity (in positions) and of the
+/// acceleration, which errs with the level (in velocities). After an outage, and before the level is known, that is more than the
+/// receiver's noise, and taken for nothing it would teach a latency (Maybeck 1982, section 12.3: modified second-order filter).
+template <class Frame>
+Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>& filter, const Estimate& e, int state) const {
+    const Matrix9 P = filter.local_covariance(model_);
+    const Eigen::Vector3d f_n = e.a_n - earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).g_n;
+    const Eigen::Matrix3d by_attitude = math::skew(f_n), attitude = P.template block<3, 3>(Layout::attitude, Layout::attitude);
+    Eigen::Matrix<double, 9, 1> out = Eigen::Matrix<double, 9, 1>::Zero();
+    out.template segment<3>(Layout::position) = P.diagonal().template segment<3>(Layout::velocity);
+    out.template segment<3>(Layout::velocity) = (by_attitude * attitude * by_attitude.transpose()).diagonal();
+    return filter.P(state, state) * out;
 }
 
 template <class Frame>
@@ -193,6 +200,7 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             // Where the latency had to be found it jitters from fix to fix as well, by some milliseconds.
             const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));   // s
             variance += jitter * jitter * e.nav.v_eb_n.cwiseAbs2();
+            if (model_.layout.gnss_latency >= 0) variance += of_latency(filter, e, model_.layout.gnss_latency).template segment<3>(Layout::position);
             return gnss_position(e, data_.recording->gnss[event.index].position, variance, settings_.gnss.lever_arm_b, use);
         }
         case AidKind::GnssVelocity: {
@@ -205,6 +213,7 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             const double off = g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));   // s
             variance += off * off * e.a_n.cwiseAbs2();
             const int latency = own ? model_.layout.gnss_velocity_latency : g.velocity_latency ? -1 : model_.layout.gnss_latency;
+            if (latency >= 0) variance += of_latency(filter, e, latency).template segment<3>(Layout::velocity);
             return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, g.lever_arm_b, latency, use);
         }
         case AidKind::Baro:
@@ -329,7 +338,7 @@ void Pass<Frame>::process(Walk<Frame>& walk, const Event& event, Observer& obser
         Event whole = event;
         if (std::isfinite(data_.recording->gnss[event.index].position.h)) whole.components = 7;
         const Measurement all = measurement_of(walk.filter, whole);
-        observer.outage_epoch(walk.filter, event, all, try_update(walk, event.kind, all, event.stamp, true, nobody));
+        observer.outage_epoch(walk, event, all, try_update(walk, event.kind, all, event.stamp, true, nobody));
     }
     if (!uses(event.kind)) return;
     AidRecord record = try_update(walk, {event.kind, event.components}, local, event.stamp, event.withheld, observer);

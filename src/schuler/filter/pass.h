@@ -159,7 +159,7 @@ struct PassObserver : RangeListener {
     virtual void output(const Walk<Frame>&, Time) {}
     /// At RunData::instants[index], with the covariance at that time.
     virtual void instant(const Walk<Frame>&, std::size_t /*index*/) {}
-    virtual void outage_epoch(const Filter&, const Event&, const Measurement&, const AidRecord&) {}
+    virtual void outage_epoch(const Walk<Frame>&, const Event&, const Measurement&, const AidRecord&) {}
     virtual void aid(const AidRecord&) {}
     /// After it: what the estimate has become by an event.
     virtual void measured(const Walk<Frame>&, const Event&, const AidRecord&) {}
@@ -207,6 +207,7 @@ private:
     void change_sides(Walk<Frame>& walk) const;
     void open(Walk<Frame>& walk, const Opening& opening) const;
     [[nodiscard]] Measurement measurement_of(const InertialFilter<Frame>& filter, const Event& event) const;
+    [[nodiscard]] Eigen::Matrix<double, 9, 1> of_latency(const InertialFilter<Frame>& filter, const Estimate& e, int state) const;
     /// Corrects the estimate by an accepted measurement as the coupling wants it. False: it is not used.
     bool use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp, Observer& observer) const;
     bool use_separately(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp) const;

@@ -157,6 +157,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.rate_by_lever_arm);
             s.row.add3(Layout::gyro_bias, way * r.rate_by_gyro_bias);
             s.row.add(L.drift, way);
+            if (L.rate_noise >= 0) s.row.add(L.rate_noise, way);
             s.innovation = r.rate + drift - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
         }
     }
@@ -336,6 +337,11 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     static const RangeTest open(0.0, 0.0);
     RangeEpochWork& work = tracking.work;
     StateVector dx = StateVector::Zero(f.P.rows());
+    if (const int noise = model_.layout.rate_noise; noise >= 0) {
+        f.renew(noise, settings_.errors.clock.phase_psd() / settings_.errors.rate_span);
+        for (FaultHypothesis& h : tracking.watch.all) h.response(noise) = 0.0;
+        if (listener != nullptr) listener->renewed(noise);
+    }
     make_scalars(f, tracking, log, samples, dx, listener);
     work.excluded = 0;
     work.clock_jump = false;

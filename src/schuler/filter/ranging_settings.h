@@ -27,7 +27,6 @@ struct RangingFilterSettings {
     bool use_stations = true;
     ProtectionSettings protection;
     double receiver_acceleration = 3.0;           ///< m/s/sqrt(s), medium: white acceleration that the receiver's own filter expects
-    double baro_bias_time = 0.0;                  ///< s, of the barometer's bias as a Gauss-Markov process; 0: a random walk
 };
 
 }  // namespace schuler::filter

@@ -104,6 +104,9 @@ struct OutageEpoch {
     Eigen::Vector3d error = Eigen::Vector3d::Zero();   ///< estimate minus GNSS, m
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();   ///< predicted one sigma of that difference, m
     Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero();   ///< the part of it that is the filter's own uncertainty, m
+    /// One sigma of the difference by what is reported of the solution, hypotheses that are not decided with it, and by the whole variance of
+    /// the fix, as if none of the fix's slow errors were part of the solution's, m.
+    Eigen::Vector3d sigma_apart = Eigen::Vector3d::Zero();
 };
 
 /// How far off the position may be after an epoch of ranges, where Settings asks for protection levels (ProtectionSettings has the risk).

@@ -89,6 +89,7 @@ struct BaroSettings {
     double std = 1.0;                         ///< m, white
     double bias_std = 30.0;                   ///< m, initial bias
     double bias_walk = 0.05;                  ///< m/sqrt(s)
+    double bias_time = 0.0;                   ///< s; above 0 the bias is a Gauss-Markov process of bias_std with it and does not walk
 };
 
 struct MagSettings {

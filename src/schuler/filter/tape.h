@@ -21,7 +21,7 @@ public:
         Time time;
         OutageEpoch outage;              ///< of an Outage point
         Measurement measurement;         ///< of an Outage point, rows in local-level errors
-        Matrix9 undecided;               ///< of an Output or Instant point: Walk::undecided
+        Matrix9 undecided;               ///< Walk::undecided
         std::size_t index = 0;           ///< of an Instant point
     };
 
@@ -55,13 +55,13 @@ public:
         order_.push_back(Kind::Instant);
         points_.push_back({walk.filter, walk.filter.time(), OutageEpoch{}, Measurement{}, walk.undecided(model_), index});
     }
-    void outage_epoch(const InertialFilter<Frame>& filter, const Event& event, const Measurement& m, const AidRecord&) override {
+    void outage_epoch(const Walk<Frame>& walk, const Event& event, const Measurement& m, const AidRecord&) override {
         order_.push_back(Kind::Outage);
         OutageEpoch epoch;
         epoch.outage = event.outage;
         epoch.time = event.stamp;
         epoch.end = event.outage_end;
-        points_.push_back({filter, filter.time(), epoch, m, Matrix9::Zero()});
+        points_.push_back({walk.filter, walk.filter.time(), epoch, m, walk.undecided(model_)});
     }
 
     /// Steps back over the tape; `report(Kind, point, adjoint)` for each point.

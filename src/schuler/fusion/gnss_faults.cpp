@@ -249,6 +249,7 @@ GnssFix FixScreen::without(const GnssFix& fix, std::size_t index) const {
     GnssFix out = fix;
     if (!position.empty() && position[index]) out.position = {absent, absent, absent};
     if (!velocity.empty() && velocity[index]) out.velocity_n.setConstant(absent);
+    if (!height.empty() && height[index]) out.position.h = out.velocity_n.z() = absent;
     return out;
 }
 
@@ -257,7 +258,7 @@ FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settin
     if (!settings.gnss.use_velocity)
         for (GnssFix& fix : seen) fix.velocity_n.setConstant(absent);
     const FrozenFixes frozen = frozen_fixes(seen, settings.earth);
-    FixScreen screen{frozen.position, frozen.velocity};
+    FixScreen screen{frozen.position, frozen.velocity, {}};
     if (frozen.any())
         warnings.add("gnss.frozen", fmt::format("the receiver hung: {} positions and {} velocities, the first {:.1f} s after the first fix, repeat the "
                                                 "ones before to the last digit while it moved; they were left out",

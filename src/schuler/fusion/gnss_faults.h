@@ -39,7 +39,8 @@ struct FrozenFixes {
 
 /// What of a log's fixes is left out for what later ones say of them, which a stream cannot know.
 struct FixScreen {
-    std::vector<bool> position, velocity;   ///< true: left out; one a fix, or empty where nothing is
+    std::vector<bool> position{}, velocity{};   ///< true: left out; one a fix, or empty where nothing is
+    std::vector<bool> height{};                 ///< likewise, of the position and the velocity
 
     /// The fix without what is left out, which is NaN.
     [[nodiscard]] GnssFix without(const GnssFix& fix, std::size_t index) const;

@@ -82,6 +82,23 @@ double roughness(const std::vector<ImuIncrement>& increments, const Block& b, co
     return sum / (6.0 * static_cast<double>(b.end - first));
 }
 
+/// The same by the smaller third of the second differences of its worst axis, which outliers, even one sample of five, do not reach.
+double robust_roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q, std::vector<double>& differences) {
+    constexpr double share = 0.3, of_normal = 0.385;   // of a normal distribution's sigmas, two-sided
+    const std::size_t first = std::max<std::size_t>(b.first, 2);
+    if (b.end <= first) return 0.0;
+    double sum = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        differences.clear();
+        for (std::size_t i = first; i < b.end; ++i)
+            differences.push_back(std::abs(q.of(increments[i])(axis) - 2.0 * q.of(increments[i - 1])(axis) + q.of(increments[i - 2])(axis)));
+        const auto at = differences.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(differences.size()));
+        std::nth_element(differences.begin(), at, differences.end());
+        sum += *at * *at / (of_normal * of_normal);
+    }
+    return sum / 6.0;
+}
+
 double duration(const std::vector<ImuIncrement>& increments, const Block& b) {
     double sum = 0.0;
     for (std::size_t i = b.first; i < b.end; ++i) sum += increments[i].dt;
@@ -123,34 +140,78 @@ double departure(const std::vector<ImuIncrement>& increments, const std::vector<
     return rough > 0.05 * square ? worst : 0.0;
 }
 
-/// Adds the noise of samples that stay at the largest value that the axis ever shows, three in a row or more, where that is rare and far
-/// from what the axis usually shows.
+/// The end of an axis's range in one direction, where the log shows it.
+struct End {
+    double sign = 1.0, mean = 0.0;
+    double limit = 0.0;        ///< of the departure from the mean
+    double size = 0.0;         ///< by which what lies beyond may be wrong
+    bool reached = false;
+};
+
+/// Values that stay at the largest one the axis ever shows are its end where that is rare and far from what the axis usually shows, or where
+/// far more of them are there than at the next smaller value, close below: a range that the motion exceeds all the time. So is the one value
+/// of an axis of the accelerometers that never shows another, where together they do not show gravity.
+End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int axis, double sign) {
+    End end;
+    end.sign = sign;
+    double usual = 0.0;
+    for (const auto& i : increments) end.mean += q.of(i)(axis) / static_cast<double>(increments.size());
+    for (const auto& i : increments) usual += std::abs(q.of(i)(axis) - end.mean) / static_cast<double>(increments.size());
+    for (const auto& i : increments) end.limit = std::max(end.limit, sign * (q.of(i)(axis) - end.mean));
+    const auto close = [&](double value) { return value - 1e-9 * (end.limit + std::abs(end.mean)); };   // what is saturated repeats to the last digit
+    constexpr double mostly = 0.1, beyond = 0.3;   // of all samples; of the range
+    if (!(end.limit > 1e-6 * (1.0 + std::abs(end.mean)))) {   // an axis without noise
+        if (q.integral != &ImuIncrement::dv || sign * end.mean <= 0.0) return end;
+        constexpr double gravity = 9.81, without_doubt = 0.3;   // m/s^2
+        double size = 0.0;
+        for (const auto& i : increments) size += q.of(i).norm() / static_cast<double>(increments.size());
+        end.reached = size < gravity - without_doubt;
+        end.size = beyond * std::abs(end.mean);
+        return end;
+    }
+    end.reached = end.limit > 4.0 * usual;
+    end.size = end.limit;
+    if (end.reached) return end;
+    double next = -end.limit;
+    std::size_t there = 0, below = 0;
+    for (const auto& i : increments)
+        if (const double x = sign * (q.of(i)(axis) - end.mean); x < close(end.limit)) next = std::max(next, x);
+    for (const auto& i : increments) {
+        const double x = sign * (q.of(i)(axis) - end.mean);
+        if (x >= close(end.limit)) ++there;
+        else if (x >= close(next)) ++below;
+    }
+    const bool continuous = end.limit - next < 0.1 * end.limit;   // two levels of a coarse axis are none
+    end.reached = continuous && there >= 30 && there > 10 * below;
+    // An axis that is mostly at its end hardly departs from its mean.
+    if (static_cast<double>(there) > mostly * static_cast<double>(increments.size()))
+        end.size = std::max(end.size, beyond * std::abs(end.mean + sign * end.limit));
+    return end;
+}
+
+/// Adds the noise of samples that stay at the end of their axis's range, three in a row or more: wrong by as much again, for all of that time.
+/// `saturated`: those samples.
 void add_saturation(const std::vector<ImuIncrement>& increments, const Quantity& q, const std::vector<Block>& blocks,
-                    std::vector<filter::BridgeNoise>& noise) {
+                    std::vector<filter::BridgeNoise>& noise, std::vector<bool>& saturated) {
     for (int axis = 0; axis < 3; ++axis) {
-        double mean = 0.0, usual = 0.0;
-        for (const auto& i : increments) mean += q.of(i)(axis) / static_cast<double>(increments.size());
-        for (const auto& i : increments) usual += std::abs(q.of(i)(axis) - mean) / static_cast<double>(increments.size());
         for (const double sign : {1.0, -1.0}) {
-            double limit = 0.0;   // of the departure from the mean
-            for (const auto& i : increments) limit = std::max(limit, sign * (q.of(i)(axis) - mean));
-            if (!(limit > 4.0 * usual && limit > 1e-6 * (1.0 + std::abs(mean)))) continue;   // an axis without noise
-            const double edge = limit - 1e-9 * (limit + std::abs(mean));   // what is saturated repeats to the last digit
-            std::size_t block = 0, run = 0;
-            double time = 0.0;
+            const End end = end_of(increments, q, axis, sign);
+            if (!end.reached) continue;
+            const double edge = end.limit - 1e-9 * (end.limit + std::abs(end.mean));
+            std::size_t block = 0, first = 0;
             for (std::size_t k = 0; k <= increments.size(); ++k) {
-                if (k < increments.size() && sign * (q.of(increments[k])(axis) - mean) >= edge) {
-                    ++run;
-                    time += increments[k].dt;
-                    continue;
+                if (k < increments.size() && sign * (q.of(increments[k])(axis) - end.mean) >= edge) continue;
+                if (k >= first + 3) {
+                    const double run = duration(increments, {first, k});
+                    while (block + 1 < blocks.size() && blocks[block].end <= first) ++block;
+                    for (std::size_t b = block; b < blocks.size() && blocks[b].first < k; ++b) {
+                        const Block both{std::max(first, blocks[b].first), std::min(k, blocks[b].end)};
+                        if (both.end <= both.first) continue;
+                        noise[b].*q.psd += end.size * end.size * run * duration(increments, both) / duration(increments, blocks[b]);
+                    }
+                    for (std::size_t i = first; i < k; ++i) saturated[i] = true;
                 }
-                if (run >= 3) {
-                    while (block + 1 < blocks.size() && blocks[block].end <= k - 1) ++block;
-                    const double error = limit * time;
-                    noise[block].*q.psd += error * error / duration(increments, blocks[block]);
-                }
-                run = 0;
-                time = 0.0;
+                first = k + 1;
             }
         }
     }
@@ -158,7 +219,7 @@ void add_saturation(const std::vector<ImuIncrement>& increments, const Quantity&
 
 }  // namespace
 
-std::vector<Bridge> doubtful_stretches(const ImuTimeline& timeline) {
+Doubts doubtful_stretches(const ImuTimeline& timeline) {
     const auto& increments = timeline.increments;
     const auto length = static_cast<std::size_t>(std::max(4.0, std::round(0.5 / timeline.median_dt)));
     std::vector<Block> blocks;
@@ -178,24 +239,28 @@ std::vector<Bridge> doubtful_stretches(const ImuTimeline& timeline) {
     }
     if (blocks.size() < 40) return {};   // nothing to compare with
     std::vector<filter::BridgeNoise> noise(blocks.size());
+    std::vector<bool> saturated(increments.size(), false);
     for (const Quantity& q : {Quantity{&ImuIncrement::dtheta, &filter::BridgeNoise::gyro_psd, 1e-3},
                               Quantity{&ImuIncrement::dv, &filter::BridgeNoise::accel_psd, 0.05}}) {
         std::vector<double> rough(blocks.size());
         for (std::size_t k = 0; k < blocks.size(); ++k) rough[k] = roughness(increments, blocks[k], q);
-        std::vector<double> sorted = rough;
-        const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(sorted.size()));
-        std::nth_element(sorted.begin(), at, sorted.end());
-        const double bulk = *at;
+        std::vector<double> robust(blocks.size()), room;
+        for (std::size_t k = 0; k < blocks.size(); ++k) robust[k] = robust_roughness(increments, blocks[k], q, room);
+        // More than a twentieth of the log may be full of outliers; the bulk of its values is not.
+        constexpr double heavy_tails = 10.0;
+        const double by_values = math::quantile(std::move(robust), 0.95), by_blocks = math::quantile(rough, 0.95);
+        const double bulk = by_values > 0.0 ? std::min(by_blocks, heavy_tails * by_values) : by_blocks;
         for (std::size_t k = 0; k < blocks.size(); ++k) {
             if (!(rough[k] > 36.0 * bulk)) continue;
             const double variance = departure(increments, blocks, k, q, rough[k]);
             if (variance > q.least * q.least) noise[k].*q.psd += variance / duration(increments, blocks[k]);
         }
-        add_saturation(increments, q, blocks, noise);
+        add_saturation(increments, q, blocks, noise, saturated);
     }
-    std::vector<Bridge> out;
+    Doubts out;
     for (std::size_t k = 0; k < blocks.size(); ++k)
-        if (noise[k].gyro_psd > 0.0 || noise[k].accel_psd > 0.0) out.push_back({blocks[k].first, blocks[k].end - 1, noise[k]});
+        if (noise[k].gyro_psd > 0.0 || noise[k].accel_psd > 0.0) out.stretches.push_back({blocks[k].first, blocks[k].end - 1, noise[k]});
+    out.saturated = static_cast<double>(std::ranges::count(saturated, true)) / static_cast<double>(increments.size());
     return out;
 }
 

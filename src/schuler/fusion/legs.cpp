@@ -2,10 +2,12 @@
 
 #include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
+#include "schuler/math/quantile.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 namespace schuler::fusion {
 namespace {
@@ -46,16 +48,73 @@ void join(Trajectory& all, Trajectory& more, bool same_states) {
     join(all.covariances, more.covariances);
 }
 
+/// What the positions of a log say of a hole that the inertial log has as well.
+class SetClocks {
+public:
+    explicit SetClocks(const std::vector<GnssFix>& fixes) {
+        for (const GnssFix& f : fixes)
+            if (f.fix != FixType::None && std::isfinite(f.position.lat) && std::isfinite(f.position.lon)) fixes_.push_back(&f);
+        std::vector<double> steps, off;
+        for (std::size_t k = 1; k < fixes_.size(); ++k) steps.push_back(seconds(k));
+        if (steps.empty()) return;
+        step_ = math::median(std::move(steps));
+        for (std::size_t k = 3; k + 2 < fixes_.size(); ++k)
+            if (seconds(k) < 1.5 * step_) off.push_back((way(k) - seconds(k) * velocity_around(k)).norm());
+        if (!off.empty()) scatter_ = math::median(std::move(off));
+    }
+
+    /// Whether from the fix before a hole to the one after it the vehicle came as far as in a usual step, and not as in all of the hole.
+    [[nodiscard]] bool at(Time from, Time to) const {
+        const auto first = std::ranges::lower_bound(fixes_, from, {}, [](const GnssFix* f) { return f->time; });
+        const auto k = static_cast<std::size_t>(first - fixes_.begin());
+        if (k < 3 || k + 2 >= fixes_.size()) return false;
+        const double hole = seconds(k), step = (to - from).seconds();
+        if (hole < step || hole > step + 1.5 * step_) return false;   // not of both logs
+        const Vector2d before = velocity(k - 3, k - 1), after = velocity(k, k + 2), mean = 0.5 * (before + after);
+        const double rest = hole - step, sigma = std::max({least_way, scatter_, 0.25 * (after - before).norm() * step_});
+        const double as_set = (way(k) - rest * mean).squaredNorm() / (sigma * sigma), as_stamped = (way(k) - hole * mean).squaredNorm() / (sigma * sigma);
+        constexpr double beyond_chance = 25.0;   // of one fix that is off as well
+        return as_set < 9.0 && as_stamped - as_set > beyond_chance;
+    }
+
+private:
+    using Vector2d = Eigen::Vector2d;
+    static constexpr double least_way = 0.3;   // m
+
+    [[nodiscard]] double seconds(std::size_t k) const { return (fixes_[k]->time - fixes_[k - 1]->time).seconds(); }
+    [[nodiscard]] Vector2d way(std::size_t from, std::size_t to) const {
+        return earth::ned_difference(earth::Earth{}, fixes_[to]->position, fixes_[from]->position).head<2>();
+    }
+    [[nodiscard]] Vector2d way(std::size_t k) const { return way(k - 1, k); }
+    /// As the receiver states it, else by positions.
+    [[nodiscard]] Vector2d velocity(std::size_t from, std::size_t to) const {
+        const Vector2d sum = fixes_[from]->velocity_n.head<2>() + fixes_[to]->velocity_n.head<2>();
+        if (sum.allFinite()) return 0.5 * sum;
+        const double span = (fixes_[to]->time - fixes_[from]->time).seconds();
+        return span > 0.0 ? Vector2d(way(from, to) / span) : Vector2d::Zero();
+    }
+    /// Before and after a step.
+    [[nodiscard]] Vector2d velocity_around(std::size_t k) const { return 0.5 * (velocity(k - 3, k - 1) + velocity(k, k + 2)); }
+
+    std::vector<const GnssFix*> fixes_;
+    double step_ = 0.0, scatter_ = 0.0;   // s, m
+};
+
 }  // namespace
 
 std::vector<Time> leg_starts(const Recording& recording) {
     std::vector<Time> starts;
+    constexpr double least_set = 0.5;   // s: less is a gap that is bridged, whatever it was
+    std::optional<SetClocks> set;
     for (const ImuSample& s : recording.imu) {
         if (starts.empty()) {
             starts.push_back(s.time);
-        } else if (const Time before = (&s - 1)->time; (s.time - before).seconds() > longest_bridge) {
-            starts.push_back(s.time);
+            continue;
         }
+        const Time before = (&s - 1)->time;
+        const double hole = (s.time - before).seconds();
+        if (hole > least_set && hole <= longest_bridge && !set) set.emplace(recording.gnss);
+        if (hole > longest_bridge || (hole > least_set && set->at(before, s.time))) starts.push_back(s.time);
     }
     return starts;
 }
@@ -96,7 +155,14 @@ Settings continued(const Settings& settings, const Result& before, const Recordi
         next.initial.gyro_bias = e.gyro_bias;
         next.initial.accel_bias = e.accel_bias;
     }
-    if (settings.vehicle != VehicleKind::Car || before.forward.rows.empty() || leg.gnss.empty()) return next;
+    if (before.forward.rows.empty() || leg.imu.empty()) return next;
+    if (const SolutionRow& row = before.forward.rows.back(); (leg.imu.front().time - row.time).seconds() < longest_bridge) {
+        constexpr double since = 0.5 * units::deg;   // in a step of the IMU
+        next.initial.rpy = row.rpy;
+        next.initial.std_rpy = (row.std_rpy.array().square() + since * since).sqrt();
+        return next;
+    }
+    if (settings.vehicle != VehicleKind::Car || leg.gnss.empty()) return next;
     const SolutionRow& last = before.forward.rows.back();
     const auto moved = earth::ned_difference(settings.earth, leg.gnss.front().position, last.position);
     constexpr double near = 10.0, parked = 0.5, turned = 5.0 * units::deg;   // m, m/s, rad

@@ -44,8 +44,9 @@ public:
     void instant(const Walk<Frame>& walk, std::size_t index) override {
         if (options_.outputs) result_.forward.instants.push_back({index, at_point(walk.filter, walk.covariance(model_))});
     }
-    void outage_epoch(const Filter&, const Event& event, const Measurement&, const AidRecord& r) override {
-        result_.forward.outage_epochs.push_back({event.outage, event.stamp, event.outage_end, r.innovation, r.sigma, r.sigma_state});
+    void outage_epoch(const Walk<Frame>& walk, const Event& event, const Measurement& m, const AidRecord& r) override {
+        result_.forward.outage_epochs.push_back({event.outage, event.stamp, event.outage_end, r.innovation, r.sigma, r.sigma_state,
+                                                 walk.filter.sigma_apart(model_, walk.filter.to_own(model_, m), walk.undecided(model_))});
     }
     void aid(const AidRecord& r) override {
         result_.aids.push_back(r);

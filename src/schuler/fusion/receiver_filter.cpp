@@ -24,7 +24,6 @@ Settings of_receiver(const Settings& settings) {
     s.imu.errors.accel_noise = settings.ranging.receiver_acceleration;
     s.gnss.lever_arm_b.setZero();
     s.ranging.protection.use = false;
-    s.ranging.baro_bias_time = 0.0;
     s.aids = {};
     s.aids.gate_probability = settings.aids.gate_probability;
     s.aids.recovery_time = settings.aids.recovery_time;
@@ -88,7 +87,7 @@ void ReceiverFilter::coast_to(Time time) {
         const Eigen::Matrix3d C_bn = nav.q_nb.toRotationMatrix().transpose();
         const Vector3d f_n = (2.0 * terms.w_ie_n + terms.w_en_n).cross(nav.v_eb_n) - terms.g_n;
         const Time next = left <= longest ? time : nav.time + Duration::from_seconds(dt);
-        if (f.gathered.time + dt > longest_span) propagate_covariance();
+        if (f.gathered.is_full(dt)) propagate_covariance();
         f.propagate(model_, {next, dt, C_bn * (terms.w_ie_n + terms.w_en_n) * dt, C_bn * f_n * dt}, {});
     }
     propagate_covariance();

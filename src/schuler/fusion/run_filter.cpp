@@ -1,12 +1,14 @@
 #include "schuler/fusion/run_filter.h"
 
 #include "schuler/core/error.h"
+#include "schuler/core/units.h"
 #include "schuler/fusion/backward.h"
 #include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/intermediate_run.h"
+#include "schuler/fusion/height_faults.h"
 #include "schuler/fusion/legs.h"
-#include "schuler/fusion/lost_way.h"
 #include "schuler/fusion/mounting.h"
+#include "schuler/fusion/realignment.h"
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
@@ -81,16 +83,16 @@ Settings in_force(Settings settings) {
     return settings;
 }
 
-/// One sigma of a latency: where it was fitted, twice what the curvature of the likelihood says, which takes innovations for independent,
+/// s, one sigma of a latency that nothing is known of yet.
+constexpr double unmeasured_latency = 0.15;
+
+/// One sigma of a latency: where it was fitted, twice what the rise of the likelihood says, which takes innovations for independent,
 /// within what the fits are good for.
 double latency_std(const char* key, double given, const Findings& findings) {
     const auto tuned = std::ranges::find(findings.tuned, key, &TunedSetting::key);
     if (tuned == findings.tuned.end()) return given;
-    return as_written(std::clamp(2.0 * tuned->sigma, 0.02, 0.1), 1.0);
+    return as_written(std::clamp(2.0 * tuned->sigma, 0.02, unmeasured_latency), 1.0);
 }
-
-/// s, one sigma of a latency that nothing is known of yet.
-constexpr double unmeasured_latency = 0.15;
 
 double longest_gap(const ImuTimeline& imu) {
     double longest = 0.0;
@@ -125,6 +127,9 @@ void check_input(const Recording& recording, const Settings& settings, WarningLo
 
 namespace {
 
+/// Zero of the times that a user gives: the first fix.
+Time origin_of(const Recording& recording) { return recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time; }
+
 /// One leg, or a log without pauses.
 Result run_leg(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress, const RowSink& rows,
                const ReceiverInLoop& receiver) {
@@ -138,10 +143,11 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     RunData data;
     data.recording = &recording;
     data.imu = make_imu_timeline(recording.imu, settings.imu, warnings);
-    const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
+    const Time origin = origin_of(recording);
     data.origin = origin;
     set_limits(data, settings);
-    const FixScreen screen = screen_fixes(recording.gnss, settings, origin, warnings);
+    FixScreen screen = screen_fixes(recording.gnss, settings, origin, warnings);
+    screen_heights(screen, recording, data.imu, settings, origin, warnings);
     data.events = make_events(recording, settings, origin, warnings, screen);
     const MissingStd missing = missing_std(recording);
     const bool tuning = settings.gnss.estimate_latency || settings.imu.estimate_noise ||
@@ -219,13 +225,6 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     return result;
 }
 
-/// Whether a run that lost its way may begin anew: by fixes, and where the rows of the first are not written yet.
-bool may_begin_anew(const Settings& s, const RowSink& rows, const ReceiverInLoop& receiver) {
-    return !rows && !receiver && !uses_ranges(s.coupling) && s.coupling != Coupling::Separate && !s.integrity.use && s.aids.gate_probability > 0.0;
-}
-
-Time origin_of(const Recording& recording) { return recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time; }
-
 /// Settings for a part of a recording whose origin is another one.
 Settings moved(Settings settings, const Recording& whole, const Recording& part) {
     const double seconds = (origin_of(part) - origin_of(whole)).seconds();
@@ -233,12 +232,38 @@ Settings moved(Settings settings, const Recording& whole, const Recording& part)
     return settings;
 }
 
-/// A run; where it lost its way, the part before that and one begun anew there, if that one explains the fixes.
-Result run_found(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress, const RowSink& rows,
-                 const ReceiverInLoop& receiver, int attempts = 3) {
+/// What came before an alignment anew at `since`: with the settings that the rest found, and where the headings disagree, from the one
+/// that the rest shows. Nothing where it is too short.
+std::optional<Result> run_before(const Recording& recording, Time since, const Settings& settings, const Result& rest, const Progress& progress,
+                                 WarningLog& warnings) {
+    const Recording part = part_of(recording, Time{INT64_MIN}, since);
+    WarningLog heard;
+    try {
+        Result result = run_leg(part, settings, heard, progress, {}, {});
+        const std::optional<CarriedHeading> shown = heading_carried_back(result, rest);
+        if (!shown) return result;
+        Settings turned = settings;
+        turned.initial.rpy.z() = shown->heading;
+        turned.initial.std_rpy.z() = shown->std;
+        Result again = run_leg(part, turned, heard, progress, {}, {});
+        if (positions_after(again, Time{INT64_MIN}).refused > positions_after(result, Time{INT64_MIN}).refused) return result;
+        if (std::isfinite(settings.initial.rpy.z()))
+            warnings.add("contradiction.initial.heading_deg",
+                         fmt::format("the data contradict initial.heading_deg: {:.1f} deg is given, {:.1f} +- {:.1f} deg is what the motion later shows, and is used",
+                                     settings.initial.rpy.z() / units::deg, shown->heading / units::deg, shown->std / units::deg));
+        return again;
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+}
+
+/// A run; where it diverged from the fixes, the part before that and one aligned anew there, in motion, if that one explains the fixes.
+Result run_realigned(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress, const RowSink& rows,
+                     const ReceiverInLoop& receiver, int attempts = 3) {
     Result result = run_leg(recording, given, warnings, progress, rows, receiver);
-    if (attempts == 0 || !may_begin_anew(given, rows, receiver)) return result;
-    const std::optional<Time> since = lost_way(result);
+    // rows that are written already stay
+    if (attempts == 0 || rows || receiver || !may_realign(given)) return result;
+    const std::optional<Time> since = diverged_at(result);
     if (!since) return result;
     const Recording rest = part_of(recording, *since, Time{INT64_MAX});
     WarningLog heard;
@@ -246,39 +271,25 @@ Result run_found(const Recording& recording, const Settings& given, WarningLog& 
     anew.initial = {};
     std::optional<Result> found;
     try {
-        found = run_found(rest, anew, heard, progress, {}, {}, attempts - 1);
+        found = run_realigned(rest, anew, heard, progress, {}, {}, attempts - 1);
     } catch (const Error&) {   // nothing to start from
         return result;
     }
-    if (!found_again(result, *found, *since)) return result;
-    warnings.add("navigation.lost_way", fmt::format("{:.1f} s after the first fix the navigation had lost its way and did not find back to the fixes by "
-                                                    "itself; it was begun anew there, in motion",
-                                                    (*since - origin_of(recording)).seconds()));
-    // What came before, with what the rest shows.
-    Settings first = found->findings.in_force ? *found->findings.in_force : given;
-    first.initial = given.initial;
-    first.outages = given.outages;
-    std::optional<Result> all;
-    try {
-        const Recording part = part_of(recording, Time{INT64_MIN}, *since + Duration{1});
-        all = run_leg(part, first, heard, progress, {}, {});
-        if (const std::optional<CarriedHeading> shown = heading_carried_back(*all, *found)) {
-            Settings turned = first;
-            turned.initial.rpy.z() = shown->heading;
-            turned.initial.std_rpy.z() = shown->std;
-            Result again = run_leg(part, turned, heard, progress, {}, {});
-            if (positions_after(again, Time{INT64_MIN}).refused <= positions_after(*all, Time{INT64_MIN}).refused) all = std::move(again);
-        }
-    } catch (const Error&) {   // too short
-    }
-    auto whole = std::make_shared<Settings>(first);
-    found->findings.in_force = std::move(whole);
+    if (!explains(*found, result, *since)) return result;
+    warnings.add("navigation.realigned", fmt::format("{:.1f} s after the first fix the navigation had diverged from the fixes and did not recover; it was "
+                                                     "aligned anew there, in motion",
+                                                     (*since - origin_of(recording)).seconds()));
+    Settings settings = found->findings.in_force ? *found->findings.in_force : given;
+    settings.initial = given.initial;
+    settings.outages = given.outages;
+    std::optional<Result> all = run_before(recording, *since, settings, *found, progress, warnings);
+    found->findings.in_force = std::make_shared<const Settings>(settings);
     if (!all) return std::move(*found);
-    const Findings before = all->findings;
+    const Findings start = all->findings;
     all->findings = found->findings;
-    all->findings.started_at = before.started_at;
-    all->findings.heading = before.heading;
-    all->findings.std_heading = before.std_heading;
+    all->findings.started_at = start.started_at;
+    all->findings.heading = start.heading;
+    all->findings.std_heading = start.std_heading;
     append(*all, std::move(*found));
     return std::move(*all);
 }
@@ -288,24 +299,19 @@ Result run_found(const Recording& recording, const Settings& given, WarningLog& 
 Result run_filter(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                   const RowSink& rows, const ReceiverInLoop& receiver) {
     const std::vector<Time> starts = leg_starts(recording);
-    if (starts.size() < 2 || receiver) return run_found(recording, given, warnings, progress, rows, receiver);
+    if (starts.size() < 2 || receiver) return run_realigned(recording, given, warnings, progress, rows, receiver);
     check_settings(given);
     check_overlap(recording, given.initial, warnings);
-    const Time origin = recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
     std::optional<Result> all;
     std::optional<Error> failure;
     std::size_t left_out = 0;
     for (std::size_t k = 0; k < starts.size(); ++k) {
         const Recording leg = leg_of(recording, starts, k);
         if ((given.stop && leg.imu.front().time > *given.stop) || (given.start && leg.imu.back().time < *given.start)) continue;
-        const Time zero = leg.gnss.empty() ? leg.imu.front().time : leg.gnss.front().time;
-        const double seconds = (zero - origin).seconds();
-        Settings settings = given;
-        if (all) settings = continued(given, *all, leg, seconds);
-        else
-            for (Outage& o : settings.outages) o.start -= seconds;
+        const double seconds = (origin_of(leg) - origin_of(recording)).seconds();
+        const Settings settings = all ? continued(given, *all, leg, seconds) : moved(given, recording, leg);
         try {
-            Result r = run_found(leg, settings, warnings, progress, rows, {});
+            Result r = run_realigned(leg, settings, warnings, progress, rows, {});
             if (all) {
                 append(*all, std::move(r));
                 continue;
@@ -322,7 +328,9 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
         }
     }
     if (!all) throw failure ? *failure : input_error("no leg of the log can be navigated", {.file = {}, .key = "imu.file"}, "give a longer log");
-    warnings.add("legs", fmt::format("the inertial log pauses for more than {:.0f} s: {} legs, each started anew", longest_bridge, starts.size()));
+    warnings.add("legs", fmt::format("the inertial log pauses for more than {:.0f} s, or its clock was set together with the receiver's: {} legs, each "
+                                     "started anew",
+                                     longest_bridge, starts.size()));
     if (failure)
         warnings.add("legs.left_out", fmt::format("{} of {} legs {} left out: {}", left_out, starts.size(), left_out == 1 ? "is" : "are", failure->reason()));
     return std::move(*all);

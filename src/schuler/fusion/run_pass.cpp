@@ -102,6 +102,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
         epoch.sigma.head(m.dof) = f.innovation_covariance(m).diagonal().head(m.dof).cwiseMax(0.0).cwiseSqrt();
         epoch.sigma_state.setZero();
         for (int i = 0; i < m.dof; ++i) epoch.sigma_state(i) = std::sqrt(std::max(0.0, epoch.sigma(i) * epoch.sigma(i) - m.variance(i)));
+        epoch.sigma_apart = f.sigma_apart(model, m, point.undecided);
         out.outage_epochs.push_back(epoch);
     };
     rewind_checkpoints(pass, model, checkpoints, end, tape, progress, report);

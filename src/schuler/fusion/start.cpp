@@ -227,23 +227,22 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
         const double lead = (start.nav.time - fix_event->valid).seconds();
         start.nav.position = earth::moved_by_ned(settings.earth, start.nav.position, start.nav.v_eb_n * lead);
         const FixNoise& noise = data.fix_noise[fix_event->index];
-        const Vector3d late = settings.gnss.latency_std * start.nav.v_eb_n, &slow = settings.gnss.errors.correlated_position;
+        const Vector3d& slow = settings.gnss.errors.correlated_position;
         for (int i = 0; i < 3; ++i) {
             const double whole = std::max(noise.position(i), std::hypot(noise.white_position(i), slow(i)));
-            std_position(i) = std::hypot(whole, late(i)) + settings.gnss.lever_arm_b.norm() + start.std_velocity(i) * std::abs(lead);
+            std_position(i) = whole + settings.gnss.lever_arm_b.norm() + start.std_velocity(i) * std::abs(lead);
         }
         start.position_of_fix.setOnes();
+        start.position_rate = start.nav.v_eb_n;
         if (!std::isfinite(fix->position.h)) {
             std_position.z() = 1000.0;
-            start.position_of_fix.z() = 0.0;
+            start.position_of_fix.z() = start.position_rate.z() = 0.0;
         }
     }
     start.std_position = or_given(given.std_position, std_position);
 }
 
-}  // namespace
-
-Start find_start(const RunData& data, const Settings& settings, Findings& findings, WarningLog& warnings) {
+Start found_start(const RunData& data, const Settings& settings, Findings& findings, WarningLog& warnings) {
     const InitialSettings& given = settings.initial;
     Start start;
     set_biases(start, settings);
@@ -256,11 +255,21 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
         start.nav.v_eb_n.setZero();
         start.std_velocity.setConstant(0.1);
         start.velocity_of_fix.setZero();
+        start.position_rate.setZero();
+    } else {
+        start.velocity_rate = gnss_acceleration(data, t0).cwiseProduct(start.velocity_of_fix);
     }
     const Level level = level_of(data, settings, start, still);
     const Vector3d &f_n = level.f_n, &f_b = level.f_b;
     const double level_std = level.std;
     findings.aligned_at = t0;
+
+    // A heading by the direction of travel is as late as that.
+    const double course_rate = [&] {
+        constexpr double slowest = 2.0;   // m/s
+        const Eigen::Vector2d v = start.nav.v_eb_n.head<2>(), a = start.velocity_rate.head<2>();
+        return v.norm() > slowest ? (v.x() * a.y() - v.y() * a.x()) / v.squaredNorm() : 0.0;
+    }();
 
     const auto finish = [&](double heading, double std_heading, const std::string& sentence) {
         const Vector3d found = math::rpy_from_quaternion(ins::attitude_from_specific_force(f_b, f_n, heading));
@@ -324,6 +333,7 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
                 fmt::format("heading {:.1f} deg at the start found from the motion in the first {:.0f} s",
                             rpy.z() / units::deg, (search.until - t0).seconds());
             if (standing) return finish(rpy.z(), std, sentence);
+            start.heading_rate = course_rate;
             start = finish(rpy.z(), std, sentence);
             for (int i = 0; i < 2; ++i)
                 if (!std::isfinite(given.rpy(i)) && !std::isfinite(given.std_rpy(i)))
@@ -338,6 +348,7 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
         if (search.std < 60.0 * units::deg) {
             findings.aligned_at = until;
             if (!standing) start.gyro_bias = search.best.gyro_bias;
+            if (!standing) start.heading_rate = course_rate;
             const double std = 1.5 * search.std;   // the tails are longer than a Gaussian's
             const auto sentence = [&](double heading, const char* which) {
                 return fmt::format("heading {:.0f} deg at the start, to {:.0f} deg: the {} of what the first {:.0f} s do not refute",
@@ -377,6 +388,26 @@ Start find_start(const RunData& data, const Settings& settings, Findings& findin
     findings.heading_found = false;
     start.undecided_heading = unknown;
     return finish(tried.value_or(0.0), open, "heading unknown");
+}
+
+}  // namespace
+
+Start find_start(const RunData& data, const Settings& settings, Findings& findings, WarningLog& warnings) {
+    Start start = found_start(data, settings, findings, warnings);
+    // The acceleration by which the fixes' latency counts from here on; another one would seem to tell something of it.
+    constexpr double span = 0.1;   // s
+    const Vector3d g_n = earth::terms_at(settings.earth, start.nav.position, start.nav.v_eb_n).g_n;
+    const Vector3d acceleration = start.nav.q_nb * mean_force(data, start.increment, span) + g_n;
+    if (!start.velocity_rate.isZero()) start.velocity_rate = acceleration.cwiseProduct(start.velocity_of_fix);
+    return start;
+}
+
+Start with_later_fixes(const Start& start, const earth::Earth& earth, double position, double velocity) {
+    Start later = start;
+    later.nav.position = earth::moved_by_ned(earth, start.nav.position, position * start.position_rate);
+    later.nav.v_eb_n += velocity * start.velocity_rate;
+    later.nav.q_nb = Eigen::AngleAxisd(velocity * start.heading_rate, Vector3d::UnitZ()) * start.nav.q_nb;
+    return later;
 }
 
 }  // namespace schuler::fusion

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace schuler::fusion {
 namespace {
@@ -117,17 +118,46 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
     return told;
 }
 
-/// `share` of the moving slots that may pass for still, because their speeds hide short stops.
-StillThresholds learn(const std::vector<Slot>& slots, double share) {
+/// Velocities made of range rates are too noisy to show rest one by one: speeds of their means over some seconds instead, where those are
+/// sharp enough.
+void set_mean_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events) {
+    constexpr double half = 10.0, sharp = 0.05;   // s, m/s
+    struct Point {
+        double t;
+        Eigen::Vector2d v;
+        double variance;
+    };
+    std::vector<Point> points;
+    for (const Event& e : events) {
+        if (e.withheld || e.kind != AidKind::GnssVelocity || (e.components & 3) != 3) continue;
+        const GnssFix& fix = recording.gnss[e.index];
+        const double t = (e.valid - slots.front().end).seconds() + slot_length;
+        points.push_back({t, fix.velocity_n.head<2>(), fix.std_velocity.head<2>().squaredNorm()});
+    }
+    std::size_t low = 0, high = 0;
+    for (std::size_t k = 0; k < slots.size(); ++k) {
+        const double t = slot_length * (static_cast<double>(k) + 0.5);
+        while (high < points.size() && points[high].t <= t + half) ++high;
+        while (low < high && points[low].t < t - half) ++low;
+        slots[k].speed = not_given;
+        const auto n = static_cast<double>(high - low);
+        if (n < 5.0 || points[high - 1].t - points[low].t < 0.8 * half) continue;
+        Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+        double variance = 0.0;
+        for (std::size_t i = low; i < high; ++i) {
+            sum += points[i].v;
+            variance += points[i].variance;
+        }
+        if (std::sqrt(variance) / n < sharp) slots[k].speed = sum.norm() / n;
+    }
+}
+
+/// A quarter above the agitation of the slots that are calm by their speeds; zero where there are too few.
+StillThresholds calm_thresholds(const std::vector<Slot>& slots) {
     std::vector<double> force, rate;
-    std::vector<const Slot*> moving;
     for (std::size_t i = 0; i < slots.size(); ++i) {
         const Slot& s = slots[i];
         if (!std::isfinite(s.speed) || !std::isfinite(s.force_std)) continue;
-        if (s.speed > 0.5) {
-            moving.push_back(&s);
-            continue;
-        }
         bool calm = s.speed < 0.1;
         for (std::size_t k = i >= 5 ? i - 5 : 0; calm && k <= std::min(slots.size() - 1, i + 5); ++k)
             calm = !(slots[k].speed > 0.1);
@@ -136,10 +166,17 @@ StillThresholds learn(const std::vector<Slot>& slots, double share) {
             rate.push_back(s.rate_std);
         }
     }
-    StillThresholds t;
-    if (force.size() < 15) return t;
-    t.force_std = 1.25 * quantile(force, 0.95);
-    t.rate_std = 1.25 * quantile(rate, 0.95);
+    if (force.size() < 15) return {};
+    return {false, 1.25 * quantile(force, 0.95), 1.25 * quantile(rate, 0.95)};
+}
+
+/// `share` of the moving slots that may pass for still, because their speeds hide short stops.
+StillThresholds learn(const std::vector<Slot>& slots, double share) {
+    StillThresholds t = calm_thresholds(slots);
+    if (!(t.force_std > 0.0)) return {};
+    std::vector<const Slot*> moving;
+    for (const Slot& s : slots)
+        if (s.speed > 0.5 && std::isfinite(s.force_std)) moving.push_back(&s);
     // Shrink until practically no moving slot passes; give up if the two cannot be told apart.
     const double allowed = share * static_cast<double>(moving.size());
     for (int i = 0; i < 12; ++i) {
@@ -156,6 +193,26 @@ StillThresholds learn(const std::vector<Slot>& slots, double share) {
     return {};
 }
 
+constexpr double no_limit = std::numeric_limits<double>::infinity(), slow_mean = 0.1;   // m/s
+
+/// Still windows; with a `limit` (m/s) only where a speed is known and below it.
+std::vector<StillWindow> windows_of(const std::vector<Slot>& slots, const StillThresholds& thresholds, const Settings& settings, double limit) {
+    std::vector<StillWindow> windows;
+    // Aircraft hover and ships drift without the IMU noticing: they stand still only before they first move.
+    const bool until_first_motion = settings.vehicle == VehicleKind::Air || settings.vehicle == VehicleKind::Hand;
+    if (settings.vehicle == VehicleKind::Ship) return windows;
+    const double largest_rate = largest_still_rate(settings.vehicle);
+    bool moved = false;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+        const Slot& s = slots[i];
+        moved = moved || s.speed > 1.0;
+        if (until_first_motion && moved) break;
+        if (std::isfinite(limit) && !(s.speed < limit)) continue;
+        if (is_still(slots, i, thresholds, largest_rate)) windows.push_back(s.window());
+    }
+    return windows;
+}
+
 }  // namespace
 
 StillReport find_still(const ImuTimeline& imu, const Recording& recording, const std::vector<Event>& events,
@@ -166,19 +223,12 @@ StillReport find_still(const ImuTimeline& imu, const Recording& recording, const
     add_speeds(slots, recording, events, settings);
     const bool coarse = add_slow_speeds(slots, recording, events, settings);
     report.thresholds = learn(slots, coarse ? 0.25 : 0.001);
-    if (!report.thresholds.learnt) return report;
-
-    // Aircraft hover and ships drift without the IMU noticing: they stand still only before they first move.
-    const bool until_first_motion = settings.vehicle == VehicleKind::Air || settings.vehicle == VehicleKind::Hand;
-    const bool never = settings.vehicle == VehicleKind::Ship;
-    if (never) return report;
-    const double largest_rate = largest_still_rate(settings.vehicle);
-    bool moved = false;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-        const Slot& s = slots[i];
-        moved = moved || s.speed > 1.0;
-        if (until_first_motion && moved) break;
-        if (is_still(slots, i, report.thresholds, largest_rate)) report.windows.push_back(s.window());
+    if (report.thresholds.learnt) report.windows = windows_of(slots, report.thresholds, settings, no_limit);
+    // Where the agitation tells nothing, ranges by themselves can: a stop that their speeds show.
+    if (report.windows.empty() && uses_ranges(settings.coupling) && !recording.ranges.empty() && !slots.empty()) {
+        set_mean_speeds(slots, recording, events);
+        const StillThresholds calm = calm_thresholds(slots);
+        if (calm.force_std > 0.0) report.windows = windows_of(slots, calm, settings, slow_mean);
     }
     return report;
 }

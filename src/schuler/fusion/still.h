@@ -1,4 +1,5 @@
-// When did the body stand still? Decided from the IMU's own agitation, with thresholds learnt from the GNSS speed.
+// When did the body stand still? Decided from the IMU's own agitation, with thresholds learnt from the GNSS speed; with ranges alone, whose
+// velocities are noisy, from the means of those too.
 #pragma once
 
 #include "schuler/core/samples.h"

@@ -122,7 +122,8 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     } else {
         timeline.increments = std::move(intervals);   // the usual case costs no second copy
     }
-    const std::vector<Bridge> doubtful = doubtful_stretches(timeline);
+    const Doubts doubts = doubtful_stretches(timeline);
+    const std::vector<Bridge>& doubtful = doubts.stretches;
     timeline.doubtful = doubtful.size();
     timeline.bridges.insert(timeline.bridges.end(), doubtful.begin(), doubtful.end());
     std::ranges::sort(timeline.bridges, {}, &Bridge::first);
@@ -131,6 +132,10 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
                                                  "they count with the noise of what departs there",
                                                  timeline.doubtful, timeline.doubtful == 1 ? "" : "s",
                                                  timeline.increments[doubtful.front().first].time.seconds()));
+    constexpr double throughout = 0.02;   // of the samples: beyond it no motion of this log is measured as it was
+    if (doubts.saturated > throughout)
+        warnings.add("imu.saturated", fmt::format("{:.0f} % of the IMU's samples are at the end of an axis's range: what it felt beyond is not in the log",
+                                                  100.0 * doubts.saturated));
     if (timeline.gaps > 0)
         warnings.add("imu.gaps", fmt::format("the IMU log has {} gap{} (longest {:.3f} s), bridged by interpolation with a larger "
                                              "uncertainty",

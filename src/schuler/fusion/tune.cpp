@@ -5,6 +5,7 @@
 #include "schuler/filter/vibration.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/fusion/trial.h"
+#include "schuler/fusion/trial_judge.h"
 #include "schuler/math/quantile.h"
 
 #include <fmt/format.h>
@@ -22,125 +23,32 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Trials run for five minutes; longer, up to twenty, where there was little motion until then: rest tells little of what comes after it.
-Time trial_end(const Recording& recording, Time begin) {
-    constexpr double least = 300.0, most = 1200.0, least_moving = 240.0, slow = 2.0;   // s, m/s
-    double moving = 0.0, last = 0.0;
-    const GnssFix* before = nullptr;
-    const earth::Earth earth;
-    for (const GnssFix& fix : recording.gnss) {
-        const double t = (fix.time - begin).seconds();
-        if (t < 0.0 || !std::isfinite(fix.position.lat)) continue;
-        if (t > most) break;
-        if (t > least && moving > least_moving) return begin + Duration::from_seconds(std::max(least, last));
-        last = t;
-        if (before != nullptr) {
-            const double dt = (fix.time - before->time).seconds();
-            if (dt < 1.0) continue;
-            if (earth::ned_difference(earth, fix.position, before->position).head<2>().norm() > slow * dt) moving += std::min(dt, 10.0);
-        }
-        before = &fix;
-    }
-    return begin + Duration::from_seconds(moving > 0.0 ? most : least);
-}
-
-/// A trial: one run over a limited span, judged by how probable its innovations were.
-class Judge {
-public:
-    Judge(RunData& data, const Start& start, const FixScreen& screen)
-        : data_(data), start_(start), screen_(screen), last_(data.imu.increments.size() - 1) {
-        const Time stop = trial_end(*data.recording, start.nav.time);
-        const auto it = std::lower_bound(data.imu.increments.begin(), data.imu.increments.end(), stop,
-                                         [](const ImuIncrement& i, Time t) { return i.time < t; });
-        last_ = std::min(last_, static_cast<std::size_t>(it - data.imu.increments.begin()));
-        find_speeds(stop);
-    }
-
-    [[nodiscard]] Time stop() const { return data_.imu.increments[last_].time; }
-    /// Components that the last cost was the mean of, by weight.
-    [[nodiscard]] double count() const { return count_; }
-
-    /// Mean negative log-likelihood per component: of the GNSS alone, or of barometer and magnetometer too.
-    double cost(const Settings& settings, bool surroundings) {
-        WarningLog unheard;
-        data_.events = make_events(*data_.recording, settings, data_.origin, unheard, screen_);
-        data_.fix_noise = fix_noise(*data_.recording, settings.gnss, unheard);
-        Settings trial = plain_settings(settings);
-        trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;   // of the noise that is sought
-        if (settings.gnss.estimate_latency) trial.gnss.latency_std = trial.gnss.velocity_latency_std = 0.0;   // it is sought itself
-        if (!surroundings) trial.baro.use = trial.mag.use = false;
-        if (!surroundings) std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
-        PassOptions options;
-        options.outputs = false;
-        options.rivalry = Rivalry::None;   // quicker, and a likelihood that does not hang on who wins when
-        options.last_increment = last_;
-        const Result run = run_pass(data_, trial, start_, options);
-        double sum = 0.0, n = 0.0;
-        std::size_t at = 0;
-        for (const AidRecord& r : run.aids) {
-            const bool counts = r.kind == AidKind::GnssPosition || r.kind == AidKind::GnssVelocity || r.kind == AidKind::Baro ||
-                                r.kind == AidKind::Mag;
-            if (!counts || r.status == AidStatus::Withheld || (r.time - start_.nav.time).seconds() < 5.0) continue;
-            while (at + 1 < speeds_.size() && speeds_[at + 1].first <= r.time) ++at;
-            const double weight = speeds_.empty() || speeds_[at].second > slow_ ? 1.0 : weight_at_rest;
-            for (int i = 0; i < 3; ++i) {
-                if (!(r.sigma(i) > 0.0)) continue;
-                const double x = std::abs(r.innovation(i)) / r.sigma(i);
-                // Huber's tails: a few bad fixes must not decide; one that is wrong by thousands of sigmas, less still.
-                constexpr double straight = 3.0, far = 10.0;
-                const double tail = x < far ? straight * x : straight * far * (1.0 + std::log(x / far));
-                sum += weight * (std::log(r.sigma(i)) + (x < straight ? 0.5 * x * x : tail - 0.5 * straight * straight));
-                n += weight;
-            }
-        }
-        count_ = n;
-        return n > 0.0 ? sum / n : 1e9;
-    }
-
-private:
-    /// A receiver at rest says nothing of its errors in motion, nor a unit at rest of its own, and logs begin and end with minutes of it.
-    static constexpr double weight_at_rest = 0.1;
-
-    /// Speeds by the fixes, and which are slow: a quarter of what is usual at the upper end.
-    void find_speeds(Time stop) {
-        const earth::Earth earth;
-        const GnssFix* before = nullptr;
-        std::vector<double> sorted;
-        for (const GnssFix& fix : data_.recording->gnss) {
-            if (fix.time < start_.nav.time || fix.time > stop || !std::isfinite(fix.position.lat)) continue;
-            double speed = fix.velocity_n.head<2>().norm();
-            if (!std::isfinite(speed)) {
-                const double dt = before != nullptr ? (fix.time - before->time).seconds() : 0.0;
-                speed = dt > 0.0 ? earth::ned_difference(earth, fix.position, before->position).head<2>().norm() / dt : 0.0;
-            }
-            before = &fix;
-            speeds_.emplace_back(fix.time, speed);
-            sorted.push_back(speed);
-        }
-        if (!sorted.empty()) slow_ = std::max(0.5, 0.25 * math::quantile(sorted, 0.95));   // m/s
-    }
-
-    std::vector<std::pair<Time, double>> speeds_;
-    double slow_ = 0.0;
-    RunData& data_;
-    const Start& start_;
-    const FixScreen& screen_;
-    std::size_t last_;
-    double count_ = 0.0;
-};
-
 struct Minimum {
     double at = 0.0;
-    double curvature = 0.0;   ///< second derivative by the nearest trials on both sides; zero where there are none
-    double step = 0.0;        ///< distance of the last trials
+    double step = 0.0;                  ///< distance of the last trials
+    std::map<double, double> trials;    ///< arguments and what came of them
 };
 
-double curvature_at(double x, const std::map<double, double>& trials) {
-    const auto at = trials.find(x);
-    if (at == trials.end() || at == trials.begin() || std::next(at) == trials.end()) return 0.0;
-    const auto [x0, c0] = *std::prev(at);
-    const auto [x1, c1] = *std::next(at);
-    return 2.0 * ((c1 - at->second) / (x1 - x) - (at->second - c0) / (x - x0)) / (x1 - x0);
+/// A value that no trial has.
+constexpr double untried = 1e9;
+
+/// One sigma of a minimum of a negative logarithm of the likelihood, `scale` times what was tried, from how far away it has risen clearly:
+/// by a few units it changes where a fix is refused or not. Where it does not rise, as far as was looked.
+double sigma_of(const Minimum& minimum, double scale) {
+    constexpr double clear = 4.0;
+    const double lowest = minimum.trials.at(minimum.at);
+    const auto side = [&](auto first, auto last) {
+        double farthest = 0.0;
+        for (auto it = first; it != last; ++it) {
+            if (it->second >= untried) continue;
+            const double away = std::abs(it->first - minimum.at), rise = (it->second - lowest) * scale;
+            if (away > 0.0 && rise >= clear) return away / std::sqrt(2.0 * rise);
+            farthest = std::max(farthest, away);
+        }
+        return farthest;
+    };
+    const auto at = minimum.trials.find(minimum.at);
+    return std::max({side(at, minimum.trials.end()), side(std::make_reverse_iterator(at), minimum.trials.rend()), 0.5 * minimum.step});
 }
 
 /// Minimum of f on a grid, refined by bisections of the grid's step; no argument below `least` or above `most` is tried.
@@ -171,7 +79,7 @@ Minimum minimise(const std::function<double(double)>& f, double low, double high
             }
         }
     }
-    return {best, curvature_at(best, trials), step};
+    return {best, step, std::move(trials)};
 }
 
 }  // namespace
@@ -228,7 +136,11 @@ struct LogKnob {
     double low, high;                               ///< of x, first round
     bool surroundings = false;
     double least = -1e3, most = 1e3;                ///< of x, in every round
+    double expected = 0.0, spread = 0.0;            ///< of x before the trials, one sigma; 0: anything goes
     double x = 0.0;
+
+    /// Negative logarithm of its density before the trials.
+    [[nodiscard]] double surprise(double at) const { return spread > 0.0 ? 0.5 * std::pow((at - expected) / spread, 2) : 0.0; }
 };
 
 bool is_precise(const Recording& recording) {
@@ -260,17 +172,19 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
         // is taken for it, and what came of it is a filter that knows no heading and grows uncertain at rest.
         constexpr double all = 1.5, worse = 3.0;   // of what is seen, of the grade
         const filter::Vibration mean = mean_vibration(imu_log);
-        const double shaken = std::log(all);
+        const double shaken = std::log(all), none = -3.0;
+        // Where the fixes are too poor to tell, it is what the grade says.
+        constexpr double spread = 1.5;   // a factor of 4.5
         const double most_gyro = std::log(std::max(worse, all * std::sqrt(mean.gyro_psd) / imu.gyro_noise));
         const double most_accel = std::log(std::max(worse, all * std::sqrt(mean.accel_psd) / imu.accel_noise));
         if (!before.imu.gyro_vibration)
-            knobs.push_back({"imu.gyro_vibration", [](Settings& s, double x) { s.imu.gyro_vibration = std::exp(x); }, -3.0, shaken, false, -3.0, shaken});
+            knobs.push_back({"imu.gyro_vibration", [](Settings& s, double x) { s.imu.gyro_vibration = std::exp(x); }, none, shaken, false, none, shaken, none, 2.0 * spread});
         if (!before.imu.accel_vibration)
-            knobs.push_back({"imu.accel_vibration", [](Settings& s, double x) { s.imu.accel_vibration = std::exp(x); }, -3.0, shaken, false, -3.0, shaken});
+            knobs.push_back({"imu.accel_vibration", [](Settings& s, double x) { s.imu.accel_vibration = std::exp(x); }, none, shaken, false, none, shaken, none, 2.0 * spread});
         knobs.push_back({"imu.gyro_noise_deg_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.gyro_noise = std::exp(x) * imu.gyro_noise; },
-                         -1.4, 4.2, false, -1e3, most_gyro});
+                         -1.4, 4.2, false, -1e3, most_gyro, 0.0, spread});
         knobs.push_back({"imu.accel_noise_m_s_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.accel_noise = std::exp(x) * imu.accel_noise; },
-                         -1.4, 5.6, false, -1e3, most_accel});
+                         -1.4, 5.6, false, -1e3, most_accel, 0.0, spread});
     }
     if (g.estimate_std && missing.position) {
         knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
@@ -333,8 +247,8 @@ Vector3d stated_by_autonomous(const Recording& recording) {
     for (int i = 0; i < 3; ++i) {
         std::vector<double> stated;
         for (const GnssFix& f : recording.gnss)
-            if (f.fix == FixType::Autonomous || f.fix == FixType::Unknown) stated.push_back(f.std_position(i));
-        std::erase_if(stated, [](double s) { return !(s > 0.5 && s < 20.0); });   // m: corrected ones are better, useless ones are white
+            if (f.fix == FixType::Autonomous || (f.fix == FixType::Unknown && f.std_position(i) > 0.5)) stated.push_back(f.std_position(i));
+        std::erase_if(stated, [](double s) { return !(s > 0.0 && s < 20.0); });   // m: corrected ones are better, useless ones are white
         if (2 * stated.size() > recording.gnss.size()) out(i) = math::median(std::move(stated));
     }
     return out;
@@ -349,7 +263,11 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
     GnssSettings& g = settings.gnss;
     // What an autonomous receiver says of its accuracy is mostly of what it wanders, and minutes of a log do not show all of that.
     if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position && before.gnss.errors.correlated_position.isZero()) {
-        const Vector3d stated = stated_by_autonomous(recording), slow = g.errors.correlated_position.cwiseMax(stated.cwiseMin(most_wander * Vector3d(1.0, 1.0, 1.5)));
+        const Vector3d stated = stated_by_autonomous(recording), upright(1.0, 1.0, 1.5);
+        constexpr double refuted = 1.5;   // the fixes scatter by so much more than is stated: it does not tell what they wander by either
+        const bool is_refuted = g.std_scale > refuted && stated.x() > 0.0;
+        const Vector3d accuracy = is_refuted ? Vector3d((g.std_scale * stated).cwiseMax(least_slow * upright)) : stated;
+        const Vector3d slow = g.errors.correlated_position.cwiseMax(accuracy.cwiseMin(most_wander * upright));
         // What was fitted is what scatters: with a larger slow part the whole is larger, and not the white part smaller.
         if (stated.x() > 0.0 && slow.x() > g.errors.correlated_position.x()) {
             const double white = white_part(g.std_scale * stated.x(), g.errors.correlated_position.x());
@@ -366,10 +284,16 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
     if (before.imu.estimate_noise && before.mag.use) settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));
 }
 
+/// Where a latency is looked for, s.
+struct Reach {
+    double around = 0.0, size = 1e9;
+    [[nodiscard]] bool holds(double x) const { return std::abs(x - around) <= size; }
+};
+
 }  // namespace
 
 void tune(RunData& data, Settings& settings, const Start& start, const FixScreen& screen, Findings& findings, WarningLog& warnings) {
-    Judge judge(data, start, screen);
+    TrialJudge judge(data, start, settings.gnss, screen);
     const MissingStd missing = missing_std(*data.recording);
     const Settings before = settings;
     const bool has_velocity = settings.gnss.use_velocity &&
@@ -378,18 +302,27 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
     std::vector<LogKnob> knobs = noise_knobs(before, *data.recording, data.imu, missing, has_velocity);
     findings.tuned_from = start.nav.time;
     findings.tuned_to = judge.stop();
+    // Latencies that motion in windows has measured (a sigma says so) are looked for within what it leaves open: the likelihood of a whole
+    // trial takes what it cannot explain, a fault of the inertial unit say, for any latency.
+    const auto reach = [&](double sigma) {
+        constexpr double unmeasured = 0.15, sigmas = 4.0;   // s
+        return sigma > 0.0 && sigma < unmeasured ? Reach{before.gnss.latency, sigmas * sigma} : Reach{};
+    };
+    const Reach near_position = reach(before.gnss.latency_std), near_velocity = reach(before.gnss.velocity_latency_std > 0.0 ? before.gnss.velocity_latency_std : before.gnss.latency_std);
     const auto search = [&](const char* key, bool relative, const std::function<void(Settings&, double)>& apply, double low, double high,
-                            int points, int refinements, bool surroundings, double least = -1e3, double most = 1e3) {
+                            int points, int refinements, bool surroundings, double least = -1e3, double most = 1e3, const Reach& within = {}, const LogKnob* knob = nullptr) {
         const Minimum best = minimise(
             [&](double x) {
+                if (!within.holds(x)) return untried;
                 Settings s = settings;
                 apply(s, x);
-                return judge.cost(s, surroundings);
+                const double cost = judge.cost(s, surroundings);
+                return knob != nullptr && judge.count() > 0.0 ? cost + knob->surprise(x) / judge.count() : cost;
             },
             low, high, points, refinements, least, most);
         apply(settings, best.at);
-        const double information = best.curvature * judge.count();
-        const double sigma = std::hypot(information > 0.0 ? 1.0 / std::sqrt(information) : 0.5 * (high - low), 0.5 * best.step);
+        const bool torn = std::abs(best.at - within.around) > 0.6 * within.size;   // between what was measured and what the trials want
+        const double sigma = torn ? 0.5 * within.size : sigma_of(best, judge.count());
         const auto same = std::ranges::find(findings.tuned, key, &TunedSetting::key);
         if (same == findings.tuned.end())
             findings.tuned.push_back({key, sigma, relative});
@@ -399,26 +332,33 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
     };
     for (int round = 0; round < (knobs.empty() ? 1 : 3); ++round) {
         for (LogKnob& k : knobs) {
-            k.x = round == 0 ? search(k.key, true, k.apply, k.low, k.high, 5, 1, k.surroundings, k.least, k.most)
-                             : search(k.key, true, k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings, k.least, k.most);
+            k.x = round == 0 ? search(k.key, true, k.apply, k.low, k.high, 5, 1, k.surroundings, k.least, k.most, {}, &k)
+                             : search(k.key, true, k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings, k.least, k.most, {}, &k);
         }
         if (!settings.gnss.estimate_latency) continue;
-        const auto all = [](Settings& s, double x) { s.gnss.latency = x; };
-        const double around = settings.gnss.latency;
-        if (round == 0)
-            search("gnss.latency_s", false, all, -0.2, 0.5, 8, 2, false);
-        else
-            search("gnss.latency_s", false, [around](Settings& s, double x) {
-                if (!s.gnss.velocity_latency) s.gnss.velocity_latency = around;
-                s.gnss.latency = x;
-            }, around - 0.1, around + 0.1, 3, 3, false);
+        // Of both together, which only the inertial unit can tell, and then what the velocities' differs by, which the fixes tell themselves.
+        const double now = settings.gnss.latency;
+        const bool apart = settings.gnss.velocity_latency && !before.gnss.velocity_latency;
+        const double difference = apart ? *settings.gnss.velocity_latency - now : 0.0;
+        const auto both = [=](Settings& s, double x) {
+            s.gnss.latency = x;
+            if (apart) s.gnss.velocity_latency = x + difference;
+        };
+        if (round == 0) search("gnss.latency_s", false, both, -0.2, 0.5, 8, 2, false, -1e3, 1e3, near_position);
+        else search("gnss.latency_s", false, both, now - 0.1, now + 0.1, 5, 2, false, -1e3, 1e3, near_position);
+        const auto sigma = [&](const char* key) -> double& { return std::ranges::find(findings.tuned, key, &TunedSetting::key)->sigma; };
+        // Beside velocities whose latency is settled the fixes tell how much later the positions are, and no more than that.
+        if (has_velocity && before.gnss.velocity_latency)
+            sigma("gnss.latency_s") = std::hypot(sigma("gnss.latency_s"), 0.5 * before.gnss.velocity_latency_std);
         if (has_velocity && !before.gnss.velocity_latency) {
-            const double now = settings.gnss.velocity_latency.value_or(settings.gnss.latency);
-            search("gnss.velocity_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_latency = x; }, now - 0.2, now + 0.2, 5, 4, false);
+            const double velocity = settings.gnss.velocity_latency.value_or(settings.gnss.latency);
+            search("gnss.velocity_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_latency = x; }, velocity - 0.2, velocity + 0.2, 5, 4, false,
+                   -1e3, 1e3, near_velocity);
+            sigma("gnss.velocity_latency_s") = std::hypot(sigma("gnss.velocity_latency_s"), sigma("gnss.latency_s"));
         }
         if (has_velocity && !before.gnss.velocity_down_latency) {
-            const double now = settings.gnss.velocity_down_latency.value_or(settings.gnss.velocity_latency.value_or(settings.gnss.latency));
-            search("gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; }, now - 0.2, now + 0.2, 5, 3, false);
+            const double down = settings.gnss.velocity_down_latency.value_or(settings.gnss.velocity_latency.value_or(settings.gnss.latency));
+            search("gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; }, down - 0.2, down + 0.2, 5, 3, false);
         }
     }
     const Settings fitted = settings;

@@ -152,10 +152,11 @@ ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& 
     m.line_of_sight = (receiver.r - turned).normalized();
     m.range = distance + sagnac;
     m.direction = direction_to({turned}, receiver, geodetic);
-    const double code = settings.code_sigma * r.noise * noise_factor(m.direction.elevation, r.cn0);
+    const double code = r.sigma > 0.0 ? r.sigma : settings.code_sigma * r.noise * noise_factor(m.direction.elevation, r.cn0);
     const AtmosphericDelay air = atmospheric_delay(r.transmit, r.frequency, geodetic, m.direction, klobuchar, settings);
     m.range += air.delay;
-    m.variance = code * code + r.variance + air.variance;
+    m.slow_variance = r.variance + (r.slow > 0.0 ? r.slow * r.slow : air.variance);
+    m.variance = code * code + m.slow_variance;
     return m;
 }
 
@@ -171,7 +172,7 @@ double model_range_rate(const Range& r, const Ecef& receiver, const Eigen::Vecto
 }
 
 double range_rate_sigma(const Range& r, double elevation, const RangeSettings& settings) {
-    return settings.doppler_sigma * noise_factor(elevation, r.cn0);
+    return r.sigma_rate > 0.0 ? r.sigma_rate : settings.doppler_sigma * noise_factor(elevation, r.cn0);
 }
 
 }  // namespace schuler::gnss

@@ -47,6 +47,9 @@ struct Range {
     double frequency = 0;                ///< Hz, for the ionosphere; 0: ionosphere-free
     double cn0 = not_given;              ///< dB-Hz
     double noise = 1;                    ///< factor on the code's sigma from combining signals
+    double sigma = not_given;            ///< m, of the white error of the pseudorange, where the receiver states it
+    double sigma_rate = not_given;       ///< m/s, of that of the range rate, likewise
+    double slow = 0;                     ///< m, sigma of its slow error, what the atmosphere's models leave included; 0: not known
     Ecef position;                       ///< of the satellite at `transmit`, in Earth-fixed axes of that instant
     Eigen::Vector3d velocity{0, 0, 0};
     double variance = 0;                 ///< m^2, of orbit and clock
@@ -62,7 +65,8 @@ struct ModelledRange {
     double range = 0;  ///< m, with the Earth's rotation during the flight and the atmosphere
     Eigen::Vector3d line_of_sight{0, 0, 0};  ///< unit vector from the satellite to the receiver, Earth-fixed
     Direction direction;
-    double variance = 0;  ///< m^2, of the whole pseudorange error
+    double variance = 0;       ///< m^2, of the whole pseudorange error
+    double slow_variance = 0;  ///< m^2, of the part of it that varies slowly: orbit, clock, atmosphere
 };
 /// What the atmosphere adds to one satellite's pseudorange, with the variance of what the models leave, m and m^2.
 struct AtmosphericDelay {
@@ -82,7 +86,7 @@ struct AtmosphericDelay {
 /// Range rate of a receiver with a velocity, m/s, less its clock drift: with the Earth's rotation, accurate to 5 mm/s at 300 m/s.
 [[nodiscard]] double model_range_rate(const Range& range, const Ecef& receiver, const Eigen::Vector3d& velocity);
 
-/// One sigma of a Doppler range rate, m/s.
+/// One sigma of a Doppler range rate, m/s: the stated one where there is one.
 [[nodiscard]] double range_rate_sigma(const Range& range, double elevation, const RangeSettings& settings);
 
 }  // namespace schuler::gnss

@@ -76,6 +76,11 @@ public:
     [[nodiscard]] const Eigen::Vector3d& position() const { return position_; }
     [[nodiscard]] const std::array<double, clock_count>& clock() const { return clock_; }
     [[nodiscard]] const Eigen::Matrix3d& covariance() const { return covariance_; }
+    /// Of the weighted least squares in the range at the last step [Groves2013:9.4.1].
+    [[nodiscard]] Eigen::Vector3d gain(std::size_t k) const {
+        if (!in_use(k)) return Eigen::Vector3d::Zero();
+        return inverse_ * NormalEquations::row_of(models_[k].line_of_sight, clock_of(ranges_[k].satellite.system)) / models_[k].variance;
+    }
     [[nodiscard]] double pdop() const { return pdop_; }
     [[nodiscard]] const ModelledRange& model(std::size_t k) const { return models_[k]; }
     [[nodiscard]] double residual(std::size_t k) const {
@@ -135,9 +140,11 @@ private:
             plain.add(models_[k].line_of_sight, c, 0.0, 1.0);
             statistic_ += residual(k) * residual(k) / models_[k].variance;
         }
-        const auto covariance = weighted.covariance(), dop = plain.covariance();
-        if (!covariance || !dop) return false;
-        covariance_ = *covariance;
+        const auto inverse = weighted.inverse_rows();
+        const auto dop = plain.covariance();
+        if (!inverse || !dop) return false;
+        inverse_ = *inverse;
+        covariance_ = inverse_.leftCols<3>();
         pdop_ = std::sqrt(dop->trace());
         return true;
     }
@@ -150,6 +157,7 @@ private:
     Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
     std::array<double, clock_count> clock_{};
     Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
+    NormalEquations::Rows inverse_ = NormalEquations::Rows::Zero();
     double statistic_ = 0.0, pdop_ = 0.0;
 };
 
@@ -274,8 +282,11 @@ SinglePointSolution SinglePoint::solve_prepared(Time tag) {
     out.pdop = epoch.pdop();
     for (std::size_t k = 0; k < ranges_.size(); ++k) {
         const bool used = epoch.in_use(k);
-        out.satellites.push_back(
-            {ranges_[k].satellite, ranges_[k].signal, epoch.model(k).direction, epoch.residual(k), used, epoch.excluded(k)});
+        const Eigen::Vector3d gain = epoch.gain(k);
+        const double slow = epoch.model(k).slow_variance;
+        out.satellites.push_back({ranges_[k].satellite, ranges_[k].signal, epoch.model(k).direction, epoch.residual(k), used,
+                                  epoch.excluded(k), gain, slow});
+        out.slow_covariance += slow * gain * gain.transpose();
         if (used) {
             const std::size_t c = clock_of(ranges_[k].satellite.system);
             out.clock[c] = epoch.clock()[c];

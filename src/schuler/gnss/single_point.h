@@ -35,13 +35,16 @@ struct SatelliteUse {
     double residual = 0;                 ///< m, measured minus modelled
     bool used = false;
     bool excluded = false;               ///< by the fault test; otherwise unused ones are below the mask
+    Eigen::Vector3d gain{0, 0, 0};       ///< Earth-fixed: the position's error for a metre of this range's; 0 where it is not used
+    double slow_variance = 0;            ///< m^2, ModelledRange::slow_variance
 };
 
 struct SinglePointSolution {
     SinglePointStatus status = SinglePointStatus::TooFew;
     Time time;                           ///< GPS time of the measurement: the tag less the receiver's clock error
     Ecef position;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();           ///< m^2, Earth-fixed
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();           ///< m^2, Earth-fixed, of the whole error
+    Eigen::Matrix3d slow_covariance = Eigen::Matrix3d::Zero();      ///< m^2, of its part from the slow errors of the ranges
     std::array<double, clock_count> clock{not_given, not_given, not_given, not_given, not_given};  ///< m, of each system's clock
     Eigen::Vector3d velocity = not_given3();  ///< m/s, Earth-fixed; NaN where there is no Doppler
     Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();

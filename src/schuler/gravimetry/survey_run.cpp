@@ -105,7 +105,7 @@ class SurveyTape : public filter::Tape<Frame> {
 public:
     using filter::Tape<Frame>::Tape;
     void output(const Walk&, Time) override {}
-    void outage_epoch(const Filter&, const Event&, const filter::Measurement&, const filter::AidRecord&) override {}
+    void outage_epoch(const Walk&, const Event&, const filter::Measurement&, const filter::AidRecord&) override {}
     void measured(const Walk& walk, const Event& event, const filter::AidRecord&) override {
         const Time now = walk.filter.time();
         if (begins_epoch(event)) epoch_ = now;

@@ -238,7 +238,10 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     report_lacking(study);
     detail::judge_coordinates(study);
     detail::judge_time(study);
+    detail::judge_clock_steps(study);
+    const bool compared = study.overlap;
     detail::judge_clock(study);
+    if (!compared) detail::judge_clock_steps(study);
     detail::study_motion(study);
     detail::judge_vehicle(study);
     detail::judge_imu(study);
@@ -256,6 +259,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     report.problems = std::move(study.problems);
     report.contradictions = std::move(study.contradictions);
     report.doubts = std::move(study.doubts);
+    report.clock_steps = std::move(study.clock_steps);
     report.refusal = std::move(study.refusal);
     report.facts = study.draft.facts();
     std::ranges::move(study.stated, std::back_inserter(report.facts));

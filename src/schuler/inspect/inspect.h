@@ -55,6 +55,15 @@ struct Contradiction {
     double sigma = not_given;         ///< of it
 };
 
+/// A hole of one log that is a step of its clock: no sample is missing, those after it are stamped too late.
+struct ClockStep {
+    bool imu = true;                  ///< of the IMU log, else of the GNSS log
+    double after = 0.0;               ///< s from the first sample of that log to the last one before the hole, earlier steps put back
+    double hole = 0.0;                ///< s between the samples around it
+    double seconds = 0.0;             ///< by which what comes after it is stamped too late
+    std::string evidence;
+};
+
 /// Why a data set cannot be used as it is given.
 struct Refusal {
     std::string file, key;            ///< relative to the folder; of dataset.toml
@@ -69,6 +78,7 @@ struct InspectReport {
     std::vector<Fact> facts;  ///< the settings that the files state or show, those that are given left out
     std::vector<Contradiction> contradictions;
     std::vector<std::string> doubts;  ///< what was taken otherwise than the files say it, with the evidence
+    std::vector<ClockStep> clock_steps;  ///< in order of time; who loads the logs puts them back
     std::optional<Refusal> refusal;
     std::string dataset_toml;  ///< commented, parsable; empty where nothing usable was found
 };

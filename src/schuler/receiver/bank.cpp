@@ -17,7 +17,19 @@ constexpr double deep_range = 40.0, deep_rate = 0.8;   // m, m/s, one sigma
 constexpr int rate_span = 200;   // code periods over which a followed phase tells a rate
 constexpr int pause = 100;   // code periods from one search that found to the next, while the navigation uses it
 
+theory::PllResponse response_of(const BankSettings& settings) {
+    const TrackingSettings& s = settings.guidance == Guidance::Loops ? settings.aided : settings.alone;
+    return theory::pll_response(s.pll_bandwidth, s.integration, Bank::period);
+}
+
 }  // namespace
+
+double shared_rate_span(const BankSettings& settings) {
+    // spans whose ends are spread evenly over a symbol are a third of it apart in the mean
+    constexpr double span = rate_span * Bank::period, symbol = 0.02;   // s
+    if (settings.guidance == Guidance::Generators) return span / (1.0 - symbol / (3.0 * span));
+    return 1.0 / response_of(settings).clock_common;
+}
 
 Bank::Channel::Channel(const SignalStructure& signal_, const BankSettings& settings, std::uint64_t seed, std::size_t number)
     : signal(signal_),
@@ -39,7 +51,8 @@ Bank::Bank(const SignalField& field, const BankSettings& settings, std::uint64_t
       oscillator_noise_(seed, "bank.oscillator"),
       oscillator_((settings.oscillator.check(), settings.oscillator), oscillator_noise_),
       predictions_(field.size()),
-      ticks_(std::llround(start / period)) {
+      ticks_(std::llround(start / period)),
+      response_(response_of(settings)) {
     settings.search.check();
     settings.aided_search.check();
     channels_.reserve(field.size());
@@ -194,7 +207,7 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
         const bool locked = ch.tracker.phase_locked(), code_only = ch.tracker.state() == TrackState::CodeOnly;
         if (!locked && !code_only) continue;
         const TrackingSettings& s = settings_.guidance == Guidance::Loops ? settings_.aided : settings_.alone;
-        const LineOfSight here = followed(ch.signal, ch.tracker.replica()).after(-late);
+        const LineOfSight here = ch.tracker.motion().after(-late);
         const double dll = locked ? s.dll_bandwidth : s.code_only_dll, sum = (locked ? s.integration : ch.symbol) * period;
         m.cn0 = std::max(ch.tracker.cn0(), 10.0);
         // a loop's output changes once in 1/(2 bandwidth): read more often it says less each time
@@ -203,8 +216,8 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
         m.range_variance = std::pow(ch.signal.chip_length() * jitter, 2) * std::max(1.0, 1.0 / (2.0 * dll * interval));
         if (locked) {
             m.rate = here.rate;
-            m.rate_variance = std::pow(ch.signal.wavelength() * theory::pll_command_jitter(s.pll_bandwidth, m.cn0, sum), 2);
-            m.rate_span = 0.5 / s.pll_bandwidth;
+            m.rate_variance = std::pow(ch.signal.wavelength() * theory::pll_command_jitter(response_, m.cn0, sum), 2);
+            m.rate_span = 1.0 / (response_.clock_common + response_.clock_own);
         }
         out.push_back(m);
     }

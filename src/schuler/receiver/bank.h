@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/receiver/correlator.h"
+#include "schuler/receiver/loop_theory.h"
 #include "schuler/receiver/oscillator.h"
 #include "schuler/receiver/rate_span.h"
 #include "schuler/receiver/search.h"
@@ -59,9 +60,13 @@ struct BankMeasurement {
     std::size_t signal = 0;
     double range = 0.0, range_variance = 0.0;  ///< m, m^2
     double rate = 0.0, rate_variance = std::numeric_limits<double>::infinity();   ///< m/s; infinite variance: none
-    double rate_span = 0.0;                    ///< s over which the rate is a mean
+    double rate_span = 0.0;                    ///< s; the oscillator's white frequency noise is in the rate as in a mean over so long
     double cn0 = 0.0;                          ///< Hz, as estimated
 };
+
+/// s; what the rates of one instant have of the oscillator's white frequency noise in common is that in a mean over so long, while channels
+/// follow their carriers. More than BankMeasurement::rate_span: what each channel is a mean over does not end at once.
+[[nodiscard]] double shared_rate_span(const BankSettings& settings);
 
 enum class ChannelState { Idle, Searching, PullIn, Phase, CodeOnly, Deep, DeepCoherent };
 
@@ -122,6 +127,7 @@ private:
     double guided_at_ = 0.0;
     std::int64_t ticks_ = 0;
     double clock_ = 0.0;
+    theory::PllResponse response_;             ///< of the loops that are guided so
 };
 
 }  // namespace schuler::receiver

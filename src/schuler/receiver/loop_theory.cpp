@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace schuler::receiver::theory {
 
@@ -11,12 +12,46 @@ double pll_jitter(double bandwidth, double cn0, double interval) {
     return std::sqrt(bandwidth / cn0 * (1.0 + 1.0 / (2.0 * interval * cn0)));
 }
 
-double pll_command_jitter(double bandwidth, double cn0, double interval) {
-    using loop::a3, loop::b3;
-    const double w = loop::third_order(bandwidth), power = 2.0 * cn0 * interval;
-    const double each = (1.0 + 1.0 / power) / power / std::pow(2.0 * std::numbers::pi, 2);   // cycles^2 of one sum
-    const double memory = w * w * w * (a3 * a3 * a3 + 1.0) / (2.0 * (a3 * b3 - 1.0));
-    return std::sqrt(each * (std::pow(b3 * w, 2) * (1.0 + 2.0 * bandwidth * interval) + memory * interval));
+PllResponse pll_response(double bandwidth, int integration, double period) {
+    // the slowest root of the standard form decays in some 5.2/bandwidth
+    const int periods = static_cast<int>(std::ceil(20.0 / (bandwidth * period) / integration)) * integration;
+    const double interval = integration * period;
+    PllResponse out;
+    {
+        CarrierLoop of_noise(bandwidth, 0.0, interval);
+        double phase = 0.0, command = 0.0;
+        for (int k = 0; k < periods / integration; ++k) {
+            const double measured = phase + 0.5 * interval * command + (k == 0 ? 1.0 : 0.0);
+            phase += interval * command;
+            command = of_noise.update(measured, 0.0);
+            out.noise += command * command;
+        }
+    }
+    // mean and mean square, over all the instants within a sum, of the command `age` periods after the clock's phase grew by a cycle
+    std::vector<double> mean(static_cast<std::size_t>(periods), 0.0);
+    double square = 0.0;
+    for (int first = 0; first < integration; ++first) {   // period of its sum in which it grew
+        CarrierLoop loop(bandwidth, 0.0, interval);
+        double phase = 0.0, command = 0.0, sum = 0.0;
+        for (int age = 0; age < periods; ++age) {
+            sum += phase + 0.5 * period * command - (age == 0 ? 0.5 : 1.0);
+            phase += period * command;
+            if ((first + age + 1) % integration == 0) {
+                command = loop.update(sum / integration, 0.0);
+                sum = 0.0;
+            }
+            mean[static_cast<std::size_t>(age)] += command / integration;
+            square += command * command / integration;
+        }
+    }
+    for (const double m : mean) out.clock_common += period * m * m;
+    out.clock_own = period * square - out.clock_common;
+    return out;
+}
+
+double pll_command_jitter(const PllResponse& response, double cn0, double interval) {
+    const double power = 2.0 * cn0 * interval;
+    return std::sqrt(response.noise * (1.0 + 1.0 / power) / power) / (2.0 * std::numbers::pi);
 }
 
 double fll_jitter(double bandwidth, double cn0, double interval) {

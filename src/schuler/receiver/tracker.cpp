@@ -286,6 +286,20 @@ void Tracker::transitions() {
     }
 }
 
+LineOfSight Tracker::motion() const {
+    LineOfSight out = followed(signal_, replica_);
+    if (follows() && mode_ != Mode::CodeOnly) {
+        const double age = sums_.count * period_, middle = dumps_per_update() * period_ / 2.0;
+        out.acceleration = -signal_.wavelength() * carrier().rate();
+        out.rate -= out.acceleration * (middle - age);
+    }
+    if (aided_) {
+        out.acceleration += aid_.acceleration;
+        out.rate -= aid_.acceleration * period_ / 2.0;
+    }
+    return out;
+}
+
 void Tracker::command() {
     // Of an aid that moves within the next period the middle counts.
     const double aid = aided_ ? -(aid_.rate + aid_.acceleration * period_ / 2.0) / signal_.wavelength() : 0.0;

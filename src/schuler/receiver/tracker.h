@@ -59,6 +59,9 @@ public:
     void pass(double dt) { replica_ = replica_.after(dt); }
 
     [[nodiscard]] const Replica& replica() const { return replica_; }
+    /// Pseudorange, m, its rate and acceleration as they are followed, at this moment. A frequency that is commanded is right in the
+    /// middle of the time for which it stays: by the aid a code period, by the loop an update. The replica's own is that much early.
+    [[nodiscard]] LineOfSight motion() const;
     [[nodiscard]] TrackState state() const;
     [[nodiscard]] bool phase_locked() const { return mode_ == Mode::Phase && lock_.value() >= settings_.phase_lock; }
     [[nodiscard]] double phase_lock() const { return lock_.value(); }

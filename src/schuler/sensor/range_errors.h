@@ -39,6 +39,9 @@ struct RangingErrorModel {
     double network_time = 3600.0;     ///< s
     double intersystem = 30.0;        ///< m, constant offset of each further satellite system
     Oscillator clock;
+    /// s that a range rate is a mean over: the clock's white frequency noise over it is in all the rates of an epoch alike, and in none of
+    /// their stated sigmas. 0: the sigmas have all of it.
+    double rate_span = 0.0;
 };
 
 }  // namespace schuler::sensor

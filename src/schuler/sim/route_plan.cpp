@@ -81,7 +81,8 @@ std::vector<Piece> rounded(const RoutePath& s) {
         const Waypoint& w = s.waypoints[i];
         const Vector2d leg = Vector2d(w.north, w.east) - corner;
         const double length = leg.norm();
-        if (length < 10.0 * s.knot_spacing)
+        constexpr double rounding = 1e-9;
+        if (length < (1.0 - rounding) * 10.0 * s.knot_spacing)
             throw waypoint_error(i, fmt::format("is less than {:g} m from the one before", 10.0 * s.knot_spacing), "leave it out");
         const Vector2d direction = leg / length;
         double radius = 0.0, turn = 0.0, tangent = 0.0;

@@ -17,10 +17,15 @@ using Estimate = Eigen::Matrix<double, unknown_count, 1>;
 /// Sums rows (line of sight, one of the clock). Clocks without a row stay zero.
 class NormalEquations {
 public:
-    void add(const Eigen::Vector3d& line_of_sight, std::size_t clock, double residual, double weight) {
+    [[nodiscard]] static Estimate row_of(const Eigen::Vector3d& line_of_sight, std::size_t clock) {
         Estimate row = Estimate::Zero();
         row.head<3>() = line_of_sight;
         row[static_cast<Eigen::Index>(3 + clock)] = 1.0;
+        return row;
+    }
+
+    void add(const Eigen::Vector3d& line_of_sight, std::size_t clock, double residual, double weight) {
+        const Estimate row = row_of(line_of_sight, clock);
         information_ += weight * row * row.transpose();
         right_ += weight * residual * row;
         present_[clock] = true;
@@ -33,12 +38,20 @@ public:
         return x.allFinite() ? std::optional<Estimate>(x) : std::nullopt;
     }
 
-    /// Of the three components.
-    [[nodiscard]] std::optional<Eigen::Matrix3d> covariance() const {
+    /// Rows of the three components in the inverse: the first three columns are their covariance.
+    using Rows = Eigen::Matrix<double, 3, unknown_count>;
+    [[nodiscard]] std::optional<Rows> inverse_rows() const {
         const auto factor = factored();
         if (!factor) return std::nullopt;
         const Matrix all = factor->solve(Matrix::Identity());
-        return Eigen::Matrix3d(all.topLeftCorner<3, 3>());
+        return Rows(all.topRows<3>());
+    }
+
+    /// Of the three components.
+    [[nodiscard]] std::optional<Eigen::Matrix3d> covariance() const {
+        const auto rows = inverse_rows();
+        if (!rows) return std::nullopt;
+        return Eigen::Matrix3d(rows->leftCols<3>());
     }
 
 private:

@@ -1,5 +1,6 @@
 // The clocks of IMU and GNSS: what their motion says about the times as they are written.
 #include "schuler/inspect/detail/clock.h"
+#include "schuler/inspect/detail/clock_steps.h"
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
@@ -80,6 +81,18 @@ std::string words_of_shift(double shift) { return fmt::format("{:.10g} s {}", st
 
 bool shows_lag(const MotionFit& fit) {
     return fit.windows >= 3 && fit.horizontal.found && fit.horizontal.contrast >= 0.2 && fit.horizontal.sigma <= 0.1;
+}
+
+void judge_clock_steps(Study& study) {
+    if (study.imu_file == nullptr || study.gnss_file == nullptr || !study.overlap || study.dated_fixes_move()) return;
+    study.clock_steps = take_out_clock_steps(study.imu, study.gnss, study.gravity);
+    for (const ClockStep& step : study.clock_steps) {
+        const std::string& file = (step.imu ? study.imu_file : study.gnss_file)->report.path;
+        study.doubts.push_back(fmt::format("{}: its clock steps by {:.6g} s {:.1f} s after its first sample ({}); what comes after is taken earlier by that",
+                                           file, step.seconds, step.after, step.evidence));
+        study.found(step.imu ? "imu.clock_step" : "gnss.clock_step", fmt::format("{:.6g} s", step.seconds), 0.9, study.doubts.back());
+        study.problem(Level::Warning, study.doubts.back(), "look at what sets the clock of that log");
+    }
 }
 
 void judge_clock(Study& study) {

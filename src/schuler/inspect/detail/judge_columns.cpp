@@ -79,20 +79,22 @@ void judge_coordinates(Study& study) {
     file.problem(Level::Warning, text, "name the columns rightly");
 }
 
-bool judge_gyro_signs(Study& study) {
-    if (!study.overlap || study.imu_file == nullptr || study.imu_file->has("dtheta_x_rad")) return false;
-    const MotionFit& fit = study.gnss.has_velocity() ? study.velocity_fit : study.position_fit;
+namespace {
+
+/// Whether the vertical rate is that of the course, with the other sign.
+bool turns_against_course(const Study& study) {
     const Eigen::Vector3d up = study.still.any() ? study.still.f : mean_force(study.imu);
     constexpr double against = -0.6;   // correlation of the course's rate with the rate about the vertical
-    const bool turns_against = up.norm() > 0.0 && course_slope(study.imu, study.gnss, -up.normalized(), study.still.w).correlation < against;
-    if (fit.windows < 5 || (!turns_against && shows_lag(fit) && fit.rms < 0.3 * fit.motion)) return false;
-    const auto& given = study.imu_file->as.overrides.scale;
-    if (std::ranges::any_of(given, [](const auto& entry) { return entry.first.starts_with("gyro"); })) return false;
-    const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
-    struct Trial {
-        Eigen::Vector3d sign;
-        MotionFit fit;
-    };
+    return up.norm() > 0.0 && course_slope(study.imu, study.gnss, -up.normalized(), study.still.w).correlation < against;
+}
+
+struct Trial {
+    Eigen::Vector3d sign;
+    MotionFit fit;
+};
+
+/// The fit with every choice of gyros turned round, but for none.
+std::vector<Trial> gyros_turned_round(const Study& study, FitSource source) {
     std::vector<Trial> trials;
     for (int k = 1; k < 8; ++k) {
         const Eigen::Vector3d sign((k & 1) != 0 ? -1.0 : 1.0, (k & 2) != 0 ? -1.0 : 1.0, (k & 4) != 0 ? -1.0 : 1.0);
@@ -101,6 +103,20 @@ bool judge_gyro_signs(Study& study) {
         const Eigen::Vector3d bias = sign.cwiseProduct(study.still.w);
         trials.push_back({sign, fit_motion(turned, study.gnss, source, bias, study.still.any(), study.gravity)});
     }
+    return trials;
+}
+
+}  // namespace
+
+bool judge_gyro_signs(Study& study) {
+    if (!study.overlap || study.imu_file == nullptr || study.imu_file->has("dtheta_x_rad")) return false;
+    const MotionFit& fit = study.gnss.has_velocity() ? study.velocity_fit : study.position_fit;
+    const bool turns_against = turns_against_course(study);
+    if (fit.windows < 5 || (!turns_against && shows_lag(fit) && fit.rms < 0.3 * fit.motion)) return false;
+    const auto& given = study.imu_file->as.overrides.scale;
+    if (std::ranges::any_of(given, [](const auto& entry) { return entry.first.starts_with("gyro"); })) return false;
+    const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
+    const std::vector<Trial> trials = gyros_turned_round(study, source);
     const double lowest = std::ranges::min(trials, {}, [](const Trial& t) { return t.fit.rms; }).fit.rms;
     // axes that hardly turn may have either sign: as few as possible are turned round
     const Trial* best = nullptr;
@@ -129,6 +145,49 @@ bool judge_gyro_signs(Study& study) {
         study.imu_units.push_back({"gyro_rad_s", -study.imu_file->plan.find(names[0])->factor, "turned round", 0.9, why, false});
     for (Eigen::Vector3d& w : study.imu.w) w = best->sign.cwiseProduct(w);
     study.doubts.push_back(fmt::format("{}: gyro {} turned round: {}", study.imu_file->report.path, axes, why));
+    study.problem(Level::Warning, study.doubts.back(), "check the sign of the column");
+    return true;
+}
+
+bool judge_accel_signs(Study& study) {
+    constexpr double to_the_wrong_side = -0.5, clearly = 0.5, somewhat = 0.9;
+    if (!study.overlap || study.imu_file == nullptr || study.imu_file->has("dtheta_x_rad")) return false;
+    const MotionFit& fit = study.gnss.has_velocity() ? study.velocity_fit : study.position_fit;
+    const double felt = felt_in_turns(study);
+    const bool fits = shows_lag(fit) && fit.rms < 0.3 * fit.motion;
+    if (fit.windows < 5 || (fits && !(felt < to_the_wrong_side) && !turns_against_course(study))) return false;
+    const auto& given = study.imu_file->as.overrides.scale;
+    if (std::ranges::any_of(given, [](const auto& entry) { return entry.first.starts_with("accel"); })) return false;
+    const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
+    int best = -1;
+    MotionFit best_fit;
+    for (int axis = 0; axis < 3; ++axis) {
+        ImuSeries turned = study.imu;
+        for (Eigen::Vector3d& f : turned.f) f(axis) = -f(axis);
+        MotionFit one = fit_motion(turned, study.gnss, source, study.still.w, study.still.any(), study.gravity);
+        if (best >= 0 && one.rms >= best_fit.rms) continue;
+        best = axis;
+        best_fit = std::move(one);
+    }
+    // No vehicle leans out of its turns by as much as it would lean in: there the better fit has only to say which axis.
+    if (!shows_lag(best_fit) || best_fit.rms > clearly * best_fit.motion || best_fit.rms > (felt < to_the_wrong_side ? somewhat : clearly) * fit.rms) return false;
+    // Gyros of the other sign make half a mirror, too: what they explain as well is theirs.
+    constexpr double better = 0.85;
+    const std::vector<Trial> gyros = gyros_turned_round(study, source);
+    if (best_fit.rms > better * std::ranges::min(gyros, {}, [](const Trial& t) { return t.fit.rms; }).fit.rms) return false;
+    static constexpr std::array<const char*, 3> names{"accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"};
+    const char* name = names[static_cast<std::size_t>(best)];
+    double unit = 1.0;
+    for (const UnitChange& change : study.imu_units)
+        if (change.key == "accel_m_s2") unit = change.factor / study.imu_file->plan.find(name)->factor;
+    for (double& v : study.imu_file->columns[name]) v = -v;
+    for (Eigen::Vector3d& f : study.imu.f) f(best) = -f(best);
+    const std::string why = fmt::format("{}with the sign of its column the IMU leaves {:.2g} m/s of the track's motion, turned round {:.2g} m/s",
+                                        felt < to_the_wrong_side ? fmt::format("the force of turns is felt to the wrong side ({:.0f} %); ", 100.0 * felt)
+                                                                 : std::string(),
+                                        fit.rms, best_fit.rms);
+    study.imu_units.push_back({name, -unit * study.imu_file->plan.find(name)->factor, "turned round", 0.9, why, false});
+    study.doubts.push_back(fmt::format("{}: accelerometer {} turned round: {}", study.imu_file->report.path, name[6], why));
     study.problem(Level::Warning, study.doubts.back(), "check the sign of the column");
     return true;
 }

@@ -48,8 +48,8 @@ struct Ages {
 
 Ages measured(const Study& study) {
     Ages ages;
-    const std::optional<Age> v = age_of(study.velocity_fit.horizontal, 0.2, floor_sigma, "fit of the IMU to the velocity");
-    const std::optional<Age> p = age_of(study.position_fit.horizontal, 0.2, floor_sigma, "fit of the IMU to the displacement");
+    const std::optional<Age> v = age_of(study.velocity_fit.horizontal, 0.2, std::hypot(floor_sigma, lag_by_gain(study.velocity_fit)), "fit of the IMU to the velocity");
+    const std::optional<Age> p = age_of(study.position_fit.horizontal, 0.2, std::hypot(floor_sigma, lag_by_gain(study.position_fit)), "fit of the IMU to the displacement");
     ages.relative = age_of(study.velocity_behind_position, 0.2, 0.005, "displacement against velocity");
     ages.relative_down = age_of(study.down_velocity_behind_height, 0.2, floor_sigma, "height change against vertical velocity");
     ages.position = better(p, sum(v, ages.relative, -1.0, "velocity against IMU and position"));
@@ -95,11 +95,15 @@ double draft_latency(Study& study, const char* key, const std::optional<Age>& ag
 }
 
 /// What a latency may be off by, so that the filter can carry it: what was measured, within what the fits are good for. A time of
-/// validity in the log itself (`stated`) is believed as long as the data do not speak against it.
+/// validity in the log itself (`stated`) is believed as long as the data do not speak against it, and doubted by what they differ by where
+/// they begin to.
 void draft_uncertainty(Study& study, const char* key, const std::optional<Age>& age, std::optional<double> stated) {
-    if (stated && !(age && significant(age->value - *stated, age->sigma))) return;
+    const double off = stated && age ? std::abs(age->value - *stated) : 0.0;
+    constexpr double doubtful = 2.0;   // sigmas
+    if (stated && !(age && off > doubtful * age->sigma)) return;
     constexpr double least = 0.02, most = 0.15;   // s: what two fits of one log differ by, and what receivers are late by
-    const double sigma = std::clamp(age ? age->sigma : most, least, most);
+    const bool stays = stated && !significant(off, age->sigma);
+    const double sigma = std::clamp(!age ? most : stays ? std::max(off, age->sigma) : age->sigma, least, most);
     study.draft.set("gnss", key, std::round(1000.0 * sigma) / 1000.0,
                     age ? "one sigma of it; the filter estimates what is left" : "it could not be measured; the filter looks for it", true);
 }

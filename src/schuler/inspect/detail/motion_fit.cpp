@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 namespace schuler::inspect::detail {
@@ -284,9 +285,15 @@ void collect_pointings(const ImuSeries& imu, const Window& w, double lag, double
 
 }  // namespace
 
+double lag_by_gain(const MotionFit& fit) {
+    constexpr double gain = 0.005;   // of MEMS units: 0.3 to 1 % (Groves 2013, table 4.3)
+    return gain * fit.window_length / std::numbers::pi;
+}
+
 MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource source, const Eigen::Vector3d& gyro_bias,
                      bool bias_known, double gravity, double window_length) {
     MotionFit fit;
+    fit.window_length = window_length;
     const std::vector<Observation> all = observations(gnss, source);
     std::vector<Window> windows = windows_of(imu, all, 0.4, window_length);
     fit.windows = static_cast<int>(windows.size());

@@ -34,6 +34,7 @@ struct LagCurve {
 
 struct MotionFit {
     int windows = 0;  ///< stretches with enough motion
+    double window_length = 0.0;  ///< of those that the lags are from, s
     Agreement horizontal;  ///< lag of the horizontal channels behind the IMU, s (positive: GNSS is late)
     Agreement down;  ///< likewise of the vertical channel
     double rms = 0.0;  ///< of the horizontal residuals at the best lag, median window, m/s
@@ -53,6 +54,10 @@ inline constexpr double pointing_speed = 3.0;
 
 /// Motion of steps and turns shows in 10 s; slow curves of a quiet unit need a minute.
 inline constexpr double short_window = 10.0, long_window = 60.0;  // s
+
+/// What the agreement among the windows does not show of their lags, s: a gain error of the gyros turns the fitted velocity by its share
+/// of the angle that was turned, which over a part of a curve looks like a lag; at most the share times the window's length over pi.
+[[nodiscard]] double lag_by_gain(const MotionFit& fit);
 
 /// In each window of about 10 s the velocity is modelled as v(t) = v0 + g t + C_ns0 u(t - lag), u being the specific force
 /// integrated in the sensor axes of the window's start by the gyros; unknown are v0, C_ns0, the biases and the lag. Gauss-Newton

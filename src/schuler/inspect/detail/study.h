@@ -34,6 +34,7 @@ struct Study {
     std::string clock_evidence;
     double clock_drift = 0.0;             ///< ppm by which the IMU's clock runs fast; taken out of `imu`
     double clock_drift_sigma = 0.0;
+    std::vector<ClockStep> clock_steps;   ///< taken out of `imu` and `gnss`
     std::optional<Refusal> refusal;
     std::vector<std::string> doubts;      ///< what was taken otherwise than written
     double gravity = 9.80665;             ///< m/s^2, local where the position is known
@@ -69,6 +70,7 @@ struct Study {
 
 /// Each judge reads the study, adds findings, problems and lines of the draft. Order as listed.
 void judge_time(Study& study);           ///< scale, overlap, series
+void judge_clock_steps(Study& study);    ///< steps of one clock within its log; nothing without time in common, or done before
 void judge_clock(Study& study);          ///< shifts the IMU's series where the motion shows it
 void study_motion(Study& study);         ///< gyro unit, rest, fits, travel, mounting: what the others read
 void judge_vehicle(Study& study);        ///< rest, kind
@@ -83,6 +85,13 @@ void judge_reference(Study& study);
 void judge_coordinates(Study& study);
 /// Turns gyros round whose signs do not belong to the accelerometers' axes, after the fit to the track. True where it did.
 bool judge_gyro_signs(Study& study);
+/// Turns one accelerometer round where the force of turns is felt to the wrong side, or nothing fits, and it then does: axes of a mirror, which no
+/// turn of gyros mends. Likewise; before the gyros.
+bool judge_accel_signs(Study& study);
+
+/// How much of the sideways acceleration of turns, speed times turn rate, the unit feels as sideways force: 1 on wheels, 0 where the
+/// vehicle banks into its turns. Not a number where it hardly turns, or does not travel.
+[[nodiscard]] double felt_in_turns(const Study& study);
 
 /// Whether a fit shows the lag of the GNSS behind the IMU.
 [[nodiscard]] bool shows_lag(const MotionFit& fit);

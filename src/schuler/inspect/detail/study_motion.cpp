@@ -76,6 +76,7 @@ MotionFit fitted(const Study& study, FitSource source, const Eigen::Vector3d& bi
     fit.horizontal = slow.horizontal;
     fit.down = slow.down;
     fit.curves = slow.curves;
+    fit.window_length = slow.window_length;
     return fit;
 }
 
@@ -94,8 +95,11 @@ void take_out_drift(Study& study) {
     if (!study.overlap || study.given.has("imu.clock_drift_ppm")) return;
     const MotionFit& fit = shows_lag(study.velocity_fit) ? study.velocity_fit : study.position_fit;
     if (!shows_lag(fit)) return;
-    const ClockDrift drift = drift_of(fit.curves);
+    ClockDrift drift = drift_of(fit.curves);
     const double span = fit.curves.empty() ? 0.0 : fit.curves.back().t - fit.curves.front().t;
+    // What gain errors make of the lags changes as slowly as the motion does: some windows in a row are wrong alike.
+    const double apart = std::max(3.0, static_cast<double>(fit.curves.size()) / 4.0);
+    if (span > 0.0) drift.sigma = std::hypot(drift.sigma, 1e6 * lag_by_gain(fit) * std::sqrt(12.0 / apart) / span);
     constexpr double significant = 5.0, least = 0.01;   // sigmas; s over the log
     if (!drift.found || std::abs(drift.ppm) < significant * drift.sigma || std::abs(drift.ppm) * 1e-6 * span < least) return;
     study.clock_drift = std::round(10.0 * drift.ppm) / 10.0;
@@ -109,54 +113,9 @@ void take_out_drift(Study& study) {
 
 }  // namespace
 
-void study_motion(Study& study) {
-    if (study.gnss_file != nullptr) {
-        const double position = median_age(*study.gnss_file, "time_valid_s"),
-                     velocity = median_age(*study.gnss_file, "vel_time_valid_s");
-        study.states_position_age = std::isfinite(position);
-        study.states_velocity_age = std::isfinite(velocity) || study.states_position_age;
-        study.position_age = study.states_position_age ? position : 0.0;
-        study.velocity_age = std::isfinite(velocity) ? velocity : study.position_age;
-    }
-    if (study.reference_file != nullptr) study.reference = reference_attitude(*study.reference_file);
-    if (study.gnss_file != nullptr) {
-        study.velocity_behind_position = velocity_behind_position(study.gnss, false);
-        study.down_velocity_behind_height = velocity_behind_position(study.gnss, true);
-    }
-    if (study.imu_file == nullptr || study.imu.empty()) return;
-    for (UnitChange& change : judge_gyro_unit(*study.imu_file, study.imu, study.overlap ? study.gnss : GnssSeries{}))
-        study.imu_units.push_back(std::move(change));
-    fit_track(study);
-    if (judge_gyro_signs(study)) fit_track(study);
-    take_out_drift(study);
-    const GnssSeries none;
-    const GnssSeries& gnss = study.overlap ? study.gnss : none;
-    const AttitudeAgreement attitude = attitude_agreement(study.imu, study.still.w, study.reference, study.origin);
-    const bool rest = study.still.any();
-    study.mounting = mounting_of(rest ? study.still.f : mean_specific_force(study.imu), rest, study.travel, attitude);
-    take_given_axes(study);
-    study.course = course_slope(study.imu, gnss, study.mounting.C_bs.row(2).transpose(), study.still.w);
-}
-
-namespace {
-
-struct Kind {
-    std::string name;
-    double confidence;
-    std::string why;
-};
-
-Kind kind_without_gnss(const Study& study) {
-    const double span = study.imu.empty() ? 0.0 : study.imu.t.back() - study.imu.t.front();
-    if (study.still.total > 0.9 * span && span > 0.0)
-        return {"static", 0.85, "the sensors are still throughout, there is no GNSS"};
-    return {"hand", 0.5, "it moves, there is no GNSS: the kind without constraints"};
-}
-
-/// How much of the sideways acceleration of turns, speed times turn rate, the unit feels as sideways force: 1 on wheels, 0 where the
-/// vehicle banks into its turns. Not a number where it hardly turns.
 double felt_in_turns(const Study& study) {
     const Travel& t = study.travel;
+    if (t.epochs < 30) return not_given;
     const Eigen::Vector3d right = t.down_s.cross(t.forward_s);
     constexpr double span = 2.0;   // s
     std::vector<std::pair<double, double>> epochs;   // acceleration, force
@@ -188,6 +147,50 @@ double felt_in_turns(const Study& study) {
     return turns < 5 ? not_given : fa / aa;
 }
 
+void study_motion(Study& study) {
+    if (study.gnss_file != nullptr) {
+        const double position = median_age(*study.gnss_file, "time_valid_s"),
+                     velocity = median_age(*study.gnss_file, "vel_time_valid_s");
+        study.states_position_age = std::isfinite(position);
+        study.states_velocity_age = std::isfinite(velocity) || study.states_position_age;
+        study.position_age = study.states_position_age ? position : 0.0;
+        study.velocity_age = std::isfinite(velocity) ? velocity : study.position_age;
+    }
+    if (study.reference_file != nullptr) study.reference = reference_attitude(*study.reference_file);
+    if (study.gnss_file != nullptr) {
+        study.velocity_behind_position = velocity_behind_position(study.gnss, false);
+        study.down_velocity_behind_height = velocity_behind_position(study.gnss, true);
+    }
+    if (study.imu_file == nullptr || study.imu.empty()) return;
+    for (UnitChange& change : judge_gyro_unit(*study.imu_file, study.imu, study.overlap ? study.gnss : GnssSeries{}))
+        study.imu_units.push_back(std::move(change));
+    fit_track(study);
+    if (judge_accel_signs(study) || judge_gyro_signs(study)) fit_track(study);
+    take_out_drift(study);
+    const GnssSeries none;
+    const GnssSeries& gnss = study.overlap ? study.gnss : none;
+    const AttitudeAgreement attitude = attitude_agreement(study.imu, study.still.w, study.reference, study.origin);
+    const bool rest = study.still.any();
+    study.mounting = mounting_of(rest ? study.still.f : mean_specific_force(study.imu), rest, study.travel, attitude);
+    take_given_axes(study);
+    study.course = course_slope(study.imu, gnss, study.mounting.C_bs.row(2).transpose(), study.still.w);
+}
+
+namespace {
+
+struct Kind {
+    std::string name;
+    double confidence;
+    std::string why;
+};
+
+Kind kind_without_gnss(const Study& study) {
+    const double span = study.imu.empty() ? 0.0 : study.imu.t.back() - study.imu.t.front();
+    if (study.still.total > 0.9 * span && span > 0.0)
+        return {"static", 0.85, "the sensors are still throughout, there is no GNSS"};
+    return {"hand", 0.5, "it moves, there is no GNSS: the kind without constraints"};
+}
+
 Kind kind_of(const Study& study) {
     if (study.gnss.size() < 5) return kind_without_gnss(study);
     std::vector<double> speeds, climbs;
@@ -206,7 +209,7 @@ Kind kind_of(const Study& study) {
     const Travel& t = study.travel;
     const double deg = 1.0 / units::deg;
     constexpr double fastest_car = 80.0;   // m/s
-    const double felt = t.epochs >= 30 ? felt_in_turns(study) : not_given;
+    const double felt = felt_in_turns(study);
     if (t.epochs >= 30 && t.concentration > 0.9 && (fast > fastest_car || felt < 0.5)) {
         return {"air", 0.8, fast > fastest_car ? fmt::format("it reaches {:.0f} m/s", fast)
                                                : fmt::format("it banks into its turns: {:.0f} % of their force is felt", 100.0 * felt)};

@@ -4,7 +4,6 @@
 #include "schuler/core/time.h"
 #include "schuler/io/number.h"
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -27,10 +26,11 @@ inline constexpr std::int64_t ns_per_second = 1'000'000'000;
 }
 
 [[nodiscard]] inline bool is_date(int year, int month, int day) {
-    static constexpr std::array<int, 12> days = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    if (year < 1980 || year > 2200 || month < 1 || month > 12 || day < 1) return false;
-    const bool leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    return day <= days[static_cast<std::size_t>(month - 1)] + (leap && month == 2 ? 1 : 0);
+    using namespace std::chrono;
+    return year >= 1980 && year <= 2200 && month >= 1 && month <= 12 && day >= 1 && day <= 31 &&
+           year_month_day(std::chrono::year{year}, std::chrono::month(static_cast<unsigned>(month)),
+                          std::chrono::day(static_cast<unsigned>(day)))
+               .ok();
 }
 
 /// A minute of a day and the nanoseconds after it, kept apart because leap seconds belong to minutes.

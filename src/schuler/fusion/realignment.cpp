@@ -1,4 +1,4 @@
-#include "schuler/fusion/lost_way.h"
+#include "schuler/fusion/realignment.h"
 
 #include "schuler/core/units.h"
 #include "schuler/math/rotation.h"
@@ -14,6 +14,10 @@ bool is_position(const AidRecord& r) { return r.kind == AidKind::GnssPosition; }
 
 }  // namespace
 
+bool may_realign(const Settings& s) {
+    return !uses_ranges(s.coupling) && s.coupling != Coupling::Separate && !s.integrity.use && s.aids.gate_probability > 0.0;
+}
+
 PositionCount positions_after(const Result& result, Time since) {
     PositionCount n;
     for (const AidRecord& r : result.aids) {
@@ -24,7 +28,7 @@ PositionCount positions_after(const Result& result, Time since) {
     return n;
 }
 
-std::optional<Time> lost_way(const Result& result) {
+std::optional<Time> diverged_at(const Result& result) {
     constexpr double span = 120.0;   // s
     constexpr std::size_t least = 5;
     const auto again = [&](const Alert& a) {
@@ -51,15 +55,15 @@ std::optional<Time> lost_way(const Result& result) {
     return std::nullopt;
 }
 
-bool found_again(const Result& lost, const Result& anew, Time since) {
+bool explains(const Result& anew, const Result& diverged, Time since) {
     constexpr double clear = 5.0 * units::deg, span = 120.0, least = 2.0;   // rad, s, s
-    const PositionCount before = positions_after(lost, since), now = positions_after(anew, since);
+    const PositionCount before = positions_after(diverged, since), now = positions_after(anew, since);
     if (now.used == 0 || 2 * now.refused >= before.refused || 10 * now.refused > now.refused + now.used) return false;
     double apart = 0.0;   // s
     const std::vector<SolutionRow>& rows = anew.forward.rows;
     for (std::size_t i = 1; i < rows.size() && (rows[i].time - rows.front().time).seconds() < span; ++i) {
-        const auto same = std::ranges::lower_bound(lost.forward.rows, rows[i].time, {}, &SolutionRow::time);
-        if (same == lost.forward.rows.end()) break;
+        const auto same = std::ranges::lower_bound(diverged.forward.rows, rows[i].time, {}, &SolutionRow::time);
+        if (same == diverged.forward.rows.end()) break;
         const double angle = math::quaternion_from_rpy(rows[i].rpy).angularDistance(math::quaternion_from_rpy(same->rpy));
         if (angle > clear) apart += (rows[i].time - rows[i - 1].time).seconds();
     }
@@ -69,8 +73,8 @@ bool found_again(const Result& lost, const Result& anew, Time since) {
 std::optional<CarriedHeading> heading_carried_back(const Result& before, const Result& after) {
     if (before.forward.rows.empty() || after.forward.rows.empty()) return std::nullopt;
     const SolutionRow &end = before.forward.rows.back(), &begin = after.forward.rows.front();
-    constexpr double longest = 5.0, turning = 5.0 * units::deg;   // s between the two, rad in it
-    if ((begin.time - end.time).seconds() > longest) return std::nullopt;
+    constexpr double longest = 5.0, turning = 5.0 * units::deg, unknown = 1.0;   // s between the two, rad in it, rad
+    if ((begin.time - end.time).seconds() > longest) return CarriedHeading{before.findings.heading, unknown};
     const double off = math::wrap_pi(end.rpy.z() - begin.rpy.z()), sigma = std::hypot(end.std_rpy.z(), begin.std_rpy.z());
     if (std::abs(off) < 3.0 * sigma) return std::nullopt;
     return CarriedHeading{math::wrap_pi(before.findings.heading - off), std::hypot(begin.std_rpy.z(), turning)};

@@ -1,7 +1,7 @@
-// A heading that is given and wrong, or lost on the way: the run finds back to the fixes, and what came before is put right.
+// A heading that is given and wrong: the run comes back to the fixes, and what came before is put right.
 #include "fusion/car_drive.h"
 
-#include "schuler/fusion/lost_way.h"
+#include "schuler/fusion/realignment.h"
 
 #include <gtest/gtest.h>
 
@@ -13,12 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 using namespace testing;
-
-struct Drive {
-    sim::Scenario scenario;
-    Recording recording;
-    Settings settings;
-};
 
 /// One fix a second, off by `noise` m as it says.
 Drive drive(std::uint64_t seed, double noise) {
@@ -37,7 +31,7 @@ Drive drive(std::uint64_t seed, double noise) {
     return d;
 }
 
-TEST(LostWay, AWrongHeadingThatIsGivenIsFoundAgain) {
+TEST(Realignment, AWrongHeadingThatIsGivenIsReplaced) {
     for (const std::uint64_t seed : {61u, 64u})
         for (const double wrong : {-3.0, -0.4, 1.0})
             for (const double noise : {0.02, 1.5}) {
@@ -48,28 +42,29 @@ TEST(LostWay, AWrongHeadingThatIsGivenIsFoundAgain) {
                 const auto e = errors(d.settings, result.forward.rows, d.recording);
                 EXPECT_LT(worst_horizontal(e, 60.0), 2.5) << seed << " " << wrong << " " << noise;
                 EXPECT_LT(rms(e, 100.0).heading, 2.0 * deg) << seed << " " << wrong << " " << noise;
-                EXPECT_TRUE(std::ranges::is_sorted(result.forward.rows, {}, &SolutionRow::time));
+                EXPECT_TRUE(std::ranges::is_sorted(result.forward.rows, std::ranges::less_equal{}, &SolutionRow::time));   // no time twice
             }
 }
 
 // What was found out later holds from the start: the gyros carried the error along.
-TEST(LostWay, WhatCameBeforeIsPutRight) {
+TEST(Realignment, WhatCameBeforeIsPutRight) {
     Drive d = drive(66, 0.02);
     d.settings.initial.rpy.z() += 2.0;
     d.settings.initial.std_rpy.z() = 0.02;
     WarningLog warnings;
     const Result result = run_filter(d.recording, d.settings, warnings);
-    EXPECT_EQ(warnings.count("navigation.lost_way"), 1u);
+    EXPECT_EQ(warnings.count("navigation.realigned"), 1u);
+    EXPECT_EQ(warnings.count("contradiction.initial.heading_deg"), 1u);
     EXPECT_EQ(result.legs.size(), 2u);
     EXPECT_LT(rms(errors(d.settings, result.forward.rows, d.recording), 0.0).heading, 3.0 * deg);
 }
 
-TEST(LostWay, ADriveInOrderIsNotBegunAnew) {
+TEST(Realignment, ADriveInOrderHasNone) {
     const Drive d = drive(47, 0.02);
     WarningLog warnings;
     const Result result = run_filter(d.recording, d.settings, warnings);
     EXPECT_EQ(result.legs.size(), 1u);
-    EXPECT_FALSE(lost_way(result));
+    EXPECT_FALSE(diverged_at(result));
 }
 
 }  // namespace
