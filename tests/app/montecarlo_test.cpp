@@ -146,6 +146,42 @@ TEST(MonteCarlo, GivenSlowErrorsOfFixesAreKept) {
     EXPECT_TRUE(given.data.given.contains("gnss.correlated_m"));
 }
 
+// What the report draws: squares of errors and of sigmas side by side in equal spans, rows without a sigma left out.
+TEST(SquaredCourse, RowsFallIntoTheirSpans) {
+    analysis::ErrorRow row;
+    row.position = {3.0, 4.0, -2.0};
+    row.velocity = {0.0, 0.6, 0.8};
+    row.rpy = {0.0, 0.0, 0.1};
+    row.std_position = {1.0, 2.0, 0.5};
+    row.std_velocity.setConstant(2.0);
+    row.std_rpy = {9.0, 9.0, 0.2};
+    const Time origin = Time::from_seconds(50.0);
+    const auto at = [&](double t) {
+        row.time = Time::from_seconds(50.0 + t);
+        return row;
+    };
+    std::vector<analysis::ErrorRow> rows{at(0.0), at(299.0), at(300.0), at(600.0), at(-1.0)};
+    row.std_position.z() = std::nan("");
+    rows.push_back(at(0.5));
+    SquaredCourse course;
+    course.add(rows, origin, 600.0);
+    const auto sums = [&](std::size_t quantity, std::size_t span) {
+        return std::array{course.count[quantity][span], course.square[quantity][span], course.variance[quantity][span]};
+    };
+    EXPECT_EQ(sums(0, 0), (std::array{2.0, 50.0, 10.0}));
+    EXPECT_EQ(sums(1, 0), (std::array{1.0, 4.0, 0.25}));      // one has no sigma of its height
+    EXPECT_EQ(sums(0, 149), (std::array{1.0, 25.0, 5.0}));
+    EXPECT_EQ(sums(0, 150), (std::array{1.0, 25.0, 5.0}));
+    EXPECT_EQ(sums(2, 299), (std::array{1.0, 1.0, 12.0}));    // the last instant belongs to the last span
+    EXPECT_NEAR(course.square[3][0], 0.02, 1e-15);
+    EXPECT_NEAR(course.variance[3][0], 0.08, 1e-15);
+    SquaredCourse both = course;
+    both.add(course);
+    EXPECT_EQ(both.count[0][0], 4.0);
+    EXPECT_EQ(both.square[0][150], 50.0);
+    EXPECT_EQ(both.variance[0][150], 10.0);
+}
+
 std::string message_of(const std::string& vary) {
     std::string text = short_flight;
     text.resize(text.find("vary"));

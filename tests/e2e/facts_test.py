@@ -7,7 +7,7 @@ import sys
 import tomllib
 from pathlib import Path
 
-from program_test import DRIVE, check, main
+from program_test import DRIVE, check, main, repetitions
 
 WINDOWS = "50:15,75:15,100:15,125:15,150:15,175:15"
 
@@ -51,7 +51,7 @@ def facts_partial(program, source):
     outage = ["--outage", "60:10,85:10,110:10", "--outputs", "summary"]
     bare = rms(summary_of(program, "logs", "-o", "bare", *outage)["outages"])
     draw = random.Random(7)
-    for trial in range(6):
+    for trial in repetitions(range(6), 2):
         some = {name: {k: v for k, v in keys.items() if k == "file" or draw.random() < 0.5} for name, keys in true.items()}
         (folder / "logs/dataset.toml").write_text(as_toml(some))
         summary = summary_of(program, "logs", "-o", f"some{trial}", *outage)
@@ -120,7 +120,7 @@ def facts_curves(program, source):
     """Slow curves tell little of lateness: gain errors of the gyros are neither a drift of clocks nor a latency beyond its sigma."""
     folder = Path(program.folder)
     (folder / "curves.toml").write_text(CURVES)
-    for seed in (1, 4):
+    for seed in repetitions((1, 4), 1):
         logs = folder / f"logs{seed}"
         program("simulate", "curves.toml", "--seed", str(seed), "-o", logs)
         (logs / "dataset.toml").unlink()
@@ -207,7 +207,7 @@ def facts_checked(program, source):
     accidents = {"hour": ("imu.csv", lambda c: [repr(float(c[0]) + 3600.0), *c[1:]]), "huge": ("imu.csv", lambda c: [*c[:2], "1e300", *c[3:]]),
                  "nan": ("imu.csv", lambda c: [*c[:2], "nan", *c[3:]]), "ahead": ("gnss.csv", lambda c: [repr(float(c[0]) + 100.0), *c[1:]]),
                  "place": ("gnss.csv", lambda c: [c[0], "1e300", *c[2:]])}
-    for accident, (name, change) in accidents.items():
+    for accident, (name, change) in repetitions(accidents.items(), 2):
         spoil(name, 95, change)
         summary = summary_of(program, "logs", "-o", accident, "--outage", "60:10,85:10", "--outputs", "summary")
         got = rms(summary["outages"])

@@ -22,6 +22,15 @@ def check(condition, text):
         print(f"FAILED: {text}", file=sys.stderr)
 
 
+BRIEF = False
+
+
+def repetitions(cases, brief):
+    """All of them, or the first `brief` where the test is to be brief."""
+    cases = list(cases)
+    return cases[:brief] if BRIEF else cases
+
+
 class Program:
     def __init__(self, path, folder):
         self.path, self.folder = path, folder
@@ -454,7 +463,10 @@ def main(topics):
     parser.add_argument("topic", choices=topics)
     parser.add_argument("--program", required=True)
     parser.add_argument("--source", required=True, type=Path)
+    parser.add_argument("--brief", action="store_true", help="a part of the repetitions: for programs that sanitizers slow down")
     arguments = parser.parse_args()
+    global BRIEF
+    BRIEF = arguments.brief
     with tempfile.TemporaryDirectory(prefix="schuler_e2e_") as folder:
         topics[arguments.topic](Program(arguments.program, folder), arguments.source)
     sys.exit(1 if FAILURES else 0)

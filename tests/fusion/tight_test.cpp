@@ -1,11 +1,15 @@
 // The tight filter on simulated ranges: clock, faults, jumps of the clock, few satellites, near stations, both mechanizations.
 #include "fusion/range_flight.h"
+#include "schuler/earth/earth.h"
 #include "schuler/fusion/run_pass.h"
+#include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -292,6 +296,65 @@ TEST(RangeUpdate, NoiseIsNoJumpOfTheClock) {
     jump.update();
     EXPECT_TRUE(jump.work().clock_jump);
     EXPECT_EQ(jump.work().excluded, 0);
+}
+
+/// Rates by phase share the phases between them: what they tell of a constant velocity is what generalised least squares finds with the
+/// covariance of such differences. A phase that was lost for a span begins another chain.
+TEST(RangeUpdate, RatesByPhaseShareThePhasesBetweenThem) {
+    constexpr double span = 0.2, sigma = 5e-3, velocity = 0.7;   // s, m, m/s downwards
+    constexpr int spans = 20;
+    for (const int lost : {0, 11}) {
+        Overhead o({0.0}, 1.0);
+        o.settings.coupling = Coupling::Deep;
+        o.model = make_model(o.settings, make_layout(o.settings, {}));
+        o.model.process = {};
+        o.model.clock_psd = o.model.drift_psd = 0.0;
+        const NavState nav = o.f.geographic(o.model);
+        const Vector3d rest = -span * earth::terms_at(o.earth, nav.position, nav.v_eb_n).g_n;   // velocity increment
+        o.f = InertialFilter<GeographicFrame>(o.model);
+        o.f.set_nav(nav);
+        o.f.P(Layout::velocity + 2, Layout::velocity + 2) = 100.0;
+        RangeSample& m = o.log.samples.front();
+        m.pseudorange = RangeSample::none;
+        m.phase_std = sigma;
+        m.phase_span = span;
+        m.std_rate = std::sqrt(2.0) * sigma / span;
+        m.tx_velocity.setZero();
+        const double down = 20.0 / std::hypot(10.0, 20.0);   // metres of range a metre downwards
+        math::Random random(5, "phases");
+        estim::Transition phi;
+        double phase = sigma * random.normal();
+        std::vector<double> rates;
+        std::vector<int> when;
+        for (int k = 1; k <= spans; ++k) {
+            o.f.propagate(o.model, {Time::from_seconds(span * k), span, Vector3d::Zero(), rest}, {});
+            (void)o.f.propagate_covariance(o.model, phi);
+            o.tracking.since_phases.follow(phi, span, 0.0, 0.0, 9.8);
+            const double next = sigma * random.normal();
+            m.range_rate = down * velocity + (next - phase) / span;
+            m.phase_goes_on = k > 1 && k != lost + 1;
+            phase = next;
+            if (k == lost) continue;
+            o.update();
+            rates.push_back(m.range_rate);
+            when.push_back(k);
+        }
+        const auto n = static_cast<Eigen::Index>(rates.size());
+        Eigen::MatrixXd R = Eigen::MatrixXd::Zero(n, n);
+        const double one = std::pow(sigma / span, 2);   // of one end
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const int k = when[static_cast<std::size_t>(i)];
+            const bool first = k == 1 || k == lost + 1;   // of a chain: how the velocity changed since its begin nobody has followed
+            R(i, i) = 2.0 * one * (first ? 1.0 : 1.0 + RangeUpdate<GeographicFrame>::unshared);
+            if (!first && i + 1 < n && when[static_cast<std::size_t>(i + 1)] == k + 1) R(i, i + 1) = R(i + 1, i) = -one;
+        }
+        const Eigen::VectorXd weights = R.ldlt().solve(Eigen::VectorXd::Constant(n, down));
+        const double information = down * weights.sum();
+        const double estimate = o.f.geographic(o.model).v_eb_n.z(), variance = o.f.P(Layout::velocity + 2, Layout::velocity + 2);
+        EXPECT_NEAR(variance * information, 1.0, 5e-3) << lost;
+        EXPECT_NEAR(estimate, weights.dot(Eigen::Map<const Eigen::VectorXd>(rates.data(), n)) / information, 0.1 * std::sqrt(variance)) << lost;
+        EXPECT_LT(std::abs(estimate - velocity), 4.0 * std::sqrt(variance)) << lost;
+    }
 }
 
 /// Fifty epochs a second: what most ranges contradict is given up after a second, not after ten epochs.

@@ -40,6 +40,8 @@ TEST(RateSpan, PhasesTellOnceASpan) {
         EXPECT_NEAR(rate->rate, 0.5, 1e-12);
         EXPECT_NEAR(rate->variance, 2e-4 / 0.04, 1e-12);
         EXPECT_NEAR(rate->duration, 0.2, 1e-12);
+        EXPECT_DOUBLE_EQ(rate->phase_variance, 1e-4);
+        EXPECT_EQ(rate->goes_on, end == 30);   // that of 10 was of symbols
     }
 }
 
@@ -52,6 +54,7 @@ TEST(RateSpan, ALostPhaseLeavesWhatTheSymbolsSaid) {
     EXPECT_DOUBLE_EQ(lost->rate, 1.0);
     EXPECT_DOUBLE_EQ(lost->variance, 1.0);
     EXPECT_DOUBLE_EQ(lost->duration, 0.08);
+    EXPECT_EQ(lost->phase_variance, 0.0);
     const auto alone = add(span, 15, Status::Coherent, 1.0);
     ASSERT_TRUE(alone);
     EXPECT_DOUBLE_EQ(alone->variance, 4.0);

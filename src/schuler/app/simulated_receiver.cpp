@@ -148,6 +148,12 @@ void SimulatedReceiver::measure(RangingLog& log) {
             // what a rate has of the clock's noise beyond what all of them share, for which the filter has a state
             const double more = clock_density * std::max(0.0, 1.0 / m.rate_span - 1.0 / rate_span_);
             s.std_rate = std::sqrt(m.rate_variance + more);
+            if (m.phase_variance > 0.0) {
+                // of which each end has half, and keeps it: it is what the clock did while one channel had ended and another had not
+                s.phase_std = std::sqrt(m.phase_variance + 0.5 * more * m.rate_span * m.rate_span);
+                s.phase_span = m.rate_span;
+                s.phase_goes_on = m.phase_goes_on;
+            }
         }
         s.cn0 = receiver::db_from_cn0(m.cn0);
         s.tx = sent->position;

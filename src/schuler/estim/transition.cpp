@@ -2,6 +2,10 @@
 
 #include "schuler/estim/detail/vec4.h"
 
+#include <Eigen/LU>
+
+#include <algorithm>
+
 namespace schuler::estim {
 namespace {
 
@@ -159,6 +163,21 @@ void propagate_adjoint(StateMatrix& L, const Transition& phi, int used) {
         const Transition::Shear& s = phi.shears[static_cast<std::size_t>(i)];
         shear(L, {s.from, s.to, s.factor}, used);
     }
+}
+
+StateVector row_after(const Transition& phi, const StateVector& h) {
+    StateVector r = h;
+    for (int i = 0; i < phi.shear_count; ++i) {
+        const Transition::Shear& shear = phi.shears[static_cast<std::size_t>(i)];
+        r(shear.from) -= shear.factor * r(shear.to);
+    }
+    // column r of rows.topRows<coupled>() is row r of A's square part: its transpose, as it is needed here
+    const Eigen::Matrix<double, coupled, 1> y = phi.rows.topRows<coupled>().partialPivLu().solve(r.head<coupled>());
+    r.head<coupled>() = y;
+    const Eigen::Index driven = std::min<Eigen::Index>(phi.driven, r.size());
+    r.segment(coupled, driven - coupled) -= phi.rows.middleRows(coupled, driven - coupled) * y;
+    r.tail(r.size() - coupled).array() *= phi.diagonal.tail(r.size() - coupled).array();
+    return r;
 }
 
 }  // namespace schuler::estim

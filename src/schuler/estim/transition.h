@@ -43,6 +43,10 @@ void propagate(StateMatrix& P, const Transition& phi, int used);
 /// The leading 9 x 9 block of Phi P Phi^T alone. Shears count where both their states are driven.
 [[nodiscard]] Eigen::Matrix<double, Transition::coupled, Transition::coupled> propagated_corner(const StateMatrix& P, const Transition& phi);
 
+/// r such that r . Phi x = h . x for an error x at the start of the span. Behind the coupled states, of which a process that forgets says
+/// of its past no more than of its future, best guess and factor are the same in both directions.
+[[nodiscard]] StateVector row_after(const Transition& phi, const StateVector& h);
+
 /// L <- Phi^T L Phi for symmetric L: the adjoint recursion of the smoother.
 void propagate_adjoint(StateMatrix& L, const Transition& phi, int used);
 

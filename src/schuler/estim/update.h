@@ -12,7 +12,7 @@ namespace schuler::estim {
 /// the others only those that it names.
 struct Row {
     static constexpr int dense = 9;
-    static constexpr int most = 16;
+    static constexpr int most = 36;
 
     Eigen::Matrix<double, dense, 1> head = Eigen::Matrix<double, dense, 1>::Zero();
     std::array<int, most> index{};

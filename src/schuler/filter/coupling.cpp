@@ -3,8 +3,6 @@
 #include "schuler/filter/pass.h"
 #include "schuler/filter/separate.h"
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 
@@ -14,24 +12,6 @@ namespace {
 
 /// 0: position, 1: velocity.
 std::size_t sub_vector(AidKind kind) { return kind == AidKind::GnssVelocity ? 1 : 0; }
-
-/// r such that r . Phi e = h . e for an error e at the start of the span. Behind the coupled states, of which a process that forgets says
-/// of its past no more than of its future, best guess and factor are the same in both directions.
-StateVector row_after(const estim::Transition& phi, const StateVector& h) {
-    constexpr int n = estim::Transition::coupled;
-    StateVector s = h;
-    for (int i = 0; i < phi.shear_count; ++i) {
-        const estim::Transition::Shear& shear = phi.shears[static_cast<std::size_t>(i)];
-        s(shear.from) -= shear.factor * s(shear.to);
-    }
-    // column r of rows.topRows<n>() is row r of A's square part: its transpose, as it is needed here
-    const Vector9 y = phi.rows.template topRows<n>().partialPivLu().solve(s.head<n>());
-    s.head<n>() = y;
-    const Eigen::Index driven = std::min<Eigen::Index>(phi.driven, s.size());
-    s.segment(n, driven - n) -= phi.rows.middleRows(n, driven - n) * y;
-    s.tail(s.size() - n).array() *= phi.diagonal.tail(s.size() - n).array();
-    return s;
-}
 
 /// Corrects the filter by scalars whose rows are dense. Where the slow errors of fixes are `considered` only, their share of the gain is
 /// nothing [Schmidt1966]. The smoother does not follow. Returns the error that was found.
@@ -120,7 +100,7 @@ void Pass<Frame>::carry(CarriedFix& fix, const estim::Transition& phi) const {
         };
         forgotten(L.gnss_position, model_.gnss.correlated_position);
         forgotten(L.gnss_velocity, model_.gnss.correlated_velocity);
-        h = row_after(phi, h);
+        h = estim::row_after(phi, h);
     }
 }
 

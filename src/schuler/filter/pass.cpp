@@ -69,11 +69,14 @@ Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Setting
 template <class Frame>
 void Pass<Frame>::propagate_covariance(Walk<Frame>& walk, Observer& observer) const {
     estim::Transition phi;
-    const double span = walk.filter.gathered.time;
+    const GatheredMotion& gathered = walk.filter.gathered;
+    const double span = gathered.time, velocity_walk = gathered.accel_variance, attitude_walk = gathered.gyro_variance;
+    const double force = span > 0.0 ? gathered.force.norm() / span : 0.0;
     if (!walk.filter.propagate_covariance(model_, phi)) return;
     for (CarriedFix& c : walk.carried)
         if (c.left > 0) carry(c, phi);
     walk.ranges.watch.propagate(phi);
+    if (model_.layout.phase >= 0) walk.ranges.since_phases.follow(phi, span, velocity_walk, attitude_walk, force);
     if (observer.records()) observer.step(phi);
     observer.propagated(walk.filter, span);
 }

@@ -60,11 +60,52 @@ int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& trackin
     tracking.watch.forget(tracking.slots[free].source);
     tracking.slots[free] = {source, station, f.time(), {}};
     const int state = model_.layout.source + static_cast<int>(free);
-    for (FaultHypothesis& h : tracking.watch.all) h.response(state) = 0.0;
-    f.renew(state, m.correlated * m.correlated);
+    renew(f, tracking, state, m.correlated * m.correlated, listener);
     f.set_slot_process(free, StateProcess::markov(m.correlated, m.correlation_time));
-    if (listener != nullptr) listener->renewed(state);
     return state;
+}
+
+template <class Frame>
+void RangeUpdate<Frame>::renew(InertialFilter<Frame>& f, RangeTracking& tracking, int state, double variance,
+                               RangeListener* listener) const {
+    for (FaultHypothesis& h : tracking.watch.all) h.response(state) = 0.0;
+    f.renew(state, variance);
+    if (listener != nullptr) listener->renewed(state);
+}
+
+template <class Frame>
+const RangeTracking::Phase* RangeUpdate<Frame>::phase_of(InertialFilter<Frame>& f, RangeTracking& tracking, const RangeSample& m,
+                                                         RangeListener* listener) const {
+    const Layout& L = model_.layout;
+    if (L.phase < 0 || backward_ || !(m.phase_std > 0.0 && m.phase_span > 0.0)) return nullptr;
+    constexpr double tolerance = 1e-3;   // s: receivers' clocks and ours
+    const MeanVelocity& mean = tracking.since_phases;
+    if (std::abs(mean.time - m.phase_span) > tolerance) return nullptr;
+    // Where tilt and heading are still so uncertain, under such a force, that the velocity's error changes within the span by more than the
+    // rate's sigma, the generators are corrected while they measure, and what they lag behind is in the phases: rates by themselves then.
+    double change = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        StateVector row = mean.rows[static_cast<std::size_t>(i)] / mean.time;
+        row(Layout::velocity + i) -= 1.0;
+        change += 4.0 * row.dot(f.P * row);   // the mean is half of it away from the end
+    }
+    if (change > m.std_rate * m.std_rate) return nullptr;
+    const auto carriers = std::span(tracking.phases).first(static_cast<std::size_t>(L.phases));
+    auto found = std::ranges::find(carriers, static_cast<int>(m.source), &RangeTracking::Phase::source);
+    if (found == carriers.end())   // what has ended longer ago than a span is nobody's
+        found = std::ranges::find_if(carriers, [&](const RangeTracking::Phase& p) {
+            return p.source < 0 || (f.time() - p.last).seconds() > m.phase_span + tolerance;
+        });
+    if (found == carriers.end()) return nullptr;
+    RangeTracking::Phase& p = *found;
+    if (p.source == m.source && p.last == f.time()) return &p;   // linearised anew
+    const bool goes_on = m.phase_goes_on && p.source == m.source && std::abs((f.time() - p.last).seconds() - m.phase_span) < tolerance;
+    const int first = L.phase + 2 * static_cast<int>(found - carriers.begin());
+    p = {m.source, f.time(), goes_on ? p.begin : first, goes_on ? p.end : first + 1};
+    const double variance = m.phase_std * m.phase_std;
+    renew(f, tracking, p.end, variance, listener);
+    if (!goes_on) renew(f, tracking, p.begin, variance, listener);
+    return &p;
 }
 
 template <class Frame>
@@ -80,8 +121,9 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
     turning.ellipsoid.w_ie *= way;
     nav.v_eb_n *= way;
     const Vector3d w_ib_b = f.w_ib_b + f.error.template segment<3>(Layout::gyro_bias) + dx.segment<3>(Layout::gyro_bias);
-    const StateVector nominal = f.estimated_parameters() - dx;
-    const Vector3d lever_arm = L.lever_arm < 0 ? lever_arm_b_ : Vector3d(nominal.segment<3>(L.lever_arm));
+    const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };   // states are renewed below
+    const Vector3d lever_arm =
+        L.lever_arm < 0 ? lever_arm_b_ : Vector3d(nominal(L.lever_arm), nominal(L.lever_arm + 1), nominal(L.lever_arm + 2));
     const AntennaEstimate a = antenna_of(turning, nav, nav.q_nb.toRotationMatrix(), way * w_ib_b, lever_arm);
     Matrix9 from_local = Matrix9::Identity();
     nav.v_eb_n *= way;
@@ -94,6 +136,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
     RangeEpochWork& work = tracking.work;
     const bool air = settings_.corrections.troposphere != gnss::TroposphereModel::None ||
                      settings_.corrections.ionosphere == gnss::IonosphereModel::Broadcast;
+    const int driven = L.driven();
     work.count = 0;
     for (const RangeSample& m : samples) {
         const RangeSource& source = log.sources[m.source];
@@ -153,12 +196,33 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             RangeScalar& s = next(true);
             const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
+            double of_phase = 0.0;
+            const RangeTracking::Phase* by_phase = phase_of(f, tracking, m, listener);
+            if (by_phase) {
+                const double per_span = 1.0 / m.phase_span;
+                s.row.add(by_phase->end, per_span);
+                s.row.add(by_phase->begin, -per_span);
+                of_phase = (nominal(by_phase->end) - nominal(by_phase->begin)) * per_span;
+                s.variance = std::max(s.variance - 2.0 * std::pow(m.phase_std * per_span, 2), unshared * s.variance);
+            }
             navigation(s.row, r.rate_by_position, way * r.rate_by_velocity, r.rate_by_attitude);
+            if (by_phase) {
+                const Vector3d by_velocity = s.row.head.template segment<3>(Layout::velocity) / tracking.since_phases.time;
+                s.variance += by_velocity.squaredNorm() * tracking.since_phases.noise;
+                s.row.head.template segment<3>(Layout::velocity).setZero();
+                for (int i = 0; i < 3; ++i) s.row.head += by_velocity(i) * tracking.since_phases.rows[static_cast<std::size_t>(i)].template head<9>();
+                for (int k = 9; k < driven; ++k) {
+                    double by_state = 0.0;
+                    for (int i = 0; i < 3; ++i) by_state += by_velocity(i) * tracking.since_phases.rows[static_cast<std::size_t>(i)](k);
+                    if (by_state != 0.0) s.row.add(k, by_state);
+                }
+            }
             if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.rate_by_lever_arm);
             s.row.add3(Layout::gyro_bias, way * r.rate_by_gyro_bias);
             s.row.add(L.drift, way);
             if (L.rate_noise >= 0) s.row.add(L.rate_noise, way);
-            s.innovation = r.rate + drift - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
+            const double common = L.rate_noise >= 0 ? way * nominal(L.rate_noise) : 0.0;
+            s.innovation = r.rate + drift + common + of_phase - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
         }
     }
 }
@@ -338,9 +402,7 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     RangeEpochWork& work = tracking.work;
     StateVector dx = StateVector::Zero(f.P.rows());
     if (const int noise = model_.layout.rate_noise; noise >= 0) {
-        f.renew(noise, settings_.errors.clock.phase_psd() / settings_.errors.rate_span);
-        for (FaultHypothesis& h : tracking.watch.all) h.response(noise) = 0.0;
-        if (listener != nullptr) listener->renewed(noise);
+        renew(f, tracking, noise, settings_.errors.clock.phase_psd() / settings_.errors.rate_span, listener);
     }
     make_scalars(f, tracking, log, samples, dx, listener);
     work.excluded = 0;
@@ -368,6 +430,8 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     const int taken = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
     if (tracking.watch.on) follow_faults(f, tracking);
     update.apply(f.P);
+    if (model_.layout.phase >= 0 && std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
+        tracking.since_phases.begin(f.P.rows());
     open_sources(f, tracking);
     doubt_the_estimate(f, work);
     f.apply(model_, dx);

@@ -5,6 +5,7 @@
 #include "schuler/core/ranging.h"
 #include "schuler/filter/fault_watch.h"
 #include "schuler/filter/inertial_filter.h"
+#include "schuler/filter/mean_velocity.h"
 #include "schuler/filter/ranging_settings.h"
 
 #include <array>
@@ -64,6 +65,14 @@ struct RangeTracking {
         std::optional<Time> doubted{};            ///< of the first that was rejected since one was accepted
     };
     std::array<Slot, Layout::slots> slots{};
+    /// A carrier whose phase errors are states: two, of which `end` is that of the phase at which its last rate ended.
+    struct Phase {
+        int source = -1;                          ///< index into RangingLog::sources; -1: free
+        Time last{};                              ///< when that was
+        int end = 0, begin = 0;                   ///< states of the ends of the last rate
+    };
+    std::array<Phase, 12> phases{};
+    MeanVelocity since_phases;                    ///< since the last rates by phase
     FaultWatch watch;
     RangeEpochWork work;
 };
@@ -88,6 +97,10 @@ public:
                 const RangeTest& test, bool backward = false)
         : model_(model), settings_(settings), lever_arm_b_(lever_arm_b), test_(test), backward_(backward) {}
 
+    /// Of the variance of a rate by phase, what at least is not in the phases at its ends: the navigation is corrected within a span, by what
+    /// was not known when its generators were commanded.
+    static constexpr double unshared = 0.01;
+
     /// `listener` may be null. Updates the filter with an epoch at its own time (after propagate_covariance). All scalars are used one by one; where the sum of
     /// squares or one of them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the
     /// inertial prediction (w_i = (S^-1 z)_i / sqrt((S^-1)_ii), normal without faults), the worst is left out, and so on until the rest
@@ -111,6 +124,11 @@ private:
         return station ? settings_.errors.station : settings_.errors.satellite;
     }
     [[nodiscard]] double sigma_of(double stated, double model_sigma, bool station, double elevation, double cn0) const;
+    /// The states of the phases between which a rate was measured; null where it has none.
+    [[nodiscard]] const RangeTracking::Phase* phase_of(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangeSample& sample,
+                                                       RangeListener* listener) const;
+    /// Gives a state another meaning: an error of variance `variance` that is correlated with nothing.
+    void renew(InertialFilter<Frame>& filter, RangeTracking& tracking, int state, double variance, RangeListener* listener) const;
     bool use_all(const RangeTest& test, estim::EpochUpdate& update, RangeEpochWork& work, StateVector& dx,
                  RangeListener* listener) const;
     [[nodiscard]] bool follow_clock_jump(InertialFilter<Frame>& f, const RangeEpochWork& work) const;

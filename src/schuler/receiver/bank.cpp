@@ -176,7 +176,9 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
     ch.fresh = out->status != ChannelMeasurement::Status::NoSignal;
     // the oscillator's white noise of frequency, a mean over the symbol, is more than the navigation says
     const double clock_noise = c * std::sqrt(0.5 * settings_.oscillator.h0 / ch.signal.symbol_duration);
-    ch.deep.command(predicted(i, now() + period), std::hypot(p.std_rate, clock_noise));
+    const LineOfSight next = predicted(i, now() + period);
+    ch.correction = next.rate - ch.deep.predicted().rate;
+    ch.deep.command(next, std::hypot(p.std_rate, clock_noise));
 }
 
 void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
@@ -199,7 +201,10 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
                 m.rate = here.rate - span->rate;
                 m.rate_variance = span->variance;
                 m.rate_span = span->duration;
+                m.phase_variance = span->phase_variance;
+                m.phase_goes_on = span->goes_on;
             }
+            ch.span.corrected(ch.correction, ch.at);
             m.cn0 = ch.measured.cn0;
             out.push_back(m);
             continue;

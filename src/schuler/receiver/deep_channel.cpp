@@ -63,6 +63,7 @@ void DeepChannel::start(const LineOfSight& predicted, int dumps_into_symbol) {
     carrier_.setZero();
     turns_ = agreement_ = 0.0;
     P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
+    scatter_ = P_;
     halves_[0] = halves_[1] = {};
     place();
 }
@@ -112,6 +113,8 @@ void DeepChannel::follow_phase(std::complex<double> half) {
     const Eigen::Vector2d K = P_ * H.transpose() / S;
     carrier_ += K * innovation;
     P_ = (P_ - K * S * K.transpose()).eval();
+    const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - K * H;
+    scatter_ = (left * F * scatter_ * F.transpose() * left.transpose() + variance * K * K.transpose()).eval();
 }
 
 void DeepChannel::judge_power(double both) {
@@ -191,6 +194,8 @@ void DeepChannel::follow(ChannelMeasurement& out) {
     carrier_[1] *= kept;
     P_(0, 1) = P_(1, 0) = kept * P_(0, 1);
     P_(1, 1) = kept * kept * P_(1, 1) + (1.0 - kept * kept) * said;
+    scatter_(0, 1) = scatter_(1, 0) = kept * scatter_(0, 1);
+    scatter_(1, 1) *= kept * kept;
     double prompt = 0.0, late_less_early = 0.0;
     for (const Correlators& c : halves_) {
         follow_phase(c.prompt);
@@ -202,6 +207,7 @@ void DeepChannel::follow(ChannelMeasurement& out) {
     if (P_(0, 0) > unknown_phase) {
         carrier_[0] = 0.0;
         P_ << unknown_phase, 0.0, 0.0, unknown_frequency;
+        scatter_ = P_;
     }
     const double within = std::remainder(carrier_[0], turn);
     turns_ += carrier_[0] - within;
@@ -215,7 +221,7 @@ void DeepChannel::follow(ChannelMeasurement& out) {
     out.range = -chip * late_less_early * prompt / gain;
     out.range_variance = chip * chip * noise_ * (2.0 * aligned + peak_) / (gain * gain);
     out.carrier = -wavelength * (turns_ + within) / turn;
-    out.carrier_variance = std::pow(wavelength / turn, 2) * P_(0, 0);
+    out.carrier_variance = std::pow(wavelength / turn, 2) * scatter_(0, 0);
 }
 
 }  // namespace schuler::receiver

@@ -89,6 +89,7 @@ private:
     /// Phase (rad) and frequency (Hz) of replica minus signal at the end of the last half symbol.
     Eigen::Vector2d carrier_ = Eigen::Vector2d::Zero();
     Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity();
+    Eigen::Matrix2d scatter_ = Eigen::Matrix2d::Identity();   ///< what of P_ the noise of the sums has made
 };
 
 }  // namespace schuler::receiver

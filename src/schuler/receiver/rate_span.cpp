@@ -13,14 +13,17 @@ std::optional<RateSpan::Rate> RateSpan::add(const ChannelMeasurement& symbol, do
     Rate out = of_symbols();
     if (open_ && coherent) {
         constexpr double agree = 4.0;   // sigmas
-        const double duration = at - begin_, rate = (symbol.carrier - carrier_) / duration;
+        const double duration = at - begin_, rate = (symbol.carrier - carrier_ + revised_) / duration;
         const double variance = (symbol.carrier_variance + carrier_variance_) / (duration * duration);
         // a phase that slips says nothing of the rate
-        if (std::abs(rate - out.rate) < agree * std::sqrt(variance + out.variance)) out = {rate, variance, duration};
+        if (std::abs(rate - out.rate) < agree * std::sqrt(variance + out.variance))
+            out = {rate, variance, duration, symbol.carrier_variance, by_phase_};
     }
+    by_phase_ = out.phase_variance > 0.0;
     weight_ = weighted_ = duration_ = 0.0;
     open_ = coherent && (open_ || ends);
     begin_ = at;
+    revised_ = 0.0;
     carrier_ = symbol.carrier;
     carrier_variance_ = symbol.carrier_variance;
     return out;

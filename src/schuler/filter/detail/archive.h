@@ -136,7 +136,8 @@ SCHULER_ARCHIVED(HeadingSample, time, heading, std)
 SCHULER_ARCHIVED(GaugeSample, time, height)
 SCHULER_ARCHIVED(BodyVelocitySample, time, velocity)
 SCHULER_ARCHIVED(RangeSource, name, station)
-SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, cn0, tx, velocity, clock, clock_rate, frequency, variance)
+SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, phase_std, phase_span, phase_goes_on, cn0, tx, velocity,
+                 clock, clock_rate, frequency, variance)
 SCHULER_ARCHIVED(RangeEpoch, time, first, count)
 SCHULER_ARCHIVED(SolutionRow, time, position, v, rpy, std_position, std_velocity, std_rpy)
 
@@ -186,7 +187,9 @@ inline void archive(Archive& a, RangeEpochWork& work) {   // the rest is made an
     a(excluded, clock_jump, alarm, disagreeing, disagreeing_since);
     if (a.reads()) count = 0;
 }
-SCHULER_ARCHIVED(RangeTracking, slots, watch, work)
+SCHULER_ARCHIVED(RangeTracking::Phase, source, last, end, begin)
+SCHULER_ARCHIVED(MeanVelocity, rows, time, noise)
+SCHULER_ARCHIVED(RangeTracking, slots, phases, since_phases, watch, work)
 SCHULER_ARCHIVED(Opening, increment, position, velocity, rate, span, bias_jump)
 inline void archive(Archive& a, RefusedRun& run) { run.archive(a); }
 SCHULER_ARCHIVED(FixLevels, two, at_other, other, here, there)
