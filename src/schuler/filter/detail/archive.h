@@ -136,7 +136,7 @@ SCHULER_ARCHIVED(HeadingSample, time, heading, std)
 SCHULER_ARCHIVED(GaugeSample, time, height)
 SCHULER_ARCHIVED(BodyVelocitySample, time, velocity)
 SCHULER_ARCHIVED(RangeSource, name, station)
-SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, cn0, tx, velocity, clock, clock_rate, frequency, variance)
+SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, cn0, tx, velocity, clock, clock_rate, frequency, variance, noise)
 SCHULER_ARCHIVED(RangeEpoch, time, first, count)
 SCHULER_ARCHIVED(SolutionRow, time, position, v, rpy, std_position, std_velocity, std_rpy)
 
