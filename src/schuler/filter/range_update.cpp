@@ -112,7 +112,11 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                                                 settings_.corrections);
         const sensor::RangeErrorModel& errors = errors_of(source.station);
         const bool by_model = settings_.slow_by_model && !source.station;
-        const double slow_sigma = by_model ? std::sqrt(air_delay.variance + m.variance) : errors.correlated;
+        // reflections come and go in tens of seconds and more: a single fix has them as noise, a filter would average them away
+        const double reflections =
+            by_model ? settings_.corrections.code_sigma * m.noise * gnss::noise_factor(direction.elevation, m.cn0) : 0.0;
+        const double slow_sigma =
+            by_model ? std::sqrt(air_delay.variance + m.variance + reflections * reflections) : errors.correlated;
         const int slot = slot_of(f, tracking, m.source, source.station, slow_sigma, listener), offset = intersystem_of(source);
         if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
 
@@ -156,7 +160,10 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             RangeScalar& s = next(true);
             const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
-            navigation(s.row, r.rate_by_position, way * r.rate_by_velocity, r.rate_by_attitude);
+            // Rates tell the place too, by 0.1 to 0.2 mm/s a metre: of a receiver whose rates are off by slow millimetres a second as well
+            // (atmosphere, orbit, tracking), which white noise does not say, a hundred epochs would make a place wrong by metres.
+            const Vector3d by_position = by_model ? Vector3d(Vector3d::Zero()) : r.rate_by_position;
+            navigation(s.row, by_position, way * r.rate_by_velocity, r.rate_by_attitude);
             if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.rate_by_lever_arm);
             s.row.add3(Layout::gyro_bias, way * r.rate_by_gyro_bias);
             s.row.add(L.drift, way);
