@@ -39,5 +39,42 @@ TEST_F(RawGnss, ProcessGivesTheReceiversSolution) {
     EXPECT_NE(inferred.inferred_toml.find("30400920.05n"), std::string::npos);
 }
 
+/// Handheld u-blox receiver, all its bands, in a yard.
+class Walk : public RawGnss {
+protected:
+    [[nodiscard]] nlohmann::json run(const std::string& gnss, const std::string& scheme, const std::string& more = {}) const {
+        const auto data = io::test::data_folder() / "walk_0827";
+        const std::string log = "\"" + (data / "gnss.ubx").string() + "\"\n";
+        ProcessRequest request;
+        request.input = write("dataset.toml", "name = \"walk\"\n[time]\nscale = \"gps\"\n[imu]\nfile = \"" + (data / "imu.csv").string() +
+                                                  "\"\n[gnss]\n" + gnss + " = " + log + more + "[reference]\nfile = \"" +
+                                                  (data / "gnss.csv").string() + "\"\n[filter]\nscheme = \"" + scheme + "\"\n");
+        request.output = folder() / "out";
+        return nlohmann::json::parse(process_dataset(request).json);
+    }
+    static double horizontal(const nlohmann::json& j) { return j.at("errors").at("position_m").at("horizontal").at("rms").get<double>(); }
+};
+
+TEST_F(Walk, TightUsesTheSatellitesOfAnUntouchedLog) {
+    SKIP_WITHOUT_DATA();
+    const auto tight = run("observations", "tight"), loose = run("observations", "loose");
+    for (const char* kind : {"pseudorange", "range_rate"}) {
+        const auto& nis = tight.at("consistency").at("nis").at(kind);
+        EXPECT_GT(nis.at("accepted").get<double>(), 20.0 * nis.at("rejected").get<double>()) << kind;
+    }
+    // the log's own base is off by some metres: both are measured against the same
+    EXPECT_LT(horizontal(tight), horizontal(loose));
+}
+
+TEST_F(Walk, BeiDouAloneAndTheReceiversOwnFixes) {
+    SKIP_WITHOUT_DATA();
+    const auto beidou = run("observations", "gnss", "systems = \"C\"\n");
+    EXPECT_GT(beidou.at("gnss").at("epochs").get<int>(), 300);
+    EXPECT_LT(horizontal(beidou), 15.0);
+    const auto own = run("file", "gnss");
+    EXPECT_GT(own.at("gnss").at("epochs").get<int>(), 500);
+    EXPECT_LT(horizontal(own), 0.05);   // they are what the reference was made of
+}
+
 }  // namespace
 }  // namespace schuler::app

@@ -29,6 +29,52 @@ TEST(Atmosphere, KlobucharAtNightAtNoonAndOverTheDay) {
     EXPECT_NEAR(low / night, 1.0 + 16.0 * std::pow(0.53 - 5.0 / 180.0, 3), 0.02);
 }
 
+TEST(Atmosphere, BeiDousKlobucharByGeographicLatitudeAndAShell) {
+    const KlobucharCoefficients c{{1.1180e-8, 1.4900e-8, -5.9600e-8, -5.9600e-8}, {8.8060e4, 1.6380e4, -1.9660e5, -1.3110e5}};
+    const Geodetic place{-40.0 * deg, -100.0 * deg, 0.0};
+    const Direction zenith{0.0, 90.0 * deg};
+    const double behind = 2400.0 + 14.0;   // GPS time is 14 s before BeiDou's, in which the local time counts
+    EXPECT_NEAR(beidou_klobuchar_delay(c, Time::from_gps(2000, 8.0 * 3600 + behind), place, zenith), 5e-9 * speed_of_light, 1e-6);
+    const double latitude = 40.0 / 180.0;  // semicircles, south like north
+    const double amplitude = c.alpha[0] + latitude * (c.alpha[1] + latitude * (c.alpha[2] + latitude * c.alpha[3]));
+    EXPECT_NEAR(beidou_klobuchar_delay(c, Time::from_gps(2000, 20.0 * 3600 + behind), place, zenith),
+                (5e-9 + amplitude) * speed_of_light, 1e-6);
+    // an hour later, on the cosine of the period
+    const double period = std::max(72e3, c.beta[0] + latitude * (c.beta[1] + latitude * (c.beta[2] + latitude * c.beta[3])));
+    EXPECT_NEAR(beidou_klobuchar_delay(c, Time::from_gps(2000, 21.0 * 3600 + behind), place, zenith),
+                (5e-9 + amplitude * std::cos(360.0 * deg * 3600.0 / period)) * speed_of_light, 1e-6);
+    // 10 degrees high at night: the ray meets the shell at the zenith angle of the sine rule
+    const double sine = 6378.0 / 6753.0 * std::cos(10.0 * deg);
+    EXPECT_NEAR(beidou_klobuchar_delay(c, Time::from_gps(2000, 8.0 * 3600 + behind), place, {1.0, 10.0 * deg}),
+                5e-9 * speed_of_light / std::sqrt(1.0 - sine * sine), 1e-6);
+}
+
+TEST(Atmosphere, EverySystemHasItsOwnIonosphereOrTheSigmaOfTheOthers) {
+    const KlobucharCoefficients gps{{1e-8, 0, 0, 0}, {9e4, 0, 0, 0}}, beidou{{3e-8, 0, 0, 0}, {9e4, 0, 0, 0}};
+    const Geodetic place{40.0 * deg, -100.0 * deg, 0.0};
+    const Direction up{0.3, 60.0 * deg};
+    const Time noon = Time::from_gps(2000, 20.0 * 3600);
+    const double g = klobuchar_delay(gps, noon, place, up), b = beidou_klobuchar_delay(beidou, noon, place, up);
+    const auto on = [&](const BroadcastIonosphere& known, System system, double f) {
+        return ionospheric_delay(known, system, f, noon, place, up);
+    };
+    const BroadcastIonosphere both{gps, beidou};
+    const double b1i = frequency_of(System::BeiDou, '2'), b3i = frequency_of(System::BeiDou, '6');
+    EXPECT_NEAR(on(both, System::Gps, l1_frequency).delay, g, 1e-12);
+    EXPECT_NEAR(on(both, System::Gps, l1_frequency).sigma, 0.5 * g, 1e-12);
+    EXPECT_NEAR(on(both, System::BeiDou, b1i).delay, b, 1e-9);
+    EXPECT_NEAR(on(both, System::BeiDou, b3i).delay, b * (b1i / b3i) * (b1i / b3i), 1e-9);
+    // Galileo has neither: what the two disagree by is uncertain
+    const double s = b1i / l1_frequency, apart = g - b * s * s;
+    EXPECT_NEAR(on(both, System::Galileo, l1_frequency).sigma, std::hypot(0.5 * g, apart), 1e-9);
+    EXPECT_NEAR(on({std::nullopt, beidou}, System::Gps, l1_frequency).delay, b * s * s, 1e-9);
+    EXPECT_NEAR(on({gps, std::nullopt}, System::BeiDou, l1_frequency).delay, g, 1e-12);
+    // of no coefficients a mean day, and the sigma covers that there is nothing as well as twice as much
+    const IonosphericDelay mean = on({}, System::Gps, l1_frequency);
+    EXPECT_GT(mean.delay, 5.0);
+    EXPECT_GE(mean.sigma, mean.delay);
+}
+
 TEST(Atmosphere, SaastamoinenAtSeaLevelAndInTheAir) {
     const ZenithDelay sea = saastamoinen_zenith({45.0 * deg, 0.0, 0.0}, 0.5);
     EXPECT_NEAR(sea.hydrostatic, 0.0022768 * 1013.25, 1e-6);

@@ -29,7 +29,7 @@ class Rnx2rtkp : public io::test::IoTest {
 protected:
     static std::vector<Fix> solved(const ObservationLog& log, const Navigation& navigation, const SinglePointSettings& settings) {
         const BroadcastSource source(navigation);
-        SinglePoint solver(source, klobuchar_of(navigation), settings);
+        SinglePoint solver(source, broadcast_ionosphere(navigation), settings);
         std::vector<Fix> fixes;
         for (const ObservationEpoch& e : log.epochs) {
             const SinglePointSolution s = solver.solve(log.of(e), e.time, log.channels);

@@ -107,6 +107,18 @@ TEST(SinglePoint, GainsTellWhatEachRangesErrorDoes) {
     EXPECT_LT((right.slow_covariance - slow).norm(), 1e-9);
 }
 
+TEST(SinglePoint, AgreementOfFewIsNoFixWhereAsManyWereLeftOut) {
+    const BroadcastSource nobody{Navigation{}};
+    SinglePointSettings settings = without_atmosphere();
+    SinglePoint solver(nobody, std::nullopt, settings);
+    std::vector<Range> ranges = made_up_ranges(static_truth);
+    ranges[1].pseudorange += 90.0;
+    ranges[6].pseudorange -= 150.0;
+    EXPECT_EQ(solver.solve(ranges, Time{}).status, SinglePointStatus::Solved);   // six agree, two against them
+    ranges[3].pseudorange += 200.0;
+    EXPECT_NE(solver.solve(ranges, Time{}).status, SinglePointStatus::Solved);   // of five one more than determine a fix
+}
+
 TEST(SinglePoint, SignalGeneratorAtRestEveryEpochToMillimetres) {
     SKIP_WITHOUT_DATA();
     const StaticFiles files;

@@ -12,6 +12,7 @@
 #include "schuler/io/nmea.h"
 #include "schuler/io/rtklib_pos.h"
 #include "schuler/io/table.h"
+#include "schuler/io/ubx.h"
 #include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 
@@ -130,6 +131,14 @@ void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings)
         settle_height_kind(pos.height, c);
         return;
     }
+    if (io::is_ubx(input)) {
+        io::UbxLog log = io::read_ubx(input, warnings);
+        if (log.fixes.empty())
+            throw input_error("has no fix of the receiver itself (NAV-PVT)", {c.gnss.file, 0, 0, "gnss.file"},
+                              "its raw measurements are used as [gnss] observations");
+        out.recording.gnss = on_own_axis(std::move(log.fixes), c, out.recording, offset);
+        return;
+    }
     if (io::is_nmea(input)) {
         io::NmeaLog log = io::read_nmea(input, warnings);
         out.recording.gnss = log.has_date ? on_own_axis(std::move(log.fixes), c, out.recording, offset)
@@ -148,7 +157,7 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     const bool csv = !c.ranges.file.empty();
     if (!csv && (c.raw.observations.empty() || (c.scheme != Scheme::Tight && c.scheme != Scheme::Medium))) return;
     RangingLog& log = out.recording.ranges;
-    log = csv ? ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, warnings);
+    log = csv ? ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, out.given, warnings);
     const auto axis = own_axis(out.recording);
     if (!csv && !log.empty() && axis) {
         const Duration shift = Duration::from_seconds(c.gnss.time_offset) + -axis_zero(c.time, log.epochs.front().time, *axis);

@@ -104,7 +104,7 @@ RangingLog ranges_from_csv(const fs::path& folder, const Config& c, WarningLog& 
     return log;
 }
 
-RangingLog ranges_from_raw(const fs::path& folder, Config& c, WarningLog& warnings) {
+RangingLog ranges_from_raw(const fs::path& folder, Config& c, const std::set<std::string>& given, WarningLog& warnings) {
     gnss::Navigation navigation = read_navigation(folder, c, warnings);
     RangingLog log;
     std::vector<gnss::Range> ranges;
@@ -129,13 +129,25 @@ RangingLog ranges_from_raw(const fs::path& folder, Config& c, WarningLog& warnin
                 m.tx = r.position;
                 m.tx_velocity = r.velocity;
                 m.frequency = r.frequency;
+                m.variance = r.variance;
+                m.noise = r.noise;
                 log.samples.push_back(m);
             }
         }
     }
     fusion::RangingFilterSettings& f = c.filter.ranging;
-    f.klobuchar = gnss::klobuchar_of(navigation);
+    f.ionosphere = gnss::broadcast_ionosphere(navigation);
+    tell_of_ionosphere(*f.ionosphere, c.raw, warnings);
     f.sigma_by_elevation = true;
+    if (!given.contains("ranges.slow_by_model")) f.slow_by_model = !given.contains("ranges.correlated_m");
+    // Receivers run on temperature-compensated crystals, off by a millionth or so, and let their clock wander within a millisecond.
+    constexpr double wander = 3e5, off = 1000.0;   // m, m/s
+    sensor::Oscillator& clock = f.errors.clock;
+    const bool kind = given.contains("ranges.clock");
+    if (!kind && !given.contains("ranges.clock_h0_s")) clock.h0 = sensor::tcxo.h0;
+    if (!kind && !given.contains("ranges.clock_h_minus2_hz")) clock.h_minus2 = sensor::tcxo.h_minus2;
+    if (!given.contains("ranges.clock_std_m")) clock.bias = wander;
+    if (!given.contains("ranges.drift_std_m_s")) clock.drift = off;
     return log;
 }
 
@@ -179,7 +191,7 @@ private:
 
 RangeFixes fixes_from_ranges(const RangingLog& log, const Config& c, double slow) {
     const gnss::BroadcastSource nobody{gnss::Navigation{}};
-    gnss::SinglePoint solver(nobody, c.filter.ranging.klobuchar, c.raw.solver);
+    gnss::SinglePoint solver(nobody, c.filter.ranging.ionosphere, c.raw.solver);
     RangeFixes out;
     LevelSigmas sigmas, jumps;
     std::optional<gnss::SinglePointSolution> before;

@@ -3,6 +3,9 @@
 
 #include "schuler/app/dataset.h"
 
+#include <set>
+#include <string>
+
 namespace schuler::app {
 
 /// Reads [stations] file with its coordinates. Satellites whose place the file does not give come from the navigation files, for which
@@ -11,7 +14,9 @@ namespace schuler::app {
 [[nodiscard]] RangingLog ranges_from_csv(const std::filesystem::path& folder, const Config& config, WarningLog& warnings);
 
 /// The receiver's raw measurements as ranges free of satellite clocks, in GPS time; sets what follows for the filter's corrections.
-[[nodiscard]] RangingLog ranges_from_raw(const std::filesystem::path& folder, Config& config, WarningLog& warnings);
+/// `given`: keys whose values stay.
+[[nodiscard]] RangingLog ranges_from_raw(const std::filesystem::path& folder, Config& config, const std::set<std::string>& given,
+                                         WarningLog& warnings);
 
 /// Fixes of satellites' ranges with what their errors are by the geometry, north, east, down, one sigma.
 struct RangeFixes {

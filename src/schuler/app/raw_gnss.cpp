@@ -34,6 +34,12 @@ std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const 
 
 }  // namespace
 
+void tell_of_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings) {
+    if (raw.solver.ranges.ionosphere != gnss::IonosphereModel::Broadcast || ionosphere.klobuchar || ionosphere.beidou) return;
+    warnings.add("gnss.klobuchar", "no satellite's message has coefficients of the ionosphere: a mean one is taken off, and as much is in the "
+                                   "sigmas (gnss.ionosphere = \"dual\" needs none)");
+}
+
 GnssFix fix_from(const gnss::SinglePointSolution& s) {
     GnssFix fix;
     fix.time = s.time;
@@ -65,13 +71,12 @@ std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig&
         throw input_error("raw measurements need ephemerides", {{}, 0, 0, "gnss.navigation"},
                           "name the navigation files of the same day");
     const auto source = satellites(folder, raw, navigation, warnings);
-    const auto klobuchar = gnss::klobuchar_of(navigation);
-    if (!klobuchar && raw.solver.ranges.ionosphere == gnss::IonosphereModel::Broadcast)
-        warnings.add("gnss.klobuchar", "the navigation files have no coefficients of the ionosphere: its delay is not corrected");
+    const gnss::BroadcastIonosphere ionosphere = gnss::broadcast_ionosphere(navigation);
+    tell_of_ionosphere(ionosphere, raw, warnings);
     if (!raw.precise.empty() && raw.solver.ranges.ionosphere != gnss::IonosphereModel::Dual)
         warnings.add("gnss.precise", "precise clocks hold for two frequencies: with one, group delays of up to some metres remain "
                                      "(gnss.ionosphere = \"dual\" avoids them)");
-    gnss::SinglePoint solver(*source, klobuchar, raw.solver);
+    gnss::SinglePoint solver(*source, ionosphere, raw.solver);
     gnss::PhaseDifferences differences(*source, raw.solver.ranges);
     std::vector<GnssFix> fixes;
     std::map<gnss::SinglePointStatus, std::size_t> unsolved;

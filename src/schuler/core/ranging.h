@@ -39,6 +39,7 @@ struct RangeSample {
     double tx_clock_rate = 0.0;                  ///< s/s
     double frequency = 0.0;                      ///< Hz, of the carrier, for the ionosphere; 0: free of it
     double variance = 0.0;                       ///< m^2, of orbit and clock
+    double noise = 1.0;                          ///< factor on the white sigma where none is stated, from combining signals
 };
 
 /// One epoch: a run of samples.

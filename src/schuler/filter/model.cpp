@@ -188,6 +188,9 @@ public:
         }
     }
 
+    /// Adds a white error of this sigma to a navigation state of the local level.
+    void loosen(int state, double sigma) { f_.P.template topLeftCorner<9, 9>() += sigma * sigma * T_.col(state) * T_.col(state).transpose(); }
+
     /// Variance of a navigation state, local level.
     [[nodiscard]] double variance(int state) const { return P_n_(state, state); }
 
@@ -315,7 +318,13 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
         start_disturbance(settings.disturbance, L, earth::C_en(start.nav.position.lat, start.nav.position.lon), f.P);
     P.slow_error(L.gnss_position, Layout::position, settings.gnss.errors.correlated_position, start.position_of_fix);
     P.slow_error(L.gnss_velocity, Layout::velocity, settings.gnss.errors.correlated_velocity, start.velocity_of_fix);
-    if (L.clock >= 0) start_ranging(f, L, settings.ranging.errors);
+    if (L.clock >= 0) {
+        start_ranging(f, L, settings.ranging.errors);
+        // A fix has the errors of the ranges in it, which are going to be used themselves: it only says about where to linearise.
+        constexpr double roomy = 10.0;   // sigmas
+        for (int i = 0; i < 3; ++i)
+            if (start.position_of_fix(i) > 0.0) P.loosen(Layout::position + i, roomy * start.std_position(i));
+    }
     walk.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
 
     // A disturbance of gravity that nobody corrects for acts like an accelerometer's error.

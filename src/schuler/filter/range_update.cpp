@@ -41,7 +41,7 @@ double RangeUpdate<Frame>::sigma_of(double stated, double model_sigma, bool stat
 }
 
 template <class Frame>
-int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& tracking, int source, bool station,
+int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& tracking, int source, bool station, double sigma,
                                 RangeListener* listener) const {
     const sensor::RangeErrorModel& m = errors_of(station);
     if (!(m.correlated > 0.0)) return -1;
@@ -60,8 +60,8 @@ int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& trackin
     tracking.watch.forget(tracking.slots[free].source);
     tracking.slots[free] = {source, station, f.time(), {}};
     const int state = model_.layout.source + static_cast<int>(free);
-    renew(f, tracking, state, m.correlated * m.correlated, listener);
-    f.set_slot_process(free, StateProcess::markov(m.correlated, m.correlation_time));
+    renew(f, tracking, state, sigma * sigma, listener);
+    f.set_slot_process(free, StateProcess::markov(sigma, m.correlation_time));
     return state;
 }
 
@@ -148,7 +148,19 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         const gnss::Direction direction{delayed ? std::atan2(-r.u_n.y(), -r.u_n.x()) : 0.0, std::asin(std::clamp(r.u_n.z(), -1.0, 1.0))};
         if (!source.station && direction.elevation < settings_.corrections.elevation_mask) continue;
         const double clock = nominal(L.clock), drift = way * nominal(L.drift);
-        const int slot = slot_of(f, tracking, m.source, source.station, listener), offset = intersystem_of(source);
+        gnss::AtmosphericDelay air_delay;
+        if (delayed)
+            air_delay = gnss::atmospheric_delay(time, gnss::system_from_letter(source.name.front()).value_or(gnss::System::Gps), m.frequency,
+                                                a.place, direction, settings_.ionosphere ? &*settings_.ionosphere : nullptr,
+                                                settings_.corrections);
+        const sensor::RangeErrorModel& errors = errors_of(source.station);
+        const bool by_model = settings_.slow_by_model && !source.station;
+        // reflections come and go in tens of seconds and more: a single fix has them as noise, a filter would average them away
+        const double reflections =
+            by_model ? settings_.corrections.code_sigma * m.noise * gnss::noise_factor(direction.elevation, m.cn0) : 0.0;
+        const double slow_sigma =
+            by_model ? std::sqrt(air_delay.variance + m.variance + reflections * reflections) : errors.correlated;
+        const int slot = slot_of(f, tracking, m.source, source.station, slow_sigma, listener), offset = intersystem_of(source);
         if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
 
         const auto next = [&](bool is_rate) -> RangeScalar& {
@@ -164,16 +176,11 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.row.count = 0;
             return s;
         };
-        const sensor::RangeErrorModel& errors = errors_of(source.station);
         if (std::isfinite(m.pseudorange)) {
-            double delay = 0.0, more = m.variance;
+            // what the models leave is the slow error's, where that is a state
+            double delay = air_delay.delay, more = by_model && slot >= 0 ? 0.0 : m.variance;
             if (delayed) {
-                const gnss::AtmosphericDelay d =
-                    gnss::atmospheric_delay(time, m.frequency, a.place, direction,
-                                            settings_.klobuchar ? &*settings_.klobuchar : nullptr, settings_.corrections);
-                delay = d.delay;
-                // what the models leave is the slow error's, where that is a state
-                if (slot < 0) more += d.variance;
+                if (slot < 0) more += air_delay.variance;
             } else if (source.station && settings_.corrections.troposphere != gnss::TroposphereModel::None) {
                 delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, r.range);
             }
@@ -182,7 +189,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             const double computed = r.range - r.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
                                     (source.station ? nominal(L.network) : offset >= 0 ? nominal(L.intersystem + offset) : 0.0) +
                                     (slot >= 0 ? nominal(slot) : 0.0);
-            const double sigma = sigma_of(m.std, errors.white, source.station, direction.elevation, m.cn0);
+            const double sigma = sigma_of(m.std, errors.white * m.noise, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma + more;
             navigation(s.row, r.range_by_position, Vector3d::Zero(), r.range_by_attitude);
             if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.range_by_lever_arm);
@@ -205,7 +212,10 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                 of_phase = (nominal(by_phase->end) - nominal(by_phase->begin)) * per_span;
                 s.variance = std::max(s.variance - 2.0 * std::pow(m.phase_std * per_span, 2), unshared * s.variance);
             }
-            navigation(s.row, r.rate_by_position, way * r.rate_by_velocity, r.rate_by_attitude);
+            // Rates tell the place too, by 0.1 to 0.2 mm/s a metre: of a receiver whose rates are off by slow millimetres a second as well
+            // (atmosphere, orbit, tracking), which white noise does not say, a hundred epochs would make a place wrong by metres.
+            const Vector3d by_position = by_model ? Vector3d(Vector3d::Zero()) : r.rate_by_position;
+            navigation(s.row, by_position, way * r.rate_by_velocity, r.rate_by_attitude);
             if (by_phase) {
                 const Vector3d by_velocity = s.row.head.template segment<3>(Layout::velocity) / tracking.since_phases.time;
                 s.variance += by_velocity.squaredNorm() * tracking.since_phases.noise;

@@ -116,7 +116,8 @@ public:
                       std::span<const RangeSample> samples, const StateVector& dx, RangeListener* listener) const;
 
     /// State of a source's slow error, given one where it has none: -1 where its kind has no slow error or all slots are in use.
-    [[nodiscard]] int slot_of(InertialFilter<Frame>& filter, RangeTracking& tracking, int source, bool station,
+    /// `sigma`: of that error, m.
+    [[nodiscard]] int slot_of(InertialFilter<Frame>& filter, RangeTracking& tracking, int source, bool station, double sigma,
                               RangeListener* listener) const;
 
 private:

@@ -21,8 +21,10 @@ struct ProtectionSettings {
 struct RangingFilterSettings {
     sensor::RangingErrorModel errors;             ///< white parts where the log states none; correlated ones are states
     gnss::RangeSettings corrections;              ///< mask, atmosphere, growth of the noise towards the horizon
-    std::optional<gnss::KlobucharCoefficients> klobuchar;
+    std::optional<gnss::BroadcastIonosphere> ionosphere;   ///< not given: there is none
     bool sigma_by_elevation = false;              ///< where the log states none: the sigma grows towards the horizon
+    /// The slow error of a satellite begins with the sigma of what the atmosphere's models and the ephemeris leave instead of that of `errors`.
+    bool slow_by_model = false;
     bool use_rates = true;
     bool use_stations = true;
     ProtectionSettings protection;

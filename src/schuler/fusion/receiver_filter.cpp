@@ -43,7 +43,7 @@ bool ReceiverFilter::start(const RangeEpoch& epoch, std::span<const RangeSample>
     const gnss::BroadcastSource nobody{gnss::Navigation{}};
     gnss::SinglePointSettings settings;
     settings.ranges = settings_.ranging.corrections;
-    gnss::SinglePoint solver(nobody, settings_.ranging.klobuchar, settings);
+    gnss::SinglePoint solver(nobody, settings_.ranging.ionosphere, settings);
     RangingLog now{log_.sources, {{epoch.time, 0, samples.size()}}, {samples.begin(), samples.end()}};
     const gnss::SinglePointSolution s = solver.solve(gnss::satellite_ranges(now, now.epochs.front()), epoch.time);
     if (s.status != gnss::SinglePointStatus::Solved) return false;

@@ -2,6 +2,7 @@
 
 #include "schuler/earth/atmosphere.h"
 #include "schuler/earth/ellipsoid.h"
+#include "schuler/gnss/system_time.h"
 
 #include <algorithm>
 #include <array>
@@ -84,6 +85,56 @@ double klobuchar_delay(const KlobucharCoefficients& c, Time t, const Geodetic& r
     const double night = 5e-9;
     const double vertical = std::abs(x) < 1.57 ? night + amplitude * (1.0 + x * x * (-0.5 + x * x / 24.0)) : night;
     return speed_of_light * slant * vertical;
+}
+
+double beidou_klobuchar_delay(const KlobucharCoefficients& c, Time t, const Geodetic& receiver, Direction d) {
+    constexpr double radius = 6378e3, shell = 375e3, sine = radius / (radius + shell);
+    const double at_shell = sine * std::cos(d.elevation);   // sine of the zenith angle where the ray meets the shell
+    const double psi = 0.5 * pi - d.elevation - std::asin(at_shell);
+    const double lat = std::asin(std::clamp(
+        std::sin(receiver.lat) * std::cos(psi) + std::cos(receiver.lat) * std::sin(psi) * std::cos(d.azimuth), -1.0, 1.0));
+    const double lon =
+        receiver.lon + std::asin(std::clamp(std::sin(psi) * std::sin(d.azimuth) / std::max(std::cos(lat), 1e-6), -1.0, 1.0));
+    const double place = std::abs(lat) / pi;   // semicircles
+    const auto cubic = [&](const std::array<double, 4>& k) { return k[0] + place * (k[1] + place * (k[2] + place * k[3])); };
+    const double amplitude = std::max(cubic(c.alpha), 0.0), period = std::clamp(cubic(c.beta), 72'000.0, 172'800.0);
+    double local = std::fmod(second_of_day(t - lag_of(System::BeiDou)) + lon * 43'200.0 / pi, 86'400.0);
+    if (local < 0.0) local += 86'400.0;
+    const double since_peak = local - 50'400.0, night = 5e-9;
+    const double vertical =
+        std::abs(since_peak) < 0.25 * period ? night + amplitude * std::cos(2.0 * pi * since_peak / period) : night;
+    return speed_of_light * vertical / std::sqrt(1.0 - at_shell * at_shell);
+}
+
+BroadcastIonosphere broadcast_ionosphere(const Navigation& navigation) {
+    BroadcastIonosphere out;
+    for (const System system : {System::Gps, System::Qzss, System::Navic}) {
+        if (!out.klobuchar) out.klobuchar = navigation.klobuchar[static_cast<std::size_t>(system)];
+    }
+    out.beidou = navigation.klobuchar[static_cast<std::size_t>(System::BeiDou)];
+    return out;
+}
+
+IonosphericDelay ionospheric_delay(const BroadcastIonosphere& ionosphere, System system, double frequency, Time t,
+                                   const Geodetic& receiver, Direction d) {
+    const auto on_carrier = [&](double reference) { return (reference / frequency) * (reference / frequency); };
+    constexpr double left = 0.5, b1i = 1561.098e6;
+    std::optional<double> of_gps, of_beidou;
+    if (ionosphere.klobuchar) of_gps = on_carrier(l1_frequency) * klobuchar_delay(*ionosphere.klobuchar, t, receiver, d);
+    if (ionosphere.beidou) of_beidou = on_carrier(b1i) * beidou_klobuchar_delay(*ionosphere.beidou, t, receiver, d);
+    if (!of_gps && !of_beidou) {
+        // the amplitude of medium solar activity at middle latitudes, and Klobuchar's mean period
+        constexpr KlobucharCoefficients mean{{20e-9, 0.0, 0.0, 0.0}, {115'000.0, 0.0, 0.0, 0.0}};
+        const double delay = on_carrier(l1_frequency) * klobuchar_delay(mean, t, receiver, d);
+        constexpr double least_vertical = 2.0;   // m on L1: what nights reach where the ionosphere is active
+        const double slant = 1.0 + 16.0 * std::pow(0.53 - d.elevation / pi, 3);
+        return {delay, std::hypot(delay, on_carrier(l1_frequency) * least_vertical * slant)};
+    }
+    const bool own_beidou = system == System::BeiDou && of_beidou, own = own_beidou || (system != System::BeiDou && of_gps);
+    const double delay = own_beidou || !of_gps ? *of_beidou : *of_gps;
+    const bool is_own = own && (system == System::Gps || system == System::Qzss || system == System::Navic || own_beidou);
+    const double apart = !is_own && of_gps && of_beidou ? *of_gps - *of_beidou : 0.0;
+    return {delay, std::hypot(left * delay, apart)};
 }
 
 ZenithDelay saastamoinen_zenith(const Geodetic& receiver, double relative_humidity) {

@@ -95,7 +95,9 @@ void prepare_ranges(std::span<const SignalObservation> observations, Time tag, c
         r.cn0 = a->cn0;
         r.position = t->state.position;
         r.velocity = t->state.velocity;
-        r.variance = t->state.variance;
+        // GLONASS sends on many frequencies, each with a delay of its own in the receiver
+        constexpr double interfrequency = 1.5;   // m, one sigma
+        r.variance = t->state.variance + (id.system == System::Glonass ? interfrequency * interfrequency : 0.0);
         const int channel = channel_of(id, channels, t->channel);
         r.frequency = frequency_of(id.system, a->signal.band, channel);
         double code = a->pseudorange - speed_of_light * t->group_delay;
@@ -121,13 +123,13 @@ double noise_factor(double elevation, double cn0) {
     return std::sqrt(0.5 + 0.5 / (s * s)) * weak;
 }
 
-AtmosphericDelay atmospheric_delay(Time transmit, double frequency, const Geodetic& receiver, Direction direction,
-                                   const KlobucharCoefficients* klobuchar, const RangeSettings& settings) {
+AtmosphericDelay atmospheric_delay(Time transmit, System system, double frequency, const Geodetic& receiver, Direction direction,
+                                   const BroadcastIonosphere* ionosphere, const RangeSettings& settings) {
     AtmosphericDelay out;
-    if (settings.ionosphere == IonosphereModel::Broadcast && klobuchar != nullptr && frequency > 0.0) {
-        const double scale = l1_frequency / frequency;
-        out.delay = scale * scale * klobuchar_delay(*klobuchar, transmit, receiver, direction);
-        out.variance = 0.25 * out.delay * out.delay;  // the model removes half of it
+    if (settings.ionosphere == IonosphereModel::Broadcast && ionosphere != nullptr && frequency > 0.0) {
+        const IonosphericDelay d = ionospheric_delay(*ionosphere, system, frequency, transmit, receiver, direction);
+        out.delay = d.delay;
+        out.variance = d.sigma * d.sigma;
     }
     if (settings.troposphere == TroposphereModel::Saastamoinen) {
         const ZenithDelay zenith = saastamoinen_zenith(receiver, settings.relative_humidity);
@@ -138,7 +140,7 @@ AtmosphericDelay atmospheric_delay(Time transmit, double frequency, const Geodet
     return out;
 }
 
-ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& geodetic, const KlobucharCoefficients* klobuchar,
+ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& geodetic, const BroadcastIonosphere* ionosphere,
                           const RangeSettings& settings) {
     ModelledRange m;
     const Eigen::Vector3d apart = receiver.r - r.position.r;
@@ -153,7 +155,7 @@ ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& 
     m.range = distance + sagnac;
     m.direction = direction_to({turned}, receiver, geodetic);
     const double code = r.sigma > 0.0 ? r.sigma : settings.code_sigma * r.noise * noise_factor(m.direction.elevation, r.cn0);
-    const AtmosphericDelay air = atmospheric_delay(r.transmit, r.frequency, geodetic, m.direction, klobuchar, settings);
+    const AtmosphericDelay air = atmospheric_delay(r.transmit, r.satellite.system, r.frequency, geodetic, m.direction, ionosphere, settings);
     m.range += air.delay;
     m.slow_variance = r.variance + (r.slow > 0.0 ? r.slow * r.slow : air.variance);
     m.variance = code * code + m.slow_variance;

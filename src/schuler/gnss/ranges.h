@@ -15,7 +15,7 @@ namespace schuler::gnss {
 
 enum class IonosphereModel {
     None,
-    Broadcast,  ///< Klobuchar, scaled to each signal's frequency; nothing where the navigation data have no coefficients
+    Broadcast,  ///< the model of each system (ionospheric_delay), scaled to each signal's frequency
     Dual,       ///< ionosphere-free combination of two signals; satellites with one signal are left out
 };
 enum class TroposphereModel { None, Saastamoinen };
@@ -72,16 +72,17 @@ struct ModelledRange {
 struct AtmosphericDelay {
     double delay = 0, variance = 0;
 };
-/// `frequency` in Hz, 0: free of the ionosphere. `klobuchar` may be null.
-[[nodiscard]] AtmosphericDelay atmospheric_delay(Time transmit, double frequency, const Geodetic& receiver, Direction direction,
-                                                 const KlobucharCoefficients* klobuchar, const RangeSettings& settings);
+/// `frequency` in Hz, 0: free of the ionosphere. `ionosphere` may be null: there is none.
+[[nodiscard]] AtmosphericDelay atmospheric_delay(Time transmit, System system, double frequency, const Geodetic& receiver,
+                                                 Direction direction, const BroadcastIonosphere* ionosphere,
+                                                 const RangeSettings& settings);
 
 /// Factor on a sigma at the zenith with a strong signal: grows towards the horizon, and with weak signals (twice for 6 dB below 45 dB-Hz).
 [[nodiscard]] double noise_factor(double elevation, double cn0);
 
-/// math.md 5.3. `klobuchar` may be null.
+/// math.md 5.3. `ionosphere` may be null: there is none.
 [[nodiscard]] ModelledRange model_range(const Range& range, const Ecef& receiver, const Geodetic& geodetic,
-                                        const KlobucharCoefficients* klobuchar, const RangeSettings& settings);
+                                        const BroadcastIonosphere* ionosphere, const RangeSettings& settings);
 
 /// Range rate of a receiver with a velocity, m/s, less its clock drift: with the Earth's rotation, accurate to 5 mm/s at 300 m/s.
 [[nodiscard]] double model_range_rate(const Range& range, const Ecef& receiver, const Eigen::Vector3d& velocity);

@@ -17,6 +17,7 @@ std::vector<Range> satellite_ranges(const RangingLog& log, const RangeEpoch& epo
         r.position = m.tx;
         r.velocity = m.tx_velocity;
         r.variance = m.variance;
+        r.noise = m.noise;
         r.sigma = m.std;
         r.sigma_rate = m.std_rate;
         ranges.push_back(r);

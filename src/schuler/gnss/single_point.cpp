@@ -23,8 +23,8 @@ using detail::NormalEquations;
 /// One epoch being solved. Columns of the normal equations: position 0 to 2, then a clock for each system present.
 class Epoch {
 public:
-    Epoch(std::span<const Range> ranges, const KlobucharCoefficients* klobuchar, const SinglePointSettings& settings)
-        : ranges_(ranges), klobuchar_(klobuchar), settings_(&settings), usable_(ranges.size(), true), models_(ranges.size()) {}
+    Epoch(std::span<const Range> ranges, const BroadcastIonosphere* ionosphere, const SinglePointSettings& settings)
+        : ranges_(ranges), ionosphere_(ionosphere), settings_(&settings), usable_(ranges.size(), true), models_(ranges.size()) {}
 
     /// Position without atmosphere from the centre of the Earth; weights 1/|residual| approach the solution of least absolute
     /// residuals. Marks what misses it grossly.
@@ -103,7 +103,7 @@ private:
         const Geodetic geodetic =
             position_.norm() > smallest_radius ? earth::geodetic_from_ecef(earth::wgs84, {position_}) : Geodetic{};
         for (std::size_t k = 0; k < ranges_.size(); ++k)
-            models_[k] = model_range(ranges_[k], {position_}, geodetic, klobuchar_, settings);
+            models_[k] = model_range(ranges_[k], {position_}, geodetic, ionosphere_, settings);
     }
 
     void mask() {
@@ -150,7 +150,7 @@ private:
     }
 
     std::span<const Range> ranges_;
-    const KlobucharCoefficients* klobuchar_;
+    const BroadcastIonosphere* ionosphere_;
     const SinglePointSettings* settings_;
     std::vector<bool> usable_, masked_;
     std::vector<ModelledRange> models_;
@@ -160,6 +160,14 @@ private:
     NormalEquations::Rows inverse_ = NormalEquations::Rows::Zero();
     double statistic_ = 0.0, pdop_ = 0.0;
 };
+
+/// Whether so many satellites agree that the others may be called faulty: agreement of few is found by chance where enough may be left out.
+bool is_outvoted(const Epoch& e, std::size_t count) {
+    constexpr int beyond_chance = 4;
+    int out = 0;
+    for (std::size_t k = 0; k < count; ++k) out += e.excluded(k) ? 1 : 0;
+    return e.used() - e.unknowns() >= std::min(out, beyond_chance);
+}
 
 bool is_consistent(const Epoch& e, double false_alarm) {
     const int redundancy = e.used() - e.unknowns();
@@ -182,7 +190,7 @@ bool excluded_until_consistent(Epoch& epoch, std::size_t count, double false_ala
         if (!best) return false;
         epoch = *best;
     }
-    return true;
+    return is_outvoted(epoch, count);
 }
 
 /// Velocity and clock drift from Doppler. A Doppler that misses by more than five sigma is left out, one after the other.
@@ -250,9 +258,9 @@ double SinglePointSolution::intersystem_bias(std::size_t c) const {
     return reference == clock.end() ? not_given : clock[c] - *reference;
 }
 
-SinglePoint::SinglePoint(const SatelliteSource& source, std::optional<KlobucharCoefficients> klobuchar,
+SinglePoint::SinglePoint(const SatelliteSource& source, std::optional<BroadcastIonosphere> ionosphere,
                          const SinglePointSettings& settings)
-    : source_(source), klobuchar_(klobuchar), settings_(settings) {}
+    : source_(source), ionosphere_(std::move(ionosphere)), settings_(settings) {}
 
 SinglePointSolution SinglePoint::solve(std::span<const SignalObservation> observations, Time tag,
                                        const GlonassChannels& channels) {
@@ -268,7 +276,7 @@ SinglePointSolution SinglePoint::solve(std::vector<Range> ranges, Time tag) {
 SinglePointSolution SinglePoint::solve_prepared(Time tag) {
     SinglePointSolution out;
     out.time = tag;
-    Epoch epoch(ranges_, klobuchar_ ? &*klobuchar_ : nullptr, settings_);
+    Epoch epoch(ranges_, ionosphere_ ? &*ionosphere_ : nullptr, settings_);
     if (epoch.used() < epoch.unknowns() || !epoch.start()) return out;
     if (!epoch.refine()) {
         out.status = epoch.used() < epoch.unknowns() ? SinglePointStatus::TooFew : SinglePointStatus::WeakGeometry;
@@ -302,7 +310,7 @@ SinglePointSolution SinglePoint::solve_prepared(Time tag) {
 }
 
 std::optional<KlobucharCoefficients> klobuchar_of(const Navigation& navigation) {
-    for (const System system : {System::Gps, System::Qzss, System::BeiDou, System::Navic}) {
+    for (const System system : {System::Gps, System::Qzss, System::Navic}) {
         const auto& found = navigation.klobuchar[static_cast<std::size_t>(system)];
         if (found) return found;
     }

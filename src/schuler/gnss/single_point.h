@@ -65,7 +65,7 @@ struct SinglePointSolution {
 /// [Parkinson1988]; while they fail, the satellite without which they are smallest is left out.
 class SinglePoint {
 public:
-    SinglePoint(const SatelliteSource& source, std::optional<KlobucharCoefficients> klobuchar,
+    SinglePoint(const SatelliteSource& source, std::optional<BroadcastIonosphere> ionosphere,
                 const SinglePointSettings& settings);
 
     /// `tag` is the epoch's time by the receiver's clock; observations of one satellite stand side by side.
@@ -79,13 +79,12 @@ private:
     [[nodiscard]] SinglePointSolution solve_prepared(Time tag);
 
     const SatelliteSource& source_;
-    std::optional<KlobucharCoefficients> klobuchar_;
+    std::optional<BroadcastIonosphere> ionosphere_;
     SinglePointSettings settings_;
     std::vector<Range> ranges_;
 };
 
-/// The coefficients to use: GPS's, else those of QZSS, BeiDou or NavIC, which have the same form. BeiDou's own model knows no
-/// magnetic latitude, so that with its coefficients alone the delay is rougher.
+/// Klobuchar's coefficients of GPS, else those of QZSS or NavIC, which have the same form.
 [[nodiscard]] std::optional<KlobucharCoefficients> klobuchar_of(const Navigation& navigation);
 
 }  // namespace schuler::gnss

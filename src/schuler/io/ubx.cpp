@@ -76,13 +76,14 @@ std::optional<Signal> signal_of(System system, int id) {
         int id;
         Signal signal;
     };
-    static constexpr std::array<Known, 28> known = {{
+    static constexpr std::array<Known, 33> known = {{
         {System::Gps, 0, {'1', 'C'}},     {System::Gps, 3, {'2', 'X'}},     {System::Gps, 4, {'2', 'X'}},
         {System::Gps, 6, {'5', 'X'}},     {System::Gps, 7, {'5', 'X'}},     {System::Sbas, 0, {'1', 'C'}},
         {System::Galileo, 0, {'1', 'X'}}, {System::Galileo, 1, {'1', 'X'}}, {System::Galileo, 3, {'5', 'X'}},
         {System::Galileo, 4, {'5', 'X'}}, {System::Galileo, 5, {'7', 'X'}}, {System::Galileo, 6, {'7', 'X'}},
         {System::BeiDou, 0, {'2', 'I'}},  {System::BeiDou, 1, {'2', 'I'}},  {System::BeiDou, 2, {'7', 'I'}},
-        {System::BeiDou, 3, {'7', 'I'}},  {System::BeiDou, 5, {'1', 'X'}},  {System::BeiDou, 6, {'1', 'X'}},
+        {System::BeiDou, 3, {'7', 'I'}},  {System::BeiDou, 4, {'6', 'I'}},  {System::BeiDou, 10, {'6', 'I'}},
+        {System::Galileo, 8, {'6', 'X'}}, {System::Galileo, 9, {'6', 'X'}}, {System::Galileo, 10, {'6', 'X'}}, {System::BeiDou, 5, {'1', 'X'}},  {System::BeiDou, 6, {'1', 'X'}},
         {System::BeiDou, 7, {'5', 'X'}},  {System::BeiDou, 8, {'5', 'X'}},  {System::Qzss, 0, {'1', 'C'}},
         {System::Qzss, 4, {'2', 'X'}},    {System::Qzss, 5, {'2', 'X'}},    {System::Qzss, 8, {'5', 'X'}},
         {System::Qzss, 9, {'5', 'X'}},    {System::Glonass, 0, {'1', 'C'}}, {System::Glonass, 2, {'2', 'C'}},
@@ -170,7 +171,7 @@ private:
         const auto satellite = satellite_of(number_at<std::uint8_t>(p, 20), number_at<std::uint8_t>(p, 21));
         const auto signal = satellite ? signal_of(satellite->system, number_at<std::uint8_t>(p, 22)) : std::nullopt;
         if (!signal) {
-            ++result.records.foreign;
+            ++result.unknown_signals;
             return;
         }
         gnss::SignalObservation o;
@@ -296,6 +297,8 @@ UbxLog read_ubx(const TextInput& input, WarningLog& log) {
         log.add(input.name() + " ubx.bad",
                 fmt::format("{}: damaged UBX messages: skipped, the first at byte {}", input.name(), r.records.first_bad_line),
                 r.records.bad);
+    if (r.unknown_signals > 0)
+        log.add(input.name() + " ubx.signals", fmt::format("{}: measurements of unknown signals: skipped", input.name()), r.unknown_signals);
     if (r.records.repeated > 0)
         log.add(input.name() + " ubx.repeated", fmt::format("{}: epochs not later than the one before: skipped", input.name()),
                 r.records.repeated);

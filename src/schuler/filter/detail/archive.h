@@ -137,7 +137,7 @@ SCHULER_ARCHIVED(GaugeSample, time, height)
 SCHULER_ARCHIVED(BodyVelocitySample, time, velocity)
 SCHULER_ARCHIVED(RangeSource, name, station)
 SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, phase_std, phase_span, phase_goes_on, cn0, tx, velocity,
-                 clock, clock_rate, frequency, variance)
+                 clock, clock_rate, frequency, variance, noise)
 SCHULER_ARCHIVED(RangeEpoch, time, first, count)
 SCHULER_ARCHIVED(SolutionRow, time, position, v, rpy, std_position, std_velocity, std_rpy)
 

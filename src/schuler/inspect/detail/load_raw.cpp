@@ -122,7 +122,7 @@ void describe_place(const io::RawInput& raw, std::vector<std::string>& out) {
     }
     if (raw.navigation.size() == 0) return;
     const gnss::BroadcastSource source(raw.navigation);
-    gnss::SinglePoint solver(source, gnss::klobuchar_of(raw.navigation), {});
+    gnss::SinglePoint solver(source, gnss::broadcast_ionosphere(raw.navigation), {});
     // ephemerides take half a minute to arrive
     constexpr std::size_t tries = 60;
     const std::size_t step = std::max<std::size_t>(1, log.epochs.size() / tries);
