@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 
 namespace schuler::app {
 namespace {
@@ -42,28 +43,41 @@ TEST_F(RawGnss, ProcessGivesTheReceiversSolution) {
 /// Handheld u-blox receiver, all its bands, in a yard.
 class Walk : public RawGnss {
 protected:
-    [[nodiscard]] nlohmann::json run(const std::string& gnss, const std::string& scheme, const std::string& more = {}) const {
+    [[nodiscard]] nlohmann::json run(const std::string& gnss, const std::string& scheme, const std::string& more = {},
+                                     const std::string& outages = {}) const {
         const auto data = io::test::data_folder() / "walk_0827";
         const std::string log = "\"" + (data / "gnss.ubx").string() + "\"\n";
         ProcessRequest request;
         request.input = write("dataset.toml", "name = \"walk\"\n[time]\nscale = \"gps\"\n[imu]\nfile = \"" + (data / "imu.csv").string() +
                                                   "\"\n[gnss]\n" + gnss + " = " + log + more + "[reference]\nfile = \"" +
-                                                  (data / "gnss.csv").string() + "\"\n[filter]\nscheme = \"" + scheme + "\"\n");
+                                                  (data / "gnss.csv").string() + "\"\n[filter]\nscheme = \"" + scheme + "\"\n" + outages);
         request.output = folder() / "out";
         return nlohmann::json::parse(process_dataset(request).json);
     }
     static double horizontal(const nlohmann::json& j) { return j.at("errors").at("position_m").at("horizontal").at("rms").get<double>(); }
 };
 
+/// RMS of the horizontal errors at the ends of outages, m.
+double end(const nlohmann::json& j) {
+    double sum = 0.0;
+    for (const auto& o : j.at("outages")) sum += std::pow(o.at("end_horizontal_m").get<double>(), 2);
+    return std::sqrt(sum / static_cast<double>(j.at("outages").size()));
+}
+
 TEST_F(Walk, TightUsesTheSatellitesOfAnUntouchedLog) {
     SKIP_WITHOUT_DATA();
-    const auto tight = run("observations", "tight"), loose = run("observations", "loose");
+    std::string outages;
+    for (const int start : {45, 65, 85, 105, 120})
+        outages += "[[outage]]\nstart_s = " + std::to_string(start) + "\nduration_s = 10\n";
+    const auto tight = run("observations", "tight", "", outages), loose = run("observations", "loose", "", outages);
     for (const char* kind : {"pseudorange", "range_rate"}) {
         const auto& nis = tight.at("consistency").at("nis").at(kind);
         EXPECT_GT(nis.at("accepted").get<double>(), 20.0 * nis.at("rejected").get<double>()) << kind;
     }
-    // the log's own base is off by some metres: both are measured against the same
-    EXPECT_LT(horizontal(tight), horizontal(loose));
+    // The log's own base is off by some metres, which only tight's sigmas have room for; both are measured against the same.
+    ASSERT_EQ(tight.at("outages").size(), 5U);
+    for (const auto& o : tight.at("outages")) EXPECT_TRUE(o.at("inside_3sigma").get<bool>()) << o.dump();
+    EXPECT_LT(end(tight), end(loose));
 }
 
 TEST_F(Walk, BeiDouAloneAndTheReceiversOwnFixes) {

@@ -130,7 +130,7 @@ TEST(Bank, GeneratorsTellTheErrorOfTheirCommand) {
     EXPECT_NEAR(errors.range_nis / n, 1.0, 0.12);
     EXPECT_NEAR(errors.rates, 4.0 * 18.0 / 0.2, 80.0);   // spans, and symbols by themselves while the phase is not followed
     EXPECT_NEAR(errors.rate / errors.weight, 0.0, 4.0 / std::sqrt(errors.weight));
-    EXPECT_NEAR(errors.rate_nis / errors.rates, 0.75, 0.35);
+    EXPECT_NEAR(errors.rate_nis / errors.rates, 1.0, 0.35);   // neighbouring spans share a phase: few are independent
 }
 
 /// A navigation that knew nothing for a while commands again: the channel starts from what is known then.

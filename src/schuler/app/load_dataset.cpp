@@ -121,6 +121,14 @@ void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings)
     }
     if (c.gnss.file.empty()) return;
     const io::TextInput input(resolved(folder, c.gnss.file, "gnss.file"));
+    if (io::is_ubx(input)) {
+        io::UbxLog log = io::read_ubx(input, warnings);
+        if (log.fixes.empty())
+            throw input_error("has no fix of the receiver itself (NAV-PVT)", {c.gnss.file, 0, 0, "gnss.file"},
+                              "its raw measurements are used as [gnss] observations");
+        out.recording.gnss = on_own_axis(std::move(log.fixes), c, out.recording, offset);
+        return;
+    }
     if (is_bare_table(input, c.gnss, 7) || is_bare_table(input, c.gnss, 13)) {
         out.recording.gnss = io::read_kfgins_gnss(input, warnings, offset).fixes;
         return;
@@ -129,14 +137,6 @@ void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings)
         io::RtklibPos pos = io::read_rtklib_pos(input, warnings);
         out.recording.gnss = on_own_axis(std::move(pos.fixes), c, out.recording, offset);
         settle_height_kind(pos.height, c);
-        return;
-    }
-    if (io::is_ubx(input)) {
-        io::UbxLog log = io::read_ubx(input, warnings);
-        if (log.fixes.empty())
-            throw input_error("has no fix of the receiver itself (NAV-PVT)", {c.gnss.file, 0, 0, "gnss.file"},
-                              "its raw measurements are used as [gnss] observations");
-        out.recording.gnss = on_own_axis(std::move(log.fixes), c, out.recording, offset);
         return;
     }
     if (io::is_nmea(input)) {
