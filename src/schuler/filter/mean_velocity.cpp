@@ -14,13 +14,13 @@ void MeanVelocity::begin(Eigen::Index states) {
 }
 
 void MeanVelocity::follow(const estim::Transition& phi, double dt, double velocity_walk, double attitude_walk, double force) {
+    if (rows[0].size() == 0) return;   // begin() was not called
     // What has come in u seconds after the beginning is taken for what was there all the time.
     const double u = time + 0.5 * dt;
     noise += u * u * velocity_walk + std::pow(0.5 * force * u * u, 2) * attitude_walk;
     time += dt;
     for (int i = 0; i < 3; ++i) {
         StateVector& row = rows[static_cast<std::size_t>(i)];
-        if (row.size() == 0) continue;   // begin() was not called
         // Between the ends of dt the velocity's error is linear in time: half of dt of each of them.
         row(Layout::velocity + i) += 0.5 * dt;
         row = estim::row_after(phi, row);
