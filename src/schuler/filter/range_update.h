@@ -99,7 +99,7 @@ public:
 
     /// Of the variance of a rate by phase, what at least is not in the phases at its ends: the navigation is corrected within a span, by what
     /// was not known when its generators were commanded.
-    static constexpr double unshared = 0.01;
+    static constexpr double unshared = 0.016;
 
     /// `listener` may be null. Updates the filter with an epoch at its own time (after propagate_covariance). All scalars are used one by one; where the sum of
     /// squares or one of them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the
