@@ -21,7 +21,7 @@ TEST(MeanVelocity, RowsAreTheIntegralAlongTheWay) {
         StateVector x(states);
         for (int i = 0; i < states; ++i) x(i) = random.normal();
         MeanVelocity mean;
-        mean.begin(states);
+        mean.begin(states, Eigen::Vector3d::Zero());
         Eigen::Vector3d integral = Eigen::Vector3d::Zero();
         double time = 0.0;
         for (int k = 0; k < spans; ++k) {
@@ -42,6 +42,43 @@ TEST(MeanVelocity, RowsAreTheIntegralAlongTheWay) {
     }
 }
 
+// Corrections within the span are carried: less them the estimate has gone as far as one with the errors of the end from the begin on.
+TEST(MeanVelocity, CorrectionsCountAsIfKnownFromTheBegin) {
+    constexpr int states = 16, spans = 9;
+    constexpr double dt = 0.02;
+    math::Random random(11, "corrections");
+    for (int trial = 0; trial < 20; ++trial) {
+        StateVector x(states);   // errors of the estimate
+        for (int i = 0; i < states; ++i) x(i) = random.normal();
+        const Eigen::Vector3d at_begin = x.head<3>();
+        MeanVelocity mean;
+        mean.begin(states, Eigen::Vector3d::Zero());
+        for (int k = 0; k < spans; ++k) {
+            estim::Transition phi;
+            phi.driven = 16;
+            phi.diagonal = StateVector::Ones(states);
+            for (int r = 3; r < estim::Transition::coupled; ++r)
+                for (int c = 3; c < phi.driven; ++c) phi.rows(c, r) = (c == r ? 1.0 : 0.0) + 0.05 * random.normal();
+            for (int i = 0; i < 3; ++i) {   // the position moves by the mean of the velocities at either end
+                phi.rows.col(i) = 0.5 * dt * phi.rows.col(Layout::velocity + i);
+                phi.rows(Layout::velocity + i, i) += 0.5 * dt;
+                phi.rows(i, i) += 1.0;
+            }
+            x = phi.times(x);
+            mean.follow(phi, dt, 0.0, 0.0, 9.8);
+            if (k != 3 && k != 6) continue;
+            StateVector dx(states);
+            for (int i = 0; i < states; ++i) dx(i) = random.normal();
+            mean.correct(dx);
+            x -= dx;
+        }
+        const Eigen::Vector3d gone = x.head<3>() - at_begin;   // wrongly
+        for (int i = 0; i < 3; ++i)
+            EXPECT_NEAR(gone(i) - mean.carried(i), mean.rows[static_cast<std::size_t>(i)].dot(x), 1e-10) << trial;
+        EXPECT_GT(mean.carried.norm(), 1e-2) << trial;
+    }
+}
+
 // White noise on velocity and attitude that the errors of now do not show when it came: the mean square of what the rows are then wrong by.
 TEST(MeanVelocity, NoiseWithinTheSpanIsKnown) {
     constexpr int states = 16, spans = 20, runs = 4000;
@@ -56,7 +93,7 @@ TEST(MeanVelocity, NoiseWithinTheSpanIsKnown) {
     for (int run = 0; run < runs; ++run) {
         StateVector x = StateVector::Zero(states);
         MeanVelocity mean;
-        mean.begin(states);
+        mean.begin(states, Eigen::Vector3d::Zero());
         double integral = 0.0;
         for (int k = 0; k < spans; ++k) {
             integral += 0.5 * dt * x(Layout::velocity + 1);

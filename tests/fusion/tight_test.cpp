@@ -319,37 +319,55 @@ TEST(RangeUpdate, RatesByPhaseShareThePhasesBetweenThem) {
         m.phase_std = sigma;
         m.phase_span = span;
         m.std_rate = std::sqrt(2.0) * sigma / span;
-        m.tx_velocity.setZero();
-        const double down = 20.0 / std::hypot(10.0, 20.0);   // metres of range a metre downwards
+        // A circular orbit, and the Earth that turns below it while the light is on its way.
+        const double radius = m.tx.r.norm(), turn = std::sqrt(o.earth.ellipsoid.gm / std::pow(radius, 3));
+        const Vector3d first = m.tx.r / radius, second = first.cross(Vector3d::UnitX()).normalized();
+        const auto earth_at = [&](double t) { return Eigen::AngleAxisd(o.earth.ellipsoid.w_ie * t, Vector3d::UnitZ()); };
+        const auto orbit = [&](double t) -> Vector3d { return radius * (std::cos(turn * t) * first + std::sin(turn * t) * second); };
+        const Vector3d down = earth::C_en(nav.position.lat, nav.position.lon).col(2);
+        const Vector3d begin = earth::ecef_from_geodetic(o.earth.ellipsoid, nav.position).r;
+        const auto range = [&](double t, double v) {
+            const Vector3d antenna = earth_at(t) * (begin + v * t * down);
+            double light = 0.07;   // s
+            for (int i = 0; i < 5; ++i) light = (antenna - orbit(t - light)).norm() / gnss::speed_of_light;
+            return gnss::speed_of_light * light;
+        };
+        const auto rate = [&](int k, double v) { return (range(span * k, v) - range(span * (k - 1), v)) / span; };
         math::Random random(5, "phases");
         estim::Transition phi;
         double phase = sigma * random.normal();
-        std::vector<double> rates;
+        std::vector<double> rates, by_velocity;
         std::vector<int> when;
         for (int k = 1; k <= spans; ++k) {
             o.f.propagate(o.model, {Time::from_seconds(span * k), span, Vector3d::Zero(), rest}, {});
             (void)o.f.propagate_covariance(o.model, phi);
-            o.tracking.since_phases.follow(phi, span, 0.0, 0.0, 9.8);
+            o.f.since_phases.follow(phi, span, 0.0, 0.0, 9.8);
             const double next = sigma * random.normal();
-            m.range_rate = down * velocity + (next - phase) / span;
+            const double sent = span * k - range(span * k, velocity) / gnss::speed_of_light;
+            const auto transmitter = [&](double t) -> Vector3d { return earth_at(-t) * orbit(t); };
+            m.tx.r = transmitter(sent);
+            m.tx_velocity = (transmitter(sent + 0.01) - transmitter(sent - 0.01)) / 0.02;
+            m.range_rate = rate(k, velocity) + (next - phase) / span;
             m.phase_goes_on = k > 1 && k != lost + 1;
             phase = next;
             if (k == lost) continue;
             o.update();
-            rates.push_back(m.range_rate);
+            if (k == 1 || k == lost + 1) continue;   // how the velocity changed since the begin of its span nobody has followed
+            rates.push_back(m.range_rate - rate(k, 0.0));
+            by_velocity.push_back((rate(k, velocity) - rate(k, 0.0)) / velocity);
             when.push_back(k);
         }
         const auto n = static_cast<Eigen::Index>(rates.size());
         Eigen::MatrixXd R = Eigen::MatrixXd::Zero(n, n);
         const double one = std::pow(sigma / span, 2);   // of one end
         for (Eigen::Index i = 0; i < n; ++i) {
-            const int k = when[static_cast<std::size_t>(i)];
-            const bool first = k == 1 || k == lost + 1;   // of a chain: how the velocity changed since its begin nobody has followed
-            R(i, i) = 2.0 * one * (first ? 1.0 : 1.0 + RangeUpdate<GeographicFrame>::unshared);
-            if (!first && i + 1 < n && when[static_cast<std::size_t>(i + 1)] == k + 1) R(i, i + 1) = R(i + 1, i) = -one;
+            R(i, i) = 2.0 * one * (1.0 + RangeUpdate<GeographicFrame>::unshared);
+            const bool goes_on = i + 1 < n && when[static_cast<std::size_t>(i + 1)] == when[static_cast<std::size_t>(i)] + 1;
+            if (goes_on) R(i, i + 1) = R(i + 1, i) = -one;
         }
-        const Eigen::VectorXd weights = R.ldlt().solve(Eigen::VectorXd::Constant(n, down));
-        const double information = down * weights.sum();
+        const Eigen::Map<const Eigen::VectorXd> h(by_velocity.data(), n);
+        const Eigen::VectorXd weights = R.ldlt().solve(h);
+        const double information = h.dot(weights);
         const double estimate = o.f.geographic(o.model).v_eb_n.z(), variance = o.f.P(Layout::velocity + 2, Layout::velocity + 2);
         EXPECT_NEAR(variance * information, 1.0, 5e-3) << lost;
         EXPECT_NEAR(estimate, weights.dot(Eigen::Map<const Eigen::VectorXd>(rates.data(), n)) / information, 0.1 * std::sqrt(variance)) << lost;

@@ -63,8 +63,11 @@ struct Errors {
     void add(const Steady& field, const Bank& bank, const std::vector<BankMeasurement>& measured) {
         for (const BankMeasurement& m : measured) {
             // at the moment when the receiver's clock shows now
-            const LineOfSight truth = field.motion(m.signal, bank.now() - bank.clock() / gnss::speed_of_light);
-            const double dp = m.range - truth.range - bank.clock(), dv = m.rate - truth.rate - drift_of(bank);
+            const double instant = bank.now() - bank.clock() / gnss::speed_of_light;
+            const LineOfSight truth = field.motion(m.signal, instant);
+            const double by_phase = (truth.range - field.motion(m.signal, instant - m.rate_span).range) / m.rate_span;   // a mean
+            const double received = m.phase_variance > 0.0 ? by_phase : truth.rate;
+            const double dp = m.range - truth.range - bank.clock(), dv = m.rate - received - drift_of(bank);
             range += dp;
             range_nis += dp * dp / m.range_variance;
             n += 1.0;

@@ -29,7 +29,8 @@ struct RangeSample {
     double pseudorange = none;                   ///< m, as received: clocks and delays included
     double range_rate = none;                    ///< m/s, likewise
     double std = none, std_rate = none;          ///< one sigma of the white part, m, m/s
-    /// Where the rate is the change of a followed phase over `phase_span` s: one sigma of the phase at either end, m; none: it is not.
+    /// Where the rate is the change of a followed phase over the last `phase_span` s: one sigma of the phase at either end, m; none: it is not,
+    /// and of now.
     double phase_std = none, phase_span = none;
     bool phase_goes_on = false;                  ///< that span begins where the last rate of the source ended: the phase there is in both
     double cn0 = none;                           ///< dB-Hz

@@ -250,6 +250,7 @@ Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, c
 
 template <class Frame>
 void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
+    since_phases.correct(dx);
     if (model.loop != Loop::Closed) {
         error += dx;
         return;

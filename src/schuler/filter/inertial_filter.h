@@ -9,6 +9,7 @@
 #include "schuler/filter/frame.h"
 #include "schuler/filter/gathered_motion.h"
 #include "schuler/filter/layout.h"
+#include "schuler/filter/mean_velocity.h"
 #include "schuler/filter/measurement/measurement.h"
 #include "schuler/filter/settings.h"
 #include "schuler/sensor/grades.h"
@@ -79,6 +80,7 @@ struct InertialFilter {
     Eigen::Vector3d recent_force = Eigen::Vector3d::Zero(); ///< likewise, an exponential mean over force_memory, whatever the spans
     double cached_time = -1.0;                              ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
+    MeanVelocity since_phases;                              ///< since the last range rates by phase, where they are used
     std::array<StateProcess, Layout::slots> slot_process{};   ///< of the source block, whose states change their sources
 
     /// Zero covariance and nominal values for the states of the model.

@@ -8,13 +8,15 @@ namespace schuler::filter {
 
 using estim::StateVector;
 
-void MeanVelocity::begin(Eigen::Index states) {
+void MeanVelocity::begin(Eigen::Index states, const Eigen::Vector3d& from) {
     time = noise = 0.0;
+    origin = from;
+    carried.setZero();
     for (StateVector& row : rows) row = StateVector::Zero(states);
 }
 
 void MeanVelocity::follow(const estim::Transition& phi, double dt, double velocity_walk, double attitude_walk, double force) {
-    if (rows[0].size() == 0) return;   // begin() was not called
+    if (!begun()) return;
     // What has come in u seconds after the beginning is taken for what was there all the time.
     const double u = time + 0.5 * dt;
     noise += u * u * velocity_walk + std::pow(0.5 * force * u * u, 2) * attitude_walk;

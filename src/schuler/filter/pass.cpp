@@ -76,7 +76,7 @@ void Pass<Frame>::propagate_covariance(Walk<Frame>& walk, Observer& observer) co
     for (CarriedFix& c : walk.carried)
         if (c.left > 0) carry(c, phi);
     walk.ranges.watch.propagate(phi);
-    if (model_.layout.phase >= 0) walk.ranges.since_phases.follow(phi, span, velocity_walk, attitude_walk, force);
+    if (model_.layout.phase >= 0) walk.filter.since_phases.follow(phi, span, velocity_walk, attitude_walk, force);
     if (observer.records()) observer.step(phi);
     observer.propagated(walk.filter, span);
 }

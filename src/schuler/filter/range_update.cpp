@@ -11,6 +11,7 @@
 
 namespace schuler::filter {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using gnss::speed_of_light;
 
@@ -39,6 +40,41 @@ double RangeUpdate<Frame>::sigma_of(double stated, double model_sigma, bool stat
     if (stated > 0.0) return stated;
     return station || !settings_.sigma_by_elevation ? model_sigma : model_sigma * gnss::noise_factor(elevation, cn0);
 }
+
+namespace {
+
+/// Whether the motion of just this span has been followed.
+bool is_over(const MeanVelocity& followed, double span) {
+    constexpr double rounding = 1e-6;   // s
+    return followed.begun() && std::abs(followed.time - span) < rounding;
+}
+
+/// Acceleration of a satellite relative to the Earth, m/s^2, to 1e-3.
+Vector3d orbital_acceleration(const earth::Ellipsoid& e, const Vector3d& r, const Vector3d& v) {
+    const Vector3d w(0.0, 0.0, e.w_ie);
+    return -e.gm / std::pow(r.norm(), 3) * r - 2.0 * w.cross(v) - w.cross(w.cross(r));
+}
+
+/// The rate as a mean over the span followed, which ends now, for the estimate less dx. Its rows are those of the middle with mean velocities of
+/// antenna and transmitter; so is the rate where nobody knows where the transmitter was at the begin, to 1e-4 m/s at 20 g and 0.2 s, which as an
+/// error that stays would show: phases that go on measure a way of minutes to millimetres. `now`: rows at the end; `own`: the filter's axes to
+/// Earth-fixed ones.
+RangeRows mean_rows(const earth::Ellipsoid& e, const MeanVelocity& followed, const RangeRows& now, AntennaEstimate a, const Matrix3d& own,
+                    const RangeSample& m, const RangeTracking::Phase* phase, const estim::StateVector& dx) {
+    const Vector3d displacement = a.r_e - followed.origin - own * (followed.carried + followed.beyond_position(dx));
+    a.r_e -= 0.5 * displacement;
+    a.v_e = displacement / followed.time;
+    if (!m.tx_velocity.allFinite()) return range_rows(a, m.tx, Vector3d::Zero());
+    const double half = 0.5 * followed.time;
+    const Vector3d acceleration = orbital_acceleration(e, m.tx.r, m.tx_velocity);
+    RangeRows mean = range_rows(a, {m.tx.r - half * m.tx_velocity + 0.5 * half * half * acceleration}, m.tx_velocity - half * acceleration);
+    if (phase == nullptr || !phase->tx_begin.r.allFinite()) return mean;
+    a.r_e -= 0.5 * displacement;
+    mean.rate = (now.range - range_rows(a, phase->tx_begin, m.tx_velocity).range) / followed.time;
+    return mean;
+}
+
+}  // namespace
 
 template <class Frame>
 int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& tracking, int source, bool station, double sigma,
@@ -77,19 +113,8 @@ template <class Frame>
 const RangeTracking::Phase* RangeUpdate<Frame>::phase_of(InertialFilter<Frame>& f, RangeTracking& tracking, const RangeSample& m,
                                                          RangeListener* listener) const {
     const Layout& L = model_.layout;
-    if (L.phase < 0 || backward_ || !(m.phase_std > 0.0 && m.phase_span > 0.0)) return nullptr;
-    constexpr double tolerance = 1e-3;   // s: receivers' clocks and ours
-    const MeanVelocity& mean = tracking.since_phases;
-    if (std::abs(mean.time - m.phase_span) > tolerance) return nullptr;
-    // Where tilt and heading are still so uncertain, under such a force, that the velocity's error changes within the span by more than the
-    // rate's sigma, the generators are corrected while they measure, and what they lag behind is in the phases: rates by themselves then.
-    double change = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        StateVector row = mean.rows[static_cast<std::size_t>(i)] / mean.time;
-        row(Layout::velocity + i) -= 1.0;
-        change += 4.0 * row.dot(f.P * row);   // the mean is half of it away from the end
-    }
-    if (change > m.std_rate * m.std_rate) return nullptr;
+    if (L.phase < 0 || !(m.phase_std > 0.0)) return nullptr;
+    constexpr double tolerance = 1e-3;   // s
     const auto carriers = std::span(tracking.phases).first(static_cast<std::size_t>(L.phases));
     auto found = std::ranges::find(carriers, static_cast<int>(m.source), &RangeTracking::Phase::source);
     if (found == carriers.end())   // what has ended longer ago than a span is nobody's
@@ -101,7 +126,8 @@ const RangeTracking::Phase* RangeUpdate<Frame>::phase_of(InertialFilter<Frame>& 
     if (p.source == m.source && p.last == f.time()) return &p;   // linearised anew
     const bool goes_on = m.phase_goes_on && p.source == m.source && std::abs((f.time() - p.last).seconds() - m.phase_span) < tolerance;
     const int first = L.phase + 2 * static_cast<int>(found - carriers.begin());
-    p = {m.source, f.time(), goes_on ? p.begin : first, goes_on ? p.end : first + 1};
+    const Ecef unknown{Vector3d::Constant(RangeSample::none)};
+    p = {m.source, f.time(), goes_on ? p.begin : first, goes_on ? p.end : first + 1, m.tx, goes_on ? p.tx_end : unknown};
     const double variance = m.phase_std * m.phase_std;
     renew(f, tracking, p.end, variance, listener);
     if (!goes_on) renew(f, tracking, p.begin, variance, listener);
@@ -109,24 +135,31 @@ const RangeTracking::Phase* RangeUpdate<Frame>::phase_of(InertialFilter<Frame>& 
 }
 
 template <class Frame>
+AntennaEstimate RangeUpdate<Frame>::antenna(const InertialFilter<Frame>& f, const StateVector& dx, double way) const {
+    const Layout& L = model_.layout;
+    earth::Earth turning = model_.earth;
+    turning.ellipsoid.w_ie *= way;
+    NavState nav = Frame::geographic(model_.earth, Frame::corrected(model_.earth, f.estimated(model_), dx.head<9>()));
+    nav.v_eb_n *= way;
+    const Vector3d w_ib_b = f.w_ib_b + f.error.template segment<3>(Layout::gyro_bias) + dx.segment<3>(Layout::gyro_bias);
+    const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };
+    const Vector3d lever_arm =
+        L.lever_arm < 0 ? lever_arm_b_ : Vector3d(nominal(L.lever_arm), nominal(L.lever_arm + 1), nominal(L.lever_arm + 2));
+    return antenna_of(turning, nav, nav.q_nb.toRotationMatrix(), way * w_ib_b, lever_arm);
+}
+
+template <class Frame>
 void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& tracking, const RangingLog& log,
                                       std::span<const RangeSample> samples, const StateVector& dx, RangeListener* listener) const {
     const Layout& L = model_.layout;
     const earth::Earth& earth = model_.earth;
-    const typename Frame::State state = Frame::corrected(earth, f.estimated(model_), dx.head<9>());
-    NavState nav = Frame::geographic(earth, state);
     const double way = backward_ ? -1.0 : 1.0;   // of the filter's time in that of the ranges
     const Time time = backward_ ? Time{-f.time().ns} : f.time();
-    earth::Earth turning = earth;
-    turning.ellipsoid.w_ie *= way;
-    nav.v_eb_n *= way;
-    const Vector3d w_ib_b = f.w_ib_b + f.error.template segment<3>(Layout::gyro_bias) + dx.segment<3>(Layout::gyro_bias);
     const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };   // states are renewed below
-    const Vector3d lever_arm =
-        L.lever_arm < 0 ? lever_arm_b_ : Vector3d(nominal(L.lever_arm), nominal(L.lever_arm + 1), nominal(L.lever_arm + 2));
-    const AntennaEstimate a = antenna_of(turning, nav, nav.q_nb.toRotationMatrix(), way * w_ib_b, lever_arm);
+    const NavState nav = Frame::geographic(earth, Frame::corrected(earth, f.estimated(model_), dx.head<9>()));
+    const AntennaEstimate a = antenna(f, dx, way);
+    const Matrix3d own = Frame::errors_are_geographic ? a.C_en : Matrix3d(Matrix3d::Identity());   // axes to Earth-fixed ones
     Matrix9 from_local = Matrix9::Identity();
-    nav.v_eb_n *= way;
     if constexpr (!Frame::errors_are_geographic) from_local = ins::geographic_from_ecef_errors(earth, nav).transpose();
     // the nine entries of errors in local level, mapped to the filter's own
     const auto navigation = [&](estim::Row& row, const Vector3d& position, const Vector3d& velocity, const Vector3d& attitude) {
@@ -142,10 +175,10 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         const RangeSource& source = log.sources[m.source];
         if (!m.tx.r.allFinite() || (source.station && !settings_.use_stations) || work.count + 2 > RangeEpochWork::most) continue;
         const Vector3d velocity = m.tx_velocity.allFinite() ? m.tx_velocity : Vector3d(Vector3d::Zero());
-        const RangeRows r = range_rows(a, m.tx, velocity);
+        const RangeRows now = range_rows(a, m.tx, velocity);
         // u points down to the receiver: what comes from above has a positive down component
         const bool delayed = air && !source.station;
-        const gnss::Direction direction{delayed ? std::atan2(-r.u_n.y(), -r.u_n.x()) : 0.0, std::asin(std::clamp(r.u_n.z(), -1.0, 1.0))};
+        const gnss::Direction direction{delayed ? std::atan2(-now.u_n.y(), -now.u_n.x()) : 0.0, std::asin(std::clamp(now.u_n.z(), -1.0, 1.0))};
         if (!source.station && direction.elevation < settings_.corrections.elevation_mask) continue;
         const double clock = nominal(L.clock), drift = way * nominal(L.drift);
         gnss::AtmosphericDelay air_delay;
@@ -170,7 +203,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.is_rate = is_rate;
             s.use = true;
             s.slot = slot;
-            s.distance = r.range;
+            s.distance = now.range;
             s.sequential = 0.0;
             s.s = 1.0;
             s.row.count = 0;
@@ -182,29 +215,32 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             if (delayed) {
                 if (slot < 0) more += air_delay.variance;
             } else if (source.station && settings_.corrections.troposphere != gnss::TroposphereModel::None) {
-                delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, r.range);
+                delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, now.range);
             }
             RangeScalar& s = next(false);
             // measured when the receiver's clock showed the time, which is bias/c after it was
-            const double computed = r.range - r.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
+            const double computed = now.range - now.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
                                     (source.station ? nominal(L.network) : offset >= 0 ? nominal(L.intersystem + offset) : 0.0) +
                                     (slot >= 0 ? nominal(slot) : 0.0);
             const double sigma = sigma_of(m.std, errors.white * m.noise, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma + more;
-            navigation(s.row, r.range_by_position, Vector3d::Zero(), r.range_by_attitude);
-            if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.range_by_lever_arm);
-            s.row.add(L.clock, 1.0 - r.rate / speed_of_light);
+            navigation(s.row, now.range_by_position, Vector3d::Zero(), now.range_by_attitude);
+            if (L.lever_arm >= 0) s.row.add3(L.lever_arm, now.range_by_lever_arm);
+            s.row.add(L.clock, 1.0 - now.rate / speed_of_light);
             if (source.station) s.row.add(L.network, 1.0);
             else if (offset >= 0) s.row.add(L.intersystem + offset, 1.0);
             if (slot >= 0) s.row.add(slot, 1.0);
             s.innovation = computed - m.pseudorange + s.row.dot(dx);
         }
         if (settings_.use_rates && std::isfinite(m.range_rate) && (m.tx_velocity.allFinite() || source.station)) {
+            const bool mean = m.phase_span > 0.0;
+            if (mean && (backward_ || !is_over(f.since_phases, m.phase_span))) continue;   // of a time that nobody has followed
+            const RangeTracking::Phase* by_phase = mean ? phase_of(f, tracking, m, listener) : nullptr;
+            const RangeRows r = mean ? mean_rows(earth.ellipsoid, f.since_phases, now, a, own, m, by_phase, dx) : now;
             RangeScalar& s = next(true);
             const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
             double of_phase = 0.0;
-            const RangeTracking::Phase* by_phase = phase_of(f, tracking, m, listener);
             if (by_phase) {
                 const double per_span = 1.0 / m.phase_span;
                 s.row.add(by_phase->end, per_span);
@@ -216,16 +252,15 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             // (atmosphere, orbit, tracking), which white noise does not say, a hundred epochs would make a place wrong by metres.
             const Vector3d by_position = by_model ? Vector3d(Vector3d::Zero()) : r.rate_by_position;
             navigation(s.row, by_position, way * r.rate_by_velocity, r.rate_by_attitude);
-            if (by_phase) {
-                const Vector3d by_velocity = s.row.head.template segment<3>(Layout::velocity) / tracking.since_phases.time;
-                s.variance += by_velocity.squaredNorm() * tracking.since_phases.noise;
+            if (mean) {
+                const Vector3d by_velocity = s.row.head.template segment<3>(Layout::velocity) / f.since_phases.time;
+                s.variance += by_velocity.squaredNorm() * f.since_phases.noise;
                 s.row.head.template segment<3>(Layout::velocity).setZero();
-                for (int i = 0; i < 3; ++i) s.row.head += by_velocity(i) * tracking.since_phases.rows[static_cast<std::size_t>(i)].template head<9>();
-                for (int k = 9; k < driven; ++k) {
-                    double by_state = 0.0;
-                    for (int i = 0; i < 3; ++i) by_state += by_velocity(i) * tracking.since_phases.rows[static_cast<std::size_t>(i)](k);
-                    if (by_state != 0.0) s.row.add(k, by_state);
-                }
+                const StateVector by_state = f.since_phases.rows[0] * by_velocity.x() + f.since_phases.rows[1] * by_velocity.y() +
+                                             f.since_phases.rows[2] * by_velocity.z();
+                s.row.head += by_state.template head<9>();
+                for (int k = 9; k < driven; ++k)
+                    if (by_state(k) != 0.0) s.row.add(k, by_state(k));
             }
             if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.rate_by_lever_arm);
             s.row.add3(Layout::gyro_bias, way * r.rate_by_gyro_bias);
@@ -440,11 +475,11 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     const int taken = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
     if (tracking.watch.on) follow_faults(f, tracking);
     update.apply(f.P);
-    if (model_.layout.phase >= 0 && std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
-        tracking.since_phases.begin(f.P.rows());
     open_sources(f, tracking);
     doubt_the_estimate(f, work);
     f.apply(model_, dx);
+    if (model_.layout.phase >= 0 && std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
+        f.since_phases.begin(f.P.rows(), antenna(f, StateVector::Zero(f.P.rows()), 1.0).r_e);
     work.alarm = tracking.watch.on ? repair_faults(f, tracking) : -1;
     return taken;
 }

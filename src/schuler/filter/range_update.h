@@ -5,7 +5,6 @@
 #include "schuler/core/ranging.h"
 #include "schuler/filter/fault_watch.h"
 #include "schuler/filter/inertial_filter.h"
-#include "schuler/filter/mean_velocity.h"
 #include "schuler/filter/ranging_settings.h"
 
 #include <array>
@@ -70,9 +69,9 @@ struct RangeTracking {
         int source = -1;                          ///< index into RangingLog::sources; -1: free
         Time last{};                              ///< when that was
         int end = 0, begin = 0;                   ///< states of the ends of the last rate
+        Ecef tx_end{}, tx_begin{};                ///< the transmitter then; not finite: not known
     };
     std::array<Phase, 12> phases{};
-    MeanVelocity since_phases;                    ///< since the last rates by phase
     FaultWatch watch;
     RangeEpochWork work;
 };
@@ -97,9 +96,9 @@ public:
                 const RangeTest& test, bool backward = false)
         : model_(model), settings_(settings), lever_arm_b_(lever_arm_b), test_(test), backward_(backward) {}
 
-    /// Of the variance of a rate by phase, what at least is not in the phases at its ends: the navigation is corrected within a span, by what
-    /// was not known when its generators were commanded.
-    static constexpr double unshared = 0.016;
+    /// Of the variance of a rate by phase, what at least is not in the phases at its ends: a measurement without noise of its own would make
+    /// the covariance singular.
+    static constexpr double unshared = 1e-4;
 
     /// `listener` may be null. Updates the filter with an epoch at its own time (after propagate_covariance). All scalars are used one by one; where the sum of
     /// squares or one of them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the
@@ -124,6 +123,8 @@ private:
     [[nodiscard]] const sensor::RangeErrorModel& errors_of(bool station) const {
         return station ? settings_.errors.station : settings_.errors.satellite;
     }
+    /// The antenna of the estimate less dx; `way` -1: as in the ranges' time, where the filter's runs backward.
+    [[nodiscard]] AntennaEstimate antenna(const InertialFilter<Frame>& filter, const StateVector& dx, double way) const;
     [[nodiscard]] double sigma_of(double stated, double model_sigma, bool station, double elevation, double cn0) const;
     /// The states of the phases between which a rate was measured; null where it has none.
     [[nodiscard]] const RangeTracking::Phase* phase_of(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangeSample& sample,

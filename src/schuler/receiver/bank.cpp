@@ -167,6 +167,7 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
         ch.deep.start(predicted(i, now()), ch.phase);
         ch.running = true;
     }
+    if (now() < guided_at_ + 0.5 * period) ch.deep.steer(predicted(i, now()));   // a new word: the generators turn at once
     const ReplicaError error = replica_error(ch.signal, ch.deep.replica(), truth, period);
     const auto out = ch.deep.step(ch.model.dump(error, cn0, period, ch.sign, ch.noise));
     if (!out) return;
@@ -176,9 +177,7 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
     ch.fresh = out->status != ChannelMeasurement::Status::NoSignal;
     // the oscillator's white noise of frequency, a mean over the symbol, is more than the navigation says
     const double clock_noise = c * std::sqrt(0.5 * settings_.oscillator.h0 / ch.signal.symbol_duration);
-    const LineOfSight next = predicted(i, now() + period);
-    ch.correction = next.rate - ch.deep.predicted().rate;
-    ch.deep.command(next, std::hypot(p.std_rate, clock_noise));
+    ch.deep.command(predicted(i, now() + period), std::hypot(p.std_rate, clock_noise));
 }
 
 void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
@@ -197,14 +196,14 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
             const LineOfSight here = ch.expected.after(now() - ch.at - late);
             m.range = here.range - ch.measured.range;
             m.range_variance = ch.measured.range_variance;
-            if (const auto span = ch.span.add(ch.measured, ch.at, ticks_ % rate_span == 0)) {
-                m.rate = here.rate - span->rate;
+            const double generated = ch.deep.generated() - here.rate * late;
+            if (const auto span = ch.span.add(ch.measured, now(), generated, ticks_ % rate_span == 0)) {
+                m.rate = span->phase_variance > 0.0 ? span->rate : here.rate - span->rate;
                 m.rate_variance = span->variance;
                 m.rate_span = span->duration;
                 m.phase_variance = span->phase_variance;
                 m.phase_goes_on = span->goes_on;
             }
-            ch.span.corrected(ch.correction, ch.at);
             m.cn0 = ch.measured.cn0;
             out.push_back(m);
             continue;

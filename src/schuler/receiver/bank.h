@@ -59,7 +59,8 @@ struct Prediction {
 struct BankMeasurement {
     std::size_t signal = 0;
     double range = 0.0, range_variance = 0.0;  ///< m, m^2
-    double rate = 0.0, rate_variance = std::numeric_limits<double>::infinity();   ///< m/s; infinite variance: none
+    /// m/s, of now, or by phase the mean over the last rate_span; infinite variance: none.
+    double rate = 0.0, rate_variance = std::numeric_limits<double>::infinity();
     double rate_span = 0.0;                    ///< s; the oscillator's white frequency noise is in the rate as in a mean over so long
     double phase_variance = 0.0;               ///< m^2, of the phases at the ends of the span whose change is the rate; 0: it is none
     bool phase_goes_on = false;                ///< the phase at its begin is that of the end of the signal's last rate
@@ -108,7 +109,6 @@ private:
         int wait = 0;                          ///< code periods until the dwell ends
         bool found = false;                    ///< by that dwell
         bool running = false;                  ///< deep: the generators run
-        double correction = 0.0;               ///< m/s, of the commanded rate by the navigation, at `at`
         bool fresh = false;
         ChannelMeasurement measured;
         LineOfSight expected;                  ///< deep: at the end of that symbol

@@ -70,6 +70,10 @@ void DeepChannel::start(const LineOfSight& predicted, int dumps_into_symbol) {
 
 void DeepChannel::command(const LineOfSight& predicted, double std_rate) {
     std_rate_ = std_rate;
+    steer(predicted);
+}
+
+void DeepChannel::steer(const LineOfSight& predicted) {
     predicted_ = predicted;
     place();
 }

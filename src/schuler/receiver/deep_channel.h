@@ -55,11 +55,15 @@ public:
     /// The navigation's word on the pseudorange now, clock included, with one sigma of its rate, m/s.
     /// Between symbols only: after a step that returned a measurement.
     void command(const LineOfSight& predicted, double std_rate);
+    /// The same within a symbol: the carrier's phase goes on as it was.
+    void steer(const LineOfSight& predicted);
     /// Ends the code period just correlated with replica(); a measurement at the end of each symbol.
     std::optional<ChannelMeasurement> step(const Correlators& dump);
 
     [[nodiscard]] const Replica& replica() const { return replica_; }
     [[nodiscard]] const LineOfSight& predicted() const { return predicted_; }
+    /// The carrier that has been generated so far, m of range, from any constant.
+    [[nodiscard]] double generated() const { return -signal_.wavelength() * replica_.carrier_phase; }
 
 private:
     void place();

@@ -13,19 +13,16 @@ namespace schuler::receiver {
 class RateSpan {
 public:
     struct Rate {
-        double rate = 0.0;      ///< m/s, predicted minus received, a mean over `duration`
+        double rate = 0.0;      ///< m/s, predicted minus received, a mean over `duration`; by phase: as received
         double variance = 0.0;  ///< (m/s)^2
         double duration = 0.0;  ///< s
         double phase_variance = 0.0;  ///< m^2, of the phase at the span's end, and about that at its begin; 0: the symbols' own rates
         bool goes_on = false;   ///< the phase at its begin is that of the end of the last rate
     };
-    /// A symbol's measurement, in order of time; `at`: its end, s. `ends`: so does the span, and the next begins.
-    std::optional<Rate> add(const ChannelMeasurement& symbol, double at, bool ends);
-    /// The command has changed by `jump` m/s at a time. The first change within a span is what the navigation has learnt from the last rates:
-    /// what it now believes of the time before is other by that than what was commanded then. Those that follow are of the motion.
-    void corrected(double jump, double at) {
-        if (open_ && at > begin_ && revised_ == 0.0) revised_ = jump * (at - begin_);
-    }
+    /// A symbol's measurement, in order of time. `now`: when it is read, s, a symbol after its end at most; `generated`: the carrier
+    /// that the generator has made until then, m of range. `ends`: so does the span, and the next begins. The phase that was received is the
+    /// generated one less what the symbol found it ahead, whatever was commanded meanwhile.
+    std::optional<Rate> add(const ChannelMeasurement& symbol, double now, double generated, bool ends);
     /// Nothing was measured.
     void reset() { *this = {}; }
 
@@ -34,7 +31,7 @@ private:
 
     bool open_ = false, by_phase_ = false;                         ///< by_phase_: the last rate was
     double begin_ = 0.0, carrier_ = 0.0, carrier_variance_ = 0.0;  ///< s, m, m^2
-    double revised_ = 0.0;                                         ///< m
+    double generated_ = 0.0;                                       ///< m
     double weight_ = 0.0, weighted_ = 0.0, duration_ = 0.0;        ///< of the symbols' own rates
 };
 
