@@ -25,6 +25,9 @@ struct ProcessRequest {
     /// All settings of the run: those of the data set, over them --config, over them `above`.
     [[nodiscard]] SettingList over(const SettingList& base) const;
     [[nodiscard]] std::filesystem::path folder_for(const std::string& name) const;
+
+    /// Whether one coupling was asked for (`--scheme`, `filter.scheme` in --config): then it stands in place of a scenario's `[compare]`.
+    [[nodiscard]] bool names_a_scheme() const;
 };
 
 /// What a command has done, for its door to show.

@@ -137,7 +137,7 @@ MonteCarlo montecarlo(const ProcessRequest& request, std::optional<std::size_t> 
 
 Outcome run_montecarlo(const ProcessRequest& request, std::optional<std::size_t> runs, int jobs) {
     const ScenarioConfig scenario = read_scenario(request.input, request.seed);
-    if (!scenario.compared.empty())
+    if (!scenario.compared.empty() && !request.names_a_scheme())
         return montecarlo_of_schemes(request, runs.value_or(static_cast<std::size_t>(scenario.montecarlo_runs.value_or(default_runs))), jobs);
     const MonteCarlo mc = montecarlo(request, runs, jobs);
     Outcome out;

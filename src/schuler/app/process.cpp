@@ -181,6 +181,10 @@ SettingList ProcessRequest::over(const SettingList& base) const {
     return overlaid(std::move(all), above);
 }
 
+bool ProcessRequest::names_a_scheme() const {
+    return std::ranges::any_of(over({}), [](const Setting& s) { return s.key == "filter.scheme"; });
+}
+
 fs::path ProcessRequest::folder_for(const std::string& name) const { return output.empty() ? fs::path("out") / name : output; }
 
 Outcome process_dataset(const ProcessRequest& request) {
@@ -202,7 +206,7 @@ Outcome process_dataset(const ProcessRequest& request) {
 Outcome run_scenario(const ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const ScenarioConfig scenario = read_scenario(request.input, request.seed);
-    if (!scenario.compared.empty()) return compare_schemes(request);
+    if (!scenario.compared.empty() && !request.names_a_scheme()) return compare_schemes(request);
     WarningLog warnings;
     ResultBundle bundle = simulated_bundle(scenario, request.over({}), warnings);
     bundle.command = "run";
