@@ -2,11 +2,10 @@
 
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
+#include "schuler/theory/decomposition.h"
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include <algorithm>
@@ -136,10 +135,10 @@ std::vector<ErrorsAt> LevelAnalysis::history(double duration, int count) const {
         throw input_error("the time is unusable", {{}, 0, 0, "time"}, "give seconds, not negative");
     const double dt = duration / count;
     const Vector10 scale = natural_scale();
-    Eigen::Matrix<double, 11, 11> M = Eigen::Matrix<double, 11, 11>::Zero();
+    MatrixXd M = MatrixXd::Zero(11, 11);
     M.topLeftCorner<10, 10>() = scale.cwiseInverse().asDiagonal() * F_ * scale.asDiagonal() * dt;
     M.topRightCorner<10, 1>() = d_.cwiseQuotient(scale) * dt;
-    const Eigen::Matrix<double, 11, 11> step = M.exp();
+    const MatrixXd step = M.exp();
     Eigen::Matrix<double, 11, 1> z;
     z << x_.cwiseQuotient(scale), 1.0;
     std::vector<ErrorsAt> out;
@@ -171,24 +170,6 @@ std::vector<Complex> LevelAnalysis::vertical_roots(VerticalChannel channel) cons
 
 namespace {
 
-/// Roots and what each carries of the state: x(t) = sum of part(i) exp(root(i) t) + constant.
-struct Decomposition {
-    VectorXcd root;
-    MatrixXcd part;          ///< columns: moving states
-    VectorXd constant;
-};
-
-Decomposition decomposed(const MatrixXd& F, const VectorXd& x, const VectorXd& d) {
-    const Eigen::EigenSolver<MatrixXd> solver(F);
-    const MatrixXcd V = solver.eigenvectors();
-    const Eigen::FullPivLU<MatrixXcd> lu(V);
-    Decomposition out{solver.eigenvalues(), V, -F.fullPivLu().solve(d)};
-    if (!lu.isInvertible()) throw computation_error("the modes are not distinct", "change the loop's time constant slightly");
-    const VectorXcd share = lu.solve((x - out.constant).cast<Complex>());
-    for (Eigen::Index i = 0; i < share.size(); ++i) out.part.col(i) *= share(i);
-    return out;
-}
-
 /// Names by what moves and how fast; `oscillating`: horizontal pairs, slowest first.
 std::string horizontal_name(std::size_t number, std::size_t count) {
     if (number == 0) return "24-hour";
@@ -215,7 +196,7 @@ ModalAnalysis LevelAnalysis::modes() const {
         }
     }
     const Decomposition parts = decomposed(F, x, d);
-    const MatrixXcd V = Eigen::EigenSolver<MatrixXd>(F).eigenvectors();
+    const MatrixXcd& V = parts.vectors;
 
     const auto spread = [&](const auto& values) {  // of the moving states, in SI
         Vector10 out = Vector10::Zero();
