@@ -1,9 +1,9 @@
 // The receiver's solution from raw measurements, as the program gives it, against the generator's truth.
-#include "schuler/app/raw_gnss.h"
 #include "schuler/app/commands.h"
 #include "schuler/app/dataset.h"
+#include "schuler/app/raw_gnss.h"
 #include "schuler/earth/earth.h"
-#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/solution/rtklib_pos.h"
 
 #include "io/io_fixture.h"
 

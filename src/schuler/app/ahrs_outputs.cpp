@@ -3,7 +3,7 @@
 #include "schuler/app/detail/json.h"
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/solution/solution_csv.h"
 #include "schuler/math/rotation.h"
 
 #include <algorithm>

@@ -3,9 +3,9 @@
 #include "schuler/app/trajectory_file.h"
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/fixed_point.h"
-#include "schuler/io/kml.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/solution/kml.h"
+#include "schuler/io/solution/solution_csv.h"
+#include "schuler/io/text/fixed_point.h"
 
 namespace schuler::app {
 namespace {

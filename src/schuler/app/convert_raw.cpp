@@ -2,7 +2,7 @@
 
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/rinex_write.h"
+#include "schuler/io/rinex/rinex_write.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include "schuler/app/kfgins_settings.h"
 #include "schuler/app/toml_file.h"
 #include "schuler/inspect/inspect.h"
-#include "schuler/io/kfgins.h"
+#include "schuler/io/solution/kfgins.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -2,7 +2,7 @@
 #include "schuler/app/detail/json.h"
 #include "schuler/app/if_recording.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/if_file.h"
+#include "schuler/io/receiver/if_file.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/app/value.h"
-#include "schuler/io/kfgins.h"
+#include "schuler/io/solution/kfgins.h"
 
 #include <filesystem>
 

@@ -1,8 +1,8 @@
 #include "schuler/app/bundle.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/csv_events.h"
-#include "schuler/io/kml.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/solution/kml.h"
+#include "schuler/io/solution/solution_csv.h"
+#include "schuler/io/text/csv_events.h"
 
 #include <algorithm>
 #include <cmath>

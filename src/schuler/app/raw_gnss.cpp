@@ -4,7 +4,7 @@
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/phase_velocity.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/sp3.h"
+#include "schuler/io/rinex/sp3.h"
 
 #include <fmt/format.h>
 

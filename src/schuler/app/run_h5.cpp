@@ -1,8 +1,8 @@
 #include "schuler/app/bundle.h"
 #include "schuler/app/sky.h"
 #include "schuler/core/units.h"
-#include "schuler/io/hdf5_file.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/container/hdf5_file.h"
+#include "schuler/io/solution/solution_csv.h"
 
 #include <span>
 

@@ -5,7 +5,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/enu.h"
 #include "schuler/earth/gravity_field.h"
-#include "schuler/io/csv_grid.h"
+#include "schuler/io/text/csv_grid.h"
 
 #include <cmath>
 #include <memory>

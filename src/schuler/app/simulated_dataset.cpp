@@ -4,8 +4,8 @@
 #include "schuler/app/simulated_receiver.h"
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/fixed_point.h"
-#include "schuler/io/rinex_write.h"
+#include "schuler/io/rinex/rinex_write.h"
+#include "schuler/io/text/fixed_point.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
 

@@ -1,10 +1,10 @@
 #include "schuler/app/trajectory_file.h"
 
 #include "schuler/app/dataset.h"
-#include "schuler/io/nmea.h"
-#include "schuler/io/rtklib_pos.h"
-#include "schuler/io/solution_csv.h"
-#include "schuler/io/table.h"
+#include "schuler/io/receiver/nmea.h"
+#include "schuler/io/solution/rtklib_pos.h"
+#include "schuler/io/solution/solution_csv.h"
+#include "schuler/io/text/table.h"
 
 #include <algorithm>
 

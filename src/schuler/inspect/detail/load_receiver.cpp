@@ -2,8 +2,8 @@
 #include "schuler/core/log.h"
 #include "schuler/core/units.h"
 #include "schuler/inspect/detail/recognise.h"
-#include "schuler/io/nmea.h"
-#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/receiver/nmea.h"
+#include "schuler/io/solution/rtklib_pos.h"
 
 #include <fmt/format.h>
 

@@ -2,9 +2,9 @@
 
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/recognise.h"
-#include "schuler/io/fix_codes.h"
-#include "schuler/io/repair_times.h"
-#include "schuler/io/table.h"
+#include "schuler/io/text/fix_codes.h"
+#include "schuler/io/text/repair_times.h"
+#include "schuler/io/text/table.h"
 
 #include <fmt/format.h>
 

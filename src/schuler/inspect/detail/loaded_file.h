@@ -4,7 +4,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/inspect/detail/cadence.h"
 #include "schuler/inspect/inspect.h"
-#include "schuler/io/columns.h"
+#include "schuler/io/text/columns.h"
 
 #include <filesystem>
 #include <map>

@@ -1,10 +1,10 @@
 #include "schuler/inspect/detail/recognise.h"
 
 #include "schuler/inspect/detail/robust.h"
-#include "schuler/io/adsb.h"
-#include "schuler/io/kfgins.h"
-#include "schuler/io/nmea.h"
-#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/receiver/adsb.h"
+#include "schuler/io/receiver/nmea.h"
+#include "schuler/io/solution/kfgins.h"
+#include "schuler/io/solution/rtklib_pos.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include "schuler/inspect/detail/loaded_file.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/table.h"
+#include "schuler/io/text/table.h"
 
 namespace schuler::inspect::detail {
 
