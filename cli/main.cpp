@@ -7,6 +7,7 @@
 #include "schuler/app/analyze.h"
 #include "schuler/app/analyze_allan.h"
 #include "schuler/app/commands.h"
+#include "schuler/app/formats_command.h"
 #include "schuler/app/gravity.h"
 #include "schuler/core/error.h"
 
@@ -147,9 +148,17 @@ app::Outcome perform(const cli::Options& o) {
     if (o.command == "demo") return app::run_demonstration(request);
     if (o.command == "simulate") return app::simulate_to_folder(o.input, o.output, o.seed);
     if (o.command == "evaluate") return app::evaluate_files(o.input, o.second, o.settle.value_or(0.0));
-    if (o.command == "inspect") return app::inspect_path(o.input);
+    if (o.command == "inspect") {
+        app::Outcome found = app::inspect_path(o.input);
+        if (o.explain) found.tables += "\n" + app::explained(o.input);
+        return found;
+    }
     if (o.command == "convert") return app::convert_file(o.input, o.output, o.format);
     app::Outcome help;
+    if (o.topic == "formats") {
+        help.tables = app::formats_help();
+        return help;
+    }
     help.tables = o.topic == "scenario" ? app::scenario_help(o.prefix) : app::settings_help(o.prefix);
     if (help.tables.empty())
         throw input_error(fmt::format("no key begins with \"{}\"", o.prefix), {}, "leave it out to list all keys");

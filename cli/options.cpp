@@ -164,23 +164,25 @@ void add_file_commands(CLI::App& parser, Options& o) {
 
     CLI::App* inspect =
         add_command(parser, o, "inspect", "what is in a file or folder, what is wrong, a dataset.toml to start from",
-                    "  schuler inspect drive/\n  schuler inspect imu.csv --json");
+                    "  schuler inspect drive/\n  schuler inspect flight.ulg\n  schuler inspect imu.csv --explain\n  schuler inspect imu.csv --json");
     inspect->add_option("PATH", o.input, "file or folder")->required();
+    inspect->add_flag("--explain", o.explain, "what each column was taken for, and why");
     add_json(*inspect, o);
 
     CLI::App* convert =
         add_command(parser, o, "convert", "a solution from one format to another",
                     "  schuler convert receiver.ubx rover.obs               and receiver.ubx rover.nav: RINEX 3.04\n"
-                    "  schuler convert truth.txt reference.csv\n  schuler convert out/drive/solution.csv track.kml\n"
+                    "  schuler convert flight.ulg flight/                   every instrument as a table\n  schuler convert flight.ulg#imu imu.csv\n"
+                    "  schuler convert out/drive/run.h5 track.gpx\n  schuler convert truth.txt reference.csv\n  schuler convert out/drive/solution.csv track.kml\n"
                     "  schuler convert reference.csv truth.txt --to kf-gins");
-    convert->add_option("IN", o.input, "any trajectory that can be read, or raw measurements (RINEX, UBX, RTCM 3)")->required();
+    convert->add_option("IN", o.input, "any trajectory that can be read, a log of instruments or FILE#STREAM, or raw measurements (RINEX, UBX, RTCM 3)")->required();
     convert->add_option("OUT", o.output, "file to write")->required();
-    convert->add_option("--to", o.format, "csv, kml, kf-gins, rinex-obs or rinex-nav (default: by the name of OUT)")->type_name("FORMAT");
+    convert->add_option("--to", o.format, "a format that is written (schuler help formats), rinex-obs or rinex-nav (default: by the name of OUT; a folder: tables)")->type_name("FORMAT");
 
-    CLI::App* help = add_command(parser, o, "help", "a command, or the keys of settings and scenario files",
+    CLI::App* help = add_command(parser, o, "help", "a command, the keys of settings and scenario files, or the formats of files",
                                  "  schuler help process\n  schuler help settings\n  schuler help settings imu.\n"
-                                 "  schuler help scenario trajectory.\n  schuler help --man >schuler.1");
-    help->add_option("TOPIC", o.topic, "settings or scenario, or a command")->check(CLI::IsMember({"settings", "scenario"}));
+                                 "  schuler help scenario trajectory.\n  schuler help formats\n  schuler help --man >schuler.1");
+    help->add_option("TOPIC", o.topic, "settings, scenario or formats, or a command")->check(CLI::IsMember({"settings", "scenario", "formats"}));
     help->add_option("PREFIX", o.prefix, "only keys that begin so");
     help->add_flag("--man", o.manual, "all commands as a manual page");
 

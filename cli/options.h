@@ -36,6 +36,7 @@ struct Options {
     std::optional<int> port;
     int max_upload_mb = 2048;
     bool smooth = false, backward = false, json = false, quiet = false;
+    bool explain = false;              ///< of inspect
     app::EquatorRequest equator;
     app::SchulerRequest schuler;
     app::RequirementsRequest requirements;

@@ -2,6 +2,7 @@
 
 #include "schuler/app/load_ranges.h"
 #include "schuler/app/raw_gnss.h"
+#include "schuler/app/reference_log.h"
 #include "schuler/core/units.h"
 #include "schuler/dataset/clock_steps.h"
 #include "schuler/earth/atmosphere.h"
@@ -9,6 +10,7 @@
 #include "schuler/io/receiver/ubx.h"
 #include "schuler/io/solution/kfgins.h"
 #include "schuler/io/solution/rtklib_pos.h"
+#include "schuler/io/streams.h"
 #include "schuler/io/text/csv_aids.h"
 #include "schuler/io/text/csv_events.h"
 #include "schuler/io/text/csv_recording.h"
@@ -47,14 +49,14 @@ io::CsvOptions csv_options(const FileSource& source, const Config& config) {
     return o;
 }
 
-void read_imu(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+void read_imu(const fs::path& folder, io::LogFiles& logs, LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
     if (c.imu.file.empty() && c.scheme == Scheme::Gnss) return;
     if (c.imu.file.empty()) {
         throw input_error("no IMU file", {{}, 0, 0, "imu.file"},
                           "name it in dataset.toml: [imu] file = \"imu.csv\", or choose --scheme gnss");
     }
-    const io::TextInput input(resolved(folder, c.imu.file, "imu.file"));
+    const io::TextInput input = logs.open(resolved(folder, c.imu.file, "imu.file"), warnings);
     if (is_bare_table(input, c.imu, 7)) {
         out.recording.imu = io::read_kfgins_imu(input, warnings, Duration::from_seconds(c.imu.time_offset)).samples;
         c.filter.imu.kind = ImuKind::Increments;
@@ -112,7 +114,7 @@ std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const Config& c, co
     return shifted(std::move(fixes), offset + -axis_zero(c.time, first, *axis));
 }
 
-void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+void read_gnss(const fs::path& folder, io::LogFiles& logs, LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
     const Duration offset = Duration::from_seconds(c.gnss.time_offset);
     if (c.gnss.file.empty() && !c.raw.observations.empty()) {
@@ -120,7 +122,7 @@ void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings)
         return;
     }
     if (c.gnss.file.empty()) return;
-    const io::TextInput input(resolved(folder, c.gnss.file, "gnss.file"));
+    const io::TextInput input = logs.open(resolved(folder, c.gnss.file, "gnss.file"), warnings);
     if (io::is_ubx(input)) {
         io::UbxLog log = io::read_ubx(input, warnings);
         if (log.fixes.empty())
@@ -147,7 +149,8 @@ void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings)
         return;
     }
     io::GnssTable table = io::read_gnss_csv(input, csv_options(c.gnss, c), warnings);
-    out.recording.gnss = std::move(table.fixes);
+    const bool dated = input.in_memory() && table.plan.find("time_s")->file_name == io::time_name(io::Clock::Gps);
+    out.recording.gnss = dated ? on_own_axis(std::move(table.fixes), c, out.recording, {}) : std::move(table.fixes);
     settle_height_kind(table.height, c);
 }
 
@@ -180,14 +183,15 @@ void settle_heights(LoadedDataset& out, WarningLog& warnings) {
                  "heights are above mean sea level and are used as they are; give gnss.undulation_m for ellipsoidal ones");
 }
 
-void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+void read_others(const fs::path& folder, io::LogFiles& logs, LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
     if (!c.baro.file.empty()) {
         out.recording.baro =
-            io::read_baro_csv(resolved(folder, c.baro.file, "baro.file"), csv_options(c.baro, c), warnings).samples;
+            io::read_baro_csv(logs.open(resolved(folder, c.baro.file, "baro.file"), warnings), csv_options(c.baro, c), warnings).samples;
     }
     if (!c.mag.file.empty()) {
-        out.recording.mag = io::read_mag_csv(resolved(folder, c.mag.file, "mag.file"), csv_options(c.mag, c), warnings).samples;
+        out.recording.mag =
+            io::read_mag_csv(logs.open(resolved(folder, c.mag.file, "mag.file"), warnings), csv_options(c.mag, c), warnings).samples;
         if (!c.mag_axes.empty()) {
             const Eigen::Matrix3d C_imu_mag = c.filter.imu.C_bs.transpose() * axes_from_text(c.mag_axes);
             for (MagSample& m : out.recording.mag) m.field_b = C_imu_mag * m.field_b;
@@ -212,7 +216,8 @@ void read_others(const fs::path& folder, LoadedDataset& out, WarningLog& warning
         out.recording.heading = io::read_compass_csv(io::TextInput(resolved(folder, c.aids.compass.file, "compass.file")));
     }
     if (!c.reference.file.empty()) {
-        out.recording.reference = read_reference(resolved(folder, c.reference.file, "reference.file"), c.reference, c, warnings);
+        out.recording.reference =
+            read_reference_log(logs.open(resolved(folder, c.reference.file, "reference.file"), warnings), c.reference, c, warnings);
     }
 }
 
@@ -315,7 +320,11 @@ void settle_times(LoadedDataset& out) {
 
 std::vector<ReferenceSample> read_reference(const fs::path& file, const FileSource& source, const Config& config,
                                             WarningLog& warnings) {
-    const io::TextInput input(file);
+    return read_reference_log(io::TextInput(file), source, config, warnings);
+}
+
+std::vector<ReferenceSample> read_reference_log(const io::TextInput& input, const FileSource& source, const Config& config,
+                                                WarningLog& warnings) {
     if (!is_bare_table(input, source, 10)) return io::read_reference_csv(input, csv_options(source, config), warnings).samples;
     FileSource named = source;
     const char* names[] = {"time_s",    "lat_deg",   "lon_deg",  "height_m",  "vel_n_m_s",
@@ -385,9 +394,10 @@ LoadedDataset load_dataset(const Dataset& dataset, const Config& config, Warning
     out.given = dataset.given;
     out.facts = dataset.facts;
     believe_aids(out.config);
-    read_imu(dataset.folder, out, warnings);
-    read_others(dataset.folder, out, warnings);
-    read_gnss(dataset.folder, out, warnings);
+    io::LogFiles logs;
+    read_imu(dataset.folder, logs, out, warnings);
+    read_others(dataset.folder, logs, out, warnings);
+    read_gnss(dataset.folder, logs, out, warnings);
     read_ranges(dataset.folder, out, warnings);
     settle_rollover(out.recording);
     dataset::put_clock_steps_back(out.recording, dataset.report.clock_steps);

@@ -50,6 +50,9 @@ struct LoadedFile {
     void add_to_times(double seconds);
 };
 
+/// What follows from the rows of a file that was read: strays, rhythm, missing values.
+void finish(LoadedFile& file);
+
 /// Recognises and reads one file. Never throws on odd content.
 [[nodiscard]] LoadedFile load_file(const std::filesystem::path& path, const std::string& name, const ReadAs& as = {});
 

@@ -4,6 +4,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/core/units.h"
 #include "schuler/io/bytes.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 
 #include <fmt/format.h>
@@ -298,5 +299,14 @@ std::vector<StationRow> stations_of(const AdsbLog& log) {
     }
     return out;
 }
+
+extern const Format adsb_format;
+const Format adsb_format = {
+    .name = "adsb",
+    .title = "ADS-B squitters",
+    .extensions = ".bin .avr",
+    .holds = "extended squitters of 1090 MHz (Beast, AVR) as stations of [stations]",
+    .time = "the receiver's clock",
+    .recognise = [](const FileHead& head) { return is_adsb(TextInput(head.path)); }};
 
 }  // namespace schuler::io

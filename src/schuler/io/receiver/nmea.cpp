@@ -1,7 +1,9 @@
 #include "schuler/io/receiver/nmea.h"
 
 #include "schuler/core/units.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/place.h"
+#include "schuler/io/solution/receiver_text.h"
 #include "schuler/io/text/detail/calendar_text.h"
 #include "schuler/io/text/detail/first_lines.h"
 #include "schuler/io/text/detail/sample_rows.h"
@@ -345,5 +347,29 @@ bool is_nmea(const TextInput& input) {
     }
     return false;
 }
+
+namespace {
+
+StreamLog nmea_streams(const TextInput& input, WarningLog& warnings) {
+    const NmeaLog nmea = read_nmea(input, warnings);
+    StreamLog log;
+    log.clock = nmea.has_date ? Clock::Gps : Clock::Boot;
+    log.add(stream_of(nmea.fixes, nmea.height, "GGA, RMC, GNS, GST, VTG"));
+    return log;
+}
+
+}  // namespace
+
+extern const Format nmea_format;
+const Format nmea_format = {
+    .name = "nmea",
+    .title = "NMEA 0183",
+    .extensions = ".nmea .txt .log",
+    .holds = "fixes of GGA, RMC, GNS, GST, VTG, GSA and ZDA; other text between the sentences is passed over",
+    .time = "GPS time where RMC or ZDA give the date, else seconds of the UTC day",
+    .recognise = [](const FileHead& head) { return is_nmea(TextInput(head.path)); },
+    .read = nmea_streams,
+    .write = write_nmea,
+    .one_stream = true};
 
 }  // namespace schuler::io

@@ -4,6 +4,7 @@
 #include "schuler/gnss/system_time.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/detail/bits.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/receiver/detail/rtcm3_messages.h"
 
@@ -188,5 +189,14 @@ bool is_rtcm3(const TextInput& input) {
     }
     return false;
 }
+
+extern const Format rtcm3_format;
+const Format rtcm3_format = {
+    .name = "rtcm3",
+    .title = "RTCM 3 stream",
+    .extensions = ".rtcm3 .rtcm",
+    .holds = "raw measurements (MSM4 to MSM7) and ephemerides",
+    .time = "GPS time",
+    .recognise = [](const FileHead& head) { return is_rtcm3(TextInput(head.path)); }};
 
 }  // namespace schuler::io

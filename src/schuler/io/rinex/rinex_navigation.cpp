@@ -2,6 +2,7 @@
 #include "schuler/gnss/system_time.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/detail/ephemeris_checks.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/rinex/detail/rinex_text.h"
 #include "schuler/io/rinex/rinex.h"
@@ -316,5 +317,14 @@ RinexNavigation read_rinex_navigation(const TextInput& input, WarningLog& log) {
                 c.bad);
     return std::move(reader.result);
 }
+
+extern const Format rinex_navigation_format;
+const Format rinex_navigation_format = {
+    .name = "rinex_nav",
+    .title = "RINEX navigation",
+    .extensions = ".nav .YYn .YYp",
+    .holds = "broadcast ephemerides of GPS, GLONASS, Galileo, BeiDou, QZSS and SBAS, versions 2 to 4",
+    .time = "GPS time",
+    .recognise = [](const FileHead& head) { return rinex_kind(TextInput(head.path)) == RinexKind::Navigation; }};
 
 }  // namespace schuler::io

@@ -1,5 +1,6 @@
 #include "schuler/core/error.h"
 #include "schuler/gnss/system_time.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/rinex/compact_rinex.h"
 #include "schuler/io/rinex/detail/rinex_observation_header.h"
@@ -305,5 +306,14 @@ RinexKind rinex_kind(const TextInput& input) {
     }
     return RinexKind::None;
 }
+
+extern const Format rinex_observation_format;
+const Format rinex_observation_format = {
+    .name = "rinex_obs",
+    .title = "RINEX observations",
+    .extensions = ".obs .rnx .YYo .crx .YYd",
+    .holds = "raw measurements, versions 2 to 4, Hatanaka-compressed ones where crx2rnx is installed",
+    .time = "GPS time",
+    .recognise = [](const FileHead& head) { return rinex_kind(TextInput(head.path)) == RinexKind::Observation || rinex_kind(TextInput(head.path)) == RinexKind::CompactObservation; }};
 
 }  // namespace schuler::io

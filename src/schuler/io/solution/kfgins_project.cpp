@@ -1,4 +1,5 @@
 #include "schuler/core/units.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/solution/kfgins.h"
 #include "schuler/io/text/columns.h"
@@ -118,6 +119,7 @@ std::filesystem::path located(const std::string& text, const std::filesystem::pa
     std::error_code ignored;
     if (std::filesystem::exists(folder / path, ignored)) return folder / path;
     if (std::filesystem::exists(path, ignored)) return path;
+    if (std::filesystem::exists(folder / path.filename(), ignored)) return folder / path.filename();
     return folder / path;
 }
 
@@ -164,6 +166,38 @@ void read_initial(Mapping& root, KfGinsProject& p) {
     p.std_accel_scale = root.sigmas(root.present({"initsastd", "initaccscalestd"}), p.noise.accel_scale, units::ppm);
 }
 
+/// OB_GINS: the same files under other names, without a position and without initial sigmas. The position is that of the first fix from the start on.
+void read_ob_gins(Mapping& root, const std::string& file, KfGinsProject& p) {
+    p.velocity_n = root.vector("initvel", Vector3d::Zero());
+    p.rpy = root.vector("initatt", Vector3d::Zero(), units::deg);
+    p.gyro_bias = root.vector("initgb", Vector3d::Zero(), units::deg_per_hour);
+    p.accel_bias = root.vector("initab", Vector3d::Zero(), mgal_bias);
+    const YAML::Node node = root.find("imumodel");
+    if (!node || !node.IsMap())
+        throw root.error(node ? node : root.find("imufile"), "imumodel", "is missing or has no keys", "add imumodel: with arw, vrw, gbstd, abstd, corrtime");
+    Mapping noise(node, file, "imumodel.");
+    p.noise.angle_random_walk = noise.sigmas("arw", {}, units::deg_per_sqrt_hour);
+    p.noise.velocity_random_walk = noise.sigmas("vrw", {}, units::m_s_per_sqrt_hour);
+    p.noise.gyro_bias = noise.sigmas("gbstd", {}, units::deg_per_hour);
+    p.noise.accel_bias = noise.sigmas("abstd", {}, mgal_bias);
+    p.noise.correlation_time = noise.number("corrtime", {}, units::hour);
+    noise.refuse_unknown();
+    // of the optimisation, of the odometer and of simulated outages: nothing of a filter
+    for (const char* key : {"windows", "num_iterations", "is_outlier_culling", "isearth", "odolever", "bodyangle", "odometer", "isuseoutage", "outagetime", "outagelen",
+                            "outageperiod", "gnssthreshold", "integrationlength", "isusegnssoutage"})
+        (void)root.find(key);
+    p.std_gyro_bias = p.noise.gyro_bias;
+    p.std_accel_bias = p.noise.accel_bias;
+    p.std_velocity = Vector3d::Constant(0.5);                                    // m/s: its initial velocity is rounded
+    p.std_rpy = Vector3d(2.0, 2.0, 10.0) * units::deg;                           // its initial attitude is read off the log
+    WarningLog nothing;
+    for (const GnssFix& fix : read_kfgins_gnss(TextInput(p.gnss_path), nothing).fixes) {
+        p.position = fix.position;
+        p.std_position = fix.std_position;
+        if (fix.time >= p.start) break;
+    }
+}
+
 YAML::Node load(const std::string& text, const std::string& file) {
     try {
         return YAML::Load(text);
@@ -185,8 +219,9 @@ KfGinsProject read_kfgins_project(const TextInput& input, std::filesystem::path 
     try {
         Mapping root(node, file, "");
         KfGinsProject p;
-        p.imu_path = located(root.text("imupath", {}), folder);
-        p.gnss_path = located(root.text("gnsspath", {}), folder);
+        const bool ob_gins = !node["imupath"] && node["imufile"];
+        p.imu_path = located(root.text(ob_gins ? "imufile" : "imupath", {}), folder);
+        p.gnss_path = located(root.text(ob_gins ? "gnssfile" : "gnsspath", {}), folder);
         p.output_path = located(root.text("outputpath", ""), folder);
         const double columns = root.number("imudatalen", 7.0);
         if (columns < 7.0 || columns > 1000.0)
@@ -207,8 +242,12 @@ KfGinsProject read_kfgins_project(const TextInput& input, std::filesystem::path 
         if (p.end && *p.end <= p.start)
             throw root.error(root.find("endtime"), "endtime", "is not after starttime",
                              "write a later time, or -1 for the end of the data");
-        read_noise(root, file, p);
-        read_initial(root, p);
+        if (ob_gins) {
+            read_ob_gins(root, file, p);
+        } else {
+            read_noise(root, file, p);
+            read_initial(root, p);
+        }
         p.lever_arm_b = root.vector("antlever", Vector3d::Zero());
         root.refuse_unknown();
         return p;
@@ -221,12 +260,22 @@ KfGinsProject read_kfgins_project(const TextInput& input, std::filesystem::path 
 bool is_kfgins_project(const TextInput& input) {
     try {
         const YAML::Node node = YAML::Load(read_text(input, 1024 * 1024));
-        return node.IsMap() && node["imupath"] && node["gnsspath"];
+        return node.IsMap() && ((node["imupath"] && node["gnsspath"]) || (node["imufile"] && node["gnssfile"]));
     } catch (const YAML::Exception&) {
         return false;
     } catch (const Error&) {
         return false;
     }
 }
+
+extern const Format kfgins_yaml_format;
+const Format kfgins_yaml_format = {
+    .name = "kfgins_yaml",
+    .title = "KF-GINS or OB_GINS project",
+    .extensions = ".yaml .yml",
+    .holds = "settings with the paths of an IMU and a GNSS file; of OB_GINS (`imufile`, `gnssfile`) the position is that of the first fix, and what is of its optimisation, "
+             "odometer and outages is left",
+    .time = "seconds of the GPS week",
+    .recognise = [](const FileHead& head) { return (head.extension == ".yaml" || head.extension == ".yml") && is_kfgins_project(TextInput(head.path)); }};
 
 }  // namespace schuler::io

@@ -2,7 +2,9 @@
 
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/place.h"
+#include "schuler/io/solution/receiver_text.h"
 #include "schuler/io/text/detail/calendar_text.h"
 #include "schuler/io/text/detail/first_lines.h"
 #include "schuler/io/text/detail/sample_rows.h"
@@ -18,6 +20,12 @@
 
 namespace schuler::io {
 namespace {
+
+/// A whole number, written as one or as programs that know only doubles write it: 1.0000000.
+std::optional<int> whole_number(std::string_view text) {
+    const double x = number_from(text);
+    return x >= 0.0 && x < 1e6 && x == std::floor(x) ? std::optional(static_cast<int>(x)) : std::nullopt;
+}
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -169,10 +177,10 @@ public:
         if (!time || !read_position(fix)) return false;
         fix.time = *time;
         if (layout_.quality >= 0) {
-            const auto q = detail::small_integer(fields_[static_cast<std::size_t>(layout_.quality)]);
+            const auto q = whole_number(fields_[static_cast<std::size_t>(layout_.quality)]);
             if (!q) return false;
             fix.fix = fix_from_rtklib(*q);
-            fix.satellites = detail::small_integer(fields_[static_cast<std::size_t>(layout_.satellites)]).value_or(-1);
+            fix.satellites = whole_number(fields_[static_cast<std::size_t>(layout_.satellites)]).value_or(-1);
         }
         fix.std_position = sigmas(layout_.std_position, fix.position);
         read_velocity(fix);
@@ -341,5 +349,29 @@ bool is_rtklib_pos(const TextInput& input) {
     }
     return false;
 }
+
+namespace {
+
+StreamLog rtklib_streams(const TextInput& input, WarningLog& warnings) {
+    const RtklibPos pos = read_rtklib_pos(input, warnings);
+    StreamLog log;
+    log.clock = Clock::Gps;
+    log.add(stream_of(pos.fixes, pos.height, "solution"));
+    return log;
+}
+
+}  // namespace
+
+extern const Format rtklib_pos_format;
+const Format rtklib_pos_format = {
+    .name = "rtklib_pos",
+    .title = "RTKLIB solution",
+    .extensions = ".pos",
+    .holds = "positions in degrees or Earth-fixed, velocities, standard deviations, quality Q, in GPST, UTC or JST",
+    .time = "GPS time",
+    .recognise = [](const FileHead& head) { return is_rtklib_pos(TextInput(head.path)); },
+    .read = rtklib_streams,
+    .write = write_rtklib_pos,
+    .one_stream = true};
 
 }  // namespace schuler::io

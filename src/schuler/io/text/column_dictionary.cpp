@@ -166,10 +166,11 @@ const std::vector<Quantity> time_only = {{"time_s", D::Time, time_stems}};
 
 std::string with_axis(std::string pattern, char axis) {
     std::replace(pattern.begin(), pattern.end(), '@', axis);
+    std::replace(pattern.begin(), pattern.end(), '#', static_cast<char>(axis - 'x' + '0'));
     return pattern;
 }
 
-/// The three components of a vector; '@' stands for the axis.
+/// The three components of a vector; '@' stands for the axis, '#' for its number from 0.
 std::vector<Quantity> three_axes(const std::string& canonical, Dimension dimension, const std::string& stems) {
     std::vector<Quantity> result;
     for (const char axis : {'x', 'y', 'z'}) result.push_back({with_axis(canonical, axis), dimension, with_axis(stems, axis)});
@@ -182,11 +183,11 @@ std::vector<Quantity> imu_quantities() {
         q,
         three_axes("gyro_@_rad_s", D::Rate,
                    "gyro_@ gyr_@ gyroscope_@ gyro@ gyr@ @_gyro w@ w_@ omega_@ omega@ angular_velocity_@ angular_rate_@ ang_vel_@ "
-                   "angvel_@ ang_rate_@ rate_@ g_@ gyro_rate_@ angularvelocity_@ | g@"));
+                   "angvel_@ ang_rate_@ rate_@ g_@ gyro_rate_@ angularvelocity_@ w_rs_s_@ gyro_rad_# uncomp_gyro_@ | g@"));
     q = with(q,
              three_axes("accel_@_m_s2", D::Acceleration,
                         "accel_@ acc_@ accelerometer_@ acceleration_@ accel@ acc@ @_accel @_acc a@ a_@ f@ f_@ specific_force_@ "
-                        "linear_acceleration_@ sf_@ lin_acc_@"));
+                        "linear_acceleration_@ sf_@ lin_acc_@ a_rs_s_@ accelerometer_m_s2_# uncomp_accel_@"));
     q = with(q, three_axes("dtheta_@_rad", D::Angle, "dtheta_@ dth_@ dang_@ delta_theta_@ delta_angle_@ dtheta@ delta_ang_@"));
     q = with(q, three_axes("dv_@_m_s", D::Velocity, "dv_@ dvel_@ delta_v_@ delta_velocity_@ delta_vel_@ dv@ dvel@"));
     return with(q, {{"temperature_c", D::Temperature, "temperature temp imu_temp imu_temperature"}});
@@ -237,7 +238,7 @@ const std::vector<Quantity> baro = with(
 
 const std::vector<Quantity> mag =
     with(time_only, three_axes("mag_@_ut", D::Field,
-                               "mag_@ mag@ m@ m_@ magnetometer_@ magnetic_field_@ mag_uncal_@ field_@ magnetic_@ b_@ b@ @_mag"));
+                               "mag_@ mag@ m@ m_@ magnetometer_@ magnetic_field_@ mag_uncal_@ field_@ magnetic_@ b_@ b@ @_mag magnetometer_ga_#"));
 
 const std::vector<Quantity> reference =
     with(with(time_only, position_and_velocity()),
@@ -246,16 +247,19 @@ const std::vector<Quantity> reference =
           {"heading_deg", D::Angle, "heading yaw hdg azimuth yaw_ned true_heading | psi course"},
           {"qw", D::Count,
            "qw q_w quat_w quaternion_w quat_sensor_to_enu_w quat_body_to_ned_w q_sensor_to_enu_w q_body_to_ned_w q_nb_w "
-           "orientation_w | q0"},
+           "orientation_w q_rs_w pose_orientation_w | q0"},
           {"qx", D::Count,
            "qx q_x quat_x quaternion_x quat_sensor_to_enu_x quat_body_to_ned_x q_sensor_to_enu_x q_body_to_ned_x q_nb_x "
-           "orientation_x | q1"},
+           "orientation_x q_rs_x pose_orientation_x | q1"},
           {"qy", D::Count,
            "qy q_y quat_y quaternion_y quat_sensor_to_enu_y quat_body_to_ned_y q_sensor_to_enu_y q_body_to_ned_y q_nb_y "
-           "orientation_y | q2"},
+           "orientation_y q_rs_y pose_orientation_y | q2"},
           {"qz", D::Count,
            "qz q_z quat_z quaternion_z quat_sensor_to_enu_z quat_body_to_ned_z q_sensor_to_enu_z q_body_to_ned_z q_nb_z "
-           "orientation_z | q3"},
+           "orientation_z q_rs_z pose_orientation_z | q3"},
+          {"local_x_m", D::Length, "local_x x tx pos_x p_x px position_x pose_x pose_position_x p_rs_r_x"},
+          {"local_y_m", D::Length, "local_y y ty pos_y p_y py position_y pose_y pose_position_y p_rs_r_y"},
+          {"local_z_m", D::Length, "local_z z tz pos_z p_z pz position_z pose_z pose_position_z p_rs_r_z"},
           {"movement", D::Count, "movement moving motion in_motion"}});
 
 std::vector<Quantity> range_quantities() {
@@ -291,6 +295,14 @@ const std::vector<Quantity>& quantities(TableKind kind) {
         case TableKind::Stations: return stations;
     }
     return imu;
+}
+
+std::vector<std::string> unit_names(Dimension dimension) {
+    if (dimension == Dimension::Time) return {"s", "ms", "us", "ns"};
+    std::vector<std::string> names;
+    for (const NamedUnit& u : named_units)
+        if (u.dimension == dimension) names.emplace_back(u.name);
+    return names;
 }
 
 std::optional<UnitFactor> unit_factor(Dimension dimension, std::string_view unit) {

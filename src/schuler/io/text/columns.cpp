@@ -2,11 +2,14 @@
 
 #include "schuler/core/units.h"
 #include "schuler/io/text/detail/column_dictionary.h"
+#include "schuler/io/text/own_frame.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
 #include <tuple>
 #include <utility>
 
@@ -309,19 +312,54 @@ static bool is_estimate(std::string_view name) {
     return !words.empty() && std::ranges::find(sources, words.front()) != std::end(sources);
 }
 
+/// Names of what is asked of a vehicle, not of what it does.
+static bool says_command(const std::vector<std::string>& words) {
+    static constexpr std::string_view commands[] = {"setpoint", "setpoints", "sp", "command", "commands", "cmd", "desired", "target", "demand"};
+    return std::ranges::any_of(words, [&](const std::string& word) { return std::ranges::find(commands, word) != std::end(commands); });
+}
+
+/// Every sample row has a number there, and the four are a unit quaternion.
+static bool is_rotation(const TableLayout& layout, const std::array<int, 4>& columns) {
+    std::size_t rows = 0;
+    for (const std::vector<std::string>& row : layout.sample) {
+        double square = 0.0;
+        for (const int column : columns) {
+            const double x = static_cast<std::size_t>(column) < row.size() ? number_from(row[static_cast<std::size_t>(column)]) : NAN;
+            square += x * x;
+        }
+        if (std::isnan(square)) continue;
+        if (std::abs(std::sqrt(square) - 1.0) > 0.02) return false;
+        ++rows;
+    }
+    return rows > 0 || layout.sample.empty();
+}
+
+bool is_own_frame(const TableLayout& layout) {
+    const ColumnPlan plan = match_columns(layout, TableKind::Reference);
+    const auto has = [&](std::string_view name) { return plan.find(name) != nullptr; };
+    return has("local_x_m") && has("local_y_m") && has("local_z_m") && !has("lat_deg") && !has("ecef_x_m");
+}
+
 std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
+    if (says_command(words_of_name(std::filesystem::path(layout.file).stem().string()))) return std::nullopt;
+    const auto commanded = [](const ColumnPlan& plan, std::string_view name) { return says_command(words_of_name(plan.find(name)->file_name)); };
     const auto complete = [&](TableKind kind, std::initializer_list<std::string_view> needed) {
         const ColumnPlan plan = match_columns(layout, kind);
         return std::all_of(needed.begin(), needed.end(), [&](std::string_view name) { return plan.find(name) != nullptr; });
     };
     if (complete(TableKind::Ranges, {"time_s", "source", "pseudorange_m"})) return TableKind::Ranges;
-    const bool attitude = complete(TableKind::Reference, {"time_s", "roll_deg", "pitch_deg"}) ||
-                          complete(TableKind::Reference, {"time_s", "qw", "qx", "qy", "qz"});
+    const ColumnPlan reference = match_columns(layout, TableKind::Reference);
+    bool attitude = complete(TableKind::Reference, {"time_s", "roll_deg", "pitch_deg"}) && !commanded(reference, "roll_deg");
+    if (!attitude && complete(TableKind::Reference, {"time_s", "qw", "qx", "qy", "qz"}))
+        attitude = !commanded(reference, "qw") && is_rotation(layout, {reference.find("qw")->column, reference.find("qx")->column, reference.find("qy")->column,
+                                                                       reference.find("qz")->column});
     if (complete(TableKind::Imu,
                  {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"}) ||
         complete(TableKind::Imu,
                  {"time_s", "dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"})) {
-        return TableKind::Imu;
+        return commanded(match_columns(layout, TableKind::Imu), match_columns(layout, TableKind::Imu).find("gyro_x_rad_s") != nullptr ? "gyro_x_rad_s" : "dtheta_x_rad")
+                   ? std::nullopt
+                   : std::optional(TableKind::Imu);
     }
     if (attitude || complete(TableKind::Reference, {"time_s", "ecef_x_m", "ecef_y_m", "ecef_z_m"})) return TableKind::Reference;
     if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"}))

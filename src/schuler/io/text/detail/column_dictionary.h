@@ -25,6 +25,9 @@ struct Quantity {
 /// All quantities of a kind of table, in order of preference where several give the same canonical name.
 [[nodiscard]] const std::vector<Quantity>& quantities(TableKind kind);
 
+/// Names of the units of a dimension, the canonical one first.
+[[nodiscard]] std::vector<std::string> unit_names(Dimension dimension);
+
 /// The unit of a dimension with this name (words joined by '_'); nullopt where it is none.
 [[nodiscard]] std::optional<UnitFactor> unit_factor(Dimension dimension, std::string_view unit);
 [[nodiscard]] std::optional<TimeUnit> time_unit(std::string_view unit);
