@@ -64,7 +64,8 @@ void StreamLog::add(Stream stream) {
     std::erase_if(stream.columns, [](const Stream::Column& c) { return std::ranges::none_of(c.values, [](double v) { return std::isfinite(v); }); });
     if (stream.columns.empty()) return;
     const std::string stem = stream.name;
-    for (int number = 1; find(stream.name) != nullptr; ++number) stream.name = fmt::format("{}{}", stem, number);
+    auto number = std::ranges::count_if(streams, [&](const Stream& s) { return s.name.starts_with(stem); });
+    for (; find(stream.name) != nullptr; ++number) stream.name = fmt::format("{}{}", stem, std::max<std::ptrdiff_t>(number, 1));
     streams.push_back(std::move(stream));
 }
 

@@ -185,6 +185,9 @@ private:
         Tables::Message m = Tables::message(name, text(body.substr(6, 16)), split(text(body.substr(22, 64)), ','));
         m.wanted = m.wanted && m.size + header_size <= length && m.types.size() == m.fields.size();
         lengths_[type] = length;
+        const std::optional<Tables::Message>& before = messages_[type];
+        // a log of several boots defines its messages again: the same tables go on
+        if (before && before->name == m.name && before->types == m.types && before->fields == m.fields && before->first_instance == m.first_instance) return;
         messages_[type] = std::move(m);
     }
 
