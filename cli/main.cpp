@@ -1,6 +1,7 @@
 // The program `schuler`: command line, what goes to which stream, exit status.
 #include "documentation.h"
 #include "options.h"
+#include "printable.h"
 #include "progress.h"
 
 #include "schuler/app/ahrs.h"
@@ -9,6 +10,7 @@
 #include "schuler/app/commands.h"
 #include "schuler/app/gravity.h"
 #include "schuler/core/error.h"
+#include "serve/aside.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -32,7 +34,7 @@ std::string one_line(std::string text) {
         if (c == '\n' || c == '\r') c = ' ';
     }
     while (!text.empty() && text.back() == ' ') text.pop_back();
-    return text;
+    return cli::printable(text);
 }
 
 void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one_line(text)); }
@@ -40,7 +42,7 @@ void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one
 /// Shows what a command has done: the result on standard output, everything else on standard error.
 void show(const app::Outcome& out, const cli::Options& options) {
     if (!options.quiet) {
-        if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", out.notice);
+        if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", cli::printable(out.notice));
         for (const std::string& w : out.warnings) fmt::print(stderr, "warning: {}\n", one_line(w));
     }
     if (!out.usable && (options.json || options.quiet)) complain(out.verdict);
@@ -49,18 +51,18 @@ void show(const app::Outcome& out, const cli::Options& options) {
         return;
     }
     if (options.quiet) return;
-    fmt::print("{}", out.tables);
+    fmt::print("{}", cli::printable(out.tables));
     const bool several = out.files.size() > 1;
     std::string report;
     for (const auto& file : out.files) {
         if (file.filename() == "report.html" && several) {
             report = file.string();
         } else {
-            fmt::print("wrote {}\n", file.string());
+            fmt::print("wrote {}\n", cli::printable(file.string()));
         }
     }
-    if (!report.empty()) fmt::print("the report is {}\n", report);
-    if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", out.folder.string());
+    if (!report.empty()) fmt::print("the report is {}\n", cli::printable(report));
+    if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", cli::printable(out.folder.string()));
     if (!out.verdict.empty()) fmt::print("{}\n", one_line(out.verdict));
 }
 
@@ -168,6 +170,7 @@ int flushed(int status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    if (argc > 1 && argv[1] == serve::aside_word) return serve::aside(argc - 2, argv + 2);   // a child of `schuler ui`
     cli::Options options;
     CLI::App parser("Integrated inertial-satellite navigation: from IMU and GNSS logs to a trajectory with honest uncertainty.",
                     "schuler");

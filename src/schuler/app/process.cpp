@@ -8,6 +8,7 @@
 #include "schuler/app/toml_file.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/realignment.h"
+#include "schuler/io/staged_folder.h"
 
 #include <algorithm>
 #include <chrono>
@@ -99,14 +100,17 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     bundle.version = request.version;
     Outcome out;
     out.folder = request.folder_for(bundle.name);
+    check_overwrite_of_outputs(out.folder);
+    std::unique_ptr<io::StagedFolder> stage;   // only when there is something to write: a run that cannot start leaves no folder
+    const auto folder_of_results = [&]() -> const fs::path& {
+        if (!stage) stage = std::make_unique<io::StagedFolder>(out.folder);
+        return stage->path();
+    };
     std::unique_ptr<SolutionStream> stream, checked, widened;
     const auto into = [&](std::unique_ptr<SolutionStream>& file) -> fusion::RowSink {
         if (!only_written(bundle.data)) return {};
         return [&](std::span<const SolutionRow> rows) {
-            if (!file) {   // only now: a run that cannot start leaves no folder
-                make_folder(out.folder);
-                file = std::make_unique<SolutionStream>(out.folder / "solution.csv");
-            }
+            if (!file) file = std::make_unique<SolutionStream>(folder_of_results() / "solution.csv");
             file->append(rows);
         };
     };
@@ -157,15 +161,17 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     const auto write_begin = std::chrono::steady_clock::now();
     // summary.json carries the time of writing the others, so it is written last
     if (stream) stream->finish();
-    out.files = write_outputs(bundle, out.folder, stream != nullptr);
+    out.files = write_outputs(bundle, folder_of_results(), stream != nullptr);
     bundle.timing.write_s = seconds_since(write_begin);
     bundle.timing.read_s = bundle.data.read_seconds;
     bundle.timing.wall_s = seconds_since(begin);
     out.json = summary_json(bundle);
     if (bundle.data.config.output.wants("summary")) {
-        out.files.push_back(out.folder / "summary.json");
+        out.files.push_back(stage->path() / "summary.json");
         write_text(out.files.back(), out.json);
     }
+    for (fs::path& file : out.files) file = stage->final_path(file);
+    stage->publish();
     out.tables = summary_tables(bundle);
     out.warnings = bundle.warnings;
     out.verdict = line_of(bundle.verdict);
