@@ -3,12 +3,15 @@
 #include "options.h"
 #include "progress.h"
 
-#include "schuler/app/ahrs.h"
-#include "schuler/app/analyze.h"
-#include "schuler/app/analyze_allan.h"
+#include "schuler/app/attitude/ahrs.h"
 #include "schuler/app/commands.h"
-#include "schuler/app/gravity.h"
 #include "schuler/core/error.h"
+#include "schuler/report/outcome.h"
+#include "schuler/settings/request.h"
+#include "schuler/study/allan.h"
+#include "schuler/study/gravity/gravity.h"
+#include "schuler/study/montecarlo/montecarlo.h"
+#include "schuler/study/theory/analyze.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -38,7 +41,7 @@ std::string one_line(std::string text) {
 void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one_line(text)); }
 
 /// Shows what a command has done: the result on standard output, everything else on standard error.
-void show(const app::Outcome& out, const cli::Options& options) {
+void show(const report::Outcome& out, const cli::Options& options) {
     if (!options.quiet) {
         if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", out.notice);
         for (const std::string& w : out.warnings) fmt::print(stderr, "warning: {}\n", one_line(w));
@@ -64,49 +67,49 @@ void show(const app::Outcome& out, const cli::Options& options) {
     if (!out.verdict.empty()) fmt::print("{}\n", one_line(out.verdict));
 }
 
-app::Outcome analyze(const cli::Options& o) {
-    if (o.command == "analyze observability") return app::analyze_observability(o.observability);
+report::Outcome analyze(const cli::Options& o) {
+    if (o.command == "analyze observability") return study::analyze_observability(o.observability);
     if (o.command == "analyze schuler") {
-        app::SchulerRequest request = o.schuler;
+        study::SchulerRequest request = o.schuler;
         request.output = o.output;
         request.version = SCHULER_VERSION;
-        return app::analyze_schuler(request);
+        return study::analyze_schuler(request);
     }
-    if (o.command == "analyze requirements") return app::analyze_requirements(o.requirements);
+    if (o.command == "analyze requirements") return study::analyze_requirements(o.requirements);
     if (o.command == "analyze budget" || o.command == "analyze integrity") {
-        app::StudyRequest request = o.study;
+        study::StudyRequest request = o.study;
         request.scenario = o.input;
         request.seed = o.seed;
         request.above = cli::settings_of(o);
         cli::ProgressBar bar(!o.quiet, o.progress == "lines");
         request.progress = [&bar](double done_part) { bar.show(done_part); };
-        return o.command == "analyze budget" ? app::analyze_budget(request) : app::analyze_integrity(request);
+        return o.command == "analyze budget" ? study::analyze_budget(request) : study::analyze_integrity(request);
     }
     if (o.command == "analyze triad") {
-        app::TriadRequest request = o.triad;
+        study::TriadRequest request = o.triad;
         request.seed = o.seed.value_or(request.seed);
         request.output = o.output;
         request.version = SCHULER_VERSION;
         cli::ProgressBar bar(!o.quiet, o.progress == "lines");
         request.progress = [&bar](double done_part) { bar.show(done_part); };
-        return app::analyze_triad(request);
+        return study::analyze_triad(request);
     }
     if (o.command == "analyze protection") {
-        app::ProtectionRequest request = o.protection;
+        study::ProtectionRequest request = o.protection;
         request.seed = o.seed.value_or(request.seed);
         request.output = o.output;
         cli::ProgressBar bar(!o.quiet, o.progress == "lines");
         request.progress = [&bar](double done_part) { bar.show(done_part); };
-        return app::analyze_protection(request);
+        return study::analyze_protection(request);
     }
-    app::EquatorRequest request = o.equator;
+    study::EquatorRequest request = o.equator;
     if (o.misalignment.size() == 3) request.misalignment = Eigen::Vector3d::Map(o.misalignment.data());
     request.output = o.output;
     request.version = SCHULER_VERSION;
-    return app::analyze_equator(request);
+    return study::analyze_equator(request);
 }
 
-app::Outcome receive(const cli::Options& o) {
+report::Outcome receive(const cli::Options& o) {
     cli::ProgressBar bar(!o.quiet, o.progress == "lines");
     const auto progress = [&bar](double done_part) { bar.show(done_part); };
     if (o.command == "receiver generate") {
@@ -124,10 +127,10 @@ app::Outcome receive(const cli::Options& o) {
     return app::track_recording(request);
 }
 
-app::Outcome perform(const cli::Options& o) {
+report::Outcome perform(const cli::Options& o) {
     if (o.command.starts_with("receiver")) return receive(o);
     if (o.command.starts_with("analyze") && o.command != "analyze allan") return analyze(o);
-    app::ProcessRequest request;
+    settings::ProcessRequest request;
     request.input = o.input;
     request.output = o.output;
     request.config = o.config;
@@ -136,20 +139,20 @@ app::Outcome perform(const cli::Options& o) {
     request.above = cli::settings_of(o);
     cli::ProgressBar bar(!o.quiet, o.progress == "lines");
     request.progress = [&bar](double done_part) { bar.show(done_part); };
-    if (o.command == "analyze allan") return app::analyze_allan(request);
+    if (o.command == "analyze allan") return study::analyze_allan(request);
     if (o.command == "process") return app::process_dataset(request);
-    if (o.command == "gravity" && o.response) return app::gravity_response({request, 1});
-    if (o.command == "gravity" && o.runs.value_or(1) > 1) return app::gravity_campaign({request, static_cast<int>(*o.runs)});
-    if (o.command == "gravity") return app::gravity_command({request, 1});
+    if (o.command == "gravity" && o.response) return study::gravity_response({request, 1});
+    if (o.command == "gravity" && o.runs.value_or(1) > 1) return study::gravity_campaign({request, static_cast<int>(*o.runs)});
+    if (o.command == "gravity") return study::gravity_command({request, 1});
     if (o.command == "ahrs") return app::ahrs_dataset({request, o.filter, o.six_axis, o.offline, o.calibrate});
     if (o.command == "run") return app::run_scenario(request);
-    if (o.command == "montecarlo") return app::run_montecarlo(request, o.runs, o.jobs > 0 ? o.jobs : o.threads);
+    if (o.command == "montecarlo") return study::run_montecarlo(request, o.runs, o.jobs > 0 ? o.jobs : o.threads);
     if (o.command == "demo") return app::run_demonstration(request);
     if (o.command == "simulate") return app::simulate_to_folder(o.input, o.output, o.seed);
     if (o.command == "evaluate") return app::evaluate_files(o.input, o.second, o.settle.value_or(0.0));
     if (o.command == "inspect") return app::inspect_path(o.input);
     if (o.command == "convert") return app::convert_file(o.input, o.output, o.format);
-    app::Outcome help;
+    report::Outcome help;
     help.tables = o.topic == "scenario" ? app::scenario_help(o.prefix) : app::settings_help(o.prefix);
     if (help.tables.empty())
         throw input_error(fmt::format("no key begins with \"{}\"", o.prefix), {}, "leave it out to list all keys");
@@ -207,7 +210,7 @@ int main(int argc, char** argv) {
                                             : parser.get_formatter()->make_help(&parser, "schuler", CLI::AppFormatMode::Normal));
             return flushed(done);
         }
-        const app::Outcome out = perform(options);
+        const report::Outcome out = perform(options);
         show(out, options);
         return flushed(out.usable ? done : computation_failed);
     } catch (const Error& e) {

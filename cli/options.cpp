@@ -1,6 +1,6 @@
 #include "options.h"
 
-#include "schuler/app/config.h"
+#include "schuler/settings/config/config.h"
 
 #include <fmt/format.h>
 
@@ -190,12 +190,12 @@ void add_file_commands(CLI::App& parser, Options& o) {
     completion->add_option("SHELL", o.topic, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
 }
 
-app::Setting text_setting(const std::string& key, const std::string& text, const std::string& option) {
+settings::Setting text_setting(const std::string& key, const std::string& text, const std::string& option) {
     return {key, {text}, {option, 0, 0, {}}};
 }
 
-app::Value time_value(const app::RunTime& t) {
-    return t.absolute ? app::Value{fmt::format("abs:{}", t.seconds)} : app::Value{t.seconds};
+settings::Value time_value(const settings::RunTime& t) {
+    return t.absolute ? settings::Value{fmt::format("abs:{}", t.seconds)} : settings::Value{t.seconds};
 }
 
 }  // namespace
@@ -221,15 +221,15 @@ void add_commands(CLI::App& parser, Options& o) {
     add_ui_command(parser, o, add);
 }
 
-app::SettingList settings_of(const Options& o) {
-    app::SettingList out;
+settings::SettingList settings_of(const Options& o) {
+    settings::SettingList out;
     for (const std::string& text : o.loose_arguments) {
         if (o.set.empty() || text.find('=') == std::string::npos)
             throw input_error(fmt::format("unexpected argument \"{}\"", text), {},
                               fmt::format("see `schuler {} --help`", o.command));
     }
-    for (const std::string& text : o.set) out.push_back(app::setting_from_text(text));
-    for (const std::string& text : o.loose_arguments) out.push_back(app::setting_from_text(text));
+    for (const std::string& text : o.set) out.push_back(settings::setting_from_text(text));
+    for (const std::string& text : o.loose_arguments) out.push_back(settings::setting_from_text(text));
     if (!o.scheme.empty()) out.push_back(text_setting("filter.scheme", o.scheme, "--scheme"));
     if (!o.mechanization.empty()) out.push_back(text_setting("filter.mechanization", o.mechanization, "--mechanization"));
     if (!o.loop.empty()) out.push_back(text_setting("filter.loop", o.loop, "--loop"));
@@ -237,20 +237,20 @@ app::SettingList settings_of(const Options& o) {
     if (o.backward) out.push_back({"filter.backward", {true}, {"--backward", 0, 0, {}}});
     if (!o.self_check.empty()) out.push_back({"filter.self_check", {o.self_check == "on"}, {"--self-check", 0, 0, {}}});
     if (!o.start.empty())
-        out.push_back({"run.start_s", time_value(app::run_time_from_text(o.start, "--start")), {"--start", 0, 0, {}}});
+        out.push_back({"run.start_s", time_value(settings::run_time_from_text(o.start, "--start")), {"--start", 0, 0, {}}});
     if (!o.stop.empty())
-        out.push_back({"run.stop_s", time_value(app::run_time_from_text(o.stop, "--stop")), {"--stop", 0, 0, {}}});
+        out.push_back({"run.stop_s", time_value(settings::run_time_from_text(o.stop, "--stop")), {"--stop", 0, 0, {}}});
     if (o.settle) out.push_back({"run.settle_s", {*o.settle}, {"--settle", 0, 0, {}}});
     if (o.output_rate) out.push_back({"output.rate_hz", {*o.output_rate}, {"--output-rate", 0, 0, {}}});
-    app::ValueList outages;
+    settings::ValueList outages;
     for (const std::string& text : o.outages) {
-        for (const app::OutageSpan& s : app::outages_from_text(text)) {
-            outages.push_back({app::ValueTable{{"start_s", time_value({s.start, s.absolute})}, {"duration_s", {s.duration}}}});
+        for (const settings::OutageSpan& s : settings::outages_from_text(text)) {
+            outages.push_back({settings::ValueTable{{"start_s", time_value({s.start, s.absolute})}, {"duration_s", {s.duration}}}});
         }
     }
     if (!outages.empty()) out.push_back({"outage", {std::move(outages)}, {"--outage", 0, 0, {}}});
     if (!o.outputs.empty()) {
-        app::ValueList files;
+        settings::ValueList files;
         for (const std::string& name : o.outputs) files.push_back({name});
         out.push_back({"output.files", {std::move(files)}, {"--outputs", 0, 0, {}}});
     }
@@ -274,7 +274,7 @@ std::string unknown_command(int argc, char** argv, const CLI::App& parser) {
     if (argc < 2 || argv[1][0] == '-' || !command_in(argc, argv, parser).empty()) return {};
     std::vector<std::string> known;
     for (const CLI::App* command : parser.get_subcommands([](const CLI::App*) { return true; })) known.push_back(command->get_name());
-    const std::string near = app::nearest_key(argv[1], known);
+    const std::string near = settings::nearest_key(argv[1], known);
     return fmt::format("\"{}\" is not a command{}", argv[1], near.empty() ? std::string{} : fmt::format("; did you mean {}?", near));
 }
 

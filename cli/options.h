@@ -1,12 +1,12 @@
 // What the command line says, and how it becomes settings of the application.
 #pragma once
 
-#include "schuler/app/analyze.h"
-#include "schuler/app/analyze_observability.h"
-#include "schuler/app/if_recording.h"
-#include "schuler/app/protection.h"
-#include "schuler/app/studies.h"
-#include "schuler/app/value.h"
+#include "schuler/app/receiver/if_recording.h"
+#include "schuler/settings/value.h"
+#include "schuler/study/studies.h"
+#include "schuler/study/theory/analyze.h"
+#include "schuler/study/theory/observability.h"
+#include "schuler/study/triad/protection.h"
 
 #include <CLI/CLI.hpp>
 
@@ -36,13 +36,13 @@ struct Options {
     std::optional<int> port;
     int max_upload_mb = 2048;
     bool smooth = false, backward = false, json = false, quiet = false;
-    app::EquatorRequest equator;
-    app::SchulerRequest schuler;
-    app::RequirementsRequest requirements;
-    app::StudyRequest study;
-    app::ObservabilityRequest observability;
-    app::TriadRequest triad;
-    app::ProtectionRequest protection;
+    study::EquatorRequest equator;
+    study::SchulerRequest schuler;
+    study::RequirementsRequest requirements;
+    study::StudyRequest study;
+    study::ObservabilityRequest observability;
+    study::TriadRequest triad;
+    study::ProtectionRequest protection;
     app::GenerateRequest generate;
     app::TrackRequest track;
     std::vector<double> misalignment;   ///< three numbers or none
@@ -83,7 +83,7 @@ void add_gravity_command(CLI::App& parser, Options& options, const AddCommand& a
 
 /// The options of process, run and demo as settings of the option table, each with its place on the command line.
 /// @throws Error(Input)
-[[nodiscard]] app::SettingList settings_of(const Options& options);
+[[nodiscard]] settings::SettingList settings_of(const Options& options);
 
 /// " process" if argv names a command: for the hint of an error message.
 [[nodiscard]] std::string command_in(int argc, char** argv, const CLI::App& parser);

@@ -26,7 +26,7 @@ void add_equator(CLI::App& analyze, Options& o, const AddCommand& add_command) {
         "  schuler analyze equator --speed 200 --vn 100 --latitude-deg 45 --dvn 0.1 --compare --ellipsoid\n"
         "  schuler analyze equator --speed 8000                     beyond the limiting speed\n"
         "Errors are estimate minus truth. Exit status 0 also where the flight is unstable: the verdict says it.");
-    app::EquatorRequest& r = o.equator;
+    study::EquatorRequest& r = o.equator;
     app->add_option("--speed", r.speed, "east velocity over the Earth, default 0")->type_name("M_S");
     app->add_option("--height", r.height, "default 0")->type_name("M");
     app->add_option("--time", r.time, "when the errors are asked for, default 3600")->type_name("S");
@@ -57,7 +57,7 @@ void add_schuler(CLI::App& analyze, Options& o, const AddCommand& add_command) {
         "  schuler analyze schuler --paper                          the cases of paper A, section 4.1, with the right numbers\n"
         "  schuler analyze schuler --ve 250 --height 10000 --vertical third --accel-up-ug 50\n"
         "Errors are estimate minus truth; errors of instruments are measured minus true, in east-north-up.");
-    app::SchulerRequest& r = o.schuler;
+    study::SchulerRequest& r = o.schuler;
     app->add_option("--latitude-deg", r.latitude_deg, "default 50.45")->type_name("DEG");
     app->add_option("--height", r.height, "default 0")->type_name("M");
     add_vector(*app, r.v_enu, {"--ve", "--vn", "--vh"}, "velocity over the Earth, ", "M_S");
@@ -114,7 +114,7 @@ void add_observability(CLI::App& analyze, Options& o, const AddCommand& add_comm
         "  schuler analyze observability --vn 1 --ve 1 --json        exact rank, pivots, combinations\n"
         "  schuler analyze observability --vn 1 --ve 1 --tolerance 1e-7\n"
         "Ranks are decided with fifty digits along the motion, a great circle. A pivot is a share of what gravity does in 13 minutes.");
-    app::ObservabilityRequest& r = o.observability;
+    study::ObservabilityRequest& r = o.observability;
     app->add_option("--latitude-deg", r.latitude_deg, "default 55.8114694")->type_name("DEG");
     app->add_option("--longitude-deg", r.longitude_deg, "default 37.4998612")->type_name("DEG");
     app->add_option("--height", r.height, "default 164.15")->type_name("M");
@@ -139,7 +139,7 @@ void add_triad(CLI::App& analyze, Options& o, const AddCommand& add_command) {
                                 "  schuler analyze triad                                    the cases of the reference simulation, 48 runs each\n"
                                 "  schuler analyze triad --cases ce -n 480 -o out/triad     ten seeds on each geometry, with plots\n"
                                 "  schuler analyze triad --grade tactical --oscillator tcxo --baro 0");
-    app::TriadRequest& r = o.triad;
+    study::TriadRequest& r = o.triad;
     app->add_option("--cases", r.cases, "letters: a 4, b 3, c 2 satellites, d 4 stations, e 2 and 2, s those from 300 s on, f all, g f and 4 stations")
         ->type_name("LETTERS");
     app->add_option("--grade", r.grade, "of the inertial unit: navigation or tactical")->type_name("GRADE");
@@ -171,7 +171,7 @@ void add_protection(CLI::App& analyze, Options& o, const AddCommand& add_command
     CLI::App* app = add_command(analyze, "protection", "wrong pseudoranges in the tight filter: missed detections, false alarms, protection levels",
                                 "  schuler analyze protection -n 10000                       single faults on the flights of paper D\n"
                                 "  schuler analyze protection -n 2000 --double --json");
-    app::ProtectionRequest& r = o.protection;
+    study::ProtectionRequest& r = o.protection;
     app->add_option("-n,--runs", r.runs, "faults, each a flight of its own, default 1000")->check(CLI::Range(1, 1'000'000));
     app->add_flag("--double", r.double_fault, "two satellites wrong at once");
     app->add_option("--missed-detection", r.settings.missed_detection, "stated risk of an epoch, default 0.001")->check(CLI::Range(1e-9, 0.1));

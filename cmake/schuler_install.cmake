@@ -5,7 +5,7 @@ set(config_dir "${CMAKE_INSTALL_LIBDIR}/cmake/schuler")
 
 install(TARGETS schuler EXPORT schulerTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/src/schuler" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
-        FILES_MATCHING PATTERN "*.h")
+        FILES_MATCHING PATTERN "*.h" PATTERN "inner" EXCLUDE)
 install(EXPORT schulerTargets NAMESPACE schuler:: DESTINATION "${config_dir}" COMPONENT development)
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/schulerConfig.cmake.in" "${PROJECT_BINARY_DIR}/schulerConfig.cmake"
                               INSTALL_DESTINATION "${config_dir}")

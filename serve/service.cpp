@@ -1,7 +1,7 @@
 #include "serve/service.h"
 
-#include "schuler/app/data_folder.h"
 #include "schuler/core/error.h"
+#include "schuler/dataset/data_folder.h"
 #include "serve/assets.h"
 #include "serve/forms.h"
 #include "serve/names.h"
@@ -114,7 +114,7 @@ std::unique_ptr<Upload> Service::upload(const std::string& path, std::uintmax_t 
 Confinement Service::confinement(const fs::path& readable, const fs::path& writable) const {
     Confinement c;
     const fs::path home = settings_.program.parent_path();
-    c.readable = {settings_.program, home / "../share/schuler", app::magnetic_model_folder()};
+    c.readable = {settings_.program, home / "../share/schuler", dataset::magnetic_model_folder()};
     if (!readable.empty()) c.readable.push_back(readable);
     if (!writable.empty()) c.writable.push_back(writable);
     return c;

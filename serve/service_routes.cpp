@@ -1,8 +1,8 @@
 // The routes about data sets, runs and their results.
 #include "serve/service.h"
 
-#include "schuler/app/bundle.h"
 #include "schuler/core/error.h"
+#include "schuler/report/outputs.h"
 #include "serve/forms.h"
 #include "serve/names.h"
 
@@ -172,7 +172,7 @@ Reply Service::start_run(const Json& order) {
     if (words_of(order, form, {}).empty())
         throw Refusal{422, fmt::format("\"{}\" is nothing to be done with a {}", command, kind),
                       "run and gravity, and of a scenario montecarlo, are", "command"};
-    app::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
+    settings::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
                                                        : settings_from_json(order.value("settings", Json::object()), form);
     check_file_settings(settings);
     if (const Json problem = understood(settings, form)["problem"]; !problem.is_null())
@@ -184,7 +184,7 @@ Reply Service::start_run(const Json& order) {
         check_dataset(input);
     }
     std::string name = form == Form::Dataset ? dataset : "scenario";
-    for (const app::Setting& s : settings)
+    for (const settings::Setting& s : settings)
         if (s.key == "name" && s.value.text() != nullptr && !s.value.text()->empty()) name = *s.value.text();
     const std::string id = workspace_.new_run(
         title_of(order, name),
@@ -194,7 +194,7 @@ Reply Service::start_run(const Json& order) {
          {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
     const fs::path folder = workspace_.run_folder(id);
     const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
-    app::write_text(file, toml_of(settings, form));
+    report::write_text(file, toml_of(settings, form));
     JobOrder job;
     job.id = id;
     job.program = settings_.program;
