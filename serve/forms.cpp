@@ -26,43 +26,6 @@ const std::vector<settings::OptionSpec>& specs_of(Form form) {
     return form == Form::Scenario ? settings::scenario_table().specs() : settings::config_table().specs();
 }
 
-/// The unit that ends a key, as people write it. Longer endings first.
-std::string unit_of(std::string_view key) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 28> endings{{{"_deg_sqrt_h", "°/√h"},
-                                                                                            {"_deg_s_sqrt_hz", "°/s/√Hz"},
-                                                                                            {"_m_s_sqrt_h", "m/s/√h"},
-                                                                                            {"_m_s2_sqrt_hz", "m/s²/√Hz"},
-                                                                                            {"_ug_sqrt_hz", "µg/√Hz"},
-                                                                                            {"_rad_s", "rad/s"},
-                                                                                            {"_deg_h", "°/h"},
-                                                                                            {"_deg_s", "°/s"},
-                                                                                            {"_m_s2", "m/s²"},
-                                                                                            {"_m_s", "m/s"},
-                                                                                            {"_time_s", "s"},
-                                                                                            {"_arcsec", "″"},
-                                                                                            {"_ppm", "ppm"},
-                                                                                            {"_deg", "°"},
-                                                                                            {"_rad", "rad"},
-                                                                                            {"_hz", "Hz"},
-                                                                                            {"_mg", "mg"},
-                                                                                            {"_ug", "µg"},
-                                                                                            {"_pa", "Pa"},
-                                                                                            {"_ut", "µT"},
-                                                                                            {"_mgal", "mGal"},
-                                                                                            {"_sqrt_s", "√s"},
-                                                                                            {"_cm", "cm"},
-                                                                                            {"_km", "km"},
-                                                                                            {"_m", "m"},
-                                                                                            {"_s", "s"},
-                                                                                            {"_g", "g"},
-                                                                                            {"_c", "°C"}}};
-    if (key.ends_with("bias_walk_m")) return "m/√s";
-    if (key.ends_with("per_accel") || key.ends_with("per_lateral_accel")) return "rad/(m/s²)";
-    for (const auto& [ending, unit] : endings)
-        if (key.ends_with(ending)) return std::string(unit);
-    return {};
-}
-
 const char* name_of(Shape shape) {
     switch (shape) {
         case Shape::Number: return "number";
@@ -167,10 +130,9 @@ std::vector<std::string> offered(const settings::OptionSpec& spec) {
 
 }  // namespace
 
-Json form_schema(Form form) {
-    const settings::SettingList defaults = defaults_of(form);
+Json schema_of(const std::vector<settings::OptionSpec>& specs, const settings::SettingList& defaults) {
     Json out = Json::array();
-    for (const settings::OptionSpec& s : specs_of(form)) {
+    for (const settings::OptionSpec& s : specs) {
         const auto given = std::ranges::find(defaults, s.key, &settings::Setting::key);
         out.push_back({{"key", s.key},
                        {"shape", name_of(s.shape)},
@@ -180,15 +142,17 @@ Json form_schema(Form form) {
                        {"choices", offered(s)},
                        {"accepts", settings::accepted_form(s)},
                        {"help", s.help},
-                       {"unit", unit_of(s.key)},
+                       {"unit", s.unit},
+                       {"applies", s.applies},
                        {"default", given == defaults.end() ? Json(nullptr) : json_of(given->value)}});
     }
     return out;
 }
 
-settings::SettingList settings_from_json(const Json& object, Form form) {
+Json form_schema(Form form) { return schema_of(specs_of(form), defaults_of(form)); }
+
+settings::SettingList settings_from_json(const Json& object, const std::vector<settings::OptionSpec>& specs) {
     if (!object.is_object()) throw Refusal{422, "the settings are not an object", "send {\"settings\": {\"key\": value}}"};
-    const auto& specs = specs_of(form);
     settings::SettingList out;
     for (const auto& [key, value] : object.items()) {
         const auto spec = std::ranges::find(specs, key, &settings::OptionSpec::key);
@@ -200,7 +164,11 @@ settings::SettingList settings_from_json(const Json& object, Form form) {
         }
         out.push_back({key, value_of(value, key), {"", 0, 0, key}});
     }
-    return in_table_order(std::move(out), form);
+    return out;
+}
+
+settings::SettingList settings_from_json(const Json& object, Form form) {
+    return in_table_order(settings_from_json(object, specs_of(form)), form);
 }
 
 settings::SettingList settings_from_toml(const std::string& text, Form form) {

@@ -51,6 +51,7 @@ Service::Service(ServiceSettings settings)
     add_settings_routes();
     add_dataset_routes();
     add_run_routes();
+    add_study_routes();
     add_result_routes();
     add_noise_routes();
     for (const Json& run : workspace_.runs()) {
@@ -123,7 +124,11 @@ Confinement Service::confinement(const fs::path& readable, const fs::path& writa
 void Service::finished(const JobReport& report) {
     try {
         if (report.state != JobState::Done) workspace_.clear_results(report.id);
-        std::ofstream(workspace_.run_folder(report.id) / "log.txt", std::ios::binary) << report.log;
+        const fs::path folder = workspace_.run_folder(report.id), summary = folder / "summary.json";
+        std::ofstream(folder / "log.txt", std::ios::binary) << report.log;
+        std::error_code ec;
+        if (report.state == JobState::Done && !report.output.empty() && !fs::exists(summary, ec))
+            std::ofstream(summary, std::ios::binary) << report.output;   // a study prints it
         workspace_.note(report.id,
                         {{"state", name_of(report.state)}, {"message", report.message}, {"exit_status", report.exit_status}});
     } catch (const std::exception&) {  // the folder is gone: nothing to note

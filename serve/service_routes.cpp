@@ -296,7 +296,7 @@ void Service::add_run_routes() {
                            if (!jobs_.cancel(r.parts[0])) throw Refusal{409, "the run is not at work"};
                            return json(Json::object());
                        }});
-    routes_.push_back({"GET", "/api/runs/{run}/log", "what the program said", {}, "", "text", [this](const Request& r) {
+    routes_.push_back({"GET", "/api/runs/{run}/log", "messages of the program", {}, "", "text", [this](const Request& r) {
                            const fs::path folder = workspace_.run_folder(r.parts[0]);
                            if (const auto job = jobs_.report(r.parts[0])) return text(job->log);
                            return text(text_of(folder / "log.txt"));
@@ -359,13 +359,13 @@ void Service::add_result_routes() {
                        "which columns the run has",
                        {},
                        "",
-                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: what its numbers stand for, where that is a list}]}]",
+                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: the meaning of its numbers, where it is a list}]}]",
                        [this](const Request& r) { return json(results_.channels(workspace_.run_folder(r.parts[0]))); }});
     std::vector<Parameter> query{
         {"columns", "string", "ids of /channels with commas, all of one group"},
         {"origin", "string", "run whose first position is the origin of local columns; default: this one"}};
     query.insert(query.end(), range.begin(), range.end());
-    routes_.push_back({"GET", "/api/runs/{run}/series", "columns in a range of time, thinned to the extremes", query, "",
+    routes_.push_back({"GET", "/api/runs/{run}/series", "columns in a range of time, decimated with the extremes kept", query, "",
                        "{rows, thinned, time_s: [], columns: {id: []}, units: {id: unit}}", [this](const Request& r) {
                            const fs::path folder = workspace_.run_folder(r.parts[0]);
                            const fs::path origin = r.asked("origin").empty() ? folder : workspace_.run_folder(r.asked("origin"));

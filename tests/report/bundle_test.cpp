@@ -162,10 +162,10 @@ TEST(Thinned, OneRowAPeriodOnTheGridOfTheAxis) {
     std::vector<SolutionRow> rows;
     for (int i = 1; i <= 1000; ++i)
         rows.push_back({Time{i * std::int64_t{5'000'000} - (i % 3) * 50'000}, {}, {}, {}, {}, {}, {}});
-    const std::vector<SolutionRow> out = thinned(rows, 10.0);
+    const std::vector<SolutionRow> out = decimated(rows, 10.0);
     ASSERT_EQ(out.size(), 51u);
     for (std::size_t i = 1; i < out.size(); ++i) EXPECT_NEAR(out[i].time.seconds(), 0.1 * static_cast<double>(i), 1.01e-4);
-    EXPECT_EQ(thinned(rows, 0.0).size(), rows.size());
+    EXPECT_EQ(decimated(rows, 0.0).size(), rows.size());
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // One resolution for what is given and what is not, and what is written of it.
 #include "schuler/core/units.h"
 #include "schuler/dataset/recognise.h"
-#include "schuler/report/facts.h"
+#include "schuler/settings/units_of_keys.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
 #include "schuler/settings/facts.h"
@@ -24,14 +24,14 @@ TEST(Facts, ValuesGoBothWays) {
     for (const FactValue& value : {FactValue(0.12), FactValue(std::string("frd")), FactValue(std::vector<double>{1.0, 2.0, 3.0}),
                                    FactValue(std::map<std::string, double>{{"accel_m_s2", 9.8}}),
                                    FactValue(std::map<std::string, std::string>{{"3", "autonomous"}}), FactValue(true)})
-        EXPECT_EQ(settings::fact_value_of(value_of(value)), value) << to_text(value);
+        EXPECT_EQ(settings::fact_value_of(settings::value_of(value)), value) << to_text(value);
 }
 
 TEST(Facts, GivenTablesAreCompletedNotReplaced) {
-    const settings::SettingList found{{"imu.scale", value_of(std::map<std::string, double>{{"accel_m_s2", 9.8}, {"gyro_rad_s", 2.0}}), {}},
-                            {"imu.axes", value_of(std::string("flu")), {}}};
-    const settings::SettingList given{{"imu.scale", value_of(std::map<std::string, double>{{"gyro_rad_s", 3.0}}), {}},
-                            {"imu.axes", value_of(std::string("frd")), {}}};
+    const settings::SettingList found{{"imu.scale", settings::value_of(std::map<std::string, double>{{"accel_m_s2", 9.8}, {"gyro_rad_s", 2.0}}), {}},
+                            {"imu.axes", settings::value_of(std::string("flu")), {}}};
+    const settings::SettingList given{{"imu.scale", settings::value_of(std::map<std::string, double>{{"gyro_rad_s", 3.0}}), {}},
+                            {"imu.axes", settings::value_of(std::string("frd")), {}}};
     const settings::Config c = settings::config_from(settings::completed(found, given));
     EXPECT_EQ(c.imu.scale.at("accel_m_s2"), 9.8);
     EXPECT_EQ(c.imu.scale.at("gyro_rad_s"), 3.0);
@@ -39,10 +39,10 @@ TEST(Facts, GivenTablesAreCompletedNotReplaced) {
 }
 
 TEST(Facts, UnitsAreThoseOfTheKeys) {
-    EXPECT_EQ(report::unit_of_key("imu.gyro_noise_deg_sqrt_h"), "deg/sqrt(h)");
-    EXPECT_EQ(report::unit_of_key("gnss.latency_s"), "s");
-    EXPECT_EQ(report::unit_of_key("gnss.default_std_velocity_m_s"), "m/s");
-    EXPECT_EQ(report::unit_of_key("imu.axes"), "");
+    EXPECT_EQ(settings::unit_of_key("imu.gyro_noise_deg_sqrt_h").plain, "deg/sqrt(h)");
+    EXPECT_EQ(settings::unit_of_key("gnss.latency_s").plain, "s");
+    EXPECT_EQ(settings::unit_of_key("gnss.default_std_velocity_m_s").plain, "m/s");
+    EXPECT_EQ(settings::unit_of_key("imu.axes").plain, "");
 }
 
 TEST(Facts, WhatWasInForceLeavesNothingToFind) {

@@ -1,3 +1,7 @@
+#include "schuler/app/commands.h"
+
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
 #include "schuler/dataset/raw_observations.h"
 #include "schuler/dataset/trajectory_file.h"
 #include "schuler/fusion/run_filter.h"
@@ -38,7 +42,7 @@ report::Outcome evaluate_files(const fs::path& solution, const fs::path& referen
     WarningLog warnings;
     const std::vector<SolutionRow> rows = dataset::read_trajectory(solution, warnings);
     const std::vector<ReferenceSample> truth = samples_of(dataset::read_trajectory(reference, warnings));
-    const solution::Evaluation e = compare(earth::Earth{}, rows, truth, settle);
+    const solution::Evaluation e = solution::compare(earth::Earth{}, rows, truth, settle);
     report::Outcome out;
     out.tables = report::evaluation_tables(e);
     out.json = report::evaluation_json(e, solution.string(), reference.string());

@@ -39,4 +39,7 @@ namespace schuler::app {
 [[nodiscard]] std::string settings_help(std::string_view prefix);
 [[nodiscard]] std::string scenario_help(std::string_view prefix);
 
+/// docs/options.md: every option of commands, data sets and scenarios with unit, range, default and meaning.
+[[nodiscard]] std::string option_reference();
+
 }  // namespace schuler::app

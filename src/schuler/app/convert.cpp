@@ -1,4 +1,6 @@
 #include "schuler/app/convert_raw.h"
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
 #include "schuler/core/units.h"
 #include "schuler/dataset/trajectory_file.h"
 #include "schuler/io/atomic_file.h"
@@ -6,6 +8,8 @@
 #include "schuler/io/kml.h"
 #include "schuler/io/solution_csv.h"
 #include "schuler/report/outcome.h"
+
+#include <fmt/format.h>
 
 namespace schuler::app {
 namespace {

@@ -1,5 +1,7 @@
 #include "schuler/app/convert_raw.h"
 
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/raw_input.h"
 #include "schuler/io/rinex_write.h"

@@ -68,7 +68,7 @@ bool check_itself(solution::ResultBundle& bundle, const fusion::RowSink& rows, W
     const bool widened = wider && repeated(bundle, *wider, rows);
     if (widened)
         warnings.add("self_check.widened",
-                     fmt::format("with fixes withheld the errors are larger than the sigmas say: the noise of the gyros is taken {:.3g} times and that "
+                     fmt::format("with fixes withheld the errors are larger than the sigmas: the noise of the gyros is taken {:.3g} times and that "
                                  "of the accelerometers {:.3g} times as large (windows that had no part in it: {:.1f} % of the epochs inside three "
                                  "sigma, {:.1f} % before)",
                                  check.tried->gyro, check.tried->accel, 100.0 * check.coverage.epochs.share(), 100.0 * check.before->epochs.share()));
@@ -147,7 +147,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     bundle.ignored = solution::ignored_of(bundle, asked);
     solution::warn_of_ignored(bundle.ignored, warnings);
     for (fusion::Trajectory* t : {&bundle.result.forward, &bundle.result.smoothed})
-        for (std::vector<SolutionRow>* rows : {&t->rows, &t->point}) *rows = report::thinned(std::move(*rows), bundle.data.config.filter.output_rate);
+        for (std::vector<SolutionRow>* rows : {&t->rows, &t->point}) *rows = report::decimated(std::move(*rows), bundle.data.config.filter.output_rate);
     solution::warn_of_events_outside(bundle, warnings);
     if (!bundle.evaluation.errors.empty() && bundle.evaluation.summary.epochs == 0) {
         warnings.add(
@@ -157,7 +157,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     }
     const fusion::Counters& n = bundle.result.counters;
     if (n.gnss_rejected > n.gnss_accepted || !bundle.result.findings.heading_found)
-        dataset::blame_the_imu_log(folder, bundle.data.config);   // navigation and fixes contradict each other
+        dataset::diagnose_imu_log(folder, bundle.data.config);   // navigation and fixes contradict each other
     if (n.gnss_rejected > n.gnss_accepted) {
         warnings.add("gnss.rejected",
                      fmt::format("{} of {} fixes disagree with the inertial navigation and were rejected: the units, axes or times of "

@@ -12,7 +12,7 @@ namespace schuler::dataset {
 /// Folder with the magnetic model: $SCHULER_DATA_DIR, else beside the program as installed or built. Empty where there is none.
 [[nodiscard]] std::filesystem::path magnetic_model_folder();
 
-/// Decimal year of a stamp on the data set's own axis; NaN where neither it nor the settings tell the date.
+/// Decimal year of a stamp on the data set's own axis; NaN where neither it nor the settings give the date.
 [[nodiscard]] double decimal_year_of(const TimeConfig& time, Time stamp);
 
 }  // namespace schuler::dataset

@@ -35,7 +35,7 @@ std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const 
 
 }  // namespace
 
-void tell_of_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings) {
+void warn_of_missing_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings) {
     if (raw.solver.ranges.ionosphere != gnss::IonosphereModel::Broadcast || ionosphere.klobuchar || ionosphere.beidou) return;
     warnings.add("gnss.klobuchar", "no satellite's message has coefficients of the ionosphere: a mean one is taken off, and as much is in the "
                                    "sigmas (gnss.ionosphere = \"dual\" needs none)");
@@ -73,7 +73,7 @@ std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig&
                           "name the navigation files of the same day");
     const auto source = satellites(folder, raw, navigation, warnings);
     const gnss::BroadcastIonosphere ionosphere = gnss::broadcast_ionosphere(navigation);
-    tell_of_ionosphere(ionosphere, raw, warnings);
+    warn_of_missing_ionosphere(ionosphere, raw, warnings);
     if (!raw.precise.empty() && raw.solver.ranges.ionosphere != gnss::IonosphereModel::Dual)
         warnings.add("gnss.precise", "precise clocks hold for two frequencies: with one, group delays of up to some metres remain "
                                      "(gnss.ionosphere = \"dual\" avoids them)");

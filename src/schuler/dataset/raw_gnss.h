@@ -17,8 +17,8 @@ namespace schuler::dataset {
 [[nodiscard]] std::vector<GnssFix> fixes_from_raw(const std::filesystem::path& folder, const RawGnssConfig& raw,
                                                   WarningLog& warnings);
 
-/// Warns where broadcast coefficients are wanted and there are none.
-void tell_of_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings);
+/// Warns where broadcast coefficients are needed and there are none.
+void warn_of_missing_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings);
 
 /// A solved epoch as a fix.
 [[nodiscard]] GnssFix fix_from(const gnss::SinglePointSolution& solution);

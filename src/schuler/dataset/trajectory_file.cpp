@@ -68,7 +68,7 @@ std::vector<SolutionRow> read_trajectory(const fs::path& file, WarningLog& warni
                               "name the file of the trajectory");
     }
     std::vector<SolutionRow> rows = read_rows(path, warnings);
-    if (rows.empty()) throw input_error("has no usable row", {path.string(), 0, 0, {}}, "`schuler inspect` says what is in it");
+    if (rows.empty()) throw input_error("has no usable row", {path.string(), 0, 0, {}}, "`schuler inspect` shows what is in it");
     return rows;
 }
 

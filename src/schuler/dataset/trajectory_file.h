@@ -15,7 +15,7 @@ namespace schuler::dataset {
 /// longitude, height, velocity NED, roll, pitch, heading in degrees). @throws Error(Input).
 [[nodiscard]] std::vector<ReferenceSample> read_reference(const std::filesystem::path& file, io::CsvOptions options, WarningLog& warnings);
 
-/// A table of so many numbers in each row, without names, that the options do not explain column by column.
+/// A table with that many numbers in each row, without names, that the options do not explain column by column.
 [[nodiscard]] bool is_bare_table(const io::TextInput& input, const io::CsvOptions& options, int columns);
 
 /// solution.csv, a reference, a folder with solution.csv, an RTKLIB .pos file, an NMEA log, or ten columns without names (time,

@@ -1,11 +1,11 @@
 #include "schuler/report/facts.h"
 
 #include "schuler/report/inner/json.h"
+#include "schuler/settings/units_of_keys.h"
 #include "schuler/solution/provenance.h"
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -30,7 +30,7 @@ Json facts_json(const std::vector<Fact>& facts) {
     for (const Fact& f : facts) {
         list.push_back({{"key", f.key},
                         {"value", std::visit(ToJson{}, f.value)},
-                        {"unit", text_or_null(unit_of_key(f.key))},
+                        {"unit", text_or_null(std::string(settings::unit_of_key(f.key).plain))},
                         {"how", std::string(name_of(f.how))},
                         {"sigma", json_number(f.sigma)},
                         {"from_s", json_number(f.from)},
@@ -40,40 +40,20 @@ Json facts_json(const std::vector<Fact>& facts) {
     return list;
 }
 
-std::string unit_of_key(const std::string& key) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 14> units{{{"_deg_sqrt_h", "deg/sqrt(h)"},
-                                                                                          {"_m_s_sqrt_h", "m/s/sqrt(h)"},
-                                                                                          {"_deg_sqrt_s", "deg/sqrt(s)"},
-                                                                                          {"_deg_h", "deg/h"},
-                                                                                          {"_deg_s", "deg/s"},
-                                                                                          {"_m_s2", "m/s2"},
-                                                                                          {"_m_s", "m/s"},
-                                                                                          {"_ppm", "ppm"},
-                                                                                          {"_deg", "deg"},
-                                                                                          {"_mg", "mg"},
-                                                                                          {"_pa", "Pa"},
-                                                                                          {"_hz", "Hz"},
-                                                                                          {"_m", "m"},
-                                                                                          {"_s", "s"}}};
-    for (const auto& [end, unit] : units)
-        if (key.ends_with(end)) return std::string(unit);
-    return {};
-}
-
 std::string fact_text(const Fact& fact) {
     const auto short_number = [](double x) { return fmt::format("{:.4g}", x == 0.0 ? 0.0 : x); };
     std::string text;
     if (const double* x = std::get_if<double>(&fact.value)) {
-        text = study::short_number(*x);
+        text = short_number(*x);
     } else if (const auto* list = std::get_if<std::vector<double>>(&fact.value)) {
-        for (const double item : *list) text += (text.empty() ? "" : ", ") + study::short_number(item);
+        for (const double item : *list) text += (text.empty() ? "" : ", ") + short_number(item);
         text = "[" + text + "]";
     } else {
         text = to_text(fact.value);
     }
     if (std::isfinite(fact.sigma)) text += fmt::format(" +- {:.2g}", fact.sigma);
-    const std::string unit = unit_of_key(fact.key);
-    return unit.empty() ? text : text + " " + unit;
+    const std::string_view unit = settings::unit_of_key(fact.key).plain;
+    return unit.empty() ? text : fmt::format("{} {}", text, unit);
 }
 
 std::string facts_table(const std::vector<Fact>& facts, bool notes) {

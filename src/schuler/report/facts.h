@@ -8,9 +8,6 @@
 
 namespace schuler::report {
 
-/// "deg/s" of a key that ends so; empty where it names no unit.
-[[nodiscard]] std::string unit_of_key(const std::string& key);
-
 /// "0.12 +- 0.02 s", "\"frd\"": the value of a fact for people.
 [[nodiscard]] std::string fact_text(const Fact& fact);
 

@@ -13,7 +13,7 @@
 
 namespace schuler::report {
 
-std::vector<SolutionRow> thinned(std::vector<SolutionRow> rows, double rate) {
+std::vector<SolutionRow> decimated(std::vector<SolutionRow> rows, double rate) {
     if (!(rate > 0.0)) return rows;
     const Duration period = Duration::from_seconds(1.0 / rate);
     std::int64_t last = INT64_MIN;

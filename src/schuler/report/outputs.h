@@ -29,7 +29,7 @@ void write_text(const std::filesystem::path& file, const std::string& text);
 void make_folder(const std::filesystem::path& folder);
 
 /// The first row in each period of the time axis, at `rate` Hz; 0 = all rows.
-[[nodiscard]] std::vector<SolutionRow> thinned(std::vector<SolutionRow> rows, double rate);
+[[nodiscard]] std::vector<SolutionRow> decimated(std::vector<SolutionRow> rows, double rate);
 
 /// Writes the outputs that the settings choose into a folder, each under its name only when complete, summary.json last.
 /// solution.csv only where it is not there already, `streamed` while the filter ran.

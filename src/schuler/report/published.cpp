@@ -1,3 +1,5 @@
+#include "schuler/report/published.h"
+
 #include "schuler/core/units.h"
 #include "schuler/settings/scenario/published.h"
 

@@ -197,7 +197,7 @@ report::ReportInput report_page(const solution::ResultBundle& b) {
     data.zero = b.data.origin;
     data.settled_after_s = b.relative(b.evaluation.settled);
     data.smoothed = b.smoothed();
-    data.solution = c.filter.output_rate > 0.0 ? rows : thinned(rows, 10.0);
+    data.solution = c.filter.output_rate > 0.0 ? rows : decimated(rows, 10.0);
     data.gnss = b.data.recording.gnss;
     data.reference = b.data.recording.reference;
     data.reference_name = b.evaluation.reference == "truth"  ? "truth"

@@ -23,7 +23,7 @@ struct SkyRow {
 
 inline constexpr std::size_t most_sky_epochs = 300;
 
-/// The epochs of ranges at the solution's positions, evenly thinned to most_sky_epochs. Empty where there is no log of ranges.
+/// The epochs of ranges at the solution's positions, evenly decimated to most_sky_epochs. Empty where there is no log of ranges.
 [[nodiscard]] std::vector<SkyRow> sky_rows(const solution::ResultBundle& bundle);
 
 }  // namespace schuler::report

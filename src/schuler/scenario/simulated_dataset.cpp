@@ -77,20 +77,20 @@ void round_to_files(AidLog& log) {
     for (HeadingSample& s : log.headings) s.heading = rounded_angle(s.heading);
 }
 
-/// What the filter is told of those instruments: what is simulated.
-void describe(const sim::AidErrors& simulated, const AidLog& log, settings::AidsConfig& told) {
-    if (!log.gauges.empty()) told.gauges.file = "gauges.csv";
-    if (!log.velocities.empty()) told.log.file = "log.csv";
-    if (!log.headings.empty()) told.compass.file = "compass.csv";
-    told.gauges.white = std::max(simulated.gauges.white, 1e-3);
-    told.gauges.bias = simulated.gauges.bias;
-    told.gauges.lever_arms_b = simulated.gauges.lever_arms_b;
-    told.log.white = std::max(simulated.log.white, 1e-4);
-    told.log.scale = simulated.log.scale;
-    told.log.misalignment = simulated.log.misalignment;
-    told.log.lever_arm_b = simulated.log.lever_arm_b;
-    told.compass.white = std::max(simulated.compass.white, 1e-5);
-    told.compass.bias = simulated.compass.bias;
+/// What the filter assumes of those instruments: what is simulated.
+void describe(const sim::AidErrors& simulated, const AidLog& log, settings::AidsConfig& assumed) {
+    if (!log.gauges.empty()) assumed.gauges.file = "gauges.csv";
+    if (!log.velocities.empty()) assumed.log.file = "log.csv";
+    if (!log.headings.empty()) assumed.compass.file = "compass.csv";
+    assumed.gauges.white = std::max(simulated.gauges.white, 1e-3);
+    assumed.gauges.bias = simulated.gauges.bias;
+    assumed.gauges.lever_arms_b = simulated.gauges.lever_arms_b;
+    assumed.log.white = std::max(simulated.log.white, 1e-4);
+    assumed.log.scale = simulated.log.scale;
+    assumed.log.misalignment = simulated.log.misalignment;
+    assumed.log.lever_arm_b = simulated.log.lever_arm_b;
+    assumed.compass.white = std::max(simulated.compass.white, 1e-5);
+    assumed.compass.bias = simulated.compass.bias;
 }
 
 /// A table as text, written column by column.
@@ -203,7 +203,7 @@ std::string reference_csv(const std::vector<ReferenceSample>& samples) {
     return out.text();
 }
 
-/// What the filter is told: the simulated instruments unless the scenario says otherwise.
+/// What the filter assumes: the simulated instruments unless the scenario says otherwise.
 settings::Config described(const settings::ScenarioConfig& s, const Recording& recording) {
     settings::Config c = s.processing;
     const sim::GnssSettings& g = s.sim.gnss;
@@ -229,7 +229,7 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
     c.filter.imu.kind = s.sim.imu.kind;
     const sensor::ImuErrorModel& imu = s.sim.imu.errors;
     c.filter.imu.errors = imu;
-    // No states of the filter, so told as biases: the drift of warming up as in-run, the pull of gravity as turn-on.
+    // No states of the filter, so stated as biases: the drift of warming up as in-run, the pull of gravity as turn-on.
     c.filter.imu.errors.gyro_bias = std::hypot(imu.gyro_bias, imu.gyro_temperature * s.sim.imu.warm_up);
     c.filter.imu.errors.accel_bias = std::hypot(imu.accel_bias, imu.accel_temperature * s.sim.imu.warm_up);
     c.filter.imu.errors.gyro_turn_on_bias = std::hypot(imu.gyro_turn_on_bias, imu.gyro_g * units::g0);
@@ -299,8 +299,8 @@ bool is_relevant(const std::string& key, const settings::Config& c, bool gravime
 
 }  // namespace
 
-SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, const settings::ScenarioConfig* told) {
-    const settings::ScenarioConfig& believed = told != nullptr ? *told : scenario;
+SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, const settings::ScenarioConfig* assumed) {
+    const settings::ScenarioConfig& assumed_scenario = assumed != nullptr ? *assumed : scenario;
     SimulatedDataset out;
     out.truth = sim::simulate(scenario.sim);
     out.recording = std::move(out.truth.recording);
@@ -321,12 +321,12 @@ SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, cons
     }
     out.seed = scenario.sim.seed;
     out.name = scenario.name;
-    if (told != nullptr) {
+    if (assumed != nullptr) {
         for (GnssFix& fix : out.recording.gnss) {
-            fix.std_position = sim::stated_position_sigma(told->sim.gnss);
-            fix.std_velocity = sim::stated_velocity_sigma(told->sim.gnss);
+            fix.std_position = sim::stated_position_sigma(assumed->sim.gnss);
+            fix.std_velocity = sim::stated_velocity_sigma(assumed->sim.gnss);
         }
-        const sensor::RangingErrorModel& e = told->ranging.settings.errors;
+        const sensor::RangingErrorModel& e = assumed->ranging.settings.errors;
         for (RangeSample& m : out.recording.ranges.samples) {
             const bool station = out.recording.ranges.sources[m.source].station;
             m.std = station ? e.station.white : e.satellite.white;
@@ -337,20 +337,20 @@ SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, cons
     const auto path = sim::make_path(scenario.sim.path, scenario.sim.earth.ellipsoid);
     out.aids = sim::simulate_aids(scenario.aids, scenario.sim.earth, *path, scenario.sim.duration, scenario.sim.origin, out.seed);
     round_to_files(out.aids);
-    settings::Config c = described(believed, out.recording);
-    describe(believed.aids, out.aids, c.aids);
+    settings::Config c = described(assumed_scenario, out.recording);
+    describe(assumed_scenario.aids, out.aids, c.aids);
     if (scenario.initial_error.given() && !out.recording.reference.empty()) {
         give_initial_state(c, scenario.initial_error, out.recording.reference.front(), scenario.sim.earth, out.seed);
-        state_initial_sigmas(c.filter.initial, believed.initial_error);
+        state_initial_sigmas(c.filter.initial, assumed_scenario.initial_error);
     }
-    // Fixes that will be made of the ranges have those' slow errors, which follow from the geometry: nothing is told instead.
-    const bool by_ranges = out.recording.gnss.empty() && !out.recording.ranges.empty() && !believed.given.contains("gnss.correlated_m") &&
-                           !believed.given.contains("gnss.receiver");
+    // Fixes that will be made of the ranges have those' slow errors, which follow from the geometry: nothing is assumed instead.
+    const bool by_ranges = out.recording.gnss.empty() && !out.recording.ranges.empty() && !assumed_scenario.given.contains("gnss.correlated_m") &&
+                           !assumed_scenario.given.contains("gnss.receiver");
     for (settings::Setting& s : settings::config_table().used(c)) {
-        if (by_ranges && (s.key.starts_with("gnss.correlated_") || s.key.starts_with("gnss.change_")) && !believed.given.contains(s.key)) continue;
+        if (by_ranges && (s.key.starts_with("gnss.correlated_") || s.key.starts_with("gnss.change_")) && !assumed_scenario.given.contains(s.key)) continue;
         if (is_relevant(s.key, c, scenario.sim.disturbed())) out.settings.push_back(std::move(s));
     }
-    out.settings.insert(out.settings.end(), believed.assumed.begin(), believed.assumed.end());
+    out.settings.insert(out.settings.end(), assumed_scenario.assumed.begin(), assumed_scenario.assumed.end());
     return out;
 }
 

@@ -1,4 +1,4 @@
-// What a scenario says, simulated: the logs exactly as its files carry them, and the truth that no file has.
+// A simulated data set: the logs exactly as its files carry them, and the truth that no file has.
 #pragma once
 
 #include "schuler/core/aid_samples.h"
@@ -43,8 +43,8 @@ struct SimulatedDataset {
 };
 
 /// Simulates and rounds every number to the digits of the files, so that processing the files gives the same bits.
-/// `told`: the scenario that the filter is told, where that is another one (it believes in errors that are not simulated).
-[[nodiscard]] SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, const settings::ScenarioConfig* told = nullptr);
+/// `assumed`: the scenario that the filter assumes, where it is another one (the filter then assumes errors that are not simulated).
+[[nodiscard]] SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, const settings::ScenarioConfig* assumed = nullptr);
 
 /// Writes imu.csv, gnss.csv, baro.csv, reference.csv and dataset.toml. @throws Error(Input) where the folder cannot be written.
 void write_dataset(const SimulatedDataset& data, const std::filesystem::path& folder);

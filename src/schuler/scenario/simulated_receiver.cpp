@@ -3,8 +3,10 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
+#include "schuler/gnss/acceleration.h"
 #include "schuler/math/rotation.h"
 #include "schuler/scenario/simulated_dataset.h"
+#include "schuler/sensor/range_errors.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/settings/scenario/sections.h"
 
@@ -19,13 +21,10 @@ constexpr double c = gnss::speed_of_light;
 constexpr double deep_interval = 0.02;   // s, a symbol of GPS
 constexpr int row_ticks = 100;           // ms
 
-/// Earth-fixed axes of transmission as they are turned at reception, `tau` s later; the acceleration is that of a point mass's
-/// field.
+/// Earth-fixed axes of transmission as they are turned at reception, `tau` s later.
 fusion::EarthFixedMotion at_reception(const gnss::SatelliteState& s, const earth::Ellipsoid& earth, double tau) {
-    const Eigen::Vector3d axis(0.0, 0.0, earth.w_ie);
     const Eigen::Matrix3d C = Eigen::AngleAxisd(-earth.w_ie * tau, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    const Eigen::Vector3d r = s.position.r, v = s.velocity;
-    const Eigen::Vector3d a = -earth.gm / std::pow(r.norm(), 3) * r - 2.0 * axis.cross(v) - axis.cross(axis.cross(r));
+    const Eigen::Vector3d r = s.position.r, v = s.velocity, a = point_mass_acceleration(s, earth);
     return {C * r, C * v, C * a};
 }
 
@@ -122,7 +121,9 @@ void SimulatedReceiver::measure(RangingLog& log) {
     bank_->measure(measured_, interval_);
     RangeEpoch epoch{sky_.time(bank_->now()), log.samples.size(), 0};
     const double t = bank_->now() - bank_->clock() / c;   // true time when the receiver's clock shows now
-    const double clock_density = 0.5 * c * c * settings_.oscillator.h0;
+    sensor::Oscillator clock;
+    clock.h0 = settings_.oscillator.h0;
+    const double clock_density = clock.phase_psd();
     for (const receiver::BankMeasurement& m : measured_) {
         const double left = bank_->now() - m.range / c;   // by the satellite's clock: the receiver's error is in both
         const auto guess = sky_.satellite(m.signal, left);

@@ -21,13 +21,13 @@ struct Dataset {
     std::vector<Fact> facts;             ///< the lowest layer: what the files state or show
     std::vector<inspect::Contradiction> contradictions;  ///< of what is given by what the files show
     inspect::InspectReport report;       ///< what the files were recognised as; empty of a KF-GINS project
-    std::string inferred_toml;           ///< the dataset.toml that would say what was inferred; empty where there is one
+    std::string inferred_toml;           ///< the dataset.toml that describes what was inferred; empty where there is one
     std::vector<std::string> doubts;     ///< what is wrong with the files that were recognised, and how it was taken
 };
 
 /// Opens a folder with dataset.toml, the path of a dataset.toml, a KF-GINS YAML file, or a folder or file whose content is
-/// recognised, as far as `needs` asks. What neither the data set nor `above` (--config, --set) says is found from the files, the same
-/// for all of them but KF-GINS projects, which say everything.
+/// recognised, as far as `needs` asks. What neither the data set nor `above` (--config, --set) gives is found from the files, the same
+/// for all of them but KF-GINS projects, which are complete.
 /// @throws Error(Input) saying what is wrong and how to mend it.
 [[nodiscard]] Dataset open_dataset(const std::filesystem::path& path, dataset::Needs needs = dataset::Needs::ImuAndGnss, const SettingList& above = {});
 

@@ -1,4 +1,4 @@
-// Between facts of a data set and settings: what was found becomes settings, what is given is told to who looks for the rest.
+// Conversion between facts of a data set and settings: found facts become settings, given settings restrict the search for the rest.
 #pragma once
 
 #include "schuler/core/fact.h"
@@ -21,7 +21,7 @@ namespace schuler::settings {
 /// Layers of settings where a later table of columns, scales or codes adds to an earlier one instead of replacing it.
 [[nodiscard]] SettingList completed(SettingList found, SettingList given);
 
-/// What `given`, whose values `config` has, says about the files of a data set in `folder`.
+/// What `given`, whose values `config` has, states about the files of a data set in `folder`.
 [[nodiscard]] inspect::Given given_of(const Config& config, const SettingList& given, const std::filesystem::path& folder);
 
 }  // namespace schuler::settings

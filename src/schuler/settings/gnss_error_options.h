@@ -1,4 +1,4 @@
-// Options of a receiver's slow errors, the same for data sets (what the filter believes) and scenarios.
+// Options of a receiver's slow errors, the same for data sets (what the filter assumes) and scenarios.
 #pragma once
 
 #include "schuler/sensor/gnss_errors.h"
@@ -53,7 +53,7 @@ void add_gnss_error_options(OptionTable<Target>& table, Errors errors) {
         double M::*field;
     } numbers[] = {
         {"correlated_time_s", 1e-2, 1e15, "correlation time of the slowly varying position error", &M::correlated_time},
-        {"correlated_distance_m", 0, 1e9, "its correlation distance over the ground; 0 = distance does not matter",
+        {"correlated_distance_m", 0, 1e9, "its correlation distance over the ground; 0 = independent of distance",
          &M::correlated_distance},
         {"correlated_velocity_time_s", 1e-2, 1e15, "correlation time of the slowly varying velocity error",
          &M::correlated_velocity_time},

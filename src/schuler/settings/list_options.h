@@ -44,7 +44,7 @@ inline void fill(const Value& v, const std::vector<Entry>& entries, const char* 
     }
 }
 
-/// How a table joins the list it is in, where nothing else is said.
+/// How a table joins the list it is in, by default.
 struct Append {
     template <class T>
     void operator()(std::vector<T>& list, const T& item) const {

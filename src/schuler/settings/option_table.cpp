@@ -48,11 +48,15 @@ std::string range_text(const OptionSpec& spec) {
 
 void check_number(const OptionSpec& spec, const Value& value, const SourcePlace& place) {
     if (!value.is_number() || (spec.shape == Shape::Integer && value.integer() == nullptr)) {
+        if (value.text() != nullptr && place.file.starts_with("-"))   // a word of a command line
+            throw input_error(fmt::format("\"{}\" is not {}", *value.text(), accepted_form(spec)), place, fmt::format("give {}", accepted_form(spec)));
         throw input_error(fmt::format("is {}, expected {}", kind_of(value), accepted_form(spec)), place,
                           value.text() != nullptr ? "write it without quotes" : fmt::format("give {}", accepted_form(spec)));
     }
     const double x = value.number();
-    if (!(x >= spec.low && x <= spec.high)) {  // NaN fails too
+    if (!std::isfinite(x) && !(x >= spec.low && x <= spec.high))
+        throw input_error("is not a finite number", place, fmt::format("give {}", accepted_form(spec)));
+    if (!(x >= spec.low && x <= spec.high)) {
         throw input_error(fmt::format("{} is out of range", to_toml(value)), place, fmt::format("give {}", accepted_form(spec)));
     }
 }
@@ -248,7 +252,9 @@ std::string listing(const std::vector<OptionSpec>& known, const SettingList& def
         if (!spec.key.starts_with(prefix)) continue;
         const auto it = std::ranges::find(defaults, spec.key, &Setting::key);
         const std::string text = it == defaults.end() ? "none" : to_toml(it->value);
-        out += fmt::format("  {}\n      {}\n      {}; default {}\n", spec.key, spec.help, accepted_form(spec), text);
+        const std::string applies = spec.applies.empty() ? "" : "; applies to: " + spec.applies;
+        out += fmt::format("  {}\n      {}\n      {}{}; default {}{}\n", spec.key, spec.help, accepted_form(spec),
+                           spec.unit.empty() ? "" : ", in " + spec.unit, text, applies);
     }
     return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/core/error.h"
+#include "schuler/settings/units_of_keys.h"
 #include "schuler/settings/value.h"
 
 #include <fmt/format.h>
@@ -20,6 +21,17 @@ namespace schuler::settings {
 /// What a value must look like before its setter sees it.
 enum class Shape { Number, Integer, Flag, Text, Numbers, Texts, Table, Tables, Any };
 
+/// How an option is written on a command line.
+struct CommandLine {
+    char letter = 0;                   ///< -n beside --runs
+    bool positional = false;
+    bool required = false;
+    bool repeated = false;             ///< of Texts: once for each, instead of a list with commas
+    bool hidden = false;               ///< help leaves it out
+    bool file = false;                 ///< it names a file or folder, or settings that may: no field of a form
+    std::string placeholder;           ///< "T:DUR"; otherwise made of the unit
+};
+
 /// What an option is, whatever it sets.
 struct OptionSpec {
     std::string key;                   ///< "imu.gyro_noise_deg_sqrt_h": section, name, unit
@@ -30,6 +42,10 @@ struct OptionSpec {
     std::vector<std::string> choices;  ///< of a text; empty = any
     std::string form;                  ///< of Any, for people: "[roll, pitch, yaw] or \"estimate\""
     std::string help;                  ///< one sentence
+    std::string unit;                  ///< for people: "m/s"; taken from the key where that ends with a unit
+    std::string applies;               ///< when it has an effect: "filter.scheme = \"separate\""; empty: always
+    std::string otherwise;             ///< what holds where it is not given and has no default value: "all"
+    CommandLine line;                  ///< how a command line writes it
 };
 
 /// Throws Error(Input) at `place` where the value has not the shape, range or choice of the option.
@@ -61,9 +77,20 @@ template <class Target>
 class OptionTable {
 public:
     OptionTable& add(Option<Target> option) {
+        if (option.spec.unit.empty()) option.spec.unit = unit_of_key(option.spec.key).symbol;
         specs_.push_back(option.spec);
         options_.push_back(std::move(option));
         return *this;
+    }
+
+    /// Calls edit(spec) for each option.
+    template <class Edit>
+    void edit_specs(Edit edit) {
+        specs_.clear();
+        for (auto& option : options_) {
+            edit(option.spec);
+            specs_.push_back(option.spec);
+        }
     }
 
     [[nodiscard]] const std::vector<OptionSpec>& specs() const { return specs_; }

@@ -1,4 +1,4 @@
-// Options of the errors of ranges and of the receiver's clock, the same for data sets (what the filter believes) and scenarios.
+// Options of the errors of ranges and of the receiver's clock, the same for data sets (what the filter assumes) and scenarios.
 #pragma once
 
 #include "schuler/sensor/range_errors.h"
@@ -21,11 +21,11 @@ void add_range_error_options(OptionTable<Target>& table, Errors errors) {
         double low, high;
     } rows[] = {{"ranges.white_m", "white error of a satellite's pseudorange", &M::satellite, &R::white, 1e-6, 1e4},
                 {"ranges.correlated_m", "its slowly varying error, a state of each satellite; 0 = none", &M::satellite, &R::correlated, 0, 1e4},
-                {"ranges.correlated_time_s", "correlation time of that", &M::satellite, &R::correlation_time, 1e-3, 1e7},
+                {"ranges.correlated_time_s", "correlation time of that error", &M::satellite, &R::correlation_time, 1e-3, 1e7},
                 {"ranges.rate_m_s", "white error of a satellite's range rate", &M::satellite, &R::rate, 1e-6, 1e3},
                 {"ranges.station_white_m", "white error of a ground station's pseudorange", &M::station, &R::white, 1e-6, 1e4},
                 {"ranges.station_correlated_m", "its slowly varying error; 0 = none", &M::station, &R::correlated, 0, 1e4},
-                {"ranges.station_correlated_time_s", "correlation time of that", &M::station, &R::correlation_time, 1e-3, 1e7}};
+                {"ranges.station_correlated_time_s", "correlation time of that error", &M::station, &R::correlation_time, 1e-3, 1e7}};
     for (const auto& r : rows)
         table.add(number<Target>(r.name, 1.0, r.low, r.high, r.help,
                                  [errors, kind = r.kind, field = r.field](auto& t) -> auto& { return (errors(t).*kind).*field; }));
@@ -34,9 +34,9 @@ void add_range_error_options(OptionTable<Target>& table, Errors errors) {
         const char* help;
         double M::*field;
         double low;
-    } others[] = {{"ranges.network_m", "offset of the stations' common time against the satellites', one sigma", &M::network, 0},
+    } others[] = {{"ranges.network_m", "offset of the stations' common time from the satellites' time, one sigma", &M::network, 0},
                   {"ranges.network_time_s", "its correlation time", &M::network_time, 1e-3},
-                  {"ranges.rate_span_s", "what a range rate is a mean over: the clock's noise in it is the same for all; 0 = the sigmas have it",
+                  {"ranges.rate_span_s", "interval over which a range rate is averaged, whose clock noise all ranges share; 0 = included in the sigmas",
                    &M::rate_span, 0},
                   {"ranges.intersystem_m", "constant offset of each further satellite system", &M::intersystem, 0}};
     for (const auto& r : others)

@@ -1,4 +1,4 @@
-// What a command that processes data or a scenario is asked for.
+// The request of a command that processes data or a scenario.
 #pragma once
 
 #include "schuler/settings/value.h"
@@ -11,7 +11,7 @@
 
 namespace schuler::settings {
 
-/// What every command that fuses data is asked for. `above` are the settings of the command line, the last word.
+/// Common part of the requests of all commands that fuse data. `above` are the settings of the command line, which override all others.
 struct ProcessRequest {
     std::filesystem::path input;                 ///< data set or scenario
     std::filesystem::path output;                ///< folder; empty: out/NAME
@@ -25,7 +25,7 @@ struct ProcessRequest {
     [[nodiscard]] SettingList over(const SettingList& base) const;
     [[nodiscard]] std::filesystem::path folder_for(const std::string& name) const;
 
-    /// Whether one coupling was asked for (`--scheme`, `filter.scheme` in --config): then it stands in place of a scenario's `[compare]`.
+    /// Whether one coupling is requested (`--scheme`, `filter.scheme` in --config): it then replaces a scenario's `[compare]`.
     [[nodiscard]] bool names_a_scheme() const;
 };
 

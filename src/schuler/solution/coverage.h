@@ -1,4 +1,4 @@
-// How true the sigmas of free inertial navigation are on one log: windows in which fixes are withheld, what the filter said of its errors
+// How true the sigmas of free inertial navigation are on one log: windows in which fixes are withheld, the sigmas that the filter stated
 // in them, and by how much the noise of the inertial unit would have had to be larger. No file and no filter is known here.
 #pragma once
 
@@ -59,7 +59,7 @@ struct Inside {
     [[nodiscard]] double share() const;   ///< NaN of nothing
 };
 
-/// Horizontal error and what was said of it, RMS over the windows.
+/// Horizontal error and its stated sigma, RMS over the windows.
 struct GrowthPoint {
     double since = 0.0;   ///< s, mean
     double error = 0.0, sigma = 0.0;   ///< m
@@ -73,7 +73,7 @@ struct Coverage {
     Inside held;                                                   ///< windows: nine epochs of ten are inside horizontally. The fixes' own
                                                                    ///< noise puts a few epochs of many outside
     double end_rms = std::numeric_limits<double>::quiet_NaN();     ///< m, horizontal error of the windows' last fixes
-    double sigma_rms = std::numeric_limits<double>::quiet_NaN();   ///< m, what was said of it
+    double sigma_rms = std::numeric_limits<double>::quiet_NaN();   ///< m, stated sigma of it
     std::vector<GrowthPoint> growth;                               ///< some points over the length of a window
     std::array<Inside, regimes> by_regime;
 };
@@ -81,7 +81,7 @@ struct Coverage {
 /// Epochs in order of windows and time. `length`: of the windows, s.
 [[nodiscard]] Coverage coverage_of(std::span<const WithheldEpoch> epochs, double length);
 
-/// Share of epochs inside three sigma that is asked for: Gaussian errors of three components have 99.2 %.
+/// Required share of epochs inside three sigma: Gaussian errors of three components have 99.2 %.
 inline constexpr double wanted_coverage = 0.98;
 
 /// Factors of the noise and bias wander of gyros and accelerometers.
@@ -89,7 +89,7 @@ struct NoiseScale {
     static constexpr double most = 10.0;
 
     double gyro = 1.0, accel = 1.0;
-    bool apart = false;   ///< the growth of the errors told them apart
+    bool apart = false;   ///< the growth of the errors separates them
 
     [[nodiscard]] bool is_one() const { return gyro == 1.0 && accel == 1.0; }
     /// One after the other, within `most`, as a settings file has it.
@@ -98,7 +98,7 @@ struct NoiseScale {
     [[nodiscard]] NoiseScale or_larger(const NoiseScale& other) const;
 };
 
-/// Whether this coverage is what is asked for: of the epochs, and one window in twenty may be lost.
+/// Whether this coverage is sufficient: in the epochs, and at most one window in twenty lost.
 [[nodiscard]] bool covers(const Coverage& coverage);
 
 /// The noise that is missing: with it the sigmas have the size of the errors, and wanted_coverage of these epochs would have been inside.

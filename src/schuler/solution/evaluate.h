@@ -36,7 +36,7 @@ struct Evaluation {
     std::vector<analysis::OutageStatistics> outages_forward;  ///< of the filter, where smoothed
     std::optional<Eigen::Vector3d> gyro_bias_error;     ///< estimate minus truth at the end, rad/s (simulated data)
     std::optional<Eigen::Vector3d> accel_bias_error;    ///< m/s^2
-    std::vector<analysis::SeparationRow> separation;    ///< forward minus backward filter, where that was asked for
+    std::vector<analysis::SeparationRow> separation;    ///< forward minus backward filter, where requested
     analysis::SeparationSummary separated;              ///< of it, without the settling of both
     std::vector<StateErrors> states;                    ///< of the filter, once a second (simulated data)
 };

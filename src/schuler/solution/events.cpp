@@ -1,8 +1,9 @@
 // The solution at the instants that a user asks for.
+#include "schuler/solution/events.h"
+
 #include "schuler/solution/bundle.h"
 
 #include "schuler/settings/config/config.h"
-#include "schuler/solution/events.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <algorithm>

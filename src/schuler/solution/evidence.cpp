@@ -53,7 +53,7 @@ public:
         const fusion::Counters& n = b_.result.counters;
         const std::size_t met = n.gnss_accepted + n.gnss_rejected;
         if (b_.data.config.scheme == settings::Scheme::Gnss) return;
-        if (met + n.gnss_withheld == 0) return add("gnss.none", "no fix says where it is");
+        if (met + n.gnss_withheld == 0) return add("gnss.none", "no fix gives its position");
         const double refused = met > 0 ? static_cast<double>(n.gnss_rejected) / static_cast<double>(met) : 0.0;
         constexpr double many = 0.05;
         if (refused > many && !fusion::uses_ranges(b_.data.config.filter.coupling))

@@ -7,7 +7,7 @@
 
 namespace schuler::solution {
 
-/// The warnings of a run and what its result, evaluation and self-check say, each under a topic of verdict.cpp.
+/// The warnings of a run and the findings of its result, evaluation and self-check, each under a topic of verdict.cpp.
 [[nodiscard]] std::vector<Concern> evidence_of(const ResultBundle& bundle, const WarningLog& warnings);
 
 }  // namespace schuler::solution

@@ -1,11 +1,11 @@
 #include "schuler/solution/fuse.h"
 
-#include "schuler/fusion/gnss_only.h"
 #include "schuler/scenario/simulated_dataset.h"
 #include "schuler/scenario/simulated_receiver.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/bundle.h"
+#include "schuler/solution/gnss_only.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <algorithm>
@@ -25,8 +25,8 @@ constexpr double least_internal_rate = 10.0;
 }  // namespace
 
 ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const settings::SettingList& over, WarningLog& warnings,
-                              const settings::ScenarioConfig* told) {
-    scenario::SimulatedDataset simulated = scenario::simulate_dataset(scenario, told);
+                              const settings::ScenarioConfig* assumed) {
+    scenario::SimulatedDataset simulated = scenario::simulate_dataset(scenario, assumed);
     const settings::Config config = settings::config_from(settings::overlaid(simulated.settings, over));
     std::set<std::string> given;
     for (const settings::SettingList* list : {&std::as_const(simulated.settings), &over})
@@ -56,7 +56,7 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
                        const fusion::RowSink& rows) {
     const auto begin = std::chrono::steady_clock::now();
     if (bundle.data.config.scheme == settings::Scheme::Gnss) {
-        bundle.result = fusion::gnss_solution(bundle.data.recording, bundle.data.config.filter);
+        bundle.result = gnss_solution(bundle.data.recording, bundle.data.config.filter);
     } else {
         fusion::Settings settings = bundle.data.config.filter;
         settings.output_rate = output_rate;

@@ -12,7 +12,7 @@ namespace schuler::solution {
 
 /// A simulated data set with the settings `over` those it describes itself by; ready to be fused.
 [[nodiscard]] ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const settings::SettingList& over, WarningLog& warnings,
-                                            const settings::ScenarioConfig* told = nullptr);
+                                            const settings::ScenarioConfig* assumed = nullptr);
 
 /// Rate (Hz) at which the filter reports for the evaluation, 0 = every IMU epoch, whatever is written afterwards.
 [[nodiscard]] double internal_rate(const LoadedDataset& data);

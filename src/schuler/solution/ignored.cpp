@@ -83,7 +83,7 @@ std::vector<Rule> gravity_rules(const ResultBundle& b) {
              by_survey("gravimetry is loosely coupled and uses each fix at its time")},
             {{"filter.mechanization"},
              unless(c.filter.mechanization == fusion::Mechanization::Ecef, by_survey("gravimetry is Earth-fixed"))},
-            {{"filter.smooth"}, by_survey("gravity.smooth says whether gravimetry smooths")},
+            {{"filter.smooth"}, by_survey("gravity.smooth switches the smoother of gravimetry")},
             {{"filter.backward"}, by_survey("gravimetry has no filter backward in time")},
             {{"filter.integrity."}, by_survey("gravimetry does not exclude the receiver")},
             {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "odometer."},

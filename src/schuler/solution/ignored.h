@@ -9,8 +9,8 @@
 
 namespace schuler::solution {
 
-/// Of the keys that a user gave, those that the run had no use for, each with the reason. A value that is the default's anyway says
-/// nothing and is left out.
+/// Of the keys that a user gave, those that the run had no use for, each with the reason. A value equal to the default
+/// is left out.
 [[nodiscard]] std::vector<Ignored> ignored_of(const ResultBundle& bundle, const std::set<std::string>& given);
 
 /// One warning a reason, with the keys that it holds for.

@@ -13,7 +13,7 @@
 
 namespace schuler::solution {
 
-/// A recording with what loading it has told about the settings.
+/// A recording with what loading has found about its settings.
 struct LoadedDataset {
     Recording recording;                 ///< times on the data set's own axis
     std::vector<NamedInstant> events;    ///< in order of time: those of filter.output_instants

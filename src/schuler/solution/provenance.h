@@ -10,13 +10,13 @@
 
 namespace schuler::solution {
 
-/// Puts what a run has found in the place of what it was asked to find, so that the settings repeat it.
+/// Replaces settings to be estimated by the values that the run found, so that the settings repeat it.
 void take_in_force(settings::Config& config, const fusion::Findings& findings);
 
 /// Every setting as it was in force, as TOML that repeats the run.
 [[nodiscard]] std::string config_in_force(const LoadedDataset& data);
 
-/// The settings that say what the data are, in the order of dataset.toml, each with its value in force.
+/// The settings that describe the data, in the order of dataset.toml, each with its value in force.
 [[nodiscard]] std::vector<Fact> facts_of(const ResultBundle& bundle);
 
 /// Neither a default nor a given value that is the default's anyway.

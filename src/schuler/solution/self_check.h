@@ -26,7 +26,7 @@ struct SelfCheck {
     Coverage coverage;                      ///< of the solution as it is, in windows that had no part in widening
     std::optional<Coverage> before;         ///< of the same windows without the wider noise, where it was tried
     std::optional<Coverage> all;            ///< of all windows with the wider noise, where it is in force
-    std::optional<NoiseScale> tried;        ///< what the other windows asked for
+    std::optional<NoiseScale> tried;        ///< the noise that the other windows require
     bool widened = false;                   ///< it is in force
     std::array<FixRegime, regimes> fixes;   ///< positions
     std::vector<SolutionRow> motion;        ///< of a run with windows, some a second

@@ -1,4 +1,4 @@
-// The lever arm that is given, against what the fixes say once the vehicle has turned.
+// The given lever arm, tested against the fixes once the vehicle has turned.
 #pragma once
 
 #include "schuler/fusion/result.h"
@@ -19,7 +19,7 @@ struct LeverArmDoubt {
 };
 
 /// Walks the log once more with the lever arm as a state, and once more from where that ended if it moved far. Nothing where no lever arm is given, where it is a
-/// state already, where the log agrees or cannot tell, or with filter.self_check off.
+/// state already, where the log agrees or does not observe it, or with filter.self_check off.
 [[nodiscard]] std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const fusion::Result& result);
 
 }  // namespace schuler::solution

@@ -1,4 +1,4 @@
-// Whether a solution may be trusted: what speaks against it, each by its gravity, and the word that follows.
+// Whether a solution may be trusted: concerns with their severity, and the verdict that follows.
 #pragma once
 
 #include <string>
@@ -18,13 +18,13 @@ struct Concern {
 
 struct SolutionVerdict {
     Gravity word = Gravity::Care;
-    std::vector<std::string> reasons;   ///< the gravest first; of a trustworthy solution: what it is trusted for
+    std::vector<std::string> reasons;   ///< the most severe first; of a trustworthy solution: the evidence for it
 };
 
-/// How grave it is, by the one table of all topics; what is not there is none.
+/// Its severity, by the one table of all topics; a topic that is not in it has none.
 [[nodiscard]] Gravity gravity_of(std::string_view id);
 
-/// The gravest of the concerns decides. Without evidence of its quality no solution is trustworthy: at least one concern must begin
+/// The most severe of the concerns decides. Without evidence of its quality no solution is trustworthy: at least one concern must begin
 /// with "evidence.".
 [[nodiscard]] SolutionVerdict verdict_of(const std::vector<Concern>& concerns);
 

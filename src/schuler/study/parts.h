@@ -36,7 +36,7 @@ struct GivenNumber {
 /// @throws Error(Input) naming the first option whose number is not finite.
 void check_finite(std::initializer_list<GivenNumber> numbers);
 
-/// Six significant digits (or as many as said), "-" where not finite, no negative zero.
+/// Six significant digits (or the given number), "-" where not finite, no negative zero.
 [[nodiscard]] std::string short_number(double x, int digits = 6);
 
 /// Writes FOLDER/report.html and notes it in the outcome. @throws Error

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/report/outcome.h"
+#include "schuler/settings/value.h"
 
 #include <filesystem>
 #include <functional>
@@ -32,7 +33,7 @@ struct StudyRequest {
     double duration = 100.0;                      ///< integrity: s
     std::function<void(double)> progress;
 };
-/// Errors by source: one source at a time is simulated, the filter goes on believing in all of them.
+/// Error budget: one source at a time is simulated, the filter goes on assuming all of them.
 [[nodiscard]] report::Outcome analyze_budget(const StudyRequest& request);
 
 /// Detection, false alarms and time to alert of the receiver's faults.
@@ -51,7 +52,7 @@ struct TriadRequest {
     std::string version;
     std::function<void(double)> progress;
 };
-/// Pooled errors beside those of math.md 5.5 with their standard errors, NEES, and the ratios the paper speaks of. @throws Error, Input
+/// Pooled errors beside those of math.md 5.5 with their standard errors, NEES, and the ratios that the paper states. @throws Error, Input
 /// with the option as key.
 [[nodiscard]] report::Outcome analyze_triad(const TriadRequest& request);
 

@@ -79,7 +79,7 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
                           "give at least 0.1 s of samples; `schuler inspect` shows what is wrong with them");
     tell(b.result.counters, warnings);
     if (input.settings.filter != ahrs::FilterKind::Mekf && input.field_from_model) turn_to_true_north(b);
-    b.evaluation = solution::evaluate(b.result.rows, b.data.recording.reference);
+    b.evaluation = evaluate(b.result.rows, b.data.recording.reference);
     b.warnings = warnings.summary();
     b.config_toml = settings::to_toml(settings::config_table().used(b.data.config), settings::config_table().specs(), true);
 

@@ -21,7 +21,7 @@ struct AhrsRequest {
     bool calibrate = false;  ///< ellipsoid fit of magnetometer and accelerometer, from this log, applied to it
 };
 
-/// Recordings and settings as the attitude filters want them: body axes, rates, the field where position and date are known.
+/// Recordings and settings as input of the attitude filters: body axes, rates, the field where position and date are known.
 struct AhrsInput {
     std::vector<ImuSample> imu;
     std::vector<MagSample> mag;

@@ -36,9 +36,9 @@ report::Json errors_of(const AhrsBundle& b) {
     out["position_m"] = nullptr;
     out["velocity_m_s"] = nullptr;
     out["attitude_deg"] = {{"roll", report::spread(e.roll, units::deg)}, {"pitch", report::spread(e.pitch, units::deg)}, {"heading", report::spread(e.heading, units::deg)}};
-    out["broad_deg"] = {{"total", report::rms_of(e.broad.total)},
-                        {"heading", report::rms_of(e.broad.heading)},
-                        {"inclination", report::rms_of(e.broad.inclination)},
+    out["broad_deg"] = {{"total", rms_of(e.broad.total)},
+                        {"heading", rms_of(e.broad.heading)},
+                        {"inclination", rms_of(e.broad.inclination)},
                         {"heading_offset", in_degrees(e.broad.heading_offset)},
                         {"epochs", e.broad.epochs}};
     return out;

@@ -59,7 +59,7 @@ std::vector<Wanted> all_wanted(const std::vector<std::string>& texts) {
         out.push_back(wanted_from(text));
         for (std::size_t i = 0; i + 1 < out.size(); ++i)
             if (out[i].prn == out.back().prn)
-                throw input_error(fmt::format("G{:02} stands there twice", out.back().prn), {.key = "--satellites"},
+                throw input_error(fmt::format("G{:02} is given twice", out.back().prn), {.key = "--satellites"},
                                   "give it once");
     }
     return out;

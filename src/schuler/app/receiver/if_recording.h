@@ -51,13 +51,13 @@ struct TrackRequest {
 /// "G07", "g7" or "7" as 7. @throws Error(Input) for another name, with --satellites as key
 [[nodiscard]] int gps_number(std::string_view name);
 
-/// What a run of `receiver track` has to tell beside its files.
+/// Results of a run of `receiver track` beside its files.
 struct TrackedRecording {
     std::string title;  ///< one line: file, span, rates
     double seconds = 0.0;
     int search_periods = 0;
     std::vector<receiver::SatelliteRecord> satellites;
-    std::vector<receiver::ChannelSample> thinned;  ///< of all channels, each in order of time; times of the recording
+    std::vector<receiver::ChannelSample> decimated;  ///< of all channels, each in order of time; times of the recording
 };
 
 [[nodiscard]] std::string tracking_table(const TrackedRecording& run);

@@ -145,7 +145,7 @@ report::Outcome tracked(const TrackRequest& request) {
         double& next = next_shown[static_cast<std::size_t>(s.prn)];
         if (s.time < next) return;
         next = s.time + 0.999 * every;
-        run.thinned.push_back(s);
+        run.decimated.push_back(s);
     };
     std::vector<receiver::IfSample> samples(channels.piece());
     for (std::uintmax_t done = 0; done < wanted;) {

@@ -57,11 +57,11 @@ report::Ink ink_of(std::size_t i) {
 /// One line a satellite over time; the ninth and further ones are broken.
 template <class Value>
 report::Panel over_time(const TrackedRecording& run, const std::vector<int>& prns, const std::string& title,
-                        const std::string& unit, settings::Value value) {
+                        const std::string& unit, Value value) {
     report::Panel panel{title, "time, s", unit};
     for (std::size_t i = 0; i < prns.size(); ++i) {
         report::Series line{fmt::format("G{:02}", prns[i]), {}, {}, ink_of(i), i < 8 ? report::Mark::Line : report::Mark::Dashed};
-        for (const ChannelSample& s : run.thinned) {
+        for (const ChannelSample& s : run.decimated) {
             if (s.prn != prns[i]) continue;
             line.x.push_back(s.time);
             line.y.push_back(value(s));
@@ -78,7 +78,7 @@ report::Panel prompts_in_phase(const TrackedRecording& run, const std::vector<in
     for (std::size_t i = 0; i < prns.size(); ++i) {
         report::Series dots{
             fmt::format("G{:02}", prns[i]), {}, {}, ink_of(i), i < 8 ? report::Mark::Dots : report::Mark::Squares};
-        for (const ChannelSample& s : run.thinned) {
+        for (const ChannelSample& s : run.decimated) {
             if (s.prn != prns[i] || !s.locked) continue;
             dots.x.push_back(s.prompt.real());
             dots.y.push_back(s.prompt.imag());

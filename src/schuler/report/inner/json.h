@@ -2,12 +2,14 @@
 #pragma once
 
 #include "schuler/analysis/errors.h"
+#include "schuler/report/result_table.h"
 #include "schuler/solution/bundle.h"
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace schuler::report {
 
@@ -32,6 +34,9 @@ using Json = nlohmann::ordered_json;
 
 /// How settings are known, as summaries and inspection have it.
 [[nodiscard]] Json facts_json(const std::vector<Fact>& facts);
+
+/// A row of a result table: its numbers under the columns' keys.
+void put_row(Json& object, const std::vector<TableColumn>& columns, const std::vector<double>& numbers);
 
 /// Names from outside may hold any bytes.
 [[nodiscard]] inline std::string text_of(const Json& document) {

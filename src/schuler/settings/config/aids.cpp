@@ -36,7 +36,7 @@ Places places_from(const Value& v) {
 template <class Target, class Access>
 Option<Target> places(const std::string& key, Access access) {
     return special<Target>(
-        key, "[[forward, right, down], ...]", "IMU to each gauge, m; several of them tell attitude",
+        key, "[[forward, right, down], ...]", "IMU to each gauge, m; several of them observe attitude",
         [=](Target& t, const Value& v) { access(t) = places_from(v); },
         [=](const Target& t) -> std::optional<Value> {
             ValueList list;

@@ -1,4 +1,4 @@
-// Instruments of a survey beside IMU and receiver: their files, and what the filter believes of them.
+// Instruments of a survey beside IMU and receiver: their files, and their errors as the filter assumes them.
 #pragma once
 
 #include "schuler/core/samples.h"

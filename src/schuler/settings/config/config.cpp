@@ -23,6 +23,7 @@ OptionTable<Config> make_table() {
     add_aid_options(table);
     add_ranging_options(table);
     add_run_options(table);
+    table.edit_specs([](OptionSpec& spec) { spec.applies = condition_of(spec.key); });
     return table;
 }
 

@@ -45,7 +45,7 @@ struct RunConfig {
 
 struct OutputConfig {
     std::vector<std::string> files{"solution", "summary", "h5", "report", "kml", "config"};
-    std::string events;                          ///< file of instants at which the solution is wanted too
+    std::string events;                          ///< file of instants at which the solution is output as well
 
     [[nodiscard]] bool wants(std::string_view file) const { return std::ranges::find(files, file) != files.end(); }
 };
@@ -79,7 +79,7 @@ struct Config : dataset::Description {
 /// @throws Error(Input) naming the setting's place.
 [[nodiscard]] Config config_from(const SettingList& settings);
 
-/// Layers of settings, the later ones over the earlier ones: what a later imu.grade or ranges.clock stands for is also discarded
+/// Layers of settings, the later ones over the earlier ones: the settings implied by a later imu.grade or ranges.clock are also discarded
 /// from earlier layers.
 [[nodiscard]] SettingList overlaid(SettingList base, const SettingList& above);
 

@@ -120,8 +120,8 @@ void add_dataset_options(OptionTable<Config>& table) {
              [](auto& c) -> auto& { return c.gnss; });
     add_file(table, "baro", "barometer log", [](auto& c) -> auto& { return c.baro; });
     add_file(table, "mag", "magnetometer log", [](auto& c) -> auto& { return c.mag; });
-    add_plain_file(table, "odometer", "speed by wheels, time_s, speed_m_s [, std_m_s]", [](auto& c) -> auto& { return c.odometer; });
-    add_plain_file(table, "heading", "heading by two antennas or a gyrocompass, time_s, heading_deg [, std_deg]",
+    add_plain_file(table, "odometer", "wheel speed, time_s, speed_m_s [, std_m_s]", [](auto& c) -> auto& { return c.odometer; });
+    add_plain_file(table, "heading", "heading of a dual-antenna receiver or a gyrocompass, time_s, heading_deg [, std_deg]",
                    [](auto& c) -> auto& { return c.heading; });
     add_file(table, "stations", "pseudoranges to satellites and ground stations, ranges.csv", [](auto& c) -> auto& { return c.ranges; });
     table.add(text<Config>("stations.coordinates", "places of the ground stations, stations.csv",
@@ -130,7 +130,7 @@ void add_dataset_options(OptionTable<Config>& table) {
              [](auto& c) -> auto& { return c.reference; });
     table.add(choice<Config, dataset::Quaternion>(
         "reference.quaternion", {{"body_to_ned", dataset::Quaternion::BodyToNed}, {"sensor_to_enu", dataset::Quaternion::SensorToEnu}},
-        "what qw, qx, qy, qz of the reference turn", [](auto& c) -> auto& { return c.quaternion; }));
+        "rotation that qw, qx, qy, qz of the reference describe", [](auto& c) -> auto& { return c.quaternion; }));
 }
 
 }  // namespace schuler::settings

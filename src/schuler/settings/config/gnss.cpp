@@ -13,7 +13,7 @@ constexpr double latency_low = -60.0, latency_high = 60.0;
 Option<Config> latency_option() {
     return special<Config>(
         "gnss.latency_s", "a number from -60 to 60 or \"estimate\"",
-        "a fix is this much older than its stamp; \"estimate\" has every latency not given found",
+        "age of a fix at its time stamp; \"estimate\" finds every latency that is not given",
         [](Config& c, const Value& v) {
             GnssSettings& s = c.filter.gnss;
             if (v.text() != nullptr && *v.text() == "estimate") {
@@ -64,7 +64,7 @@ void add_gnss_options(OptionTable<Config>& table) {
         .add(vector3<Config>("gnss.lever_arm_m", 1.0, -100, 100, "IMU to antenna, body axes forward, right, down",
                              gnss(&GnssSettings::lever_arm_b)))
         .add(latency_option())
-        .add(number<Config>("gnss.latency_std_s", 1.0, 0, 10, "one sigma of it for positions; above 0 the filter estimates what it is off by",
+        .add(number<Config>("gnss.latency_std_s", 1.0, 0, 10, "one sigma of it for positions; above 0 the filter estimates its error",
                             gnss(&GnssSettings::latency_std)))
         .add(number<Config>("gnss.velocity_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the velocity",
                             gnss(&GnssSettings::velocity_latency)))
@@ -76,7 +76,7 @@ void add_gnss_options(OptionTable<Config>& table) {
                             "acceleration; default: fitted with the noise",
                             [](auto& c) -> auto& { return c.filter.gnss.jitter; }))
         .add(number<Config>("gnss.velocity_latency_std_s", 1.0, 0, 10,
-                            "one sigma of the velocities' latency; above 0 the filter estimates what it is off by, apart from the positions'",
+                            "one sigma of the velocities' latency; above 0 the filter estimates its error, separately from the positions'",
                             gnss(&GnssSettings::velocity_latency_std)))
         .add(number<Config>("gnss.height_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the height",
                             gnss(&GnssSettings::height_latency)))
@@ -85,7 +85,7 @@ void add_gnss_options(OptionTable<Config>& table) {
         .add(choice<Config, HeightKind>(
             "gnss.height",
             {{"ellipsoidal", HeightKind::Ellipsoidal}, {"msl", HeightKind::Msl}, {"relative", HeightKind::Relative}},
-            "what heights are counted from", gnss(&GnssSettings::height)))
+            "surface that heights refer to", gnss(&GnssSettings::height)))
         .add(number<Config>("gnss.undulation_m", 1.0, -120, 120,
                             "geoid above the ellipsoid, added to heights above mean sea level",
                             [](auto& c) -> auto& { return c.undulation; }))
@@ -93,7 +93,7 @@ void add_gnss_options(OptionTable<Config>& table) {
                              gnss(&GnssSettings::default_std_position)))
         .add(vector3<Config>("gnss.default_std_velocity_m_s", 1.0, 1e-4, 1e4,
                              "one sigma of the velocity where the log gives none", gnss(&GnssSettings::default_std_velocity)))
-        .add(vector3<Config>("gnss.std_floor_m", 1.0, 0, 1e3, "smaller standard deviations of the log are raised to this",
+        .add(vector3<Config>("gnss.std_floor_m", 1.0, 0, 1e3, "lower limit of the standard deviations of the log",
                              gnss(&GnssSettings::std_floor_position)))
         .add(number<Config>("gnss.std_scale", 1.0, 1e-3, 1e3, "factor to the log's own sigmas of positions", gnss(&GnssSettings::std_scale)))
         .add(number<Config>("gnss.velocity_std_scale", 1.0, 1e-3, 1e3, "... of velocities", gnss(&GnssSettings::velocity_std_scale)))

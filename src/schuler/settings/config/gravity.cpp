@@ -78,7 +78,7 @@ auto gravity(double GravityConfig::*field) {
 
 Option<Config> steps_option() {
     OptionSpec spec = detail::spec("gravity.steps_s", Shape::Numbers,
-                                   "seconds after the first fix at which the constant part may have changed by its prior");
+                                   "seconds after the first fix at which the constant part may have changed, by its prior");
     spec.low = 0.0;
     spec.high = 1e9;
     return {std::move(spec),
@@ -143,7 +143,7 @@ void add_gravity_options(OptionTable<Config>& table) {
                                               {"quadratic", DisturbanceKind::QuadraticAndFirstOrder},
                                               {"gauss_markov_2", DisturbanceKind::SecondOrder},
                                               {"gauss_markov_3", DisturbanceKind::ThirdOrder}},
-                                             "what is estimated: a constant, and beside it a process along the track (ramp, "
+                                             "estimated disturbance: a constant plus a process along the track (ramp, "
                                              "quadratic: a polynomial and a first-order one)",
                                              [](auto& c) -> auto& { return c.gravity.model; }))
         .add(choice<Config, DisturbanceAxes>("gravity.axes",
@@ -173,9 +173,9 @@ void add_gravity_options(OptionTable<Config>& table) {
         .add(flag<Config>("gravity.smooth", "fixed-interval smoother after the filter",
                           [](auto& c) -> auto& { return c.gravity.smooth; }))
         .add(steps_option())
-        .add(flag<Config>("gravity.height_aid", "takes the barometer or depth gauge too, with a constant error of its own",
+        .add(flag<Config>("gravity.height_aid", "uses the barometer or depth gauge too, with a constant error as a state",
                           [](auto& c) -> auto& { return c.gravity.height_aid; }))
-        .add({anomaly_spec("half-real mode: injected into recorded accelerometers as if gravity had it; [[anomaly]] with kind, "
+        .add({anomaly_spec("semi-real mode: injected into recorded accelerometers as if it were gravity; [[anomaly]] with kind, "
                            "size_mgal, start and length in _m or _s"),
               [](Config& c, const Value& v) { c.gravity.inject = anomalies_from(*v.list()); },
               [](const Config& c) { return value_of(c.gravity.inject); }});

@@ -1,4 +1,4 @@
-// What a user can set about the disturbance of gravity: how it is modelled, what is believed of it beforehand, what is injected.
+// What a user can set about the disturbance of gravity: its model, its prior, what is injected.
 #pragma once
 
 #include "schuler/core/samples.h"

@@ -26,7 +26,7 @@ Option<Config> axes_option(const std::string& key, const std::string& help, std:
 Option<Config> mounting_option() {
     return special<Config>(
         "imu.mounting_deg", "[roll, pitch, yaw] or \"estimate\"",
-        "rotation from body to sensor, after axes; \"estimate\" has it found",
+        "rotation from body to sensor, after axes; \"estimate\" finds it",
         [](Config& c, const Value& v) {
             if (v.text() != nullptr && *v.text() == "estimate") {
                 c.filter.imu.estimate_mounting = true;
@@ -60,7 +60,7 @@ void add_imu_options(OptionTable<Config>& table) {
         .add(choice<Config, ImuStamp>(
             "imu.stamp", {{"start", ImuStamp::Start}, {"center", ImuStamp::Center}, {"end", ImuStamp::End}},
             "what the time stamp of a sample marks", [](auto& c) -> auto& { return c.filter.imu.stamp; }))
-        .add(axes_option("imu.axes", "where the sensor's x, y, z point", &Config::axes, true))
+        .add(axes_option("imu.axes", "directions of the sensor's x, y, z axes", &Config::axes, true))
         .add(mounting_option())
         .add(number<Config>("imu.mounting_std_deg", units::deg, 1e-4, 90, "one sigma of its forward axis, where it is given",
                             [](auto& c) -> auto& { return c.filter.imu.mounting_std; }))
@@ -70,19 +70,19 @@ void add_imu_options(OptionTable<Config>& table) {
     table.add(flag<Config>("imu.estimate_noise", "fit the white noise to the innovations; default: where the noise is not given",
                            [](auto& c) -> auto& { return c.filter.imu.estimate_noise; }));
     table.add(number<Config>("imu.gyro_vibration", 1.0, 0, 100,
-                             "share of what successive samples of the gyros differ by that is white noise on top of the stated one; default: "
+                             "fraction of the sample-to-sample variation of the gyros that adds to the stated white noise; default: "
                              "fitted with the noise",
                              [](auto& c) -> auto& { return c.filter.imu.gyro_vibration; }));
-    table.add(number<Config>("imu.accel_vibration", 1.0, 0, 100, "... of the accelerometers",
+    table.add(number<Config>("imu.accel_vibration", 1.0, 0, 100, "the same of the accelerometers",
                              [](auto& c) -> auto& { return c.filter.imu.accel_vibration; }));
     table.add(number<Config>("imu.gyro_noise_scale", 1.0, 0.01, 1000,
                              "factor of the gyros' noise and bias wander in the filter; default: found by the self-check of `process`",
                              [](auto& c) -> auto& { return c.filter.imu.gyro_noise_scale; }));
-    table.add(number<Config>("imu.accel_noise_scale", 1.0, 0.01, 1000, "... of the accelerometers'",
+    table.add(number<Config>("imu.accel_noise_scale", 1.0, 0.01, 1000, "the same of the accelerometers",
                              [](auto& c) -> auto& { return c.filter.imu.accel_noise_scale; }));
     table.add(number<Config>("imu.gap_factor", 1.0, 1.1, 1e6, "a step longer than this times the median is a gap",
                              [](auto& c) -> auto& { return c.filter.imu.gap_factor; }));
-    table.add(axes_option("mag.axes", "where the magnetometer's x, y, z point; default: as the IMU's", &Config::mag_axes, false));
+    table.add(axes_option("mag.axes", "directions of the magnetometer's x, y, z axes; default: as the IMU's", &Config::mag_axes, false));
 }
 
 }  // namespace schuler::settings

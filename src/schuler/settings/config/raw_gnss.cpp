@@ -75,9 +75,9 @@ void add_raw_gnss_options(OptionTable<Config>& table) {
         .add(text<Config>("gnss.precise", "precise orbits and clocks (SP3) instead of broadcast ones",
                           [](auto& c) -> auto& { return c.raw.precise; }))
         .add(systems())
-        .add(number<Config>("gnss.elevation_mask_deg", units::deg, -10, 80, "lower satellites are not used",
+        .add(number<Config>("gnss.elevation_mask_deg", units::deg, -10, 80, "satellites below this elevation are not used",
                             ranges(&gnss::RangeSettings::elevation_mask)))
-        .add(number<Config>("gnss.cn0_mask_db_hz", 1.0, 0, 60, "weaker signals are not used",
+        .add(number<Config>("gnss.cn0_mask_db_hz", 1.0, 0, 60, "signals below this strength are not used",
                             ranges(&gnss::RangeSettings::least_cn0)))
         .add(choice<Config, IonosphereModel>(
             "gnss.ionosphere",
@@ -87,10 +87,10 @@ void add_raw_gnss_options(OptionTable<Config>& table) {
             "gnss.troposphere", {{"saastamoinen", TroposphereModel::Saastamoinen}, {"none", TroposphereModel::None}},
             "delay in the standard atmosphere", ranges(&gnss::RangeSettings::troposphere)))
         .add(choice<Config, Mapping>("gnss.troposphere_mapping", {{"niell", Mapping::Niell}, {"cosecant", Mapping::Cosecant}},
-                                     "how it grows towards the horizon", ranges(&gnss::RangeSettings::mapping)))
-        .add(number<Config>("gnss.code_std_m", 1.0, 1e-3, 100, "one sigma of a strong pseudorange from the zenith",
+                                     "mapping function of the troposphere", ranges(&gnss::RangeSettings::mapping)))
+        .add(number<Config>("gnss.code_std_m", 1.0, 1e-3, 100, "one sigma of a pseudorange at the zenith with a strong signal",
                             ranges(&gnss::RangeSettings::code_sigma)))
-        .add(number<Config>("gnss.doppler_std_m_s", 1.0, 1e-4, 10, "one sigma of a strong Doppler from the zenith",
+        .add(number<Config>("gnss.doppler_std_m_s", 1.0, 1e-4, 10, "one sigma of a Doppler at the zenith with a strong signal",
                             ranges(&gnss::RangeSettings::doppler_sigma)))
         .add(flag<Config>(
             "gnss.phase_velocity",

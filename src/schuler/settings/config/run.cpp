@@ -66,7 +66,7 @@ Option<Config> outage_option() {
 }
 
 Option<Config> output_files_option() {
-    OptionSpec spec = detail::spec("output.files", Shape::Texts, "what is written beside the table on the terminal");
+    OptionSpec spec = detail::spec("output.files", Shape::Texts, "files that are written");
     spec.choices = {"solution", "summary", "h5", "report", "kml", "config", "covariance"};
     spec.form = "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"covariance\" (the whole of it, in run.h5)";
     return {std::move(spec),
@@ -91,17 +91,17 @@ std::vector<OutageSpan> outages_from_tables(const ValueList& tables) {
 }
 
 void add_run_options(OptionTable<Config>& table) {
-    table.add(time_option("run.start_s", "data before are left out", &RunConfig::start))
-        .add(time_option("run.stop_s", "data after are left out", &RunConfig::stop))
+    table.add(time_option("run.start_s", "data before this time are left out", &RunConfig::start))
+        .add(time_option("run.stop_s", "data after this time are left out", &RunConfig::stop))
         .add(number<Config>("run.settle_s", 1.0, 0, 1e9, "errors are counted from here; default: alignment + 60 s",
                             [](auto& c) -> auto& { return c.run.settle; }))
         .add(outage_option())
         .add(number<Config>("output.rate_hz", 1.0, 0, 1e5, "rate of the solution; 0 = every IMU epoch",
                             [](auto& c) -> auto& { return c.filter.output_rate; }))
         .add(vector3<Config>("output.lever_arm_m", 1.0, -1e4, 1e4,
-                             "from the IMU to a point whose solution is wanted as well (point.csv): forward, right, down; events are of that point",
+                             "lever arm from the IMU to a further output point (point.csv): forward, right, down; events refer to that point",
                              [](auto& c) -> auto& { return c.filter.output_lever_arm_b; }))
-        .add(text<Config>("output.events", "file of instants (time_s, name) at which the solution is wanted too: events.csv, a row each",
+        .add(text<Config>("output.events", "file of instants (time_s, name) at which the solution is output as well: events.csv, one row each",
                           [](auto& c) -> auto& { return c.output.events; }))
         .add(output_files_option());
 }

@@ -5,6 +5,7 @@
 #include "schuler/settings/config/config.h"
 
 #include <string>
+#include <string_view>
 
 namespace schuler::settings {
 
@@ -18,6 +19,9 @@ void add_gravity_options(OptionTable<Config>& table);  ///< gravity, anomaly
 void add_aid_options(OptionTable<Config>& table);       ///< gauges, log, compass
 void add_ranging_options(OptionTable<Config>& table);  ///< ranges
 void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
+
+/// When the option of this key has an effect, in words: "filter.scheme = \"separate\""; empty: always.
+[[nodiscard]] std::string condition_of(std::string_view key);
 
 /// Runs work; an error that knows only its key gets the place of the setting it is about.
 template <class Work>

@@ -1,3 +1,4 @@
+#include "schuler/settings/scenario/scenario.h"
 
 namespace schuler::settings {
 namespace {

@@ -1,4 +1,4 @@
-// "compare.*": which schemes, with how many satellites, and the windows in which they are told apart.
+// "compare.*": which schemes, with how many satellites, and the windows in which they are compared.
 #include "schuler/settings/scenario/comparison.h"
 
 #include "schuler/core/error.h"
@@ -54,7 +54,7 @@ std::optional<Value> nothing(const S&) { return std::nullopt; }
 
 Option<S> schemes_option() {
     OptionSpec spec =
-        detail::spec("compare.schemes", Shape::Texts, "`run` takes the same flight through these schemes and compares them");
+        detail::spec("compare.schemes", Shape::Texts, "`run` processes the same flight with these schemes and compares them");
     for (const KnownScheme& k : known_schemes()) spec.choices.emplace_back(k.name);
     spec.form = "a list out of";
     for (const KnownScheme& scheme : known_schemes()) spec.form += fmt::format(" \"{}\"", scheme.name);
@@ -68,7 +68,7 @@ Option<S> schemes_option() {
 
 Option<S> satellites_option() {
     OptionSpec spec =
-        detail::spec("compare.satellites", Shape::Numbers, "... each with so many satellites from the first of ranges.limit on");
+        detail::spec("compare.satellites", Shape::Numbers, "numbers of satellites with which each scheme is compared, from the first of ranges.limit on");
     spec.form = "a list of whole numbers";
     spec.low = 0;
     spec.high = 99;
@@ -158,7 +158,7 @@ void add_window(S& s, const WindowTable& table) {
 /// After the options it is checked against: duration_s, reference_rate_hz, compare.schemes, compare.solution_age_s.
 Option<S> windows_option() {
     return {detail::spec("compare.window", Shape::Tables,
-                         "a span in which they are told apart: [[compare.window]] with name, start_s, end_s"),
+                         "a window in which they are compared: [[compare.window]] with name, start_s, end_s"),
             [](S& s, const Value& v) {
                 s.windows.clear();
                 for (std::size_t i = 0; i < v.list()->size(); ++i) add_window(s, WindowTable((*v.list())[i], i));
@@ -174,7 +174,7 @@ void add_compare_options(OptionTable<S>& table) {
         .add(number<S>("compare.limit_m", 1.0, 1e-3, 1e7,
                        "a scheme has recovered after a window where its horizontal error is below this",
                        [](auto& s) -> auto& { return s.window_rules.limit; }))
-        .add(number<S>("compare.solution_age_s", 1.0, 1e-3, 1e4, "in a window an older solution counts as none",
+        .add(number<S>("compare.solution_age_s", 1.0, 1e-3, 1e4, "age beyond which a solution does not count in a window",
                        [](auto& s) -> auto& { return s.window_rules.age; }))
         .add(windows_option());
 }

@@ -99,7 +99,7 @@ Fault fault_of(const ValueTable& table) {
 
 Option<ScenarioConfig> fault_option() {
     OptionSpec spec = detail::spec("fault", Shape::Tables,
-                                   "what goes wrong: [[fault]] with start_s, kind (gnss: step, ramp, drift, velocity, freeze, noise, dropout; imu: "
+                                   "faults: [[fault]] with start_s, kind (gnss: step, ramp, drift, velocity, freeze, noise, dropout; imu: "
                                    "gyro, accel, saturate ...), sensor, size (m, m/s; deg/h, mg, deg/s), duration_s, direction");
     return {std::move(spec),
             [](ScenarioConfig& s, const Value& v) {

@@ -10,7 +10,7 @@
 
 namespace schuler::settings {
 
-/// Root mean squares of the first five state blocks (position, velocity, attitude, gyro bias, accelerometer bias), SI; NaN: not told.
+/// Root mean squares of the first five state blocks (position, velocity, attitude, gyro bias, accelerometer bias), SI; NaN: not stated.
 inline constexpr std::size_t published_blocks = 5;
 using BlockRms = std::array<Eigen::Vector3d, published_blocks>;
 

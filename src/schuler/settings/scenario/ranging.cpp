@@ -46,14 +46,14 @@ void add_sources(OptionTable<S>& table) {
             }))
         .add(list_of<S, SatelliteLimit>(
             "ranges.limit", "[ { start_s, keep, variant }, ... ]",
-            "from then on only so many satellites: up to four of the four with the best geometry, more: the highest",
+            "limits the number of satellites from start_s on: up to four of the four with the best geometry, more: the highest",
             list(&R::limits), [](SatelliteLimit& l) {
                 return Entries{{.name = "start_s", .number = &l.start},
                                {.name = "keep", .count = &l.keep},
                                {.name = "variant", .count = &l.variant}};
             }))
         .add(list_of<S, RangeFault>(
-            "ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]", "ranges that are wrong",
+            "ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]", "faults of ranges",
             list(&R::faults), [](RangeFault& f) {
                 return Entries{{.name = "source", .text = &f.source},     {.name = "start_s", .number = &f.start},
                                {.name = "duration_s", .number = &f.duration}, {.name = "offset_m", .number = &f.offset},
@@ -77,9 +77,9 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
                        [](auto& s) -> auto& { return s.ranging.second; }))
         .add(flag<S>("ranges.rinex", "write RINEX observations and navigation files too",
                      [](auto& s) -> auto& { return s.ranging.rinex; }))
-        .add(number<S>("ranges.elevation_mask_deg", deg, -10, 90, "lower satellites are not seen",
+        .add(number<S>("ranges.elevation_mask_deg", deg, -10, 90, "satellites below this elevation are not tracked",
                        [](auto& s) -> auto& { return s.ranging.settings.masks.elevation; }))
-        .add(flag<S>("ranges.throughout", "only satellites above the mask during the whole scenario",
+        .add(flag<S>("ranges.throughout", "use only satellites that stay above the mask during the whole scenario",
                      [](auto& s) -> auto& { return s.ranging.settings.masks.throughout; }))
         .add(number<S>("ranges.antenna_mask_deg", deg, -90, 90,
                        "hidden below this angle over the antenna's plane, which banks with the body",
@@ -99,14 +99,13 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
         .add(number<S>("ranges.multipath_period_s", 1.0, 0.01, 1e5, "their period",
                        [](auto& s) -> auto& { return s.ranging.settings.multipath.period; }))
         .add(number<S>("ranges.receiver_acceleration_m_s_sqrt_s", 1.0, 1e-4, 1e3,
-                       "medium: white acceleration that the receiver's own filter is "
-                       "told",
+                       "intermediate: white acceleration assumed by the receiver-only filter",
                        [](auto& s) -> auto& { return s.processing.filter.ranging.receiver_acceleration; }))
         .add(flag<S>("ranges.atmosphere", "ranges are delayed by troposphere and ionosphere", settings(&R::atmosphere)));
     add_sources(table);
     add_range_error_options(table, [](auto& s) -> auto& { return s.ranging.settings.errors; });
     table.add(number<S>("baro.bias_time_s", 1.0, 0, 1e7,
-                        "correlation time of the barometer's bias, which then does not walk; 0 = constant",
+                        "correlation time of the barometer's bias; 0 = constant with a random walk",
                         [](auto& s) -> auto& { return s.sim.baro.bias_time; }));
 }
 

@@ -67,24 +67,24 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                     throw input_error("a jammer without power, spread or duration", {}, "give positive numbers");
                 jammers.push_back(j);
             }))
-        .add(number<S>("receiver.pll_bandwidth_hz", 1.0, 0.5, 50, "phase loop without an aid", alone(&T::pll_bandwidth)))
-        .add(number<S>("receiver.dll_bandwidth_hz", 1.0, 0.01, 10, "code loop without an aid", alone(&T::dll_bandwidth)))
-        .add(integration("receiver.integration_ms", "coherent sums without an aid; a divisor of 20", alone(&T::integration)))
-        .add(number<S>("receiver.aided_pll_bandwidth_hz", 1.0, 0.5, 50, "phase loop with inertial rates (medium)",
+        .add(number<S>("receiver.pll_bandwidth_hz", 1.0, 0.5, 50, "bandwidth of the phase loop without inertial aiding", alone(&T::pll_bandwidth)))
+        .add(number<S>("receiver.dll_bandwidth_hz", 1.0, 0.01, 10, "bandwidth of the code loop without inertial aiding", alone(&T::dll_bandwidth)))
+        .add(integration("receiver.integration_ms", "coherent integration without inertial aiding; a divisor of 20", alone(&T::integration)))
+        .add(number<S>("receiver.aided_pll_bandwidth_hz", 1.0, 0.5, 50, "bandwidth of the phase loop with inertial aiding (intermediate coupling)",
                        aided(&T::pll_bandwidth)))
-        .add(number<S>("receiver.aided_dll_bandwidth_hz", 1.0, 0.01, 10, "code loop with inertial rates (medium)",
+        .add(number<S>("receiver.aided_dll_bandwidth_hz", 1.0, 0.01, 10, "bandwidth of the code loop with inertial aiding (intermediate coupling)",
                        aided(&T::dll_bandwidth)))
-        .add(integration("receiver.aided_integration_ms", "coherent sums with inertial rates; a divisor of 20",
+        .add(integration("receiver.aided_integration_ms", "coherent integration with inertial aiding; a divisor of 20",
                          aided(&T::integration)))
         .add(choice<S, receiver::Prefilter>(
             "receiver.prefilter",
             {{"noncoherent", receiver::Prefilter::Noncoherent}, {"coherent", receiver::Prefilter::Coherent}},
-            "residuals of deep channels: from powers alone, or by the phase while it can be followed", deep(&D::prefilter)))
+            "discriminators of deep channels: noncoherent, or coherent while the phase is tracked", deep(&D::prefilter)))
         .add(number<S>("receiver.front_end_mhz", 1e6, 0.6, 100, "two-sided band of the front end; not given: all of it",
                        bank(&receiver::BankSettings::front_end)))
-        .add(number<S>("receiver.clock_h_minus1", 1.0, 0, 1e-10, "flicker of the oscillator's frequency, beside ranges.clock",
+        .add(number<S>("receiver.clock_h_minus1", 1.0, 0, 1e-10, "flicker frequency noise of the oscillator, in addition to ranges.clock",
                        [](auto& s) -> auto& { return s.receiver_channels.clock_flicker; }))
-        .add(number<S>("receiver.clock_per_g", 1.0, 0, 1e-6, "fractional frequency that each axis's specific force of a g adds",
+        .add(number<S>("receiver.clock_per_g", 1.0, 0, 1e-6, "fractional frequency offset for one g of specific force on each axis",
                        [](auto& s) -> auto& { return s.receiver_channels.clock_per_g; }));
 }
 

@@ -65,9 +65,9 @@ void add_imu(Table& table) {
         .add(both("imu.misalignment_arcsec", units::arcsec, 1e5, "axis misalignment of gyros and accelerometers",
                   &sensor::ImuErrorModel::gyro_misalignment, &sensor::ImuErrorModel::accel_misalignment));
     add_imu_error_options(table, "imu.", errors);
-    table.add(number<S>("imu.warm_up_k", 1.0, -100, 100, "it warms by so much above the temperature of its calibration",
+    table.add(number<S>("imu.warm_up_k", 1.0, -100, 100, "temperature rise above that of its calibration",
                         [](auto& s) -> auto& { return s.sim.imu.warm_up; }))
-        .add(number<S>("imu.warm_up_time_s", 1.0, 1e-3, 1e6, "time constant of that", [](auto& s) -> auto& { return s.sim.imu.warm_up_time; }));
+        .add(number<S>("imu.warm_up_time_s", 1.0, 1e-3, 1e6, "time constant of the warm-up", [](auto& s) -> auto& { return s.sim.imu.warm_up_time; }));
 }
 
 /// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which names no sigma of its own for the
@@ -127,13 +127,13 @@ void add_receivers(Table& table) {
         .add(number<S>("baro.rate_hz", 1.0, 0, 1000, "rate of the barometer; 0 = none", baro(&sim::BaroSettings::rate)))
         .add(number<S>("baro.white_m", 1.0, 0, 1e4, "white height error", baro(&sim::BaroSettings::white)))
         .add(number<S>("baro.bias_m", 1.0, 0, 1e5, "constant height error, one sigma over runs", baro(&sim::BaroSettings::bias)))
-        .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "its random walk, m in a root second",
+        .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "its random walk",
                        baro(&sim::BaroSettings::bias_walk)))
-        .add(flag<S>("baro.pressure", "the log has static pressures, of which the reader makes heights of the standard atmosphere",
+        .add(flag<S>("baro.pressure", "the log has static pressures, which are converted to heights of the standard atmosphere",
                      [](auto& s) -> auto& { return s.sim.baro.pressure; }))
         .add(number<S>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "pressure: of the day at sea level",
                        baro(&sim::BaroSettings::sea_level_pressure)))
-        .add(number<S>("baro.temperature_offset_k", 1.0, -60, 60, "pressure: the day is so much warmer than the standard atmosphere",
+        .add(number<S>("baro.temperature_offset_k", 1.0, -60, 60, "pressure: deviation of the temperature from the standard atmosphere",
                        baro(&sim::BaroSettings::temperature_offset)))
         .add(number<S>("mag.rate_hz", 1.0, 0, 1000, "rate of the magnetometer; 0 = none", mag(&M::rate)))
         .add(number<S>("mag.field_ut", 1e-6, 1, 1000, "strength of the Earth's field", mag(&M::field)))
@@ -179,7 +179,7 @@ void add_filter(Table& table) {
             Option<S> option;
             option.spec = spec;
             option.spec.key = "filter.assumed." + spec.key.substr(4);
-            option.spec.help = "the filter is told this instead of what is simulated: " + spec.help;
+            option.spec.help = "value that the filter assumes instead of the simulated one: " + spec.help;
             option.set = [key = spec.key](S& s, const Value& v) { s.assumed.push_back({key, v, {}}); };
             option.get = [key = spec.key](const S& s) -> std::optional<Value> {
                 const auto it = std::ranges::find(s.assumed, key, &Setting::key);
@@ -222,7 +222,7 @@ Variation variation_of(const std::string& key, const Value& v) {
 void add_montecarlo(Table& table) {
     table.add(integer<S>("montecarlo.runs", 1, 1000000, "number of runs", [](auto& s) -> auto& { return s.montecarlo_runs; }));
     OptionSpec spec = detail::spec("montecarlo.vary", Shape::Table,
-                                   "numbers drawn anew for each run: { \"imu.gyro_bias_deg_h\" = { uniform = [0, 5] }, ... = { normal = [mean, sigma] } }");
+                                   "values drawn at random for each run: { \"imu.gyro_bias_deg_h\" = { uniform = [0, 5] }, ... = { normal = [mean, sigma] } }");
     table.add(Option<S>{std::move(spec),
                         [](S& s, const Value& v) {
                             s.vary.clear();
@@ -232,7 +232,7 @@ void add_montecarlo(Table& table) {
 }
 
 void add_published(Table& table) {
-    table.add(text<S>("published.source", "what publishes root mean squares of this scenario, to stand beside those of a run",
+    table.add(text<S>("published.source", "source of published root mean squares of this scenario, to compare with those of a run",
                       [](auto& s) -> auto& { return s.published.source; }));
     const struct {
         const char* name;

@@ -1,4 +1,4 @@
-// Scenario files: what is simulated, and what the filter is told about it.
+// Scenario files: what is simulated, and what the filter assumes about it.
 #pragma once
 
 #include "schuler/receiver/bank.h"
@@ -129,11 +129,11 @@ struct ScenarioConfig {
     std::vector<Variation> vary;
     Published published;
     std::vector<std::string> compared;          ///< schemes that `run` compares on this scenario
-    std::vector<std::size_t> compared_satellites;   ///< ... with so many satellites from the first limit of the ranges on; empty: as it is
-    std::vector<CompareWindow> windows;         ///< ... told apart in these spans
+    std::vector<std::size_t> compared_satellites;   ///< numbers of satellites to compare with, from the first limit of the ranges on; empty: as it is
+    std::vector<CompareWindow> windows;         ///< ... compared in these windows
     WindowRules window_rules;
     std::set<std::string> given;                ///< keys of the settings it was made of
-    SettingList assumed;                        ///< imu.* settings that the filter is told instead of the simulated ones
+    SettingList assumed;                        ///< imu.* settings that the filter assumes instead of the simulated ones
     Config processing;                          ///< its [filter] section
 };
 

@@ -10,7 +10,7 @@ void add_trajectory_options(OptionTable<ScenarioConfig>& table);
 
 /// "trajectory.survey.*", "trajectory.drape.*" and "anomaly_field.*".
 void add_survey_options(OptionTable<ScenarioConfig>& table);
-/// Height over the ground; nothing where it is not asked for. speed: m/s. @throws Error(Input) where its file is unusable.
+/// Height over the ground; nothing where it is not set. speed: m/s. @throws Error(Input) where its file is unusable.
 [[nodiscard]] std::optional<sim::Drape> drape_of(const ScenarioConfig& scenario, double speed);
 /// The disturbance of gravity over the ground; empty: none. The path of the scenario is there already.
 /// @throws Error(Input) where the grid is unusable or ends before the path, or the model is not installed.
@@ -21,7 +21,7 @@ void add_aid_scenario_options(OptionTable<ScenarioConfig>& table);
 
 /// The path that the settings mean. @throws Error(Input) with the key.
 [[nodiscard]] sim::PathSettings path_of(const ScenarioConfig& scenario);
-/// Height (m) below which such a path is wrong unless the scenario says otherwise.
+/// Lowest height (m) of such a path unless the scenario sets another.
 [[nodiscard]] double ground_of(const ScenarioConfig& scenario);
 [[nodiscard]] fusion::VehicleKind vehicle_of(TrajectoryType type);
 

@@ -28,11 +28,11 @@ void add_survey_options(OptionTable<S>& table) {
     const auto pattern = [](auto P::*field) { return [=](auto& s) -> auto& { return s.survey.*field; }; };
     const auto drape = [](double SurveyGround::*field) { return [=](auto& s) -> auto& { return s.survey_ground.*field; }; };
     using G = SurveyGround;
-    table.add(integer<S>("trajectory.survey.lines", 1, 1000, "survey: parallel lines, to and fro", pattern(&P::lines)))
-        .add(integer<S>("trajectory.survey.ties", 0, 1000, "survey: tie lines across them", pattern(&P::ties)))
+    table.add(integer<S>("trajectory.survey.lines", 1, 1000, "survey: number of parallel lines, flown back and forth", pattern(&P::lines)))
+        .add(integer<S>("trajectory.survey.ties", 0, 1000, "survey: number of tie lines across them", pattern(&P::ties)))
         .add(number<S>("trajectory.survey.length_m", 1.0, 1, 1e6, "survey: length of a line", pattern(&P::length)))
         .add(number<S>("trajectory.survey.spacing_m", 1.0, 1, 1e6, "survey: distance between lines", pattern(&P::spacing)))
-        .add(number<S>("trajectory.survey.overrun_m", 1.0, 0, 1e5, "survey: straight before and behind every line",
+        .add(number<S>("trajectory.survey.overrun_m", 1.0, 0, 1e5, "survey: straight lead-in and run-out of every line",
                        pattern(&P::overrun)))
         .add(number<S>("trajectory.survey.bank_deg", units::deg, 1, 60, "survey: largest bank in turns", pattern(&P::bank)))
         .add(number<S>("trajectory.drape.clearance_m", 1.0, -1e4, 1e5,
@@ -45,9 +45,9 @@ void add_survey_options(OptionTable<S>& table) {
                      [](auto& s) -> auto& { return s.survey_ground.file; }))
         .add(number<S>("trajectory.drape.height_m", 1.0, -1e4, 1e4, "without a file: mean height of the ground",
                        drape(&G::height)))
-        .add(number<S>("trajectory.drape.amplitude_m", 1.0, 0, 1e4, "its hills, a sine north by a sine east",
+        .add(number<S>("trajectory.drape.amplitude_m", 1.0, 0, 1e4, "amplitude of its hills, a sine north times a sine east",
                        drape(&G::amplitude)))
-        .add(number<S>("trajectory.drape.wavelength_m", 1.0, 1, 1e6, "from hill to hill", drape(&G::wavelength)))
+        .add(number<S>("trajectory.drape.wavelength_m", 1.0, 1, 1e6, "wavelength of the hills", drape(&G::wavelength)))
         .add(text<S>("anomaly_field.file",
                      "disturbance of gravity over the ground, a grid: lat_deg, lon_deg, east_mgal, north_mgal, up_mgal; relative "
                      "to the scenario",

@@ -146,7 +146,7 @@ void add_motions(Table& table) {
                        [](auto& s) -> auto& { return s.phase.height_change; }))
         .add(number<S>("trajectory.length_m", 1.0, 1, 1e6, "figure8: long axis", [](auto& s) -> auto& { return s.figure8.length; }))
         .add(number<S>("trajectory.width_m", 1.0, 1, 1e6, "figure8: across it", [](auto& s) -> auto& { return s.figure8.width; }))
-        .add(number<S>("trajectory.loop_height_m", 1.0, 0, 1e4, "figure8: one loop so much above, one so much below the start",
+        .add(number<S>("trajectory.loop_height_m", 1.0, 0, 1e4, "figure8: height of one loop above and of the other below the start",
                        [](auto& s) -> auto& { return s.figure8.height_amplitude; }))
         .add(number<S>("trajectory.figure_s", 1.0, 1, 1e5, "figure8: time of one figure", [](auto& s) -> auto& { return s.figure8.period; }));
     const struct {
@@ -188,7 +188,7 @@ void add_trajectory_options(Table& table) {
                                         "drive), waypoints, takeoff (and climb), racetrack "
                                         "(holding pattern), approach (and landing), figure8, ship (in waves), table (turntable), "
                                         "file (a recording flown again), weave "
-                                        "(straight legs and turns to and fro), survey (parallel lines and tie lines)",
+                                        "(straight legs with alternating turns), survey (parallel lines and tie lines)",
                                         [](auto& s) -> auto& { return s.type; }));
     add_start(table);
     table
@@ -201,7 +201,7 @@ void add_trajectory_options(Table& table) {
                        "great_circle, flights, ship, survey: speed; default: 200, 130, 6, 60",
                        [](auto& s) -> auto& { return s.speed; }))
         .add(number<S>("trajectory.ground_height_m", 1.0, -1e4, 1e5,
-                       "a path below this is an error; default: 0 for what flies, the start of a take-off, -500 otherwise",
+                       "lowest height of a path; default: 0 for aircraft, the start of a take-off, -500 otherwise",
                        [](auto& s) -> auto& { return s.ground; }));
     add_paper_a(table);
     add_motions(table);
@@ -211,7 +211,7 @@ void add_trajectory_options(Table& table) {
     };
     using R = sim::RoutePath;
     Option<S> standstill =
-        number<S>("trajectory.standstill_s", 1.0, 0, 1e6, "car, waypoints, survey: at rest before the start; default: 30, 30, 0",
+        number<S>("trajectory.standstill_s", 1.0, 0, 1e6, "car, waypoints, survey: time at rest before the start; default: 30, 30, 0",
                   route(&R::standstill));
     standstill.set = [set = standstill.set](S& s, const Value& v) {
         set(s, v);
@@ -219,10 +219,10 @@ void add_trajectory_options(Table& table) {
     };
     table.add(waypoints_option())
         .add(std::move(standstill))
-        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: on its way from the start on",
+        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: moving from the start on",
                        route(&R::start_speed)))
         .add(number<S>("trajectory.knot_spacing_m", 1.0, 0.5, 1e4,
-                       "car, waypoints: how far bends and climbs are smoothed; aircraft: 50", route(&R::knot_spacing)))
+                       "car, waypoints: length over which bends and climbs are smoothed; aircraft: 50", route(&R::knot_spacing)))
         .add(number<S>("trajectory.corner_radius_m", 1.0, 0.1, 1e6, "car, waypoints: radius of the corners",
                        route(&R::corner_radius)))
         .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 1000, "car, waypoints: limit in corners",

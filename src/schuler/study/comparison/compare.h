@@ -3,6 +3,7 @@
 
 #include "schuler/report/outcome.h"
 #include "schuler/report/report.h"
+#include "schuler/report/result_table.h"
 #include "schuler/scenario/simulated_dataset.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/request.h"
@@ -51,7 +52,7 @@ struct Comparison {
     std::vector<report::Panel> plots{};
 };
 
-/// The scenario with so many satellites; as it is where the number is not given. @throws Error(Input) where it has no limit to change.
+/// The scenario with the given number of satellites; unchanged without one. @throws Error(Input) where it has no limit to change.
 [[nodiscard]] settings::ScenarioConfig with_satellites(const settings::ScenarioConfig& scenario, std::optional<std::size_t> satellites);
 /// What is compared of a run that has been evaluated; its scheme and satellites are the caller's.
 [[nodiscard]] ComparedRun compared_run(const solution::ResultBundle& bundle, const settings::ScenarioConfig& scenario);
@@ -68,18 +69,19 @@ struct Comparison {
 /// report.html: the tables, horizontal and vertical errors of all schemes over time, and the further plots.
 [[nodiscard]] report::ReportInput comparison_report(const Comparison& comparison);
 
-/// A number of the table, or of a window.
-struct ComparedColumn {
-    const char* key;     ///< of JSON and CSV
-    const char* title;   ///< of the tables
-};
 /// In the order of compared_numbers().
-[[nodiscard]] const std::vector<ComparedColumn>& compared_columns();
+[[nodiscard]] const std::vector<report::TableColumn>& compared_columns();
 /// The same without the last, the time of the filters: what is the same whenever it is run.
-[[nodiscard]] std::vector<ComparedColumn> repeated_columns();
-[[nodiscard]] std::vector<ComparedColumn> window_columns(const Comparison& comparison);
+[[nodiscard]] std::vector<report::TableColumn> repeated_columns();
+[[nodiscard]] std::vector<report::TableColumn> window_columns(const Comparison& comparison);
 /// In the order of window_columns(), which has two more where there is a receiver at correlator level.
 [[nodiscard]] std::vector<double> window_numbers(const WindowStatistics& statistics);
+/// A row a run: its schemes after settling, `timing` with the time of the filters too; or in a window of the comparison.
+[[nodiscard]] report::ResultTable scheme_table(const Comparison& comparison, bool timing);
+[[nodiscard]] report::ResultTable window_table(const Comparison& comparison, std::size_t window);
+/// The same with other numbers: name, group and labels of a scheme with so many satellites.
+[[nodiscard]] report::ResultRow scheme_row(const settings::KnownScheme& scheme, std::optional<std::size_t> satellites);
+
 /// "window jammed, 300 to 420 s".
 [[nodiscard]] std::string window_title(const settings::CompareWindow& window);
 /// Of the signals' strength and of what each scheme's receiver follows; nothing without a receiver.

@@ -4,6 +4,7 @@
 #include "schuler/analysis/ensemble.h"
 #include "schuler/analysis/errors.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/report.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/comparison.h"

@@ -50,12 +50,6 @@ std::vector<double> window_of(const SchemeCampaign& s, std::size_t window) {
     return out;
 }
 
-std::string cell(double x) {
-    if (!std::isfinite(x)) return "-";
-    const double a = std::abs(x);
-    return a != 0.0 && (a < 1e-3 || a >= 1e5) ? fmt::format("{:.2e}", x) : fmt::format("{:.4g}", x);
-}
-
 /// A row a scheme under its number of satellites; `rest(scheme)` ends it.
 template <class Rest>
 std::string table_of(const CompareCampaign& c, const std::string& head, Rest rest) {
@@ -70,9 +64,9 @@ std::string table_of(const CompareCampaign& c, const std::string& head, Rest res
 }
 
 /// Columns that are repeated for the same seed, with their place among the numbers.
-std::vector<std::pair<std::size_t, ComparedColumn>> counted_columns() {
-    std::vector<std::pair<std::size_t, ComparedColumn>> out;
-    const std::vector<ComparedColumn> all = repeated_columns();
+std::vector<std::pair<std::size_t, report::TableColumn>> counted_columns() {
+    std::vector<std::pair<std::size_t, report::TableColumn>> out;
+    const std::vector<report::TableColumn> all = repeated_columns();
     for (std::size_t i = 0; i < all.size(); ++i)
         if (all[i].key != single_nees) out.emplace_back(i, all[i]);
     return out;
@@ -81,15 +75,15 @@ std::vector<std::pair<std::size_t, ComparedColumn>> counted_columns() {
 }  // namespace
 
 std::string campaign_tables(const CompareCampaign& c) {
-    std::string head = fmt::format("{:<36}", fmt::format("{}, {} runs each", c.name, c.seeds.size()));
-    for (const auto& [i, column] : counted_columns()) head += fmt::format("{:>13}", column.title);
-    std::string out = table_of(c, head + "\n", [](const SchemeCampaign& s) {
-        std::string row;
-        for (const auto& [i, column] : counted_columns()) row += fmt::format("{:>13}", cell(report::rms_of(s.numbers, i)));
-        return row;
-    });
+    report::ResultTable settled{fmt::format("{}, {} runs each", c.name, c.seeds.size())};
+    for (const auto& [i, column] : counted_columns()) settled.columns.push_back(column);
+    for (const SchemeCampaign& s : c.schemes) {
+        report::ResultRow& row = settled.rows.emplace_back(scheme_row(*s.scheme, s.satellites));
+        for (const auto& [i, column] : counted_columns()) row.numbers.push_back(rms_of(s.numbers, i));
+    }
+    std::string out = report::table_text(settled);
     out += fmt::format("root mean squares over the runs, seeds {} to {}\n\n", c.seeds.front(), c.seeds.back());
-    head = fmt::format("{:<36}", "NEES, 3 expected (95 % bounds)");
+    std::string head = fmt::format("{:<36}", "NEES, 3 expected (95 % bounds)");
     for (const char* title : {"position", "velocity", "attitude"}) head += fmt::format("{:>26}", title);
     out += table_of(c, head + "\n", [](const SchemeCampaign& s) {
         std::string row;
@@ -100,14 +94,12 @@ std::string campaign_tables(const CompareCampaign& c) {
         return row;
     });
     for (std::size_t k = 0; k < c.windows.size(); ++k) {
-        head = fmt::format("\n{:<36}", window_title(c.windows[k]));
-        for (const ComparedColumn& column : window_columns({})) head += fmt::format("{:>13}", column.title);
-        out += table_of(c, head + "\n", [k](const SchemeCampaign& s) {
-            std::string row;
-            const std::vector<double> numbers = window_of(s, k);
-            for (std::size_t i = 0; i < window_columns({}).size() && i < numbers.size(); ++i) row += fmt::format("{:>13}", cell(numbers[i]));
-            return row;
-        });
+        report::ResultTable window{window_title(c.windows[k]), window_columns({})};
+        for (const SchemeCampaign& s : c.schemes) {
+            window.rows.push_back(scheme_row(*s.scheme, s.satellites));
+            window.rows.back().numbers = window_of(s, k);
+        }
+        out += "\n" + report::table_text(window);
     }
     if (!c.windows.empty()) out += "over the runs: RMS, the largest, the largest, mean share of the time with a solution, median recovery\n";
     return out + fmt::format("\n{:.1f} s, {:.2f} runs/s\n", c.wall_s, static_cast<double>(c.seeds.size() * c.schemes.size()) / c.wall_s);
@@ -121,7 +113,7 @@ std::string campaign_json(const CompareCampaign& c) {
         if (s.satellites) row["satellites"] = *s.satellites;
         row["failed"] = s.failures.size();
         failed += s.failures.size();
-        for (const auto& [i, column] : counted_columns()) row[column.key] = report::json_number(report::rms_of(s.numbers, i));
+        for (const auto& [i, column] : counted_columns()) row[column.key] = report::json_number(rms_of(s.numbers, i));
         for (std::size_t block = 0; block < 3; ++block) {
             const analysis::EnsembleConsistency& n = s.nees[block];
             row[nees_keys[block]] = std::isfinite(n.mean) ? report::Json{{"mean", n.mean},     {"expected", n.expected}, {"low95", report::json_number(n.low95)},
@@ -130,9 +122,7 @@ std::string campaign_json(const CompareCampaign& c) {
         }
         for (std::size_t k = 0; k < c.windows.size(); ++k) {
             report::Json window{{"name", c.windows[k].name}, {"start_s", c.windows[k].start}, {"end_s", c.windows[k].end}};
-            const std::vector<double> numbers = window_of(s, k);
-            const std::vector<ComparedColumn> head = window_columns({});
-            for (std::size_t i = 0; i < head.size() && i < numbers.size(); ++i) window[head[i].key] = report::json_number(numbers[i]);
+            report::put_row(window, window_columns({}), window_of(s, k));
             row["windows"].push_back(std::move(window));
         }
         rows.push_back(std::move(row));
@@ -148,19 +138,15 @@ std::string campaign_json(const CompareCampaign& c) {
 }
 
 std::string campaign_runs_csv(const CompareCampaign& c) {
-    std::string out = c.schemes.front().satellites ? "scheme,satellites,seed" : "scheme,seed";
-    const std::vector<ComparedColumn> head = repeated_columns();
-    for (const ComparedColumn& column : head) out += fmt::format(",{}", column.key);
+    report::ResultTable table{c.name, repeated_columns()};
     for (const SchemeCampaign& s : c.schemes) {
         for (std::size_t r = 0; r < c.seeds.size(); ++r) {
-            out += fmt::format("\n{}{},{}", s.scheme->name, s.satellites ? fmt::format(",{}", *s.satellites) : "", c.seeds[r]);
-            for (std::size_t i = 0; i < head.size(); ++i) {
-                const double x = i < s.numbers[r].size() ? s.numbers[r][i] : not_given;
-                out += std::isfinite(x) ? fmt::format(",{:.9g}", x) : ",";
-            }
+            report::ResultRow& row = table.rows.emplace_back(scheme_row(*s.scheme, s.satellites));
+            row.labels.emplace_back("seed", fmt::format("{}", c.seeds[r]));
+            row.numbers = s.numbers[r];
         }
     }
-    return out + "\n";
+    return report::table_csv(table);
 }
 
 }  // namespace schuler::study

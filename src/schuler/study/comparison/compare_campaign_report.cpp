@@ -107,7 +107,7 @@ report::ReportInput campaign_report(const CompareCampaign& c) {
     honesty.groups.push_back({"", {}, {nees_table(c)}});
     report::Section courses{"Errors over time",
                             "Root mean square over the runs, and dashed the sigma that the solutions stated: "
-                            "where a scheme is honest the two run together."};
+                            "where a scheme is consistent the two coincide."};
     for (const std::optional<std::size_t>& satellites : counts_of_satellites(c.schemes)) {
         report::Group& group = courses.groups.emplace_back();
         if (satellites) group.title = fmt::format("{} satellites", *satellites);

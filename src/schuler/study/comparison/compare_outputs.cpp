@@ -20,7 +20,7 @@ double outage(const solution::ResultBundle& b, double analysis::OutageStatistics
 
 /// A number of the comparison: key of JSON and CSV, title of the table, and how it is got.
 struct Column {
-    ComparedColumn column;
+    report::TableColumn column;
     double (*of)(const solution::ResultBundle&);
 };
 const std::array<Column, 10> columns{{
@@ -46,40 +46,8 @@ const std::array<Column, 10> columns{{
     {{"filter_s", "time, s"}, [](const solution::ResultBundle& b) { return b.timing.filter_s; }},
 }};
 
-std::string cell(double x) {
-    if (!std::isfinite(x)) return "-";
-    const double a = std::abs(x);
-    return a != 0.0 && (a < 1e-3 || a >= 1e5) ? fmt::format("{:.2e}", x) : fmt::format("{:.4g}", x);
-}
-
-std::string csv_number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g}", x) : ","; }
-
 bool has_receiver(const Comparison& c) {
     return std::ranges::any_of(c.runs, [](const ComparedRun& r) { return !r.receiver.empty(); });
-}
-
-/// "scheme", with the number of satellites where there is one.
-std::string csv_name(const ComparedRun& run) {
-    return run.scheme->name + (run.satellites ? fmt::format(",{}", *run.satellites) : "");
-}
-std::string csv_name_header(const Comparison& c) { return c.runs.front().satellites ? "scheme,satellites" : "scheme"; }
-
-/// A row a run under its number of satellites; numbers: of a run.
-template <class Numbers>
-std::string table_of(const Comparison& c, const std::string& title, const std::vector<ComparedColumn>& head, Numbers numbers) {
-    std::string out = fmt::format("{:<36}", title);
-    for (const ComparedColumn& column : head) out += fmt::format("{:>13}", column.title);
-    out += "\n";
-    std::optional<std::size_t> satellites;
-    for (const ComparedRun& run : c.runs) {
-        if (run.satellites != satellites) out += fmt::format("{} satellites\n", *run.satellites);
-        satellites = run.satellites;
-        out += fmt::format("  {:<34}", run.scheme->title);
-        const std::vector<double> values = numbers(run);
-        for (std::size_t i = 0; i < head.size(); ++i) out += fmt::format("{:>13}", cell(values[i]));
-        out += "\n";
-    }
-    return out;
 }
 
 }  // namespace
@@ -90,23 +58,23 @@ std::vector<double> compared_numbers(const solution::ResultBundle& bundle) {
     return out;
 }
 
-const std::vector<ComparedColumn>& compared_columns() {
-    static const std::vector<ComparedColumn> list = [] {
-        std::vector<ComparedColumn> out;
+const std::vector<report::TableColumn>& compared_columns() {
+    static const std::vector<report::TableColumn> list = [] {
+        std::vector<report::TableColumn> out;
         for (const Column& c : columns) out.push_back(c.column);
         return out;
     }();
     return list;
 }
 
-std::vector<ComparedColumn> repeated_columns() {
-    std::vector<ComparedColumn> list = compared_columns();
+std::vector<report::TableColumn> repeated_columns() {
+    std::vector<report::TableColumn> list = compared_columns();
     list.pop_back();
     return list;
 }
 
-std::vector<ComparedColumn> window_columns(const Comparison& comparison) {
-    std::vector<ComparedColumn> list{{"horizontal_rms_m", "h. rms, m"},
+std::vector<report::TableColumn> window_columns(const Comparison& comparison) {
+    std::vector<report::TableColumn> list{{"horizontal_rms_m", "h. rms, m"},
                                      {"horizontal_max_m", "h. max, m"},
                                      {"vertical_max_m", "v. max, m"},
                                      {"solution_share", "solution"},
@@ -136,14 +104,38 @@ std::string window_note(const Comparison& c) {
     return out;
 }
 
+report::ResultRow scheme_row(const settings::KnownScheme& scheme, std::optional<std::size_t> satellites) {
+    report::ResultRow row{.name = scheme.title, .labels = {{"scheme", scheme.name}}};
+    if (!satellites) return row;
+    row.group = fmt::format("{} satellites", *satellites);
+    row.labels.emplace_back("satellites", fmt::format("{}", *satellites));
+    return row;
+}
+
+report::ResultTable scheme_table(const Comparison& c, bool timing) {
+    report::ResultTable table{c.name, timing ? compared_columns() : repeated_columns()};
+    for (const ComparedRun& run : c.runs) {
+        table.rows.push_back(scheme_row(*run.scheme, run.satellites));
+        table.rows.back().numbers = run.numbers;
+    }
+    return table;
+}
+
+report::ResultTable window_table(const Comparison& c, std::size_t window) {
+    report::ResultTable table{window_title(c.windows[window]), window_columns(c)};
+    for (const ComparedRun& run : c.runs) {
+        table.rows.push_back(scheme_row(*run.scheme, run.satellites));
+        table.rows.back().numbers = window_numbers(run.windows[window]);
+    }
+    return table;
+}
+
 std::string comparison_tables(const Comparison& c) {
-    std::string out = table_of(c, c.name, compared_columns(), [](const ComparedRun& r) { return r.numbers; });
+    std::string out = report::table_text(scheme_table(c, true));
     out +=
-        "root mean squares after settling; NEES of the position over its three degrees of freedom (1: honest); the first "
+        "root mean squares after settling; NEES of the position over its three degrees of freedom (1: consistent); the first "
         "outage's end\n";
-    for (std::size_t k = 0; k < c.windows.size(); ++k)
-        out += "\n" + table_of(c, window_title(c.windows[k]), window_columns(c),
-                               [k](const ComparedRun& r) { return window_numbers(r.windows[k]); });
+    for (std::size_t k = 0; k < c.windows.size(); ++k) out += "\n" + report::table_text(window_table(c, k));
     if (c.windows.empty()) return out;
     std::string note = window_note(c);
     for (const char* part : {"; recovery", "; held"})
@@ -151,43 +143,31 @@ std::string comparison_tables(const Comparison& c) {
     return out + note + "\n";
 }
 
-std::string comparison_csv(const Comparison& c) {
-    std::string out = csv_name_header(c);
-    const std::vector<ComparedColumn> head = repeated_columns();
-    for (const ComparedColumn& column : head) out += fmt::format(",{}", column.key);
-    for (const ComparedRun& run : c.runs) {
-        out += "\n" + csv_name(run);
-        for (std::size_t i = 0; i < head.size(); ++i) out += csv_number(run.numbers[i]);
-    }
-    return out + "\n";
-}
+std::string comparison_csv(const Comparison& c) { return report::table_csv(scheme_table(c, false)); }
 
 std::string windows_csv(const Comparison& c) {
-    std::string out = csv_name_header(c) + ",window,start_s,end_s";
-    const std::vector<ComparedColumn> head = window_columns(c);
-    for (const ComparedColumn& column : head) out += fmt::format(",{}", column.key);
+    report::ResultTable table{c.name, window_columns(c)};
     for (const ComparedRun& run : c.runs) {
         for (std::size_t k = 0; k < c.windows.size(); ++k) {
             const settings::CompareWindow& w = c.windows[k];
-            out += fmt::format("\n{},{},{:.9g},{:.9g}", csv_name(run), w.name, w.start, w.end);
-            const std::vector<double> numbers = window_numbers(run.windows[k]);
-            for (std::size_t i = 0; i < head.size(); ++i) out += csv_number(numbers[i]);
+            report::ResultRow& row = table.rows.emplace_back(scheme_row(*run.scheme, run.satellites));
+            row.labels.insert(row.labels.end(), {{"window", w.name}, {"start_s", fmt::format("{:.9g}", w.start)}, {"end_s", fmt::format("{:.9g}", w.end)}});
+            row.numbers = window_numbers(run.windows[k]);
         }
     }
-    return out + "\n";
+    return report::table_csv(table);
 }
 
 std::string comparison_json(const Comparison& c) {
     report::Json rows = report::Json::array();
-    const std::vector<ComparedColumn> head = window_columns(c);
+    const std::vector<report::TableColumn> head = window_columns(c);
     for (const ComparedRun& run : c.runs) {
         report::Json row{{"scheme", run.scheme->name}};
         if (run.satellites) row["satellites"] = *run.satellites;
-        for (std::size_t i = 0; i < run.numbers.size(); ++i) row[compared_columns()[i].key] = report::json_number(run.numbers[i]);
+        report::put_row(row, compared_columns(), run.numbers);
         for (std::size_t k = 0; k < c.windows.size(); ++k) {
             report::Json window{{"name", c.windows[k].name}, {"start_s", c.windows[k].start}, {"end_s", c.windows[k].end}};
-            const std::vector<double> numbers = window_numbers(run.windows[k]);
-            for (std::size_t i = 0; i < head.size(); ++i) window[head[i].key] = report::json_number(numbers[i]);
+            report::put_row(window, head, window_numbers(run.windows[k]));
             row["windows"].push_back(std::move(window));
         }
         rows.push_back(std::move(row));

@@ -63,23 +63,6 @@ Panel error_panel(const Comparison& c, std::optional<std::size_t> satellites, co
     return panel;
 }
 
-/// A row a run; numbers: of a run, as many as columns.
-template <class Numbers>
-report::TableBlock table_of(const Comparison& c, const std::string& title, const std::vector<ComparedColumn>& head,
-                            Numbers numbers) {
-    report::TableBlock table{title, {"scheme"}, {}};
-    if (c.runs.front().satellites) table.columns.emplace_back("satellites");
-    for (const ComparedColumn& column : head) table.columns.emplace_back(column.title);
-    for (const ComparedRun& run : c.runs) {
-        std::vector<std::string>& row = table.rows.emplace_back();
-        row.emplace_back(run.scheme->title);
-        if (run.satellites) row.push_back(fmt::format("{}", *run.satellites));
-        const std::vector<double> values = numbers(run);
-        for (std::size_t i = 0; i < head.size(); ++i) row.push_back(report::number(values[i]));
-    }
-    return table;
-}
-
 }  // namespace
 
 report::ReportInput comparison_report(const Comparison& c) {
@@ -90,14 +73,13 @@ report::ReportInput comparison_report(const Comparison& c) {
     const std::vector<report::Span> marks = marks_of(c);
 
     report::Section schemes{
-        "Schemes", "NEES of the position over its three degrees of freedom (1: honest); outage: at the end of the first one."};
-    const auto all = [](const ComparedRun& r) { return r.numbers; };
-    schemes.groups.push_back({"", {}, {table_of(c, "After settling, root mean squares", repeated_columns(), all)}});
+        "Schemes", "NEES of the position over its three degrees of freedom (1: consistent); outage: at the end of the first one."};
+    report::TableBlock settled = report::table_block(scheme_table(c, false));
+    settled.title = "After settling, root mean squares";
+    schemes.groups.push_back({"", {}, {std::move(settled)}});
     report::Section windows{"Windows", window_note(c) + "."};
     report::Group& tables = windows.groups.emplace_back();
-    for (std::size_t k = 0; k < c.windows.size(); ++k)
-        tables.tables.push_back(table_of(c, window_title(c.windows[k]), window_columns(c),
-                                         [k](const ComparedRun& r) { return window_numbers(r.windows[k]); }));
+    for (std::size_t k = 0; k < c.windows.size(); ++k) tables.tables.push_back(report::table_block(window_table(c, k)));
 
     report::Section errors{"Errors over time", "Where a scheme has no solution its line has a gap."};
     const std::vector<std::optional<std::size_t>> counts = counts_of_satellites(c.runs);

@@ -11,7 +11,7 @@
 
 namespace schuler::study {
 
-/// s, far below any period: times that are said to be the same come from sums and roundings.
+/// s, far below any period: equal times may differ by sums and roundings.
 constexpr double same_instant = 1e-6;
 
 /// Errors of a solution at the epochs it is compared at, in ascending order of time.
@@ -38,11 +38,11 @@ struct WindowStatistics {
 ///
 /// An error holds from its epoch to the next one, for `age` at the most. Recovery is the least r >= 0 such that from r after the
 /// window's end the error holds and is below the limit for `hold` without a break: 0 where it was good at the end and stayed so,
-/// NaN where the errors end before that can be told.
+/// NaN where the errors end before that is decided.
 [[nodiscard]] WindowStatistics window_statistics(const settings::CompareWindow& window, const settings::WindowRules& rules, const ErrorCourse& errors,
                                                  std::span<const double> solution, std::span<const double> reference);
 
-/// The same picture of about so many points. Where a solution was missing for longer than `age` (s) stands a point of NaN errors.
+/// The same curve with about that many points. Where a solution was missing for longer than `age` (s) it has a point of NaN errors.
 [[nodiscard]] ErrorCourse drawn_course(const ErrorCourse& errors, double age, std::size_t points);
 
 }  // namespace schuler::study

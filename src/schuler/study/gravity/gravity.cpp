@@ -88,13 +88,13 @@ Attainability attainability(const GravityInput& in, const std::vector<SurveyEpoc
     const double accel = in.settings.prior.accel_bias;
     if (!a.usable) {
         a.statement = fmt::format(
-            "this log cannot show the disturbance of gravity: covariance analysis leaves {} of the {} that were believed "
+            "this log cannot show the disturbance of gravity: covariance analysis leaves {} of the {} that were assumed "
             "before (accelerometers known to {}); no gravity is written",
             in_mgal(a.vertical), in_mgal(a.prior_vertical), in_mgal(accel));
     } else {
         a.statement = fmt::format(
             "covariance analysis: the vertical disturbance is known to {} at the end, the horizontal one to {}; its level cannot "
-            "be told from the accelerometers' constant error ({})",
+            "be distinguished from the accelerometers' constant error ({})",
             in_mgal(a.vertical), in_mgal(a.horizontal), in_mgal(accel));
         if (std::isfinite(a.resolved_period))
             a.statement += fmt::format(

@@ -23,7 +23,7 @@ struct GravityRequest {
     int runs = 1;                     ///< of a scenario, with seeds from the first on; 1: one survey with all its files
 };
 
-/// Recordings and settings as a survey wants them.
+/// Recordings and settings as input of a survey.
 struct GravityInput {
     std::unique_ptr<const Recording> recording;   ///< but its IMU: that of `data`
     fusion::RunData data;
@@ -38,13 +38,13 @@ struct GravityInput {
 /// the same data, whose findings (latencies, noise, mounting) hold then. Anomalies of the settings are injected. @throws Error(Input)
 [[nodiscard]] GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warnings);
 
-/// What covariance analysis says can be had, and whether this log had enough of it.
+/// What is attainable by covariance analysis, and whether it is enough.
 struct Attainability {
     double vertical = not_given;  ///< sigma of the vertical disturbance at the end, m/s^2
     double horizontal = not_given;
     double prior_vertical = not_given;  ///< before any measurement
     double resolved_period = not_given;  ///< s, full wavelength that is passed at half its amplitude
-    bool usable = false;  ///< the survey halves what was believed before, in level or in what changes
+    bool usable = false;  ///< the survey halves the prior sigma, of the level or of the varying part
     std::string statement;  ///< one or two sentences for people
 };
 

@@ -1,6 +1,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/enu.h"
 #include "schuler/report/inner/json.h"
+#include "schuler/report/summary.h"
 #include "schuler/study/gravity/gravity.h"
 
 #include <cmath>
@@ -89,7 +90,7 @@ std::string gravity_geojson(const GravityBundle& b, const std::vector<GravityRow
 }
 
 std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
-    report::Json out = report::Json::parse(summary_json(b.run));
+    report::Json out = report::Json::parse(report::summary_json(b.run));
     const Attainability& a = b.attainable;
     out["preset"] = "gravity27";
     out["gravity"] = {
@@ -123,7 +124,7 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
 }
 
 std::string gravity_tables(const GravityBundle& b) {
-    std::string out = summary_tables(b.run);
+    std::string out = report::summary_tables(b.run);
     out += fmt::format("\n{}\n", b.attainable.statement);
     if (std::isfinite(b.innovations.nis))
         out += fmt::format("innovations: NIS {:.3f} a degree of freedom, {:.3f} to {:.3f} in 95 of 100 consistent runs\n",

@@ -1,12 +1,15 @@
-// Many seeds of one scenario, and what their errors and innovations say together.
+// Monte Carlo runs of one scenario, and the statistics of their errors and innovations.
 #pragma once
 
 #include "schuler/analysis/ensemble.h"
+#include "schuler/analysis/errors.h"
+#include "schuler/analysis/outages.h"
 #include "schuler/report/outcome.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/published.h"
 #include "schuler/settings/scenario/scenario.h"
+#include "schuler/solution/evaluate.h"
 #include "schuler/solution/state_errors.h"
 
 #include <array>

@@ -291,7 +291,7 @@ std::string summary_tables(const MonteCarlo& mc) {
         settings::BlockRms rms;
         for (std::size_t b = 0; b < settings::published_blocks; ++b)
             for (std::size_t axis = 0; axis < 3; ++axis)
-                rms[b][static_cast<Eigen::Index>(axis)] = component(mc, b, axis).rms * state_block_names()[b].si;
+                rms[b][static_cast<Eigen::Index>(axis)] = component(mc, b, axis).rms * solution::state_block_names()[b].si;
         out += "\n" + report::published_table(mc.published, rms, fmt::format("{} runs, from {:.0f} s", mc.runs.size(), first->settled_s));
     }
     out += fmt::format("\n{:.1f} s, {:.2f} runs/s\n", mc.wall_s, static_cast<double>(mc.runs.size()) / mc.wall_s);

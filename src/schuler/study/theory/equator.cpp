@@ -1,7 +1,6 @@
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
-#include "schuler/study/comparison/compare.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/theory/analyze.h"
 #include "schuler/theory/ideal_operation.h"

@@ -7,7 +7,6 @@
 #include "schuler/study/parts.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <array>
 #include <cmath>
@@ -17,7 +16,6 @@
 namespace schuler::study {
 namespace {
 
-using report::Json = nlohmann::ordered_json;
 using gravimetry::Observability;
 using gravimetry::ObservedMotion;
 
@@ -47,7 +45,7 @@ std::string tables_of(const ObservabilityRequest& r, const Observability& o) {
     out += fmt::format("pivots: {} .. {}, the next is {}\n", short_number(o.pivots.front(), 4), short_number(o.pivots.back(), 4),
                        short_number(o.next, 2));
     out += "what is seen (SI units; Earth-fixed axes, sensor errors in body axes)\n";
-    for (const gravimetry::SeenCombination& c : o.combinations) out += report::text_of(c);
+    for (const gravimetry::SeenCombination& c : o.combinations) out += text_of(c);
     return out;
 }
 

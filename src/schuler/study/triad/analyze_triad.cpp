@@ -151,7 +151,7 @@ void write_files(const TriadRequest& request, const std::vector<Done>& all, repo
                              fmt::format("{} runs of each case from seed {}", request.runs, request.seed)};
     page.version = request.version;
     report::Section section{"Horizontal error after the loss",
-                            "Root mean square over the runs; broken: what the filter says of itself."};
+                            "Root mean square over the runs; broken: one sigma of the filter."};
     std::vector<double> t(triad_epochs);
     for (std::size_t i = 0; i < triad_epochs; ++i) {
         t[i] = static_cast<double>(i);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/filter/ranging_settings.h"
+#include "schuler/fusion/settings.h"
 #include "schuler/report/outcome.h"
 
 #include <array>

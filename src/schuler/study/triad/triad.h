@@ -26,7 +26,7 @@ struct TriadCase {
     std::string name;
     char key = 'a';                      ///< of the arrangement, as in math.md 5.5; s: e from 300 s on, g: f and four stations
     std::size_t satellites = 4;          ///< 99: all in view
-    std::size_t stations = 0;            ///< the first so many of four
+    std::size_t stations = 0;            ///< number of stations, the first of four
     double stations_on = 0.0;            ///< s after the loss
     bool tactical = false;               ///< otherwise navigation grade
     bool tcxo = false;                   ///< otherwise OCXO
@@ -48,14 +48,14 @@ inline constexpr std::size_t triad_geometries = 48;
 
 inline constexpr std::size_t triad_epochs = 601;   ///< seconds after the loss, 0 to 600
 
-/// One run: errors against truth and what the filter says of them, second by second after the loss.
+/// One run: errors against truth and the filter's sigmas, second by second after the loss.
 struct TriadRun {
     std::array<double, triad_epochs> horizontal, vertical;                   ///< m, of errors
     std::array<double, triad_epochs> predicted_horizontal, predicted_vertical;  ///< m, one sigma
     std::array<double, triad_epochs> nees3, nees9;                           ///< position; position, velocity, attitude
 };
 
-/// The flight of run `k` as a log of ranges, inertial unit and barometer, and what the filter is told. `seed` 0: noise seeded by k alone.
+/// The flight of run `k` as a log of ranges, inertial unit and barometer, and what the filter assumes. `seed` 0: noise seeded by k alone.
 struct TriadFlight {
     Recording recording;
     fusion::Settings settings;
@@ -66,7 +66,7 @@ struct TriadFlight {
 /// Run `k` of math.md 5.4: its own geometry, heading and noise. `seed` 0: noise seeded by k alone.
 [[nodiscard]] TriadRun run_triad(const TriadCase& which, std::size_t k, std::uint64_t seed = 0);
 
-/// Statistics over runs, every ten seconds from 300 s after the loss on (math.md 5.5) where nothing else is said.
+/// Statistics over runs, every ten seconds from 300 s after the loss on (math.md 5.5) by default.
 struct TriadStatistics {
     double median = 0, low = 0, high = 0;            ///< m, of the runs' root mean squares (2.5 and 97.5 %)
     double pooled = 0, predicted = 0;                ///< m, root mean square over runs and epochs, horizontal

@@ -5,9 +5,9 @@
 #include "schuler/fusion/result.h"
 #include "schuler/fusion/settings.h"
 
-namespace schuler::fusion {
+namespace schuler::solution {
 
 /// The fixes outside outages as solution rows at their time of validity, of the antenna; attitude NaN.
 [[nodiscard]] fusion::Result gnss_solution(const Recording& recording, const fusion::Settings& settings);
 
-}  // namespace schuler::fusion
+}  // namespace schuler::solution

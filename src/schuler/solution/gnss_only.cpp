@@ -1,10 +1,10 @@
-#include "schuler/fusion/gnss_only.h"
+#include "schuler/solution/gnss_only.h"
 
 #include "schuler/core/error.h"
 
 #include <cmath>
 
-namespace schuler::fusion {
+namespace schuler::solution {
 namespace {
 
 bool withheld(const fusion::Settings& settings, double t) {
@@ -53,4 +53,4 @@ fusion::Result gnss_solution(const Recording& recording, const fusion::Settings&
     return out;
 }
 
-}  // namespace schuler::fusion
+}  // namespace schuler::solution
