@@ -64,10 +64,12 @@ private:
     void add_settings_routes();
     void add_dataset_routes();
     void add_run_routes();
+    void add_study_routes();
     void add_result_routes();
     void add_noise_routes();
     [[nodiscard]] Reply dispatch(Request& request);
     [[nodiscard]] Reply start_run(const Json& order);
+    [[nodiscard]] Reply start_study(const Json& order);
     [[nodiscard]] Json inspected(const std::string& dataset);
     /// What the program prints as JSON, asked of a child that may read only `readable`. @throws Refusal 422
     [[nodiscard]] Json asked_of_program(const std::string& what, std::vector<std::string> arguments,

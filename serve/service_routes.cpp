@@ -1,8 +1,8 @@
 // The routes about data sets, runs and their results.
 #include "serve/service.h"
 
-#include "schuler/app/bundle.h"
 #include "schuler/core/error.h"
+#include "schuler/report/outputs.h"
 #include "serve/aside.h"
 #include "serve/forms.h"
 #include "serve/names.h"
@@ -123,7 +123,7 @@ Json Service::asked_of_program(const std::string& what, std::vector<std::string>
 
 Json Service::understood_aside(const Json& body, Form form) {
     static std::atomic<unsigned> number{0};
-    const app::SettingList settings =
+    const settings::SettingList settings =
         body.contains("toml") ? settings_from_toml(body["toml"], form) : settings_from_json(body.at("settings"), form);
     if (form == Form::Dataset) return understood(settings, form);   // no file is read, nothing is worked out
     try {
@@ -138,7 +138,7 @@ Json Service::understood_aside(const Json& body, Form form) {
     constexpr double limit_s = 10.0;
     constexpr std::size_t limit_bytes = std::size_t{1} << 30;
     try {
-        app::write_text(folder / "body.json", body.dump(-1, ' ', false, Json::error_handler_t::replace));
+        report::write_text(folder / "body.json", body.dump(-1, ' ', false, Json::error_handler_t::replace));
         const Json printed = asked_of_program("scenario", {std::string(aside_word), "understand", std::string(name_of(form)), (folder / "body.json").string()},
                                               folder, {}, limit_s, limit_bytes);
         workspace_.remove_temporary(folder);
@@ -221,7 +221,7 @@ Reply Service::start_run(const Json& order) {
     if (words_of(order, form, {}).empty())
         throw Refusal{422, fmt::format("\"{}\" is nothing to be done with a {}", command, kind),
                       "run and gravity, and of a scenario montecarlo, are", "command"};
-    app::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
+    settings::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
                                                        : settings_from_json(order.value("settings", Json::object()), form);
     check_file_settings(settings);
     Json body;
@@ -236,7 +236,7 @@ Reply Service::start_run(const Json& order) {
         check_dataset(input);
     }
     std::string name = form == Form::Dataset ? dataset : "scenario";
-    for (const app::Setting& s : settings)
+    for (const settings::Setting& s : settings)
         if (s.key == "name" && s.value.text() != nullptr && !s.value.text()->empty()) name = *s.value.text();
     const std::string id = workspace_.new_run(
         title_of(order, name),
@@ -246,7 +246,7 @@ Reply Service::start_run(const Json& order) {
          {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
     const fs::path folder = workspace_.run_folder(id);
     const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
-    app::write_text(file, toml_of(settings, form));
+    report::write_text(file, toml_of(settings, form));
     JobOrder job;
     job.id = id;
     job.program = settings_.program;
@@ -348,7 +348,7 @@ void Service::add_run_routes() {
                            if (!jobs_.cancel(r.parts[0])) throw Refusal{409, "the run is not at work"};
                            return json(Json::object());
                        }});
-    routes_.push_back({"GET", "/api/runs/{run}/log", "what the program said", {}, "", "text", [this](const Request& r) {
+    routes_.push_back({"GET", "/api/runs/{run}/log", "messages of the program", {}, "", "text", [this](const Request& r) {
                            const fs::path folder = workspace_.run_folder(r.parts[0]);
                            if (const auto job = jobs_.report(r.parts[0])) return text(job->log);
                            return text(text_of(folder / "log.txt"));
@@ -411,13 +411,13 @@ void Service::add_result_routes() {
                        "which columns the run has",
                        {},
                        "",
-                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: what its numbers stand for, where that is a list}]}]",
+                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: the meaning of its numbers, where it is a list}]}]",
                        [this](const Request& r) { return json(results_.channels(readable_run(r.parts[0]))); }});
     std::vector<Parameter> query{
         {"columns", "string", "ids of /channels with commas, all of one group"},
         {"origin", "string", "run whose first position is the origin of local columns; default: this one"}};
     query.insert(query.end(), range.begin(), range.end());
-    routes_.push_back({"GET", "/api/runs/{run}/series", "columns in a range of time, thinned to the extremes", query, "",
+    routes_.push_back({"GET", "/api/runs/{run}/series", "columns in a range of time, decimated with the extremes kept", query, "",
                        "{rows, thinned, time_s: [], columns: {id: []}, units: {id: unit}}", [this](const Request& r) {
                            const fs::path folder = readable_run(r.parts[0]);
                            const fs::path origin = r.asked("origin").empty() ? folder : readable_run(r.asked("origin"));

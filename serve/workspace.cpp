@@ -1,8 +1,8 @@
 #include "serve/workspace.h"
 
-#include "schuler/app/bundle.h"
 #include "schuler/core/error.h"
 #include "schuler/io/own_files.h"
+#include "schuler/report/outputs.h"
 #include "serve/message.h"
 #include "serve/names.h"
 
@@ -74,7 +74,7 @@ std::string text_of(const fs::path& file, std::uintmax_t limit) {
 }
 
 Workspace::Workspace(fs::path root, const fs::path& opened) {
-    app::make_folder(root);
+    report::make_folder(root);
     root_ = fs::canonical(root);
     if (opened.empty()) return;
     std::error_code ec;
@@ -120,7 +120,7 @@ fs::path Workspace::run_folder(const std::string& id) const {
 
 fs::path Workspace::temporary_folder(const std::string& name) const {
     const fs::path folder = root_ / fmt::format(".{}-{}", getpid(), name);
-    app::make_folder(folder);
+    report::make_folder(folder);
     return folder;
 }
 
@@ -144,7 +144,7 @@ std::string Workspace::new_run(const std::string& title, const Json& fields) {
     const std::string id = new_folder(root_, title);
     Json state{{"title", title}, {"created", now()}};
     state.update(fields);
-    app::write_text(root_ / id / state_file, state.dump(1) + "\n");
+    report::write_text(root_ / id / state_file, state.dump(1) + "\n");
     return id;
 }
 
@@ -152,7 +152,7 @@ void Workspace::note(const std::string& id, const Json& fields) {
     Json state = json_of(run_folder(id) / state_file);
     state.update(fields);
     io::allow_overwrite(root_ / id / state_file);   // whoever touched it: the state is the server's
-    app::write_text(root_ / id / state_file, state.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    report::write_text(root_ / id / state_file, state.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 void Workspace::remove_run(const std::string& id) {
