@@ -68,7 +68,9 @@ report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser) {
         cli::ProgressBar bar(!line.quiet, line.progress == "lines");
         const app::CommandContext context{.version = SCHULER_VERSION, .progress = [&bar](double done_part) { bar.show(done_part); },
                                           .threads = line.threads};
-        return command->perform(cli::settings_of(*command, line, parser), context);
+        const auto given = cli::settings_of(*command, line, parser);
+        if (line.force) app::allow_overwrite(given);
+        return command->perform(given, context);
     }
     report::Outcome help;
     help.tables = line.topic == "scenario" ? app::scenario_help(line.prefix) : app::settings_help(line.prefix);

@@ -80,6 +80,7 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_s
 
 void add_everywhere(CLI::App& app, CommandLine& line) {
     app.add_flag("-q,--quiet", line.quiet, "no table, no progress bar, no warnings; errors only");
+    app.add_flag("--force", line.force, "overwrite files at the place of the results even if another program wrote or changed them");
     app.add_option("--threads", line.threads, "number of threads; results do not depend on it")->check(CLI::Range(0, 1024))->type_name("N");
     app.set_version_flag("--version", "schuler " SCHULER_VERSION, "print the version");
 }

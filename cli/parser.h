@@ -24,7 +24,7 @@ struct Given {
 struct CommandLine {
     std::string command;                                     ///< "analyze equator"
     std::map<std::string, Given> given;                      ///< by command
-    bool json = false, quiet = false;
+    bool json = false, quiet = false, force = false;
     int threads = 0;                                         ///< accepted everywhere; the results do not depend on it
     std::string progress;                                    ///< "lines": for programs that read standard error
     // of help, completion and ui

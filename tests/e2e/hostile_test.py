@@ -55,6 +55,11 @@ def overwriting(program, _):
     changed = files(drive)
     program.fails("simulate", "brief.toml", "-o", drive, parts=["imu.csv"])
     check(files(drive) == changed, "a changed log is the user's")
+    program("simulate", "brief.toml", "-o", drive, "--force")
+    check(files(drive) == first, "unless the user insists")
+    program.fails("run", "brief.toml", "--force", parts=["-o"])
+    with open(drive / "imu.csv", "a") as f:
+        f.write("# a note\n")
     # inputs as targets
     program.fails("convert", drive / "reference.csv", drive / "reference.csv", parts=["reference.csv", "another name"])
     check(files(drive) == changed, "an input is not written")

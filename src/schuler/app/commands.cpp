@@ -6,6 +6,8 @@
 #include "schuler/dataset/trajectory_file.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/inspect/inspect.h"
+#include "schuler/io/own_files.h"
+#include "schuler/io/regular_file.h"
 #include "schuler/report/evaluation_json.h"
 #include "schuler/report/facts.h"
 #include "schuler/report/inner/json.h"
@@ -37,6 +39,14 @@ report::Json problems_of(const std::vector<inspect::Problem>& problems) {
 }
 
 }  // namespace
+
+void allow_overwrite(const settings::SettingList& given) {
+    for (const char* key : {"output", "out", "file"}) {
+        const auto place = std::ranges::find(given, key, &settings::Setting::key);
+        if (place != given.end() && place->value.text() != nullptr) return io::allow_overwrite(*place->value.text());
+    }
+    throw input_error("there is no place of results to overwrite", {{}, 0, 0, "--force"}, "name it with -o");
+}
 
 report::Outcome evaluate_files(const fs::path& solution, const fs::path& reference, double settle) {
     WarningLog warnings;
@@ -86,6 +96,8 @@ bool is_described(const fs::path& path) {
 }  // namespace
 
 report::Outcome inspect_path(const fs::path& path) {
+    std::error_code ec;
+    if (!fs::is_directory(path, ec)) io::check_regular_file(path);
     std::vector<Fact> facts;
     const bool described = is_described(path);
     inspect::InspectReport report = described ? inspect_described(path, facts) : inspect::inspect(path);

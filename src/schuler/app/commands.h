@@ -28,6 +28,10 @@ namespace schuler::app {
 [[nodiscard]] report::Outcome evaluate_files(const std::filesystem::path& solution, const std::filesystem::path& reference,
                                      double settle);
 
+/// --force: the files at the place where the results go (-o, or the second file of `convert`) may be overwritten whoever wrote them.
+/// @throws Error(Input) where the command was given no such place
+void allow_overwrite(const settings::SettingList& given);
+
 /// What is in a file or folder.
 [[nodiscard]] report::Outcome inspect_path(const std::filesystem::path& path);
 
