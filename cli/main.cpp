@@ -1,11 +1,13 @@
 // The program `schuler`: command line, what goes to which stream, exit status.
 #include "documentation.h"
 #include "parser.h"
+#include "printable.h"
 #include "progress.h"
 
 #include "schuler/app/command.h"
 #include "schuler/app/commands.h"
 #include "schuler/core/error.h"
+#include "serve/aside.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -29,7 +31,7 @@ std::string one_line(std::string text) {
         if (c == '\n' || c == '\r') c = ' ';
     }
     while (!text.empty() && text.back() == ' ') text.pop_back();
-    return text;
+    return cli::printable(text);
 }
 
 void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one_line(text)); }
@@ -37,7 +39,7 @@ void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one
 /// Shows what a command has done: the result on standard output, everything else on standard error.
 void show(const report::Outcome& out, const cli::CommandLine& line) {
     if (!line.quiet) {
-        if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", out.notice);
+        if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", cli::printable(out.notice));
         for (const std::string& w : out.warnings) fmt::print(stderr, "warning: {}\n", one_line(w));
     }
     if (!out.usable && (line.json || line.quiet)) complain(out.verdict);
@@ -46,18 +48,18 @@ void show(const report::Outcome& out, const cli::CommandLine& line) {
         return;
     }
     if (line.quiet) return;
-    fmt::print("{}", out.tables);
+    fmt::print("{}", cli::printable(out.tables));
     const bool several = out.files.size() > 1;
     std::string report;
     for (const auto& file : out.files) {
         if (file.filename() == "report.html" && several) {
             report = file.string();
         } else {
-            fmt::print("wrote {}\n", file.string());
+            fmt::print("wrote {}\n", cli::printable(file.string()));
         }
     }
-    if (!report.empty()) fmt::print("the report is {}\n", report);
-    if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", out.folder.string());
+    if (!report.empty()) fmt::print("the report is {}\n", cli::printable(report));
+    if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", cli::printable(out.folder.string()));
     if (!out.verdict.empty()) fmt::print("{}\n", one_line(out.verdict));
 }
 
@@ -87,6 +89,7 @@ int flushed(int status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    if (argc > 1 && argv[1] == serve::aside_word) return serve::aside(argc - 2, argv + 2);   // a child of `schuler ui`
     cli::CommandLine line;
     CLI::App parser("Integrated inertial-satellite navigation: from IMU and GNSS logs to a trajectory with honest uncertainty.",
                     "schuler");

@@ -178,13 +178,7 @@ void Service::add_settings_routes() {
                        {of},
                        "{settings: {key: value}} or {toml: text}",
                        "{settings, used, toml, problem, track}",
-                       [=](const Request& r) {
-                           const Json body = Json::parse(r.body);
-                           const Form form = form_of(r);
-                           return json(understood(body.contains("toml") ? settings_from_toml(body["toml"], form)
-                                                                        : settings_from_json(body.at("settings"), form),
-                                                  form));
-                       }});
+                       [=, this](const Request& r) { return json(understood_aside(Json::parse(r.body), form_of(r))); }});
 }
 
 Json Service::openapi() const {

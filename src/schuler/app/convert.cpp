@@ -6,6 +6,7 @@
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/fixed_point.h"
 #include "schuler/io/kml.h"
+#include "schuler/io/own_files.h"
 #include "schuler/io/solution_csv.h"
 #include "schuler/report/outcome.h"
 
@@ -48,6 +49,10 @@ std::string format_of(const fs::path& file) {
 }  // namespace
 
 report::Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
+    std::error_code ec;
+    if (fs::equivalent(in, out, ec))
+        throw input_error("is the file to be converted and the one to be written", {out.string(), 0, 0, {}}, "give the result another name");
+    io::check_overwrite(out);
     if (auto raw = convert_raw(in, out, format)) return std::move(*raw);
     const std::string wanted = format.empty() ? format_of(out) : format;
     if (wanted != "csv" && wanted != "kml" && wanted != "kf-gins") {

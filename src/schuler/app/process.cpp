@@ -3,6 +3,7 @@
 #include "schuler/dataset/recognise.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/realignment.h"
+#include "schuler/io/staged_folder.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
 #include "schuler/report/solution_stream.h"
@@ -113,14 +114,17 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     bundle.version = request.version;
     report::Outcome out;
     out.folder = request.folder_for(bundle.name);
+    report::check_overwrite_of_outputs(out.folder);
+    std::unique_ptr<io::StagedFolder> stage;   // only when there is something to write: a run that cannot start leaves no folder
+    const auto folder_of_results = [&]() -> const fs::path& {
+        if (!stage) stage = std::make_unique<io::StagedFolder>(out.folder);
+        return stage->path();
+    };
     std::unique_ptr<report::SolutionStream> stream, checked, widened;
     const auto into = [&](std::unique_ptr<report::SolutionStream>& file) -> fusion::RowSink {
         if (!only_written(bundle.data)) return {};
         return [&](std::span<const SolutionRow> rows) {
-            if (!file) {   // only now: a run that cannot start leaves no folder
-                report::make_folder(out.folder);
-                file = std::make_unique<report::SolutionStream>(out.folder / "solution.csv");
-            }
+            if (!file) file = std::make_unique<report::SolutionStream>(folder_of_results() / "solution.csv");
             file->append(rows);
         };
     };
@@ -171,15 +175,17 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     const auto write_begin = std::chrono::steady_clock::now();
     // summary.json carries the time of writing the others, so it is written last
     if (stream) stream->finish();
-    out.files = report::write_outputs(bundle, out.folder, stream != nullptr);
+    out.files = report::write_outputs(bundle, folder_of_results(), stream != nullptr);
     bundle.timing.write_s = solution::seconds_since(write_begin);
     bundle.timing.read_s = bundle.data.read_seconds;
     bundle.timing.wall_s = solution::seconds_since(begin);
     out.json = report::summary_json(bundle);
     if (bundle.data.config.output.wants("summary")) {
-        out.files.push_back(out.folder / "summary.json");
+        out.files.push_back(stage->path() / "summary.json");
         report::write_text(out.files.back(), out.json);
     }
+    for (fs::path& file : out.files) file = stage->final_path(file);
+    stage->publish();
     out.tables = report::summary_tables(bundle);
     out.warnings = bundle.warnings;
     out.verdict = solution::line_of(bundle.verdict);

@@ -3,6 +3,7 @@
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/csv_events.h"
 #include "schuler/io/kml.h"
+#include "schuler/io/own_files.h"
 #include "schuler/io/solution_csv.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
@@ -39,6 +40,12 @@ void make_folder(const std::filesystem::path& folder) {
     if (ec)
         throw input_error(fmt::format("the folder cannot be made: {}", ec.message()), {folder.string(), 0, 0, {}},
                           "give another one with -o");
+}
+
+void check_overwrite_of_outputs(const std::filesystem::path& folder) {
+    for (const char* name : {"solution.csv", "point.csv", "events.csv", "protection.csv", "receiver.csv", "run.h5", "report.html", "track.kml",
+                             "config.toml", "summary.json"})
+        io::check_overwrite(folder / name);
 }
 
 std::vector<std::filesystem::path> write_outputs(solution::ResultBundle& b, const std::filesystem::path& folder, bool streamed) {

@@ -31,6 +31,9 @@ void make_folder(const std::filesystem::path& folder);
 /// The first row in each period of the time axis, at `rate` Hz; 0 = all rows.
 [[nodiscard]] std::vector<SolutionRow> decimated(std::vector<SolutionRow> rows, double rate);
 
+/// Before the work: that no file in the folder which a run may write is somebody else's (io/own_files.h). @throws Error(Input)
+void check_overwrite_of_outputs(const std::filesystem::path& folder);
+
 /// Writes the outputs that the settings choose into a folder, each under its name only when complete, summary.json last.
 /// solution.csv only where it is not there already, `streamed` while the filter ran.
 /// Returns their paths. @throws Error(Input) where the folder cannot be written.

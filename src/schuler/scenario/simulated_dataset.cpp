@@ -2,6 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/staged_folder.h"
 #include "schuler/io/fixed_point.h"
 #include "schuler/io/rinex_write.h"
 #include "schuler/math/random.h"
@@ -355,31 +356,28 @@ SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, cons
 }
 
 void write_dataset(const SimulatedDataset& data, const std::filesystem::path& folder) {
-    std::error_code ec;
-    std::filesystem::create_directories(folder, ec);
-    if (ec)
-        throw input_error(fmt::format("the folder cannot be made: {}", ec.message()), {folder.string(), 0, 0, {}},
-                          "give another one with -o");
+    io::StagedFolder stage(folder);
     const Recording& r = data.recording;
     const ImuKind kind = data.truth.imu_kind;
-    io::write_file(folder / "imu.csv", imu_csv(r.imu, kind));
-    if (!r.gnss.empty()) io::write_file(folder / "gnss.csv", gnss_csv(r.gnss));
-    if (!r.baro.empty()) io::write_file(folder / "baro.csv", baro_csv(r.baro));
-    if (!r.mag.empty()) io::write_file(folder / "mag.csv", mag_csv(r.mag));
-    if (!data.aids.gauges.empty()) io::write_file(folder / "gauges.csv", gauges_csv(data.aids.gauges));
-    if (!data.aids.velocities.empty()) io::write_file(folder / "log.csv", log_csv(data.aids.velocities));
-    if (!data.aids.headings.empty()) io::write_file(folder / "compass.csv", compass_csv(data.aids.headings));
-    if (!r.ranges.empty()) io::write_file(folder / "ranges.csv", io::ranges_csv(r.ranges));
-    if (!data.stations.empty()) io::write_file(folder / "stations.csv", io::stations_csv(data.stations));
-    for (const auto& [name, text] : data.texts) io::write_file(folder / name, text);
-    io::write_file(folder / "reference.csv", reference_csv(r.reference));
+    io::write_file(stage.path() / "imu.csv", imu_csv(r.imu, kind));
+    if (!r.gnss.empty()) io::write_file(stage.path() / "gnss.csv", gnss_csv(r.gnss));
+    if (!r.baro.empty()) io::write_file(stage.path() / "baro.csv", baro_csv(r.baro));
+    if (!r.mag.empty()) io::write_file(stage.path() / "mag.csv", mag_csv(r.mag));
+    if (!data.aids.gauges.empty()) io::write_file(stage.path() / "gauges.csv", gauges_csv(data.aids.gauges));
+    if (!data.aids.velocities.empty()) io::write_file(stage.path() / "log.csv", log_csv(data.aids.velocities));
+    if (!data.aids.headings.empty()) io::write_file(stage.path() / "compass.csv", compass_csv(data.aids.headings));
+    if (!r.ranges.empty()) io::write_file(stage.path() / "ranges.csv", io::ranges_csv(r.ranges));
+    if (!data.stations.empty()) io::write_file(stage.path() / "stations.csv", io::stations_csv(data.stations));
+    for (const auto& [name, text] : data.texts) io::write_file(stage.path() / name, text);
+    io::write_file(stage.path() / "reference.csv", reference_csv(r.reference));
     settings::SettingList last;  // of each key the last setting speaks
     for (const settings::Setting& s : data.settings) {
         std::erase_if(last, [&](const settings::Setting& e) { return e.key == s.key; });
         last.push_back(s);
     }
     const std::string head = fmt::format("# simulated, seed {}\n", data.seed);
-    io::write_file(folder / "dataset.toml", head + settings::to_toml(last, settings::config_table().specs(), true));
+    io::write_file(stage.path() / "dataset.toml", head + settings::to_toml(last, settings::config_table().specs(), true));
+    stage.publish();
 }
 
 }  // namespace schuler::scenario

@@ -1,9 +1,12 @@
 #include "schuler/settings/toml_file.h"
 
+#include "schuler/io/regular_file.h"
+
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <sstream>
 
@@ -48,9 +51,49 @@ Value convert(const toml::node& node) {
     }
 }
 
+/// Where `text` goes on behind the string that begins at `at`: a basic or a literal one, of one line or of several. An unclosed one ends with the text.
+std::size_t after_string(std::string_view text, std::size_t at) {
+    const char quote = text[at];
+    const std::string_view fence = text.substr(at, 3);
+    const bool many_lines = fence.size() == 3 && fence[1] == quote && fence[2] == quote;
+    const std::string closing(many_lines ? 3 : 1, quote);
+    for (std::size_t i = at + closing.size(); i < text.size(); ++i) {
+        if (quote == '"' && text[i] == '\\') ++i;
+        else if (text.substr(i, closing.size()) == closing) return i + closing.size();
+        else if (!many_lines && text[i] == '\n') return i;
+    }
+    return text.size();
+}
+
+/// The parser descends a level for each part of a dotted key, however many there are: a stack overflow for a hostile file.
+/// @throws Error(Input) where a key has more than `most_parts` parts
+void check_dotted_keys(std::string_view text, const std::string& origin) {
+    constexpr int most_parts = 32;   // settings have four
+    int dots = 0;
+    for (std::size_t i = 0; i < text.size();) {
+        const char c = text[i];
+        if (c == '"' || c == '\'') {
+            i = after_string(text, i);
+            continue;
+        }
+        if (c == '#') {
+            i = std::min(text.find('\n', i), text.size());
+            continue;
+        }
+        const bool part_of_key = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == ' ' || c == '\t' || c == '.';
+        dots = part_of_key ? dots + (c == '.' ? 1 : 0) : 0;
+        if (dots >= most_parts) {
+            const long line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(i), '\n');
+            throw input_error(fmt::format("a key of more than {} parts", most_parts), {origin, line, 0, {}}, "settings have at most four: section.part.key");
+        }
+        ++i;
+    }
+}
+
 }  // namespace
 
 ValueTable parse_toml(std::string_view text, const std::string& origin) {
+    check_dotted_keys(text, origin);
     try {
         return convert_table(toml::parse(text, origin));
     } catch (const toml::parse_error& e) {
@@ -65,10 +108,8 @@ ValueTable parse_toml(std::string_view text, const std::string& origin) {
 
 ValueTable read_toml(const std::filesystem::path& file) {
     const std::string name = file.string();
+    io::check_regular_file(file);
     std::error_code ec;
-    if (std::filesystem::is_directory(file, ec))
-        throw input_error("is a directory, not a file", {name, 0, 0, {}}, "name the .toml file in it");
-    if (!std::filesystem::exists(file, ec)) throw input_error("no such file", {name, 0, 0, {}}, "check the path");
     const auto size = std::filesystem::file_size(file, ec);
     if (ec || size > largest_file)
         throw input_error("too large for a settings file", {name, 0, 0, {}}, "give a TOML file below 16 MB");
@@ -80,6 +121,7 @@ ValueTable read_toml(const std::filesystem::path& file) {
 }
 
 Value parse_toml_value(std::string_view text) {
+    check_dotted_keys(text, "--set");
     try {
         const toml::table table = toml::parse(fmt::format("x = {}", text));
         if (table.size() == 1) {

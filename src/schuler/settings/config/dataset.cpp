@@ -55,7 +55,7 @@ void add_file(OptionTable<Config>& table, const std::string& section, const std:
                               [=](auto& c) -> auto& { return source(c).columns; }))
         .add(number_map<Config>(section + ".scale", "canonical column name = factor to its canonical unit",
                                 [=](auto& c) -> auto& { return source(c).scale; }))
-        .add(number<Config>(section + ".time_offset_s", 1.0, -1e10, 1e10, "added to the times of this file",
+        .add(number<Config>(section + ".time_offset_s", 1.0, -4e9, 4e9, "added to the times of this file",
                             [=](auto& c) -> auto& { return source(c).time_offset; }));
 }
 
@@ -65,7 +65,7 @@ void add_plain_file(OptionTable<Config>& table, const std::string& section, cons
     table
         .add(text<Config>(section + ".file", what + "; relative to this file, $NAME is an environment variable",
                           [=](auto& c) -> auto& { return source(c).file; }))
-        .add(number<Config>(section + ".time_offset_s", 1.0, -1e10, 1e10, "added to the times of this file",
+        .add(number<Config>(section + ".time_offset_s", 1.0, -4e9, 4e9, "added to the times of this file",
                             [=](auto& c) -> auto& { return source(c).time_offset; }));
 }
 
