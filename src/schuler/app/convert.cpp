@@ -1,8 +1,13 @@
-#include "schuler/app/commands.h"
 #include "schuler/app/convert_raw.h"
-#include "schuler/app/trajectory_file.h"
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
+#include "schuler/dataset/trajectory_file.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/formats.h"
+#include "schuler/io/own_files.h"
+#include "schuler/report/outcome.h"
+
+#include <fmt/format.h>
 
 #include <optional>
 
@@ -29,7 +34,7 @@ const io::Format& wanted_format(const fs::path& out, const std::string& name) {
 }
 
 /// Instruments of a log as tables: one that is named, or all of them into a folder. Nothing where a trajectory is asked for.
-std::optional<Outcome> convert_streams(const fs::path& in, const fs::path& out, const std::string& name) {
+std::optional<report::Outcome> convert_streams(const fs::path& in, const fs::path& out, const std::string& name) {
     const io::StreamPath where = io::stream_path(in);
     const bool into_folder = name.empty() && !out.has_extension();
     const bool table = name == "csv" || (name.empty() && out.extension() == ".csv");
@@ -42,7 +47,7 @@ std::optional<Outcome> convert_streams(const fs::path& in, const fs::path& out, 
         io::LogFiles files;
         (void)files.open(in, warnings);   // says which there are
     }
-    Outcome outcome;
+    report::Outcome outcome;
     std::error_code ec;
     if (into_folder) fs::create_directories(out, ec);
     for (const io::Stream& stream : log.streams) {
@@ -58,16 +63,19 @@ std::optional<Outcome> convert_streams(const fs::path& in, const fs::path& out, 
 
 }  // namespace
 
-Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
-    if (auto raw = convert_raw(in, out, format)) return std::move(*raw);
+report::Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
     std::error_code ec;
+    if (fs::equivalent(in, out, ec))
+        throw input_error("is the file to be converted and the one to be written", {out.string(), 0, 0, {}}, "give the result another name");
+    if (!fs::is_directory(out, ec)) io::check_overwrite(out);
+    if (auto raw = convert_raw(in, out, format)) return std::move(*raw);
     if (!fs::exists(io::stream_path(in).file, ec)) throw input_error("no such file", {in.string(), 0, 0, {}}, "check the path");
     if (auto streams = convert_streams(in, out, format)) return std::move(*streams);
     const io::Format& wanted = wanted_format(out, format);
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = read_trajectory(in, warnings);
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(in, warnings);
     wanted.write(out, rows, in.stem().string());
-    Outcome outcome;
+    report::Outcome outcome;
     outcome.tables =
         fmt::format("{} rows from {:.3f} to {:.3f} s\n", rows.size(), rows.front().time.seconds(), rows.back().time.seconds());
     outcome.warnings = warnings.summary();

@@ -1,4 +1,4 @@
-// What a data set consists of and what its numbers mean, as a user or the files themselves say it.
+// What a data set consists of and what its numbers mean, as given by a user or by the files themselves.
 #pragma once
 
 #include "schuler/core/time.h"

@@ -74,7 +74,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
     }
     if (r.report.dataset_toml.empty()) {
         std::string why = "no IMU log was recognised in it";
-        std::string mend = "`schuler inspect` says what was found; write a dataset.toml";
+        std::string mend = "`schuler inspect` lists what was found; write a dataset.toml";
         if (r.report.files.size() == 1) {   // what is wrong with it says more
             const inspect::FileReport& only = r.report.files.front();
             const auto error = std::ranges::find(only.problems, inspect::Level::Error, &inspect::Problem::level);

@@ -1,6 +1,7 @@
 #include "schuler/inspect/detail/recognise.h"
 
 #include "schuler/inspect/detail/robust.h"
+#include "schuler/io/regular_file.h"
 #include "schuler/io/text/number.h"
 #include "schuler/io/text/own_frame.h"
 
@@ -286,6 +287,7 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
 }
 
 void recognise_and_read(LoadedFile& file) {
+    io::check_regular_file(file.path);
     const io::FileHead head(file.path);
     if (head.bytes.empty()) {
         file.problem(Level::Error, "the file is empty", "check that the log was written and copied completely");

@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/formats.h"
+#include "schuler/io/own_files.h"
 #include "schuler/io/place.h"
 #include "schuler/io/text/table.h"
 
@@ -211,6 +212,7 @@ StreamLog read_mat(const TextInput& input, WarningLog&) {
 }
 
 void write_mat(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
+    check_overwrite(path);
     const std::filesystem::path beside = create_beside(path);
     {
         const File file(Mat_CreateVer(beside.c_str(), "MATLAB 5.0 MAT-file, written by schuler", MAT_FT_MAT5), Mat_Close);
@@ -242,6 +244,7 @@ void write_mat(const std::filesystem::path& path, std::span<const SolutionRow> r
         }
     }
     std::filesystem::rename(beside, path);
+    note_own_file(path);
 }
 
 }  // namespace
