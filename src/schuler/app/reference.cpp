@@ -61,7 +61,7 @@ std::string of_keys(const std::string& title, const std::vector<settings::Option
 
 std::string option_reference() {
     std::string out = "# Options\n\nMade by `schuler help --reference` of the tables that the program itself uses; a test compares them. Every command has\n"
-                      "`-q, --quiet`, `--threads N` and `--version` besides.\n\n## Commands\n";
+                      "`-q, --quiet`, `--force`, `--threads N` and `--version` besides.\n\n## Commands\n";
     for (const Command& command : commands()) {
         if (!command.perform) continue;
         out += fmt::format("\n### schuler {}\n\n{}\n\n", command.name, command.purpose);
