@@ -1,0 +1,95 @@
+// The Kalman filter of a baseline: position, velocity, air and ambiguities from double differences of code and phase.
+#pragma once
+
+#include "schuler/ppk/differences.h"
+#include "schuler/ppk/integers.h"
+
+#include <Eigen/Core>
+
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace schuler::ppk {
+
+/// As RTKLIB numbers them.
+enum class Quality : std::uint8_t { None = 0, Fixed = 1, Float = 2, Single = 5 };
+
+struct EpochSolution {
+    Time tag, time;               ///< by the rover's clock, and GPS time
+    Quality quality = Quality::None;
+    Ecef position;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();            ///< m^2, Earth-fixed
+    Eigen::Vector3d velocity = not_given3();                         ///< m/s, Earth-fixed; NaN where nothing says it
+    Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();
+    int satellites = 0;           ///< in common with the base, or of the single-point solution
+    int ambiguities = 0, fixed = 0;
+    double ratio = 0, success = 0;
+    double age = 0;               ///< s to the base's epoch
+    int rejected = 0;             ///< codes left out, and ambiguities begun anew because their phases did not fit
+};
+
+/// Goes from epoch to epoch, forwards or backwards in time. States are position, velocity, the zenith delay's difference, and for each
+/// satellite and carrier the ambiguity of the single difference (m), of which the double differences see differences only; on long baselines
+/// the ionosphere of each satellite. Integers are searched at every epoch and not fed back: a wrong one is gone with the next.
+class BaselineFilter {
+public:
+    /// The station and the plan are kept by reference.
+    BaselineFilter(const Settings& settings, const SignalPlan& plan, const BaseStation& station, bool estimate_ionosphere);
+
+    EpochSolution step(const TrackedEpoch& rover);
+
+private:
+    /// A state beside the first ones.
+    struct Entry {
+        bool ionosphere = false;
+        SatelliteId id;
+        std::uint8_t slot = 0;
+        int rover_arc = 0, base_arc = 0;
+        Time seen;
+        std::optional<Time> code;   ///< last time a code was used with it
+    };
+    /// A row of the epoch: one difference less its reference.
+    struct RowOf {
+        std::size_t of, reference;
+        bool phase;
+    };
+    struct Rows {
+        std::vector<RowOf> of;
+        Eigen::MatrixXd H, R;
+        Eigen::VectorXd z;
+    };
+
+    void predict(double dt);
+    void begin_at(const TrackedEpoch& rover);
+    void settle_states(const TrackedEpoch& rover, Time before);
+    void forget(Time tag, Time before);
+    [[nodiscard]] double first_ambiguity(const Difference& d) const;
+    void restart(std::size_t difference);
+    [[nodiscard]] double code_variance(const Difference& d, const Entry& e, Time tag) const;
+    [[nodiscard]] Rows rows(Time tag) const;
+    bool update(Time tag, EpochSolution& out);
+    void use_velocity(const TrackedEpoch& rover);
+    void use_integers(EpochSolution& out);
+    [[nodiscard]] EpochSolution single(const TrackedEpoch& rover) const;
+
+    static constexpr Eigen::Index leading = 7;   ///< position, velocity, zenith delay
+
+    Settings settings_;
+    const SignalPlan& plan_;
+    const BaseStation& station_;
+    bool ionosphere_;
+    bool begun_ = false;
+    Time tag_;
+    Eigen::VectorXd x_;                 ///< the position as it is, the others as the filter has them
+    Eigen::MatrixXd P_;
+    std::vector<Entry> entries_;        ///< states from `leading` on
+    // of the epoch
+    std::vector<Difference> differences_;
+    std::vector<Eigen::Index> ambiguity_, delay_;   ///< states of each difference; -1: none
+    std::vector<bool> code_out_;
+    std::map<int, double> offsets_;
+    double baseline_ = 0;
+};
+
+}  // namespace schuler::ppk
