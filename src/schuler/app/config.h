@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/app/config_aids.h"
+#include "schuler/app/config_base.h"
 #include "schuler/app/gravity_config.h"
 #include "schuler/app/option_table.h"
 #include "schuler/dataset/description.h"
@@ -59,6 +60,7 @@ struct Config : dataset::Description {
     Scheme scheme = Scheme::Loose;
     std::optional<bool> scale_factors, misalignments;  ///< not given: on where the unit has them, misalignments for a car too
     std::optional<bool> nonholonomic;            ///< not given: on for a car
+    BaseConfig base;
     fusion::Settings filter;
     GravityConfig gravity;
     AidsConfig aids;

@@ -1,6 +1,7 @@
 // Data sets: found by their path, described by settings, loaded into a recording.
 #pragma once
 
+#include "schuler/app/carrier_phase.h"
 #include "schuler/app/config.h"
 #include "schuler/core/aid_samples.h"
 #include "schuler/core/fact.h"
@@ -39,6 +40,7 @@ using dataset::Needs;
 /// A recording with what loading it has told about the settings.
 struct LoadedDataset {
     Recording recording;                 ///< times on the data set's own axis
+    CarrierPhase carrier;                ///< whose fixes are those of the recording, where there is a base
     std::vector<NamedInstant> events;    ///< in order of time: those of filter.output_instants
     Config config;
     Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch

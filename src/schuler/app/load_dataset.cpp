@@ -1,5 +1,6 @@
 #include "schuler/app/dataset.h"
 
+#include "schuler/app/carrier_phase.h"
 #include "schuler/app/load_ranges.h"
 #include "schuler/app/raw_gnss.h"
 #include "schuler/core/units.h"
@@ -115,6 +116,15 @@ std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const Config& c, co
 void read_gnss(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     Config& c = out.config;
     const Duration offset = Duration::from_seconds(c.gnss.time_offset);
+    if (!c.base.observations.empty() && c.gnss.file.empty()) {
+        if (c.raw.observations.empty())
+            throw input_error("a base station needs the rover's raw measurements", {{}, 0, 0, "base.observations"},
+                              "name them: [gnss] observations = \"rover.obs\"");
+        out.carrier = carrier_phase(folder, c, warnings);
+        out.carrier.fixes = on_own_axis(std::move(out.carrier.fixes), c, out.recording, offset);
+        out.recording.gnss = out.carrier.fixes;
+        return;
+    }
     if (c.gnss.file.empty() && !c.raw.observations.empty()) {
         out.recording.gnss = on_own_axis(fixes_from_raw(folder, c.raw, warnings), c, out.recording, offset);
         return;

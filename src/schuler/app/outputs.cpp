@@ -51,6 +51,7 @@ std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::fil
         const EventRows events = event_rows(b);
         io::write_events_csv(add("events.csv"), events.events, events.rows);
     }
+    if (!b.data.carrier.epochs.empty()) write_text(add("carrier.csv"), carrier_csv(b.data.carrier));
     if (!b.result.forward.protection.empty()) write_text(add("protection.csv"), protection_csv(b));
     if (!b.result.cross_checks.empty()) write_text(add("receiver.csv"), receiver_csv(b));
     if (c.output.wants("h5") || c.filter.covariance_rows) write_run_h5(add("run.h5"), b);

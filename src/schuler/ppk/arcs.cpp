@@ -19,7 +19,7 @@ struct Before {
     double phase = 0;           ///< m
     double modelled = 0;        ///< m: range less satellite clock
     double doppler = not_given;
-    bool half_cycle = false;
+    bool half_cycle = false, jumped = false;
 };
 
 /// A phase that goes on from the epoch before.
@@ -94,8 +94,9 @@ private:
     /// How far a phase may drift against the model in so many seconds: satellite clock and atmosphere.
     [[nodiscard]] static double drift(double seconds) { return 0.02 + 0.002 * std::abs(seconds); }
 
-    void begin(TrackedSatellite& s, std::size_t k) {
+    void begin(TrackedSatellite& s, std::size_t k, bool jumped) {
         s.signals[k].arc = ++last_arc_;
+        s.signals[k].jumped = jumped;
         for (Step& step : steps_)
             if (step.satellite == &s && step.slot == k) step.use = false;
     }
@@ -106,8 +107,9 @@ private:
         const double dt = (e.tag - b.time).seconds();
         const bool gap = b.arc != 0 && dt > gap_, told = b.arc != 0 && (now.lost || now.half_cycle != b.half_cycle);
         now.arc = b.arc;
+        now.jumped = b.jumped;
         if (b.arc == 0 || gap || told) {
-            begin(s, k);
+            begin(s, k, false);
             counts.gaps += gap ? 1 : 0;
             counts.told += told && !gap ? 1 : 0;
         } else {
@@ -127,8 +129,8 @@ private:
             const double jump = (s.signals[0].phase - s.signals[k].phase) - (first.phase - other.phase);
             // receivers that step their clock step all carriers alike
             if (std::abs(jump) <= drift((e.tag - first.time).seconds()) + 6.0 * sigma(s, 0)) continue;
-            begin(s, 0);
-            begin(s, k);
+            begin(s, 0, true);
+            begin(s, k, true);
             ++counts.geometry_free;
         }
     }
@@ -151,7 +153,7 @@ private:
         if (x) {
             for (Step& s : steps_) {
                 if (std::abs(residual(s, *x)) <= drift(dt) + 6.0 * s.sigma) continue;
-                begin(*s.satellite, s.slot);
+                begin(*s.satellite, s.slot, true);
                 ++counts.unexplained;
             }
             return;
@@ -168,7 +170,7 @@ private:
             const TrackedSignal& now = s.satellite->signals[s.slot];
             const double doppler = settings_.doppler_sigma * s.sigma / settings_.phase_sigma * std::abs(dt);
             if (std::abs(s.by_doppler - clock) <= 0.7 * now.wavelength + 5.0 * doppler) continue;
-            begin(*s.satellite, s.slot);
+            begin(*s.satellite, s.slot, true);
             ++counts.unexplained;
         }
     }
@@ -184,7 +186,7 @@ private:
         for (std::size_t k = 0; k < most_signals; ++k) {
             const TrackedSignal& now = s.signals[k];
             if (now.arc == 0) continue;
-            before(s, k) = {e.tag, now.arc, now.phase, modelled_now_[gnss::index_of(s.id)], now.doppler, now.half_cycle};
+            before(s, k) = {e.tag, now.arc, now.phase, modelled_now_[gnss::index_of(s.id)], now.doppler, now.half_cycle, now.jumped};
         }
     }
 

@@ -1,17 +1,12 @@
 // Arcs of carrier phases: where the count of whole cycles goes on, and where it began anew.
 #pragma once
 
+#include "schuler/ppk/settings.h"
 #include "schuler/ppk/tracking.h"
 
 #include <cstddef>
 
 namespace schuler::ppk {
-
-struct ArcSettings {
-    double phase_sigma = 0.003;    ///< m, at the zenith with a strong signal
-    double doppler_sigma = 0.05;   ///< m/s, likewise
-    double longest_gap = 10.0;     ///< s without the phase that an arc may bridge; at least 1.5 intervals of the log
-};
 
 /// Why arcs began anew, beyond satellites that rose.
 struct ArcCounts {

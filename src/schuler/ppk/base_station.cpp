@@ -55,6 +55,7 @@ BaseStation::BaseStation(const std::vector<TrackedEpoch>& epochs, const Ecef& po
                 out.cn0 = t.cn0;
                 out.arc = t.arc;
                 out.half_cycle = t.half_cycle;
+                out.jumped = t.jumped;
             }
         }
         std::ranges::sort(node.satellites, {}, &BaseSatellite::id);
@@ -66,6 +67,7 @@ BaseEpoch BaseStation::between(const Node& a, const Node& b, Time tag) const {
     const double wb = before / span, wa = after / span;
     BaseEpoch out;
     out.age = std::min(before, after);
+    out.repeated = true;
     out.variance = settings_.clock_walk * settings_.clock_walk * before * after / span;   // of a walk known at both ends
     for (const BaseSatellite& s : a.satellites) {
         const BaseSatellite* other = find(b.satellites, s.id);
@@ -92,10 +94,11 @@ std::optional<BaseEpoch> BaseStation::at(Time tag) const {
     const auto apart = [&](const Node* n) { return n == nullptr ? 1e12 : std::abs((n->tag - tag).seconds()); };
     const Node* nearest = apart(a) < apart(b) ? a : b;
     if (nearest == nullptr) return std::nullopt;
+    constexpr double rounding = 1e-6;   // s
     const double age = apart(nearest);
-    if (age > same_instant && a != nullptr && b != nullptr && (b->tag - a->tag).seconds() <= settings_.longest_span) return between(*a, *b, tag);
-    if (age > settings_.longest_age) return std::nullopt;
-    return BaseEpoch{nearest->satellites, age, age > same_instant ? settings_.clock_walk * settings_.clock_walk * age : 0.0};
+    if (age > same_instant && a != nullptr && b != nullptr && (b->tag - a->tag).seconds() <= settings_.longest_span + rounding) return between(*a, *b, tag);
+    if (age > settings_.longest_age + rounding) return std::nullopt;
+    return BaseEpoch{nearest->satellites, age, age > same_instant, age > same_instant ? settings_.clock_walk * settings_.clock_walk * age : 0.0};
 }
 
 }  // namespace schuler::ppk

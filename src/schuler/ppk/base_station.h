@@ -1,7 +1,7 @@
 // What the base station says at any time: its measurements less what its known place explains.
 #pragma once
 
-#include "schuler/gnss/atmosphere.h"
+#include "schuler/ppk/settings.h"
 #include "schuler/ppk/tracking.h"
 
 #include <optional>
@@ -9,13 +9,6 @@
 
 namespace schuler::ppk {
 
-/// The air over both receivers by models.
-struct AirModel {
-    std::optional<gnss::BroadcastIonosphere> ionosphere;   ///< nothing: none is taken off
-    bool troposphere = true;
-    gnss::Mapping mapping = gnss::Mapping::Niell;
-    double relative_humidity = 0.7;
-};
 /// Delay of the troposphere, and of the ionosphere on L1 (codes later, phases earlier; other carriers by 1/f^2), m.
 struct AirDelay {
     double troposphere = 0, ionosphere = 0;
@@ -31,7 +24,7 @@ struct BaseSignal {
     double code_factor = 1, phase_factor = 1;   ///< on the variance of one measurement's noise, from interpolation
     double cn0 = not_given;
     int arc = 0;
-    bool half_cycle = false;
+    bool half_cycle = false, jumped = false;
 };
 struct BaseSatellite {
     SatelliteId id;
@@ -41,13 +34,8 @@ struct BaseSatellite {
 struct BaseEpoch {
     std::vector<BaseSatellite> satellites;   ///< in the order of their ids
     double age = 0;        ///< s to the nearer epoch of the base
+    bool repeated = false; ///< its noise is that of neighbouring epochs of the rover too
     double variance = 0;   ///< m^2, of what satellite clocks did since or between
-};
-
-struct BaseSettings {
-    double longest_age = 30.0;      ///< s from the nearest epoch of the base, where there is none on the other side
-    double longest_span = 60.0;     ///< s between two epochs of the base that are interpolated
-    double clock_walk = 1.5e-3;     ///< m/sqrt(s), of a satellite's clock beside its broadcast polynomial: 5e-12 of white frequency noise
 };
 
 /// A base at rest. Between two of its epochs its residuals are interpolated linearly: what is left in them drifts by satellite clocks and

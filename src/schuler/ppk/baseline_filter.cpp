@@ -40,6 +40,7 @@ void BaselineFilter::begin_at(const TrackedEpoch& rover) {
         x_ = Eigen::VectorXd::Zero(leading);
         P_ = Eigen::MatrixXd::Zero(leading, leading);
         entries_.clear();
+        code_.clear();
     }
     constexpr double beyond_single = 10.0, speed = 100.0;   // m, m/s
     P_.topRows(6).setZero();
@@ -132,7 +133,7 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
         if (ambiguity_[k] < 0) {
             ambiguity_[k] = size + static_cast<Eigen::Index>(fresh.size());
             fresh.emplace_back(first_ambiguity(d), unknown_ambiguity * unknown_ambiguity);
-            entries_.push_back({false, d.id, d.slot, d.rover_arc, d.base_arc, rover.tag, {}});
+            entries_.push_back({false, d.id, d.slot, d.rover_arc, d.base_arc, rover.tag});
         }
         if (!ionosphere_ || delay_[k] >= 0) continue;
         if (k > 0 && differences_[k - 1].id == d.id) {   // those of one satellite stand side by side
@@ -142,9 +143,11 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
         const double sigma = settings_.left.ionosphere_disturbed * baseline_ * shell_mapping(d.elevation);
         delay_[k] = size + static_cast<Eigen::Index>(fresh.size());
         fresh.emplace_back(0.0, sigma * sigma);
-        entries_.push_back({true, d.id, 0, 0, 0, rover.tag, {}});
+        entries_.push_back({true, d.id, 0, 0, 0, rover.tag});
     }
     if (fresh.empty()) return;
+    // where the old ambiguities are gone, nothing is left of what their codes said
+    if (2 * fresh.size() > differences_.size()) code_.clear();
     const Eigen::Index n = size + static_cast<Eigen::Index>(fresh.size());
     x_.conservativeResize(n);
     P_.conservativeResizeLike(Eigen::MatrixXd::Zero(n, n));
@@ -166,14 +169,17 @@ void BaselineFilter::restart(std::size_t difference) {
     P_.row(k).setZero();
     P_.col(k).setZero();
     P_(k, k) = unknown_ambiguity * unknown_ambiguity;
-    entries_[static_cast<std::size_t>(k - leading)].code.reset();
+    Entry& e = entry_of(difference);
+    e.trusted = e.broken = false;
+    e.jumped = true;
 }
 
 /// Reflections make a satellite's code err alike for a while. Of n codes whose errors are a first-order Gauss-Markov process the first tells
 /// one unit of information about the constant ambiguity and each further one (1 - rho) / (1 + rho) [Brown2012].
-double BaselineFilter::code_variance(const Difference& d, const Entry& e, Time tag) const {
-    if (!e.code || !(settings_.code_correlation > 0.0)) return d.code_variance;
-    const double rho = std::exp(-std::abs((tag - *e.code).seconds()) / settings_.code_correlation);
+double BaselineFilter::code_variance(const Difference& d, Time tag) const {
+    const auto last = code_.find({d.id, d.slot});
+    if (last == code_.end() || !(settings_.code_correlation > 0.0)) return d.code_variance;
+    const double rho = std::exp(-std::abs((tag - last->second).seconds()) / settings_.code_correlation);
     return d.code_variance * (1.0 + rho) / std::max(1.0 - rho, 1e-3);
 }
 
@@ -192,7 +198,7 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag) const {
         const bool phase = key.second;
         const auto variance = [&](std::size_t k) {
             const Difference& d = differences_[k];
-            return phase ? d.phase_variance : code_variance(d, entries_[static_cast<std::size_t>(ambiguity_[k] - leading)], tag);
+            return phase ? d.phase_variance : code_variance(d, tag);
         };
         const std::size_t reference = *std::ranges::max_element(members, {}, [&](std::size_t k) { return differences_[k].elevation; });
         const std::size_t begin = out.of.size();
@@ -246,7 +252,7 @@ bool BaselineFilter::update(Time tag, EpochSolution& out) {
             x_ += block.error();
             block.apply(P_);
             for (std::size_t k = 0; k < differences_.size(); ++k)
-                if (std::isfinite(differences_[k].code) && !code_out_[k]) entries_[static_cast<std::size_t>(ambiguity_[k] - leading)].code = tag;
+                if (std::isfinite(differences_[k].code) && !code_out_[k]) code_[{differences_[k].id, differences_[k].slot}] = tag;
             return true;
         }
         // which one measurement would explain it best
@@ -294,12 +300,18 @@ void BaselineFilter::use_integers(EpochSolution& out) {
     std::vector<WholeState> whole;
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         const Difference& d = differences_[k];
-        if (d.whole) whole.push_back({d.id, group_of(d), ambiguity_[k], d.wavelength, d.elevation});
+        const Entry& e = entry_of(k);
+        const bool halves = d.halves || e.jumped;
+        if (d.whole && !e.broken)
+            whole.push_back({d.id, group_of(d), ambiguity_[k], (halves ? 0.5 : 1.0) * d.wavelength, halves, d.elevation, d.repeated, e.trusted});
     }
     const IntegerTrial trial = fix_integers(x_, P_, whole, 6, settings_.integers);
     out.ratio = trial.ratio;
     out.success = trial.success;
     if (!trial.fix) return;
+    for (Entry& e : entries_) e.trusted = false;
+    for (const Eigen::Index state : trial.fix->states) entries_[static_cast<std::size_t>(state - leading)].trusted = true;
+    for (const Eigen::Index state : trial.fix->broken) entries_[static_cast<std::size_t>(state - leading)].broken = true;
     out.position.r += trial.fix->correction.head<3>();
     out.covariance = trial.fix->covariance.topLeftCorner<3, 3>();
     out.velocity += trial.fix->correction.segment<3>(3);
@@ -307,7 +319,7 @@ void BaselineFilter::use_integers(EpochSolution& out) {
     out.ambiguities = trial.fix->ambiguities;
     out.fixed = trial.fix->count;
     // some combinations of integers may hold and leave the position as uncertain as it was
-    constexpr double fixed_sigma = 0.1;   // m
+    constexpr double fixed_sigma = 0.05;   // m
     if (out.covariance.trace() < fixed_sigma * fixed_sigma) out.quality = Quality::Fixed;
 }
 

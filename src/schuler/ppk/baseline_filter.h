@@ -3,6 +3,7 @@
 
 #include "schuler/ppk/differences.h"
 #include "schuler/ppk/integers.h"
+#include "schuler/ppk/solution.h"
 
 #include <Eigen/Core>
 
@@ -11,23 +12,6 @@
 #include <vector>
 
 namespace schuler::ppk {
-
-/// As RTKLIB numbers them.
-enum class Quality : std::uint8_t { None = 0, Fixed = 1, Float = 2, Single = 5 };
-
-struct EpochSolution {
-    Time tag, time;               ///< by the rover's clock, and GPS time
-    Quality quality = Quality::None;
-    Ecef position;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();            ///< m^2, Earth-fixed
-    Eigen::Vector3d velocity = not_given3();                         ///< m/s, Earth-fixed; NaN where nothing says it
-    Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();
-    int satellites = 0;           ///< in common with the base, or of the single-point solution
-    int ambiguities = 0, fixed = 0;
-    double ratio = 0, success = 0;
-    double age = 0;               ///< s to the base's epoch
-    int rejected = 0;             ///< codes left out, and ambiguities begun anew because their phases did not fit
-};
 
 /// Goes from epoch to epoch, forwards or backwards in time. States are position, velocity, the zenith delay's difference, and for each
 /// satellite and carrier the ambiguity of the single difference (m), of which the double differences see differences only; on long baselines
@@ -40,6 +24,8 @@ public:
     EpochSolution step(const TrackedEpoch& rover);
 
 private:
+    static constexpr Eigen::Index leading = 7;   ///< position, velocity, zenith delay
+
     /// A state beside the first ones.
     struct Entry {
         bool ionosphere = false;
@@ -47,7 +33,9 @@ private:
         std::uint8_t slot = 0;
         int rover_arc = 0, base_arc = 0;
         Time seen;
-        std::optional<Time> code;   ///< last time a code was used with it
+        bool trusted = false;       ///< among the integers that held last
+        bool broken = false;        ///< no whole number, as others that are showed
+        bool jumped = false;        ///< begun anew because the phase did not fit
     };
     /// A row of the epoch: one difference less its reference.
     struct RowOf {
@@ -60,20 +48,22 @@ private:
         Eigen::VectorXd z;
     };
 
+    [[nodiscard]] Entry& entry_of(std::size_t difference) { return entries_[static_cast<std::size_t>(ambiguity_[difference] - leading)]; }
+    [[nodiscard]] const Entry& entry_of(std::size_t difference) const {
+        return entries_[static_cast<std::size_t>(ambiguity_[difference] - leading)];
+    }
     void predict(double dt);
     void begin_at(const TrackedEpoch& rover);
     void settle_states(const TrackedEpoch& rover, Time before);
     void forget(Time tag, Time before);
     [[nodiscard]] double first_ambiguity(const Difference& d) const;
     void restart(std::size_t difference);
-    [[nodiscard]] double code_variance(const Difference& d, const Entry& e, Time tag) const;
+    [[nodiscard]] double code_variance(const Difference& d, Time tag) const;
     [[nodiscard]] Rows rows(Time tag) const;
     bool update(Time tag, EpochSolution& out);
     void use_velocity(const TrackedEpoch& rover);
     void use_integers(EpochSolution& out);
     [[nodiscard]] EpochSolution single(const TrackedEpoch& rover) const;
-
-    static constexpr Eigen::Index leading = 7;   ///< position, velocity, zenith delay
 
     Settings settings_;
     const SignalPlan& plan_;
@@ -89,6 +79,7 @@ private:
     std::vector<Eigen::Index> ambiguity_, delay_;   ///< states of each difference; -1: none
     std::vector<bool> code_out_;
     std::map<int, double> offsets_;
+    std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;   ///< when a signal's code was last used
     double baseline_ = 0;
 };
 

@@ -1,7 +1,7 @@
 // One solution of a pass forwards and a pass backwards in time.
 #pragma once
 
-#include "schuler/ppk/baseline_filter.h"
+#include "schuler/ppk/solution.h"
 
 namespace schuler::ppk {
 

@@ -39,6 +39,7 @@ std::vector<Difference> single_differences(const TrackedEpoch& rover, const Base
             d.slot = static_cast<std::uint8_t>(k);
             d.band = pairs[k].rover.band;
             d.whole = s.id.system != gnss::System::Glonass && s.id.system != gnss::System::Sbas && !r.half_cycle && !c.half_cycle;
+            d.halves = r.jumped || c.jumped;
             d.towards = line.towards;
             d.elevation = line.direction.elevation;
             d.mapping = air_mapping(d.elevation);
@@ -46,12 +47,14 @@ std::vector<Difference> single_differences(const TrackedEpoch& rover, const Base
             d.factor = ionosphere_factor(r.wavelength);
             d.code = r.code - modelled - d.factor * delay.ionosphere - c.code;
             d.phase = r.phase - modelled + d.factor * delay.ionosphere - c.phase;
-            d.phase_at_rover = r.phase;
             const double here = square(gnss::noise_factor(d.elevation, r.cn0)), there = square(gnss::noise_factor(b->direction.elevation, c.cn0));
             double left = shared;
             if (settings.air.ionosphere && !ionosphere_is_estimated)
                 left += square(d.factor * settings.left.ionosphere_gradient * baseline * shell_mapping(d.elevation));
             d.phase_variance = square(settings.phase_sigma) * (here + c.phase_factor * there) + left;
+            // reflections change slowly, and so do errors that are not the receivers'
+            constexpr double slow = 0.1, of_air = 0.25;   // neighbouring satellites look through the same air
+            d.repeated = square(settings.phase_sigma) * (slow * here + (base.repeated ? 1.0 : slow) * c.phase_factor * there) + of_air * left;
             d.code_variance = square(settings.code_sigma) * (here + c.code_factor * there) + left;
             // other tracking modes, and receivers on GLONASS's many carriers, have code delays that differ by satellite
             constexpr double apart = 1.0;   // m

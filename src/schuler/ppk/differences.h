@@ -1,6 +1,7 @@
 // Single differences: what the rover measured less what the base did, each less its model.
 #pragma once
 
+#include "schuler/ppk/base_station.h"
 #include "schuler/ppk/settings.h"
 
 #include <vector>
@@ -15,6 +16,7 @@ struct Difference {
     std::uint8_t slot = 0;           ///< in the plan
     char band = '1';
     bool whole = true;               ///< the ambiguity is a whole number of cycles (against another of the same system and carrier)
+    bool halves = false;             ///< of half cycles rather
     Eigen::Vector3d towards{0, 0, 0};
     double elevation = 0;
     double mapping = 1;
@@ -22,7 +24,7 @@ struct Difference {
     double wavelength = 0;
     double code = not_given, phase = not_given;
     double code_variance = 0, phase_variance = 0;   ///< m^2
-    double phase_at_rover = 0;       ///< m, as measured: tells logs that are the same
+    double repeated = 0;             ///< m^2, of the phase's variance what neighbouring epochs have in common
     int rover_arc = 0, base_arc = 0;
 };
 

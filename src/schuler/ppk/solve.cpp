@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/math/quantile.h"
+#include "schuler/ppk/baseline_filter.h"
 #include "schuler/ppk/combine.h"
 
 #include <fmt/format.h>

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "schuler/core/log.h"
-#include "schuler/ppk/baseline_filter.h"
+#include "schuler/ppk/arcs.h"
+#include "schuler/ppk/settings.h"
+#include "schuler/ppk/solution.h"
 
 #include <optional>
 #include <string>

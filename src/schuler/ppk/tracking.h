@@ -41,6 +41,7 @@ struct TrackedSignal {
     int arc = 0;                ///< the phase counts on without a jump while this number stays; 0: no phase
     bool lost = false;          ///< the receiver says that it lost lock since the epoch before
     bool half_cycle = false;    ///< the receiver has not yet resolved half cycles
+    bool jumped = false;        ///< the arc began with a jump that the receiver did not tell, of half cycles perhaps
 };
 
 /// One satellite at the time when what arrives now was sent.
