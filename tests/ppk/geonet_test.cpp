@@ -69,7 +69,6 @@ TEST_F(Geonet, FixedWhereRtklibIs) {
                 const Eigen::Matrix3d C_ne = earth::C_en(own.lat, own.lon).transpose();
                 const Eigen::Vector3d sigma = (C_ne * e.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
                 outside += (d.array().abs() > 3.0 * sigma.array() + 0.005).any() ? 1 : 0;
-                if (getenv("PPK_DUMP")) fmt::print("{} q{} {}/{} ratio {:.1f} d {:.0f} {:.0f} {:.0f} sig {:.0f}\n", e.tag.seconds()-796435200, (int)e.quality, e.fixed, e.ambiguities, e.ratio, 1e3*d[0],1e3*d[1],1e3*d[2], 1e3*std::sqrt(e.covariance.trace()));
                 if (e.quality != Quality::Fixed) continue;
                 ++compared;
                 square += d.squaredNorm();

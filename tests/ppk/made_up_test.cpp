@@ -116,7 +116,6 @@ TEST_F(MadeUp, SlipsThatNobodyTells) {
         settings.frequencies = frequencies;
         const Solution s = solved();
         const Errors e = errors(s);
-        if (getenv("PPK_DUMP")) for (auto& x : s.epochs) { const Eigen::Vector3d d = x.position.r - rover.place(x.time).r; fmt::print("{} q{} n{} {}/{} ratio {:.1f} success {:.5f} rej {} err {:.3f} sig {:.3f}\n", (x.tag-start).seconds(), (int)x.quality, x.satellites, x.fixed, x.ambiguities, x.ratio, x.success, x.rejected, d.norm(), std::sqrt(x.covariance.trace())); }
         fmt::print("slips, {} frequencies: {}; found {} + {}\n", frequencies, text(e), s.rover_arcs.found(), s.base_arcs.found());
         EXPECT_EQ(e.wrong, 0U);
         EXPECT_LE(e.outside, 1U);
@@ -146,7 +145,6 @@ TEST_F(MadeUp, BaseEveryHalfMinute) {
     measure(180.0, 11);
     const Solution half = solved();
     const Errors e = errors(half);
-    if (getenv("PPK_DUMP")) for (auto& x : half.epochs) fmt::print("{} q{} n{} {}/{} ratio {:.1f} success {:.5f} rej {} sig {:.3f}\n", (x.tag-start).seconds(), (int)x.quality, x.satellites, x.fixed, x.ambiguities, x.ratio, x.success, x.rejected, std::sqrt(x.covariance.trace()));
     fmt::print("base of 30 s: {}\n", text(e));
     EXPECT_EQ(e.wrong, 0U);
     EXPECT_LE(e.outside, 1U);
@@ -154,10 +152,8 @@ TEST_F(MadeUp, BaseEveryHalfMinute) {
     // stamps between those of the base, and a base that ends early: its last epoch stands for half a minute
     base.interval = 1.0;
     measure(120.0, 12);
-    for (gnss::ObservationEpoch& epoch : base_log.epochs) epoch.time = epoch.time;
     while (base_log.epochs.back().time > start + Duration::from_seconds(60)) base_log.epochs.pop_back();
     const Solution s = solved();
-    if (getenv("PPK_DUMP")) for (auto& x : s.epochs) fmt::print("{} q{} n{} {}/{} ratio {:.1f} success {:.5f} rej {} sig {:.3f}\n", (x.tag-start).seconds(), (int)x.quality, x.satellites, x.fixed, x.ambiguities, x.ratio, x.success, x.rejected, std::sqrt(x.covariance.trace()));
     for (const EpochSolution& x : s.epochs) {
         const double t = (x.tag - start).seconds();
         EXPECT_EQ(x.quality == Quality::Single, t > 90.5) << t;
