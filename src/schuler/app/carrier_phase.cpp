@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace schuler::app {
 namespace {
@@ -89,8 +88,6 @@ void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings)
 
 }  // namespace
 
-int quality_number(ppk::Quality quality) { return static_cast<int>(quality); }
-
 CarrierPhase carrier_phase(const fs::path& folder, const Config& config, WarningLog& warnings) {
     RawLogs rover = read_raw_logs(folder, config.raw, warnings);
     const std::optional<Time> near = rover.logs.front().epochs.empty() ? std::nullopt : std::optional(rover.logs.front().epochs.front().time);
@@ -116,19 +113,6 @@ CarrierPhase carrier_phase(const fs::path& folder, const Config& config, Warning
         out.epochs.push_back(e);
     }
     return out;
-}
-
-std::string carrier_csv(const CarrierPhase& solution) {
-    std::string text = "time_s,q,satellites,ambiguities,fixed,ratio,success_rate,age_s,rejected,north_m,east_m,up_m\n";
-    const Geodetic base = earth::geodetic_from_ecef(earth::wgs84, solution.base);
-    const Eigen::Matrix3d C_ne = earth::C_en(base.lat, base.lon).transpose();
-    for (std::size_t i = 0; i < solution.epochs.size(); ++i) {
-        const ppk::EpochSolution& e = solution.epochs[i];
-        const Eigen::Vector3d d = C_ne * (e.position.r - solution.base.r);
-        fmt::format_to(std::back_inserter(text), "{:.9f},{},{},{},{},{:.1f},{:.6f},{:.3f},{},{:.4f},{:.4f},{:.4f}\n", solution.fixes[i].time.seconds(),
-                       quality_number(e.quality), e.satellites, e.ambiguities, e.fixed, e.ratio, e.success, e.age, e.rejected, d.x(), d.y(), -d.z());
-    }
-    return text;
 }
 
 }  // namespace schuler::app

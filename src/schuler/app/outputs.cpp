@@ -1,4 +1,5 @@
 #include "schuler/app/bundle.h"
+#include "schuler/app/carrier_outputs.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/csv_events.h"
 #include "schuler/io/kml.h"
@@ -44,7 +45,11 @@ std::vector<std::filesystem::path> write_outputs(ResultBundle& b, const std::fil
     const auto add = [&](const char* name) -> const std::filesystem::path& { return written.emplace_back(folder / name); };
     if (c.output.wants("solution")) {
         const std::filesystem::path& file = add("solution.csv");
-        if (!streamed) io::write_solution_csv(file, b.solution().rows, b.result.legs);
+        const bool of_phases = c.scheme == Scheme::Gnss && !b.data.carrier.epochs.empty();
+        if (of_phases)
+            write_text(file, solution_csv_with_quality(b.solution().rows, b.data.carrier, c.filter.gnss.latency));
+        else if (!streamed)
+            io::write_solution_csv(file, b.solution().rows, b.result.legs);
     }
     if (!b.solution().point.empty()) io::write_solution_csv(add("point.csv"), b.solution().point, b.result.legs);
     if (!b.data.events.empty() && c.scheme != Scheme::Gnss) {
