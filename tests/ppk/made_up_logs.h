@@ -35,6 +35,8 @@ inline gnss::Navigation made_up_sky(Time from, Time to) {
 struct Receiver {
     std::string systems = "GE";
     double code_sigma = 0.5, code_correlation = 60.0, phase_sigma = 0.003;   ///< at the zenith, m, s, m
+    double phase_reflections = 0.0, phase_correlation = 30.0;                ///< at the zenith, m, s
+    double outliers = 0.0;                                                   ///< share of the time in which a code is metres too long
     double interval = 1.0;                                                   ///< s
     std::function<double(Time)> clock = [](Time t) { return 2e-5 + 1e-8 * (t.seconds() - std::floor(t.seconds() / 1e5) * 1e5); };   ///< s
     std::function<Ecef(Time)> place;
@@ -51,8 +53,7 @@ inline gnss::ObservationLog measured(const gnss::Navigation& sky, const Receiver
     log.approximate = receiver.place(from);
     log.antenna_delta.setZero();
     struct Channel {
-        double reflections = 0;
-        std::array<double, 2> cycles{};
+        double reflections = 0, phase = 0, outlier = 0, cycles = 0;
         bool begun = false;
     };
     std::map<std::pair<SatelliteId, char>, Channel> channels;
@@ -94,14 +95,19 @@ inline gnss::ObservationLog measured(const gnss::Navigation& sky, const Receiver
                 const double wavelength = gnss::speed_of_light / gnss::frequency_of(id.system, band);
                 const double spread = receiver.code_sigma * factor;
                 c.reflections = c.begun ? rho * c.reflections + std::sqrt(1.0 - rho * rho) * spread * random.normal() : spread * random.normal();
-                if (!c.begun) c.cycles[0] = std::floor(1e6 * random.uniform());
+                if (!c.begun) c.cycles = std::floor(1e6 * random.uniform());
                 c.begun = true;
+                const double rho_phase = std::exp(-receiver.interval / receiver.phase_correlation), of_phase = receiver.phase_reflections * factor;
+                if (of_phase > 0.0) c.phase = rho_phase * c.phase + std::sqrt(1.0 - rho_phase * rho_phase) * of_phase * random.normal();
+                constexpr double lasting = 20.0;   // s
+                if (receiver.outliers > 0.0 && random.uniform() < receiver.interval / lasting)
+                    c.outlier = random.uniform() < receiver.outliers ? 3.0 + 30.0 * random.uniform() : 0.0;
                 gnss::SignalObservation o;
                 o.satellite = id;
                 o.signal = {band, band == '1' ? 'C' : 'X'};
                 const double modelled = line.range + gnss::speed_of_light * clock + troposphere, g = ionosphere_factor(wavelength) * ionosphere;
-                o.pseudorange = modelled + g + c.reflections;
-                o.phase = (modelled - g + receiver.phase_sigma * factor * random.normal()) / wavelength + c.cycles[0];
+                o.pseudorange = modelled + g + c.reflections + c.outlier;
+                o.phase = (modelled - g + c.phase + receiver.phase_sigma * factor * random.normal()) / wavelength + c.cycles;
                 o.cn0 = 45.0;
                 log.observations.push_back(o);
             }

@@ -80,7 +80,8 @@ GnssFix fix_of(const ppk::EpochSolution& s) {
 
 void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings) {
     const std::size_t fixed = s.count(ppk::Quality::Fixed), floating = s.count(ppk::Quality::Float), single = s.count(ppk::Quality::Single);
-    warnings.add("base.solution", fmt::format("against {}: {} of {} epochs fixed, {} float, {} without the base; baseline up to {:.1f} km", base, fixed,
+    if (20 * (s.epochs.size() - fixed) > s.epochs.size())
+        warnings.add("base.solution", fmt::format("against {}: {} of {} epochs fixed, {} float, {} without the base; baseline up to {:.1f} km", base, fixed,
                                               s.epochs.size(), floating, single, 1e-3 * s.longest_baseline));
     const std::size_t slips = s.rover_arcs.found() + s.base_arcs.found();
     if (slips > 0) warnings.add("base.slips", "cycle slips found that the receivers did not tell", slips);

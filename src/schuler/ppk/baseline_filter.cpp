@@ -1,9 +1,10 @@
 #include "schuler/ppk/baseline_filter.h"
 
 #include "schuler/earth/ellipsoid.h"
-#include "schuler/estim/block_update.h"
 #include "schuler/math/chi_square.h"
 #include "schuler/math/quantile.h"
+
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,14 @@ namespace {
 constexpr double unknown_ambiguity = 30.0;   ///< m, one sigma beyond what code less phase says
 
 int group_of(const Difference& d) { return static_cast<int>(d.id.system) * 256 + static_cast<int>(d.band); }
+
+/// Reflections make a satellite's measurements err alike for a while. Of n whose errors are a first-order Gauss-Markov process the first tells
+/// one unit of information about a constant and each further one (1 - rho) / (1 + rho) [Brown2012]: the factor on a variance.
+double lasting(double apart, double correlation) {
+    if (!(correlation > 0.0)) return 1.0;
+    const double rho = std::exp(-std::abs(apart) / correlation);
+    return (1.0 + rho) / std::max(1.0 - rho, 1e-3);
+}
 
 /// Rows and columns that stay.
 void keep(Eigen::VectorXd& x, Eigen::MatrixXd& P, const std::vector<Eigen::Index>& states) {
@@ -41,6 +50,7 @@ void BaselineFilter::begin_at(const TrackedEpoch& rover) {
         P_ = Eigen::MatrixXd::Zero(leading, leading);
         entries_.clear();
         code_.clear();
+        same_integers_ = 0;
     }
     constexpr double beyond_single = 10.0, speed = 100.0;   // m, m/s
     P_.topRows(6).setZero();
@@ -133,7 +143,7 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
         if (ambiguity_[k] < 0) {
             ambiguity_[k] = size + static_cast<Eigen::Index>(fresh.size());
             fresh.emplace_back(first_ambiguity(d), unknown_ambiguity * unknown_ambiguity);
-            entries_.push_back({false, d.id, d.slot, d.rover_arc, d.base_arc, rover.tag});
+            entries_.push_back({false, d.id, d.slot, d.rover_arc, d.base_arc, rover.tag, {}});
         }
         if (!ionosphere_ || delay_[k] >= 0) continue;
         if (k > 0 && differences_[k - 1].id == d.id) {   // those of one satellite stand side by side
@@ -143,7 +153,7 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
         const double sigma = settings_.left.ionosphere_disturbed * baseline_ * shell_mapping(d.elevation);
         delay_[k] = size + static_cast<Eigen::Index>(fresh.size());
         fresh.emplace_back(0.0, sigma * sigma);
-        entries_.push_back({true, d.id, 0, 0, 0, rover.tag});
+        entries_.push_back({true, d.id, 0, 0, 0, rover.tag, {}});
     }
     if (fresh.empty()) return;
     // where the old ambiguities are gone, nothing is left of what their codes said
@@ -170,26 +180,30 @@ void BaselineFilter::restart(std::size_t difference) {
     P_.col(k).setZero();
     P_(k, k) = unknown_ambiguity * unknown_ambiguity;
     Entry& e = entry_of(difference);
+    e.phase.reset();
     e.trusted = e.broken = false;
     e.jumped = true;
+    e.integer = not_given;
 }
 
-/// Reflections make a satellite's code err alike for a while. Of n codes whose errors are a first-order Gauss-Markov process the first tells
-/// one unit of information about the constant ambiguity and each further one (1 - rho) / (1 + rho) [Brown2012].
-double BaselineFilter::code_variance(const Difference& d, Time tag) const {
+double BaselineFilter::lasting_code(const Difference& d, Time tag) const {
     const auto last = code_.find({d.id, d.slot});
-    if (last == code_.end() || !(settings_.code_correlation > 0.0)) return d.code_variance;
-    const double rho = std::exp(-std::abs((tag - last->second).seconds()) / settings_.code_correlation);
-    return d.code_variance * (1.0 + rho) / std::max(1.0 - rho, 1e-3);
+    return last == code_.end() ? 1.0 : lasting((tag - last->second).seconds(), settings_.code_correlation);
 }
 
-BaselineFilter::Rows BaselineFilter::rows(Time tag) const {
+double BaselineFilter::lasting_phase(std::size_t difference, Time tag) const {
+    constexpr double correlation = 30.0;   // s
+    const auto& last = entry_of(difference).phase;
+    return last ? lasting((tag - *last).seconds(), correlation) : 1.0;
+}
+
+BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const Eigen::VectorXd& x) const {
     // the members of each group with a code, with a phase; their reference is the highest
     std::map<std::pair<int, bool>, std::vector<std::size_t>> groups;
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         const int group = group_of(differences_[k]);
         groups[{group, true}].push_back(k);
-        if (std::isfinite(differences_[k].code) && !code_out_[k]) groups[{group, false}].push_back(k);
+        if (weighting != Weighting::Phases && std::isfinite(differences_[k].code) && !code_out_[k]) groups[{group, false}].push_back(k);
     }
     Rows out;
     std::vector<double> noise, reference_noise;
@@ -198,7 +212,9 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag) const {
         const bool phase = key.second;
         const auto variance = [&](std::size_t k) {
             const Difference& d = differences_[k];
-            return phase ? d.phase_variance : code_variance(d, tag);
+            const bool lasts = weighting == Weighting::Filter;
+            if (phase) return phase_scale_.value() * d.phase_variance * (lasts ? lasting_phase(k, tag) : 1.0);
+            return code_scale_.value() * d.code_variance * (lasts ? lasting_code(d, tag) : 1.0);
         };
         const std::size_t reference = *std::ranges::max_element(members, {}, [&](std::size_t k) { return differences_[k].elevation; });
         const std::size_t begin = out.of.size();
@@ -211,7 +227,7 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag) const {
         }
     }
     const auto m = static_cast<Eigen::Index>(out.of.size());
-    out.H = Eigen::MatrixXd::Zero(m, x_.size());
+    out.H = Eigen::MatrixXd::Zero(m, x.size());
     out.R = Eigen::MatrixXd::Zero(m, m);
     out.z.resize(m);
     for (Eigen::Index i = 0; i < m; ++i) {
@@ -225,12 +241,12 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag) const {
             out.H(i, delay_[row.of]) += sign * d.factor;
             out.H(i, delay_[row.reference]) -= sign * o.factor;
         }
-        double modelled = out.H(i, 6) * x_[6];
-        if (ionosphere_) modelled += sign * (d.factor * x_[delay_[row.of]] - o.factor * x_[delay_[row.reference]]);
+        double modelled = out.H(i, 6) * x[6];
+        if (ionosphere_) modelled += sign * (d.factor * x[delay_[row.of]] - o.factor * x[delay_[row.reference]]);
         if (row.phase) {
             out.H(i, ambiguity_[row.of]) = 1.0;
             out.H(i, ambiguity_[row.reference]) = -1.0;
-            modelled += x_[ambiguity_[row.of]] - x_[ambiguity_[row.reference]];
+            modelled += x[ambiguity_[row.of]] - x[ambiguity_[row.reference]];
         }
         out.z[i] = (row.phase ? d.phase - o.phase : d.code - o.code) - modelled;
         out.R(i, i) = noise[r] + reference_noise[r];
@@ -239,49 +255,101 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag) const {
     return out;
 }
 
-bool BaselineFilter::update(Time tag, EpochSolution& out) {
-    code_out_.assign(differences_.size(), false);
-    const std::size_t most = 2 + differences_.size() / 4;   // beyond so many it is not single measurements that are wrong
+BaselineFilter::Suspect BaselineFilter::worst(const estim::BlockUpdate& block, const Rows& rows) const {
+    Suspect out;
+    for (std::size_t k = 0; k < differences_.size(); ++k) {
+        for (const bool phase : {false, true}) {
+            Eigen::VectorXd c = Eigen::VectorXd::Zero(rows.z.size());   // what an error of this one does to the double differences
+            bool any = false;
+            for (std::size_t i = 0; i < rows.of.size(); ++i) {
+                if (rows.of[i].phase != phase || (rows.of[i].of != k && rows.of[i].reference != k)) continue;
+                c[static_cast<Eigen::Index>(i)] = rows.of[i].of == k ? 1.0 : -1.0;
+                any = true;
+            }
+            const double size = any ? std::abs(block.standardised(c)) : 0.0;
+            if (size > out.size) out = {k, phase, size};
+        }
+    }
+    return out;
+}
+
+/// A code that goes astray within its arc weighs little, as codes that hang together do, and would be noticed as late: codes are judged by
+/// the error that one alone may have.
+bool BaselineFilter::reject_misfits(Time tag, EpochSolution& out) {
+    constexpr double single = 4.7;   // sigmas, of any of fifty at 1e-4
+    const std::size_t most = 2 + differences_.size() / 3;   // beyond so many it is not single measurements that are wrong
     for (std::size_t trial = 0; trial <= most; ++trial) {
-        const Rows r = rows(tag);
+        const Rows r = rows(tag, Weighting::Single, x_);
         if (r.of.size() < 3) return false;
         const estim::BlockUpdate block(P_, r.H, r.z, r.R);
         if (!block.valid()) return false;
-        const auto dof = static_cast<double>(r.of.size());
-        if (block.statistic() <= math::chi_square_quantile(1.0 - settings_.false_alarm, dof)) {
-            x_ += block.error();
-            block.apply(P_);
-            for (std::size_t k = 0; k < differences_.size(); ++k)
-                if (std::isfinite(differences_[k].code) && !code_out_[k]) code_[{differences_[k].id, differences_[k].slot}] = tag;
-            return true;
-        }
-        // which one measurement would explain it best
-        double largest = 0.0;
-        std::size_t worst = 0;
-        bool is_phase = false;
-        for (std::size_t k = 0; k < differences_.size(); ++k) {
-            for (const bool phase : {false, true}) {
-                Eigen::VectorXd c = Eigen::VectorXd::Zero(r.z.size());
-                bool any = false;
-                for (std::size_t i = 0; i < r.of.size(); ++i) {
-                    if (r.of[i].phase != phase || (r.of[i].of != k && r.of[i].reference != k)) continue;
-                    c[static_cast<Eigen::Index>(i)] = r.of[i].of == k ? 1.0 : -1.0;
-                    any = true;
-                }
-                const double size = any ? std::abs(block.standardised(c)) : 0.0;
-                if (!(size > largest)) continue;
-                largest = size;
-                worst = k;
-                is_phase = phase;
-            }
-        }
+        const Suspect suspect = worst(block, r);
+        const bool fits = block.statistic() <= math::chi_square_quantile(1.0 - settings_.false_alarm, static_cast<double>(r.of.size()));
+        if (fits && suspect.size < single) return true;
         ++out.rejected;
-        if (is_phase)
-            restart(worst);
+        if (suspect.phase)
+            restart(suspect.difference);
         else
-            code_out_[worst] = true;
+            code_out_[suspect.difference] = true;
     }
     return false;
+}
+
+void BaselineFilter::Scale::add(double squares, double dof, double dt) {
+    constexpr double enough = 3.0, memory = 120.0;   // degrees of freedom, s
+    if (dof < enough || !std::isfinite(squares)) return;
+    weight_ = weight_ * std::exp(-std::abs(dt) / memory) + dof;
+    mean_ += (squares / dof - mean_) * dof / weight_;
+    // smaller only as far as so few squares, which hang together from epoch to epoch, can prove
+    const double proven = mean_ * (1.0 + 2.0 * std::sqrt(2.0 / dof));
+    value_ = std::max({mean_, least_, std::min(proven, 1.0)});
+}
+
+/// How much larger the variance of codes is than it was taken for, by what the codes of an epoch alone miss each other by once they agreed on a
+/// position, over some minutes.
+void BaselineFilter::judge_codes(double dt) {
+    std::map<int, std::vector<std::size_t>> groups;
+    for (std::size_t k = 0; k < differences_.size(); ++k)
+        if (std::isfinite(differences_[k].code) && !code_out_[k]) groups[group_of(differences_[k])].push_back(k);
+    // weighted least squares with a clock of each group: its part of the normal equations is eliminated
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    double squares = 0.0, dof = -3.0;
+    for (const auto& [group, members] : groups) {
+        double weights = 0.0, code = 0.0;
+        Eigen::Vector3d towards = Eigen::Vector3d::Zero();
+        for (const std::size_t k : members) {
+            const Difference& d = differences_[k];
+            const double w = 1.0 / d.code_variance, z = d.code - d.mapping * x_[6] - (ionosphere_ ? d.factor * x_[delay_[k]] : 0.0);
+            weights += w;
+            code += w * z;
+            towards += w * d.towards;
+            information += w * d.towards * d.towards.transpose();
+            right += w * z * d.towards;
+            squares += w * z * z;
+        }
+        information -= towards * towards.transpose() / weights;
+        right -= towards * code / weights;
+        squares -= code * code / weights;
+        dof += static_cast<double>(members.size()) - 1.0;
+    }
+    code_scale_.add(squares - right.dot(information.ldlt().solve(right)), dof, dt);
+}
+
+bool BaselineFilter::update(Time tag, double dt, EpochSolution& out) {
+    code_out_.assign(differences_.size(), false);
+    if (!reject_misfits(tag, out)) return false;
+    judge_codes(dt);
+    const Rows r = rows(tag, Weighting::Filter, x_);
+    const estim::BlockUpdate block(P_, r.H, r.z, r.R);
+    if (!block.valid()) return false;
+    x_ += block.error();
+    block.apply(P_);
+    for (std::size_t k = 0; k < differences_.size(); ++k) {
+        if (std::isfinite(differences_[k].code) && !code_out_[k]) code_[{differences_[k].id, differences_[k].slot}] = tag;
+        entry_of(k).phase = tag;
+    }
+    return true;
 }
 
 void BaselineFilter::use_velocity(const TrackedEpoch& rover) {
@@ -296,7 +364,30 @@ void BaselineFilter::use_velocity(const TrackedEpoch& rover) {
     block.apply(P_);
 }
 
-void BaselineFilter::use_integers(EpochSolution& out) {
+/// The position of the epoch by its phases, with ambiguities, zenith delay and ionosphere as they are known: the filter's own position has
+/// phases whose errors last for no more than they tell of the ambiguities.
+/// Returns the sum of weighted squares that the position leaves.
+double BaselineFilter::place(Time tag, const Eigen::VectorXd& x, const Eigen::MatrixXd& P, EpochSolution& out) const {
+    const Rows r = rows(tag, Weighting::Phases, x);
+    const Eigen::Index others = x.size() - 6;
+    const auto H_others = r.H.rightCols(others);
+    const Eigen::MatrixXd S = r.R + H_others * P.bottomRightCorner(others, others) * H_others.transpose();
+    const Eigen::LLT<Eigen::MatrixXd> root(S);
+    if (settings_.motion == Motion::Static || r.of.size() < 4 || root.info() != Eigen::Success) {
+        out.position.r = x.head<3>();
+        out.covariance = P.topLeftCorner<3, 3>();
+        return not_given;
+    }
+    const Eigen::MatrixXd A = root.matrixL().solve(r.H.leftCols<3>());
+    const Eigen::VectorXd white = root.matrixL().solve(r.z);
+    const Eigen::Matrix3d information = A.transpose() * A + P.topLeftCorner<3, 3>().inverse() * 1e-6;   // where phases leave a direction open
+    out.covariance = information.inverse();
+    const Eigen::Vector3d moved = out.covariance * (A.transpose() * white);
+    out.position.r = linearised_.r + moved;
+    return (white - A * moved).squaredNorm();
+}
+
+void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
     std::vector<WholeState> whole;
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         const Difference& d = differences_[k];
@@ -305,15 +396,20 @@ void BaselineFilter::use_integers(EpochSolution& out) {
         if (d.whole && !e.broken)
             whole.push_back({d.id, group_of(d), ambiguity_[k], (halves ? 0.5 : 1.0) * d.wavelength, halves, d.elevation, d.repeated, e.trusted});
     }
-    const IntegerTrial trial = fix_integers(x_, P_, whole, 6, settings_.integers);
+    const IntegerTrial trial = fix_integers(x_, P_, whole, x_.size(), settings_.integers);
     out.ratio = trial.ratio;
     out.success = trial.success;
+    if (!trial.fix || trial.fix->count < trial.fix->ambiguities) same_integers_ = 0;
     if (!trial.fix) return;
     for (Entry& e : entries_) e.trusted = false;
     for (const Eigen::Index state : trial.fix->states) entries_[static_cast<std::size_t>(state - leading)].trusted = true;
     for (const Eigen::Index state : trial.fix->broken) entries_[static_cast<std::size_t>(state - leading)].broken = true;
-    out.position.r += trial.fix->correction.head<3>();
-    out.covariance = trial.fix->covariance.topLeftCorner<3, 3>();
+    const Eigen::VectorXd x = x_ + trial.fix->correction;
+    const double squares = place(tag, x, trial.fix->covariance, out);
+    if (trial.fix->count == trial.fix->ambiguities) {
+        phase_scale_.add(phase_scale_.value() * squares, trial.fix->ambiguities - 3.0, dt);
+        place(tag, x, trial.fix->covariance, out);
+    }
     out.velocity += trial.fix->correction.segment<3>(3);
     out.velocity_covariance = trial.fix->covariance.block<3, 3>(3, 3);
     out.ambiguities = trial.fix->ambiguities;
@@ -321,6 +417,45 @@ void BaselineFilter::use_integers(EpochSolution& out) {
     // some combinations of integers may hold and leave the position as uncertain as it was
     constexpr double fixed_sigma = 0.05;   // m
     if (out.covariance.trace() < fixed_sigma * fixed_sigma) out.quality = Quality::Fixed;
+    if (trial.fix->count == trial.fix->ambiguities) hold(*trial.fix);
+}
+
+/// Once the same integers held for some epochs, the float is told of them: when satellites slip or set, those that are left would not be fixed
+/// again by codes. As loosely that errors of phases do not bend it.
+void BaselineFilter::hold(const IntegerFix& fix) {
+    constexpr int often = 10;
+    constexpr double same = 0.02, sigma = 0.01;   // m
+    std::map<int, std::pair<double, double>> changes;   // least and largest of each group
+    std::map<int, std::vector<Eigen::Index>> groups;
+    for (std::size_t k = 0; k < differences_.size(); ++k) {
+        Entry& e = entry_of(k);
+        if (!e.trusted) continue;
+        const int group = group_of(differences_[k]);
+        groups[group].push_back(ambiguity_[k]);
+        const double now = x_[ambiguity_[k]] + fix.correction[ambiguity_[k]], change = now - std::exchange(e.integer, now);
+        if (!std::isfinite(change)) continue;
+        const auto [it, fresh] = changes.try_emplace(group, change, change);
+        it->second = {std::min(it->second.first, change), std::max(it->second.second, change)};
+    }
+    const bool changed = std::ranges::any_of(changes, [](const auto& c) { return c.second.second - c.second.first > same; });
+    same_integers_ = changed || changes.empty() ? 0 : same_integers_ + 1;
+    if (same_integers_ < often) return;
+    Eigen::Index m = 0;
+    for (const auto& [group, states] : groups) m += static_cast<Eigen::Index>(states.size()) - 1;
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(m, x_.size());
+    Eigen::VectorXd z(m);
+    Eigen::Index row = 0;
+    for (const auto& [group, states] : groups)
+        for (std::size_t i = 1; i < states.size(); ++i, ++row) {
+            H(row, states[i]) = 1.0;
+            H(row, states[0]) = -1.0;
+            z[row] = fix.correction[states[i]] - fix.correction[states[0]];
+        }
+    if (m == 0) return;
+    const estim::BlockUpdate block(P_, H, z, sigma * sigma * Eigen::MatrixXd::Identity(m, m));
+    if (!block.valid()) return;
+    x_ += block.error();
+    block.apply(P_);
 }
 
 EpochSolution BaselineFilter::single(const TrackedEpoch& rover) const {
@@ -352,6 +487,7 @@ EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     tag_ = rover.tag;
     if (!base) return single(rover);
     const Ecef position{x_.head<3>()};
+    linearised_ = position;
     baseline_ = (position.r - station_.position().r).norm();
     differences_ = single_differences(rover, *base, station_, plan_, position, settings_, ionosphere_);
     std::set<SatelliteId> satellites;
@@ -364,7 +500,8 @@ EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     out.time = rover.time;
     out.age = base->age;
     out.satellites = static_cast<int>(satellites.size());
-    if (!update(rover.tag, out)) {
+    const double dt = (rover.tag - before).seconds();
+    if (!update(rover.tag, dt, out)) {
         begun_ = false;   // all of it is in doubt
         EpochSolution instead = single(rover);
         instead.rejected = out.rejected;
@@ -372,11 +509,10 @@ EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     }
     use_velocity(rover);
     out.quality = Quality::Float;
-    out.position.r = x_.head<3>();
-    out.covariance = P_.topLeftCorner<3, 3>();
+    place(rover.tag, x_, P_, out);
     out.velocity = x_.segment<3>(3);
     out.velocity_covariance = P_.block<3, 3>(3, 3);
-    if (settings_.integers.use) use_integers(out);
+    if (settings_.integers.use) use_integers(rover.tag, dt, out);
     return out;
 }
 

@@ -1,6 +1,7 @@
 // The Kalman filter of a baseline: position, velocity, air and ambiguities from double differences of code and phase.
 #pragma once
 
+#include "schuler/estim/block_update.h"
 #include "schuler/ppk/differences.h"
 #include "schuler/ppk/integers.h"
 #include "schuler/ppk/solution.h"
@@ -15,7 +16,8 @@ namespace schuler::ppk {
 
 /// Goes from epoch to epoch, forwards or backwards in time. States are position, velocity, the zenith delay's difference, and for each
 /// satellite and carrier the ambiguity of the single difference (m), of which the double differences see differences only; on long baselines
-/// the ionosphere of each satellite. Integers are searched at every epoch and not fed back: a wrong one is gone with the next.
+/// the ionosphere of each satellite. Integers are searched at every epoch, and fed back as soft constraints once all of them were the same
+/// ten epochs in a row.
 class BaselineFilter {
 public:
     /// The station and the plan are kept by reference.
@@ -33,14 +35,35 @@ private:
         std::uint8_t slot = 0;
         int rover_arc = 0, base_arc = 0;
         Time seen;
+        std::optional<Time> phase;  ///< last time a phase was used with it
         bool trusted = false;       ///< among the integers that held last
         bool broken = false;        ///< no whole number, as others that are showed
         bool jumped = false;        ///< begun anew because the phase did not fit
+        double integer = not_given; ///< m, with the integers that held last; only differences within a group mean something
     };
     /// A row of the epoch: one difference less its reference.
     struct RowOf {
         std::size_t of, reference;
         bool phase;
+    };
+    /// By how much variances are larger than they are taken for, or smaller where that is beyond doubt: a mean over some minutes of squares
+    /// that ought to be one. Never below `least`.
+    class Scale {
+    public:
+        explicit Scale(double least) : least_(least) {}
+        void add(double squares, double dof, double dt);
+        [[nodiscard]] double value() const { return value_; }
+
+    private:
+        double least_, mean_ = 1, weight_ = 0, value_ = 1;
+    };
+    /// What the rows are for: the filter, to which errors that last count for less with each epoch; tests of single measurements; the position
+    /// of the epoch by its phases alone.
+    enum class Weighting { Filter, Single, Phases };
+    struct Suspect {
+        std::size_t difference = 0;
+        bool phase = false;
+        double size = 0;   ///< sigmas
     };
     struct Rows {
         std::vector<RowOf> of;
@@ -58,11 +81,17 @@ private:
     void forget(Time tag, Time before);
     [[nodiscard]] double first_ambiguity(const Difference& d) const;
     void restart(std::size_t difference);
-    [[nodiscard]] double code_variance(const Difference& d, Time tag) const;
-    [[nodiscard]] Rows rows(Time tag) const;
-    bool update(Time tag, EpochSolution& out);
+    [[nodiscard]] double lasting_code(const Difference& d, Time tag) const;
+    [[nodiscard]] double lasting_phase(std::size_t difference, Time tag) const;
+    [[nodiscard]] Rows rows(Time tag, Weighting weighting, const Eigen::VectorXd& x) const;
+    double place(Time tag, const Eigen::VectorXd& x, const Eigen::MatrixXd& P, EpochSolution& out) const;
+    [[nodiscard]] Suspect worst(const estim::BlockUpdate& block, const Rows& rows) const;
+    bool reject_misfits(Time tag, EpochSolution& out);
+    void judge_codes(double dt);
+    bool update(Time tag, double dt, EpochSolution& out);
     void use_velocity(const TrackedEpoch& rover);
-    void use_integers(EpochSolution& out);
+    void use_integers(Time tag, double dt, EpochSolution& out);
+    void hold(const IntegerFix& fix);
     [[nodiscard]] EpochSolution single(const TrackedEpoch& rover) const;
 
     Settings settings_;
@@ -79,7 +108,10 @@ private:
     std::vector<Eigen::Index> ambiguity_, delay_;   ///< states of each difference; -1: none
     std::vector<bool> code_out_;
     std::map<int, double> offsets_;
+    Scale code_scale_{0.25}, phase_scale_{1.0};
     std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;   ///< when a signal's code was last used
+    int same_integers_ = 0;             ///< epochs in a row
+    Ecef linearised_;                   ///< where the differences were computed
     double baseline_ = 0;
 };
 

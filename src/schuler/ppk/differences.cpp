@@ -52,9 +52,8 @@ std::vector<Difference> single_differences(const TrackedEpoch& rover, const Base
             if (settings.air.ionosphere && !ionosphere_is_estimated)
                 left += square(d.factor * settings.left.ionosphere_gradient * baseline * shell_mapping(d.elevation));
             d.phase_variance = square(settings.phase_sigma) * (here + c.phase_factor * there) + left;
-            // reflections change slowly, and so do errors that are not the receivers'
-            constexpr double slow = 0.1, of_air = 0.25;   // neighbouring satellites look through the same air
-            d.repeated = square(settings.phase_sigma) * (slow * here + (base.repeated ? 1.0 : slow) * c.phase_factor * there) + of_air * left;
+            constexpr double of_air = 0.25;   // neighbouring satellites look through the same air
+            d.repeated = of_air * left;
             d.code_variance = square(settings.code_sigma) * (here + c.code_factor * there) + left;
             // other tracking modes, and receivers on GLONASS's many carriers, have code delays that differ by satellite
             constexpr double apart = 1.0;   // m

@@ -130,7 +130,7 @@ void place_base(const Input& input, Solution& out, WarningLog& warnings) {
         return;
     }
     constexpr double honest = 20.0, sigmas = 6.0;   // m
-    const double largest = honest + sigmas * own->sigma, off = (own->position.r - out.base.r).norm();
+    const double largest = std::min(honest + sigmas * own->sigma, 90.0), off = (own->position.r - out.base.r).norm();
     if (own->moved > largest)
         throw about_base(input, fmt::format("the base moves: between the begin and the end of its log by {:.0f} m", own->moved),
                          "the base must be the receiver at rest; are the two logs exchanged?");
