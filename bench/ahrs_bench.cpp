@@ -4,8 +4,12 @@
 //
 // VQF's figures are those of its authors' program with its default settings on the full-rate files [LaidigSeel2023].
 #include "schuler/ahrs/mekf.h"
-#include "schuler/app/ahrs.h"
+#include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
+#include "schuler/dataset/recognise.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/dataset.h"
+#include "schuler/solution/loaded_dataset.h"
 
 #include <fmt/format.h>
 
@@ -41,7 +45,7 @@ const std::map<std::string, std::array<double, 3>> vqf{{"02", {1.38, 1.01, 0.70}
 
 struct Trial {
     std::string name;
-    app::LoadedDataset data;
+    solution::LoadedDataset data;
 };
 
 std::vector<Trial> trials_in(const fs::path& folder) {
@@ -53,9 +57,9 @@ std::vector<Trial> trials_in(const fs::path& folder) {
     std::vector<Trial> out;
     for (const fs::path& path : found) {
         WarningLog unheard;
-        const app::Dataset dataset = app::open_dataset(path, app::Needs::Imu);
+        const settings::Dataset dataset = settings::open_dataset(path, dataset::Needs::Imu);
         out.push_back(
-            {path.filename().string().substr(6), app::load_dataset(dataset, app::config_from(dataset.settings), unheard)});
+            {path.filename().string().substr(6), solution::load_dataset(dataset, settings::config_from(dataset.settings), unheard)});
     }
     return out;
 }

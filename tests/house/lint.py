@@ -119,7 +119,7 @@ def third_party(root):
                     found.append(finding(root, path, number, f"unknown third-party header <{match.group(1)}>"))
                 elif name not in EVERYWHERE | own:
                     found.append(finding(root, path, number, f"{name} does not belong in {room}"))
-                elif path.suffix == ".h" and name not in EVERYWHERE and "detail" not in path.parts and "src" in path.parts:
+                elif path.suffix == ".h" and name not in EVERYWHERE and not {"detail", "inner"} & set(path.parts) and "src" in path.parts:
                     found.append(finding(root, path, number, f"{name} in a public header"))
     return found
 

@@ -1,11 +1,16 @@
-#include "schuler/app/commands.h"
 #include "schuler/app/convert_raw.h"
-#include "schuler/app/trajectory_file.h"
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
 #include "schuler/core/units.h"
+#include "schuler/dataset/trajectory_file.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/fixed_point.h"
 #include "schuler/io/kml.h"
+#include "schuler/io/own_files.h"
 #include "schuler/io/solution_csv.h"
+#include "schuler/report/outcome.h"
+
+#include <fmt/format.h>
 
 namespace schuler::app {
 namespace {
@@ -43,7 +48,11 @@ std::string format_of(const fs::path& file) {
 
 }  // namespace
 
-Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
+report::Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
+    std::error_code ec;
+    if (fs::equivalent(in, out, ec))
+        throw input_error("is the file to be converted and the one to be written", {out.string(), 0, 0, {}}, "give the result another name");
+    io::check_overwrite(out);
     if (auto raw = convert_raw(in, out, format)) return std::move(*raw);
     const std::string wanted = format.empty() ? format_of(out) : format;
     if (wanted != "csv" && wanted != "kml" && wanted != "kf-gins") {
@@ -52,11 +61,11 @@ Outcome convert_file(const fs::path& in, const fs::path& out, const std::string&
                           {format.empty() ? "" : "--to", 0, 0, {}}, "use --to csv, kml or kf-gins for solutions, rinex-obs or rinex-nav for raw measurements");
     }
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = read_trajectory(in, warnings);
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(in, warnings);
     if (wanted == "csv") io::write_solution_csv(out, rows);
     if (wanted == "kml") io::write_track_kml(out, rows, in.stem().string());
     if (wanted == "kf-gins") io::write_file(out, kfgins_text(rows));
-    Outcome outcome;
+    report::Outcome outcome;
     outcome.tables =
         fmt::format("{} rows from {:.3f} to {:.3f} s\n", rows.size(), rows.front().time.seconds(), rows.back().time.seconds());
     outcome.warnings = warnings.summary();

@@ -73,7 +73,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
     }
     if (r.report.dataset_toml.empty()) {
         std::string why = "no IMU log was recognised in it";
-        std::string mend = "`schuler inspect` says what was found; write a dataset.toml";
+        std::string mend = "`schuler inspect` lists what was found; write a dataset.toml";
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;
             why = problem.text;

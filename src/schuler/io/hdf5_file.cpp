@@ -1,7 +1,9 @@
 #include "schuler/io/hdf5_file.h"
 
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/own_files.h"
 #include "schuler/io/place.h"
+#include "schuler/io/regular_file.h"
 
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -31,14 +33,21 @@ public:
     }
     [[nodiscard]] hid_t id() const { return id_; }
     [[nodiscard]] bool ok() const { return id_ >= 0; }
+    /// Gives the identifier up without closing it.
+    void abandon() { id_ = -1; }
 
 private:
     hid_t id_ = -1;
     Close close_ = nullptr;
 };
 
-/// The library prints its own stack of errors unless told not to.
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+/// The library prints its own stack of errors unless told not to, and cleans up at the end of the program, where it crashes on a file that could
+/// not be written (a full disk): every identifier is closed here by its own scope.
+void prepare_library() {
+    static const herr_t no_cleanup = H5dont_atexit();
+    (void)no_cleanup;
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 // Space is taken in chunks of rows: large for long tables, no larger than a table whose length is known.
 constexpr hsize_t chunk_rows_unknown = 1024;
@@ -50,11 +59,13 @@ struct Hdf5Writer::File {
     std::filesystem::path path, temporary;
     Handle file;
 
-    [[nodiscard]] Error failed(const std::string& what, const std::string& object) const {
+    /// The file is given up as it is: closing it would write, fail, and leave the library with pieces of it.
+    [[nodiscard]] Error failed(const std::string& what, const std::string& object) {
+        file.abandon();
         return computation_error(fmt::format("{}: {} cannot be {}", path.string(), object, what), "make room on the disk");
     }
 
-    void make_groups(const std::string& object) const {
+    void make_groups(const std::string& object) {
         const Handle plist(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
         H5Pset_obj_track_times(plist.id(), false);
         for (std::size_t slash = object.find('/', 1); slash != std::string::npos; slash = object.find('/', slash + 1)) {
@@ -66,7 +77,7 @@ struct Hdf5Writer::File {
     }
 
     /// A table without rows that can grow; `rows` is how many are expected, 0 where unknown.
-    void make(const std::string& object, hid_t type, hsize_t columns, hsize_t rows) const {
+    void make(const std::string& object, hid_t type, hsize_t columns, hsize_t rows) {
         make_groups(object);
         const std::array<hsize_t, 2> size = {0, columns}, limit = {H5S_UNLIMITED, columns},
                                      chunk = {rows > 0 ? std::min(rows, chunk_rows_most) : chunk_rows_unknown, columns};
@@ -79,7 +90,7 @@ struct Hdf5Writer::File {
         if (!made.ok()) throw failed("made", object);
     }
 
-    void append(const std::string& object, hid_t type, const void* values, std::size_t count) const {
+    void append(const std::string& object, hid_t type, const void* values, std::size_t count) {
         const Handle data(H5Dopen2(file.id(), object.c_str(), H5P_DEFAULT), H5Dclose);
         const Handle old(data.ok() ? H5Dget_space(data.id()) : -1, H5Sclose);
         std::array<hsize_t, 2> size{};
@@ -97,8 +108,9 @@ struct Hdf5Writer::File {
 };
 
 Hdf5Writer::Hdf5Writer(std::filesystem::path path) : file_(std::make_unique<File>()) {
-    silence();
+    prepare_library();
     file_->path = std::move(path);
+    check_overwrite(file_->path);
     file_->temporary = create_beside(file_->path);
     const Handle plist(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_obj_track_times(plist.id(), false);
@@ -166,10 +178,12 @@ void Hdf5Writer::commit() {
     if (H5Fflush(file_->file.id(), H5F_SCOPE_GLOBAL) < 0) throw file_->failed("written", "it");
     file_->file = Handle();
     std::error_code error;
+    check_overwrite(file_->path);
     std::filesystem::rename(file_->temporary, file_->path, error);
     if (error)
         throw computation_error(fmt::format("{}: cannot be renamed to its name: {}", file_->path.string(), error.message()));
     file_->temporary.clear();
+    note_own_file(file_->path);
 }
 
 struct Hdf5Reader::File {
@@ -181,9 +195,9 @@ struct Hdf5Reader::File {
 };
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : file_(std::make_unique<File>()) {
-    silence();
+    prepare_library();
     file_->name = path.string();
-    if (!std::filesystem::exists(path)) throw input_error("no such file", place_in(file_->name), "check the path");
+    check_regular_file(path);
     file_->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     if (!file_->file.ok())
         throw input_error("is not an HDF5 file, or a damaged one", place_in(file_->name), "check that it was copied completely");

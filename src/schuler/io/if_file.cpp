@@ -1,6 +1,7 @@
 #include "schuler/io/if_file.h"
 
 #include "schuler/core/error.h"
+#include "schuler/io/regular_file.h"
 
 #include <fmt/format.h>
 
@@ -129,8 +130,7 @@ IfFile::IfFile(const std::filesystem::path& path, std::string_view format, std::
     : path_(path), encoding_(if_encoding(format)) {
     const SourcePlace place{.file = path.string()};
     std::error_code failed;
-    if (!std::filesystem::exists(path, failed)) throw input_error("no such file", place, "give a recording of samples");
-    if (std::filesystem::is_directory(path, failed)) throw input_error("is a folder", place, "give a recording of samples");
+    check_regular_file(path);
     const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
     file_.open(path, std::ios::binary);
     if (failed || !file_) throw input_error("cannot be read", place, "give a recording of samples");

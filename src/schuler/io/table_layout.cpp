@@ -3,6 +3,8 @@
 #include "schuler/io/detail/calendar_text.h"
 #include "schuler/io/place.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,7 +27,15 @@ struct FirstLines {
 
 bool is_comment(std::string_view line) { return !line.empty() && (line.front() == '#' || line.front() == '%'); }
 
-FirstLines first_lines(const LineBlocks& blocks) {
+/// A wider table is no log, and what follows would take for ever.
+void check_width(const SourcePlace& place, std::string_view line) {
+    constexpr std::ptrdiff_t most_columns = 4096;
+    for (const char delimiter : {',', ';', '\t', ' '})
+        if (std::count(line.begin(), line.end(), delimiter) >= most_columns)
+            throw input_error(fmt::format("a line of more than {} columns", most_columns), place, "is it a log, with a row for each time?");
+}
+
+FirstLines first_lines(const LineBlocks& blocks, const std::string& name) {
     FirstLines result;
     long number = blocks.first_line();
     for (const char* p = blocks.begin(); p < blocks.end() && result.rows.size() < sample_lines + 2; ++number) {
@@ -36,6 +46,7 @@ FirstLines first_lines(const LineBlocks& blocks) {
         if (is_comment(trimmed(line))) {
             if (result.comments.size() < sample_lines) result.comments.push_back({number, std::string(trimmed(line))});
         } else if (!trimmed(line).empty()) {
+            check_width(place_in(name, number), line);
             result.rows.push_back({number, std::string(line)});
         }
     }
@@ -217,7 +228,7 @@ TableLayout inspect_table(const TextInput& input) {
     layout.compressed = blocks.compressed();
     if (!blocks.next())
         throw input_error("is empty", place_in(input.name()), "check that the log was written and copied completely");
-    const FirstLines first = first_lines(blocks);
+    const FirstLines first = first_lines(blocks, input.name());
     for (const Line& c : first.comments) layout.comments.push_back(c.text);
     if (first.rows.empty())
         throw input_error("has no data, only blank lines or comments", place_in(input.name()), "check that it is the right file");

@@ -1,6 +1,7 @@
 #include "schuler/io/text_input.h"
 
 #include "schuler/io/place.h"
+#include "schuler/io/regular_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -54,18 +55,13 @@ struct LineBlocks::Source {
     Source& operator=(const Source&) = delete;
 
     void open_file() {
+        check_regular_file(name);
         fd = open(name.c_str(), O_RDONLY | O_CLOEXEC);
         if (fd < 0) {
-            if (errno == ENOENT)
-                throw input_error("no such file", place_in(name), "check the path; relative paths start at the current folder");
             throw input_error(fmt::format("cannot be opened: {}", reason_of(errno)), place_in(name), "check the permissions");
         }
         struct stat status {};
-        if (fstat(fd, &status) == 0) {
-            if (S_ISDIR(status.st_mode))
-                throw input_error("is a directory, not a file", place_in(name), "name the file inside it");
-            if (S_ISREG(status.st_mode)) size = static_cast<std::size_t>(status.st_size);
-        }
+        if (fstat(fd, &status) == 0) size = static_cast<std::size_t>(status.st_size);
         unsigned char magic[2] = {0, 0};
         if (size >= 2 && pread(fd, magic, 2, 0) == 2 && magic[0] == 0x1f && magic[1] == 0x8b) {
             gz = gzdopen(fd, "rb");

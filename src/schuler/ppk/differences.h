@@ -28,6 +28,9 @@ struct Difference {
     int rover_arc = 0, base_arc = 0;
 };
 
+/// System and carrier: among these ambiguities are whole numbers against each other.
+[[nodiscard]] inline int group_of(const Difference& d) { return static_cast<int>(d.id.system) * 256 + static_cast<int>(d.band); }
+
 /// Signals of which both have the phase, at the rover's position as it is supposed to be.
 [[nodiscard]] std::vector<Difference> single_differences(const TrackedEpoch& rover, const BaseEpoch& base, const BaseStation& station,
                                                          const SignalPlan& plan, const Ecef& position, const Settings& settings,

@@ -55,6 +55,7 @@ struct Settings {
     double code_sigma = 0.5;               ///< m, at the zenith with a strong signal
     double phase_sigma = 0.003;            ///< m, likewise
     double code_correlation = 60.0;        ///< s: reflections make neighbouring codes err alike
+    double phase_correlation = 30.0;       ///< s: and neighbouring phases
     double phase_walk = 2e-4;              ///< m/sqrt(s), by which real-valued ambiguities are kept from being too sure
     Motion motion = Motion::Kinematic;
     double acceleration = 10.0;            ///< m/s/sqrt(s), root of the power density of the vehicle's acceleration

@@ -4,6 +4,7 @@
 #include "schuler/io/adsb.h"
 #include "schuler/io/kfgins.h"
 #include "schuler/io/nmea.h"
+#include "schuler/io/regular_file.h"
 #include "schuler/io/rtklib_pos.h"
 
 #include <fmt/format.h>
@@ -266,6 +267,7 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
 }
 
 void recognise_and_read(LoadedFile& file) {
+    io::check_regular_file(file.path);
     const std::string head = first_bytes(file.path, 16 * 1024);
     const std::string extension = file.path.extension().string();
     if (head.empty()) {
