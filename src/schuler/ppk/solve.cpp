@@ -72,7 +72,7 @@ void check_different(const Input& input) {
 struct OwnPlace {
     Ecef position;
     double sigma = 0;   ///< m, three-dimensional
-    double moved = 0;   ///< m, between the first and the last third of the log
+    double moved = 0;   ///< m, between the first and the last third of the log, or farther from the middle for a tenth of it
 };
 Eigen::Vector3d median_place(const std::vector<Eigen::Vector3d>& places) {
     Eigen::Vector3d out;
@@ -101,6 +101,9 @@ std::optional<OwnPlace> own_place(const Input& input) {
     const auto third = static_cast<std::ptrdiff_t>(places.size() / 3);
     if (third >= 3)
         out.moved = (median_place({places.begin(), places.begin() + third}) - median_place({places.end() - third, places.end()})).norm();
+    std::vector<double> off;
+    for (const Eigen::Vector3d& p : places) off.push_back((p - out.position.r).norm());
+    out.moved = std::max(out.moved, math::quantile(std::move(off), 0.9));
     return out;
 }
 
@@ -132,7 +135,7 @@ void place_base(const Input& input, Solution& out, WarningLog& warnings) {
     constexpr double honest = 20.0, sigmas = 6.0;   // m
     const double largest = std::min(honest + sigmas * own->sigma, 90.0), off = (own->position.r - out.base.r).norm();
     if (own->moved > largest)
-        throw about_base(input, fmt::format("the base moves: between the begin and the end of its log by {:.0f} m", own->moved),
+        throw about_base(input, fmt::format("the base moves, by {:.0f} m", own->moved),
                          "the base must be the receiver at rest; are the two logs exchanged?");
     if (off > largest)
         throw about_base(input,
