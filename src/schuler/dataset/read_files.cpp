@@ -51,6 +51,15 @@ void read_imu(const fs::path& folder, const Description& d, const Reading& readi
 
 void read_gnss(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out, WarningLog& warnings) {
     const Duration offset = Duration::from_seconds(d.gnss.time_offset);
+    if (!d.base.observations.empty() && d.gnss.file.empty()) {
+        if (d.raw.observations.empty())
+            throw input_error("a base station needs the rover's raw measurements", {{}, 0, 0, "base.observations"},
+                              "name them: [gnss] observations = \"rover.obs\"");
+        out.carrier = carrier_phase(folder, d, warnings);
+        out.carrier.fixes = on_own_axis(std::move(out.carrier.fixes), d.time, out.recording, offset);
+        out.recording.gnss = out.carrier.fixes;
+        return;
+    }
     if (d.gnss.file.empty() && !d.raw.observations.empty()) {
         out.recording.gnss = on_own_axis(fixes_from_raw(folder, d.raw, warnings), d.time, out.recording, offset);
         return;
