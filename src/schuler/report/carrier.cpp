@@ -1,7 +1,7 @@
 #include "schuler/report/carrier.h"
 
 #include "schuler/earth/ellipsoid.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/solution/solution_csv.h"
 
 #include <fmt/format.h>
 
