@@ -3,7 +3,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/earth/earth.h"
-#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/solution/rtklib_pos.h"
 
 #include <fmt/format.h>
 

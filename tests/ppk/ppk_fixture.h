@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/earth/ellipsoid.h"
-#include "schuler/io/rinex.h"
+#include "schuler/io/rinex/rinex.h"
 #include "schuler/ppk/solve.h"
 
 #include "io/io_fixture.h"
