@@ -127,6 +127,7 @@ TEST(Differences, SignalsThatBothHave) {
 
 TEST(BaseStation, BetweenItsEpochsNothingIsLost) {
     Pair pair(90.0, 30.0);
+    pair.settings.air.ionosphere.reset();   // the logs have none
     pair.number();
     const BaseStation station = pair.station();
     EXPECT_FALSE(station.at(start - Duration::from_seconds(31)));
@@ -139,8 +140,13 @@ TEST(BaseStation, BetweenItsEpochsNothingIsLost) {
     EXPECT_NEAR(between->age, 11.0, 1e-9);
     EXPECT_TRUE(between->repeated);
     EXPECT_NEAR(between->variance, 1.5e-3 * 1.5e-3 * 11.0 * 19.0 / 30.0, 1e-9);
+    // the base's clock runs on meanwhile, by 3 m/s
+    const BaseSignal &then = there->satellites[0].signals[0], &now = between->satellites[0].signals[0];
+    EXPECT_NEAR(now.code - then.code, 11.0 * 1e-8 * gnss::speed_of_light, 0.01);
+    EXPECT_NEAR(now.phase - then.phase, now.code - then.code, 1e-3);
     // double differences of interpolated residuals are those of the epoch itself
     Pair dense(90.0, 1.0);
+    dense.settings.air.ionosphere.reset();
     dense.number();
     const BaseStation exact_station = dense.station();
     const auto exact = exact_station.at(start + Duration::from_seconds(41.0));
@@ -191,6 +197,32 @@ TEST(Arcs, EachWayInWhichACountBreaks) {
     EXPECT_FALSE(pair.rover_epochs[8].satellites[1].signals[0].jumped);
     for (std::size_t e = 1; e < 9; ++e)   // the others, also through the clock's step
         for (std::size_t s = 5; s < pair.rover_epochs[e].satellites.size(); ++s) EXPECT_EQ(arc(pair, e, s, 0), arc(pair, 0, s, 0));
+}
+
+TEST(Arcs, FewSatellitesHaveTheirCarriersAndTheirDopplers) {
+    Pair pair(8.0);
+    for (TrackedEpoch& e : pair.rover_epochs) e.satellites.resize(4);
+    TrackedEpoch* epochs = pair.rover_epochs.data();
+    for (std::size_t e = 5; e < 9; ++e) {
+        TrackedSignal& s = epochs[e].satellites[1].signals[1];
+        s.phase += s.wavelength;
+    }
+    ArcCounts counts = pair.number();
+    EXPECT_EQ(counts.geometry_free, 1U);
+    EXPECT_EQ(counts.unexplained, 0U);
+    EXPECT_NE(epochs[5].satellites[1].signals[0].arc, epochs[4].satellites[1].signals[0].arc);   // which of the two slipped is not known
+    EXPECT_EQ(epochs[5].satellites[0].signals[0].arc, epochs[4].satellites[0].signals[0].arc);
+    // one carrier: the Doppler
+    for (std::size_t e = 0; e < 9; ++e)
+        for (std::size_t i = 0; i < 4; ++i) {
+            TrackedSignal& s = epochs[e].satellites[i].signals[0];
+            epochs[e].satellites[i].signals[1] = {};
+            s.doppler = 100.0 * static_cast<double>(i);
+            s.phase = 2e7 + s.doppler * static_cast<double>(e) + (i == 2 && e >= 4 ? 8.0 * s.wavelength : 0.0);
+        }
+    counts = number_arcs(pair.rover_epochs, false, pair.settings.arcs);
+    EXPECT_EQ(counts.unexplained, 1U);
+    EXPECT_NE(epochs[4].satellites[2].signals[0].arc, epochs[3].satellites[2].signals[0].arc);
 }
 
 /// Positions and double differences of a float solution with its covariance.
