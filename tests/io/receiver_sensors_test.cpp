@@ -8,9 +8,9 @@
 #include "io/io_fixture.h"
 #include "io/log_bytes.h"
 
-#include <array>
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 namespace schuler::io {
