@@ -6,6 +6,7 @@
 
 #include "schuler/app/command.h"
 #include "schuler/app/commands.h"
+#include "schuler/app/formats_command.h"
 #include "schuler/core/error.h"
 #include "serve/aside.h"
 
@@ -73,6 +74,10 @@ report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser) {
         return command->perform(given, context);
     }
     report::Outcome help;
+    if (line.topic == "formats") {
+        help.tables = app::formats_help();
+        return help;
+    }
     help.tables = line.topic == "scenario" ? app::scenario_help(line.prefix) : app::settings_help(line.prefix);
     if (help.tables.empty())
         throw input_error(fmt::format("no key begins with \"{}\"", line.prefix), {}, "leave it out to list all keys");

@@ -65,7 +65,7 @@ void add_own(CLI::App& parser, CommandLine& line) {
     CLI::App* help = add_command(parser, line, "help", "a command, or the keys of settings and scenario files",
                                  "  schuler help process\n  schuler help settings\n  schuler help settings imu.\n"
                                  "  schuler help scenario trajectory.\n  schuler help --man >schuler.1");
-    help->add_option("TOPIC", line.topic, "settings or scenario, or a command")->check(CLI::IsMember({"settings", "scenario"}));
+    help->add_option("TOPIC", line.topic, "settings, scenario or formats, or a command")->check(CLI::IsMember({"settings", "scenario", "formats"}));
     help->add_option("PREFIX", line.prefix, "only keys that begin so");
     help->add_flag("--man", line.manual, "all commands as a manual page");
     help->add_flag("--reference", line.reference, "all options of commands, settings and scenarios as a document (docs/options.md)");

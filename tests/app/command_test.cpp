@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -34,9 +35,9 @@ TEST(Commands, EveryOptionHasAMeaningAndAFormOfItsOwn) {
         for (const OptionSpec& s : c.options) {
             EXPECT_TRUE(keys.insert(s.key).second) << c.name << " has --" << s.key << " twice";
             EXPECT_FALSE(s.help.empty()) << c.name << " --" << s.key;
-            if (s.line.letter != 0) EXPECT_TRUE(letters.insert(s.line.letter).second) << c.name << " has -" << s.line.letter << " twice";
+            EXPECT_TRUE(s.line.letter == 0 || letters.insert(s.line.letter).second) << c.name << " has -" << s.line.letter << " twice";
             const bool number = s.shape == settings::Shape::Number || s.shape == settings::Shape::Integer;
-            if (number) EXPECT_TRUE(std::isfinite(s.low) && std::isfinite(s.high)) << c.name << " --" << s.key << " has no range";
+            EXPECT_TRUE(!number || (std::isfinite(s.low) && std::isfinite(s.high))) << c.name << " --" << s.key << " has no range";
         }
         for (const Setting& usual : c.defaults)   // what help calls the default is accepted
             EXPECT_NO_THROW(settings::check_value(option(c, usual.key), usual.value, {})) << c.name << " --" << usual.key;

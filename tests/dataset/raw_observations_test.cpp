@@ -61,6 +61,7 @@ TEST_F(RawObservationsTest, ElseTheFirstIsTakenAndTheOthersAreNamed) {
     observations("3040.obs");
     EXPECT_EQ(taken(), "\"0759.obs\"");
     EXPECT_NE(raw_observations(folder_).dataset_toml.find("# or observations = \"3040.obs\""), std::string::npos);
+    EXPECT_NE(raw_observations(folder_).dataset_toml.find("# [base]\n# observations = \"3040.obs\""), std::string::npos);
 }
 
 TEST_F(RawObservationsTest, NothingWithoutEphemerides) {

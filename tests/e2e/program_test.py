@@ -172,7 +172,7 @@ def bad_input(program, source):
         ("--start", "20", "--stop", "10"): ["--stop"],
         ("--start", "1e6"): [],
         ("--set", "imu.gyro_bias=3"): ["unknown key", "imu.gyro_bias_deg_h"],
-        ("--set", "imu.gyro_bias_deg_h=lots"): ["imu.gyro_bias_deg_h", "text"],
+        ("--set", "imu.gyro_bias_deg_h=lots"): ["imu.gyro_bias_deg_h", "not a number"],
         ("--set", "gnss.lever_arm_m=[0,0,1e6]"): ["gnss.lever_arm_m", "out of range"],
         ("--scheme", "deep"): ["a log has none", "choose tight"],
         ("--scheme", "loos"): ["loose"],

@@ -119,7 +119,7 @@ TEST(Summary, NothingToCompareIsNull) {
     EXPECT_TRUE(s["consistency"]["nees_position"].is_null());
 }
 
-TEST(solution::Evaluation, WithheldFixesAreTheReferenceWhereThereIsNoOther) {
+TEST(Evaluation, WithheldFixesAreTheReferenceWhereThereIsNoOther) {
     solution::ResultBundle b = hand_made(false);
     b.data.recording.reference.clear();
     for (int i = 1; i <= 11; ++i) {
@@ -137,7 +137,7 @@ TEST(solution::Evaluation, WithheldFixesAreTheReferenceWhereThereIsNoOther) {
     EXPECT_FALSE(e.outages[0].inside_3sigma);  // 1.1 m against 0.3 m at the end
 }
 
-TEST(solution::Evaluation, OnlyTheRowsOfTheSolutionAreComparedWhereEpochsCoincide) {
+TEST(Evaluation, OnlyTheRowsOfTheSolutionAreComparedWhereEpochsCoincide) {
     // a body that rolls 1 deg at 5 Hz: interpolation between 10 Hz rows would invent errors
     std::vector<SolutionRow> rows;
     std::vector<ReferenceSample> truth;

@@ -2,7 +2,7 @@
 #include "schuler/app/commands.h"
 #include "schuler/dataset/raw_gnss.h"
 #include "schuler/earth/earth.h"
-#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/solution/rtklib_pos.h"
 #include "schuler/report/outcome.h"
 #include "schuler/settings/dataset.h"
 #include "schuler/settings/request.h"

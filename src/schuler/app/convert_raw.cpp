@@ -4,7 +4,7 @@
 #include "schuler/core/log.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/rinex_write.h"
+#include "schuler/io/rinex/rinex_write.h"
 #include "schuler/report/outcome.h"
 
 #include <fmt/format.h>

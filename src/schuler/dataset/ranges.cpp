@@ -5,9 +5,9 @@
 #include "schuler/dataset/raw_gnss.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/sampled_ranges.h"
-#include "schuler/io/adsb.h"
-#include "schuler/io/csv_ranges.h"
 #include "schuler/io/raw_input.h"
+#include "schuler/io/receiver/adsb.h"
+#include "schuler/io/text/csv_ranges.h"
 #include "schuler/math/quantile.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/phase_velocity.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/sp3.h"
+#include "schuler/io/rinex/sp3.h"
 
 #include <fmt/format.h>
 
@@ -26,14 +26,13 @@ void use_phase_velocity(GnssFix& fix, const gnss::PhaseVelocity& v) {
     fix.velocity_age = 0.5 * v.interval;
 }
 
-/// Satellites of the settings: precise orbits where a file is named, else the broadcast ones.
+}  // namespace
+
 std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const RawGnssConfig& raw,
                                                   const gnss::Navigation& navigation, WarningLog& warnings) {
     if (raw.precise.empty()) return std::make_unique<gnss::BroadcastSource>(navigation);
     return std::make_unique<gnss::PreciseSource>(io::read_sp3(resolved(folder, raw.precise, "gnss.precise"), warnings).nodes);
 }
-
-}  // namespace
 
 void warn_of_missing_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings) {
     if (raw.solver.ranges.ionosphere != gnss::IonosphereModel::Broadcast || ionosphere.klobuchar || ionosphere.beidou) return;
@@ -56,21 +55,25 @@ GnssFix fix_from(const gnss::SinglePointSolution& s) {
     return fix;
 }
 
-std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig& raw, WarningLog& warnings) {
-    gnss::Navigation navigation;
+RawLogs read_raw_logs(const fs::path& folder, const RawGnssConfig& raw, WarningLog& warnings) {
+    RawLogs out;
     for (const std::string& file : raw.navigation)
-        navigation.add(io::read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
+        out.navigation.add(io::read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
     // the ephemerides date RTCM streams that have none of their own
-    const std::optional<Time> near = navigation.kepler.empty() ? std::nullopt : std::optional(navigation.kepler.front().toe);
-    std::vector<gnss::ObservationLog> logs;
+    const std::optional<Time> near = out.navigation.kepler.empty() ? std::nullopt : std::optional(out.navigation.kepler.front().toe);
     for (const std::string& file : raw.observations) {
         io::RawInput input = io::read_raw_input(resolved(folder, file, "gnss.observations"), near, warnings);
-        navigation.add(input.navigation);
-        logs.push_back(std::move(input.observations));
+        out.navigation.add(input.navigation);
+        out.logs.push_back(std::move(input.observations));
     }
-    if (navigation.size() == 0 && raw.precise.empty())
+    if (out.navigation.size() == 0 && raw.precise.empty())
         throw input_error("raw measurements need ephemerides", {{}, 0, 0, "gnss.navigation"},
                           "name the navigation files of the same day");
+    return out;
+}
+
+std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig& raw, WarningLog& warnings) {
+    const auto [navigation, logs] = read_raw_logs(folder, raw, warnings);
     const auto source = satellites(folder, raw, navigation, warnings);
     const gnss::BroadcastIonosphere ionosphere = gnss::broadcast_ionosphere(navigation);
     warn_of_missing_ionosphere(ionosphere, raw, warnings);

@@ -5,12 +5,27 @@
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
 #include "schuler/dataset/description.h"
+#include "schuler/gnss/observation.h"
+#include "schuler/gnss/satellite_source.h"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace schuler::dataset {
+
+/// The receiver's logs, one a file, and everything that tells of satellites.
+struct RawLogs {
+    gnss::Navigation navigation;
+    std::vector<gnss::ObservationLog> logs;
+};
+/// @throws Error(Input): a file that cannot be read, no ephemerides.
+[[nodiscard]] RawLogs read_raw_logs(const std::filesystem::path& folder, const RawGnssConfig& raw, WarningLog& warnings);
+
+/// Satellites of the settings: precise orbits where a file is named, else the broadcast ones.
+[[nodiscard]] std::unique_ptr<gnss::SatelliteSource> satellites(const std::filesystem::path& folder, const RawGnssConfig& raw,
+                                                                const gnss::Navigation& navigation, WarningLog& warnings);
 
 /// Single-point fixes in GPS time since 1980 from the files of config.raw, whose relative paths start at `folder`. Epochs without
 /// a solution are counted in the log by their reason. @throws Error(Input): a file that cannot be read, no fix at all.

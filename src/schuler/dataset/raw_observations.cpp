@@ -1,8 +1,8 @@
 #include "schuler/dataset/raw_observations.h"
 
-#include "schuler/io/columns.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/text_input.h"
+#include "schuler/io/text/columns.h"
+#include "schuler/io/text/text_input.h"
 
 #include <fmt/format.h>
 
@@ -96,6 +96,9 @@ RawObservations raw_observations(const fs::path& path) {
     }
     fact("filter.scheme", std::string("gnss"));
     out.dataset_toml += "[filter]\nscheme = \"gnss\"\n";
+    if (observations.size() > 1)   // which of them stood still at a known place only the user knows
+        out.dataset_toml += fmt::format("# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = {}\n",
+                                        toml_text(observations.back()));
     return out;
 }
 

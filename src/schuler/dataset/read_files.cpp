@@ -6,11 +6,12 @@
 #include "schuler/dataset/time_axis.h"
 #include "schuler/dataset/trajectory_file.h"
 #include "schuler/earth/atmosphere.h"
-#include "schuler/io/csv_aids.h"
-#include "schuler/io/kfgins.h"
-#include "schuler/io/nmea.h"
-#include "schuler/io/rtklib_pos.h"
-#include "schuler/io/ubx.h"
+#include "schuler/io/receiver/nmea.h"
+#include "schuler/io/receiver/ubx.h"
+#include "schuler/io/solution/kfgins.h"
+#include "schuler/io/solution/rtklib_pos.h"
+#include "schuler/io/streams.h"
+#include "schuler/io/text/csv_aids.h"
 
 #include <cmath>
 #include <utility>
@@ -31,13 +32,13 @@ io::CsvOptions csv_options(const FileSource& source, const Description& d, const
     return o;
 }
 
-void read_imu(const fs::path& folder, const Description& d, const Reading& reading, ReadFiles& out, WarningLog& warnings) {
+void read_imu(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out, WarningLog& warnings) {
     if (d.imu.file.empty() && !reading.imu) return;
     if (d.imu.file.empty()) {
         throw input_error("no IMU file", {{}, 0, 0, "imu.file"},
                           "name it in dataset.toml: [imu] file = \"imu.csv\", or choose --scheme gnss");
     }
-    const io::TextInput input(resolved(folder, d.imu.file, "imu.file"));
+    const io::TextInput input = logs.open(resolved(folder, d.imu.file, "imu.file"), warnings);
     if (is_bare_table(input, csv_options(d.imu, d, reading), 7)) {
         out.recording.imu = io::read_kfgins_imu(input, warnings, Duration::from_seconds(d.imu.time_offset)).samples;
         out.imu_kind = ImuKind::Increments;
@@ -48,14 +49,23 @@ void read_imu(const fs::path& folder, const Description& d, const Reading& readi
     out.imu_kind = table.kind;
 }
 
-void read_gnss(const fs::path& folder, const Description& d, const Reading& reading, ReadFiles& out, WarningLog& warnings) {
+void read_gnss(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out, WarningLog& warnings) {
     const Duration offset = Duration::from_seconds(d.gnss.time_offset);
+    if (!d.base.observations.empty() && d.gnss.file.empty()) {
+        if (d.raw.observations.empty())
+            throw input_error("a base station needs the rover's raw measurements", {{}, 0, 0, "base.observations"},
+                              "name them: [gnss] observations = \"rover.obs\"");
+        out.carrier = carrier_phase(folder, d, warnings);
+        out.carrier.fixes = on_own_axis(std::move(out.carrier.fixes), d.time, out.recording, offset);
+        out.recording.gnss = out.carrier.fixes;
+        return;
+    }
     if (d.gnss.file.empty() && !d.raw.observations.empty()) {
         out.recording.gnss = on_own_axis(fixes_from_raw(folder, d.raw, warnings), d.time, out.recording, offset);
         return;
     }
     if (d.gnss.file.empty()) return;
-    const io::TextInput input(resolved(folder, d.gnss.file, "gnss.file"));
+    const io::TextInput input = logs.open(resolved(folder, d.gnss.file, "gnss.file"), warnings);
     if (io::is_ubx(input)) {
         io::UbxLog log = io::read_ubx(input, warnings);
         if (log.fixes.empty())
@@ -82,17 +92,20 @@ void read_gnss(const fs::path& folder, const Description& d, const Reading& read
         return;
     }
     io::GnssTable table = io::read_gnss_csv(input, csv_options(d.gnss, d, reading), warnings);
-    out.recording.gnss = std::move(table.fixes);
+    // a stream whose log is dated, beside logs that need not be
+    const bool dated = input.in_memory() && table.plan.find("time_s")->file_name == io::time_name(io::Clock::Gps);
+    out.recording.gnss = dated ? on_own_axis(std::move(table.fixes), d.time, out.recording, {}) : std::move(table.fixes);
     out.fix_height = table.height;
 }
 
-void read_others(const fs::path& folder, const Description& d, const Reading& reading, ReadFiles& out, WarningLog& warnings) {
+void read_others(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out, WarningLog& warnings) {
     if (!d.baro.file.empty()) {
         out.recording.baro =
-            io::read_baro_csv(resolved(folder, d.baro.file, "baro.file"), csv_options(d.baro, d, reading), warnings).samples;
+            io::read_baro_csv(logs.open(resolved(folder, d.baro.file, "baro.file"), warnings), csv_options(d.baro, d, reading), warnings).samples;
     }
     if (!d.mag.file.empty()) {
-        out.recording.mag = io::read_mag_csv(resolved(folder, d.mag.file, "mag.file"), csv_options(d.mag, d, reading), warnings).samples;
+        out.recording.mag =
+            io::read_mag_csv(logs.open(resolved(folder, d.mag.file, "mag.file"), warnings), csv_options(d.mag, d, reading), warnings).samples;
         if (reading.C_imu_mag)
             for (MagSample& m : out.recording.mag) m.field_b = *reading.C_imu_mag * m.field_b;
     }
@@ -115,7 +128,8 @@ void read_others(const fs::path& folder, const Description& d, const Reading& re
         out.recording.heading = io::read_compass_csv(io::TextInput(resolved(folder, reading.compass, "compass.file")));
     }
     if (!d.reference.file.empty()) {
-        out.recording.reference = read_reference(resolved(folder, d.reference.file, "reference.file"), csv_options(d.reference, d, reading), warnings);
+        out.recording.reference =
+            read_reference(logs.open(resolved(folder, d.reference.file, "reference.file"), warnings), csv_options(d.reference, d, reading), warnings);
     }
 }
 
@@ -123,9 +137,10 @@ void read_others(const fs::path& folder, const Description& d, const Reading& re
 
 ReadFiles read_files(const fs::path& folder, const Description& d, const Reading& reading, WarningLog& warnings) {
     ReadFiles out;
-    read_imu(folder, d, reading, out, warnings);
-    read_others(folder, d, reading, out, warnings);
-    read_gnss(folder, d, reading, out, warnings);
+    io::LogFiles logs;
+    read_imu(folder, d, reading, logs, out, warnings);
+    read_others(folder, d, reading, logs, out, warnings);
+    read_gnss(folder, d, reading, logs, out, warnings);
     return out;
 }
 

@@ -3,8 +3,9 @@
 
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
+#include "schuler/dataset/carrier_phase.h"
 #include "schuler/dataset/description.h"
-#include "schuler/io/csv_recording.h"
+#include "schuler/io/text/csv_recording.h"
 
 #include <Eigen/Core>
 
@@ -26,6 +27,7 @@ struct Reading {
 /// What the files hold, and what they state of it.
 struct ReadFiles {
     Recording recording;
+    CarrierPhase carrier;                                         ///< whose fixes are those of the recording, where there is a base
     std::optional<ImuKind> imu_kind;                              ///< nothing without an IMU log
     io::HeightKind fix_height = io::HeightKind::Unstated;
 };

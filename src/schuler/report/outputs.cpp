@@ -1,10 +1,11 @@
 #include "schuler/report/outputs.h"
 
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/csv_events.h"
-#include "schuler/io/kml.h"
 #include "schuler/io/own_files.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/solution/kml.h"
+#include "schuler/io/solution/solution_csv.h"
+#include "schuler/io/text/csv_events.h"
+#include "schuler/report/carrier.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/events.h"
@@ -55,13 +56,18 @@ std::vector<std::filesystem::path> write_outputs(solution::ResultBundle& b, cons
     const auto add = [&](const char* name) -> const std::filesystem::path& { return written.emplace_back(folder / name); };
     if (c.output.wants("solution")) {
         const std::filesystem::path& file = add("solution.csv");
-        if (!streamed) io::write_solution_csv(file, b.solution().rows, b.result.legs);
+        const bool of_phases = c.scheme == settings::Scheme::Gnss && !b.data.carrier.epochs.empty();
+        if (of_phases)
+            write_text(file, solution_csv_with_quality(b.solution().rows, b.data.carrier, c.filter.gnss.latency));
+        else if (!streamed)
+            io::write_solution_csv(file, b.solution().rows, b.result.legs);
     }
     if (!b.solution().point.empty()) io::write_solution_csv(add("point.csv"), b.solution().point, b.result.legs);
     if (!b.data.events.empty() && c.scheme != settings::Scheme::Gnss) {
         const solution::EventRows events = solution::event_rows(b);
         io::write_events_csv(add("events.csv"), events.events, events.rows);
     }
+    if (!b.data.carrier.epochs.empty()) write_text(add("carrier.csv"), carrier_csv(b.data.carrier));
     if (!b.result.forward.protection.empty()) write_text(add("protection.csv"), protection_csv(b));
     if (!b.result.cross_checks.empty()) write_text(add("receiver.csv"), receiver_csv(b));
     if (c.output.wants("h5") || c.filter.covariance_rows) write_run_h5(add("run.h5"), b);

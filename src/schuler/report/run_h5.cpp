@@ -1,6 +1,6 @@
 #include "schuler/core/units.h"
-#include "schuler/io/hdf5_file.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/container/hdf5_file.h"
+#include "schuler/io/solution/solution_csv.h"
 #include "schuler/report/sky.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/core/nav_state.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/solution/solution_csv.h"
 
 #include <condition_variable>
 #include <exception>

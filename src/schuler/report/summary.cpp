@@ -7,6 +7,7 @@
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/events.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace schuler::report {
@@ -190,6 +191,17 @@ Json self_check_of(const solution::ResultBundle& b) {
     return out;
 }
 
+/// What carrier phases against a base gave; null where there is none.
+Json carrier_of(const solution::ResultBundle& b) {
+    const auto& epochs = b.data.carrier.epochs;
+    if (epochs.empty()) return nullptr;
+    const auto count = [&](ppk::Quality quality) { return std::ranges::count(epochs, quality, &ppk::EpochSolution::quality); };
+    return {{"epochs", epochs.size()},
+            {"fixed", count(ppk::Quality::Fixed)},
+            {"float", count(ppk::Quality::Float)},
+            {"single", count(ppk::Quality::Single)}};
+}
+
 Json verdict_json(const solution::SolutionVerdict& verdict) { return {{"word", solution::word_of(verdict.word)}, {"reasons", verdict.reasons}}; }
 
 Json ignored_json(const std::vector<solution::Ignored>& ignored) {
@@ -228,6 +240,7 @@ std::string summary_json(const solution::ResultBundle& b) {
     out["events"] = events_of(b);
     out["findings"] = findings_of(b);
     out["integrity"] = integrity_of(b);
+    out["carrier"] = carrier_of(b);
     out["facts"] = facts_json(b.facts);
     out["ignored"] = ignored_json(b.ignored);
     out["verdict"] = verdict_json(b.verdict);

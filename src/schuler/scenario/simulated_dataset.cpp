@@ -2,9 +2,9 @@
 
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/rinex/rinex_write.h"
 #include "schuler/io/staged_folder.h"
-#include "schuler/io/fixed_point.h"
-#include "schuler/io/rinex_write.h"
+#include "schuler/io/text/fixed_point.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
 #include "schuler/scenario/simulated_ranging.h"

@@ -1,7 +1,7 @@
 #include "schuler/settings/dataset.h"
 
 #include "schuler/dataset/recognise.h"
-#include "schuler/io/kfgins.h"
+#include "schuler/io/solution/kfgins.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/facts.h"
 #include "schuler/settings/kfgins_settings.h"

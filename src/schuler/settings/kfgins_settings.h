@@ -1,7 +1,7 @@
 // A KF-GINS project in the words of dataset.toml.
 #pragma once
 
-#include "schuler/io/kfgins.h"
+#include "schuler/io/solution/kfgins.h"
 #include "schuler/settings/value.h"
 
 #include <filesystem>

@@ -117,6 +117,11 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
              unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
             {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise", "gnss.phase_velocity"},
              unless(raw && (!c.raw.observations.empty() || !r.ranges.empty()), "no raw measurements are used")},
+            {{"base."},
+             b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "base.observations names no base station"
+                                             : !c.gnss.file.empty()      ? "gnss.file gives the fixes"
+                                                                         : "the coupling takes ranges instead of fixes"
+                                           : ""},
             {{"gnss.undulation_m"},
              unless(b.data.logged_height == fusion::HeightKind::Msl, "the heights are not above mean sea level (gnss.height)")},
             {{"gnss.default_std_m"},

@@ -7,7 +7,7 @@
 #include "schuler/dataset/ranges.h"
 #include "schuler/dataset/read_files.h"
 #include "schuler/dataset/time_axis.h"
-#include "schuler/io/csv_events.h"
+#include "schuler/io/text/csv_events.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/load_ranges.h"
@@ -161,6 +161,7 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     dataset::ReadFiles files = dataset::read_files(dataset.folder, out.config, reading_of(out.config), warnings);
     take_stated(files, out.config);
     out.recording = std::move(files.recording);
+    out.carrier = std::move(files.carrier);
     read_ranges(dataset.folder, out, warnings);
     dataset::settle_rollover(out.recording);
     dataset::put_clock_steps_back(out.recording, dataset.report.clock_steps);

@@ -5,6 +5,7 @@
 #include "schuler/core/fact.h"
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
+#include "schuler/dataset/carrier_phase.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
 
@@ -16,6 +17,7 @@ namespace schuler::solution {
 /// A recording with what loading has found about its settings.
 struct LoadedDataset {
     Recording recording;                 ///< times on the data set's own axis
+    dataset::CarrierPhase carrier;       ///< whose fixes are those of the recording, where there is a base
     std::vector<NamedInstant> events;    ///< in order of time: those of filter.output_instants
     settings::Config config;
     Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch

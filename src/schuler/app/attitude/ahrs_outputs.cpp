@@ -2,7 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/solution/solution_csv.h"
 #include "schuler/math/rotation.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"

@@ -1,6 +1,6 @@
 #include "schuler/app/receiver/if_recording.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/number.h"
+#include "schuler/io/text/number.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
 #include "schuler/study/parts.h"

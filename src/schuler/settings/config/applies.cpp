@@ -49,6 +49,8 @@ constexpr auto conditions = std::to_array<std::pair<std::string_view, std::strin
     {"gnss.phase_velocity", "raw measurements"},
     {"gnss.undulation_m", "heights above mean sea level"},
     {"gnss.default_std_", "logs without standard deviations"},
+    {"base.observations", ""},
+    {"base.", "a base station"},
     {"reference.file", ""},
     {"reference.", "a reference"},
 });

@@ -17,6 +17,7 @@ OptionTable<Config> make_table() {
     add_imu_options(table);
     add_gnss_options(table);
     add_raw_gnss_options(table);
+    add_base_options(table);
     add_filter_options(table);
     add_coupling_options(table);
     add_gravity_options(table);

@@ -11,31 +11,6 @@ using gnss::IonosphereModel;
 using gnss::Mapping;
 using gnss::TroposphereModel;
 
-/// One file or a list of them.
-Option<Config> files(const std::string& key, const std::string& help, std::vector<std::string> dataset::RawGnssConfig::*field) {
-    return special<Config>(
-        key, "a file or a list of files", help,
-        [=](Config& c, const Value& v) {
-            std::vector<std::string>& names = c.raw.*field;
-            names.clear();
-            if (v.text() != nullptr) names.push_back(*v.text());
-            for (const Value& item : v.list() != nullptr ? *v.list() : ValueList{}) {
-                if (item.text() == nullptr)
-                    throw input_error(fmt::format("{} is no file", to_toml(item)), {}, "put its name in quotes");
-                names.push_back(*item.text());
-            }
-            if (names.empty())
-                throw input_error(fmt::format("{} names no file", to_toml(v)), {}, "give a file or a list of files");
-        },
-        [=](const Config& c) -> std::optional<Value> {
-            const std::vector<std::string>& names = c.raw.*field;
-            if (names.empty()) return std::nullopt;
-            ValueList list;
-            for (const std::string& name : names) list.push_back({name});
-            return Value{std::move(list)};
-        });
-}
-
 Option<Config> systems() {
     return special<Config>(
         "gnss.systems", "letters of G R E C J S I", "satellite systems used: GPS, GLONASS, Galileo, BeiDou, QZSS, SBAS, NavIC",
@@ -69,9 +44,9 @@ auto ranges(T gnss::RangeSettings::*field) {
 
 void add_raw_gnss_options(OptionTable<Config>& table) {
     table
-        .add(files("gnss.observations", "raw measurements (RINEX, UBX or RTCM 3) instead of gnss.file",
-                   &dataset::RawGnssConfig::observations))
-        .add(files("gnss.navigation", "broadcast ephemerides: RINEX navigation files", &dataset::RawGnssConfig::navigation))
+        .add(file_list("gnss.observations", "raw measurements (RINEX, UBX or RTCM 3) instead of gnss.file",
+                       [](auto& c) -> auto& { return c.raw.observations; }))
+        .add(file_list("gnss.navigation", "broadcast ephemerides: RINEX navigation files", [](auto& c) -> auto& { return c.raw.navigation; }))
         .add(text<Config>("gnss.precise", "precise orbits and clocks (SP3) instead of broadcast ones",
                           [](auto& c) -> auto& { return c.raw.precise; }))
         .add(systems())

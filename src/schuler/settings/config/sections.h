@@ -3,6 +3,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/settings/config/config.h"
+#include "schuler/settings/option_builders.h"
 
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@ void add_dataset_options(OptionTable<Config>& table);  ///< name, time, vehicle,
 void add_imu_options(OptionTable<Config>& table);
 void add_gnss_options(OptionTable<Config>& table);
 void add_raw_gnss_options(OptionTable<Config>& table);  ///< raw measurements
+void add_base_options(OptionTable<Config>& table);      ///< a base station
 void add_filter_options(OptionTable<Config>& table);   ///< baro, mag, initial, filter
 void add_coupling_options(OptionTable<Config>& table); ///< filter.loose, filter.separate, filter.integrity
 void add_gravity_options(OptionTable<Config>& table);  ///< gravity, anomaly
@@ -22,6 +24,31 @@ void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
 
 /// When the option of this key has an effect, in words: "filter.scheme = \"separate\""; empty: always.
 [[nodiscard]] std::string condition_of(std::string_view key);
+/// One file or a list of them; none means "not given".
+template <class Access>
+Option<Config> file_list(const std::string& key, const std::string& help, Access access) {
+    return special<Config>(
+        key, "a file or a list of files", help,
+        [=](Config& c, const Value& v) {
+            std::vector<std::string>& names = access(c);
+            names.clear();
+            if (v.text() != nullptr) names.push_back(*v.text());
+            for (const Value& item : v.list() != nullptr ? *v.list() : ValueList{}) {
+                if (item.text() == nullptr)
+                    throw input_error(fmt::format("{} is no file", to_toml(item)), {}, "put its name in quotes");
+                names.push_back(*item.text());
+            }
+            if (names.empty())
+                throw input_error(fmt::format("{} names no file", to_toml(v)), {}, "give a file or a list of files");
+        },
+        [=](const Config& c) -> std::optional<Value> {
+            const std::vector<std::string>& names = access(c);
+            if (names.empty()) return std::nullopt;
+            ValueList list;
+            for (const std::string& name : names) list.push_back({name});
+            return Value{std::move(list)};
+        });
+}
 
 /// Runs work; an error that knows only its key gets the place of the setting it is about.
 template <class Work>
