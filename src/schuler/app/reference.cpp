@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace schuler::app {
 namespace {
@@ -26,7 +25,6 @@ std::string code(const std::string& text) { return text.empty() ? "-" : "`" + ce
 
 std::string range_of(const settings::OptionSpec& spec) {
     if (!spec.choices.empty()) return cell(fmt::format("{}", fmt::join(spec.choices, ", ")));
-    if (std::isfinite(spec.low) && std::isfinite(spec.high)) return fmt::format("{:g} to {:g}", spec.low, spec.high);
     return cell(settings::accepted_form(spec));
 }
 

@@ -34,7 +34,10 @@ std::vector<std::string> parts_of(const std::vector<std::string>& words) {
     return out;
 }
 
-std::string word_of(const Value& value) { return value.text() != nullptr ? *value.text() : to_toml(value); }
+std::string word_of(const Value& value) {
+    if (value.text() != nullptr) return *value.text();
+    return value.is_number() && value.integer() == nullptr ? fmt::format("{}", value.number()) : to_toml(value);
+}
 
 }  // namespace
 
@@ -87,11 +90,6 @@ std::string placeholder_of(const OptionSpec& spec) {
 
 std::string help_of(const OptionSpec& spec, const SettingList& defaults) {
     std::string out = spec.help;
-    if (!spec.choices.empty() && spec.shape == Shape::Text) {
-        bool named = true;   // the sentence names them already
-        for (const std::string& choice : spec.choices) named = named && out.find(choice) != std::string::npos;
-        if (!named) out += fmt::format(": {}", fmt::join(spec.choices, ", "));
-    }
     if (!spec.applies.empty()) out += fmt::format(" ({})", spec.applies);
     const auto usual = std::ranges::find(defaults, spec.key, &Setting::key);
     if (!spec.otherwise.empty()) return out + "; default: " + spec.otherwise;

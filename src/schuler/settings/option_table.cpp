@@ -39,7 +39,8 @@ bool abbreviates(std::string_view a, std::string_view b) {
 }
 
 std::string range_text(const OptionSpec& spec) {
-    const bool low = std::isfinite(spec.low), high = std::isfinite(spec.high);
+    constexpr double huge = 1e9;   // a bound that only keeps nonsense out is not worth a word
+    const bool low = spec.low > -huge, high = spec.high < huge;
     if (low && high) return fmt::format(" from {} to {}", spec.low, spec.high);
     if (low) return fmt::format(" of at least {}", spec.low);
     if (high) return fmt::format(" of at most {}", spec.high);
@@ -55,7 +56,7 @@ void check_number(const OptionSpec& spec, const Value& value, const SourcePlace&
     }
     const double x = value.number();
     if (!std::isfinite(x) && !(x >= spec.low && x <= spec.high))
-        throw input_error("is not a finite number", place, fmt::format("give {}", accepted_form(spec)));
+        throw input_error(fmt::format("{} is out of range: not a finite number", to_toml(value)), place, fmt::format("give {}", accepted_form(spec)));
     if (!(x >= spec.low && x <= spec.high)) {
         throw input_error(fmt::format("{} is out of range", to_toml(value)), place, fmt::format("give {}", accepted_form(spec)));
     }

@@ -103,7 +103,10 @@ Option<R> one_of(std::string key, std::vector<std::string> choices, std::string 
 /// An option that sets a setting of the data set; unit, range and choices are those of the setting.
 template <class R, class Access>
 Option<R> of_setting(std::string key, const char* setting, std::string help, Access request) {
+    static const settings::SettingList usual = settings::config_table().used(settings::Config{});
     settings::OptionSpec spec = settings::config_table().find(setting)->spec;
+    for (const settings::Setting& s : usual)
+        if (s.key == setting && s.value.text() != nullptr) spec.otherwise = *s.value.text();
     spec.key = std::move(key);
     spec.help = std::move(help);
     const std::string origin = "--" + spec.key;
