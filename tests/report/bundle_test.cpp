@@ -155,7 +155,7 @@ TEST(Evaluation, OnlyTheRowsOfTheSolutionAreComparedWhereEpochsCoincide) {
     EXPECT_EQ(e.summary.epochs, rows.size());
     EXPECT_LT(e.summary.roll.max, 1e-12);
     for (SolutionRow& r : rows) r.time.ns += 1'000'000'000'000;
-    EXPECT_THROW((void)compare(earth::Earth{}, rows, truth, 0.0), Error);
+    EXPECT_THROW((void)solution::compare(earth::Earth{}, rows, truth, 0.0), Error);
 }
 
 TEST(Thinned, OneRowAPeriodOnTheGridOfTheAxis) {
