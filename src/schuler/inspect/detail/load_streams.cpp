@@ -124,6 +124,7 @@ std::vector<LoadedFile> load_streams(const std::filesystem::path& path, const st
             for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");
         }
         take_stream(file, stream, streams.clock);
+        if (!file.fix.empty()) file.fix_table = fmt::format("those of {}", format.title);
         finish(file);
     }
     return files;

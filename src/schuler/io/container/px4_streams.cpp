@@ -105,7 +105,7 @@ void add_gnss(const RawTable& t, StreamLog& log) {
 }
 
 void add_baro(const RawTables& tables, StreamLog& log) {
-    for (const char* name : {"vehicle_air_data", "sensor_baro"}) {
+    for (const char* name : {"vehicle_air_data", "sensor_baro", "sensor_combined"}) {   // the last one until 2018
         for (const RawTable* t : tables_named(tables, name)) {
             const auto *time = t->find({"timestamp_sample", "timestamp"}), *height = t->find({"baro_alt_meter", "altitude"});
             if (time != nullptr && std::ranges::none_of(*time, [](double v) { return v > 0.0; })) time = t->find("timestamp");
