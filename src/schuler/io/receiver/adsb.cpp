@@ -247,7 +247,7 @@ Geodetic local_position(const CompactPosition& r, const Geodetic& near, bool sur
 bool is_adsb(const TextInput& input) {
     std::string text;
     try {
-        text = read_bytes(input).substr(0, 64);
+        text = read_head(input, 64);
     } catch (const Error&) {
         return false;
     }
