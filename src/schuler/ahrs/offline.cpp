@@ -24,7 +24,7 @@ struct Smoothed2 {
     Eigen::Vector2d std;
 };
 struct Smoothed1 {
-    double before = 0.0, after = 0.0, std = 0.0;
+    double heading = 0.0, std = 0.0;
 };
 
 struct Forward {
@@ -82,24 +82,37 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
     return out;
 }
 
+/// Smoothed heading at the end of each block: the error runs linearly from update to update.
 std::vector<Smoothed1> smooth_heading(const std::vector<HeadingRecord>& records) {
     std::vector<Smoothed1> out(records.size());
     estim::Adjoint<heading_states> adjoint;
+    std::size_t next = records.size();           // the update after this one
+    double next_before = 0.0;
+    const auto between = [&](std::size_t from, double after, double std) {
+        // blocks from + 1 .. next, the error from `after` to `next_before`
+        for (std::size_t b = from; b < std::min(next, records.size()); ++b) {
+            const double along = next < records.size() ? static_cast<double>(b + 1 - from) / static_cast<double>(next - from + 1) : 0.0;
+            out[b] = {records[b].path - (after + along * (next_before - after)), std};
+        }
+    };
     for (std::size_t k = records.size(); k-- > 0;) {
         const HeadingRecord& r = records[k];
-        if (!r.active) {
-            if (k + 1 < records.size()) out[k] = {out[k + 1].before, out[k + 1].before, out[k + 1].std};
-            continue;
-        }
-        out[k].after = -r.P_heading.dot(adjoint.lambda);
-        out[k].before = out[k].after + r.correction;
-        out[k].std = std::sqrt(std::max(0.0, r.P_heading(0) - r.P_heading.dot(adjoint.Lambda * r.P_heading)));
+        if (!r.active) continue;
+        const double after = -r.P_heading.dot(adjoint.lambda), before = after + r.correction;
+        const double std = std::sqrt(std::max(0.0, r.P_heading(0) - r.P_heading.dot(adjoint.Lambda * r.P_heading)));
+        if (next == records.size()) next_before = after;
+        between(k + 1, after, std);
+        out[k] = {r.path - before, std};
+        next = k;
+        next_before = before;
         for (int u = r.count; u-- > 0;) adjoint.undo(r.updates[static_cast<std::size_t>(u)]);
-        HeadingMatrix F = HeadingMatrix::Identity();
-        F.block<1, 3>(0, 1) = -r.duration * r.vertical_b.transpose();
-        adjoint.lambda = (F.transpose() * adjoint.lambda).eval();
-        adjoint.Lambda = (F.transpose() * adjoint.Lambda * F).eval();
+        // F = I + e0 a'
+        const HeadingVector row = adjoint.Lambda.col(0);
+        adjoint.Lambda += r.transition * row.transpose() + row * r.transition.transpose() +
+                          row(0) * r.transition * r.transition.transpose();
+        adjoint.lambda += r.transition * adjoint.lambda(0);
     }
+    between(0, next_before, next < records.size() ? out[next].std : 0.0);
     return out;
 }
 
@@ -150,8 +163,7 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
         double angle = 0.0, heading_std = 0.0;
         Eigen::Vector2d tilt_std = Eigen::Vector2d::Zero();
         if (blocks > 0) {
-            const double end = records[b].heading - turn[b].after;
-            const double begin = b > 0 ? records[b - 1].heading - turn[b - 1].after : end;
+            const double end = turn[b].heading, begin = b > 0 ? turn[b - 1].heading : end;
             angle = s.block < blocks ? begin + static_cast<double>(s.along) * math::wrap_pi(end - begin) : end;
             heading_std = turn[b].std;
             tilt_std = tilt[b].std;
