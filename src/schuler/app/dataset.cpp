@@ -36,6 +36,7 @@ void resolve(Dataset& d, const fs::path& path, Needs needs, const SettingList& g
     const Config said = config_from(given);
     inspect::Given g = given_of(said, given, d.folder);
     g.find_aids = may_find_aids;
+    g.weighs_field = needs == Needs::Attitude;
     if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) needs = Needs::Imu;   // nothing to look for
     dataset::Recognised r = dataset::recognise(path, needs, g);
     if (!d.folder.empty() && !g.find_logs) {
