@@ -48,7 +48,7 @@ AhrsEvaluation evaluate(const std::vector<ahrs::AttitudeRow>& rows, const std::v
 
 Outcome ahrs_dataset(const AhrsRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
-    const Dataset dataset = open_dataset(request.common.input, Needs::Imu, request.common.over({}));
+    const Dataset dataset = open_dataset(request.common.input, Needs::Attitude, request.common.over({}));
     const Config config = config_from(dataset.settings);
     WarningLog warnings;
     AhrsBundle b;
@@ -62,6 +62,8 @@ Outcome ahrs_dataset(const AhrsRequest& request) {
     b.six_axis = input.settings.mekf.six_axis;
     b.field_from_model = input.field_from_model;
     b.declination = input.settings.mekf.heading.declination;
+    b.axes = input.axes;
+    b.calibration = input.calibration;
     b.imu_epochs = input.imu.size();
 
     const auto filter_begin = std::chrono::steady_clock::now();
