@@ -53,7 +53,7 @@ std::vector<Trial> trials_in(const fs::path& folder) {
     std::vector<Trial> out;
     for (const fs::path& path : found) {
         WarningLog unheard;
-        const app::Dataset dataset = app::open_dataset(path, app::Needs::Imu);
+        const app::Dataset dataset = app::open_dataset(path, app::Needs::Attitude);
         out.push_back(
             {path.filename().string().substr(6), app::load_dataset(dataset, app::config_from(dataset.settings), unheard)});
     }

@@ -127,8 +127,8 @@ void add_attitude_command(CLI::App& parser, Options& o) {
         "Heading is true where position and date are known (World Magnetic Model), magnetic otherwise.");
     ahrs->add_option("DATASET", o.input, "folder, dataset.toml, or a log")->required();
     add_output(*ahrs, o);
-    ahrs->add_option("--filter", o.filter, "dcm, quaternion, quaternion-coupled or mekf (default)")
-        ->check(CLI::IsMember({"dcm", "quaternion", "quaternion-coupled", "mekf"}));
+    ahrs->add_option("--filter", o.filter, "dcm, quaternion, quaternion-printed, quaternion-coupled or mekf (default)")
+        ->check(CLI::IsMember({"dcm", "quaternion", "quaternion-printed", "quaternion-coupled", "mekf"}));
     ahrs->add_flag("--six-axis", o.six_axis, "leave the magnetometer out; heading starts at zero");
     ahrs->add_flag("--offline", o.offline, "forward filter and backward smoother (mekf)");
     ahrs->add_flag("--calibrate", o.calibrate, "ellipsoid fit of magnetometer and accelerometer from this log first");

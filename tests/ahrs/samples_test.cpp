@@ -1,7 +1,6 @@
 // Samples that would poison a filter, logs that end in the middle, and the offline pass.
 #include "ahrs/simulated_motion.h"
 
-#include "schuler/ahrs/calibration.h"
 #include "schuler/ahrs/mekf.h"
 #include "schuler/ahrs/run.h"
 #include "schuler/core/error.h"
@@ -162,25 +161,29 @@ TEST(AhrsRecovery, ANewPlaceIsLearntAMagnetOnTheSensorIsNot) {
     EXPECT_LT(magnet.first, 3.0);
 }
 
-TEST(AhrsCalibration, EllipsoidIsUndone) {
-    math::Random random(6, "calibration");
-    Eigen::Matrix3d distortion;
-    distortion << 1.1, 0.05, -0.02, 0.05, 0.92, 0.03, -0.02, 0.03, 1.04;
-    const Vector3d iron(12e-6, -7e-6, 20e-6);
-    std::vector<Vector3d> readings;
-    for (int i = 0; i < 3000; ++i) {
-        const Vector3d field = 48e-6 * random.normal3().normalized(), noise = 1e-7 * random.normal3();
-        readings.push_back(distortion * field + iron + noise);
-    }
-    readings[5] = Vector3d(9e-5, 9e-5, 9e-5);
-    const auto fit = fit_ellipsoid(readings, 48e-6);
-    ASSERT_TRUE(fit.has_value());
-    EXPECT_LT((fit->offset - iron).norm(), 5e-8);
-    EXPECT_LT((fit->gain - distortion.inverse()).norm(), 2e-3);
-    EXPECT_LT(fit->residual, 2e-7);
-    std::vector<Vector3d> flat;
-    for (const Vector3d& r : readings) flat.emplace_back(r.x(), r.y(), 1e-6 * r.z());
-    EXPECT_FALSE(fit_ellipsoid(std::span(flat).first(200), 0.0).has_value()) << "a plane is no ellipsoid";
+TEST(AhrsRun, ThePrintedQuaternionFilterIsAFilterOfItsOwn) {
+    // a magnetic disturbance tilts it a little, the corrected one not at all, the coupled one much
+    Motion m;
+    const Log clean = log_of(m, 12);
+    m.disturbed_from = 40.0;
+    m.disturbed_to = 80.0;
+    const Log disturbed = log_of(m, 12);
+    const auto tilt = [&](FilterKind kind) {
+        RunSettings s;
+        s.filter = kind;
+        const RunResult a = run(clean.imu, clean.mag, {}, s), b = run(disturbed.imu, disturbed.mag, {}, s);
+        double largest = 0.0;
+        for (std::size_t i = 0; i < a.rows.size(); ++i) {
+            const Vector3d up_a = a.rows[i].q_nb.conjugate() * Vector3d::UnitZ(), up_b = b.rows[i].q_nb.conjugate() * Vector3d::UnitZ();
+            largest = std::max(largest, (up_a - up_b).norm() / units::deg);
+        }
+        return largest;
+    };
+    const double projected = tilt(FilterKind::Quaternion), printed = tilt(FilterKind::QuaternionPrinted),
+                 coupled = tilt(FilterKind::QuaternionCoupled);
+    EXPECT_LT(projected, 1e-2);
+    EXPECT_GT(printed, 3.0 * projected);
+    EXPECT_GT(coupled, 2.0 * printed);
 }
 
 TEST(AhrsSettings, UnusableOnesAreNamed) {
