@@ -150,7 +150,8 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
             nis += squared(m.innovation(i)) / (h.dot(P_ * h) + squared(settings_.field_noise)) / 3.0;
         }
         level_ += duration_ / (settings_.adaptation_time + duration_) * (nis - level_);
-        const double disturbance = std::max({1.0, level_, nis});
+        const bool known = record != nullptr && std::isfinite(record->disturbance);
+        const double disturbance = known ? std::max(1.0, record->disturbance) : std::max({1.0, level_, nis});
         // what has lasted so long has at least that memory: it tells no more for being measured again
         double factor = std::pow(disturbance, settings_.robustness) * std::max(1.0, disturbed_for_ / settings_.field_time);
         if (rest) factor *= settings_.rest_factor * std::max(1.0, block.rest_time / 5.0);
@@ -176,6 +177,7 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
         record->P_heading = P_.col(0);
         record->correction = dx(0);
         record->count = count;
+        record->field = samples_ > 0;
     }
     means_ = FieldMeans{};
     transition_.setZero();

@@ -15,18 +15,24 @@
 #include <Eigen/Geometry>
 
 #include <array>
+#include <cstddef>
+#include <limits>
 
 namespace schuler::ahrs {
 
 /// What the smoother needs of one update: the transition since the update before and the scalars.
 struct HeadingRecord {
     bool active = false;                         ///< there was an update; otherwise the block was only passed through
+    std::size_t block = 0;                       ///< of the tilt channel, at the end of which it was
     HeadingVector transition = HeadingVector::Zero();  ///< row of the heading of the transition, less the identity
     HeadingVector P_heading = HeadingVector::Zero();  ///< row of the covariance after the updates
     double path = 0.0;                           ///< rad, heading at the end of the block before the updates
     double correction = 0.0;                     ///< by which the updates changed it
     std::array<estim::ScalarUpdate<heading_states>, 6> updates;
     int count = 0;
+    bool field = false;                          ///< the last three of them are the magnetometer's
+    /// In: what an earlier pass has found to be left of the field, squared, of what is expected; NaN: judged by the innovation.
+    double disturbance = std::numeric_limits<double>::quiet_NaN();
 };
 
 class HeadingChannel {
