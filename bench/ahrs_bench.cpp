@@ -6,8 +6,12 @@
 //
 // VQF's figures are those of its authors' program with its default settings on the full-rate files [LaidigSeel2023].
 #include "schuler/ahrs/mekf.h"
-#include "schuler/app/ahrs.h"
+#include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
+#include "schuler/dataset/recognise.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/dataset.h"
+#include "schuler/solution/loaded_dataset.h"
 
 #include <fmt/format.h>
 
@@ -48,7 +52,7 @@ const std::map<std::string, std::array<double, 4>> vqf{
 
 struct Trial {
     std::string name;
-    app::LoadedDataset data;
+    solution::LoadedDataset data;
 };
 
 std::vector<Trial> trials_in(const fs::path& folder) {
@@ -60,9 +64,9 @@ std::vector<Trial> trials_in(const fs::path& folder) {
     std::vector<Trial> out;
     for (const fs::path& path : found) {
         WarningLog unheard;
-        const app::Dataset dataset = app::open_dataset(path, app::Needs::Attitude);
+        const settings::Dataset dataset = settings::open_dataset(path, dataset::Needs::Attitude);
         out.push_back(
-            {path.filename().string().substr(6), app::load_dataset(dataset, app::config_from(dataset.settings), unheard)});
+            {path.filename().string().substr(6), solution::load_dataset(dataset, settings::config_from(dataset.settings), unheard)});
     }
     return out;
 }

@@ -1,5 +1,5 @@
 // Reading speed of RINEX observations: an hour at 1 Hz, made here in memory.
-#include "schuler/io/rinex.h"
+#include "schuler/io/rinex/rinex.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

@@ -1,14 +1,14 @@
 // The program `schuler`: command line, what goes to which stream, exit status.
 #include "documentation.h"
-#include "options.h"
+#include "parser.h"
+#include "printable.h"
 #include "progress.h"
 
-#include "schuler/app/ahrs.h"
-#include "schuler/app/analyze.h"
-#include "schuler/app/analyze_allan.h"
+#include "schuler/app/command.h"
 #include "schuler/app/commands.h"
-#include "schuler/app/gravity.h"
+#include "schuler/app/formats_command.h"
 #include "schuler/core/error.h"
+#include "serve/aside.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -32,127 +32,55 @@ std::string one_line(std::string text) {
         if (c == '\n' || c == '\r') c = ' ';
     }
     while (!text.empty() && text.back() == ' ') text.pop_back();
-    return text;
+    return cli::printable(text);
 }
 
 void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one_line(text)); }
 
 /// Shows what a command has done: the result on standard output, everything else on standard error.
-void show(const app::Outcome& out, const cli::Options& options) {
-    if (!options.quiet) {
-        if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", out.notice);
+void show(const report::Outcome& out, const cli::CommandLine& line) {
+    if (!line.quiet) {
+        if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", cli::printable(out.notice));
         for (const std::string& w : out.warnings) fmt::print(stderr, "warning: {}\n", one_line(w));
     }
-    if (!out.usable && (options.json || options.quiet)) complain(out.verdict);
-    if (options.json) {
+    if (!out.usable && (line.json || line.quiet)) complain(out.verdict);
+    if (line.json) {
         fmt::print("{}", out.json);
         return;
     }
-    if (options.quiet) return;
-    fmt::print("{}", out.tables);
+    if (line.quiet) return;
+    fmt::print("{}", cli::printable(out.tables));
     const bool several = out.files.size() > 1;
     std::string report;
     for (const auto& file : out.files) {
         if (file.filename() == "report.html" && several) {
             report = file.string();
         } else {
-            fmt::print("wrote {}\n", file.string());
+            fmt::print("wrote {}\n", cli::printable(file.string()));
         }
     }
-    if (!report.empty()) fmt::print("the report is {}\n", report);
-    if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", out.folder.string());
+    if (!report.empty()) fmt::print("the report is {}\n", cli::printable(report));
+    if (out.files.empty() && !out.folder.empty()) fmt::print("wrote {}\n", cli::printable(out.folder.string()));
     if (!out.verdict.empty()) fmt::print("{}\n", one_line(out.verdict));
 }
 
-app::Outcome analyze(const cli::Options& o) {
-    if (o.command == "analyze observability") return app::analyze_observability(o.observability);
-    if (o.command == "analyze schuler") {
-        app::SchulerRequest request = o.schuler;
-        request.output = o.output;
-        request.version = SCHULER_VERSION;
-        return app::analyze_schuler(request);
+report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser) {
+    if (const app::Command* command = app::command_named(line.command)) {
+        cli::ProgressBar bar(!line.quiet, line.progress == "lines");
+        const app::CommandContext context{.version = SCHULER_VERSION, .progress = [&bar](double done_part) { bar.show(done_part); },
+                                          .threads = line.threads};
+        const auto given = cli::settings_of(*command, line, parser);
+        if (line.force) app::allow_overwrite(given);
+        return command->perform(given, context);
     }
-    if (o.command == "analyze requirements") return app::analyze_requirements(o.requirements);
-    if (o.command == "analyze budget" || o.command == "analyze integrity") {
-        app::StudyRequest request = o.study;
-        request.scenario = o.input;
-        request.seed = o.seed;
-        request.above = cli::settings_of(o);
-        cli::ProgressBar bar(!o.quiet, o.progress == "lines");
-        request.progress = [&bar](double done_part) { bar.show(done_part); };
-        return o.command == "analyze budget" ? app::analyze_budget(request) : app::analyze_integrity(request);
+    report::Outcome help;
+    if (line.topic == "formats") {
+        help.tables = app::formats_help();
+        return help;
     }
-    if (o.command == "analyze triad") {
-        app::TriadRequest request = o.triad;
-        request.seed = o.seed.value_or(request.seed);
-        request.output = o.output;
-        request.version = SCHULER_VERSION;
-        cli::ProgressBar bar(!o.quiet, o.progress == "lines");
-        request.progress = [&bar](double done_part) { bar.show(done_part); };
-        return app::analyze_triad(request);
-    }
-    if (o.command == "analyze protection") {
-        app::ProtectionRequest request = o.protection;
-        request.seed = o.seed.value_or(request.seed);
-        request.output = o.output;
-        cli::ProgressBar bar(!o.quiet, o.progress == "lines");
-        request.progress = [&bar](double done_part) { bar.show(done_part); };
-        return app::analyze_protection(request);
-    }
-    app::EquatorRequest request = o.equator;
-    if (o.misalignment.size() == 3) request.misalignment = Eigen::Vector3d::Map(o.misalignment.data());
-    request.output = o.output;
-    request.version = SCHULER_VERSION;
-    return app::analyze_equator(request);
-}
-
-app::Outcome receive(const cli::Options& o) {
-    cli::ProgressBar bar(!o.quiet, o.progress == "lines");
-    const auto progress = [&bar](double done_part) { bar.show(done_part); };
-    if (o.command == "receiver generate") {
-        app::GenerateRequest request = o.generate;
-        request.file = o.output;
-        request.seed = o.seed.value_or(request.seed);
-        request.progress = progress;
-        return app::generate_recording(request);
-    }
-    app::TrackRequest request = o.track;
-    request.file = o.input;
-    request.output = o.output;
-    request.version = SCHULER_VERSION;
-    request.progress = progress;
-    return app::track_recording(request);
-}
-
-app::Outcome perform(const cli::Options& o) {
-    if (o.command.starts_with("receiver")) return receive(o);
-    if (o.command.starts_with("analyze") && o.command != "analyze allan") return analyze(o);
-    app::ProcessRequest request;
-    request.input = o.input;
-    request.output = o.output;
-    request.config = o.config;
-    request.seed = o.seed;
-    request.version = SCHULER_VERSION;
-    request.above = cli::settings_of(o);
-    cli::ProgressBar bar(!o.quiet, o.progress == "lines");
-    request.progress = [&bar](double done_part) { bar.show(done_part); };
-    if (o.command == "analyze allan") return app::analyze_allan(request);
-    if (o.command == "process") return app::process_dataset(request);
-    if (o.command == "gravity" && o.response) return app::gravity_response({request, 1});
-    if (o.command == "gravity" && o.runs.value_or(1) > 1) return app::gravity_campaign({request, static_cast<int>(*o.runs)});
-    if (o.command == "gravity") return app::gravity_command({request, 1});
-    if (o.command == "ahrs") return app::ahrs_dataset({request, o.filter, o.six_axis, o.offline, o.calibrate});
-    if (o.command == "run") return app::run_scenario(request);
-    if (o.command == "montecarlo") return app::run_montecarlo(request, o.runs, o.jobs > 0 ? o.jobs : o.threads);
-    if (o.command == "demo") return app::run_demonstration(request);
-    if (o.command == "simulate") return app::simulate_to_folder(o.input, o.output, o.seed);
-    if (o.command == "evaluate") return app::evaluate_files(o.input, o.second, o.settle.value_or(0.0));
-    if (o.command == "inspect") return app::inspect_path(o.input);
-    if (o.command == "convert") return app::convert_file(o.input, o.output, o.format);
-    app::Outcome help;
-    help.tables = o.topic == "scenario" ? app::scenario_help(o.prefix) : app::settings_help(o.prefix);
+    help.tables = line.topic == "scenario" ? app::scenario_help(line.prefix) : app::settings_help(line.prefix);
     if (help.tables.empty())
-        throw input_error(fmt::format("no key begins with \"{}\"", o.prefix), {}, "leave it out to list all keys");
+        throw input_error(fmt::format("no key begins with \"{}\"", line.prefix), {}, "leave it out to list all keys");
     return help;
 }
 
@@ -168,10 +96,11 @@ int flushed(int status) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    cli::Options options;
+    if (argc > 1 && argv[1] == serve::aside_word) return serve::aside(argc - 2, argv + 2);   // a child of `schuler ui`
+    cli::CommandLine line;
     CLI::App parser("Integrated inertial-satellite navigation: from IMU and GNSS logs to a trajectory with honest uncertainty.",
                     "schuler");
-    cli::add_commands(parser, options);
+    cli::add_commands(parser, line);
     try {
         auto arguments = cli::with_help_of_commands({argv + 1, argv + argc}, parser);
         std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
@@ -194,24 +123,29 @@ int main(int argc, char** argv) {
         return input_unusable;
     }
     try {
-        if (options.command == "ui") {
-            cli::serve_page(options);
+        if (line.command == "ui") {
+            cli::serve_page(line);
             return flushed(done);
         }
-        if (options.command == "completion") {
-            fmt::print("{}", cli::completion_script(parser, options.topic));
+        if (line.command == "completion") {
+            fmt::print("{}", cli::completion_script(parser, line.topic));
             return flushed(done);
         }
-        if (options.command == "help" && options.topic.empty()) {
-            fmt::print("{}", options.manual ? cli::manual_page(parser, SCHULER_VERSION)
+        if (line.command == "help" && line.reference) {
+            fmt::print("{}", app::option_reference());
+            return flushed(done);
+        }
+        if (line.command == "help" && line.topic.empty()) {
+            fmt::print("{}", line.manual ? cli::manual_page(parser, SCHULER_VERSION)
                                             : parser.get_formatter()->make_help(&parser, "schuler", CLI::AppFormatMode::Normal));
             return flushed(done);
         }
-        const app::Outcome out = perform(options);
-        show(out, options);
+        const report::Outcome out = perform(line, parser);
+        show(out, line);
         return flushed(out.usable ? done : computation_failed);
     } catch (const Error& e) {
-        complain(e.what());
+        const bool of_option = e.place().file.starts_with("--");
+        complain(of_option ? fmt::format("{}; see `schuler {} --help`", e.what(), line.command) : std::string(e.what()));
         return e.kind() == ErrorKind::Input ? input_unusable : computation_failed;
     } catch (const std::bad_alloc&) {
         complain("out of memory; process a part of the data with --start and --stop");

@@ -1,5 +1,5 @@
 // The command `ui`: the program behind a page.
-#include "options.h"
+#include "parser.h"
 
 #include "schuler/core/error.h"
 #include "serve/server.h"
@@ -25,9 +25,9 @@ std::filesystem::path own_path() {
 
 }  // namespace
 
-void add_ui_command(CLI::App& parser, Options& o, const AddCommand& add_command) {
+void add_ui_command(CLI::App& parser, CommandLine& o) {
     CLI::App* ui =
-        add_command(parser, "ui", "the program as a page in a browser: logs, scenarios, runs, plots, comparison",
+        add_command(parser, o, "ui", "the program as a page in a browser: logs, scenarios, runs, plots, comparison",
                     "  schuler ui                                  then open the address that it prints\n"
                     "  schuler ui --open drive/                    with the logs of a folder\n"
                     "  schuler ui --workspace /data/work --port 9000\n"
@@ -46,7 +46,7 @@ void add_ui_command(CLI::App& parser, Options& o, const AddCommand& add_command)
         ->type_name("MB");
 }
 
-void serve_page(const Options& o) {
+void serve_page(const CommandLine& o) {
     // Blocked before any thread starts, so that one thread alone waits for them.
     sigset_t ending;
     sigemptyset(&ending);

@@ -5,7 +5,7 @@ set(config_dir "${CMAKE_INSTALL_LIBDIR}/cmake/schuler")
 
 install(TARGETS schuler EXPORT schulerTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/src/schuler" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
-        FILES_MATCHING PATTERN "*.h")
+        FILES_MATCHING PATTERN "*.h" PATTERN "inner" EXCLUDE)
 install(EXPORT schulerTargets NAMESPACE schuler:: DESTINATION "${config_dir}" COMPONENT development)
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/schulerConfig.cmake.in" "${PROJECT_BINARY_DIR}/schulerConfig.cmake"
                               INSTALL_DESTINATION "${config_dir}")
@@ -16,6 +16,10 @@ install(FILES "${PROJECT_BINARY_DIR}/schulerConfig.cmake" "${PROJECT_BINARY_DIR}
 
 if(TARGET schuler_cli)
     install(TARGETS schuler_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
+    install(FILES "${PROJECT_BINARY_DIR}/shell/schuler.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program)
+    install(FILES "${PROJECT_BINARY_DIR}/shell/schuler.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions"
+            RENAME schuler COMPONENT program)
+    install(FILES "${PROJECT_BINARY_DIR}/shell/_schuler" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" COMPONENT program)
 endif()
 if(EXISTS "${PROJECT_SOURCE_DIR}/data")
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/data/" DESTINATION "${CMAKE_INSTALL_DATADIR}/schuler" COMPONENT program)

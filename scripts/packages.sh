@@ -17,6 +17,7 @@ build=(
     libcli11-dev            # command line
     libtomlplusplus-dev libyaml-cpp-dev nlohmann-json3-dev
     libhdf5-dev zlib1g-dev libfast-float-dev
+    libmatio-dev libsqlite3-dev libzstd-dev liblz4-dev libbz2-dev   # MAT-files, ROS 2 databases, compressed blocks of bags and MCAP
     libkissfft-dev
     libboost-dev            # Math: distributions; Multiprecision: ranks decided with a hundred digits
     libcpp-httplib-dev      # the server of `schuler ui`

@@ -19,6 +19,8 @@ constexpr std::uint64_t writing = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCES
                                   LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_MAKE_REG |
                                   LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK |
                                   LANDLOCK_ACCESS_FS_MAKE_SYM;
+/// To move files between folders; kernels of the first version know no such right and refuse the move.
+constexpr std::uint64_t moving = std::uint64_t{1} << 13;   // LANDLOCK_ACCESS_FS_REFER
 constexpr std::uint64_t of_files = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_WRITE_FILE;
 
 void allow(int rules, const fs::path& path, std::uint64_t access) {
@@ -34,14 +36,17 @@ void allow(int rules, const fs::path& path, std::uint64_t access) {
     close(fd);
 }
 
+long version_of_kernel() { return syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION); }
+
 }  // namespace
 
-bool can_confine() { return syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION) >= 1; }
+bool can_confine() { return version_of_kernel() >= 1; }
 
 Ruleset::Ruleset(const Confinement& confinement) {
     if (!can_confine()) return;
     landlock_ruleset_attr attributes{};
-    attributes.handled_access_fs = reading | writing;
+    const std::uint64_t changing = version_of_kernel() >= 2 ? writing | moving : writing;
+    attributes.handled_access_fs = reading | changing;
     fd_ = static_cast<int>(syscall(SYS_landlock_create_ruleset, &attributes, sizeof attributes, 0));
     if (fd_ < 0) return;
     for (const char* folder :
@@ -49,7 +54,7 @@ Ruleset::Ruleset(const Confinement& confinement) {
         allow(fd_, folder, reading);
     allow(fd_, "/dev", reading | LANDLOCK_ACCESS_FS_WRITE_FILE);
     for (const fs::path& path : confinement.readable) allow(fd_, path, reading);
-    for (const fs::path& path : confinement.writable) allow(fd_, path, reading | writing);
+    for (const fs::path& path : confinement.writable) allow(fd_, path, reading | changing);
 }
 
 Ruleset::~Ruleset() {

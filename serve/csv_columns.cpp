@@ -1,6 +1,6 @@
 #include "serve/csv_columns.h"
 
-#include "schuler/io/table.h"
+#include "schuler/io/text/table.h"
 
 #include <array>
 

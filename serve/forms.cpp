@@ -1,9 +1,9 @@
 #include "serve/forms.h"
 
-#include "schuler/app/config.h"
-#include "schuler/app/scenario.h"
-#include "schuler/app/toml_file.h"
 #include "schuler/core/units.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/scenario/scenario.h"
+#include "schuler/settings/toml_file.h"
 #include "schuler/sim/path.h"
 #include "serve/message.h"
 
@@ -16,51 +16,14 @@
 namespace schuler::serve {
 namespace {
 
-using app::Shape;
-using app::Value;
+using settings::Shape;
+using settings::Value;
 
 constexpr double longest_preview_s = 7200.0;
 constexpr int preview_points = 800;
 
-const std::vector<app::OptionSpec>& specs_of(Form form) {
-    return form == Form::Scenario ? app::scenario_table().specs() : app::config_table().specs();
-}
-
-/// The unit that ends a key, as people write it. Longer endings first.
-std::string unit_of(std::string_view key) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 28> endings{{{"_deg_sqrt_h", "°/√h"},
-                                                                                            {"_deg_s_sqrt_hz", "°/s/√Hz"},
-                                                                                            {"_m_s_sqrt_h", "m/s/√h"},
-                                                                                            {"_m_s2_sqrt_hz", "m/s²/√Hz"},
-                                                                                            {"_ug_sqrt_hz", "µg/√Hz"},
-                                                                                            {"_rad_s", "rad/s"},
-                                                                                            {"_deg_h", "°/h"},
-                                                                                            {"_deg_s", "°/s"},
-                                                                                            {"_m_s2", "m/s²"},
-                                                                                            {"_m_s", "m/s"},
-                                                                                            {"_time_s", "s"},
-                                                                                            {"_arcsec", "″"},
-                                                                                            {"_ppm", "ppm"},
-                                                                                            {"_deg", "°"},
-                                                                                            {"_rad", "rad"},
-                                                                                            {"_hz", "Hz"},
-                                                                                            {"_mg", "mg"},
-                                                                                            {"_ug", "µg"},
-                                                                                            {"_pa", "Pa"},
-                                                                                            {"_ut", "µT"},
-                                                                                            {"_mgal", "mGal"},
-                                                                                            {"_sqrt_s", "√s"},
-                                                                                            {"_cm", "cm"},
-                                                                                            {"_km", "km"},
-                                                                                            {"_m", "m"},
-                                                                                            {"_s", "s"},
-                                                                                            {"_g", "g"},
-                                                                                            {"_c", "°C"}}};
-    if (key.ends_with("bias_walk_m")) return "m/√s";
-    if (key.ends_with("per_accel") || key.ends_with("per_lateral_accel")) return "rad/(m/s²)";
-    for (const auto& [ending, unit] : endings)
-        if (key.ends_with(ending)) return std::string(unit);
-    return {};
+const std::vector<settings::OptionSpec>& specs_of(Form form) {
+    return form == Form::Scenario ? settings::scenario_table().specs() : settings::config_table().specs();
 }
 
 const char* name_of(Shape shape) {
@@ -100,12 +63,12 @@ Value value_of(const Json& json, const std::string& key, int depth = 0) {
     if (json.is_number()) return {json.get<double>()};
     if (json.is_string()) return {json.get<std::string>()};
     if (json.is_array()) {
-        app::ValueList list;
+        settings::ValueList list;
         for (const Json& item : json) list.push_back(value_of(item, key, depth + 1));
         return {std::move(list)};
     }
     if (json.is_object()) {
-        app::ValueTable table;
+        settings::ValueTable table;
         for (const auto& [name, item] : json.items()) table.emplace_back(name, value_of(item, key, depth + 1));
         return {std::move(table)};
     }
@@ -113,20 +76,20 @@ Value value_of(const Json& json, const std::string& key, int depth = 0) {
 }
 
 /// So that the same settings are the same file.
-app::SettingList in_table_order(app::SettingList settings, Form form) {
+settings::SettingList in_table_order(settings::SettingList settings, Form form) {
     const auto& specs = specs_of(form);
-    std::ranges::stable_sort(settings, {}, [&](const app::Setting& s) {
-        return std::ranges::find(specs, s.key, &app::OptionSpec::key) - specs.begin();
+    std::ranges::stable_sort(settings, {}, [&](const settings::Setting& s) {
+        return std::ranges::find(specs, s.key, &settings::OptionSpec::key) - specs.begin();
     });
     return settings;
 }
 
-app::SettingList defaults_of(Form form) {
-    return form == Form::Scenario ? app::scenario_table().used(app::ScenarioConfig{}) : app::config_table().used(app::Config{});
+settings::SettingList defaults_of(Form form) {
+    return form == Form::Scenario ? settings::scenario_table().used(settings::ScenarioConfig{}) : settings::config_table().used(settings::Config{});
 }
 
 /// Where the vehicle goes, and at what speed and attitude: degrees and metres for drawing.
-Json track_of(const app::ScenarioConfig& s, bool cut) {
+Json track_of(const settings::ScenarioConfig& s, bool cut) {
     const auto path = sim::make_path(s.sim.path, s.sim.earth.ellipsoid);
     const Geodetic origin = path->at(0.0).position;
     std::array<Json, 9> columns;
@@ -158,7 +121,7 @@ Json problem_json(const Error& e) {
 }
 
 /// Those that this version knows: the table names planned ones too, so that they are told from misspelt ones.
-std::vector<std::string> offered(const app::OptionSpec& spec) {
+std::vector<std::string> offered(const settings::OptionSpec& spec) {
     std::vector<std::string> out;
     for (const std::string& choice : spec.choices)
         if (spec.form.empty() || spec.form.find('"' + choice + '"') != std::string::npos) out.push_back(choice);
@@ -167,61 +130,66 @@ std::vector<std::string> offered(const app::OptionSpec& spec) {
 
 }  // namespace
 
-Json form_schema(Form form) {
-    const app::SettingList defaults = defaults_of(form);
+Json schema_of(const std::vector<settings::OptionSpec>& specs, const settings::SettingList& defaults) {
     Json out = Json::array();
-    for (const app::OptionSpec& s : specs_of(form)) {
-        const auto given = std::ranges::find(defaults, s.key, &app::Setting::key);
+    for (const settings::OptionSpec& s : specs) {
+        const auto given = std::ranges::find(defaults, s.key, &settings::Setting::key);
         out.push_back({{"key", s.key},
                        {"shape", name_of(s.shape)},
                        {"length", s.length},
                        {"low", std::isfinite(s.low) ? Json(s.low) : Json(nullptr)},
                        {"high", std::isfinite(s.high) ? Json(s.high) : Json(nullptr)},
                        {"choices", offered(s)},
-                       {"accepts", app::accepted_form(s)},
+                       {"accepts", settings::accepted_form(s)},
                        {"help", s.help},
-                       {"unit", unit_of(s.key)},
+                       {"unit", s.unit},
+                       {"applies", s.applies},
                        {"default", given == defaults.end() ? Json(nullptr) : json_of(given->value)}});
     }
     return out;
 }
 
-app::SettingList settings_from_json(const Json& object, Form form) {
+Json form_schema(Form form) { return schema_of(specs_of(form), defaults_of(form)); }
+
+settings::SettingList settings_from_json(const Json& object, const std::vector<settings::OptionSpec>& specs) {
     if (!object.is_object()) throw Refusal{422, "the settings are not an object", "send {\"settings\": {\"key\": value}}"};
-    const auto& specs = specs_of(form);
-    app::SettingList out;
+    settings::SettingList out;
     for (const auto& [key, value] : object.items()) {
-        const auto spec = std::ranges::find(specs, key, &app::OptionSpec::key);
+        const auto spec = std::ranges::find(specs, key, &settings::OptionSpec::key);
         if (spec == specs.end()) {
             std::vector<std::string> known;
             for (const auto& s : specs) known.push_back(s.key);
-            const std::string near = app::nearest_key(key, known);
+            const std::string near = settings::nearest_key(key, known);
             throw Refusal{422, "unknown key", near.empty() ? "" : fmt::format("did you mean {}?", near), key};
         }
         out.push_back({key, value_of(value, key), {"", 0, 0, key}});
     }
-    return in_table_order(std::move(out), form);
-}
-
-app::SettingList settings_from_toml(const std::string& text, Form form) {
-    const app::ValueTable root = app::parse_toml(text, "");
-    return in_table_order(form == Form::Scenario ? app::scenario_table().read(root, "") : app::config_table().read(root, ""),
-                          form);
-}
-
-Json settings_json(const app::SettingList& settings) {
-    Json out = Json::object();
-    for (const app::Setting& s : settings) out[s.key] = json_of(s.value);
     return out;
 }
 
-std::string toml_of(const app::SettingList& settings, Form form) { return app::to_toml(settings, specs_of(form), false); }
+settings::SettingList settings_from_json(const Json& object, Form form) {
+    return in_table_order(settings_from_json(object, specs_of(form)), form);
+}
 
-Json understood(const app::SettingList& settings, Form form) {
+settings::SettingList settings_from_toml(const std::string& text, Form form) {
+    const settings::ValueTable root = settings::parse_toml(text, "");
+    return in_table_order(form == Form::Scenario ? settings::scenario_table().read(root, "") : settings::config_table().read(root, ""),
+                          form);
+}
+
+Json settings_json(const settings::SettingList& settings) {
+    Json out = Json::object();
+    for (const settings::Setting& s : settings) out[s.key] = json_of(s.value);
+    return out;
+}
+
+std::string toml_of(const settings::SettingList& settings, Form form) { return settings::to_toml(settings, specs_of(form), false); }
+
+Json understood(const settings::SettingList& settings, Form form) {
     Json out{
         {"settings", settings_json(settings)}, {"used", Json::object()}, {"toml", toml_of(settings, form)}, {"problem", nullptr}};
     // read where the scenario stands, that is anywhere: not for a page
-    if (form == Form::Scenario && std::ranges::find(settings, "trajectory.file", &app::Setting::key) != settings.end()) {
+    if (form == Form::Scenario && std::ranges::find(settings, "trajectory.file", &settings::Setting::key) != settings.end()) {
         out["problem"] = {{"text", "a recording is not flown again from the page"},
                           {"mend", "leave it out, or use `schuler run` with the file"},
                           {"key", "trajectory.file"},
@@ -230,20 +198,20 @@ Json understood(const app::SettingList& settings, Form form) {
     }
     try {
         if (form == Form::Dataset) {
-            app::Config config;
-            app::config_table().apply(settings, config);
-            out["used"] = settings_json(app::config_table().used(config));
+            settings::Config config;
+            settings::config_table().apply(settings, config);
+            out["used"] = settings_json(settings::config_table().used(config));
             return out;
         }
-        app::SettingList preview = settings;
+        settings::SettingList preview = settings;
         bool cut = false;
-        for (app::Setting& s : preview) {
+        for (settings::Setting& s : preview) {
             if (s.key != "duration_s" || !s.value.is_number() || s.value.number() <= longest_preview_s) continue;
             if (s.value.number() <= 1e6) s.value = {longest_preview_s}, cut = true;
         }
-        const app::ScenarioConfig config = app::scenario_from(preview);
-        Json used = settings_json(app::scenario_table().used(config));
-        for (const app::Setting& s : settings)
+        const settings::ScenarioConfig config = settings::scenario_from(preview);
+        Json used = settings_json(settings::scenario_table().used(config));
+        for (const settings::Setting& s : settings)
             if (s.key == "duration_s") used["duration_s"] = json_of(s.value);
         out["used"] = std::move(used);
         out["track"] = track_of(config, cut);

@@ -32,8 +32,8 @@ bool own_host(const std::string& host, const GuardSettings& s) {
     return !is_loopback(s.address) && is_address(name);
 }
 
-std::string cookie_value(const std::string& cookies) {
-    const std::string wanted = std::string(cookie_name) + "=";
+std::string cookie_value(const std::string& cookies, int port) {
+    const std::string wanted = cookie_name(port) + "=";
     for (std::size_t begin = 0; begin < cookies.size();) {
         std::size_t end = std::min(cookies.find(';', begin), cookies.size());
         while (begin < end && cookies[begin] == ' ') ++begin;
@@ -55,11 +55,12 @@ std::optional<Refusal> refusal_of(const Provenance& from, const GuardSettings& s
         return Refusal{403, "the request comes from a page of another site", "open the address that `schuler ui` printed"};
     if (from.fetch_site == "cross-site" || from.fetch_site == "same-site")
         return Refusal{403, "the request comes from a page of another site", "open the address that `schuler ui` printed"};
-    if (s.token.empty()) return std::nullopt;
     const bool bearer = from.authorization.starts_with("Bearer ") && same_secret(from.authorization.substr(7), s.token);
-    if (bearer || same_secret(cookie_value(from.cookie), s.token)) return std::nullopt;
+    if (bearer || same_secret(cookie_value(from.cookie, s.port), s.token)) return std::nullopt;
     return Refusal{401, "the token is missing or wrong", "open the whole address that `schuler ui` printed, with its token"};
 }
+
+std::string cookie_name(int port) { return fmt::format("schuler_token_{}", port); }
 
 bool is_loopback(std::string_view address) { return address == "localhost" || address == "::1" || address.starts_with("127."); }
 

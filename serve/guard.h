@@ -19,12 +19,12 @@ struct Provenance {
 struct GuardSettings {
     std::string address = "127.0.0.1";         ///< that the server is bound to
     int port = 0;
-    std::string token;                         ///< empty: none is asked for
+    std::string token;
 };
 
 /// A server on this machine alone answers to its own loopback names; one bound elsewhere to any address (not to names, which a
-/// foreign page could point here) and only with the token. Requests that a page of another site makes are refused whatever they
-/// carry. Nothing: the request is welcome.
+/// foreign page could point here). Every request carries the token, as cookie or in the header Authorization. Requests that a page of another site
+/// makes are refused whatever they carry. Nothing: the request is welcome.
 [[nodiscard]] std::optional<Refusal> refusal_of(const Provenance& from, const GuardSettings& settings);
 
 [[nodiscard]] bool is_loopback(std::string_view address);
@@ -35,6 +35,7 @@ struct GuardSettings {
 /// 32 hexadecimal digits from the system's random source.
 [[nodiscard]] std::string random_token();
 
-inline constexpr std::string_view cookie_name = "schuler_token";
+/// Cookies do not tell ports apart: two servers of one machine need two names.
+[[nodiscard]] std::string cookie_name(int port);
 
 }  // namespace schuler::serve

@@ -9,12 +9,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <fstream>
 
 namespace schuler::serve {
 namespace {
 
-constexpr std::size_t longest_path = 2000, threads = 24, most_listeners = 12;
+using Clock = std::chrono::steady_clock;
+
+/// A connection that sends slowly holds a thread: there are more of these than one client can easily hold.
+constexpr std::size_t longest_path = 2000, threads = 256, most_listeners = 12;
+/// A body may take so long, s, and for each MB of it so much more.
+constexpr double body_time = 20.0, body_time_per_mb = 2.0;
 constexpr std::uintmax_t most_drained = 64u << 20;
 
 /// Scripts and styles come from this server alone; uPlot and three.js set styles on elements.
@@ -74,7 +80,7 @@ std::string type_of_asset(std::string_view path) {
 struct Server::Http {
     explicit Http(ServerSettings s) : settings(std::move(s)), service(settings.service) {
         guard.address = settings.address;
-        if (!is_loopback(settings.address)) guard.token = random_token();
+        guard.token = random_token();   // on this machine too: other users of it are not welcome
         http.new_task_queue = [] { return new httplib::ThreadPool(threads); };
         // One request a connection: what a refused request leaves unread is never taken for the next one.
         http.set_keep_alive_max_count(1);
@@ -180,13 +186,13 @@ struct Server::Http {
         if (req.has_header("Range")) return give(res, refused({416, "parts of files are not served"}));
         const bool entering = req.path == "/" && req.has_param("token");
         if (const auto no = refusal(req); no && !(entering && no->status == 401)) return give(res, refused(*no));
-        if (entering && !guard.token.empty()) {
+        if (entering) {
             if (!same_secret(req.get_param_value("token"), guard.token)) return give(res, refused({401, "the token is wrong"}));
             Reply on;
             on.status = 303;
             give(res, on);
             res.set_header("Location", "/");
-            res.set_header("Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name, guard.token));
+            res.set_header("Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(guard.port), guard.token));
             return;
         }
         if (req.path.starts_with("/api/")) return give(res, service.answer(request_of(req, {})));
@@ -210,10 +216,17 @@ struct Server::Http {
         return out;
     }
 
+    /// Whether a body that began at a time and has brought so many bytes comes too slowly to be waited for.
+    [[nodiscard]] static bool too_slow(Clock::time_point begin, std::uintmax_t size) {
+        const double allowed = body_time + body_time_per_mb * static_cast<double>(size) / (1 << 20);
+        return std::chrono::duration<double>(Clock::now() - begin).count() > allowed;
+    }
+
     /// Reads the body whatever becomes of the request, so that the client hears the answer; up to a limit.
     static void drain(const httplib::Request& req, const httplib::ContentReader& read) {
         std::uintmax_t size = 0;
-        const auto nothing = [&size](const char*, std::size_t n) { return (size += n) <= most_drained; };
+        const Clock::time_point begin = Clock::now();
+        const auto nothing = [&](const char*, std::size_t n) { return (size += n) <= most_drained && !too_slow(begin, size); };
         if (req.is_multipart_form_data())
             read([](const httplib::MultipartFormData&) { return true; }, nothing);
         else
@@ -233,7 +246,9 @@ struct Server::Http {
                 return give(res, received(req, read));
             } else {
                 bool too_long = false;
+                const Clock::time_point begin = Clock::now();
                 const bool whole = read([&](const char* data, std::size_t n) {
+                    if (too_slow(begin, body.size() + n)) return false;
                     too_long = too_long || body.size() + n > Service::largest_body;
                     if (!too_long) body.append(data, n);
                     return true;
@@ -259,8 +274,10 @@ struct Server::Http {
         } catch (const Refusal& r) {
             no = r;
         }
+        const Clock::time_point begin = Clock::now();
         const bool whole = read([&](const char* data, std::size_t n) {
             size += n;
+            if (too_slow(begin, size)) return false;
             if (no) return (beyond += n) <= most_drained;
             try {
                 upload->write(data, n);
@@ -293,7 +310,7 @@ Server::~Server() = default;
 std::string Server::url() const {
     const GuardSettings& g = http_->guard;
     const std::string host = g.address.find(':') != std::string::npos ? "[" + g.address + "]" : g.address;
-    return fmt::format("http://{}:{}/{}", host, g.port, g.token.empty() ? "" : "?token=" + g.token);
+    return fmt::format("http://{}:{}/{}", host, g.port, "?token=" + g.token);
 }
 
 bool Server::serve() { return http_->http.listen_after_bind(); }

@@ -22,6 +22,20 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t largest_log = 1u << 20, largest_output = 64u << 20;
 constexpr int cannot_start = 126;
+constexpr std::size_t most_aside = 4;   // at once; the others wait for them
+
+// Sanitizers reserve terabytes of addresses.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool can_limit_memory = false;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+constexpr bool can_limit_memory = false;
+#else
+constexpr bool can_limit_memory = true;
+#endif
+#else
+constexpr bool can_limit_memory = true;
+#endif
 
 void close_if_open(int& fd) {
     if (fd >= 0) close(fd);
@@ -173,6 +187,8 @@ void Jobs::launch(Child& child) {
         const int nothing = open("/dev/null", O_RDONLY);
         const rlimit none{0, 0};
         setrlimit(RLIMIT_CORE, &none);
+        const rlimit memory{child.order.limit_bytes, child.order.limit_bytes};
+        if (can_limit_memory && child.order.limit_bytes > 0) setrlimit(RLIMIT_AS, &memory);
         if (dup2(nothing, 0) < 0 || dup2(out[1], 1) < 0 || dup2(err[1], 2) < 0 || !rules.enter()) _exit(cannot_start);
         execv(arguments.front(), arguments.data());
         _exit(cannot_start);
@@ -261,15 +277,16 @@ void Jobs::supervise() {
         std::vector<Child*> working;
         {
             const std::lock_guard lock(mutex_);
-            std::size_t running = 0;
-            for (Child& c : children_) running += c.report.state == JobState::Running && !c.order.aside ? 1u : 0u;
+            std::size_t running = 0, aside = 0;
+            for (Child& c : children_)
+                if (c.report.state == JobState::Running) ++(c.order.aside ? aside : running);
             for (Child& c : children_) {
                 if (c.report.state == JobState::Waiting && (c.cancelled || stopping_)) {
                     c.report.state = JobState::Cancelled;
                     changed(c);
-                } else if (c.report.state == JobState::Waiting && (c.order.aside || running < at_once_)) {
+                } else if (c.report.state == JobState::Waiting && (c.order.aside ? aside < most_aside : running < at_once_)) {
                     launch(c);
-                    running += c.order.aside ? 0u : 1u;
+                    ++(c.order.aside ? aside : running);
                 }
                 if (c.report.state != JobState::Running) continue;
                 if (c.order.limit_s > 0.0 && std::chrono::duration<double>(Clock::now() - c.begin).count() > c.order.limit_s)

@@ -27,8 +27,9 @@ struct JobOrder {
     std::vector<std::string> arguments;
     Confinement confinement;
     bool keep_output = false;                  ///< standard output is the result and not part of the log
-    bool aside = false;                        ///< does not wait for its turn and is not told to watchers
+    bool aside = false;                        ///< does not wait for runs and is not told to watchers
     double limit_s = 0.0;                      ///< killed after this time; 0: never
+    std::size_t limit_bytes = 0;               ///< of memory; 0: none
 };
 
 struct JobReport {

@@ -43,9 +43,9 @@ bool leads_out(std::string_view text) {
     return false;
 }
 
-void check_value_of_file(const app::Value& value, const app::Setting& setting) {
+void check_value_of_file(const settings::Value& value, const settings::Setting& setting) {
     if (value.list() != nullptr) {
-        for (const app::Value& item : *value.list()) check_value_of_file(item, setting);
+        for (const settings::Value& item : *value.list()) check_value_of_file(item, setting);
     } else if (value.text() != nullptr && leads_out(*value.text())) {
         throw Refusal{422, fmt::format("{} = \"{}\" leads out of the data set's folder", setting.key, *value.text()),
                       "upload the file with the others and give its name alone", setting.key, setting.place.line};
@@ -84,8 +84,8 @@ fs::path inside(const fs::path& folder, const std::string& name) {
     return path;
 }
 
-void check_file_settings(const app::SettingList& settings) {
-    for (const app::Setting& s : settings) check_value_of_file(s.value, s);
+void check_file_settings(const settings::SettingList& settings) {
+    for (const settings::Setting& s : settings) check_value_of_file(s.value, s);
 }
 
 void check_project_text(std::string_view text, const std::string& file) {

@@ -1,7 +1,7 @@
 // Names from outside that become files: what they may look like, and that what they name stays inside its folder.
 #pragma once
 
-#include "schuler/app/value.h"
+#include "schuler/settings/value.h"
 
 #include <filesystem>
 #include <string>
@@ -20,7 +20,7 @@ namespace schuler::serve {
 
 /// Settings from outside may name only files beside them: no absolute path, no "..", no "$NAME", no folder above.
 /// @throws Refusal 422 naming the key
-void check_file_settings(const app::SettingList& settings);
+void check_file_settings(const settings::SettingList& settings);
 
 /// Likewise a project file of another program, line by line.
 void check_project_text(std::string_view text, const std::string& file);

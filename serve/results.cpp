@@ -3,7 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
-#include "schuler/io/hdf5_file.h"
+#include "schuler/io/container/hdf5_file.h"
 #include "schuler/report/decimate.h"
 #include "serve/csv_columns.h"
 #include "serve/message.h"

@@ -1,4 +1,4 @@
-// The numbers of a run for drawing: columns of run.h5, cut to a time range and thinned so that no extreme is lost.
+// The numbers of a run for drawing: columns of run.h5, cut to a time range and decimated so that no extreme is lost.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -24,7 +24,7 @@ public:
     Server(const Server&) = delete;
     Server& operator=(const Server&) = delete;
 
-    /// What to open in a browser, with the token where one is needed.
+    /// What to open in a browser, with the token.
     [[nodiscard]] std::string url() const;
     /// Serves until stop() is called from another thread. False where listening failed.
     bool serve();

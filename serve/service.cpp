@@ -1,7 +1,7 @@
 #include "serve/service.h"
 
-#include "schuler/app/data_folder.h"
 #include "schuler/core/error.h"
+#include "schuler/dataset/data_folder.h"
 #include "serve/assets.h"
 #include "serve/forms.h"
 #include "serve/names.h"
@@ -51,6 +51,7 @@ Service::Service(ServiceSettings settings)
     add_settings_routes();
     add_dataset_routes();
     add_run_routes();
+    add_study_routes();
     add_result_routes();
     add_noise_routes();
     for (const Json& run : workspace_.runs()) {
@@ -114,7 +115,7 @@ std::unique_ptr<Upload> Service::upload(const std::string& path, std::uintmax_t 
 Confinement Service::confinement(const fs::path& readable, const fs::path& writable) const {
     Confinement c;
     const fs::path home = settings_.program.parent_path();
-    c.readable = {settings_.program, home / "../share/schuler", app::magnetic_model_folder()};
+    c.readable = {settings_.program, home / "../share/schuler", dataset::magnetic_model_folder()};
     if (!readable.empty()) c.readable.push_back(readable);
     if (!writable.empty()) c.writable.push_back(writable);
     return c;
@@ -123,7 +124,11 @@ Confinement Service::confinement(const fs::path& readable, const fs::path& writa
 void Service::finished(const JobReport& report) {
     try {
         if (report.state != JobState::Done) workspace_.clear_results(report.id);
-        std::ofstream(workspace_.run_folder(report.id) / "log.txt", std::ios::binary) << report.log;
+        const fs::path folder = workspace_.run_folder(report.id), summary = folder / "summary.json";
+        std::ofstream(folder / "log.txt", std::ios::binary) << report.log;
+        std::error_code ec;
+        if (report.state == JobState::Done && !report.output.empty() && !fs::exists(summary, ec))
+            std::ofstream(summary, std::ios::binary) << report.output;   // a study prints it
         workspace_.note(report.id,
                         {{"state", name_of(report.state)}, {"message", report.message}, {"exit_status", report.exit_status}});
     } catch (const std::exception&) {  // the folder is gone: nothing to note
@@ -173,13 +178,7 @@ void Service::add_settings_routes() {
                        {of},
                        "{settings: {key: value}} or {toml: text}",
                        "{settings, used, toml, problem, track}",
-                       [=](const Request& r) {
-                           const Json body = Json::parse(r.body);
-                           const Form form = form_of(r);
-                           return json(understood(body.contains("toml") ? settings_from_toml(body["toml"], form)
-                                                                        : settings_from_json(body.at("settings"), form),
-                                                  form));
-                       }});
+                       [=, this](const Request& r) { return json(understood_aside(Json::parse(r.body), form_of(r))); }});
 }
 
 Json Service::openapi() const {

@@ -1,6 +1,7 @@
 // What the page can ask for: one table of routes, from which requests are answered and the API's document is made.
 #pragma once
 
+#include "serve/forms.h"
 #include "serve/jobs.h"
 #include "serve/message.h"
 #include "serve/results.h"
@@ -10,6 +11,8 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,14 +64,22 @@ private:
     void add_settings_routes();
     void add_dataset_routes();
     void add_run_routes();
+    void add_study_routes();
     void add_result_routes();
     void add_noise_routes();
     [[nodiscard]] Reply dispatch(Request& request);
     [[nodiscard]] Reply start_run(const Json& order);
+    [[nodiscard]] Reply start_study(const Json& order);
     [[nodiscard]] Json inspected(const std::string& dataset);
     /// What the program prints as JSON, asked of a child that may read only `readable`. @throws Refusal 422
     [[nodiscard]] Json asked_of_program(const std::string& what, std::vector<std::string> arguments,
-                                        const std::filesystem::path& readable, const std::filesystem::path& writable);
+                                        const std::filesystem::path& readable, const std::filesystem::path& writable, double limit_s = 120.0,
+                                        std::size_t limit_bytes = std::size_t{4} << 30);
+    /// What settings come to (serve/forms.h), worked out by a child: a scenario may take for ever, and all the memory there is. `body`: as for
+    /// POST /api/settings. @throws Refusal
+    [[nodiscard]] Json understood_aside(const Json& body, Form form);
+    /// The folder of a run, once a child has read its run.h5: the library that reads it does not survive every damaged one. @throws Refusal
+    [[nodiscard]] std::filesystem::path readable_run(const std::string& id);
     [[nodiscard]] Json noise_of_run(const std::string& run);
     [[nodiscard]] Json run_now(const std::string& id) const;
     void check_dataset(const std::filesystem::path& folder) const;
@@ -79,6 +90,8 @@ private:
     const ServiceSettings settings_;
     Workspace workspace_;
     Results results_;
+    std::mutex read_mutex_;
+    std::set<std::string> read_before_;        ///< files that a child has read, with size and time
     std::vector<Route> routes_;
     Jobs jobs_;                                ///< last: its thread uses what stands above
 };

@@ -1,8 +1,9 @@
 // The routes about data sets, runs and their results.
 #include "serve/service.h"
 
-#include "schuler/app/bundle.h"
 #include "schuler/core/error.h"
+#include "schuler/report/outputs.h"
+#include "serve/aside.h"
 #include "serve/forms.h"
 #include "serve/names.h"
 
@@ -101,7 +102,7 @@ void Service::check_dataset(const fs::path& folder) const {
 }
 
 Json Service::asked_of_program(const std::string& what, std::vector<std::string> arguments, const fs::path& readable,
-                               const fs::path& writable) {
+                               const fs::path& writable, double limit_s, std::size_t limit_bytes) {
     static std::atomic<unsigned> number{0};
     JobOrder order;
     order.id = fmt::format("aside {}", ++number);
@@ -109,7 +110,8 @@ Json Service::asked_of_program(const std::string& what, std::vector<std::string>
     order.arguments = std::move(arguments);
     order.confinement = confinement(readable, writable);
     order.keep_output = order.aside = true;
-    order.limit_s = 120.0;
+    order.limit_s = limit_s;
+    order.limit_bytes = limit_bytes;
     const std::string id = order.id;
     jobs_.start(std::move(order));
     const JobReport report = jobs_.wait(id);
@@ -117,6 +119,53 @@ Json Service::asked_of_program(const std::string& what, std::vector<std::string>
     if (report.state != JobState::Done)
         throw Refusal{422, report.message.empty() ? "the " + what + " cannot be looked at" : report.message};
     return Json::parse(report.output);
+}
+
+Json Service::understood_aside(const Json& body, Form form) {
+    static std::atomic<unsigned> number{0};
+    const settings::SettingList settings =
+        body.contains("toml") ? settings_from_toml(body["toml"], form) : settings_from_json(body.at("settings"), form);
+    if (form == Form::Dataset) return understood(settings, form);   // no file is read, nothing is worked out
+    try {
+        check_file_settings(settings);
+    } catch (const Refusal& r) {
+        return {{"settings", settings_json(settings)},
+                {"used", Json::object()},
+                {"toml", toml_of(settings, form)},
+                {"problem", {{"text", r.text}, {"mend", r.mend}, {"key", r.key}, {"line", r.line}}}};
+    }
+    const fs::path folder = workspace_.temporary_folder(fmt::format("settings-{}", ++number));
+    constexpr double limit_s = 10.0;
+    constexpr std::size_t limit_bytes = std::size_t{1} << 30;
+    try {
+        report::write_text(folder / "body.json", body.dump(-1, ' ', false, Json::error_handler_t::replace));
+        const Json printed = asked_of_program("scenario", {std::string(aside_word), "understand", std::string(name_of(form)), (folder / "body.json").string()},
+                                              folder, {}, limit_s, limit_bytes);
+        workspace_.remove_temporary(folder);
+        return understanding_of(printed);
+    } catch (...) {
+        workspace_.remove_temporary(folder);
+        throw;
+    }
+}
+
+fs::path Service::readable_run(const std::string& id) {
+    const fs::path folder = workspace_.run_folder(id), file = folder / "run.h5";
+    std::error_code ec;
+    if (!fs::is_regular_file(file, ec)) return folder;
+    const std::string key = fmt::format("{}|{}|{}", file.string(), fs::last_write_time(file, ec).time_since_epoch().count(), fs::file_size(file, ec));
+    {
+        const std::lock_guard lock(read_mutex_);
+        if (read_before_.contains(key)) return folder;
+    }
+    try {
+        (void)asked_of_program("run", {std::string(aside_word), "read", folder.string()}, folder, {});
+    } catch (const Refusal&) {
+        throw Refusal{422, "run.h5 is damaged", "run it again"};
+    }
+    const std::lock_guard lock(read_mutex_);
+    read_before_.insert(key);
+    return folder;
 }
 
 Json Service::inspected(const std::string& dataset) {
@@ -172,10 +221,13 @@ Reply Service::start_run(const Json& order) {
     if (words_of(order, form, {}).empty())
         throw Refusal{422, fmt::format("\"{}\" is nothing to be done with a {}", command, kind),
                       "run and gravity, and of a scenario montecarlo, are", "command"};
-    app::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
+    settings::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
                                                        : settings_from_json(order.value("settings", Json::object()), form);
     check_file_settings(settings);
-    if (const Json problem = understood(settings, form)["problem"]; !problem.is_null())
+    Json body;
+    if (order.contains("toml")) body["toml"] = order["toml"];
+    else body["settings"] = order.value("settings", Json::object());
+    if (const Json problem = understood_aside(body, form)["problem"]; !problem.is_null())
         throw Refusal{422, problem["text"], problem["mend"], problem["key"], problem["line"]};
     const std::string dataset = order.value("dataset", "");
     fs::path input;
@@ -184,7 +236,7 @@ Reply Service::start_run(const Json& order) {
         check_dataset(input);
     }
     std::string name = form == Form::Dataset ? dataset : "scenario";
-    for (const app::Setting& s : settings)
+    for (const settings::Setting& s : settings)
         if (s.key == "name" && s.value.text() != nullptr && !s.value.text()->empty()) name = *s.value.text();
     const std::string id = workspace_.new_run(
         title_of(order, name),
@@ -194,7 +246,7 @@ Reply Service::start_run(const Json& order) {
          {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
     const fs::path folder = workspace_.run_folder(id);
     const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
-    app::write_text(file, toml_of(settings, form));
+    report::write_text(file, toml_of(settings, form));
     JobOrder job;
     job.id = id;
     job.program = settings_.program;
@@ -296,7 +348,7 @@ void Service::add_run_routes() {
                            if (!jobs_.cancel(r.parts[0])) throw Refusal{409, "the run is not at work"};
                            return json(Json::object());
                        }});
-    routes_.push_back({"GET", "/api/runs/{run}/log", "what the program said", {}, "", "text", [this](const Request& r) {
+    routes_.push_back({"GET", "/api/runs/{run}/log", "messages of the program", {}, "", "text", [this](const Request& r) {
                            const fs::path folder = workspace_.run_folder(r.parts[0]);
                            if (const auto job = jobs_.report(r.parts[0])) return text(job->log);
                            return text(text_of(folder / "log.txt"));
@@ -313,7 +365,7 @@ void Service::add_run_routes() {
                            const Form form = scenario.empty() ? Form::Dataset : Form::Scenario;
                            const std::string toml = scenario.empty() ? text_of(folder / "settings.toml") : scenario;
                            if (toml.empty()) throw Refusal{404, "this run was not started here: its settings are in config.toml"};
-                           Json out = understood(settings_from_toml(toml, form), form);
+                           Json out = understood_aside({{"toml", toml}}, form);
                            out["kind"] = form == Form::Scenario ? "scenario" : "dataset";
                            return json(out);
                        }});
@@ -359,24 +411,23 @@ void Service::add_result_routes() {
                        "which columns the run has",
                        {},
                        "",
-                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: what its numbers stand for, where that is a list}]}]",
-                       [this](const Request& r) { return json(results_.channels(workspace_.run_folder(r.parts[0]))); }});
+                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: the meaning of its numbers, where it is a list}]}]",
+                       [this](const Request& r) { return json(results_.channels(readable_run(r.parts[0]))); }});
     std::vector<Parameter> query{
         {"columns", "string", "ids of /channels with commas, all of one group"},
         {"origin", "string", "run whose first position is the origin of local columns; default: this one"}};
     query.insert(query.end(), range.begin(), range.end());
-    routes_.push_back({"GET", "/api/runs/{run}/series", "columns in a range of time, thinned to the extremes", query, "",
+    routes_.push_back({"GET", "/api/runs/{run}/series", "columns in a range of time, decimated with the extremes kept", query, "",
                        "{rows, thinned, time_s: [], columns: {id: []}, units: {id: unit}}", [this](const Request& r) {
-                           const fs::path folder = workspace_.run_folder(r.parts[0]);
-                           const fs::path origin = r.asked("origin").empty() ? folder : workspace_.run_folder(r.asked("origin"));
+                           const fs::path folder = readable_run(r.parts[0]);
+                           const fs::path origin = r.asked("origin").empty() ? folder : readable_run(r.asked("origin"));
                            return text(results_.series(folder, series_request(r), origin), "application/json");
                        }});
     query = {{"with", "string", "the other run"}};
     query.insert(query.end(), range.begin(), range.end());
     routes_.push_back({"GET", "/api/runs/{run}/difference", "this run's solution minus another one's", query, "",
                        "as series: north, east, down in m, velocities in m/s, angles in deg", [this](const Request& r) {
-                           return text(results_.difference(workspace_.run_folder(r.parts[0]),
-                                                           workspace_.run_folder(r.asked("with")), series_request(r)),
+                           return text(results_.difference(readable_run(r.parts[0]), readable_run(r.asked("with")), series_request(r)),
                                        "application/json");
                        }});
     routes_.push_back({"GET",

@@ -1,11 +1,13 @@
 #include "serve/workspace.h"
 
-#include "schuler/app/bundle.h"
 #include "schuler/core/error.h"
+#include "schuler/io/own_files.h"
+#include "schuler/report/outputs.h"
 #include "serve/message.h"
 #include "serve/names.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -65,14 +67,14 @@ Json files_of(const fs::path& folder) {
 
 std::string text_of(const fs::path& file, std::uintmax_t limit) {
     std::error_code ec;
-    if (!fs::is_regular_file(file, ec) || fs::file_size(file, ec) > limit) return {};
+    if (fs::is_symlink(file, ec) || !fs::is_regular_file(file, ec) || fs::file_size(file, ec) > limit) return {};   // no way out of the folder
     std::ostringstream text;
     text << std::ifstream(file, std::ios::binary).rdbuf();
     return text.str();
 }
 
 Workspace::Workspace(fs::path root, const fs::path& opened) {
-    app::make_folder(root);
+    report::make_folder(root);
     root_ = fs::canonical(root);
     if (opened.empty()) return;
     std::error_code ec;
@@ -116,6 +118,17 @@ fs::path Workspace::run_folder(const std::string& id) const {
     return folder;
 }
 
+fs::path Workspace::temporary_folder(const std::string& name) const {
+    const fs::path folder = root_ / fmt::format(".{}-{}", getpid(), name);
+    report::make_folder(folder);
+    return folder;
+}
+
+void Workspace::remove_temporary(const fs::path& folder) const noexcept {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+}
+
 std::string Workspace::new_folder(const fs::path& parent, const std::string& title) const {
     const std::string stem = folder_name(title);
     for (int number = 1; number < 100000; ++number) {
@@ -131,14 +144,15 @@ std::string Workspace::new_run(const std::string& title, const Json& fields) {
     const std::string id = new_folder(root_, title);
     Json state{{"title", title}, {"created", now()}};
     state.update(fields);
-    app::write_text(root_ / id / state_file, state.dump(1) + "\n");
+    report::write_text(root_ / id / state_file, state.dump(1) + "\n");
     return id;
 }
 
 void Workspace::note(const std::string& id, const Json& fields) {
     Json state = json_of(run_folder(id) / state_file);
     state.update(fields);
-    app::write_text(root_ / id / state_file, state.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    io::allow_overwrite(root_ / id / state_file);   // whoever touched it: the state is the server's
+    report::write_text(root_ / id / state_file, state.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 void Workspace::remove_run(const std::string& id) {

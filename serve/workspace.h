@@ -31,6 +31,9 @@ public:
     /// Adds members to run.json.
     void note(const std::string& id, const Json& fields);
     void remove_run(const std::string& id);
+    /// A hidden, empty folder for what is handed to a child, until remove_temporary().
+    [[nodiscard]] std::filesystem::path temporary_folder(const std::string& name) const;
+    void remove_temporary(const std::filesystem::path& folder) const noexcept;
     /// Leaves of a run that did not end well what was put in, not what it began to write.
     void clear_results(const std::string& id);
 

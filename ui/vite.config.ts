@@ -1,5 +1,6 @@
 import { defineConfig } from "vite";
 
+declare const process: { env: Record<string, string | undefined> };
 const server = "http://127.0.0.1:8642";
 
 export default defineConfig({
@@ -19,6 +20,14 @@ export default defineConfig({
     },
     chunkSizeWarningLimit: 900,
   },
-  // `schuler ui` at its usual port answers; it takes no requests from pages of other origins
-  server: { proxy: { "/api": { target: server, changeOrigin: true, headers: { origin: server } } } },
+  // `schuler ui` at its usual port answers; it takes no requests from pages of other origins, and none without the token that it printed
+  server: {
+    proxy: {
+      "/api": {
+        target: server,
+        changeOrigin: true,
+        headers: { origin: server, authorization: `Bearer ${process.env.SCHULER_TOKEN ?? ""}` },
+      },
+    },
+  },
 });

@@ -73,7 +73,8 @@ duration_s = 10
 
 
 def files_of(folder):
-    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+    """Those that are not hidden."""
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file() and not path.name.startswith("."))
 
 
 def commands(program, source):
@@ -171,7 +172,7 @@ def bad_input(program, source):
         ("--start", "20", "--stop", "10"): ["--stop"],
         ("--start", "1e6"): [],
         ("--set", "imu.gyro_bias=3"): ["unknown key", "imu.gyro_bias_deg_h"],
-        ("--set", "imu.gyro_bias_deg_h=lots"): ["imu.gyro_bias_deg_h", "text"],
+        ("--set", "imu.gyro_bias_deg_h=lots"): ["imu.gyro_bias_deg_h", "not a number"],
         ("--set", "gnss.lever_arm_m=[0,0,1e6]"): ["gnss.lever_arm_m", "out of range"],
         ("--scheme", "deep"): ["a log has none", "choose tight"],
         ("--scheme", "loos"): ["loose"],

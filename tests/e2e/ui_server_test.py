@@ -32,7 +32,7 @@ class Server:
             cwd=folder,
         )
         self.line = self.process.stdout.readline()
-        match = re.fullmatch(r"Schuler is at http://([^:/]+):(\d+)/(?:\?token=([0-9a-f]{32}))?\n", self.line)
+        match = re.fullmatch(r"Schuler is at http://([^:/]+):(\d+)/\?token=([0-9a-f]{32})\n", self.line)
         if not match:
             raise SystemExit(f"the server does not say where it is: {self.line!r} {self.process.stderr.read()}")
         self.host, self.port, self.token = match.group(1), int(match.group(2)), match.group(3)
@@ -47,7 +47,8 @@ class Server:
     def ask(self, method, path, body=None, headers=None, host=None):
         link = http.client.HTTPConnection("127.0.0.1", self.port, timeout=150)
         data = json.dumps(body) if isinstance(body, (dict, list)) else body
-        sent = {"Host": host or f"127.0.0.1:{self.port}", **(headers or {})}
+        sent = {"Host": host or f"127.0.0.1:{self.port}", "Authorization": f"Bearer {self.token}", **(headers or {})}
+        sent = {name: value for name, value in sent.items() if value is not None}
         link.request(method, path, data, sent)
         reply = link.getresponse()
         content = reply.read()
@@ -141,7 +142,7 @@ def api(program, source):
         )
         check(run["id"] == "small-one", "a run is named by its title")
         link = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
-        link.request("GET", "/api/events")
+        link.request("GET", "/api/events", headers={"Authorization": f"Bearer {server.token}"})
         stream = link.getresponse()
         check(stream.headers["Content-Type"] == "text/event-stream", "the type of the events")
         states = []
@@ -217,7 +218,7 @@ def datasets(program, source):
         drive = Path(folder) / "drive"
         name = server.json("POST", "/api/datasets", {"title": "My drive"})["name"]
         check(name == "my-drive", "a data set is named by its title")
-        for file in drive.iterdir():
+        for file in (f for f in drive.iterdir() if not f.name.startswith(".")):
             if file.name != "dataset.toml":
                 server.json("PUT", f"/api/datasets/{name}/files/{file.name}", file.read_bytes(), 201)
         found = server.json("GET", f"/api/datasets/{name}/inspect")
@@ -247,7 +248,7 @@ def datasets(program, source):
         # bounds
         refused(server, "PUT", f"/api/datasets/{name}/files/big.bin", 413, ["8 MB", "--max-upload"], body=b"x" * (9 << 20))
         chunked = (
-            f"PUT /api/datasets/{name}/files/big2.bin HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nTransfer-Encoding: chunked\r\n\r\n"
+            f"PUT /api/datasets/{name}/files/big2.bin HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nAuthorization: Bearer {server.token}\r\nTransfer-Encoding: chunked\r\n\r\n"
         ).encode()
         piece = b"100000\r\n" + b"y" * 0x100000 + b"\r\n"
         check(b" 413 " in server.raw(chunked + piece * 9 + b"0\r\n\r\n", 20)[:100], "a stream without a length is bounded too")
@@ -257,7 +258,7 @@ def datasets(program, source):
         )
         broken = server.raw(
             (
-                f"PUT /api/datasets/{name}/files/half.csv HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nContent-Length: 1000\r\n\r\nabc"
+                f"PUT /api/datasets/{name}/files/half.csv HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nAuthorization: Bearer {server.token}\r\nContent-Length: 1000\r\n\r\nabc"
             ).encode(),
             15,
         )
@@ -302,17 +303,17 @@ def hostile(program, source):
             check([d["name"] for d in server.json("GET", "/api/datasets")] == ["ok"], "what was refused has done nothing")
             # a refused request's body is not the next request
             inner = (
-                f"POST /api/datasets HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 19\r\n\r\n{{\"title\": \"hidden\"}}"
+                f"POST /api/datasets HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nAuthorization: Bearer {server.token}\r\nContent-Length: 19\r\n\r\n{{\"title\": \"hidden\"}}"
             )
             for kind in ("text/plain", "multipart/form-data; boundary=x"):
                 outer = (
-                    f"POST /api/datasets HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://evil.example\r\n"
+                    f"POST /api/datasets HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nAuthorization: Bearer {server.token}\r\nOrigin: http://evil.example\r\n"
                     f"Content-Type: {kind}\r\nContent-Length: {len(inner)}\r\n\r\n"
                 )
                 server.raw((outer + inner).encode())
             server.raw(f"GET /api/about HTTP/1.1\r\nHost: evil\r\nContent-Length: {len(inner)}\r\n\r\n{inner}".encode())
             server.raw(
-                f"POST /api/about HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n{inner}".encode()
+                f"POST /api/about HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nAuthorization: Bearer {server.token}\r\nContent-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n{inner}".encode()
             )
             check([d["name"] for d in server.json("GET", "/api/datasets")] == ["ok"], "no request hides in another one's body")
             refused(
@@ -436,30 +437,76 @@ def hostile(program, source):
                 check(b" 200 " not in out[:20], f"{data[:20]!r}: {out[:60]!r}")
             check(server.json("GET", "/api/about")["version"], "the server lives through all of it")
 
-        with Server(program, folder, "--host", "0.0.0.0") as server:
-            check(server.token and len(server.token) == 32, f"a server for other machines has a token: {server.line}")
-            refused(server, "GET", "/api/runs", 401, ["token"])
-            refused(server, "GET", "/api/runs", 401, headers={"Authorization": "Bearer " + "0" * 32})
-            refused(server, "GET", "/?token=" + "0" * 32, 401)
-            refused(
-                server,
-                "GET",
-                "/api/runs",
-                403,
-                host=f"evil.example:{server.port}",
-                headers={"Authorization": f"Bearer {server.token}"},
-            )
-            check(
-                server.ask("GET", "/api/runs", headers={"Authorization": f"Bearer {server.token}"})[0].status == 200,
-                "the token opens",
-            )
-            reply, _ = server.ask("GET", f"/?token={server.token}")
-            cookie = reply.headers["Set-Cookie"] or ""
-            check(
-                reply.status == 303 and reply.headers["Location"] == "/" and "HttpOnly" in cookie and "SameSite=Strict" in cookie,
-                f"the token becomes a cookie: {cookie}",
-            )
-            check(server.ask("GET", "/api/runs", headers={"Cookie": cookie.split(";")[0]})[0].status == 200, "the cookie opens")
+        for options in ([], ["--host", "0.0.0.0"]):
+            with Server(program, folder, *options) as server:
+                check(len(server.token) == 32, f"a server has a token: {server.line}")
+                nobody = {"Authorization": None}
+                refused(server, "GET", "/api/runs", 401, ["token"], headers=nobody)
+                refused(server, "GET", "/", 401, ["token"], headers=nobody)
+                refused(server, "GET", "/api/runs", 401, headers={"Authorization": "Bearer " + "0" * 32})
+                refused(server, "GET", "/?token=" + "0" * 32, 401, headers=nobody)
+                refused(server, "GET", "/api/runs", 403, host=f"evil.example:{server.port}")
+                check(server.ask("GET", "/api/runs")[0].status == 200, "the token opens")
+                reply, _ = server.ask("GET", f"/?token={server.token}", headers=nobody)
+                cookie = reply.headers["Set-Cookie"] or ""
+                check(
+                    reply.status == 303 and reply.headers["Location"] == "/" and "HttpOnly" in cookie and "SameSite=Strict" in cookie,
+                    f"the token becomes a cookie: {cookie}",
+                )
+                mine = {**nobody, "Cookie": cookie.split(";")[0]}
+                check(server.ask("GET", "/api/runs", headers=mine)[0].status == 200, "the cookie opens")
+
+
+def attacks(program, source):
+    """Bodies that exhaust, damaged results, clients that send slowly: the server lives and answers others meanwhile."""
+    with tempfile.TemporaryDirectory() as folder, Server(program, folder) as server:
+        port, auth = server.port, f"Authorization: Bearer {server.token}\r\n"
+        # deep and endless settings
+        refused(server, "POST", "/api/settings", 422, ["parts"], body={"toml": "a." * 10_000 + "a = 1"})
+        (Path(folder) / "secret.csv").write_text("lat_deg,lon_deg,east_mgal,north_mgal,up_mgal\n1,2,3,4,secret\n")
+        os.mkfifo(Path(folder) / "pipe.csv")
+        survey = """duration_s = 60
+[trajectory]
+type = "survey"
+start = { lat_deg = 48, lon_deg = 15, height_m = 700 }
+speed_m_s = 60
+survey = { lines = LINES, ties = LINES, length_m = LENGTH, spacing_m = 100, overrun_m = 10, bank_deg = 15 }
+"""
+        begin = time.monotonic()
+        for file in ("secret.csv", "pipe.csv", "none.csv"):
+            toml = survey.replace("LINES", "2").replace("LENGTH", "2000") + f'[anomaly_field]\nfile = "{file}"\n'
+            problem = server.json("POST", "/api/settings", {"toml": toml})["problem"] or {"text": ""}
+            check("secret\"" not in json.dumps(problem) and "up_mgal" not in problem["text"], f"nothing of {file} is told: {problem}")
+            check("no such file" in problem["text"], f"files of the server's own folder are not there: {file} {problem}")
+        reply, content = server.ask("POST", "/api/settings", {"toml": survey.replace("LINES", "1000").replace("LENGTH", "1e6")})
+        check(reply.status in (200, 422), f"an endless preview: {reply.status} {content[:200]!r}")
+        check(time.monotonic() - begin < 40, "in time")
+
+        # a run whose results are damaged, byte by byte
+        run = server.json("POST", "/api/runs", {"kind": "scenario", "toml": SMALL, "title": "x"}, 201)["id"]
+        server.finished(run)
+        file = Path(folder) / "work" / run / "run.h5"
+        whole = file.read_bytes()
+        check(server.ask("GET", f"/api/runs/{run}/channels")[0].status == 200, "channels of a sound run")
+        random = __import__("random").Random(3)
+        for at in [707, *(random.randrange(len(whole)) for _ in range(12))]:
+            damaged = bytearray(whole)
+            damaged[at] ^= 0xFF
+            file.write_bytes(damaged)
+            reply, _ = server.ask("GET", f"/api/runs/{run}/channels")
+            check(reply.status in (200, 422), f"byte {at} damaged: {reply.status}")
+        check(server.json("GET", "/api/about")["version"], "the server lives")
+
+        # clients that say nothing, and bodies that come a byte at a time
+        slow = [socket.create_connection(("127.0.0.1", port)) for _ in range(150)]
+        for n in range(30):
+            link = socket.create_connection(("127.0.0.1", port))
+            link.sendall(f"POST /api/settings HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n{auth}Content-Length: 100000\r\n\r\n{{".encode())
+            slow.append(link)
+        begin = time.monotonic()
+        check(server.ask("GET", "/api/about")[0].status == 200 and time.monotonic() - begin < 5, "others are answered meanwhile")
+        for link in slow:
+            link.close()
 
 
 def main(topics):
@@ -474,4 +521,4 @@ def main(topics):
 
 
 if __name__ == "__main__":
-    sys.exit(main({"api": api, "datasets": datasets, "hostile": hostile}))
+    sys.exit(main({"api": api, "datasets": datasets, "hostile": hostile, "attacks": attacks}))

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -153,6 +154,35 @@ TEST(Adjoint, EqualsRauchTungStriebel) {
             propagate_adjoint(adjoint.Lambda, system.step[k - 1].phi, N);
         }
     }
+}
+
+/// Three states that become combinations of the others: P and its adjoint as by the whole matrix of that map.
+TEST(Clone, IsTheLinearMapAndItsAdjoint) {
+    Numbers numbers(7);
+    constexpr int first = 10;
+    std::array<Row, 3> rows;
+    Matrix map = Matrix::Identity(N, N);
+    for (int k = 0; k < 3; ++k) {
+        Vector row = numbers.vector();
+        row.segment<3>(first).setZero();
+        rows[static_cast<std::size_t>(k)] = row_of(row);
+        map.row(first + k) = row.transpose();
+    }
+    const Matrix before = numbers.covariance(Vector::Constant(N, 2.0));
+    Matrix P = before;
+    clone(P, rows, first, N);
+    const Matrix expected = map * before * map.transpose();
+    EXPECT_LT((P - expected).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_TRUE(P == P.transpose());
+
+    StateAdjoint adjoint(N);
+    adjoint.lambda = numbers.vector();
+    adjoint.Lambda = numbers.covariance(Vector::Constant(N, 0.5));
+    const Vector lambda = map.transpose() * adjoint.lambda;
+    const Matrix Lambda = map.transpose() * adjoint.Lambda * map;
+    adjoint.undo_clone(rows, first);
+    EXPECT_LT((adjoint.lambda - lambda).norm(), 1e-12);
+    EXPECT_LT((adjoint.Lambda - Lambda).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 }  // namespace

@@ -341,7 +341,6 @@ TEST(RangeUpdate, RatesByPhaseShareThePhasesBetweenThem) {
         for (int k = 1; k <= spans; ++k) {
             o.f.propagate(o.model, {Time::from_seconds(span * k), span, Vector3d::Zero(), rest}, {});
             (void)o.f.propagate_covariance(o.model, phi);
-            o.f.since_phases.follow(phi, span, 0.0, 0.0, 9.8);
             const double next = sigma * random.normal();
             const double sent = span * k - range(span * k, velocity) / gnss::speed_of_light;
             const auto transmitter = [&](double t) -> Vector3d { return earth_at(-t) * orbit(t); };

@@ -1,6 +1,6 @@
 // RTKLIB .pos files and NMEA logs from arbitrary bytes.
-#include "schuler/io/nmea.h"
-#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/receiver/nmea.h"
+#include "schuler/io/solution/rtklib_pos.h"
 
 #include "fuzz_target.h"
 

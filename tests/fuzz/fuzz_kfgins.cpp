@@ -1,5 +1,5 @@
 // KF-GINS projects and text files from arbitrary bytes.
-#include "schuler/io/kfgins.h"
+#include "schuler/io/solution/kfgins.h"
 
 #include "fuzz_target.h"
 

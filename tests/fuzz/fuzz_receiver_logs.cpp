@@ -1,7 +1,7 @@
 // UBX and RTCM 3 from arbitrary bytes.
-#include "schuler/io/rinex_write.h"
-#include "schuler/io/rtcm3.h"
-#include "schuler/io/ubx.h"
+#include "schuler/io/receiver/rtcm3.h"
+#include "schuler/io/receiver/ubx.h"
+#include "schuler/io/rinex/rinex_write.h"
 
 #include "fuzz_target.h"
 

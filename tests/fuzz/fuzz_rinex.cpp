@@ -1,6 +1,6 @@
 // RINEX observations and navigation and SP3 from arbitrary bytes.
-#include "schuler/io/rinex.h"
-#include "schuler/io/sp3.h"
+#include "schuler/io/rinex/rinex.h"
+#include "schuler/io/rinex/sp3.h"
 
 #include "fuzz_target.h"
 

@@ -3,7 +3,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/core/log.h"
-#include "schuler/io/text_input.h"
+#include "schuler/io/text/text_input.h"
 
 #include <cstddef>
 #include <cstdint>

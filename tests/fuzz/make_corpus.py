@@ -1,15 +1,17 @@
 """Makes the seeds of the fuzz targets that read satellite files: synthetic, the same bytes each time.
 
-    make_corpus.py FOLDER            writes FOLDER/rinex/* and FOLDER/receiver_logs/*
+    make_corpus.py FOLDER            writes FOLDER/rinex/*, FOLDER/receiver_logs/* and FOLDER/containers/*
     make_corpus.py --check FOLDER    exit status 1 where a file differs, is missing or is none of them (ctest corpus.in_step)
 """
 import sys
 from pathlib import Path
 
 import seeds_binary
+import seeds_containers
 import seeds_text
 
-FOLDERS = {"rinex": {name: text.encode() for name, text in seeds_text.seeds().items()}, "receiver_logs": seeds_binary.seeds()}
+FOLDERS = {"rinex": {name: text.encode() for name, text in seeds_text.seeds().items()}, "receiver_logs": seeds_binary.seeds(),
+           "containers": seeds_containers.seeds()}
 
 
 def wrong(folder):

@@ -1,8 +1,8 @@
 // Broadcast orbits and clocks against a signal generator's truth, precise orbits, and their own derivatives.
 #include "schuler/gnss/satellite_source.h"
-#include "schuler/io/rinex.h"
-#include "schuler/io/sp3.h"
-#include "schuler/io/table.h"
+#include "schuler/io/rinex/rinex.h"
+#include "schuler/io/rinex/sp3.h"
+#include "schuler/io/text/table.h"
 
 #include "gnss/spirent_truth.h"
 #include "io/io_fixture.h"

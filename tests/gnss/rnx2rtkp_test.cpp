@@ -1,10 +1,10 @@
 // Real receivers: single-point fixes against those of RTKLIB's rnx2rtkp with the same options.
 #include "schuler/earth/earth.h"
 #include "schuler/gnss/single_point.h"
-#include "schuler/io/rinex.h"
-#include "schuler/io/rtcm3.h"
-#include "schuler/io/rtklib_pos.h"
-#include "schuler/io/ubx.h"
+#include "schuler/io/receiver/rtcm3.h"
+#include "schuler/io/receiver/ubx.h"
+#include "schuler/io/rinex/rinex.h"
+#include "schuler/io/solution/rtklib_pos.h"
 
 #include "io/io_fixture.h"
 

@@ -1,10 +1,10 @@
 // Single-point position and velocity on the signal generator's noise-free data, with faults put in.
-#include "schuler/gnss/single_point.h"
 #include "schuler/gnss/phase_velocity.h"
+#include "schuler/gnss/single_point.h"
 
 #include "schuler/earth/ellipsoid.h"
-#include "schuler/io/csv_recording.h"
-#include "schuler/io/rinex.h"
+#include "schuler/io/rinex/rinex.h"
+#include "schuler/io/text/csv_recording.h"
 
 #include "gnss/spirent_truth.h"
 #include "io/io_fixture.h"

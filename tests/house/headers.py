@@ -19,7 +19,7 @@ parser.add_argument("compiler", nargs="+")
 args = parser.parse_args()
 
 include = args.source / "src"
-public = [header.relative_to(include) for header in sorted(include.rglob("*.h")) if "detail" not in header.parts]
+public = [header.relative_to(include) for header in sorted(include.rglob("*.h")) if not {"detail", "inner"} & set(header.parts)]
 
 
 def first_in_its_source(header):

@@ -1,9 +1,9 @@
 // Single rows that cannot be: they cost themselves, counted and told, and nothing else.
 #include "io/io_fixture.h"
 
-#include "schuler/io/csv_recording.h"
-#include "schuler/io/fix_codes.h"
-#include "schuler/io/repair_times.h"
+#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/fix_codes.h"
+#include "schuler/io/text/repair_times.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "schuler/io/columns.h"
+#include "schuler/io/text/columns.h"
 
 #include "io/io_fixture.h"
 

@@ -1,7 +1,7 @@
-#include "schuler/io/csv_recording.h"
+#include "schuler/io/text/csv_recording.h"
 
 #include "schuler/core/units.h"
-#include "schuler/io/fix_codes.h"
+#include "schuler/io/text/fix_codes.h"
 
 #include "io/io_fixture.h"
 

@@ -1,9 +1,9 @@
 // The seeds of the fuzz targets are files the readers accept whole: otherwise the search would start outside the door. What they hold
 // is known from tests/fuzz/make_corpus.py, which shares no code with the readers.
-#include "schuler/io/rinex.h"
-#include "schuler/io/rtcm3.h"
-#include "schuler/io/sp3.h"
-#include "schuler/io/ubx.h"
+#include "schuler/io/receiver/rtcm3.h"
+#include "schuler/io/receiver/ubx.h"
+#include "schuler/io/rinex/rinex.h"
+#include "schuler/io/rinex/sp3.h"
 
 #include "io/io_fixture.h"
 

@@ -1,6 +1,6 @@
 // RTKLIB .pos files and NMEA logs.
-#include "schuler/io/nmea.h"
-#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/receiver/nmea.h"
+#include "schuler/io/solution/rtklib_pos.h"
 
 #include "io/io_fixture.h"
 

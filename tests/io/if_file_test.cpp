@@ -1,5 +1,5 @@
 // Recordings of samples: what is read of each form, and what is refused because it is not in that form.
-#include "schuler/io/if_file.h"
+#include "schuler/io/receiver/if_file.h"
 
 #include "schuler/core/error.h"
 #include "schuler/math/random.h"

@@ -1,4 +1,4 @@
-#include "schuler/io/kfgins.h"
+#include "schuler/io/solution/kfgins.h"
 
 #include "io/io_fixture.h"
 

@@ -1,8 +1,8 @@
 // KML and HDF5 output.
-#include "schuler/io/csv_events.h"
-#include "schuler/io/hdf5_file.h"
-#include "schuler/io/kml.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/container/hdf5_file.h"
+#include "schuler/io/solution/kml.h"
+#include "schuler/io/solution/solution_csv.h"
+#include "schuler/io/text/csv_events.h"
 
 #include "io/io_fixture.h"
 

@@ -1,8 +1,8 @@
 // ranges.csv and stations.csv written and read back, damaged; 1090 MHz logs by published messages and by an encoder of their own.
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
-#include "schuler/io/adsb.h"
-#include "schuler/io/csv_ranges.h"
+#include "schuler/io/receiver/adsb.h"
+#include "schuler/io/text/csv_ranges.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // UBX and RTCM 3 against other programs' decoding of the same logs, and damaged.
-#include "schuler/io/rinex_write.h"
-#include "schuler/io/rtcm3.h"
-#include "schuler/io/ubx.h"
+#include "schuler/io/receiver/rtcm3.h"
+#include "schuler/io/receiver/ubx.h"
+#include "schuler/io/rinex/rinex_write.h"
 
 #include "io/io_fixture.h"
 

@@ -1,8 +1,8 @@
 // RINEX observations and navigation, compressed or damaged.
-#include "schuler/io/rinex.h"
+#include "schuler/io/rinex/rinex.h"
 
-#include "schuler/io/compact_rinex.h"
-#include "schuler/io/sp3.h"
+#include "schuler/io/rinex/compact_rinex.h"
+#include "schuler/io/rinex/sp3.h"
 
 #include "io/io_fixture.h"
 

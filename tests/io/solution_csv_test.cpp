@@ -1,5 +1,5 @@
-#include "schuler/io/solution_csv.h"
-#include "schuler/io/fixed_point.h"
+#include "schuler/io/solution/solution_csv.h"
+#include "schuler/io/text/fixed_point.h"
 
 #include "schuler/core/samples.h"
 

@@ -1,5 +1,5 @@
-#include "schuler/io/table.h"
-#include "schuler/io/number.h"
+#include "schuler/io/text/number.h"
+#include "schuler/io/text/table.h"
 
 #include "io/io_fixture.h"
 

@@ -3,7 +3,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/if_file.h"
+#include "schuler/io/receiver/if_file.h"
 #include "schuler/receiver/tracker.h"
 #include "support/temporary_folder.h"
 

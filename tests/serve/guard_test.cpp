@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
 namespace schuler::serve {
 namespace {
@@ -20,9 +22,11 @@ int status_of(const Provenance& from, const GuardSettings& settings) {
 }
 
 TEST(Guard, OwnNamesAndOwnPagesOnly) {
-    const GuardSettings here{"127.0.0.1", 8642, ""};
-    const auto with = [](const char* host, const char* origin = "", const char* site = "") {
+    const std::string token(32, 'a');
+    const GuardSettings here{"127.0.0.1", 8642, token};
+    const auto with = [&](const char* host, const char* origin = "", const char* site = "") {
         Provenance p;
+        p.authorization = "Bearer " + token;
         p.host = host;
         p.origin = origin;
         p.fetch_site = site;
@@ -38,16 +42,22 @@ TEST(Guard, OwnNamesAndOwnPagesOnly) {
     EXPECT_EQ(status_of(with("127.0.0.1:8642", "null"), here), 403);
     EXPECT_EQ(status_of(with("127.0.0.1:8642", "", "same-site"), here), 403);
 
-    const GuardSettings everywhere{"0.0.0.0", 8642, std::string(32, 'a')};
-    EXPECT_EQ(status_of(with("192.168.1.5:8642"), everywhere), 401);
+    const GuardSettings everywhere{"0.0.0.0", 8642, token};
     EXPECT_EQ(status_of(with("name.example:8642"), everywhere), 403) << "names may be pointed here by anyone";
-    Provenance p = with("192.168.1.5:8642");
-    p.cookie = "other=1; schuler_token=" + std::string(32, 'a');
-    EXPECT_EQ(status_of(p, everywhere), 200);
-    p.cookie = "xschuler_token=" + std::string(32, 'a');
-    EXPECT_EQ(status_of(p, everywhere), 401);
-    p.authorization = "Bearer " + std::string(32, 'a');
-    EXPECT_EQ(status_of(p, everywhere), 200);
+    for (const auto& [host, settings] : {std::pair{"192.168.1.5:8642", everywhere}, std::pair{"127.0.0.1:8642", here}}) {
+        Provenance p = with(host);
+        EXPECT_EQ(status_of(p, settings), 200);
+        p.authorization = "Bearer " + std::string(32, 'b');
+        EXPECT_EQ(status_of(p, settings), 401);
+        p.authorization.clear();
+        EXPECT_EQ(status_of(p, settings), 401);
+        p.cookie = "other=1; schuler_token_8642=" + token;
+        EXPECT_EQ(status_of(p, settings), 200);
+        for (const char* other : {"xschuler_token_8642=", "schuler_token_8643=", "schuler_token="}) {
+            p.cookie = other + token;
+            EXPECT_EQ(status_of(p, settings), 401) << other;
+        }
+    }
     EXPECT_NE(random_token(), random_token());
     EXPECT_EQ(random_token().size(), 32u);
 }

@@ -1,13 +1,22 @@
 #include "schuler/app/commands.h"
 
-#include "schuler/app/evaluation_json.h"
-#include "schuler/app/facts.h"
-#include "schuler/app/provenance.h"
-#include "schuler/app/detail/json.h"
-#include "schuler/app/trajectory_file.h"
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
 #include "schuler/dataset/raw_observations.h"
+#include "schuler/dataset/trajectory_file.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/inspect/inspect.h"
+#include "schuler/io/own_files.h"
+#include "schuler/io/regular_file.h"
+#include "schuler/report/evaluation_json.h"
+#include "schuler/report/facts.h"
+#include "schuler/report/inner/json.h"
+#include "schuler/report/outcome.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/dataset.h"
+#include "schuler/settings/facts.h"
+#include "schuler/settings/scenario/scenario.h"
+#include "schuler/solution/loaded_dataset.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +31,8 @@ std::vector<ReferenceSample> samples_of(const std::vector<SolutionRow>& rows) {
     return out;
 }
 
-Json problems_of(const std::vector<inspect::Problem>& problems) {
-    Json list = Json::array();
+report::Json problems_of(const std::vector<inspect::Problem>& problems) {
+    report::Json list = report::Json::array();
     for (const inspect::Problem& p : problems)
         list.push_back({{"level", std::string(inspect::name_of(p.level))}, {"text", p.text}, {"mend", p.mend}});
     return list;
@@ -31,14 +40,22 @@ Json problems_of(const std::vector<inspect::Problem>& problems) {
 
 }  // namespace
 
-Outcome evaluate_files(const fs::path& solution, const fs::path& reference, double settle) {
+void allow_overwrite(const settings::SettingList& given) {
+    for (const char* key : {"output", "out", "file"}) {
+        const auto place = std::ranges::find(given, key, &settings::Setting::key);
+        if (place != given.end() && place->value.text() != nullptr) return io::allow_overwrite(*place->value.text());
+    }
+    throw input_error("there is no place of results to overwrite", {{}, 0, 0, "--force"}, "name it with -o");
+}
+
+report::Outcome evaluate_files(const fs::path& solution, const fs::path& reference, double settle) {
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = read_trajectory(solution, warnings);
-    const std::vector<ReferenceSample> truth = samples_of(read_trajectory(reference, warnings));
-    const Evaluation e = compare(earth::Earth{}, rows, truth, settle);
-    Outcome out;
-    out.tables = evaluation_tables(e);
-    out.json = evaluation_json(e, solution.string(), reference.string());
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(solution, warnings);
+    const std::vector<ReferenceSample> truth = samples_of(dataset::read_trajectory(reference, warnings));
+    const solution::Evaluation e = solution::compare(earth::Earth{}, rows, truth, settle);
+    report::Outcome out;
+    out.tables = report::evaluation_tables(e);
+    out.json = report::evaluation_json(e, solution.string(), reference.string());
     out.warnings = warnings.summary();
     return out;
 }
@@ -47,21 +64,21 @@ namespace {
 
 /// Opens and loads what has a description, as a run would, and with the same errors; what the files show goes into the report.
 inspect::InspectReport inspect_described(const fs::path& path, std::vector<Fact>& facts) {
-    Dataset d = open_dataset(path);
-    const Config config = config_from(d.settings);
+    settings::Dataset d = settings::open_dataset(path);
+    const settings::Config config = settings::config_from(d.settings);
     WarningLog warnings;
-    const LoadedDataset data = load_dataset(d, config, warnings);
-    if (config.scheme != Scheme::Gnss) fusion::check_input(data.recording, data.config.filter, warnings);
+    const solution::LoadedDataset data = solution::load_dataset(d, config, warnings);
+    if (config.scheme != settings::Scheme::Gnss) fusion::check_input(data.recording, data.config.filter, warnings);
     inspect::InspectReport report = std::move(d.report);
     report.path = path.string();
     for (const std::string& text : warnings.summary()) report.problems.push_back({inspect::Level::Warning, text, {}});
-    report.dataset_toml = to_toml(d.settings, config_table().specs(), false);
-    for (const Setting& s : d.settings) {
+    report.dataset_toml = settings::to_toml(d.settings, settings::config_table().specs(), false);
+    for (const settings::Setting& s : d.settings) {
         Fact fact;
         const auto found = std::ranges::find(d.facts, s.key, &Fact::key);
         if (found != d.facts.end()) fact = *found;
         fact.key = s.key;
-        fact.value = fact_value_of(s.value);
+        fact.value = settings::fact_value_of(s.value);
         if (d.given.contains(s.key)) fact.how = Known::Given;
         std::erase_if(facts, [&](const Fact& f) { return f.key == s.key; });
         facts.push_back(std::move(fact));
@@ -78,49 +95,51 @@ bool is_described(const fs::path& path) {
 
 }  // namespace
 
-Outcome inspect_path(const fs::path& path) {
+report::Outcome inspect_path(const fs::path& path) {
+    std::error_code ec;
+    if (!fs::is_directory(path, ec)) io::check_regular_file(path);
     std::vector<Fact> facts;
     const bool described = is_described(path);
     inspect::InspectReport report = described ? inspect_described(path, facts) : inspect::inspect(path);
     if (!described) facts = report.facts;
     if (report.dataset_toml.empty()) report.dataset_toml = dataset::raw_observations(path).dataset_toml;
-    Json files = Json::array();
+    report::Json files = report::Json::array();
     for (const inspect::FileReport& f : report.files) {
         files.push_back({{"path", f.path},
                          {"kind", f.kind},
                          {"columns", f.columns},
                          {"contents", f.contents},
                          {"rows", f.rows},
-                         {"rate_hz", number(f.rate_hz)},
+                         {"rate_hz", report::json_number(f.rate_hz)},
                          {"gaps", f.gaps},
                          {"duplicates", f.duplicates},
-                         {"start_s", number(f.start_s)},
-                         {"stop_s", number(f.stop_s)},
+                         {"start_s", report::json_number(f.start_s)},
+                         {"stop_s", report::json_number(f.stop_s)},
                          {"problems", problems_of(f.problems)}});
     }
-    Json findings = Json::array();
+    report::Json findings = report::Json::array();
     for (const inspect::Finding& f : report.findings)
-        findings.push_back({{"key", f.key}, {"value", f.value}, {"confidence", number(f.confidence)}, {"why", f.why}});
-    const Json document{{"path", report.path},
+        findings.push_back({{"key", f.key}, {"value", f.value}, {"confidence", report::json_number(f.confidence)}, {"why", f.why}});
+    const report::Json document{{"path", report.path},
                         {"files", files},
                         {"findings", findings},
                         {"problems", problems_of(report.problems)},
-                        {"facts", facts_json(facts)},
+                        {"facts", report::facts_json(facts)},
                         {"dataset_toml", report.dataset_toml}};
-    Outcome out;
+    report::Outcome out;
     out.tables = inspect::describe(report);
-    if (described) out.tables += "\n" + facts_table(facts, true);
-    out.json = text_of(document);
+    if (described) out.tables += "\n" + report::facts_table(facts, true);
+    out.json = report::text_of(document);
     return out;
 }
 
 std::string settings_help(std::string_view prefix) {
-    return listing(config_table().specs(), config_table().used(Config{}), prefix);
+    return settings::listing(settings::config_table().specs(), settings::config_table().used(settings::Config{}), prefix);
 }
 
 std::string scenario_help(std::string_view prefix) {
-    const ScenarioConfig defaults;
-    return listing(scenario_table().specs(), scenario_table().used(defaults), prefix);
+    const settings::ScenarioConfig defaults;
+    return settings::listing(settings::scenario_table().specs(), settings::scenario_table().used(defaults), prefix);
 }
 
 }  // namespace schuler::app

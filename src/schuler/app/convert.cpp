@@ -1,62 +1,81 @@
-#include "schuler/app/commands.h"
 #include "schuler/app/convert_raw.h"
-#include "schuler/app/trajectory_file.h"
-#include "schuler/core/units.h"
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
+#include "schuler/dataset/trajectory_file.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/fixed_point.h"
-#include "schuler/io/kml.h"
-#include "schuler/io/solution_csv.h"
+#include "schuler/io/formats.h"
+#include "schuler/io/own_files.h"
+#include "schuler/report/outcome.h"
+
+#include <fmt/format.h>
+
+#include <optional>
 
 namespace schuler::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Ten columns without names, as KF-GINS's truth: time, latitude, longitude, height, velocity NED, roll, pitch, heading.
-std::string kfgins_text(const std::vector<SolutionRow>& rows) {
-    std::string out;
-    char cell[io::widest_number];
-    for (const SolutionRow& r : rows) {
-        out.append(cell, io::put_seconds(cell, r.time.ns));
-        const auto add = [&]<int Decimals>(double x) {
-            out += ' ';
-            const char* end = io::put_fixed<Decimals>(cell, x);
-            out.append(cell == end ? std::string_view("nan") : std::string_view(cell, static_cast<std::size_t>(end - cell)));
-        };
-        add.operator()<11>(r.position.lat / units::deg);
-        add.operator()<11>(r.position.lon / units::deg);
-        add.operator()<5>(r.position.h);
-        for (int i = 0; i < 3; ++i) add.operator()<6>(r.v_eb_n[i]);
-        for (int i = 0; i < 3; ++i) add.operator()<8>(r.rpy[i] / units::deg);
-        out += '\n';
-    }
-    return out;
+std::string formats_to_write() {
+    std::string names;
+    for (const io::Format* format : io::formats())
+        if (format->write != nullptr) names += fmt::format("{}{}", names.empty() ? "" : ", ", format->name);
+    return names;
 }
 
-std::string format_of(const fs::path& file) {
-    const std::string extension = file.extension().string();
-    if (extension == ".csv") return "csv";
-    if (extension == ".kml") return "kml";
-    if (extension == ".txt" || extension == ".nav") return "kf-gins";
-    return {};
+const io::Format& wanted_format(const fs::path& out, const std::string& name) {
+    const io::Format* format = name.empty() ? io::format_to_write(out) : io::format_named(name);
+    if (format != nullptr && format->write != nullptr) return *format;
+    throw input_error(name.empty()        ? fmt::format("the format of \"{}\" is not known by its name", out.string())
+                      : format != nullptr ? fmt::format("\"{}\" is read only", name)
+                                          : fmt::format("unknown format \"{}\"", name),
+                      {name.empty() ? "" : "--to", 0, 0, {}},
+                      fmt::format("use --to {} for solutions, rinex-obs or rinex-nav for raw measurements", formats_to_write()));
+}
+
+/// Instruments of a log as tables: one that is named, or all of them into a folder. Nothing where a trajectory is asked for.
+std::optional<report::Outcome> convert_streams(const fs::path& in, const fs::path& out, const std::string& name) {
+    const io::StreamPath where = io::stream_path(in);
+    const bool into_folder = name.empty() && !out.has_extension();
+    const bool table = name == "csv" || (name.empty() && out.extension() == ".csv");
+    if (!into_folder && (!table || where.stream.empty())) return std::nullopt;
+    const io::Format* format = io::format_of(where.file);
+    if (format == nullptr || format->read == nullptr) return std::nullopt;
+    WarningLog warnings;
+    const io::StreamLog log = format->read(io::TextInput(where.file), warnings);
+    if (!where.stream.empty() && log.find(where.stream) == nullptr) {
+        io::LogFiles files;
+        (void)files.open(in, warnings);   // says which there are
+    }
+    report::Outcome outcome;
+    std::error_code ec;
+    if (into_folder) fs::create_directories(out, ec);
+    for (const io::Stream& stream : log.streams) {
+        if (!where.stream.empty() && stream.name != where.stream) continue;
+        const fs::path file = into_folder ? out / (stream.name + ".csv") : out;
+        io::write_file(file, io::table_text(stream, log.clock));
+        outcome.tables += fmt::format("{}: {} rows of {}\n", stream.name, stream.rows(), stream.source);
+        outcome.files.push_back(file);
+    }
+    outcome.warnings = warnings.summary();
+    return outcome;
 }
 
 }  // namespace
 
-Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
+report::Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
+    std::error_code ec;
+    if (fs::equivalent(in, out, ec))
+        throw input_error("is the file to be converted and the one to be written", {out.string(), 0, 0, {}}, "give the result another name");
+    if (!fs::is_directory(out, ec)) io::check_overwrite(out);
     if (auto raw = convert_raw(in, out, format)) return std::move(*raw);
-    const std::string wanted = format.empty() ? format_of(out) : format;
-    if (wanted != "csv" && wanted != "kml" && wanted != "kf-gins") {
-        throw input_error(format.empty() ? fmt::format("the format of \"{}\" is not known by its name", out.string())
-                                         : fmt::format("unknown format \"{}\"", format),
-                          {format.empty() ? "" : "--to", 0, 0, {}}, "use --to csv, kml or kf-gins for solutions, rinex-obs or rinex-nav for raw measurements");
-    }
+    if (!fs::exists(io::stream_path(in).file, ec)) throw input_error("no such file", {in.string(), 0, 0, {}}, "check the path");
+    if (auto streams = convert_streams(in, out, format)) return std::move(*streams);
+    const io::Format& wanted = wanted_format(out, format);
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = read_trajectory(in, warnings);
-    if (wanted == "csv") io::write_solution_csv(out, rows);
-    if (wanted == "kml") io::write_track_kml(out, rows, in.stem().string());
-    if (wanted == "kf-gins") io::write_file(out, kfgins_text(rows));
-    Outcome outcome;
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(in, warnings);
+    wanted.write(out, rows, in.stem().string());
+    report::Outcome outcome;
     outcome.tables =
         fmt::format("{} rows from {:.3f} to {:.3f} s\n", rows.size(), rows.front().time.seconds(), rows.back().time.seconds());
     outcome.warnings = warnings.summary();

@@ -1,8 +1,11 @@
 #include "schuler/app/convert_raw.h"
 
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/rinex_write.h"
+#include "schuler/io/rinex/rinex_write.h"
+#include "schuler/report/outcome.h"
 
 #include <fmt/format.h>
 
@@ -27,12 +30,12 @@ std::string format_of(const fs::path& file) {
 
 }  // namespace
 
-std::optional<Outcome> convert_raw(const fs::path& in, const fs::path& out, const std::string& format) {
+std::optional<report::Outcome> convert_raw(const fs::path& in, const fs::path& out, const std::string& format) {
     const std::string wanted = format.empty() ? format_of(out) : format;
     if (wanted != "rinex-obs" && wanted != "rinex-nav") return std::nullopt;
     WarningLog warnings;
     const io::RawInput raw = io::read_raw_input(in, {}, warnings);
-    Outcome outcome;
+    report::Outcome outcome;
     if (wanted == "rinex-obs") {
         if (raw.observations.epochs.empty())
             throw input_error("has no raw measurements", {in.string(), 0, 0, {}},

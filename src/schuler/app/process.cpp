@@ -1,13 +1,28 @@
 #include "schuler/app/commands.h"
-#include "schuler/app/evidence.h"
-#include "schuler/app/fuse.h"
-#include "schuler/app/ignored.h"
-#include "schuler/app/provenance.h"
-#include "schuler/app/solution_stream.h"
-#include "schuler/app/stated_check.h"
-#include "schuler/app/toml_file.h"
+#include "schuler/dataset/imu_log.h"
+#include "schuler/dataset/recognise.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/realignment.h"
+#include "schuler/io/staged_folder.h"
+#include "schuler/report/outcome.h"
+#include "schuler/report/outputs.h"
+#include "schuler/report/solution_stream.h"
+#include "schuler/report/summary.h"
+#include "schuler/scenario/simulated_dataset.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/dataset.h"
+#include "schuler/settings/request.h"
+#include "schuler/settings/scenario/scenario.h"
+#include "schuler/settings/toml_file.h"
+#include "schuler/solution/bundle.h"
+#include "schuler/solution/events.h"
+#include "schuler/solution/evidence.h"
+#include "schuler/solution/fuse.h"
+#include "schuler/solution/ignored.h"
+#include "schuler/solution/loaded_dataset.h"
+#include "schuler/solution/provenance.h"
+#include "schuler/solution/stated_check.h"
+#include "schuler/study/comparison/compare.h"
 
 #include <algorithm>
 #include <chrono>
@@ -21,17 +36,17 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Whether nothing but solution.csv needs the rows: it is then written while the filter runs.
-bool only_written(const LoadedDataset& data) {
-    const Config& c = data.config;
+bool only_written(const solution::LoadedDataset& data) {
+    const settings::Config& c = data.config;
     const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
-    return c.scheme == Scheme::Loose && !c.filter.smooth && !c.filter.backward && c.filter.output_lever_arm_b.isZero(0.0) && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
+    return c.scheme == settings::Scheme::Loose && !c.filter.smooth && !c.filter.backward && c.filter.output_lever_arm_b.isZero(0.0) && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
            fusion::leg_starts(data.recording).size() < 2 &&
            c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
 }
 
 /// The run once more with these settings; false where the filter fails with them.
-bool repeated(ResultBundle& bundle, fusion::Settings settings, const fusion::RowSink& rows) {
-    settings.output_rate = internal_rate(bundle.data);
+bool repeated(solution::ResultBundle& bundle, fusion::Settings settings, const fusion::RowSink& rows) {
+    settings.output_rate = solution::internal_rate(bundle.data);
     WarningLog heard;   // already
     fusion::Findings found = bundle.result.findings;   // is still what it was found from
     try {
@@ -42,33 +57,33 @@ bool repeated(ResultBundle& bundle, fusion::Settings settings, const fusion::Row
     }
     found.in_force = bundle.result.findings.in_force;
     bundle.result.findings = std::move(found);
-    bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.truth);
+    bundle.evaluation = solution::evaluate(bundle.data, bundle.result, bundle.truth);
     return true;
 }
 
 /// The self-check of the run; true where it was repeated with the noise that was missing, and then `rows` has the rows of the solution.
-bool check_itself(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
+bool check_itself(solution::ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
     std::optional<fusion::Settings> wider;
-    SelfCheck& check = bundle.self_check.emplace(self_check(bundle.data, bundle.result, wider));
+    solution::SelfCheck& check = bundle.self_check.emplace(solution::self_check(bundle.data, bundle.result, wider));
     const auto begin = std::chrono::steady_clock::now();
     const bool widened = wider && repeated(bundle, *wider, rows);
     if (widened)
         warnings.add("self_check.widened",
-                     fmt::format("with fixes withheld the errors are larger than the sigmas say: the noise of the gyros is taken {:.3g} times and that "
+                     fmt::format("with fixes withheld the errors are larger than the sigmas: the noise of the gyros is taken {:.3g} times and that "
                                  "of the accelerometers {:.3g} times as large (windows that had no part in it: {:.1f} % of the epochs inside three "
                                  "sigma, {:.1f} % before)",
                                  check.tried->gyro, check.tried->accel, 100.0 * check.coverage.epochs.share(), 100.0 * check.before->epochs.share()));
     if (wider && !widened) check.keep_as_it_was();
-    check.seconds += seconds_since(begin);
-    judge_fixes(check, bundle.result);
+    check.seconds += solution::seconds_since(begin);
+    solution::judge_fixes(check, bundle.result);
     check.motion.clear();
     bundle.timing.check_s = check.seconds;
     return widened;
 }
 
 /// The lever arm that is given, checked; true where the run was repeated with it as a state, and then `rows` has the rows of the solution.
-bool check_what_is_stated(ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
-    const std::optional<LeverArmDoubt> doubt = doubt_of_lever_arm(bundle.data, bundle.result);
+bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
+    const std::optional<solution::LeverArmDoubt> doubt = solution::doubt_of_lever_arm(bundle.data, bundle.result);
     if (!doubt) return false;
     fusion::Settings& filter = bundle.data.config.filter;
     if (!doubt->refuted) {
@@ -78,7 +93,7 @@ bool check_what_is_stated(ResultBundle& bundle, const fusion::RowSink& rows, War
         filter.estimate_lever_arm = true;
         filter.gnss.lever_arm_b = doubt->found_b;
         WarningLog heard;
-        fuse_and_evaluate(bundle, heard, internal_rate(bundle.data), {}, rows);
+        solution::fuse_and_evaluate(bundle, heard, solution::internal_rate(bundle.data), {}, rows);
     }
     warnings.add("contradiction.gnss.lever_arm_m", doubt->text());
     if (!doubt->refuted) return true;
@@ -94,47 +109,50 @@ bool check_what_is_stated(ResultBundle& bundle, const fusion::RowSink& rows, War
 }
 
 /// From loaded data to files: the part that process and run share.
-Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog& warnings,
+report::Outcome finished(solution::ResultBundle& bundle, const settings::ProcessRequest& request, WarningLog& warnings,
                  const fs::path& folder, std::chrono::steady_clock::time_point begin) {
     bundle.version = request.version;
-    Outcome out;
+    report::Outcome out;
     out.folder = request.folder_for(bundle.name);
-    std::unique_ptr<SolutionStream> stream, checked, widened;
-    const auto into = [&](std::unique_ptr<SolutionStream>& file) -> fusion::RowSink {
+    report::check_overwrite_of_outputs(out.folder);
+    std::unique_ptr<io::StagedFolder> stage;   // only when there is something to write: a run that cannot start leaves no folder
+    const auto folder_of_results = [&]() -> const fs::path& {
+        if (!stage) stage = std::make_unique<io::StagedFolder>(out.folder);
+        return stage->path();
+    };
+    std::unique_ptr<report::SolutionStream> stream, checked, widened;
+    const auto into = [&](std::unique_ptr<report::SolutionStream>& file) -> fusion::RowSink {
         if (!only_written(bundle.data)) return {};
         return [&](std::span<const SolutionRow> rows) {
-            if (!file) {   // only now: a run that cannot start leaves no folder
-                make_folder(out.folder);
-                file = std::make_unique<SolutionStream>(out.folder / "solution.csv");
-            }
+            if (!file) file = std::make_unique<report::SolutionStream>(folder_of_results() / "solution.csv");
             file->append(rows);
         };
     };
     const WarningLog before = warnings;
-    fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, into(stream));
+    solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, into(stream));
     if (stream && fusion::may_realign(bundle.data.config.filter) && fusion::diverged_at(bundle.result)) {   // aligned anew only where its rows are not written yet
         stream.reset();
         warnings = before;
-        fuse_and_evaluate(bundle, warnings, internal_rate(bundle.data), request.progress, {});
+        solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, {});
     }
     if (bundle.command == "process" && check_what_is_stated(bundle, into(checked), warnings)) stream = std::move(checked);
     checked.reset();
     if (bundle.command == "process" && check_itself(bundle, into(widened), warnings)) stream = std::move(widened);
     widened.reset();
-    take_in_force(bundle.data.config, bundle.result.findings);
-    bundle.facts = facts_of(bundle);
-    bundle.config_toml = config_in_force(bundle.data);
+    solution::take_in_force(bundle.data.config, bundle.result.findings);
+    bundle.facts = solution::facts_of(bundle);
+    bundle.config_toml = solution::config_in_force(bundle.data);
     // a scenario's own words are the simulator's business
     std::set<std::string> asked = bundle.data.given;
     if (bundle.command == "run") {
         asked.clear();
-        for (const Setting& s : request.over({})) asked.insert(s.key);
+        for (const settings::Setting& s : request.over({})) asked.insert(s.key);
     }
-    bundle.ignored = ignored_of(bundle, asked);
-    warn_of_ignored(bundle.ignored, warnings);
+    bundle.ignored = solution::ignored_of(bundle, asked);
+    solution::warn_of_ignored(bundle.ignored, warnings);
     for (fusion::Trajectory* t : {&bundle.result.forward, &bundle.result.smoothed})
-        for (std::vector<SolutionRow>* rows : {&t->rows, &t->point}) *rows = thinned(std::move(*rows), bundle.data.config.filter.output_rate);
-    warn_of_events_outside(bundle, warnings);
+        for (std::vector<SolutionRow>* rows : {&t->rows, &t->point}) *rows = report::decimated(std::move(*rows), bundle.data.config.filter.output_rate);
+    solution::warn_of_events_outside(bundle, warnings);
     if (!bundle.evaluation.errors.empty() && bundle.evaluation.summary.epochs == 0) {
         warnings.add(
             "settle",
@@ -143,7 +161,7 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
     }
     const fusion::Counters& n = bundle.result.counters;
     if (n.gnss_rejected > n.gnss_accepted || !bundle.result.findings.heading_found)
-        blame_the_imu_log(folder, bundle.data.config);   // navigation and fixes contradict each other
+        dataset::diagnose_imu_log(folder, bundle.data.config);   // navigation and fixes contradict each other
     if (n.gnss_rejected > n.gnss_accepted) {
         warnings.add("gnss.rejected",
                      fmt::format("{} of {} fixes disagree with the inertial navigation and were rejected: the units, axes or times of "
@@ -152,72 +170,62 @@ Outcome finished(ResultBundle& bundle, const ProcessRequest& request, WarningLog
                                  n.gnss_rejected, n.gnss_rejected + n.gnss_accepted));
     }
     bundle.warnings = warnings.summary();
-    bundle.verdict = verdict_of(evidence_of(bundle, warnings));
+    bundle.verdict = solution::verdict_of(solution::evidence_of(bundle, warnings));
 
     const auto write_begin = std::chrono::steady_clock::now();
     // summary.json carries the time of writing the others, so it is written last
     if (stream) stream->finish();
-    out.files = write_outputs(bundle, out.folder, stream != nullptr);
-    bundle.timing.write_s = seconds_since(write_begin);
+    out.files = report::write_outputs(bundle, folder_of_results(), stream != nullptr);
+    bundle.timing.write_s = solution::seconds_since(write_begin);
     bundle.timing.read_s = bundle.data.read_seconds;
-    bundle.timing.wall_s = seconds_since(begin);
-    out.json = summary_json(bundle);
+    bundle.timing.wall_s = solution::seconds_since(begin);
+    out.json = report::summary_json(bundle);
     if (bundle.data.config.output.wants("summary")) {
-        out.files.push_back(out.folder / "summary.json");
-        write_text(out.files.back(), out.json);
+        out.files.push_back(stage->path() / "summary.json");
+        report::write_text(out.files.back(), out.json);
     }
-    out.tables = summary_tables(bundle);
+    for (fs::path& file : out.files) file = stage->final_path(file);
+    stage->publish();
+    out.tables = report::summary_tables(bundle);
     out.warnings = bundle.warnings;
-    out.verdict = line_of(bundle.verdict);
-    out.usable = bundle.verdict.word != Gravity::DoNotUse;
+    out.verdict = solution::line_of(bundle.verdict);
+    out.usable = bundle.verdict.word != solution::Gravity::DoNotUse;
     return out;
 }
 
 }  // namespace
 
-SettingList ProcessRequest::over(const SettingList& base) const {
-    SettingList all = base;
-    if (!config.empty()) all = overlaid(std::move(all), config_table().read(read_toml(config), config.string()));
-    return overlaid(std::move(all), above);
-}
-
-bool ProcessRequest::names_a_scheme() const {
-    return std::ranges::any_of(over({}), [](const Setting& s) { return s.key == "filter.scheme"; });
-}
-
-fs::path ProcessRequest::folder_for(const std::string& name) const { return output.empty() ? fs::path("out") / name : output; }
-
-Outcome process_dataset(const ProcessRequest& request) {
+report::Outcome process_dataset(const settings::ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const bool given_start = !request.config.empty() ||
-                             std::ranges::any_of(request.above, [](const Setting& s) { return s.key == "initial.lat_deg"; });
-    const Dataset dataset = open_dataset(request.input, given_start ? Needs::Imu : Needs::ImuAndGnss, request.over({}));
-    const Config config = config_from(dataset.settings);
+                             std::ranges::any_of(request.above, [](const settings::Setting& s) { return s.key == "initial.lat_deg"; });
+    const settings::Dataset dataset = settings::open_dataset(request.input, given_start ? dataset::Needs::Imu : dataset::Needs::ImuAndGnss, request.over({}));
+    const settings::Config config = settings::config_from(dataset.settings);
     WarningLog warnings;
-    ResultBundle bundle;
+    solution::ResultBundle bundle;
     bundle.command = "process";
     bundle.name = config.name.empty() ? dataset.name : config.name;
-    bundle.data = load_dataset(dataset, config, warnings);
-    Outcome out = finished(bundle, request, warnings, dataset.folder, begin);
+    bundle.data = solution::load_dataset(dataset, config, warnings);
+    report::Outcome out = finished(bundle, request, warnings, dataset.folder, begin);
     out.notice = dataset.inferred_toml;
     return out;
 }
 
-Outcome run_scenario(const ProcessRequest& request) {
+report::Outcome run_scenario(const settings::ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
-    const ScenarioConfig scenario = read_scenario(request.input, request.seed);
-    if (!scenario.compared.empty() && !request.names_a_scheme()) return compare_schemes(request);
+    const settings::ScenarioConfig scenario = settings::read_scenario(request.input, request.seed);
+    if (!scenario.compared.empty() && !request.names_a_scheme()) return study::compare_schemes(request);
     WarningLog warnings;
-    ResultBundle bundle = simulated_bundle(scenario, request.over({}), warnings);
+    solution::ResultBundle bundle = solution::simulated_bundle(scenario, request.over({}), warnings);
     bundle.command = "run";
-    bundle.data.read_seconds = seconds_since(begin);
+    bundle.data.read_seconds = solution::seconds_since(begin);
     return finished(bundle, request, warnings, {}, begin);
 }
 
-Outcome simulate_to_folder(const fs::path& scenario, const fs::path& folder, std::optional<std::uint64_t> seed) {
-    const SimulatedDataset data = simulate_dataset(read_scenario(scenario, seed));
-    write_dataset(data, folder);
-    Outcome out;
+report::Outcome simulate_to_folder(const fs::path& scenario, const fs::path& folder, std::optional<std::uint64_t> seed) {
+    const scenario::SimulatedDataset data = scenario::simulate_dataset(settings::read_scenario(scenario, seed));
+    scenario::write_dataset(data, folder);
+    report::Outcome out;
     out.folder = folder;
     const Recording& r = data.recording;
     out.tables = fmt::format("{}: {} IMU samples, {} fixes, {} barometer samples, {} reference epochs, seed {}\n", data.name,
@@ -225,15 +233,15 @@ Outcome simulate_to_folder(const fs::path& scenario, const fs::path& folder, std
     return out;
 }
 
-Outcome run_demonstration(const ProcessRequest& request) {
-    ProcessRequest inner = request;
+report::Outcome run_demonstration(const settings::ProcessRequest& request) {
+    settings::ProcessRequest inner = request;
     const fs::path folder = request.output.empty() ? fs::path("out/demo") : request.output;
-    const SettingList settings =
-        scenario_table().read(parse_toml(built_in_scenario("demo"), "built-in demonstration"), "built-in demonstration");
-    write_dataset(simulate_dataset(scenario_from(settings)), folder / "dataset");
+    const settings::SettingList settings =
+        settings::scenario_table().read(settings::parse_toml(settings::built_in_scenario("demo"), "built-in demonstration"), "built-in demonstration");
+    scenario::write_dataset(scenario::simulate_dataset(settings::scenario_from(settings)), folder / "dataset");
     inner.input = folder / "dataset";
     inner.output = folder;
-    Outcome out = process_dataset(inner);
+    report::Outcome out = process_dataset(inner);
     out.files.insert(out.files.begin(), folder / "dataset");
     return out;
 }

@@ -35,7 +35,10 @@ std::int64_t whole_minutes_in_seconds(const Calendar& c) {
     return days_since_gps_epoch(c.year, c.month, c.day) * s_per_day + c.hour * 3600 + c.minute * 60;
 }
 
+/// Sums of two of these do not overflow. Not a number: 0.
 std::int64_t to_ns(double s) {
+    constexpr double most = 4.6e9;
+    if (!(std::abs(s) < most)) return std::isnan(s) ? 0 : static_cast<std::int64_t>(s < 0.0 ? -most : most) * ns_per_s;
     const double whole = std::floor(s);
     return static_cast<std::int64_t>(whole) * ns_per_s + std::llround((s - whole) * 1e9);
 }

@@ -1,8 +1,10 @@
-// What a data set consists of and what its numbers mean, as a user or the files themselves say it.
+// What a data set consists of and what its numbers mean, as given by a user or by the files themselves.
 #pragma once
 
+#include "schuler/core/position.h"
 #include "schuler/core/time.h"
 #include "schuler/gnss/single_point.h"
+#include "schuler/ppk/settings.h"
 
 #include <map>
 #include <optional>
@@ -34,6 +36,14 @@ struct RawGnssConfig {
     bool phase_velocity = false;                 ///< velocity from phases instead of Doppler
 };
 
+/// A base station for carrier-phase positions.
+struct BaseConfig {
+    std::vector<std::string> observations;       ///< files; empty: there is no base
+    std::optional<Ecef> position;                ///< of its antenna; nothing: the header's
+    bool position_is_geodetic = true;            ///< as it was written
+    ppk::Settings settings;
+};
+
 enum class Quaternion { BodyToNed, SensorToEnu };
 
 /// The files of a data set and how they are read.
@@ -44,6 +54,7 @@ struct Description {
     double clock_drift = 0.0;                    ///< s/s by which the clock of the IMU and of what was logged with it runs fast
     std::string station_coordinates;             ///< [stations] coordinates: places of the stations
     RawGnssConfig raw;
+    BaseConfig base;
     std::string axes = "frd";                    ///< sensor axes of the IMU
     std::string mag_axes;                        ///< of the magnetometer; empty: those of the IMU
     std::map<std::string, std::string> fix_codes;

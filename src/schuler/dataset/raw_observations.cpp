@@ -1,8 +1,8 @@
 #include "schuler/dataset/raw_observations.h"
 
-#include "schuler/io/columns.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/text_input.h"
+#include "schuler/io/text/columns.h"
+#include "schuler/io/text/text_input.h"
 
 #include <fmt/format.h>
 

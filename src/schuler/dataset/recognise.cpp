@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
     std::error_code ec;
     const fs::path folder = fs::is_directory(path, ec) ? path : path.parent_path();
     for (const inspect::FileReport& file : report.files) {
-        if (file.chosen || (file.kind != "unknown" && file.kind != kind)) continue;
+        const bool unread = file.rows == 0 && file.contents.empty();   // of a format that is known, and damaged
+        if (file.chosen || (file.kind != "unknown" && file.kind != kind && !unread)) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Info) continue;
             throw input_error(problem.text, {(folder / file.path).string(), 0, 0, {}}, problem.mend);
@@ -73,7 +74,14 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
     }
     if (r.report.dataset_toml.empty()) {
         std::string why = "no IMU log was recognised in it";
-        std::string mend = "`schuler inspect` says what was found; write a dataset.toml";
+        std::string mend = "`schuler inspect` lists what was found; write a dataset.toml";
+        if (r.report.files.size() == 1) {   // what is wrong with it says more
+            const inspect::FileReport& only = r.report.files.front();
+            const auto error = std::ranges::find(only.problems, inspect::Level::Error, &inspect::Problem::level);
+            std::error_code ec;
+            if (error != only.problems.end())
+                throw input_error(error->text, {(fs::is_directory(path, ec) ? path / only.path : path).string(), 0, 0, {}}, error->mend);
+        }
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;
             why = problem.text;

@@ -242,6 +242,34 @@ RowUpdate update_with_gain(StateVector& dx, StateMatrix& P, const Row& h, double
     return u;
 }
 
+void clone(StateMatrix& P, const std::array<Row, 3>& rows, int first, int used) {
+    std::array<StateVector, 3> by_clone;
+    for (std::size_t k = 0; k < 3; ++k) by_clone[k] = rows[k].times(P, used);
+    for (int k = 0; k < 3; ++k) {
+        StateVector& column = by_clone[static_cast<std::size_t>(k)];
+        for (int l = 0; l < 3; ++l) column(first + l) = rows[static_cast<std::size_t>(std::max(k, l))].dot(by_clone[static_cast<std::size_t>(std::min(k, l))]);
+    }
+    for (int k = 0; k < 3; ++k) {
+        P.col(first + k) = by_clone[static_cast<std::size_t>(k)];
+        P.row(first + k) = by_clone[static_cast<std::size_t>(k)].transpose();
+    }
+}
+
+void StateAdjoint::undo_clone(const std::array<Row, 3>& rows, int first) {
+    // x after = M x before, M the identity but for the rows of the clones: M^T lambda, M^T Lambda M, one clone after the other
+    for (int k = 0; k < 3; ++k) {
+        const StateVector row = rows[static_cast<std::size_t>(k)].whole(lambda.size());
+        const double of_clone = lambda(first + k);
+        lambda += row * of_clone;
+        lambda(first + k) = 0.0;
+        const StateVector column = Lambda.col(first + k);
+        Lambda.noalias() += row * column.transpose() + column * row.transpose();
+        Lambda.noalias() += row * row.transpose() * column(first + k);
+        Lambda.row(first + k).setZero();
+        Lambda.col(first + k).setZero();
+    }
+}
+
 void StateAdjoint::undo(const RowUpdate& u, int used) {
     const double correction = u.k.head(used).dot(lambda.head(used)) + u.innovation / u.s;
     StateVector lk = StateVector::Zero(lambda.size());

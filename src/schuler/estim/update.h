@@ -85,6 +85,9 @@ private:
     Eigen::Matrix<double, states_stride, max_states> by_state_;   // (P H^T)^T
 };
 
+/// Makes the states first, first + 1, first + 2 of P the combinations rows . x of the others, on which the rows must not depend.
+void clone(StateMatrix& P, const std::array<Row, 3>& rows, int first, int used);
+
 /// The leading `used` states of P after a correction with the gain k, whatever it is, by an innovation of variance s; ph is P h.
 void correct_covariance(StateMatrix& P, const StateVector& k, const StateVector& ph, double s, int used);
 
@@ -102,6 +105,8 @@ struct StateAdjoint {
     explicit StateAdjoint(int size) : lambda(StateVector::Zero(size)), Lambda(StateMatrix::Zero(size, size)) {}
     /// Steps backwards over a scalar update.
     void undo(const RowUpdate& u, int used);
+    /// Steps backwards over `clone`: what is known of the clones later is known of what they were made of.
+    void undo_clone(const std::array<Row, 3>& rows, int first);
     /// Steps backwards over the moment at which a state was given another meaning: what came before knows nothing of it.
     void forget(int state);
 };

@@ -67,7 +67,7 @@ bool Pass<Frame>::use(Walk<Frame>& walk, Channel channel, const Measurement& loc
                                 Time stamp, Observer& observer) const {
     if (settings_.coupling == Coupling::Separate) return use_separately(walk, channel, local, m, stamp);
     const bool in_parts = settings_.loose_kind == LooseKind::Aggressive && !channel.vertical_only &&
-                          (channel.kind == AidKind::GnssPosition || channel.kind == AidKind::GnssVelocity);
+                          is_part_of_fix(channel.kind);
     Measurement part = m;
     if (in_parts) part.variance *= settings_.aggressive_parts;
     const StateVector dx = update(walk, part, observer);

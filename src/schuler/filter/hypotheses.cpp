@@ -113,7 +113,7 @@ Matrix9 Walk<Frame>::undecided(const InertialModel& model) const {
 
 template <class Frame>
 bool Pass<Frame>::contests(AidKind kind) const {
-    return rivalry_ != Rivalry::None && (kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity) &&
+    return rivalry_ != Rivalry::None && is_part_of_fix(kind) &&
            settings_.coupling != Coupling::Separate;
 }
 

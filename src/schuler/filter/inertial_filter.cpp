@@ -250,7 +250,6 @@ Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, c
 
 template <class Frame>
 void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
-    since_phases.correct(dx);
     if (model.loop != Loop::Closed) {
         error += dx;
         return;
@@ -280,6 +279,13 @@ void InertialFilter<Frame>::renew(int state, double variance) {
     P(state, state) = variance;
     parameters(state) = 0.0;
     error(state) = 0.0;
+}
+
+template <class Frame>
+void InertialFilter<Frame>::clone(int first, const std::array<estim::Row, 3>& rows, const Vector3d& value) {
+    for (int k = 0; k < 3; ++k) renew(first + k, 0.0);
+    estim::clone(P, rows, first, used);
+    parameters.segment<3>(first) = value;
 }
 
 template <class Frame>

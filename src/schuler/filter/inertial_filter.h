@@ -9,7 +9,6 @@
 #include "schuler/filter/frame.h"
 #include "schuler/filter/gathered_motion.h"
 #include "schuler/filter/layout.h"
-#include "schuler/filter/mean_velocity.h"
 #include "schuler/filter/measurement/measurement.h"
 #include "schuler/filter/settings.h"
 #include "schuler/sensor/grades.h"
@@ -80,7 +79,6 @@ struct InertialFilter {
     Eigen::Vector3d recent_force = Eigen::Vector3d::Zero(); ///< likewise, an exponential mean over force_memory, whatever the spans
     double cached_time = -1.0;                              ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
-    MeanVelocity since_phases;                              ///< since the last range rates by phase, where they are used
     std::array<StateProcess, Layout::slots> slot_process{};   ///< of the source block, whose states change their sources
 
     /// Zero covariance and nominal values for the states of the model.
@@ -144,6 +142,9 @@ struct InertialFilter {
     estim::Transition feed_back(const InertialModel& model);
     /// Gives a state another meaning: its value 0, variance as given, no correlation.
     void renew(int state, double variance);
+    /// Makes three states the combinations that the rows are of the others, from now on and with all that is known of these [RoumeliotisBurdick2002];
+    /// `value`: their nominal values.
+    void clone(int first, const std::array<estim::Row, 3>& rows, const Eigen::Vector3d& value);
     /// The process of a slot of the source block.
     void set_slot_process(std::size_t slot, StateProcess process_);
 

@@ -52,6 +52,7 @@ public:
     int clock = -1;                         ///< 1, m, c times the receiver's clock error; every clock and offset column of a range is +1
     int drift = -1;                         ///< 1, m/s, its rate; follows the clock
     int rate_noise = -1;                    ///< 1, m/s, white error of the clock's rate over an epoch's range rates; new at each epoch
+    int antenna = -1;                       ///< 3, m, Earth-fixed: place of the antenna at the last epoch of carrier phases, a clone
     int phase = -1;                         ///< two a followed carrier, m: errors of its phase at the end of the last rate, and of this one's
     int phases = 0;                         ///< carriers
     int network = -1;                       ///< 1, m, ground stations' common offset

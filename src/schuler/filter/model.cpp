@@ -60,8 +60,11 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         if (settings.ranging.use_rates && settings.ranging.errors.rate_span > 0.0) L.rate_noise = L.add("range_rate_common_noise", "m/s", 1);
         if (settings.coupling == Coupling::Deep && settings.ranging.use_rates) {
             constexpr int most = 12, after = 4 + Layout::slots;
-            L.phases = std::clamp((estim::max_states - after - L.size) / 2, 0, most);
-            if (L.phases > 0) L.phase = L.add("carrier_phase_error", "m", 2 * L.phases);
+            L.phases = std::clamp((estim::max_states - after - L.size - 3) / 2, 0, most);
+            if (L.phases > 0) {
+                L.antenna = L.add("antenna_at_last_phase", "m", 3);
+                L.phase = L.add("carrier_phase_error", "m", 2 * L.phases);
+            }
         }
         L.network = L.add("station_network_offset", "m", 1);
         L.intersystem = L.add("intersystem_offset", "m", 3);

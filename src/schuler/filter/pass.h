@@ -151,6 +151,7 @@ struct PassObserver : RangeListener {
     virtual void propagated(const Filter&, double) {}
     void scalar(const estim::RowUpdate&) override {}
     void renewed(int) override {}
+    void cloned(int, const std::array<estim::Row, 3>&) override {}
     /// The estimate was corrected in a way that the smoother does not follow: by a part of a carried fix, with considered errors.
     virtual void corrected() {}
     /// Whether an output at this time needs more of the filter than the nominal state and its local_covariance: its covariance is then

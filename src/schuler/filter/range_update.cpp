@@ -41,41 +41,6 @@ double RangeUpdate<Frame>::sigma_of(double stated, double model_sigma, bool stat
     return station || !settings_.sigma_by_elevation ? model_sigma : model_sigma * gnss::noise_factor(elevation, cn0);
 }
 
-namespace {
-
-/// Whether the motion of just this span has been followed.
-bool is_over(const MeanVelocity& followed, double span) {
-    constexpr double rounding = 1e-6;   // s
-    return followed.begun() && std::abs(followed.time - span) < rounding;
-}
-
-/// Acceleration of a satellite relative to the Earth, m/s^2, to 1e-3.
-Vector3d orbital_acceleration(const earth::Ellipsoid& e, const Vector3d& r, const Vector3d& v) {
-    const Vector3d w(0.0, 0.0, e.w_ie);
-    return -e.gm / std::pow(r.norm(), 3) * r - 2.0 * w.cross(v) - w.cross(w.cross(r));
-}
-
-/// The rate as a mean over the span followed, which ends now, for the estimate less dx. Its rows are those of the middle with mean velocities of
-/// antenna and transmitter; so is the rate where nobody knows where the transmitter was at the begin, to 1e-4 m/s at 20 g and 0.2 s, which as an
-/// error that stays would show: phases that go on measure a way of minutes to millimetres. `now`: rows at the end; `own`: the filter's axes to
-/// Earth-fixed ones.
-RangeRows mean_rows(const earth::Ellipsoid& e, const MeanVelocity& followed, const RangeRows& now, AntennaEstimate a, const Matrix3d& own,
-                    const RangeSample& m, const RangeTracking::Phase* phase, const estim::StateVector& dx) {
-    const Vector3d displacement = a.r_e - followed.origin - own * (followed.carried + followed.beyond_position(dx));
-    a.r_e -= 0.5 * displacement;
-    a.v_e = displacement / followed.time;
-    if (!m.tx_velocity.allFinite()) return range_rows(a, m.tx, Vector3d::Zero());
-    const double half = 0.5 * followed.time;
-    const Vector3d acceleration = orbital_acceleration(e, m.tx.r, m.tx_velocity);
-    RangeRows mean = range_rows(a, {m.tx.r - half * m.tx_velocity + 0.5 * half * half * acceleration}, m.tx_velocity - half * acceleration);
-    if (phase == nullptr || !phase->tx_begin.r.allFinite()) return mean;
-    a.r_e -= 0.5 * displacement;
-    mean.rate = (now.range - range_rows(a, phase->tx_begin, m.tx_velocity).range) / followed.time;
-    return mean;
-}
-
-}  // namespace
-
 template <class Frame>
 int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& tracking, int source, bool station, double sigma,
                                 RangeListener* listener) const {
@@ -102,36 +67,17 @@ int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& trackin
 }
 
 template <class Frame>
+Matrix9 RangeUpdate<Frame>::local_rows(const NavState& nav) const {
+    if constexpr (Frame::errors_are_geographic) return Matrix9::Identity();
+    else return ins::geographic_from_ecef_errors(model_.earth, nav).transpose();
+}
+
+template <class Frame>
 void RangeUpdate<Frame>::renew(InertialFilter<Frame>& f, RangeTracking& tracking, int state, double variance,
                                RangeListener* listener) const {
     for (FaultHypothesis& h : tracking.watch.all) h.response(state) = 0.0;
     f.renew(state, variance);
     if (listener != nullptr) listener->renewed(state);
-}
-
-template <class Frame>
-const RangeTracking::Phase* RangeUpdate<Frame>::phase_of(InertialFilter<Frame>& f, RangeTracking& tracking, const RangeSample& m,
-                                                         RangeListener* listener) const {
-    const Layout& L = model_.layout;
-    if (L.phase < 0 || !(m.phase_std > 0.0)) return nullptr;
-    constexpr double tolerance = 1e-3;   // s
-    const auto carriers = std::span(tracking.phases).first(static_cast<std::size_t>(L.phases));
-    auto found = std::ranges::find(carriers, static_cast<int>(m.source), &RangeTracking::Phase::source);
-    if (found == carriers.end())   // what has ended longer ago than a span is nobody's
-        found = std::ranges::find_if(carriers, [&](const RangeTracking::Phase& p) {
-            return p.source < 0 || (f.time() - p.last).seconds() > m.phase_span + tolerance;
-        });
-    if (found == carriers.end()) return nullptr;
-    RangeTracking::Phase& p = *found;
-    if (p.source == m.source && p.last == f.time()) return &p;   // linearised anew
-    const bool goes_on = m.phase_goes_on && p.source == m.source && std::abs((f.time() - p.last).seconds() - m.phase_span) < tolerance;
-    const int first = L.phase + 2 * static_cast<int>(found - carriers.begin());
-    const Ecef unknown{Vector3d::Constant(RangeSample::none)};
-    p = {m.source, f.time(), goes_on ? p.begin : first, goes_on ? p.end : first + 1, m.tx, goes_on ? p.tx_end : unknown};
-    const double variance = m.phase_std * m.phase_std;
-    renew(f, tracking, p.end, variance, listener);
-    if (!goes_on) renew(f, tracking, p.begin, variance, listener);
-    return &p;
 }
 
 template <class Frame>
@@ -158,10 +104,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
     const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };   // states are renewed below
     const NavState nav = Frame::geographic(earth, Frame::corrected(earth, f.estimated(model_), dx.head<9>()));
     const AntennaEstimate a = antenna(f, dx, way);
-    const Matrix3d own = Frame::errors_are_geographic ? a.C_en : Matrix3d(Matrix3d::Identity());   // axes to Earth-fixed ones
-    Matrix9 from_local = Matrix9::Identity();
-    if constexpr (!Frame::errors_are_geographic) from_local = ins::geographic_from_ecef_errors(earth, nav).transpose();
-    // the nine entries of errors in local level, mapped to the filter's own
+    const Matrix9 from_local = local_rows(nav);
     const auto navigation = [&](estim::Row& row, const Vector3d& position, const Vector3d& velocity, const Vector3d& attitude) {
         row.head << position, velocity, attitude;
         if constexpr (!Frame::errors_are_geographic) row.head = (from_local * row.head).eval();
@@ -169,7 +112,6 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
     RangeEpochWork& work = tracking.work;
     const bool air = settings_.corrections.troposphere != gnss::TroposphereModel::None ||
                      settings_.corrections.ionosphere == gnss::IonosphereModel::Broadcast;
-    const int driven = L.driven();
     work.count = 0;
     for (const RangeSample& m : samples) {
         const RangeSource& source = log.sources[m.source];
@@ -233,41 +175,38 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.innovation = computed - m.pseudorange + s.row.dot(dx);
         }
         if (settings_.use_rates && std::isfinite(m.range_rate) && (m.tx_velocity.allFinite() || source.station)) {
-            const bool mean = m.phase_span > 0.0;
-            if (mean && (backward_ || !is_over(f.since_phases, m.phase_span))) continue;   // of a time that nobody has followed
-            const RangeTracking::Phase* by_phase = mean ? phase_of(f, tracking, m, listener) : nullptr;
-            const RangeRows r = mean ? mean_rows(earth.ellipsoid, f.since_phases, now, a, own, m, by_phase, dx) : now;
+            const bool by_phase = m.phase_span > 0.0;
+            if (by_phase && !spans_phases(f, tracking, m)) continue;
+            const RangeTracking::Phase* phase = by_phase ? phase_of(f, tracking, m, listener) : nullptr;
             RangeScalar& s = next(true);
             const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
-            double of_phase = 0.0;
+            double rate = now.rate, of_phase = 0.0;
             if (by_phase) {
+                const PhaseRate r = phase_rate(f, a, now, m, phase, dx);
+                rate = r.rate;
+                navigation(s.row, r.by_position, Vector3d::Zero(), r.by_attitude);
+                if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.by_lever_arm);
+                s.row.add3(L.antenna, r.by_clone);
+            } else {
+                // Rates tell the place too, by 0.1 to 0.2 mm/s a metre: of a receiver whose rates are off by slow millimetres a second as well
+                // (atmosphere, orbit, tracking), which white noise does not say, a hundred epochs would make a place wrong by metres.
+                const Vector3d by_position = by_model ? Vector3d(Vector3d::Zero()) : now.rate_by_position;
+                navigation(s.row, by_position, way * now.rate_by_velocity, now.rate_by_attitude);
+                if (L.lever_arm >= 0) s.row.add3(L.lever_arm, now.rate_by_lever_arm);
+                s.row.add3(Layout::gyro_bias, way * now.rate_by_gyro_bias);
+            }
+            if (phase != nullptr) {
                 const double per_span = 1.0 / m.phase_span;
-                s.row.add(by_phase->end, per_span);
-                s.row.add(by_phase->begin, -per_span);
-                of_phase = (nominal(by_phase->end) - nominal(by_phase->begin)) * per_span;
-                s.variance = std::max(s.variance - 2.0 * std::pow(m.phase_std * per_span, 2), unshared * s.variance);
+                s.row.add(phase->end, per_span);
+                s.row.add(phase->begin, -per_span);
+                of_phase = (nominal(phase->end) - nominal(phase->begin)) * per_span;
+                s.variance *= unshared;
             }
-            // Rates tell the place too, by 0.1 to 0.2 mm/s a metre: of a receiver whose rates are off by slow millimetres a second as well
-            // (atmosphere, orbit, tracking), which white noise does not say, a hundred epochs would make a place wrong by metres.
-            const Vector3d by_position = by_model ? Vector3d(Vector3d::Zero()) : r.rate_by_position;
-            navigation(s.row, by_position, way * r.rate_by_velocity, r.rate_by_attitude);
-            if (mean) {
-                const Vector3d by_velocity = s.row.head.template segment<3>(Layout::velocity) / f.since_phases.time;
-                s.variance += by_velocity.squaredNorm() * f.since_phases.noise;
-                s.row.head.template segment<3>(Layout::velocity).setZero();
-                const StateVector by_state = f.since_phases.rows[0] * by_velocity.x() + f.since_phases.rows[1] * by_velocity.y() +
-                                             f.since_phases.rows[2] * by_velocity.z();
-                s.row.head += by_state.template head<9>();
-                for (int k = 9; k < driven; ++k)
-                    if (by_state(k) != 0.0) s.row.add(k, by_state(k));
-            }
-            if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.rate_by_lever_arm);
-            s.row.add3(Layout::gyro_bias, way * r.rate_by_gyro_bias);
             s.row.add(L.drift, way);
             if (L.rate_noise >= 0) s.row.add(L.rate_noise, way);
             const double common = L.rate_noise >= 0 ? way * nominal(L.rate_noise) : 0.0;
-            s.innovation = r.rate + drift + common + of_phase - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
+            s.innovation = rate + drift + common + of_phase - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
         }
     }
 }
@@ -478,8 +417,7 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     open_sources(f, tracking);
     doubt_the_estimate(f, work);
     f.apply(model_, dx);
-    if (model_.layout.phase >= 0 && std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
-        f.since_phases.begin(f.P.rows(), antenna(f, StateVector::Zero(f.P.rows()), 1.0).r_e);
+    if (std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; })) clone_antenna(f, tracking, listener);
     work.alarm = tracking.watch.on ? repair_faults(f, tracking) : -1;
     return taken;
 }

@@ -72,6 +72,7 @@ struct RangeTracking {
         Ecef tx_end{}, tx_begin{};                ///< the transmitter then; not finite: not known
     };
     std::array<Phase, 12> phases{};
+    std::optional<Time> cloned{};                 ///< when the antenna was where the layout's antenna block has it
     FaultWatch watch;
     RangeEpochWork work;
 };
@@ -81,6 +82,8 @@ struct RangeListener {
     virtual ~RangeListener() = default;
     /// A state was given to another source.
     virtual void renewed(int state) = 0;
+    /// Three states became the combinations that the rows are of the others.
+    virtual void cloned(int first, const std::array<estim::Row, 3>& rows) = 0;
     virtual void scalar(const estim::RowUpdate& update) = 0;
 };
 
@@ -96,9 +99,9 @@ public:
                 const RangeTest& test, bool backward = false)
         : model_(model), settings_(settings), lever_arm_b_(lever_arm_b), test_(test), backward_(backward) {}
 
-    /// Of the variance of a rate by phase, what at least is not in the phases at its ends: a measurement without noise of its own would make
-    /// the covariance singular.
-    static constexpr double unshared = 1e-4;
+    /// Of the variance of a rate by phase, what is not in the phases at its ends: a measurement without noise of its own would make the covariance
+    /// singular. More would be a walk of the phases against each other, which they do not make.
+    static constexpr double unshared = 1e-6;
 
     /// `listener` may be null. Updates the filter with an epoch at its own time (after propagate_covariance). All scalars are used one by one; where the sum of
     /// squares or one of them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the
@@ -129,6 +132,20 @@ private:
     /// The states of the phases between which a rate was measured; null where it has none.
     [[nodiscard]] const RangeTracking::Phase* phase_of(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangeSample& sample,
                                                        RangeListener* listener) const;
+    /// The rate between two phases, with rows by position and attitude in local level and those of the clone in Earth-fixed axes.
+    struct PhaseRate {
+        double rate = 0.0;
+        Eigen::Vector3d by_position, by_attitude, by_lever_arm, by_clone;
+    };
+    /// Where the antenna was at the begin of the span is known; `now`: the range at its end. `dx`: as in make_scalars.
+    [[nodiscard]] PhaseRate phase_rate(const InertialFilter<Frame>& filter, const AntennaEstimate& antenna, const RangeRows& now,
+                                       const RangeSample& sample, const RangeTracking::Phase* phase, const StateVector& dx) const;
+    /// From now on the antenna's place of now is what the layout's antenna block has.
+    void clone_antenna(InertialFilter<Frame>& filter, RangeTracking& tracking, RangeListener* listener) const;
+    /// What turns the first nine entries of a row by errors in local level into those by the filter's own.
+    [[nodiscard]] Matrix9 local_rows(const NavState& nav) const;
+    /// Whether the place of the antenna at the begin of a rate's span is known.
+    [[nodiscard]] bool spans_phases(const InertialFilter<Frame>& filter, const RangeTracking& tracking, const RangeSample& sample) const;
     /// Gives a state another meaning: an error of variance `variance` that is correlated with nothing.
     void renew(InertialFilter<Frame>& filter, RangeTracking& tracking, int state, double variance, RangeListener* listener) const;
     bool use_all(const RangeTest& test, estim::EpochUpdate& update, RangeEpochWork& work, StateVector& dx,

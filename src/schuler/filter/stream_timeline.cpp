@@ -286,7 +286,7 @@ void StreamTimeline::release(Time until) {
 }
 
 void StreamTimeline::let_go(const Event& e) {
-    if (e.kind == AidKind::GnssPosition || e.kind == AidKind::GnssVelocity) gnss_.let_go(e.index);
+    if (is_part_of_fix(e.kind)) gnss_.let_go(e.index);
     each_instrument([&](auto& instrument) {
         if (instrument.kind == e.kind) instrument.pool.let_go(e.index);
     });

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace schuler::filter {
@@ -15,7 +16,7 @@ namespace schuler::filter {
 template <class Frame>
 class Tape : public PassObserver<Frame> {
 public:
-    enum class Kind : std::uint8_t { Step, Scalar, Renewed, Output, Instant, Outage };
+    enum class Kind : std::uint8_t { Step, Scalar, Renewed, Cloned, Output, Instant, Outage };
     struct Point {                       ///< a state to be smoothed and reported
         InertialFilter<Frame> filter;
         Time time;
@@ -33,6 +34,7 @@ public:
         steps_.clear();
         scalars_.clear();
         renewed_.clear();
+        cloned_.clear();
         points_.clear();
     }
     void step(const estim::Transition& phi) override {
@@ -46,6 +48,10 @@ public:
     void renewed(int state) override {
         order_.push_back(Kind::Renewed);
         renewed_.push_back(state);
+    }
+    void cloned(int first, const std::array<estim::Row, 3>& rows) override {
+        order_.push_back(Kind::Cloned);
+        cloned_.push_back({first, rows});
     }
     void output(const Walk<Frame>& walk, Time time) override {
         order_.push_back(Kind::Output);
@@ -68,7 +74,7 @@ public:
     template <class Report>
     void rewind(estim::StateAdjoint& adjoint, Report&& report) const {
         const auto size = static_cast<int>(adjoint.lambda.size());
-        std::size_t step = steps_.size(), scalar = scalars_.size(), renewed = renewed_.size(), point = points_.size();
+        std::size_t step = steps_.size(), scalar = scalars_.size(), renewed = renewed_.size(), cloned = cloned_.size(), point = points_.size();
         for (std::size_t i = order_.size(); i-- > 0;) {
             switch (order_[i]) {
                 case Kind::Step: {
@@ -79,6 +85,10 @@ public:
                 }
                 case Kind::Scalar: adjoint.undo(scalars_[--scalar], size); break;
                 case Kind::Renewed: adjoint.forget(renewed_[--renewed]); break;
+                case Kind::Cloned:
+                    --cloned;
+                    adjoint.undo_clone(cloned_[cloned].second, cloned_[cloned].first);
+                    break;
                 case Kind::Output:
                 case Kind::Instant:
                 case Kind::Outage: report(order_[i], points_[--point], adjoint); break;
@@ -92,6 +102,7 @@ private:
     std::vector<estim::Transition> steps_;
     std::vector<estim::RowUpdate> scalars_;
     std::vector<int> renewed_;
+    std::vector<std::pair<int, std::array<estim::Row, 3>>> cloned_;
     std::vector<Point> points_;
 };
 

@@ -156,7 +156,7 @@ void withhold_before_ends(std::vector<Event>& events) {
     for (std::size_t i = 0; i < events.size(); ++i) {
         if (!events[i].outage_end || (events[i].components & 3) != 3) continue;
         for (std::size_t k = i; k-- > 0 && (events[i].valid - events[k].valid).seconds() < 2.0;) {
-            const bool gnss = events[k].kind == AidKind::GnssPosition || events[k].kind == AidKind::GnssVelocity;
+            const bool gnss = is_part_of_fix(events[k].kind);
             if (gnss && events[k].stamp >= events[i].stamp) events[k].withheld = true;
         }
     }

@@ -77,7 +77,7 @@ double TrialJudge::cost(const Settings& settings, bool surroundings) {
     double sum = 0.0, n = 0.0;
     std::size_t at = 0;
     for (const AidRecord& r : run.aids) {
-        const bool counts = r.kind == AidKind::GnssPosition || r.kind == AidKind::GnssVelocity || r.kind == AidKind::Baro ||
+        const bool counts = is_part_of_fix(r.kind) || r.kind == AidKind::Baro ||
                             r.kind == AidKind::Mag;
         // By stamps, and away from the ends: the same samples, whatever the latency.
         if (!counts || r.status == AidStatus::Withheld || (r.stamp - start_.nav.time).seconds() < first || (stop() - r.stamp).seconds() < last) continue;

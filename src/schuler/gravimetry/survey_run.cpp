@@ -88,7 +88,7 @@ public:
 
 private:
     static void count(SurveyEpoch& e, const filter::AidRecord& record) {
-        const bool of_fix = record.kind == AidKind::GnssPosition || record.kind == AidKind::GnssVelocity;
+        const bool of_fix = filter::is_part_of_fix(record.kind);
         if (!of_fix || record.status != filter::AidStatus::Accepted) return;
         e.nis += record.nis;
         e.measured += record.dof;

@@ -1,7 +1,9 @@
 #include "schuler/inspect/inspect.h"
 
 #include "schuler/core/error.h"
+#include "schuler/inspect/detail/recognise.h"
 #include "schuler/inspect/detail/study.h"
+#include "schuler/inspect/explain.h"
 #include "schuler/io/raw_input.h"
 
 #include <fmt/format.h>
@@ -40,11 +42,39 @@ std::vector<fs::path> files_in(const fs::path& folder, Study& study) {
     return paths;
 }
 
+/// Files one folder deeper, of folders that are no results of a run; a folder that holds nothing but one folder is that folder.
+std::vector<fs::path> files_below(const fs::path& folder, Study& study) {
+    std::vector<fs::path> folders, found;
+    std::error_code ec;
+    fs::path top = folder;
+    for (int depth = 0; depth < 2; ++depth) {
+        folders.clear();
+        for (fs::directory_iterator it(top, ec), end; !ec && it != end; it.increment(ec))
+            if (it->is_directory(ec) && !it->path().filename().string().starts_with(".")) folders.push_back(it->path());
+        if (folders.size() != 1 || !files_in(folders.front(), study).empty()) break;
+        top = folders.front();
+    }
+    std::ranges::sort(folders);
+    for (const fs::path& one : folders) {
+        if (fs::exists(one / "config.toml", ec) || fs::exists(one / "run.h5", ec)) continue;
+        const io::Format* format = io::format_of(one);
+        if (format != nullptr) {
+            found.push_back(one);
+            continue;
+        }
+        const std::vector<fs::path> inside = files_in(one, study);
+        found.insert(found.end(), inside.begin(), inside.end());
+    }
+    constexpr std::size_t most = most_files;
+    if (found.size() > most) found.resize(most);
+    return found;
+}
+
 bool is_prose(const fs::path& path) {
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".md" || extension == ".html" || extension == ".kml" || extension == ".json" || extension == ".h5" ||
+    return extension == ".md" || extension == ".html" || extension == ".kml" || extension == ".geojson" || extension == ".json" ||
            extension == ".png" || extension == ".jpg" || extension == ".pdf" || extension == ".py" || extension == ".m";
 }
 
@@ -53,6 +83,7 @@ int preference(const LoadedFile& file) {
     int points = file.has("height_m") ? 1 : 0;
     if (file.has("vel_n_m_s")) points += 2;
     if (file.report.rows > 10) points += 4;
+    if (file.report.path.find(".ubx#") != std::string::npos) points -= 8;   // what the receiver made of its measurements, where nothing better is there
     return points;
 }
 
@@ -179,27 +210,60 @@ std::string_view name_of(Level level) {
 
 namespace {
 
+/// A file as what it is: a table, or a log of several instruments.
+void load_one(const fs::path& file, const std::string& name, Study& study) {
+    const io::Format* format = nullptr;
+    try {
+        format = io::format_of(file);
+    } catch (const Error&) {
+        // load_file says what is wrong
+    }
+    const bool streams = format != nullptr && format->read != nullptr && !format->one_stream;
+    const bool receiver = streams && format->name == "ubx";   // raw measurements first, and what the receiver itself made of them
+    if (!streams || receiver) study.files.push_back(detail::load_file(file, name));
+    if (!streams || (receiver && study.files.back().report.kind != "ubx")) return;
+    const std::size_t whole = study.files.size() - 1;
+    for (LoadedFile& stream : detail::load_streams(file, name, *format)) {
+        if (receiver && !stream.table) continue;
+        if (receiver) std::erase_if(study.files[whole].report.problems, [](const Problem& p) { return p.level == Level::Error; });
+        study.files.push_back(std::move(stream));
+    }
+}
+
 /// Loads the files with a given role, then the others of the folder (or the one file) where they may take one.
 void load_files(const fs::path& path, Study& study) {
     std::error_code failure;
-    const bool folder = fs::is_directory(path, failure);
+    const bool folder = fs::is_directory(path, failure) && io::format_of(path) == nullptr;
     const Given& given = study.given;
     std::vector<fs::path> others;
     if (given.find_logs || given.find_aids || !folder) others = folder ? files_in(path, study) : std::vector<fs::path>{path};
-    study.files.reserve(others.size() + 5);   // the study points into it
+    study.files.reserve(others.size() + 5);
     for (const auto kind : {io::TableKind::Imu, io::TableKind::Gnss, io::TableKind::Baro, io::TableKind::Mag, io::TableKind::Reference}) {
         const GivenFile* file = named(given, kind);
-        if (file == nullptr || !fs::is_regular_file(file->path, failure)) continue;
+        if (file == nullptr) continue;
+        if (!fs::is_regular_file(file->path, failure)) {
+            const io::StreamPath where = io::stream_path(file->path);
+            if (where.stream.empty()) continue;
+            std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, where.file, failure); });
+            study.files.push_back(detail::load_given_stream(file->path, file->name, {kind, {file->columns, file->scale, {}}, {}, file->time_offset}));
+            continue;
+        }
         std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, file->path, failure); });
         detail::ReadAs as{kind, {file->columns, file->scale, {}}, {}, file->time_offset};
         if (kind == io::TableKind::Gnss) as.fix_codes = given.fix_codes;
         study.files.push_back(detail::load_file(file->path, file->name, as));
     }
-    for (const fs::path& file : others) {
+    const auto load = [&](const fs::path& file) {
         // beside files that are named, only tables can take a role
-        if (is_prose(file) || (!given.find_logs && (io::raw_format(file) != io::RawFormat::None || file.extension() == ".toml"))) continue;
-        study.files.push_back(detail::load_file(file, file.filename().string()));
-    }
+        if (is_prose(file) || (!given.find_logs && (io::raw_format(file) != io::RawFormat::None || file.extension() == ".toml"))) return;
+        const std::string name = folder ? fs::relative(file, path, failure).generic_string() : file.filename().string();
+        load_one(file, name, study);
+    };
+    for (const fs::path& file : others) load(file);
+    const auto usable = [](const LoadedFile& file) { return file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss; };
+    const auto raw = [](const LoadedFile& file) { return !file.report.contents.empty(); };
+    if (folder && given.find_logs && std::ranges::none_of(study.files, usable) && std::ranges::none_of(study.files, raw))
+        for (const fs::path& file : files_below(path, study)) load(file);
 }
 
 /// The span that shows what follows from motion, s after the first epoch of the GNSS log (of the IMU log where there is none).
@@ -220,6 +284,19 @@ void date_facts(const Study& study, std::vector<Fact>& facts) {
 }
 
 }  // namespace
+
+std::string explain(const std::filesystem::path& path) {
+    std::error_code failure;
+    if (!fs::exists(path, failure)) throw input_error("there is no such file or folder", {path.string(), 0, 0, {}}, "check the spelling");
+    Study study;
+    load_files(path, study);
+    std::string out = "How the files were understood\n";
+    for (const LoadedFile& file : study.files) {
+        out += fmt::format("  {}: {}\n", file.report.path, file.report.kind);
+        for (const std::string& line : detail::explained_columns(file)) out += "      " + line + "\n";
+    }
+    return out;
+}
 
 InspectReport inspect(const std::filesystem::path& path) { return inspect(path, Given{}); }
 

@@ -1,5 +1,6 @@
 #include "schuler/io/atomic_file.h"
 
+#include "schuler/io/own_files.h"
 #include "schuler/io/place.h"
 
 #include <fmt/format.h>
@@ -44,6 +45,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
     struct stat status {};
     const bool exists = stat(path_.c_str(), &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) throw cannot_write(path_, EISDIR);
+    check_overwrite(path_);
     if (exists && !S_ISREG(status.st_mode)) {
         fd_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
     } else {
@@ -86,6 +88,7 @@ void AtomicFile::commit() {
                                 "choose another place with -o");
     }
     temporary_.clear();
+    note_own_file(path_);
 }
 
 void write_file(const std::filesystem::path& path, std::string_view bytes) {

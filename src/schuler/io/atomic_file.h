@@ -16,7 +16,7 @@ namespace schuler::io {
 /// A target that exists and is no regular file (a pipe, /dev/stdout) is written directly.
 class AtomicFile {
 public:
-    /// Throws Error(Input): no such folder, no permission, a directory of that name.
+    /// Throws Error(Input): no such folder, no permission, a directory of that name, a file that is not Schuler's own (io/own_files.h).
     explicit AtomicFile(std::filesystem::path path);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;

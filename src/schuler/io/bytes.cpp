@@ -1,6 +1,7 @@
 #include "schuler/io/bytes.h"
 
 #include "schuler/io/place.h"
+#include "schuler/io/regular_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -19,11 +20,8 @@ struct CloseGz {
 /// Reads until the end or until there are more than `limit` bytes.
 std::string read_until(const TextInput& input, std::size_t limit) {
     if (input.in_memory()) return std::string(input.content());
+    check_regular_file(input.name());
     std::error_code ec;
-    if (std::filesystem::is_directory(input.name(), ec))
-        throw input_error("is a directory, not a file", place_in(input.name()), "name the file inside it");
-    if (!std::filesystem::exists(input.name(), ec))
-        throw input_error("no such file", place_in(input.name()), "check the path; relative paths start at the current folder");
     const std::unique_ptr<gzFile_s, CloseGz> file(gzopen(input.name().c_str(), "rb"));
     if (!file) throw input_error("cannot be opened", place_in(input.name()), "check the permissions");
     const std::size_t chunk = std::min<std::size_t>(limit, 1024 * 1024) + 1;

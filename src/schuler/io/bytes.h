@@ -1,7 +1,7 @@
 // Whole files in memory: binary logs and formats that jump about in their text.
 #pragma once
 
-#include "schuler/io/text_input.h"
+#include "schuler/io/text/text_input.h"
 
 #include <cstddef>
 #include <string>

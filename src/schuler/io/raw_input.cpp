@@ -1,9 +1,9 @@
 #include "schuler/io/raw_input.h"
 
 #include "schuler/core/error.h"
-#include "schuler/io/rinex.h"
-#include "schuler/io/rtcm3.h"
-#include "schuler/io/ubx.h"
+#include "schuler/io/receiver/rtcm3.h"
+#include "schuler/io/receiver/ubx.h"
+#include "schuler/io/rinex/rinex.h"
 
 #include <chrono>
 

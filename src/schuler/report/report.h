@@ -9,7 +9,7 @@
 
 namespace schuler::report {
 
-/// Colours of Okabe and Ito (2008, "Color universal design"), told apart by colour-blind readers; Text follows the theme.
+/// Colours of Okabe and Ito (2008, "Color universal design"), distinguishable for colour-blind readers; Text follows the theme.
 enum class Ink { Blue, Vermillion, Green, Purple, Orange, Sky, Text, Muted };
 
 /// How a series is drawn. Squares are hollow and larger than dots: they stand out in print and without colour.
@@ -40,7 +40,7 @@ struct Span {
     bool hatched = true;
 };
 
-/// One plot. Labels are "quantity, unit". Where nothing finite is given the panel says so.
+/// One plot. Labels are "quantity, unit". Without finite values the panel states that it is empty.
 struct Panel {
     std::string title, x_label, y_label;
     std::vector<Series> series{};
@@ -93,7 +93,7 @@ struct ReportInput {
 /// UTF-8 and control characters of the texts become U+FFFD. Throws Error(Input) where x and y of a series differ in length.
 [[nodiscard]] std::string render(const ReportInput& input);
 
-/// v with so many significant digits, without exponent from 1e-4 to 1e7; "–" where v is not finite.
+/// v with the given number of significant digits, without exponent from 1e-4 to 1e7; "–" where v is not finite.
 [[nodiscard]] std::string number(double v, int significant = 4);
 
 }  // namespace schuler::report

@@ -66,7 +66,7 @@ struct OutageEntry {
     std::vector<double> into_s, horizontal;        ///< horizontal error against the time since the outage began (may be empty)
 };
 
-/// Growth of errors since the fixes were withheld, RMS over windows, m, and what was said of it.
+/// Growth of errors since the fixes were withheld, RMS over windows, m, and its stated sigma.
 struct GrowthCurve {
     std::string name;
     std::vector<double> since_s, error, sigma;
@@ -109,7 +109,7 @@ struct RunReportData {
     std::vector<SensorErrorPoint> sensor_truth;    ///< simulations: the true errors (sigmas not used)
     std::vector<OutageEntry> outages;
     std::string verdict;                           ///< "trustworthy", ...: the first card; empty: none
-    std::vector<std::string> reasons;              ///< of it, the gravest first
+    std::vector<std::string> reasons;              ///< of it, the most severe first
     CheckEntry check;
     std::vector<std::pair<std::string, std::string>> findings;  ///< what start-up found: (what, value)
     std::vector<std::string> warnings;

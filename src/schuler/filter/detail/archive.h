@@ -169,9 +169,8 @@ void archive(Archive& a, SamplePool<Sample>& pool) {
 
 SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, turn, turn2, v_g, p_g, gain_turn, gain_v_g, gain_p_g, gain_v_a, gain_p_a, gyro, accel)
 SCHULER_ARCHIVED(StateProcess, decay, psd)
-SCHULER_ARCHIVED(MeanVelocity, rows, origin, carried, time, noise)
 SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, mean_force, recent_force,
-                          cached_time, cached_diagonal, cached_q, since_phases, slot_process)
+                          cached_time, cached_diagonal, cached_q, slot_process)
 SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
 SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, every)
@@ -189,7 +188,7 @@ inline void archive(Archive& a, RangeEpochWork& work) {   // the rest is made an
     if (a.reads()) count = 0;
 }
 SCHULER_ARCHIVED(RangeTracking::Phase, source, last, end, begin, tx_end, tx_begin)
-SCHULER_ARCHIVED(RangeTracking, slots, phases, watch, work)
+SCHULER_ARCHIVED(RangeTracking, slots, phases, cloned, watch, work)
 SCHULER_ARCHIVED(Opening, increment, position, velocity, rate, span, bias_jump)
 inline void archive(Archive& a, RefusedRun& run) { run.archive(a); }
 SCHULER_ARCHIVED(FixLevels, two, at_other, other, here, there)

@@ -3,7 +3,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/inspect/detail/robust.h"
-#include "schuler/io/fix_codes.h"
+#include "schuler/io/text/fix_codes.h"
 
 #include <fmt/format.h>
 

@@ -155,7 +155,7 @@ void judge_reference(Study& study) {
     };
     const auto is_autopilot = [&](const io::ColumnMatch* match) { return starts_like(match, {"onboard", "ahrs", "ekf", "nav", "est", "autopilot"}); };
     const bool attitude = roll != nullptr || qw != nullptr;
-    const bool autopilot = is_autopilot(attitude ? roll : file.plan.find("lat_deg"));
+    const bool autopilot = is_autopilot(roll != nullptr ? roll : qw != nullptr ? qw : file.plan.find("lat_deg"));
     const bool position = file.has("lat_deg") || file.has("ecef_x_m");
     std::string content = position ? "position" : "";
     if (roll != nullptr || qw != nullptr) content += content.empty() ? "attitude" : ", attitude";

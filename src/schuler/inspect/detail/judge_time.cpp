@@ -3,7 +3,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/earth/gravity.h"
-#include "schuler/io/columns.h"
+#include "schuler/io/text/columns.h"
 
 #include <fmt/format.h>
 

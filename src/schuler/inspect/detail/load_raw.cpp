@@ -4,9 +4,9 @@
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/single_point.h"
 #include "schuler/inspect/detail/recognise.h"
-#include "schuler/io/adsb.h"
-#include "schuler/io/nmea.h"
-#include "schuler/io/sp3.h"
+#include "schuler/io/receiver/adsb.h"
+#include "schuler/io/receiver/nmea.h"
+#include "schuler/io/rinex/sp3.h"
 
 #include <fmt/format.h>
 

@@ -2,9 +2,9 @@
 
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/recognise.h"
-#include "schuler/io/fix_codes.h"
-#include "schuler/io/repair_times.h"
-#include "schuler/io/table.h"
+#include "schuler/io/text/fix_codes.h"
+#include "schuler/io/text/repair_times.h"
+#include "schuler/io/text/table.h"
 
 #include <fmt/format.h>
 
@@ -252,15 +252,20 @@ LoadedFile load_file(const std::filesystem::path& path, const std::string& name,
         file.table.reset();
         return file;
     }
+    finish(file);
+    return file;
+}
+
+void finish(LoadedFile& file) {
     if (file.time_ns.empty()) {
         if (file.table) {
             file.problem(Level::Error, "there is no usable row", "check that the log was written and copied completely");
             file.table.reset();
         }
-        return file;
+        return;
     }
-    if (as.time_offset != 0.0) {
-        for (std::int64_t& t : file.time_ns) t += Duration::from_seconds(as.time_offset).ns;
+    if (file.as.time_offset != 0.0) {
+        for (std::int64_t& t : file.time_ns) t += Duration::from_seconds(file.as.time_offset).ns;
     }
     drop_strays(file);
     file.cadence_origin_ns = file.time_ns.front();
@@ -270,7 +275,6 @@ LoadedFile load_file(const std::filesystem::path& path, const std::string& name,
     file.cadence = cadence_of(seconds);
     report_cadence(file);
     report_missing_values(file);
-    return file;
 }
 
 }  // namespace schuler::inspect::detail

@@ -4,7 +4,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/inspect/detail/cadence.h"
 #include "schuler/inspect/inspect.h"
-#include "schuler/io/columns.h"
+#include "schuler/io/text/columns.h"
 
 #include <filesystem>
 #include <map>
@@ -49,6 +49,9 @@ struct LoadedFile {
     void problem(Level level, std::string text, std::string mend = {});
     void add_to_times(double seconds);
 };
+
+/// What follows from the rows of a file that was read: strays, rhythm, missing values.
+void finish(LoadedFile& file);
 
 /// Recognises and reads one file. Never throws on odd content.
 [[nodiscard]] LoadedFile load_file(const std::filesystem::path& path, const std::string& name, const ReadAs& as = {});

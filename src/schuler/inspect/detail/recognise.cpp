@@ -1,36 +1,18 @@
 #include "schuler/inspect/detail/recognise.h"
 
 #include "schuler/inspect/detail/robust.h"
-#include "schuler/io/adsb.h"
-#include "schuler/io/kfgins.h"
-#include "schuler/io/nmea.h"
-#include "schuler/io/rtklib_pos.h"
+#include "schuler/io/regular_file.h"
+#include "schuler/io/text/number.h"
+#include "schuler/io/text/own_frame.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 namespace schuler::inspect::detail {
 namespace {
 
-std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
-    std::ifstream in(path, std::ios::binary);
-    std::string text(count, '\0');
-    in.read(text.data(), static_cast<std::streamsize>(count));
-    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
-    return text;
-}
-
-bool contains(const std::string& text, std::string_view what) { return text.find(what) != std::string::npos; }
-
-bool is_binary(const std::string& head) { return contains(head, std::string_view("\0", 1)); }
-
-// A first line of SP3: "#", version a to d, position or velocity records.
-bool is_sp3(const std::string& head) {
-    return head.size() > 2 && head[0] == '#' && head[1] >= 'a' && head[1] <= 'd' && (head[2] == 'P' || head[2] == 'V');
-}
 
 // Numbers of the sample rows of a table without header, column by column.
 std::vector<std::vector<double>> sample_columns(const io::TableLayout& layout) {
@@ -61,6 +43,26 @@ bool is_place(const std::vector<std::vector<double>>& c, std::size_t at) {
     const bool steady =
         quantile(c[at], 1.0) - quantile(c[at], 0.0) < 0.5 && quantile(c[at + 1], 1.0) - quantile(c[at + 1], 0.0) < 0.5;
     return steady && std::abs(lat) > 0.5 && std::abs(lat) <= 90.0 && std::abs(lon) <= 360.0 && h > -1000.0 && h < 60000.0;
+}
+
+// Four columns beside each other are a unit quaternion: an attitude, whatever else the numbers could be.
+bool has_rotation(const std::vector<std::vector<double>>& c) {
+    for (std::size_t first = 1; first + 4 <= c.size(); ++first) {
+        bool unit = true;
+        for (std::size_t i = 0; unit && i < c[0].size(); ++i)
+            unit = std::abs(std::hypot(std::hypot(c[first][i], c[first + 1][i]), std::hypot(c[first + 2][i], c[first + 3][i])) - 1.0) < 1e-3;
+        if (unit) return true;
+    }
+    return false;
+}
+
+// The rates of an instrument that is carried about: neither positions nor angles that grow.
+bool could_be_rates(const std::vector<std::vector<double>>& c, double step, bool increments) {
+    constexpr double fastest = 35.0;   // rad/s, 2000 deg/s
+    constexpr double as_degrees = 57.3;
+    for (std::size_t k = 1; k <= 3; ++k)
+        if (std::abs(median(c[k])) > fastest * (increments ? step : as_degrees)) return false;
+    return true;
 }
 
 void name_columns(LoadedFile& file, std::initializer_list<const char*> names) {
@@ -101,7 +103,7 @@ bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
                             "pitch_deg", "heading_deg"});
         return true;
     }
-    if (c.size() >= 7 && c.size() <= 9) {
+    if (c.size() >= 7 && c.size() <= 9 && !has_rotation(c)) {
         std::vector<double> steps, norms;
         for (std::size_t i = 0; i < c[0].size(); ++i) {
             if (i > 0) steps.push_back(c[0][i] - c[0][i - 1]);
@@ -110,6 +112,7 @@ bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
         const double norm = median(norms), step = median(steps);
         const bool increments = std::abs(norm / step / 9.8 - 1.0) < 0.3 && std::abs(norm / 9.8 - 1.0) > 0.5;
         if (!increments && std::abs(norm / 9.8 - 1.0) > 0.3) return false;
+        if (!could_be_rates(c, step, increments) || quantile(norms, 0.9) > 4.0 * norm) return false;
         file.report.kind = increments ? "kfgins_imu" : "imu";
         file.table = io::TableKind::Imu;
         file.plan.kind = io::TableKind::Imu;
@@ -189,6 +192,17 @@ bool recognise_plain_aid(LoadedFile& file, const io::TableLayout& layout) {
     return true;
 }
 
+/// The format of several instruments that files of this extension usually are of.
+const io::Format* format_by_name(const std::string& extension) {
+    if (extension.empty() || extension == ".log" || extension == ".txt" || extension == ".bin" || extension == ".out") return nullptr;   // of anything
+    for (const io::Format* format : io::formats()) {
+        if (format->read == nullptr) continue;
+        const std::string names = fmt::format(" {} ", format->extensions);
+        if (names.find(fmt::format(" {} ", extension)) != std::string::npos) return format;
+    }
+    return nullptr;
+}
+
 void recognise_table(LoadedFile& file) {
     const io::TextInput input(file.path);
     io::TableLayout layout = io::inspect_table(input);
@@ -212,7 +226,8 @@ void recognise_table(LoadedFile& file) {
     }
     if (recognise_plain_aid(file, layout)) return;
     file.table = io::guess_table_kind(layout);
-    if (!file.table) {
+    const auto has_blank = [](const std::vector<std::string>& row) { return std::ranges::any_of(row, &std::string::empty); };
+    if (!file.table && std::ranges::any_of(layout.sample, has_blank)) {
         // Columns that are blank in the first rows (a marker not yet seen) count as well.
         layout.sample.clear();
         file.table = io::guess_table_kind(layout);
@@ -225,8 +240,13 @@ void recognise_table(LoadedFile& file) {
     }
     file.report.kind = io::name_of(*file.table);
     file.plan = io::match_columns(layout, *file.table);
+    if (file.table == io::TableKind::Reference && io::is_own_frame(layout)) {
+        file.report.kind = "trajectory";
+        file.report.contents.emplace_back("attitude and position in a frame of its own, which no other log knows");
+    }
     read_table(file, layout);
     judge_time_unit(file, layout);
+    if (file.report.kind == "trajectory") file.table.reset();
 }
 
 }  // namespace
@@ -243,10 +263,11 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
     // Instruments sample every 0.1 ms to 2 s: a median "step" of 10 is 10 ms and one of 10000 is 10 ms in microseconds.
     const double step = steps.empty() ? 0.0 : median(std::move(steps));
     const bool slow = file.table == io::TableKind::Gnss || file.table == io::TableKind::Reference;
+    const bool fast = file.table == io::TableKind::Imu;   // four samples a second at least: 250 is 250 us and no quarter of a second
     io::TimeUnit unit = io::TimeUnit::Seconds;
     if (step >= (slow ? 40.0 : 2.5)) unit = io::TimeUnit::Milliseconds;
-    if (step >= (slow ? 20'000.0 : 1'200.0)) unit = io::TimeUnit::Microseconds;
-    if (step >= 1e6 * (slow ? 20.0 : 1.2)) unit = io::TimeUnit::Nanoseconds;
+    if (step >= (slow ? 20'000.0 : fast ? 250.0 : 1'200.0)) unit = io::TimeUnit::Microseconds;
+    if (step >= 1e6 * (slow ? 20.0 : fast ? 0.25 : 1.2)) unit = io::TimeUnit::Nanoseconds;
     if (unit == io::TimeUnit::Seconds) return;
     const char* name = unit == io::TimeUnit::Milliseconds   ? "milliseconds"
                        : unit == io::TimeUnit::Microseconds ? "microseconds"
@@ -266,36 +287,35 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
 }
 
 void recognise_and_read(LoadedFile& file) {
-    const std::string head = first_bytes(file.path, 16 * 1024);
-    const std::string extension = file.path.extension().string();
-    if (head.empty()) {
+    io::check_regular_file(file.path);
+    const io::FileHead head(file.path);
+    if (head.bytes.empty()) {
         file.problem(Level::Error, "the file is empty", "check that the log was written and copied completely");
         return;
     }
     const io::RawFormat raw = io::raw_format(file.path);
     if (raw != io::RawFormat::None && read_raw(file, raw)) return;
-    if (contains(head.substr(0, 200), "RINEX VERSION")) {
+    const io::Format* format = io::format_of(file.path);
+    if (format != nullptr && format->name == "ubx" && raw == io::RawFormat::Ubx) format = io::format_named("nmea");   // better read so
+    if (head.bytes.substr(0, 200).find("RINEX VERSION") != std::string::npos) {
         file.report.kind = "rinex";
         file.problem(Level::Info, "RINEX of another kind than observations and navigation", "");
-    } else if (is_sp3(head)) {
-        read_precise_orbits(file);
-    } else if (extension == ".yaml" || extension == ".yml") {
-        if (io::is_kfgins_project(io::TextInput(file.path)))
-            file.report.kind = "kfgins_yaml";
+    } else if (format == nullptr) {
+        if (const io::Format* by_name = format_by_name(head.extension))
+            file.problem(Level::Error, fmt::format("is no {}, which its name says: its content is another, or damaged at the beginning", by_name->title),
+                         "copy the log completely; `schuler help formats` lists what is read");
         else
-            file.problem(Level::Info, "a YAML file without imupath and gnsspath", "");
-    } else if (extension == ".toml") {
-        file.report.kind = "dataset_toml";
-    } else if (io::is_rtklib_pos(io::TextInput(file.path))) {
-        file.report.kind = "rtklib_pos";
-        read_receiver_solution(file);
-    } else if (io::is_adsb(io::TextInput(file.path))) {
+            file.problem(Level::Info, "a binary file of no known format", "");
+    } else if (format->name == "sp3") {
+        read_precise_orbits(file);
+    } else if (format->name == "adsb") {
         read_squitters(file);
-    } else if (io::is_nmea(io::TextInput(file.path))) {
-        file.report.kind = "nmea";
-        read_receiver_solution(file);
-    } else if (is_binary(head) && !head.starts_with("\x1f\x8b")) {
-        file.problem(Level::Info, "a binary file of no known format", "");
+    } else if (format->name == "kfgins_yaml" || format->name == "dataset_toml") {
+        file.report.kind = format->name;
+    } else if (format->read != nullptr) {
+        read_one_stream(file, *format);
+    } else if (head.extension == ".yaml" || head.extension == ".yml") {
+        file.problem(Level::Info, "a YAML file without imupath and gnsspath", "");
     } else {
         recognise_table(file);
     }

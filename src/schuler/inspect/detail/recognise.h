@@ -2,8 +2,9 @@
 #pragma once
 
 #include "schuler/inspect/detail/loaded_file.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/table.h"
+#include "schuler/io/text/table.h"
 
 namespace schuler::inspect::detail {
 
@@ -13,8 +14,17 @@ void recognise_and_read(LoadedFile& file);
 /// Reads the rows of a table whose plan is known into the file; problems of rows are reported, not thrown.
 void read_table(LoadedFile& file, const io::TableLayout& layout);
 
-/// Reads a log of kind rtklib_pos or nmea through its reader of room io.
-void read_receiver_solution(LoadedFile& file);
+/// How a file was recognised and what its columns were taken for, a line each.
+[[nodiscard]] std::vector<std::string> explained_columns(const LoadedFile& file);
+
+/// Takes the columns of a stream.
+void take_stream(LoadedFile& file, const io::Stream& stream, io::Clock clock);
+/// Reads a file that is one log of its own format: RTKLIB .pos, NMEA.
+void read_one_stream(LoadedFile& file, const io::Format& format);
+/// Every stream of a log of several, named "FILE#STREAM"; the log itself with what is wrong with it where it cannot be read. Never throws on content.
+[[nodiscard]] std::vector<LoadedFile> load_streams(const std::filesystem::path& path, const std::string& name, const io::Format& format);
+/// A stream whose role is given; without a role where it is not there.
+[[nodiscard]] LoadedFile load_given_stream(const std::filesystem::path& path, const std::string& name, const ReadAs& as);
 
 /// Says what raw measurements or ephemerides hold; times are those of the epochs. False where the file is better read as NMEA.
 [[nodiscard]] bool read_raw(LoadedFile& file, io::RawFormat format);

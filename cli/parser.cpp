@@ -1,0 +1,163 @@
+#include "parser.h"
+
+#include "schuler/core/error.h"
+#include "schuler/settings/command_line.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace schuler::cli {
+namespace {
+
+using settings::OptionSpec;
+using settings::Shape;
+
+std::string names_of(const OptionSpec& spec) {
+    if (spec.line.positional) return spec.line.placeholder;
+    return spec.line.letter != 0 ? fmt::format("-{},--{}", spec.line.letter, spec.key) : "--" + spec.key;
+}
+
+bool is_list(const OptionSpec& spec) { return spec.shape == Shape::Numbers || spec.shape == Shape::Texts; }
+
+void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingList& defaults, Given& given) {
+    const std::string help = settings::help_of(spec, defaults), names = names_of(spec);
+    if (spec.shape == Shape::Flag) {
+        app.add_flag(names, given.flag[spec.key], help);
+        return;
+    }
+    CLI::Option* option = is_list(spec) ? app.add_option(names, given.words[spec.key], help) : app.add_option(names, given.word[spec.key], help);
+    if (!spec.line.positional) option->type_name(settings::placeholder_of(spec));
+    if (is_list(spec) && spec.length > 0) {
+        option->expected(static_cast<int>(spec.length));
+    } else if (is_list(spec)) {
+        option->allow_extra_args(false);
+    }
+    if (spec.shape == Shape::Text && !spec.choices.empty())   // for help and completion; the table itself refuses what is none of them
+        option->check(CLI::Validator([](std::string&) { return std::string(); }, fmt::format("{{{}}}", fmt::join(spec.choices, ","))));
+    if (spec.line.required) option->required();
+    if (spec.line.hidden) option->group("");
+}
+
+void add_listed(CLI::App& parser, CommandLine& line, const app::Command& command) {
+    const auto space = command.name.rfind(' ');
+    CLI::App* parent = space == std::string::npos ? &parser : parser.get_subcommand(command.name.substr(0, space));
+    CLI::App* app = add_command(*parent, line, space == std::string::npos ? command.name : command.name.substr(space + 1), command.purpose,
+                                command.examples);
+    if (!command.perform) {
+        app->require_subcommand(1);
+        return;
+    }
+    Given& given = line.given[command.name];
+    for (const OptionSpec& spec : command.options) {
+        add_option(*app, spec, command.defaults, given);
+        // `--set a=1 b=2`: what follows the first pair arrives as arguments of no option
+        if (spec.key == "set") app->add_option("more_settings", given.loose)->group("");
+    }
+    if (!command.json.empty()) app->add_flag("--json", line.json, command.json);
+    if (command.runs)
+        app->add_option("--progress", line.progress, "lines: \"progress 0.5\" on standard error, for programs")
+            ->check(CLI::IsMember({"lines"}))
+            ->type_name("FORM");
+}
+
+void add_own(CLI::App& parser, CommandLine& line) {
+    CLI::App* help = add_command(parser, line, "help", "a command, or the keys of settings and scenario files",
+                                 "  schuler help process\n  schuler help settings\n  schuler help settings imu.\n"
+                                 "  schuler help scenario trajectory.\n  schuler help --man >schuler.1");
+    help->add_option("TOPIC", line.topic, "settings, scenario or formats, or a command")->check(CLI::IsMember({"settings", "scenario", "formats"}));
+    help->add_option("PREFIX", line.prefix, "only keys that begin so");
+    help->add_flag("--man", line.manual, "all commands as a manual page");
+    help->add_flag("--reference", line.reference, "all options of commands, settings and scenarios as a document (docs/options.md)");
+
+    CLI::App* completion = add_command(parser, line, "completion", "a script that completes commands and options in a shell",
+                                       "  source <(schuler completion bash)\n"
+                                       "  schuler completion zsh >~/.zsh/functions/_schuler            a folder of $fpath");
+    completion->add_option("SHELL", line.topic, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
+}
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands([](const CLI::App*) { return true; }); }
+
+void add_everywhere(CLI::App& app, CommandLine& line) {
+    app.add_flag("-q,--quiet", line.quiet, "no table, no progress bar, no warnings; errors only");
+    app.add_flag("--force", line.force, "overwrite files at the place of the results even if another program wrote or changed them");
+    app.add_option("--threads", line.threads, "number of threads; results do not depend on it")->check(CLI::Range(0, 1024))->type_name("N");
+    app.set_version_flag("--version", "schuler " SCHULER_VERSION, "print the version");
+}
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& parent, CommandLine& line, const std::string& name, const std::string& purpose, const std::string& examples) {
+    CLI::App* app = parent.add_subcommand(name, purpose);
+    const std::string command = parent.get_parent() == nullptr ? name : parent.get_name() + " " + name;
+    app->callback([&line, command] {
+        if (line.command.empty()) line.command = command;  // a study's callback runs before that of `analyze`
+    });
+    app->footer("Examples:\n" + examples);
+    add_everywhere(*app, line);
+    return app;
+}
+
+void add_commands(CLI::App& parser, CommandLine& line) {
+    add_everywhere(parser, line);
+    parser.require_subcommand(1);
+    parser.footer(
+        "Examples:\n  schuler demo\n  schuler inspect drive/\n  schuler process drive/ --smooth\n  schuler evaluate "
+        "out/drive/solution.csv truth.csv\n"
+        "`schuler COMMAND --help` or `schuler help COMMAND` lists the options of a command.\n"
+        "Exit status: 0 done, 1 the computation failed, 2 the input or the command line is unusable.");
+    for (const app::Command& command : app::commands()) add_listed(parser, line, command);
+    add_own(parser, line);
+    add_ui_command(parser, line);
+}
+
+settings::SettingList settings_of(const app::Command& command, const CommandLine& line, const CLI::App& parser) {
+    const CLI::App* app = &parser;
+    for (std::size_t begin = 0; begin <= command.name.size();) {
+        const std::size_t end = std::min(command.name.find(' ', begin), command.name.size());
+        app = app->get_subcommand(command.name.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    const Given& given = line.given.at(command.name);
+    settings::SettingList out;
+    for (const OptionSpec& spec : command.options) {
+        const std::string name = spec.line.positional ? spec.line.placeholder : "--" + spec.key;
+        if (app->count(name) == 0) continue;
+        const SourcePlace place{name, 0, 0, {}};
+        if (spec.shape == Shape::Flag) {
+            if (given.flag.at(spec.key)) out.push_back({spec.key, {true}, place});
+            continue;
+        }
+        std::vector<std::string> words = is_list(spec) ? given.words.at(spec.key) : std::vector<std::string>{given.word.at(spec.key)};
+        if (spec.key == "set") words.insert(words.end(), given.loose.begin(), given.loose.end());
+        out.push_back({spec.key, settings::value_from_words(spec, words), place});
+    }
+    const bool settings_given = std::ranges::any_of(out, [](const settings::Setting& s) { return s.key == "set"; });
+    for (const std::string& text : given.loose)
+        if (!settings_given || text.find('=') == std::string::npos)
+            throw input_error(fmt::format("unexpected argument \"{}\"", text), {}, fmt::format("see `schuler {} --help`", command.name));
+    return out;
+}
+
+std::string command_in(int argc, char** argv, const CLI::App& parser) {
+    for (int i = 1; i < argc; ++i) {
+        for (const CLI::App* command : commands_of(parser)) {
+            if (command->get_name() != argv[i]) continue;
+            std::string names = " " + command->get_name();
+            for (const CLI::App* study : commands_of(*command))
+                if (i + 1 < argc && study->get_name() == argv[i + 1]) names += " " + study->get_name();
+            return names;
+        }
+    }
+    return {};
+}
+
+std::string unknown_command(int argc, char** argv, const CLI::App& parser) {
+    if (argc < 2 || argv[1][0] == '-' || !command_in(argc, argv, parser).empty()) return {};
+    std::vector<std::string> known;
+    for (const CLI::App* command : commands_of(parser)) known.push_back(command->get_name());
+    const std::string near = settings::nearest_key(argv[1], known);
+    return fmt::format("\"{}\" is not a command{}", argv[1], near.empty() ? std::string{} : fmt::format("; did you mean {}?", near));
+}
+
+}  // namespace schuler::cli

@@ -1,0 +1,138 @@
+// The studies of the program (`schuler analyze ...`) as forms, and the way from a form to a run.
+#include "schuler/app/command.h"
+#include "schuler/core/error.h"
+#include "schuler/report/outputs.h"
+#include "schuler/settings/command_line.h"
+#include "serve/forms.h"
+#include "serve/names.h"
+#include "serve/service.h"
+#include "serve/split.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace schuler::serve {
+namespace {
+
+namespace fs = std::filesystem;
+using settings::OptionSpec;
+
+bool is_study(const app::Command& command) { return command.perform && command.name.starts_with("analyze "); }
+
+/// Fields of its form: files come from the workspace alone.
+std::vector<OptionSpec> fields_of(const app::Command& command) {
+    std::vector<OptionSpec> out;
+    std::ranges::copy_if(command.options, std::back_inserter(out), [](const OptionSpec& s) { return !s.line.file && !s.line.hidden; });
+    return out;
+}
+
+const OptionSpec* input_of(const app::Command& command) {
+    const auto it = std::ranges::find_if(command.options, [](const OptionSpec& s) { return s.line.positional; });
+    return it == command.options.end() ? nullptr : &*it;
+}
+
+bool has_option(const app::Command& command, std::string_view key) {
+    return std::ranges::find(command.options, key, &OptionSpec::key) != command.options.end();
+}
+
+Json study_json(const app::Command& command) {
+    const OptionSpec* input = input_of(command);
+    return {{"command", command.name},
+            {"purpose", command.purpose},
+            {"examples", command.examples},
+            {"input", input == nullptr ? Json(nullptr) : Json(input->help)},
+            {"options", schema_of(fields_of(command), command.defaults)}};
+}
+
+const app::Command& study_named(const std::string& name) {
+    const app::Command* command = app::command_named(name);
+    if (command == nullptr || !is_study(*command))
+        throw Refusal{422, fmt::format("\"{}\" is not a study", name), "GET /api/studies lists them", "command"};
+    return *command;
+}
+
+}  // namespace
+
+Reply Service::start_study(const Json& order) {
+    const app::Command& command = study_named(order.value("command", ""));
+    const std::vector<OptionSpec> fields = fields_of(command);
+    const settings::SettingList given = settings_from_json(order.value("settings", Json::object()), fields);
+    std::vector<std::string> words = split(command.name, ' ');
+    for (const settings::Setting& s : given) {
+        const OptionSpec& spec = *std::ranges::find(fields, s.key, &OptionSpec::key);
+        settings::check_value(spec, s.value, s.place);
+        for (std::string& word : settings::words_from_value(spec, s.value)) words.push_back(std::move(word));
+    }
+    const OptionSpec* input = input_of(command);
+    const std::string dataset = order.value("dataset", "");
+    settings::SettingList scenario;
+    if (input != nullptr && dataset.empty()) {
+        if (!order.contains("scenario")) throw Refusal{422, "the study needs a scenario", "send {\"scenario\": {\"toml\": text}}", "scenario"};
+        const Json& of = order["scenario"];
+        scenario = of.contains("toml") ? settings_from_toml(of["toml"], Form::Scenario)
+                                       : settings_from_json(of.value("settings", Json::object()), Form::Scenario);
+        check_file_settings(scenario);
+    }
+    fs::path readable;
+    if (input != nullptr && !dataset.empty()) {
+        readable = workspace_.dataset_folder(dataset);
+        check_dataset(readable);
+    }
+    const std::string title = order.contains("title") ? order["title"].get<std::string>() : command.name;
+    if (title.empty() || title.size() > 200) throw Refusal{422, "a title has 1 to 200 bytes", {}, "title"};
+    const std::string id = workspace_.new_run(title, {{"kind", "study"},
+                                                      {"command", command.name},
+                                                      {"state", "waiting"},
+                                                      {"message", ""},
+                                                      {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
+    const fs::path folder = workspace_.run_folder(id);
+    if (input != nullptr) {
+        fs::path file = readable;
+        if (dataset.empty()) {
+            file = folder / "scenario.toml";
+            report::write_text(file, toml_of(scenario, Form::Scenario));
+        }
+        words.push_back(file.string());
+    }
+    if (has_option(command, "output")) words.insert(words.end(), {"--output", folder.string()});
+    words.push_back("--json");
+    if (command.runs) words.insert(words.end(), {"--progress", "lines"});
+    JobOrder job;
+    job.id = id;
+    job.program = settings_.program;
+    job.arguments = std::move(words);
+    job.keep_output = true;   // becomes summary.json
+    job.confinement = confinement(readable, folder);
+    jobs_.start(std::move(job));
+    Reply reply;
+    reply.status = 201;
+    reply.body = run_now(id).dump(-1, ' ', false, Json::error_handler_t::replace);
+    return reply;
+}
+
+void Service::add_study_routes() {
+    routes_.push_back({"GET",
+                       "/api/studies",
+                       "the studies of `schuler analyze`, each with its form",
+                       {},
+                       "",
+                       "[{command, purpose, examples, input: what it works on, or null, options: as /api/options}]",
+                       [](const Request&) {
+                           Json out = Json::array();
+                           for (const app::Command& command : app::commands())
+                               if (is_study(command)) out.push_back(study_json(command));
+                           Reply reply;
+                           reply.body = out.dump(-1, ' ', false, Json::error_handler_t::replace);
+                           return reply;
+                       }});
+    routes_.push_back({"POST",
+                       "/api/studies",
+                       "starts a study; its JSON document is the summary of the run",
+                       {},
+                       "{command, title, settings: {option: value}, scenario: {settings or toml}, or dataset: name}",
+                       "201 and the run",
+                       [this](const Request& r) { return start_study(Json::parse(r.body)); }});
+}
+
+}  // namespace schuler::serve

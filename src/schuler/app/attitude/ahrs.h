@@ -1,0 +1,51 @@
+// Attitude and heading from a data set: what `schuler ahrs` runs, and what a benchmark may call piece by piece.
+#pragma once
+
+#include "schuler/ahrs/magnetometer_axes.h"
+#include "schuler/ahrs/run.h"
+#include "schuler/analysis/attitude_errors.h"
+#include "schuler/report/outcome.h"
+#include "schuler/settings/request.h"
+#include "schuler/solution/loaded_dataset.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace schuler::app {
+
+struct AhrsRequest {
+    settings::ProcessRequest common;
+    std::string filter = "mekf";                 ///< dcm, quaternion, quaternion-printed, quaternion-coupled, mekf
+    bool six_axis = false;
+    bool offline = false;
+    bool calibrate = false;  ///< ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree
+};
+
+/// Recordings and settings as input of the attitude filters: body axes, rates, the field where position and date are known.
+struct AhrsInput {
+    std::vector<ImuSample> imu;
+    std::vector<MagSample> mag;
+    std::vector<ahrs::SpeedSample> speed;
+    ahrs::RunSettings settings;
+    bool field_from_model = false;
+    ahrs::MagnetometerAxes axes;                 ///< already applied to `mag`
+    std::vector<std::string> calibration;        ///< what was applied or refused, and why
+};
+
+/// @throws Error(Input) for an unknown filter, or options that do not go together.
+[[nodiscard]] AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& request, WarningLog& warnings);
+
+/// What the samples themselves show: sampling too coarse, wrong units, axes of the magnetometer that are not the IMU's, a
+/// magnetometer that is missing for long. @throws Error(Input) where no attitude can come of it.
+void check_ahrs_input(const AhrsInput& input, WarningLog& warnings);
+
+/// Estimate and reference at the reference's epochs with movement, where the reference has an attitude and the estimate is not
+/// further away in time than half a sample (then it is turned to the reference's time by its neighbours).
+[[nodiscard]] std::vector<analysis::AttitudePair> attitude_pairs(const std::vector<ahrs::AttitudeRow>& rows,
+                                                                 const std::vector<ReferenceSample>& reference);
+
+/// Reads, filters, evaluates, writes solution.csv, summary.json and report.html. @throws Error
+[[nodiscard]] report::Outcome ahrs_dataset(const AhrsRequest& request);
+
+}  // namespace schuler::app

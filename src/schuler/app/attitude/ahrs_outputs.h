@@ -1,0 +1,52 @@
+// What `schuler ahrs` writes.
+#pragma once
+
+#include "schuler/ahrs/magnetometer_axes.h"
+#include "schuler/ahrs/run.h"
+#include "schuler/analysis/attitude_errors.h"
+#include "schuler/analysis/errors.h"
+#include "schuler/solution/bundle.h"
+#include "schuler/solution/loaded_dataset.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+/// Errors against an attitude reference; heading with its constant offset taken off, as in BROAD.
+struct AhrsEvaluation {
+    analysis::BroadErrors broad;
+    analysis::Spread roll, pitch, heading;       ///< rad
+};
+
+struct AhrsBundle {
+    std::string name, version, filter;
+    bool offline = false, six_axis = false, field_from_model = false;
+    double declination = 0.0;                    ///< rad, of the model
+    ahrs::MagnetometerAxes axes;
+    std::vector<std::string> calibration;        ///< what was applied or refused, and why
+    std::size_t imu_epochs = 0;
+    solution::LoadedDataset data;
+    ahrs::RunResult result;
+    AhrsEvaluation evaluation;
+    std::string config_toml;
+    std::vector<std::string> warnings;
+    solution::Timing timing;
+};
+
+/// Paper B's filters give magnetic heading: turns the rows by the model's declination.
+void turn_to_true_north(AhrsBundle& bundle);
+
+/// solution.csv, report.html and config.toml, those that the settings choose. summary.json is the caller's, written last.
+[[nodiscard]] std::vector<std::filesystem::path> write_ahrs_outputs(const AhrsBundle& bundle,
+                                                                    const std::filesystem::path& folder);
+
+/// summary.json with the fields of the interface contract; null where not applicable.
+[[nodiscard]] std::string ahrs_summary_json(const AhrsBundle& bundle);
+[[nodiscard]] std::string ahrs_summary_tables(const AhrsBundle& bundle);
+
+/// report.html.
+[[nodiscard]] std::string ahrs_report_html(const AhrsBundle& bundle);
+
+}  // namespace schuler::app

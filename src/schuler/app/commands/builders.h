@@ -1,0 +1,222 @@
+// Makers of options of commands: those of the option tables, and how a command line writes them.
+#pragma once
+
+#include "schuler/app/command.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/option_builders.h"
+#include "schuler/settings/request.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace schuler::app {
+
+using settings::Option;
+using settings::OptionTable;
+using settings::Shape;
+using settings::Value;
+
+template <class R>
+Option<R> in_units(const char* unit, Option<R> option) {
+    option.spec.unit = unit;
+    return option;
+}
+
+template <class R>
+Option<R> lettered(char letter, Option<R> option) {
+    option.spec.line.letter = letter;
+    return option;
+}
+
+template <class R>
+Option<R> written(const char* placeholder, Option<R> option) {
+    option.spec.line.placeholder = placeholder;
+    return option;
+}
+
+/// What holds where it is not given.
+template <class R>
+Option<R> otherwise(const char* text, Option<R> option) {
+    option.spec.otherwise = text;
+    return option;
+}
+
+template <class R>
+Option<R> required(Option<R> option) {
+    option.spec.line.required = true;
+    return option;
+}
+
+/// An argument without a name before it; it must be given.
+template <class R>
+Option<R> argument(const char* placeholder, Option<R> option) {
+    option.spec.line.positional = option.spec.line.required = true;
+    option.spec.line.placeholder = placeholder;
+    return option;
+}
+
+/// A file or folder.
+template <class R, class Access>
+Option<R> path(std::string key, std::string help, Access access) {
+    settings::OptionSpec spec = settings::detail::spec(std::move(key), Shape::Text, std::move(help));
+    spec.line.file = true;
+    return {std::move(spec), [=](R& r, const Value& v) { access(r) = *v.text(); }, [](const R&) { return std::optional<Value>(); }};
+}
+
+/// Numbers with commas between them.
+template <class R, class Access>
+Option<R> numbers(std::string key, double low, double high, std::string help, Access access) {
+    settings::OptionSpec spec = settings::detail::spec(std::move(key), Shape::Numbers, std::move(help));
+    spec.low = low;
+    spec.high = high;
+    return {std::move(spec),
+            [=](R& r, const Value& v) {
+                access(r).clear();
+                for (const Value& x : *v.list()) access(r).push_back(x.number());
+            },
+            [](const R&) { return std::optional<Value>(); }};
+}
+
+/// Words with commas between them.
+template <class R, class Access>
+Option<R> words(std::string key, std::string help, Access access) {
+    return {settings::detail::spec(std::move(key), Shape::Texts, std::move(help)),
+            [=](R& r, const Value& v) {
+                access(r).clear();
+                for (const Value& x : *v.list()) access(r).push_back(*x.text());
+            },
+            [](const R&) { return std::optional<Value>(); }};
+}
+
+/// One of some words.
+template <class R, class Access>
+Option<R> one_of(std::string key, std::vector<std::string> choices, std::string help, Access access) {
+    Option<R> option = settings::text<R>(std::move(key), std::move(help), access);
+    option.spec.choices = std::move(choices);
+    return option;
+}
+
+/// An option that sets a setting of the data set; unit, range and choices are those of the setting.
+template <class R, class Access>
+Option<R> of_setting(std::string key, const char* setting, std::string help, Access request) {
+    settings::OptionSpec spec = settings::config_table().find(setting)->spec;
+    spec.key = std::move(key);
+    spec.help = std::move(help);
+    const std::string origin = "--" + spec.key;
+    return {std::move(spec),
+            [=](R& r, const Value& v) { request(r).above.push_back({setting, v, {origin, 0, 0, {}}}); },
+            [](const R&) { return std::optional<Value>(); }};
+}
+
+template <class R, class Access>
+Option<R> seed_option(std::string help, Access access) {
+    return written("N", settings::integer<R>("seed", 0, 9.007199254740992e15, std::move(help), access));
+}
+
+template <class R, class Access>
+Option<R> jobs_option(Access access) {
+    return lettered('j', written("J", settings::integer<R>("jobs", 0, 1024, "runs at once; 0: one for each processor core", access)));
+}
+
+/// key=value, any number of times; options of their own override them.
+template <class R, class Access>
+Option<R> set_option(Access above) {
+    Option<R> option{settings::detail::spec("set", Shape::Texts, "a setting by its key; `schuler help settings` lists them"),
+                     [=](R& r, const Value& v) {
+                         for (const Value& x : *v.list()) above(r).push_back(settings::setting_from_text(*x.text()));
+                     },
+                     [](const R&) { return std::optional<Value>(); }};
+    option.spec.line.repeated = option.spec.line.file = true;
+    return written("key=value", std::move(option));
+}
+
+/// Where the results go.
+template <class R, class Access>
+Option<R> output_option(std::string help, const char* usual, Access access) {
+    return lettered('o', written("DIR", otherwise(usual, path<R>("output", std::move(help), access))));
+}
+
+/// A command of a request: its options set the request, its function is called with it.
+template <class Request, class Function>
+Command command(std::string name, std::string purpose, std::string examples, OptionTable<Request> table, std::string json, bool runs,
+                Function function) {
+    Command c{.name = std::move(name), .purpose = std::move(purpose), .examples = std::move(examples), .options = table.specs(),
+              .defaults = table.used(Request{}), .json = std::move(json), .runs = runs};
+    c.perform = [table = std::move(table), function](const settings::SettingList& given, const CommandContext& context) {
+        Request request;
+        if constexpr (requires { request.common; }) {
+            request.common.version = context.version;
+            request.common.progress = context.progress;
+        }
+        if constexpr (requires { request.version; }) request.version = context.version;
+        if constexpr (requires { request.progress; }) request.progress = context.progress;
+        table.apply(given, request);
+        if constexpr (requires { request.jobs; }) {
+            if (request.jobs == 0) request.jobs = context.threads;
+        }
+        return function(request);
+    };
+    return c;
+}
+
+/// Where options of settings go.
+struct CommonRequest {
+    template <class R>
+    auto& operator()(R& r) const {
+        if constexpr (requires { r.common; }) {
+            return r.common;
+        } else {
+            return r;
+        }
+    }
+};
+
+/// Settings over those of the data set: of every command that processes one.
+template <class R>
+void add_settings(OptionTable<R>& table) {
+    constexpr CommonRequest common;
+    table.add(set_option<R>([=](auto& r) -> auto& { return common(r).above; }))
+        .add(written("FILE.toml", path<R>("config", "settings over those of the data set: keys as in dataset.toml",
+                                          [=](auto& r) -> auto& { return common(r).config; })))
+        .add(written("T", of_setting<R>("start", "run.start_s",
+                                        "leave out what is before; seconds after the first GNSS (without one: IMU) epoch, or abs:T", common)))
+        .add(written("T", of_setting<R>("stop", "run.stop_s", "leave out what is after", common)));
+}
+
+/// Loop, outages, what is counted and written: of every command that runs a filter once.
+template <class R>
+void add_run(OptionTable<R>& table) {
+    constexpr CommonRequest common;
+    table.add(written("LOOP", of_setting<R>("loop", "filter.loop", "feedback of the estimated errors", common)));
+    Option<R> outage{settings::detail::spec("outage", Shape::Texts, "withhold GNSS for T < t < T+DUR and compare there"),
+                     [=](R& r, const Value& v) {
+                         settings::ValueList spans;
+                         for (const Value& text : *v.list())
+                             for (const settings::OutageSpan& s : settings::outages_from_text(*text.text()))
+                                 spans.push_back({settings::ValueTable{
+                                     {"start_s", s.absolute ? Value{fmt::format("abs:{}", s.start)} : Value{s.start}}, {"duration_s", {s.duration}}}});
+                         common(r).above.push_back({"outage", {std::move(spans)}, {"--outage", 0, 0, {}}});
+                     },
+                     [](const R&) { return std::optional<Value>(); }};
+    outage.spec.line.repeated = true;
+    table.add(written("T:DUR[,T:DUR...]", std::move(outage)))
+        .add(otherwise("alignment + 60 s", written("S", of_setting<R>("settle", "run.settle_s", "count errors from here", common))))
+        .add(otherwise("all of these",
+                       written("LIST", of_setting<R>("outputs", "output.files",
+                                                     "what is written: solution,summary,h5,report,kml,config; or covariance (the whole of it, in run.h5)",
+                                                     common))));
+}
+
+/// Commands of the parts, see their files.
+void add_data_commands(std::vector<Command>& list);
+void add_file_commands(std::vector<Command>& list);
+void add_gravity_command(std::vector<Command>& list);
+void add_receiver_commands(std::vector<Command>& list);
+void add_theory_commands(std::vector<Command>& list);
+void add_study_commands(std::vector<Command>& list);
+
+}  // namespace schuler::app

@@ -1,0 +1,166 @@
+// Commands that make a solution of logs or of a scenario.
+#include "schuler/app/attitude/ahrs.h"
+#include "schuler/app/commands.h"
+#include "schuler/app/commands/builders.h"
+#include "schuler/study/montecarlo/montecarlo.h"
+
+namespace schuler::app {
+namespace {
+
+using settings::ProcessRequest;
+
+constexpr CommonRequest common;
+constexpr const char* table_json = "summary.json on standard output instead of the tables";
+
+/// Options of process, run, demo and montecarlo.
+template <class R>
+void add_processing(OptionTable<R>& table) {
+    add_settings(table);
+    table
+        .add(written("SCHEME", of_setting<R>("scheme", "filter.scheme",
+                                             "coupling: loose, separate (uncoupled), tight, intermediate, deep (of a scenario with [receiver]), or gnss "
+                                             "for the receiver's own solution",
+                                             common)))
+        .add(written("FRAME", of_setting<R>("mechanization", "filter.mechanization", "axes of the mechanization", common)))
+        .add(of_setting<R>("smooth", "filter.smooth", "fixed-interval smoother after the filter", common))
+        .add(of_setting<R>("backward", "filter.backward",
+                           "a filter backward in time as well, and its difference from the forward one with its sigma", common));
+    add_run(table);
+    Option<R> check = of_setting<R>("self-check", "filter.self_check",
+                                    "on (default): process withholds fixes in windows of its own, measures how true the sigmas are, and widens the noise "
+                                    "of the inertial unit where they are too small",
+                                    common);
+    check.spec.shape = Shape::Text;
+    check.spec.choices = {"on", "off"};
+    check.set = [](R& r, const Value& v) {
+        common(r).above.push_back({"filter.self_check", {*v.text() == "on"}, {"--self-check", 0, 0, {}}});
+    };
+    table.add(written("on|off", std::move(check)))
+        .add(otherwise("10", written("HZ", of_setting<R>("output-rate", "output.rate_hz", "rate of the solution; 0 = every IMU epoch", common))));
+}
+
+template <class R>
+Option<R> input(const char* placeholder, const char* key, const char* help) {
+    return argument(placeholder, path<R>(key, help, [](auto& r) -> auto& { return common(r).input; }));
+}
+
+template <class R>
+Option<R> output(const char* help, const char* usual) {
+    return output_option<R>(help, usual, [](auto& r) -> auto& { return common(r).output; });
+}
+
+template <class R>
+Option<R> seed(const char* help) {
+    return seed_option<R>(help, [](auto& r) -> auto& { return common(r).seed; });
+}
+
+struct SimulateRequest {
+    std::filesystem::path scenario, output;
+    std::optional<std::uint64_t> seed;
+};
+
+struct MonteCarloRequest {
+    ProcessRequest common;
+    std::optional<std::size_t> runs;
+    int jobs = 0;
+};
+
+Command demo() {
+    OptionTable<ProcessRequest> t;
+    t.add(output<ProcessRequest>("folder to write to", "out/demo"));
+    add_processing(t);
+    return command<ProcessRequest>("demo", "simulate a drive, process its logs, evaluate, write a report", "  schuler demo\n  schuler demo -o /tmp/demo",
+                                   std::move(t), table_json, true, run_demonstration);
+}
+
+Command simulate() {
+    using R = SimulateRequest;
+    OptionTable<R> t;
+    t.add(argument("SCENARIO", path<R>("scenario", "scenario file", [](auto& r) -> auto& { return r.scenario; })))
+        .add(required(lettered('o', written("DIR", path<R>("output", "folder of the data set", [](auto& r) -> auto& { return r.output; })))))
+        .add(seed_option<R>("instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));
+    return command<R>("simulate", "write the sensor logs and the truth of a scenario as a data set",
+                      "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper-a-flight.toml -o /tmp/flight --seed 7\n"
+                      "`schuler help scenario` lists the keys of a scenario file.",
+                      std::move(t), "", false, [](const R& r) { return simulate_to_folder(r.scenario, r.output, r.seed); });
+}
+
+Command process() {
+    OptionTable<ProcessRequest> t;
+    t.add(input<ProcessRequest>("DATASET", "dataset", "folder, dataset.toml, KF-GINS YAML file, or a log"))
+        .add(output<ProcessRequest>("folder to write to", "out/NAME"));
+    add_processing(t);
+    return command<ProcessRequest>(
+        "process", "from the logs of a data set to its trajectory",
+        "  schuler process drive/                                  a folder with dataset.toml, or one that is recognised\n"
+        "  schuler process drive/ --smooth --outage 50:15,100:15   withhold GNSS, see how far it drifts\n"
+        "  schuler process kf-gins.yaml --outputs solution,summary --output-rate 0\n"
+        "  schuler process drive/ --set imu.grade=mems --set gnss.lever_arm_m=[0.5,0,-1]\n"
+        "  schuler process drive/ --config out/drive/config.toml   the same settings again\n"
+        "`schuler help settings` lists the keys of dataset.toml, --config and --set.",
+        std::move(t), table_json, true, process_dataset);
+}
+
+Command run() {
+    OptionTable<ProcessRequest> t;
+    t.add(input<ProcessRequest>("SCENARIO", "scenario", "scenario file"))
+        .add(output<ProcessRequest>("folder to write to", "out/NAME"))
+        .add(seed<ProcessRequest>("instead of the scenario's"));
+    add_processing(t);
+    return command<ProcessRequest>("run", "simulate a scenario, process and evaluate it in one go",
+                                   "  schuler run examples/paper-a-flight.toml\n  schuler run examples/demo.toml --seed 3 --smooth --json\n"
+                                   "`schuler help scenario` lists the keys of a scenario file.",
+                                   std::move(t), table_json, true, run_scenario);
+}
+
+Command attitude() {
+    using R = AhrsRequest;
+    OptionTable<R> t;
+    t.add(input<R>("DATASET", "dataset", "folder, dataset.toml, or a log"))
+        .add(output<R>("folder to write to", "out/NAME"))
+        .add(written("FILTER", one_of<R>("filter", {"dcm", "quaternion", "quaternion-printed", "quaternion-coupled", "mekf"},
+                                         "direction cosines, quaternion, quaternion as the paper prints it, quaternion whose horizon a magnet can tilt, "
+                                         "or multiplicative Kalman filter",
+                                         [](auto& r) -> auto& { return r.filter; })))
+        .add(settings::flag<R>("six-axis", "leave the magnetometer out; heading starts at zero", [](auto& r) -> auto& { return r.six_axis; }))
+        .add(settings::flag<R>("offline", "forward filter and backward smoother (mekf)", [](auto& r) -> auto& { return r.offline; }))
+        .add(settings::flag<R>("calibrate", "ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree",
+                               [](auto& r) -> auto& { return r.calibrate; }))
+        .add(otherwise("all", written("LIST", of_setting<R>("outputs", "output.files", "what is written beside summary.json: solution,report,config",
+                                                            common))));
+    add_settings(t);
+    return command<R>("ahrs", "attitude and heading from gyro, accelerometer and magnetometer",
+                      "  schuler ahrs hand/                              the multiplicative filter, nine axes\n"
+                      "  schuler ahrs hand/ --offline                    forwards and backwards\n"
+                      "  schuler ahrs hand/ --six-axis --json            without the magnetometer\n"
+                      "  schuler ahrs hand/ --filter quaternion-coupled  the filter whose horizon a magnet can tilt\n"
+                      "  schuler ahrs flight/ --calibrate                magnetometer and accelerometer calibrated from this log\n"
+                      "Heading is true where position and date are known (World Magnetic Model), magnetic otherwise.",
+                      std::move(t), table_json, true, ahrs_dataset);
+}
+
+Command montecarlo() {
+    using R = MonteCarloRequest;
+    OptionTable<R> t;
+    t.add(input<R>("SCENARIO", "scenario", "scenario file"))
+        .add(lettered('n', written("RUNS", otherwise("the scenario's, else 100", settings::integer<R>("runs", 1, 1000000, "number of Monte Carlo runs",
+                                                                                                      [](auto& r) -> auto& { return r.runs; })))))
+        .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
+        .add(output<R>("folder to write to", "out/NAME-montecarlo"))
+        .add(seed<R>("of the first run, instead of the scenario's"));
+    add_processing(t);
+    return command<R>("montecarlo", "many runs of a scenario with seeds of their own: errors and consistency over the runs",
+                      "  schuler montecarlo examples/paper-a-flight.toml -n 100\n"
+                      "  schuler montecarlo examples/paper-a-flight.toml -n 20 --jobs 2 --set filter.loop=open\n"
+                      "Run k has the seed of the scenario plus k: `schuler run SCENARIO --seed ...` repeats it. The files do not depend on --jobs\n"
+                      "(but for the speed in summary.json). [montecarlo] vary draws settings anew for each run.",
+                      std::move(t), table_json, true, [](const R& r) { return study::run_montecarlo(r.common, r.runs, r.jobs); });
+}
+
+}  // namespace
+
+void add_data_commands(std::vector<Command>& list) {
+    for (Command (*make)() : {demo, simulate, process, run, attitude, montecarlo}) list.push_back(make());
+}
+
+}  // namespace schuler::app

@@ -1,0 +1,44 @@
+#include "schuler/dataset/imu_log.h"
+
+#include "schuler/core/error.h"
+#include "schuler/core/units.h"
+#include "schuler/dataset/paths.h"
+#include "schuler/inspect/inspect.h"
+#include "schuler/math/quantile.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::dataset {
+
+namespace fs = std::filesystem;
+
+void diagnose_imu_log(const fs::path& folder, const Description& description) {
+    if (folder.empty() || description.imu.file.empty() || !description.imu.scale.empty()) return;
+    const fs::path file = resolved(folder, description.imu.file, "imu.file");
+    for (const inspect::FileReport& report : inspect::inspect(file.parent_path()).files) {   // with the fixes to compare with
+        if (report.path != file.filename()) continue;
+        for (const inspect::Problem& problem : report.problems)
+            if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.mend);
+    }
+}
+
+void check_gravity_shows(const std::vector<ImuSample>& imu, ImuKind kind, const fs::path& folder, const Description& description) {
+    if (imu.size() < 100) return;
+    std::vector<double> norms;
+    const std::size_t stride = std::max<std::size_t>(1, imu.size() / 5000);
+    for (std::size_t i = stride; i < imu.size(); i += stride) {
+        const double dt = kind == ImuKind::Rates ? 1.0 : (imu[i].time - imu[i - 1].time).seconds();
+        if (dt > 0.0 && imu[i].accel.allFinite()) norms.push_back(imu[i].accel.norm() / dt);
+    }
+    const double size = math::median(std::move(norms));
+    if (std::isnan(size) || (size > 0.6 * units::g0 && size < 1.7 * units::g0)) return;
+    diagnose_imu_log(folder, description);
+    throw input_error(fmt::format("the accelerometers show {:.4g} m/s2 (median norm), not gravity", size),
+                      {description.imu.file, 0, 0, "imu.scale"},
+                      "check the unit of these columns and [imu] scale; data without gravity cannot be used");
+}
+
+}  // namespace schuler::dataset

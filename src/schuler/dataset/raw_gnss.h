@@ -1,0 +1,41 @@
+// Fixes from raw measurements: the files a data set names, solved epoch by epoch.
+#pragma once
+
+#include "schuler/core/error.h"
+#include "schuler/core/log.h"
+#include "schuler/core/samples.h"
+#include "schuler/dataset/description.h"
+#include "schuler/gnss/observation.h"
+#include "schuler/gnss/satellite_source.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace schuler::dataset {
+
+/// The receiver's logs, one a file, and everything that tells of satellites.
+struct RawLogs {
+    gnss::Navigation navigation;
+    std::vector<gnss::ObservationLog> logs;
+};
+/// @throws Error(Input): a file that cannot be read, no ephemerides.
+[[nodiscard]] RawLogs read_raw_logs(const std::filesystem::path& folder, const RawGnssConfig& raw, WarningLog& warnings);
+
+/// Satellites of the settings: precise orbits where a file is named, else the broadcast ones.
+[[nodiscard]] std::unique_ptr<gnss::SatelliteSource> satellites(const std::filesystem::path& folder, const RawGnssConfig& raw,
+                                                                const gnss::Navigation& navigation, WarningLog& warnings);
+
+/// Single-point fixes in GPS time since 1980 from the files of config.raw, whose relative paths start at `folder`. Epochs without
+/// a solution are counted in the log by their reason. @throws Error(Input): a file that cannot be read, no fix at all.
+[[nodiscard]] std::vector<GnssFix> fixes_from_raw(const std::filesystem::path& folder, const RawGnssConfig& raw,
+                                                  WarningLog& warnings);
+
+/// Warns where broadcast coefficients are needed and there are none.
+void warn_of_missing_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings);
+
+/// A solved epoch as a fix.
+[[nodiscard]] GnssFix fix_from(const gnss::SinglePointSolution& solution);
+
+}  // namespace schuler::dataset

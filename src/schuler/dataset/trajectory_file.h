@@ -1,0 +1,26 @@
+// A trajectory from any file that can be read as one.
+#pragma once
+
+#include "schuler/core/log.h"
+#include "schuler/core/nav_state.h"
+#include "schuler/core/samples.h"
+#include "schuler/io/text/csv_recording.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace schuler::dataset {
+
+/// Truth or another program's solution: CSV with names, solution.csv, or a table of ten columns without them (time, latitude,
+/// longitude, height, velocity NED, roll, pitch, heading in degrees). @throws Error(Input).
+[[nodiscard]] std::vector<ReferenceSample> read_reference(const io::TextInput& file, io::CsvOptions options, WarningLog& warnings);
+
+/// A table with that many numbers in each row, without names, that the options do not explain column by column.
+[[nodiscard]] bool is_bare_table(const io::TextInput& input, const io::CsvOptions& options, int columns);
+
+/// solution.csv, a reference, a folder with solution.csv, a trajectory of any format that is read (a stream of it: FILE#STREAM), or ten columns without names (time,
+/// latitude, longitude, height, velocity NED, roll, pitch, heading). Absent components are NaN; at least one row.
+/// @throws Error(Input) with file, line, column and mend.
+[[nodiscard]] std::vector<SolutionRow> read_trajectory(const std::filesystem::path& file, WarningLog& warnings);
+
+}  // namespace schuler::dataset

@@ -1,0 +1,158 @@
+// Instruments of logs that room io reads as a whole: containers, receivers' solutions.
+#include "schuler/core/log.h"
+#include "schuler/inspect/detail/recognise.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::inspect::detail {
+namespace {
+
+/// What the columns of a stream mean, found as those of a table are.
+io::ColumnPlan plan_of(const io::Stream& stream, const std::string& time_name, const ReadAs& as) {
+    io::TableLayout layout;
+    layout.names.push_back(time_name);
+    for (const io::Stream::Column& column : stream.columns) layout.names.push_back(column.name);
+    if (!stream.fix.empty()) layout.names.emplace_back("fix");
+    layout.columns = layout.data_columns = static_cast<int>(layout.names.size());
+    return io::match_columns(layout, stream.kind, as.overrides);
+}
+
+std::vector<double> scaled(const std::vector<double>& values, const io::ColumnMatch& match) {
+    if (match.factor == 1.0 && match.offset == 0.0) return values;
+    std::vector<double> out;
+    out.reserve(values.size());
+    for (const double v : values) out.push_back(v * match.factor + match.offset);
+    return out;
+}
+
+}  // namespace
+
+std::vector<std::string> explained_columns(const LoadedFile& file) {
+    std::vector<std::string> out;
+    try {
+        if (const io::Format* format = io::format_of(io::stream_path(file.path).file))
+            out.push_back(fmt::format("format {} ({}), recognised by its content", format->name, format->title));
+        else
+            out.emplace_back("of no format that is known (schuler help formats)");
+    } catch (const Error&) {
+        return out;
+    }
+    for (const io::ColumnMatch& m : file.plan.matches) {
+        std::string line = fmt::format("{} <- {} ({}", m.canonical, m.file_name, io::name_of(m.certainty));
+        if (m.canonical.find("time") == std::string::npos && m.factor != 1.0) line += fmt::format(", times {:.9g}", m.factor);
+        if (m.canonical.find("time") != std::string::npos)
+            line += m.time_unit == io::TimeUnit::Seconds        ? ", seconds"
+                    : m.time_unit == io::TimeUnit::Milliseconds ? ", milliseconds"
+                    : m.time_unit == io::TimeUnit::Microseconds ? ", microseconds"
+                                                                : ", nanoseconds";
+        if (m.height != io::HeightKind::Unstated) line += fmt::format(", {}", io::name_of(m.height));
+        line += m.unit_stated ? ")" : ", unit judged by value)";
+        out.push_back(std::move(line));
+    }
+    if (file.plan.unused.empty()) return out;
+    std::string unused;
+    for (const std::string& name : file.plan.unused) unused += (unused.empty() ? "" : ", ") + name;
+    out.push_back("not used: " + unused);
+    return out;
+}
+
+void take_stream(LoadedFile& file, const io::Stream& stream, io::Clock clock) {
+    const std::string time_name(io::time_name(clock));
+    file.plan = plan_of(stream, time_name, file.as);
+    if (stream.own_frame) {
+        file.report.kind = "trajectory";
+        file.report.contents.push_back(stream.source + ": attitude and position in a frame of its own, which no other log knows");
+    } else {
+        file.table = stream.kind;
+    }
+    file.time_ns = stream.time_ns;
+    file.fix = stream.fix;
+    file.gps_time = clock == io::Clock::Gps;
+    for (const io::ColumnMatch& match : file.plan.matches) {
+        const auto column = std::ranges::find(stream.columns, match.file_name, &io::Stream::Column::name);
+        if (column != stream.columns.end()) file.columns[match.canonical] = scaled(column->values, match);
+    }
+    file.report.columns.push_back(time_name);
+    for (const io::Stream::Column& column : stream.columns) file.report.columns.push_back(column.name);
+}
+
+void read_one_stream(LoadedFile& file, const io::Format& format) {
+    WarningLog log;
+    const io::StreamLog streams = format.read(io::TextInput(file.path), log);
+    file.report.kind = format.name;
+    if (streams.streams.empty()) return;
+    take_stream(file, streams.streams.front(), streams.clock);
+    if (format.name == "nmea") {
+        file.fix_table = "NMEA quality";
+        if (streams.clock != io::Clock::Gps)
+            file.problem(Level::Warning, "no sentence gives the date: times are seconds of the UTC day",
+                         "log RMC or ZDA sentences too, or give [time] date = ...");
+    } else if (format.name == "rtklib_pos") {
+        file.fix_table = "RTKLIB Q";
+    }
+    for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");
+}
+
+std::vector<LoadedFile> load_streams(const std::filesystem::path& path, const std::string& name, const io::Format& format) {
+    std::vector<LoadedFile> files;
+    const auto add = [&](const std::string& stream) -> LoadedFile& {
+        LoadedFile& file = files.emplace_back();
+        file.path = stream.empty() ? path : std::filesystem::path(path.string() + "#" + stream);
+        file.report.path = stream.empty() ? name : name + "#" + stream;
+        file.report.kind = format.name;
+        file.report.start_s = file.report.stop_s = std::nan("");
+        return file;
+    };
+    WarningLog log;
+    io::StreamLog streams;
+    try {
+        streams = format.read(io::TextInput(path), log);
+    } catch (const std::exception& e) {
+        const auto* error = dynamic_cast<const Error*>(&e);
+        add("").problem(Level::Error, error != nullptr ? error->reason() : std::string(e.what()), error != nullptr ? error->mend() : "");
+        return files;
+    }
+    for (const io::Stream& stream : streams.streams) {
+        LoadedFile& file = add(stream.name);
+        file.report.kind = io::name_of(stream.kind);
+        file.report.contents.push_back("of " + stream.source);
+        if (files.size() == 1) {
+            file.report.contents.insert(file.report.contents.end(), streams.contents.begin(), streams.contents.end());
+            for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");
+        }
+        take_stream(file, stream, streams.clock);
+        finish(file);
+    }
+    return files;
+}
+
+LoadedFile load_given_stream(const std::filesystem::path& path, const std::string& name, const ReadAs& as) {
+    LoadedFile file;
+    file.path = path;
+    file.as = as;
+    file.report.path = name;
+    file.report.kind = "unknown";
+    file.report.start_s = file.report.stop_s = std::nan("");
+    const io::StreamPath where = io::stream_path(path);
+    try {
+        const io::Format* format = io::format_of(where.file);
+        if (format == nullptr || format->read == nullptr) return file;
+        WarningLog log;
+        const io::StreamLog streams = format->read(io::TextInput(where.file), log);
+        const io::Stream* stream = streams.find(where.stream);
+        if (stream == nullptr || stream->kind != as.kind) return file;   // its loader says what is wrong
+        file.report.kind = io::name_of(stream->kind);
+        take_stream(file, *stream, streams.clock);
+        for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");
+        finish(file);
+    } catch (const Error& e) {
+        file.problem(Level::Error, e.reason(), e.mend());
+        file.table.reset();
+    }
+    return file;
+}
+
+}  // namespace schuler::inspect::detail

@@ -1,0 +1,14 @@
+// Blocks of containers as they were before compression: zstd, LZ4 frames, bzip2.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace schuler::io {
+
+/// Decompressed bytes. @param method "", "none", "zstd", "lz4" or "bz2"; @param size what the container says it becomes, 0: not known
+/// @throws Error(Input) without a place, saying what is wrong: damaged, another method, more than 4 GB
+[[nodiscard]] std::string decompressed(std::string_view bytes, std::string_view method, std::size_t size);
+
+}  // namespace schuler::io

@@ -1,0 +1,296 @@
+// MCAP, the container of ROS 2 and Foxglove: records, chunks, channels and messages [MCAP].
+#include "schuler/core/error.h"
+#include "schuler/core/units.h"
+#include "schuler/io/atomic_file.h"
+#include "schuler/io/bytes.h"
+#include "schuler/io/container/compression.h"
+#include "schuler/io/container/ros_messages.h"
+#include "schuler/io/detail/little_endian.h"
+#include "schuler/io/formats.h"
+#include "schuler/io/place.h"
+#include "schuler/math/rotation.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <map>
+
+namespace schuler::io {
+namespace {
+
+constexpr std::string_view magic("\x89MCAP0\r\n", 8);
+enum Op : unsigned char { Header = 1, Footer = 2, Schema = 3, Channel = 4, Message = 5, Chunk = 6, DataEnd = 15 };
+constexpr std::size_t record_head = 9;
+
+/// A body read from its beginning; beyond its end everything is empty, and ok() false.
+class Body {
+public:
+    explicit Body(std::string_view bytes) : bytes_(bytes) {}
+    template <class T>
+    T number() {
+        ok_ = ok_ && bytes_.size() - at_ >= sizeof(T);
+        if (!ok_) return T{};
+        at_ += sizeof(T);
+        return detail::load<T>(bytes_.data() + at_ - sizeof(T));
+    }
+    std::string_view text(std::uint64_t size) {
+        ok_ = ok_ && size <= bytes_.size() - at_;
+        if (!ok_) return {};
+        at_ += size;
+        return bytes_.substr(at_ - size, size);
+    }
+    std::string_view text() { return text(number<std::uint32_t>()); }
+    [[nodiscard]] std::string_view rest() const { return bytes_.substr(at_); }
+    [[nodiscard]] bool ok() const { return ok_; }
+
+private:
+    std::string_view bytes_;
+    std::size_t at_ = 0;
+    bool ok_ = true;
+};
+
+class McapReader {
+public:
+    explicit McapReader(std::string file) : file_(std::move(file)) {}
+
+    RosMessages messages;
+    std::size_t cut_at = 0, damaged = 0, first_damaged = 0;
+
+    void read(std::string_view bytes) {
+        std::size_t at = magic.size();
+        while (at + record_head <= bytes.size()) {
+            const auto op = static_cast<unsigned char>(bytes[at]);
+            const auto size = detail::load<std::uint64_t>(bytes.data() + at + 1);
+            if (size > bytes.size() - at - record_head) {
+                cut_at = at;
+                return;
+            }
+            const std::string_view body = bytes.substr(at + record_head, size);
+            if (op == DataEnd || op == Footer) return;
+            if (op == Chunk)
+                chunk(body, at);
+            else
+                record(op, body, at);
+            at += record_head + size;
+        }
+        cut_at = at;
+    }
+
+private:
+    struct Known {
+        std::string topic, type;
+        bool wanted = false;
+        RosLayout layout = RosLayout::Cdr;
+    };
+
+    void bad(std::size_t at) {
+        if (damaged++ == 0) first_damaged = at;
+    }
+
+    void record(unsigned char op, std::string_view bytes, std::size_t at) {
+        Body body(bytes);
+        if (op == Message) {
+            const auto channel = body.number<std::uint16_t>();
+            (void)body.number<std::uint32_t>();
+            const auto logged = body.number<std::uint64_t>();
+            (void)body.number<std::uint64_t>();
+            const auto it = channels_.find(channel);
+            if (!body.ok() || it == channels_.end()) return bad(at);
+            if (it->second.wanted) messages.add(it->second.topic, it->second.type, it->second.layout, body.rest(), static_cast<std::int64_t>(logged));
+        } else if (op == Schema) {
+            const auto id = body.number<std::uint16_t>();
+            const std::string_view name = body.text();
+            if (body.ok()) schemas_[id] = name;
+        } else if (op == Channel) {
+            const auto id = body.number<std::uint16_t>(), schema = body.number<std::uint16_t>();
+            const std::string_view topic = body.text(), encoding = body.text();
+            if (!body.ok()) return bad(at);
+            Known known{std::string(topic), schemas_[schema], false, encoding == "ros1" ? RosLayout::Packed : RosLayout::Cdr};
+            known.wanted = RosMessages::is_read(known.type) && (encoding == "cdr" || encoding == "ros1");
+            messages.mention(known.topic, known.type.empty() ? std::string(encoding) : known.type);
+            channels_[id] = std::move(known);
+        }
+    }
+
+    void chunk(std::string_view bytes, std::size_t at) {
+        Body body(bytes);
+        (void)body.number<std::uint64_t>();
+        (void)body.number<std::uint64_t>();
+        const auto size = body.number<std::uint64_t>();
+        const auto check = body.number<std::uint32_t>();   // zero: there is none
+        const std::string_view method = body.text();
+        const std::string_view packed = body.text(body.number<std::uint64_t>());
+        if (!body.ok()) return bad(at);
+        std::string own;
+        std::string_view records = packed;
+        if (!method.empty() && method != "none") {
+            try {
+                own = decompressed(packed, method, size);
+            } catch (const Error& e) {
+                throw input_error(fmt::format("the chunk at byte {}: {}", at, e.reason()), place_in(file_), e.mend());
+            }
+            records = own;
+        }
+        if (check != 0 && ::crc32(0, reinterpret_cast<const Bytef*>(records.data()), static_cast<uInt>(records.size())) != check) return bad(at);
+        std::size_t inside = 0;
+        while (inside + record_head <= records.size()) {
+            const auto length = detail::load<std::uint64_t>(records.data() + inside + 1);
+            if (length > records.size() - inside - record_head) return bad(at);
+            record(static_cast<unsigned char>(records[inside]), records.substr(inside + record_head, length), at);
+            inside += record_head + length;
+        }
+    }
+
+    std::string file_;
+    std::map<std::uint16_t, std::string> schemas_;
+    std::map<std::uint16_t, Known> channels_;
+};
+
+StreamLog read_mcap(const TextInput& input, WarningLog& warnings) {
+    const std::string bytes = read_bytes(input);
+    if (!bytes.starts_with(magic)) throw input_error("is no MCAP file: its first bytes are others", place_in(input.name()), "choose a .mcap file");
+    McapReader reader(input.name());
+    reader.read(bytes);
+    StreamLog log;
+    reader.messages.finish(log);
+    const std::size_t damaged = reader.damaged + reader.messages.damaged;
+    if (damaged > 0)
+        warnings.add(input.name() + " mcap.damaged", fmt::format("{}: damaged records, the first at byte {}: skipped", input.name(), reader.first_damaged), damaged);
+    if (reader.cut_at > 0)
+        warnings.add(input.name() + " mcap.cut", fmt::format("{}: the file is cut in the record at byte {}: read up to there", input.name(), reader.cut_at));
+    if (log.streams.empty() && reader.damaged > 0)
+        throw input_error(fmt::format("is damaged, the first time at byte {}, and nothing of use is left", reader.first_damaged), place_in(input.name()), "copy the log completely");
+    if (log.streams.empty())
+        throw input_error("holds no instrument that is used", place_in(input.name()),
+                          "it has the topics " + reader.messages.topics() + "; sensor_msgs Imu, NavSatFix, MagneticField, FluidPressure and nav_msgs Odometry are read");
+    return log;
+}
+
+/// Bytes of a ROS 2 message: numbers at multiples of their size.
+class Cdr {
+public:
+    Cdr() : out_("\0\1\0\0", 4) {}
+    template <class T>
+    Cdr& put(T value) {
+        while ((out_.size() - 4) % sizeof(T) != 0) out_.push_back('\0');
+        detail::store(out_, value);
+        return *this;
+    }
+    Cdr& text(std::string_view value) {
+        put(static_cast<std::uint32_t>(value.size() + 1));
+        out_.append(value).push_back('\0');
+        return *this;
+    }
+    Cdr& header(std::int64_t ns, std::string_view frame) {
+        return put(static_cast<std::int32_t>(ns / 1'000'000'000)).put(static_cast<std::uint32_t>(ns % 1'000'000'000)).text(frame);
+    }
+    [[nodiscard]] const std::string& bytes() const { return out_; }
+
+private:
+    std::string out_;
+};
+
+constexpr std::string_view header_definition =
+    "\n================================================================================\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    "================================================================================\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+constexpr std::string_view fix_definition =
+    "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\nfloat64[9] position_covariance\n"
+    "uint8 position_covariance_type\n================================================================================\nMSG: sensor_msgs/NavSatStatus\n"
+    "int8 status\nuint16 service\n";
+
+void record(std::string& out, Op op, const std::string& body) {
+    out.push_back(static_cast<char>(op));
+    detail::store(out, static_cast<std::uint64_t>(body.size()));
+    out += body;
+}
+void put_text(std::string& out, std::string_view value) {
+    detail::store(out, static_cast<std::uint32_t>(value.size()));
+    out += value;
+}
+
+void define(std::string& out, std::uint16_t id, std::string_view topic, std::string_view type, const std::string& definition) {
+    std::string schema, channel;
+    detail::store(schema, id);
+    put_text(schema, type);
+    put_text(schema, "ros2msg");
+    put_text(schema, definition);
+    record(out, Schema, schema);
+    detail::store(channel, id);
+    detail::store(channel, id);
+    put_text(channel, topic);
+    put_text(channel, "cdr");
+    detail::store(channel, std::uint32_t{0});
+    record(out, Channel, channel);
+}
+
+void message(std::string& out, std::uint16_t channel, std::uint32_t number, std::int64_t ns, const std::string& data) {
+    std::string body;
+    detail::store(body, channel);
+    detail::store(body, number);
+    detail::store(body, static_cast<std::uint64_t>(ns));
+    detail::store(body, static_cast<std::uint64_t>(ns));
+    body += data;
+    record(out, Message, body);
+}
+
+void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
+    std::string out(magic), header;
+    put_text(header, "ros2");
+    put_text(header, "schuler");
+    record(out, Header, header);
+    define(out, 1, "/fix", "sensor_msgs/msg/NavSatFix", std::string(fix_definition) + std::string(header_definition));
+    define(out, 2, "/attitude", "geometry_msgs/msg/QuaternionStamped",
+           "std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n================================================================================\n"
+           "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + std::string(header_definition));
+    std::uint32_t number = 0;
+    for (const SolutionRow& r : rows) {
+        const std::int64_t utc_seconds = r.time.ns / 1'000'000'000;
+        // dated times become UTC from 1970, as ROS has them
+        constexpr std::int64_t dated = 100'000'000;
+        const std::int64_t ns = utc_seconds < dated ? r.time.ns : r.time.ns + (unix_time_of_gps_epoch - gps_minus_utc(utc_seconds)) * std::int64_t{1'000'000'000};
+        if (ns < 0) throw input_error("a row has a time before zero, which MCAP cannot hold", {}, "give an output with another clock");
+        Cdr fix;
+        fix.header(ns, "wgs84").put(std::int8_t{0}).put(std::uint16_t{1});
+        fix.put(r.position.lat / units::deg).put(r.position.lon / units::deg).put(r.position.h);
+        const auto& s = r.std_position;
+        for (int i = 0; i < 9; ++i) fix.put(i == 0 ? s.y() * s.y() : i == 4 ? s.x() * s.x() : i == 8 ? s.z() * s.z() : 0.0);
+        fix.put(static_cast<std::uint8_t>(s.allFinite() ? 2 : 0));
+        message(out, 1, number, ns, fix.bytes());
+        if (r.rpy.allFinite()) {
+            Eigen::Matrix3d ned_to_enu;
+            ned_to_enu << 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0;
+            const Eigen::Quaterniond q(ned_to_enu * math::dcm_from_rpy(r.rpy));
+            Cdr attitude;
+            attitude.header(ns, "enu").put(q.x()).put(q.y()).put(q.z()).put(q.w());
+            message(out, 2, number, ns, attitude.bytes());
+        }
+        ++number;
+    }
+    std::string end;
+    detail::store(end, std::uint32_t{0});
+    record(out, DataEnd, end);
+    std::string footer;
+    detail::store(footer, std::uint64_t{0});
+    detail::store(footer, std::uint64_t{0});
+    detail::store(footer, std::uint32_t{0});
+    record(out, Footer, footer);
+    out += magic;
+    write_file(path, out);
+}
+
+}  // namespace
+
+extern const Format mcap_format;
+const Format mcap_format = {
+    .name = "mcap",
+    .title = "MCAP (ROS 2, Foxglove)",
+    .extensions = ".mcap",
+    .holds = "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
+             "their own; zstd and LZ4. Written: NavSatFix and the attitude (body to east-north-up) as QuaternionStamped",
+    .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
+    .recognise = [](const FileHead& head) { return head.starts_with(magic); },
+    .read = read_mcap,
+    .write = write_mcap};
+
+}  // namespace schuler::io

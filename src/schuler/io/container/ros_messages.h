@@ -1,0 +1,41 @@
+// Messages of ROS 1 and ROS 2 as instruments, whatever container they come in.
+#pragma once
+
+#include "schuler/io/streams.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace schuler::io {
+
+/// How the bytes of a message are laid out.
+enum class RosLayout { Packed, Cdr };   ///< ROS 1; ROS 2, each number at a multiple of its size, behind four bytes
+
+/// Collects messages of topics into streams: sensor_msgs Imu, NavSatFix, MagneticField and FluidPressure, nav_msgs Odometry,
+/// geometry_msgs PoseStamped, PoseWithCovarianceStamped and TransformStamped. Times are those of the headers.
+class RosMessages {
+public:
+    /// Whether messages of a type are read ("sensor_msgs/Imu", "sensor_msgs/msg/Imu").
+    [[nodiscard]] static bool is_read(std::string_view type);
+
+    /// One message; damaged ones are counted. @param logged ns since 1970, for messages whose header has no time
+    void add(const std::string& topic, const std::string& type, RosLayout layout, std::string_view message, std::int64_t logged);
+    /// Streams in the order of the topics' names.
+    void finish(StreamLog& log);
+
+    /// A topic that is in the log, read or not: what is said where nothing can be used.
+    void mention(const std::string& topic, const std::string& type) { mentioned_.insert(topic + " (" + type + ")"); }
+    [[nodiscard]] std::string topics() const;
+
+    std::size_t damaged = 0;
+
+private:
+    std::map<std::string, Stream> streams_;
+    std::set<std::string> mentioned_;
+};
+
+}  // namespace schuler::io

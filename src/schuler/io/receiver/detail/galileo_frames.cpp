@@ -1,0 +1,71 @@
+// Pages of Galileo's I/NAV.
+#include "schuler/io/detail/broadcast_scales.h"
+#include "schuler/io/detail/ephemeris_checks.h"
+#include "schuler/io/receiver/detail/navigation_frames.h"
+
+#include <algorithm>
+
+namespace schuler::io::detail {
+
+bool FrameCollector::galileo_page(gnss::SatelliteId satellite, std::span<const std::uint32_t, 8> words, Time now) {
+    BitWriter even, odd;
+    for (const std::uint32_t word : words.first<4>()) even.put(word, 32);
+    for (const std::uint32_t word : words.last<4>()) odd.put(word, 32);
+    const Bits e(even.bytes()), o(odd.bytes());
+    // nominal pages, even part first; the check covers 114 bits of the one and 82 of the other
+    if (e.at(0, 1) != 0 || o.at(0, 1) != 1) return false;
+    if (e.at(1, 1) != 0 || o.at(1, 1) != 0) return true;  // alert pages carry no ephemeris
+    BitWriter checked, data;
+    checked.put(0, 4);  // to whole bytes
+    checked.put(e, 0, 114);
+    checked.put(o, 0, 82);
+    if (crc24q(checked.bytes()) != o.at(82, 24)) return false;
+    data.put(e, 2, 112);
+    data.put(o, 2, 16);
+    const auto type = Bits(data.bytes()).at(0, 6);
+    if (type < 1 || type > 5) return true;
+    GalileoWords& collected = galileo_[satellite];
+    collected.words[type - 1] = data.bytes();
+    if (std::ranges::none_of(collected.words, &std::string::empty)) galileo_ephemeris(satellite, collected, now);
+    return true;
+}
+
+void FrameCollector::galileo_ephemeris(gnss::SatelliteId satellite, const GalileoWords& collected, Time now) {
+    gnss::KeplerEphemeris k;
+    k.satellite = satellite;
+    k.message = gnss::NavMessage::Inav;
+    Bits one(collected.words[0]), two(collected.words[1]), three(collected.words[2]), four(collected.words[3]),
+        five(collected.words[4]);
+    constexpr std::size_t type_bits = 6, issue_bits = 10;
+    k.iode = static_cast<int>(one.at(type_bits, issue_bits));
+    for (Bits* b : {&one, &two, &three, &four}) {
+        b->skip(type_bits);
+        if (b->integer(issue_bits) != k.iode) return;
+    }
+    const double toe = 60.0 * static_cast<double>(one.take(14));
+    k.m0 = angle(one, 32, -31), k.e = scaled_unsigned(one, 32, -33), k.sqrt_a = scaled_unsigned(one, 32, -19);
+    k.omega0 = angle(two, 32, -31), k.i0 = angle(two, 32, -31), k.omega = angle(two, 32, -31), k.idot = angle(two, 14, -43);
+    k.omega_dot = angle(three, 24, -43), k.delta_n = angle(three, 16, -43);
+    k.cuc = scaled(three, 16, -29), k.cus = scaled(three, 16, -29), k.crc = scaled(three, 16, -5), k.crs = scaled(three, 16, -5);
+    k.accuracy = galileo_accuracy(three.integer(8));
+    if (four.integer(6) != satellite.number) return;
+    k.cic = scaled(four, 16, -29), k.cis = scaled(four, 16, -29);
+    const double toc = 60.0 * static_cast<double>(four.take(14));
+    k.af0 = scaled(four, 31, -34), k.af1 = scaled(four, 21, -46), k.af2 = scaled(four, 6, -59);
+    five.skip(6);
+    gnss::GalileoIonosphere ionosphere;
+    ionosphere.a = {scaled_unsigned(five, 11, -2), scaled(five, 11, -8), scaled(five, 14, -15)};
+    navigation_.galileo_ionosphere = ionosphere;
+    five.skip(5);
+    k.group_delay = {scaled(five, 10, -32), scaled(five, 10, -32)};
+    const int health_e5b = five.integer(2), health_e1 = five.integer(2), valid_e5b = five.integer(1), valid_e1 = five.integer(1);
+    k.health = galileo_health(valid_e1, health_e1, valid_e5b, health_e5b);
+    const int week = five.integer(12);
+    const double sent = static_cast<double>(five.take(20));
+    const Time transmitted = from_week_count(satellite.system, week, 4096, sent, now);
+    k.toc = nearest_in_week(toc, transmitted);
+    set_times(k, toe, sent);
+    add(k);
+}
+
+}  // namespace schuler::io::detail

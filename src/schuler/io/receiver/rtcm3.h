@@ -1,0 +1,28 @@
+// RTCM 3 streams: multiple-signal messages and ephemerides.
+#pragma once
+
+#include "schuler/core/log.h"
+#include "schuler/gnss/ephemeris.h"
+#include "schuler/gnss/observation.h"
+#include "schuler/io/rinex/rinex.h"
+
+namespace schuler::io {
+
+struct Rtcm3Log {
+    gnss::ObservationLog observations;   ///< of MSM4 to MSM7
+    gnss::Navigation navigation;         ///< of 1019, 1020, 1042, 1044, 1045, 1046
+    RecordCounts records;                ///< messages; first_bad_line is a byte offset
+};
+
+/// Reads a stream [RTCM10403]. Measurements carry no date. Where there are ephemerides (1019, 1042, 1045, 1046) their weeks date
+/// the stream, so that `near` may be any later instant (up to 19 years with GPS alone, 78 with Galileo); without them it must be
+/// less than half a week from the first measurement, and the log tells the date taken. Later times follow from the first. Other
+/// messages are counted as foreign, bytes between frames passed over; a wrong checksum skips the frame and is told with its byte
+/// offset. Messages of one instant make one epoch.
+/// @throws Error(Input): no frame with a right checksum, none of use.
+[[nodiscard]] Rtcm3Log read_rtcm3(const TextInput& input, Time near, WarningLog& log);
+
+/// Whether the first bytes have a frame with a right checksum. Never throws on content.
+[[nodiscard]] bool is_rtcm3(const TextInput& input);
+
+}  // namespace schuler::io

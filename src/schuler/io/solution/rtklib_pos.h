@@ -1,0 +1,34 @@
+// Solutions of the RTKLIB programs (.pos files).
+#pragma once
+
+#include "schuler/core/log.h"
+#include "schuler/core/samples.h"
+#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/text_input.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace schuler::io {
+
+/// A solution as GNSS fixes in GPS time.
+struct RtklibPos {
+    std::vector<GnssFix> fixes;
+    HeightKind height =
+        HeightKind::Unstated;  ///< as the header says: ellipsoidal, or geodetic (then Msl); ellipsoidal for Earth-fixed
+    std::string time_system = "GPST";          ///< of the file: GPST, UTC or JST
+    bool header_found = false;                 ///< false: the columns were guessed, with a warning
+    RowCounts rows;
+};
+
+/// Reads degrees, degrees-minutes-seconds or Earth-fixed coordinates; calendar or week and seconds; GPST, UTC, JST; any field
+/// separator; standard deviations and velocities where they are. Earth-fixed covariances become sigmas north, east, down.
+/// Rows that cannot be read are skipped and counted (the first line is told in the log). Throws Error(Input): a file of
+/// baselines (east, north, up), no usable row, more than half of the rows unusable.
+[[nodiscard]] RtklibPos read_rtklib_pos(const TextInput& input, WarningLog& log);
+
+/// Whether the first lines look like such a file. Never throws on content.
+[[nodiscard]] bool is_rtklib_pos(const TextInput& input);
+
+}  // namespace schuler::io

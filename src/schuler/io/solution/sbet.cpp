@@ -1,0 +1,102 @@
+// Smoothed best estimates of trajectory (SBET): records of seventeen doubles without a header.
+#include "schuler/core/error.h"
+#include "schuler/core/units.h"
+#include "schuler/io/atomic_file.h"
+#include "schuler/io/bytes.h"
+#include "schuler/io/detail/little_endian.h"
+#include "schuler/io/formats.h"
+#include "schuler/io/place.h"
+#include "schuler/math/rotation.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace schuler::io {
+namespace {
+
+constexpr std::size_t fields = 17, record_size = fields * sizeof(double);
+using Record = std::array<double, fields>;
+
+Record record_at(std::string_view bytes, std::size_t row) { return detail::load<Record>(bytes.data() + row * record_size); }
+
+bool is_record(const Record& r) {
+    constexpr double pi = std::numbers::pi;
+    const auto angle = [](double x) { return std::abs(x) <= 2.0 * pi + 1e-9; };
+    return r[0] >= 0.0 && r[0] < 4e9 && std::abs(r[1]) <= 0.5 * pi && angle(r[2]) && std::abs(r[3]) < 1e6 && std::abs(r[4]) < 1e4 && std::abs(r[5]) < 1e4 &&
+           std::abs(r[6]) < 1e4 && (angle(r[7]) || std::isnan(r[7])) && (angle(r[8]) || std::isnan(r[8])) && (std::abs(r[9]) < 20.0 || std::isnan(r[9])) &&
+           std::abs(r[10]) < 20.0 && (r[1] != 0.0 || r[2] != 0.0);
+}
+
+bool is_sbet(const FileHead& head) {
+    const std::string_view bytes = head.bytes;
+    if (bytes.size() < record_size) return false;
+    if (bytes.size() < 65'536 && bytes.size() % record_size != 0 && head.extension != ".sbet" && head.extension != ".out") return false;
+    double before = -1.0;
+    for (std::size_t i = 0; i < bytes.size() / record_size && i < 50; ++i) {
+        const Record r = record_at(bytes, i);
+        if (!is_record(r) || r[0] < before) return false;
+        before = r[0];
+    }
+    return true;
+}
+
+StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
+    const std::string bytes = read_bytes(input);
+    StreamLog log;
+    Stream s("reference", TableKind::Reference, "SBET",
+             {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"});
+    std::size_t damaged = 0, first = 0;
+    double latest = 0.0;
+    for (std::size_t i = 0; i < bytes.size() / record_size; ++i) {
+        const Record r = record_at(bytes, i);
+        if (!is_record(r)) {
+            if (damaged++ == 0) first = i * record_size;
+            continue;
+        }
+        // the wander frame is turned against north by the wander angle: heading is the platform's less it
+        const double c = std::cos(r[10]), w = std::sin(r[10]);
+        s.add(Duration::from_seconds(r[0]).ns, {r[1] / units::deg, r[2] / units::deg, r[3], c * r[4] + w * r[5], -w * r[4] + c * r[5], r[6], r[7] / units::deg,
+                                                r[8] / units::deg, math::wrap_2pi(r[9] - r[10]) / units::deg});
+        latest = std::max(latest, r[0]);
+    }
+    constexpr double week = 604'800.0;
+    log.clock = latest <= 2.0 * week ? Clock::SecondsOfWeek : Clock::Gps;
+    if (damaged > 0)
+        warnings.add(input.name() + " sbet.damaged", fmt::format("{}: damaged records, the first at byte {}: skipped", input.name(), first), damaged);
+    if (bytes.size() % record_size != 0)
+        warnings.add(input.name() + " sbet.cut", fmt::format("{}: the file is cut in the record at byte {}: read up to there", input.name(), bytes.size() / record_size * record_size));
+    log.add(std::move(s));
+    if (log.streams.empty()) throw input_error("holds no record of an SBET", place_in(input.name()), "records have 17 doubles: time, latitude, longitude, ...");
+    return log;
+}
+
+void write_sbet(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
+    std::string out;
+    out.reserve(rows.size() * record_size);
+    constexpr std::int64_t week = 604'800'000'000'000;
+    for (const SolutionRow& r : rows) {
+        const bool dated = r.time.ns > 2 * week;
+        const Record record = {Duration{dated ? r.time.ns % week : r.time.ns}.seconds(), r.position.lat, r.position.lon, r.position.h, r.v_eb_n.x(), r.v_eb_n.y(), r.v_eb_n.z(), r.rpy.x(), r.rpy.y(), r.rpy.z()};
+        detail::store(out, record);
+    }
+    write_file(path, out);
+}
+
+}  // namespace
+
+extern const Format sbet_format;
+const Format sbet_format = {
+    .name = "sbet",
+    .title = "SBET",
+    .extensions = ".sbet .out",
+    .holds = "position, velocity and attitude (the wander angle taken out) as reference; accelerations and rates are not an IMU's and are left; written with "
+             "seconds of the week, wander angle, accelerations and rates zero",
+    .time = "seconds of the GPS week",
+    .recognise = is_sbet,
+    .read = read_sbet,
+    .write = write_sbet};
+
+}  // namespace schuler::io

@@ -1,0 +1,373 @@
+#include "schuler/io/text/columns.h"
+
+#include "schuler/core/units.h"
+#include "schuler/io/text/detail/column_dictionary.h"
+#include "schuler/io/text/own_frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <tuple>
+#include <utility>
+
+namespace schuler::io {
+namespace {
+
+using detail::Dimension;
+using detail::Quantity;
+using Words = std::vector<std::string>;
+
+std::string joined(const Words& words, std::size_t first, std::size_t last) {
+    std::string text;
+    for (std::size_t i = first; i < last; ++i) text += (i > first ? "_" : "") + words[i];
+    return text;
+}
+
+enum class StemFound { No, Clear, Guess };
+
+StemFound find_stem(const Quantity& quantity, const std::string& stem) {
+    const std::string& stems = quantity.stems;
+    for (std::size_t at = stems.find(stem); at != std::string::npos && !stem.empty(); at = stems.find(stem, at + 1)) {
+        const std::size_t end = at + stem.size();
+        if ((at > 0 && stems[at - 1] != ' ') || (end < stems.size() && stems[end] != ' ')) continue;
+        return stems.find('|') < at ? StemFound::Guess : StemFound::Clear;
+    }
+    return StemFound::No;
+}
+
+/// Factor from the named unit to the unit in the canonical name; dtheta has radians where other angles have degrees.
+std::optional<UnitFactor> factor_of(const Quantity& quantity, const std::string& unit) {
+    std::optional<UnitFactor> factor = detail::unit_factor(quantity.dimension, unit);
+    if (factor && quantity.canonical.ends_with("_rad")) factor->factor = unit == "rad" ? 1.0 : factor->factor * units::deg;
+    return factor;
+}
+
+/// Codes behind "fix" belong to the name (fix_rtk1fix_2float_5single, fix_3is3d).
+bool is_fix_with_codes(const Quantity& quantity, const Words& words) {
+    return quantity.canonical == "fix" && words.size() > 1 && words[0] == "fix" && words[1] != "time" && words[1] != "age";
+}
+
+HeightKind height_kind(const Quantity& quantity, const Words& words) {
+    const auto has = [&](std::string_view w) { return std::find(words.begin(), words.end(), w) != words.end(); };
+    if (has("onboard") || has("autopilot") || has("ekf")) return HeightKind::Autopilot;
+    if (quantity.height != HeightKind::Unstated) return quantity.height;
+    if (has("msl") || has("amsl") || has("hmsl")) return HeightKind::Msl;
+    if (has("rel") || has("relative") || has("agl")) return HeightKind::Relative;
+    if (has("ellipsoidal") || has("hae") || has("ell")) return HeightKind::Ellipsoidal;
+    return HeightKind::Unstated;
+}
+
+struct Candidate {
+    ColumnMatch match;
+    std::size_t stripped = 0;   ///< origin words taken off
+    bool empty = false;         ///< no value in the first rows: a last resort
+
+    [[nodiscard]] bool better_than(const Candidate& other) const {
+        return std::tuple(empty, match.certainty, stripped) < std::tuple(other.empty, other.match.certainty, other.stripped);
+    }
+};
+
+void apply_unit(const Quantity& quantity, const std::string& unit, ColumnMatch& match) {
+    if (quantity.dimension == Dimension::Time) {
+        if (const auto found = detail::time_unit(unit)) {
+            match.time_unit = *found;
+            match.unit_stated = true;
+        }
+    } else if (const auto factor = factor_of(quantity, unit)) {
+        match.factor = factor->factor;
+        match.offset = factor->offset;
+        match.unit_stated = true;
+    }
+}
+
+/// Does a name (its words) mean this quantity, perhaps behind words of origin and before a unit?
+std::optional<Candidate> recognise(const Quantity& quantity, const Words& words) {
+    for (std::size_t first = 0; first < words.size(); ++first) {
+        if (first > 0 && !detail::is_origin_word(words[first - 1])) break;
+        // The time of the velocity is not the time of the row.
+        if (first > 0 && quantity.dimension == Dimension::Time &&
+            (words[first - 1].starts_with("vel") || words[first - 1].starts_with("pos")))
+            break;
+        for (std::size_t unit_words = std::min<std::size_t>(3, words.size() - first) + 1; unit_words-- > 0;) {
+            const std::size_t stop = words.size() - unit_words;
+            if (stop == first && unit_words > 0) continue;
+            Candidate c;
+            if (unit_words > 0) {
+                apply_unit(quantity, joined(words, stop, words.size()), c.match);
+                if (!c.match.unit_stated) continue;
+            }
+            const std::string stem = joined(words, first, stop);
+            StemFound found = find_stem(quantity, stem);
+            if (found == StemFound::No && first == 0 && unit_words == 0 && is_fix_with_codes(quantity, words))
+                found = StemFound::Clear;
+            if (found == StemFound::No) continue;
+            if (quantity.dimension == Dimension::Count) c.match.unit_stated = true;
+            if (quantity.dimension == Dimension::Time && unit_words == 0)
+                apply_unit(quantity, stem == "itow" || stem == "i_tow" ? "ms" : stem, c.match);
+            c.match.canonical = quantity.canonical;
+            c.match.certainty = found == StemFound::Clear && c.match.unit_stated ? Certainty::Synonym : Certainty::Guess;
+            if (joined(words, 0, words.size()) == quantity.canonical) c.match.certainty = Certainty::Exact;
+            if (quantity.dimension == Dimension::Length) c.match.height = height_kind(quantity, words);
+            c.stripped = first;
+            return c;
+        }
+    }
+    return std::nullopt;
+}
+
+bool column_is_empty(const TableLayout& layout, int column) {
+    if (layout.sample.empty()) return false;
+    return std::all_of(layout.sample.begin(), layout.sample.end(), [&](const std::vector<std::string>& row) {
+        return static_cast<std::size_t>(column) >= row.size() || row[static_cast<std::size_t>(column)].empty();
+    });
+}
+
+/// A time without a unit: seconds, unless the numbers are so large that they can only be ticks since 1970.
+TimeUnit unit_by_size(const TableLayout& layout, int column) {
+    if (layout.sample.empty() || static_cast<std::size_t>(column) >= layout.sample.front().size()) return TimeUnit::Seconds;
+    const double value = number_from(layout.sample.front()[static_cast<std::size_t>(column)]);
+    if (value > 1e17) return TimeUnit::Nanoseconds;
+    if (value > 1e14) return TimeUnit::Microseconds;
+    if (value > 1e11) return TimeUnit::Milliseconds;
+    return TimeUnit::Seconds;
+}
+
+std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& layout) {
+    std::optional<Candidate> best;
+    for (std::size_t i = 0; i < layout.names.size(); ++i) {
+        const int column = static_cast<int>(i);
+        std::optional<Candidate> c = recognise(quantity, words_of_name(layout.names[i]));
+        if (!c) continue;
+        c->empty = column_is_empty(layout, column);
+        if (!c->match.unit_stated && i < layout.units.size())
+            apply_unit(quantity, joined(words_of_name(layout.units[i]), 0, words_of_name(layout.units[i]).size()), c->match);
+        if (quantity.dimension == Dimension::Time && !c->match.unit_stated) c->match.time_unit = unit_by_size(layout, column);
+        c->match.factor *= quantity.sign;
+        c->match.offset *= quantity.sign;
+        c->match.column = column;
+        c->match.file_name = layout.names[i];
+        if (!best || c->better_than(*best)) best = std::move(c);
+    }
+    return best;
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size() && i < 40; ++i) text += (i > 0 ? ", " : "") + names[i];
+    return names.size() > 40 ? text + ", ..." : text;
+}
+
+int column_named(const TableLayout& layout, TableKind kind, const std::string& canonical, const std::string& wanted) {
+    const auto exact = std::find(layout.names.begin(), layout.names.end(), wanted);
+    if (exact != layout.names.end()) return static_cast<int>(exact - layout.names.begin());
+    const std::string words = joined(words_of_name(wanted), 0, words_of_name(wanted).size());
+    for (std::size_t i = 0; i < layout.names.size(); ++i) {
+        const Words w = words_of_name(layout.names[i]);
+        if (!words.empty() && joined(w, 0, w.size()) == words) return static_cast<int>(i);
+    }
+    const double number = number_from(wanted.starts_with('#') ? std::string_view(wanted).substr(1) : std::string_view(wanted));
+    if (number >= 1.0 && number <= layout.columns && number == std::floor(number)) return static_cast<int>(number) - 1;
+    const std::string near = nearest_name(wanted, layout.names);
+    const std::string place = fmt::format("{} columns.{}", name_of(kind), canonical);
+    throw input_error(
+        fmt::format("there is no column '{}'", wanted), {layout.file, layout.header_line, 0, place},
+        near.empty() ? fmt::format("the columns are: {}", list_of(layout.names)) : fmt::format("did you mean '{}'?", near));
+}
+
+/// The user's word on one column. Sign and unit come from the column's own name where it states them.
+ColumnMatch given_match(const TableLayout& layout, TableKind kind, const std::string& canonical, const std::string& wanted) {
+    const int column = column_named(layout, kind, canonical, wanted);
+    const std::string file_name =
+        layout.names.empty() ? fmt::format("#{}", column + 1) : layout.names[static_cast<std::size_t>(column)];
+    const Words words = words_of_name(file_name);
+    ColumnMatch match;
+    bool recognised = false;
+    for (const Quantity& q : detail::quantities(kind)) {
+        if (q.canonical != canonical) continue;
+        if (auto c = recognise(q, words)) {
+            match = c->match;
+            match.factor *= q.sign;
+            recognised = true;
+            break;
+        }
+        for (std::size_t n = std::min<std::size_t>(3, words.size()); n-- > 0 && !match.unit_stated;) {
+            apply_unit(q, joined(words, words.size() - n - 1, words.size()), match);
+        }
+        if (q.dimension == Dimension::Length) match.height = height_kind(q, words);
+    }
+    if (!recognised) match.canonical = canonical;
+    match.column = column;
+    match.file_name = file_name;
+    match.certainty = Certainty::Given;
+    return match;
+}
+
+std::string without_axis(std::string name) {
+    for (const std::string_view axis : {"_x_", "_y_", "_z_"}) {
+        const std::size_t at = name.find(axis);
+        if (at != std::string::npos) return name.erase(at, 2);
+    }
+    return name;
+}
+
+/// Times are read as whole nanoseconds: only powers of ten are units of them.
+TimeUnit time_unit_of(double factor, const SourcePlace& place) {
+    constexpr std::pair<double, TimeUnit> units[] = {{1.0, TimeUnit::Seconds},
+                                                     {1e-3, TimeUnit::Milliseconds},
+                                                     {1e-6, TimeUnit::Microseconds},
+                                                     {1e-9, TimeUnit::Nanoseconds}};
+    for (const auto& [size, unit] : units)
+        if (std::abs(factor / size - 1.0) < 1e-9) return unit;
+    throw input_error(fmt::format("{} s is no unit of time", factor), place, "give 1, 1e-3, 1e-6 or 1e-9 seconds");
+}
+
+void apply_scale(ColumnPlan& plan, const TableLayout& layout, const ColumnOverrides& overrides) {
+    const std::vector<std::string> known = canonical_names(plan.kind);
+    for (const auto& [key, factor] : overrides.scale) {
+        bool used = std::find(known.begin(), known.end(), key) != known.end();
+        for (const std::string& name : known) used = used || without_axis(name) == key;
+        const SourcePlace place{layout.file, 0, 0, fmt::format("{} scale.{}", name_of(plan.kind), key)};
+        if (!used) {
+            const std::string near = nearest_name(key, known);
+            throw input_error("is not a canonical column name", place,
+                              near.empty() ? "known: " + list_of(known) : fmt::format("did you mean '{}'?", near));
+        }
+        if (!std::isfinite(factor) || factor == 0.0)
+            throw input_error(fmt::format("{} is not a usable factor", factor), place, "give a number other than zero");
+        for (ColumnMatch& match : plan.matches) {
+            if (match.canonical != key && without_axis(match.canonical) != key) continue;
+            if (match.canonical.find("time") != std::string::npos)
+                match.time_unit = time_unit_of(factor, place);
+            else
+                match.factor = factor;
+            match.offset = 0.0;
+            match.unit_stated = true;
+        }
+    }
+}
+
+}  // namespace
+
+const ColumnMatch* ColumnPlan::find(std::string_view canonical) const {
+    const auto it = std::find_if(matches.begin(), matches.end(), [&](const ColumnMatch& m) { return m.canonical == canonical; });
+    return it == matches.end() ? nullptr : &*it;
+}
+
+std::vector<std::string> canonical_names(TableKind kind) {
+    std::vector<std::string> names;
+    for (const Quantity& q : detail::quantities(kind)) {
+        if (std::find(names.begin(), names.end(), q.canonical) == names.end()) names.push_back(q.canonical);
+    }
+    return names;
+}
+
+ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const ColumnOverrides& overrides) {
+    ColumnPlan plan;
+    plan.kind = kind;
+    const std::vector<std::string> known = canonical_names(kind);
+    for (const auto& [canonical, wanted] : overrides.columns) {
+        if (std::find(known.begin(), known.end(), canonical) == known.end()) {
+            const std::string near = nearest_name(canonical, known);
+            throw input_error("is not a canonical column name",
+                              {layout.file, 0, 0, fmt::format("{} columns.{}", name_of(kind), canonical)},
+                              near.empty() ? "known: " + list_of(known) : fmt::format("did you mean '{}'?", near));
+        }
+        plan.matches.push_back(given_match(layout, kind, canonical, wanted));
+    }
+    std::vector<Candidate> found;
+    for (const Quantity& quantity : detail::quantities(kind)) {
+        if (overrides.columns.contains(quantity.canonical)) continue;
+        std::optional<Candidate> best = best_for(quantity, layout);
+        if (!best) continue;
+        const auto have =
+            std::find_if(found.begin(), found.end(), [&](const Candidate& c) { return c.match.canonical == quantity.canonical; });
+        if (have == found.end())
+            found.push_back(std::move(*best));
+        else if (best->better_than(*have))
+            *have = std::move(*best);
+    }
+    for (Candidate& c : found) plan.matches.push_back(std::move(c.match));
+    apply_scale(plan, layout, overrides);
+    for (ColumnMatch& match : plan.matches) {
+        if (!overrides.time_unit || match.canonical.find("time") == std::string::npos) continue;
+        if (match.canonical == "time_s" || !match.unit_stated) match.time_unit = *overrides.time_unit;
+        match.unit_stated = true;
+    }
+    for (std::size_t i = 0; i < layout.names.size(); ++i) {
+        const bool used = std::any_of(plan.matches.begin(), plan.matches.end(),
+                                      [&](const ColumnMatch& m) { return m.column == static_cast<int>(i); });
+        if (!used) plan.unused.push_back(layout.names[i]);
+    }
+    return plan;
+}
+
+/// Columns that call themselves the estimate of a filter, or truth: not a receiver's.
+static bool is_estimate(std::string_view name) {
+    const std::vector<std::string> words = words_of_name(name);
+    static constexpr std::string_view sources[] = {"onboard", "ahrs", "ekf", "est", "estimate", "estimated", "autopilot",
+                                                   "filter", "truth", "true", "ref", "reference"};
+    return !words.empty() && std::ranges::find(sources, words.front()) != std::end(sources);
+}
+
+/// Names of what is asked of a vehicle, not of what it does.
+static bool says_command(const std::vector<std::string>& words) {
+    static constexpr std::string_view commands[] = {"setpoint", "setpoints", "sp", "command", "commands", "cmd", "desired", "target", "demand"};
+    return std::ranges::any_of(words, [&](const std::string& word) { return std::ranges::find(commands, word) != std::end(commands); });
+}
+
+/// Every sample row has a number there, and the four are a unit quaternion.
+static bool is_rotation(const TableLayout& layout, const std::array<int, 4>& columns) {
+    std::size_t rows = 0;
+    for (const std::vector<std::string>& row : layout.sample) {
+        double square = 0.0;
+        for (const int column : columns) {
+            const double x = static_cast<std::size_t>(column) < row.size() ? number_from(row[static_cast<std::size_t>(column)]) : NAN;
+            square += x * x;
+        }
+        if (std::isnan(square)) continue;
+        if (std::abs(std::sqrt(square) - 1.0) > 0.02) return false;
+        ++rows;
+    }
+    return rows > 0 || layout.sample.empty();
+}
+
+bool is_own_frame(const TableLayout& layout) {
+    const ColumnPlan plan = match_columns(layout, TableKind::Reference);
+    const auto has = [&](std::string_view name) { return plan.find(name) != nullptr; };
+    return has("local_x_m") && has("local_y_m") && has("local_z_m") && !has("lat_deg") && !has("ecef_x_m");
+}
+
+std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
+    if (says_command(words_of_name(std::filesystem::path(layout.file).stem().string()))) return std::nullopt;
+    const auto commanded = [](const ColumnPlan& plan, std::string_view name) { return says_command(words_of_name(plan.find(name)->file_name)); };
+    const auto complete = [&](TableKind kind, std::initializer_list<std::string_view> needed) {
+        const ColumnPlan plan = match_columns(layout, kind);
+        return std::all_of(needed.begin(), needed.end(), [&](std::string_view name) { return plan.find(name) != nullptr; });
+    };
+    if (complete(TableKind::Ranges, {"time_s", "source", "pseudorange_m"})) return TableKind::Ranges;
+    const ColumnPlan reference = match_columns(layout, TableKind::Reference);
+    bool attitude = complete(TableKind::Reference, {"time_s", "roll_deg", "pitch_deg"}) && !commanded(reference, "roll_deg");
+    if (!attitude && complete(TableKind::Reference, {"time_s", "qw", "qx", "qy", "qz"}))
+        attitude = !commanded(reference, "qw") && is_rotation(layout, {reference.find("qw")->column, reference.find("qx")->column, reference.find("qy")->column,
+                                                                       reference.find("qz")->column});
+    if (complete(TableKind::Imu,
+                 {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"}) ||
+        complete(TableKind::Imu,
+                 {"time_s", "dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"})) {
+        return commanded(match_columns(layout, TableKind::Imu), match_columns(layout, TableKind::Imu).find("gyro_x_rad_s") != nullptr ? "gyro_x_rad_s" : "dtheta_x_rad")
+                   ? std::nullopt
+                   : std::optional(TableKind::Imu);
+    }
+    if (attitude || complete(TableKind::Reference, {"time_s", "ecef_x_m", "ecef_y_m", "ecef_z_m"})) return TableKind::Reference;
+    if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"}))
+        return is_estimate(match_columns(layout, TableKind::Gnss).find("lat_deg")->file_name) ? TableKind::Reference : TableKind::Gnss;
+    if (complete(TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"})) return TableKind::Mag;
+    if (complete(TableKind::Baro, {"time_s", "height_m"}) || complete(TableKind::Baro, {"time_s", "pressure_pa"}))
+        return TableKind::Baro;
+    return std::nullopt;
+}
+
+}  // namespace schuler::io

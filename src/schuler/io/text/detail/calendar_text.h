@@ -1,0 +1,81 @@
+// Calendar dates and times of day in text. Private to the readers.
+#pragma once
+
+#include "schuler/core/time.h"
+#include "schuler/io/text/number.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace schuler::io::detail {
+
+inline constexpr std::int64_t ns_per_second = 1'000'000'000;
+
+/// An unsigned whole number of at most nine digits.
+[[nodiscard]] inline std::optional<int> small_integer(std::string_view text) {
+    if (text.empty() || text.size() > 9) return std::nullopt;
+    int value = 0;
+    for (const char c : text) {
+        if (c < '0' || c > '9') return std::nullopt;
+        value = value * 10 + (c - '0');
+    }
+    return value;
+}
+
+[[nodiscard]] inline bool is_date(int year, int month, int day) {
+    using namespace std::chrono;
+    return year >= 1980 && year <= 2200 && month >= 1 && month <= 12 && day >= 1 && day <= 31 &&
+           year_month_day(std::chrono::year{year}, std::chrono::month(static_cast<unsigned>(month)),
+                          std::chrono::day(static_cast<unsigned>(day)))
+               .ok();
+}
+
+/// A minute of a day and the nanoseconds after it, kept apart because leap seconds belong to minutes.
+struct MinuteAndRest {
+    int hour = 0, minute = 0;
+    std::int64_t rest_ns = 0;   ///< below 61 s
+};
+
+[[nodiscard]] inline std::optional<MinuteAndRest> time_of_day(std::string_view hour, std::string_view minute,
+                                                              std::string_view second) {
+    const auto h = small_integer(hour), m = small_integer(minute);
+    MinuteAndRest t;
+    if (!h || !m || *h > 23 || *m > 59 || !nanoseconds_from(second, TimeUnit::Seconds, t.rest_ns)) return std::nullopt;
+    if (t.rest_ns < 0 || t.rest_ns >= 61 * ns_per_second) return std::nullopt;
+    t.hour = *h;
+    t.minute = *m;
+    return t;
+}
+
+/// A field such as "2024-05-01T12:00:00.125Z", "2024/05/01 14:00:00+02:00" or "12:00:00.5": nanoseconds since 1970, UTC, counted
+/// without leap seconds; since midnight where there is no date.
+[[nodiscard]] inline std::optional<std::int64_t> calendar_nanoseconds(std::string_view text) {
+    std::int64_t days = 0;
+    if (text.size() > 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4] && (text[10] == 'T' || text[10] == ' ')) {
+        const auto y = small_integer(text.substr(0, 4)), m = small_integer(text.substr(5, 2)), d = small_integer(text.substr(8, 2));
+        if (!y || !m || !d || !is_date(*y, *m, *d)) return std::nullopt;
+        using namespace std::chrono;
+        days = sys_days(year{*y} / *m / *d).time_since_epoch().count();
+        text.remove_prefix(11);
+    }
+    std::int64_t offset_minutes = 0;
+    if (!text.empty() && text.back() == 'Z') {
+        text.remove_suffix(1);
+    } else if (const std::size_t sign = text.find_first_of("+-"); sign != std::string_view::npos) {
+        const std::string_view zone = text.substr(sign + 1);
+        const auto h = small_integer(zone.substr(0, 2));
+        const auto m = zone.size() > 2 ? small_integer(zone.substr(zone[2] == ':' ? 3 : 2)) : std::optional<int>(0);
+        if (!h || !m || *h > 14 || *m > 59) return std::nullopt;
+        offset_minutes = (text[sign] == '-' ? -1 : 1) * (60 * *h + *m);
+        text = text.substr(0, sign);
+    }
+    if (text.size() < 8 || text[2] != ':' || text[5] != ':') return std::nullopt;
+    const auto t = time_of_day(text.substr(0, 2), text.substr(3, 2), text.substr(6));
+    if (!t) return std::nullopt;
+    return ((days * 24 + t->hour) * 60 + t->minute - offset_minutes) * 60 * ns_per_second + t->rest_ns;
+}
+
+}  // namespace schuler::io::detail

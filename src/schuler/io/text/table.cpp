@@ -1,0 +1,219 @@
+#include "schuler/io/text/table.h"
+
+#include "schuler/io/text/detail/calendar_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+namespace schuler::io {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+/// How many characters the last number of a line has behind its decimal point (all of them where there is no point).
+std::size_t last_number_length(const char* start, const char* stop) {
+    const char* p = stop;
+    std::size_t length = 0;
+    while (p > start && (std::isdigit(static_cast<unsigned char>(p[-1])) != 0 || p[-1] == '.')) {
+        --p;
+        if (*p == '.') return length;
+        ++length;
+    }
+    return length;
+}
+
+const char* without_line_end(const char* start, const char* stop) {
+    while (stop > start && is_line_end(stop[-1])) --stop;
+    return stop;
+}
+
+}  // namespace
+
+TableReader::TableReader(const TextInput& input, const TableLayout& layout, std::vector<FieldRequest> fields)
+    : blocks_(input),
+      file_(input.name()),
+      delimiter_(layout.delimiter),
+      decimal_comma_(layout.decimal_comma),
+      data_columns_(layout.data_columns),
+      first_data_line_(layout.first_data_line),
+      requests_(std::move(fields)),
+      next_field_(requests_.size(), -1),
+      numbers_(requests_.size(), nan),
+      times_(requests_.size(), no_time),
+      texts_(requests_.size()) {
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+        const FieldRequest& r = requests_[i];
+        slots_.push_back({r.kind, r.unit, r.factor != 1.0 || r.offset != 0.0, r.factor, r.offset});
+        if (r.column < 0) continue;
+        const auto column = static_cast<std::size_t>(r.column);
+        if (field_of_column_.size() <= column) field_of_column_.resize(column + 1, -1);
+        next_field_[i] = field_of_column_[column];
+        field_of_column_[column] = static_cast<int>(i);
+    }
+}
+
+bool TableReader::next_block() {
+    // A last line without line end comes in a block of its own: keep what is needed of the row above.
+    if (previous_row_ != nullptr) previous_length_ = last_number_length(previous_row_, without_line_end(previous_row_, end_));
+    if (first_data_line_ == 0 || !blocks_.next()) return false;
+    if (decimal_comma_) std::replace(blocks_.data(), blocks_.data() + (blocks_.end() - blocks_.begin()), ',', '.');
+    p_ = blocks_.begin();
+    end_ = blocks_.end();
+    line_ = blocks_.first_line() - 1;
+    previous_row_ = nullptr;
+    return true;
+}
+
+bool TableReader::next() {
+    for (;;) {
+        if (p_ == end_ && !next_block()) return false;
+        const char* start = p_;
+        const char* p = p_;
+        ++line_;
+        while (*p == ' ' || *p == '\t') ++p;
+        const bool skip = is_line_end(*p) || *p == '#' || *p == '%' || line_ < first_data_line_;
+        if (!skip) {
+            problem_field_ = -1;
+            p = read_row(delimiter_ == '\t' ? start : p);
+        }
+        if (*p != '\n') p = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end_ - p)));
+        p_ = p + 1;
+        if (skip) continue;
+        if (p_ == end_ && blocks_.ended_without_newline() && !last_line_complete(start, p)) {
+            last_line_dropped_ = true;
+            return false;
+        }
+        previous_row_ = start;
+        return true;
+    }
+}
+
+/// Reads the requested fields of a line; returns where it stopped, at or before the line end.
+const char* TableReader::read_row(const char* p) {
+    const std::size_t count = field_of_column_.size();
+    std::size_t column = 0;
+    for (; column < count; ++column) {
+        while (*p == ' ' || (*p == '\t' && delimiter_ != '\t')) ++p;
+        if (is_line_end(*p)) break;
+        int field = field_of_column_[column];
+        const char* stop;
+        if (field < 0) {
+            std::string_view text;
+            stop = field_text(p, text);
+        } else {
+            do {
+                stop = read_field(p, static_cast<std::size_t>(field));
+                field = next_field_[static_cast<std::size_t>(field)];
+            } while (field >= 0);
+        }
+        p = (*stop == delimiter_ && delimiter_ != ' ') ? stop + 1 : stop;
+    }
+    for (; column < count; ++column) {
+        for (int field = field_of_column_[column]; field >= 0; field = next_field_[static_cast<std::size_t>(field)]) {
+            missing(static_cast<std::size_t>(field), {});
+        }
+    }
+    return p;
+}
+
+bool TableReader::field_ends_at(const char* p) const {
+    return *p == delimiter_ || is_line_end(*p) || (delimiter_ == ' ' && *p == '\t');
+}
+
+const char* TableReader::read_field(const char* p, std::size_t field) {
+    const Slot& slot = slots_[field];
+    if (slot.kind != FieldKind::Text) {
+        Decimal d;
+        const char* number_end = scan_decimal(p, d);
+        if (number_end != nullptr) {
+            const char* stop = number_end;
+            while (!field_ends_at(stop) && (*stop == ' ' || *stop == '\t')) ++stop;
+            if (field_ends_at(stop)) [[likely]] {
+                if (slot.kind == FieldKind::Number) {
+                    const double value = value_of(d, p, number_end);
+                    numbers_[field] = slot.scaled ? value * slot.factor + slot.offset : value;
+                    if (std::isnan(value)) missing(field, {p, static_cast<std::size_t>(number_end - p)});
+                } else if (!nanoseconds_of(d, slot.unit, p, number_end, times_[field])) {
+                    missing(field, {p, static_cast<std::size_t>(number_end - p)});
+                }
+                return stop;
+            }
+        }
+    }
+    std::string_view text;
+    const char* stop = field_text(p, text);
+    if (slot.kind == FieldKind::Text) {
+        texts_[field] = text;
+        if (text.empty()) missing(field, text);
+    } else if (slot.kind == FieldKind::Number) {
+        const double value = number_from(text);  // a number in quotes
+        numbers_[field] = value * slot.factor + slot.offset;
+        if (std::isnan(value)) missing(field, text);
+    } else if (!nanoseconds_from(text, slot.unit, times_[field])) {
+        if (const auto ns = detail::calendar_nanoseconds(text))
+            times_[field] = *ns;
+        else
+            missing(field, text);
+    }
+    return stop;
+}
+
+/// The text of the field at p, without blanks around it and quotes; returns where it ends.
+const char* TableReader::field_text(const char* p, std::string_view& text) const {
+    const char* start = p;
+    if (*p == '"' || *p == '\'') {
+        const char* close = p + 1;
+        while (*close != *start && !is_line_end(*close)) ++close;
+        if (*close == *start) {
+            text = trimmed({start + 1, static_cast<std::size_t>(close - start - 1)});
+            p = close + 1;
+            while (!field_ends_at(p)) ++p;
+            return p;
+        }
+    }
+    while (!field_ends_at(p)) ++p;
+    text = trimmed({start, static_cast<std::size_t>(p - start)});
+    return p;
+}
+
+void TableReader::missing(std::size_t field, std::string_view text) {
+    numbers_[field] = nan;
+    times_[field] = no_time;
+    if (slots_[field].kind == FieldKind::Text) texts_[field] = {};
+    if (requests_[field].required &&
+        (problem_field_ < 0 || requests_[field].column < requests_[static_cast<std::size_t>(problem_field_)].column)) {
+        problem_field_ = static_cast<int>(field);
+        problem_text_ = text;
+    }
+}
+
+/// For a file that ends without a line end. Throws where fields are missing; false if the last number looks cut.
+bool TableReader::last_line_complete(const char* start, const char* stop) const {
+    stop = without_line_end(start, stop);
+    const std::size_t fields = split_fields({start, static_cast<std::size_t>(stop - start)}, delimiter_).size();
+    if (static_cast<int>(fields) < data_columns_) {
+        SourcePlace place{file_, line_, static_cast<long>(fields), {}};
+        throw input_error(fmt::format("the file is cut here: {} of {} columns and no line end", fields, data_columns_), place,
+                          fmt::format("copy the file again, or delete line {}", line_));
+    }
+    return last_number_length(start, stop) >= previous_length_;
+}
+
+Error TableReader::row_error(const std::string& mend) const {
+    const auto field = static_cast<std::size_t>(std::max(problem_field_, 0));
+    std::string what = "the value is missing";
+    if (!problem_text_.empty()) what = fmt::format("'{}' is not a number", problem_text_.substr(0, 40));
+    return field_error(field, what, mend);
+}
+
+Error TableReader::field_error(std::size_t field, const std::string& what, const std::string& mend) const {
+    const FieldRequest& r = requests_[field];
+    return input_error(what, {file_, line_, r.column + 1, r.name}, mend);
+}
+
+}  // namespace schuler::io

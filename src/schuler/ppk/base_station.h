@@ -1,0 +1,64 @@
+// What the base station says at any time: its measurements less what its known place explains.
+#pragma once
+
+#include "schuler/ppk/settings.h"
+#include "schuler/ppk/tracking.h"
+
+#include <optional>
+#include <vector>
+
+namespace schuler::ppk {
+
+/// Delay of the troposphere, and of the ionosphere on L1 (codes later, phases earlier; other carriers by 1/f^2), m.
+struct AirDelay {
+    double troposphere = 0, ionosphere = 0;
+};
+[[nodiscard]] AirDelay air_delay(const AirModel& model, const TrackedSatellite& satellite, const Geodetic& receiver,
+                                 gnss::Direction direction);
+/// Ionospheric delay of a carrier as a multiple of that on L1.
+[[nodiscard]] double ionosphere_factor(double wavelength);
+
+/// A signal at the base: measured less modelled range, m, which is clocks, errors that the rover shares, ambiguity and noise.
+struct BaseSignal {
+    double code = not_given, phase = not_given;
+    double code_factor = 1, phase_factor = 1;   ///< on the variance of one measurement's noise, from interpolation
+    double cn0 = not_given;
+    int arc = 0;
+    bool half_cycle = false, jumped = false;
+};
+struct BaseSatellite {
+    SatelliteId id;
+    gnss::Direction direction;
+    std::array<BaseSignal, most_signals> signals;
+};
+struct BaseEpoch {
+    std::vector<BaseSatellite> satellites;   ///< in the order of their ids
+    double age = 0;        ///< s to the nearer epoch of the base
+    bool repeated = false; ///< its noise is that of neighbouring epochs of the rover too
+    double variance = 0;   ///< m^2, of what satellite clocks did since or between
+};
+
+/// A base at rest. Between two of its epochs its residuals are interpolated linearly: what is left in them drifts by satellite clocks and
+/// the air alone. Before its first, behind its last and in gaps the nearest epoch stands as long as it is not too old.
+class BaseStation {
+public:
+    BaseStation(const std::vector<TrackedEpoch>& epochs, const Ecef& position, const AirModel& air, const BaseSettings& settings);
+
+    [[nodiscard]] std::optional<BaseEpoch> at(Time tag) const;
+    [[nodiscard]] const Ecef& position() const { return position_; }
+    [[nodiscard]] const Geodetic& geodetic() const { return geodetic_; }
+
+private:
+    struct Node {
+        Time tag;
+        std::vector<BaseSatellite> satellites;
+    };
+    [[nodiscard]] BaseEpoch between(const Node& a, const Node& b, Time tag) const;
+
+    std::vector<Node> nodes_;
+    Ecef position_;
+    Geodetic geodetic_;
+    BaseSettings settings_;
+};
+
+}  // namespace schuler::ppk

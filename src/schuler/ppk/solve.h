@@ -1,0 +1,46 @@
+// Carrier-phase positions of a whole log against a base station.
+#pragma once
+
+#include "schuler/core/log.h"
+#include "schuler/ppk/arcs.h"
+#include "schuler/ppk/settings.h"
+#include "schuler/ppk/solution.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::ppk {
+
+/// Both receivers' logs, in order of time, and what is known of the base.
+struct Input {
+    const gnss::ObservationLog* rover = nullptr;
+    const gnss::ObservationLog* base = nullptr;
+    std::string rover_name, base_name;        ///< files, for messages
+    std::optional<Ecef> base_position;        ///< of its antenna, as given; else the header's, else its own single-point solution
+    const gnss::SatelliteSource* source = nullptr;
+    gnss::SinglePointSettings single;
+    std::optional<gnss::BroadcastIonosphere> ionosphere;
+};
+
+enum class PlaceOfBase { Given, Header, SinglePoint };
+
+struct Solution {
+    std::vector<EpochSolution> epochs;
+    Ecef base;
+    PlaceOfBase place = PlaceOfBase::Given;
+    double base_sigma = 0;                    ///< m, of the base's place: 0 where it is given or the header's
+    double longest_baseline = 0;              ///< m
+    ArcCounts rover_arcs, base_arcs;
+    [[nodiscard]] std::size_t count(Quality quality) const;
+};
+
+/// The base's place is checked against its own single-point solution.
+/// @throws Error(Input) with base.observations or base.position: logs that have no time or no satellite in common, that are the same,
+/// a base that moves or is somewhere else.
+[[nodiscard]] Solution solve(const Input& input, const Settings& settings, WarningLog& warnings);
+
+/// Position of the marker plus the antenna's height, east and north over it, as a header has them.
+[[nodiscard]] Ecef antenna_of(const Ecef& marker, const Eigen::Vector3d& up_east_north);
+
+}  // namespace schuler::ppk

@@ -1,0 +1,32 @@
+// The request of a command that processes data or a scenario.
+#pragma once
+
+#include "schuler/settings/value.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace schuler::settings {
+
+/// Common part of the requests of all commands that fuse data. `above` are the settings of the command line, which override all others.
+struct ProcessRequest {
+    std::filesystem::path input;                 ///< data set or scenario
+    std::filesystem::path output;                ///< folder; empty: out/NAME
+    std::filesystem::path config;                ///< --config; empty: none
+    SettingList above;
+    std::optional<std::uint64_t> seed;           ///< of a scenario
+    std::string version;
+    std::function<void(double)> progress;        ///< may be empty
+
+    /// All settings of the run: those of the data set, over them --config, over them `above`.
+    [[nodiscard]] SettingList over(const SettingList& base) const;
+    [[nodiscard]] std::filesystem::path folder_for(const std::string& name) const;
+
+    /// Whether one coupling is requested (`--scheme`, `filter.scheme` in --config): it then replaces a scenario's `[compare]`.
+    [[nodiscard]] bool names_a_scheme() const;
+};
+
+}  // namespace schuler::settings

@@ -1,0 +1,59 @@
+// Everything one run has made: data, result, evaluation, timing.
+#pragma once
+
+#include "schuler/fusion/result.h"
+#include "schuler/scenario/simulated_dataset.h"
+#include "schuler/settings/scenario/published.h"
+#include "schuler/solution/evaluate.h"
+#include "schuler/solution/loaded_dataset.h"
+#include "schuler/solution/self_check.h"
+#include "schuler/solution/verdict.h"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::solution {
+
+[[nodiscard]] inline double seconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+struct Timing {
+    double read_s = 0.0, filter_s = 0.0, check_s = 0.0, write_s = 0.0, wall_s = 0.0;
+};
+
+/// A setting that was given and had no effect on a run.
+struct Ignored {
+    std::string key, reason;
+};
+
+struct ResultBundle {
+    std::string command;                         ///< "process", "run"
+    std::string version;
+    std::string name;
+    std::optional<std::uint64_t> seed;
+    LoadedDataset data;
+    std::shared_ptr<const scenario::SimulatedSky> sky;     ///< a simulated receiver's, which takes part in medium and deep runs; or null
+    std::vector<scenario::ReceiverRow> receiver_rows;      ///< what became of its channels
+    fusion::Result result;
+    HiddenTruth truth;                           ///< simulated data
+    Evaluation evaluation;
+    settings::Published published;                         ///< for the scenario, to compare with
+    std::string config_toml;                     ///< every setting as used
+    std::vector<Fact> facts;                     ///< how each setting of the data is known
+    std::vector<Ignored> ignored;                ///< what was given and had no effect
+    std::vector<std::string> warnings;
+    std::optional<SelfCheck> self_check;         ///< of `process`
+    SolutionVerdict verdict;
+    Timing timing;
+
+    [[nodiscard]] bool smoothed() const { return !result.smoothed.rows.empty(); }
+    [[nodiscard]] const fusion::Trajectory& solution() const { return smoothed() ? result.smoothed : result.forward; }
+    [[nodiscard]] double relative(Time t) const { return (t - data.origin).seconds(); }
+};
+
+}  // namespace schuler::solution

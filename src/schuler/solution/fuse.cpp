@@ -1,0 +1,80 @@
+#include "schuler/solution/fuse.h"
+
+#include "schuler/scenario/simulated_dataset.h"
+#include "schuler/scenario/simulated_receiver.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/scenario/scenario.h"
+#include "schuler/solution/bundle.h"
+#include "schuler/solution/gnss_only.h"
+#include "schuler/solution/loaded_dataset.h"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <set>
+#include <utility>
+
+namespace schuler::solution {
+namespace {
+
+/// Below so many IMU epochs the filter reports every one of them where there is a reference: nothing is interpolated then.
+constexpr std::size_t largest_full_rate = 150'000;
+/// Otherwise it reports at least at this rate: the evaluation interpolates between its rows.
+constexpr double least_internal_rate = 10.0;
+
+}  // namespace
+
+ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const settings::SettingList& over, WarningLog& warnings,
+                              const settings::ScenarioConfig* assumed) {
+    scenario::SimulatedDataset simulated = scenario::simulate_dataset(scenario, assumed);
+    const settings::Config config = settings::config_from(settings::overlaid(simulated.settings, over));
+    std::set<std::string> given;
+    for (const settings::SettingList* list : {&std::as_const(simulated.settings), &over})
+        for (const settings::Setting& s : *list) given.insert(s.key);
+    ResultBundle bundle;
+    bundle.name = config.name;
+    bundle.seed = simulated.seed;
+    bundle.published = scenario.published;
+    simulated.recording.gauges = std::move(simulated.aids.gauges);
+    simulated.recording.body_velocity = std::move(simulated.aids.velocities);
+    simulated.recording.heading = std::move(simulated.aids.headings);
+    bundle.data = settled_dataset(std::move(simulated.recording), config, warnings, std::move(given));
+    bundle.sky = std::move(simulated.sky);
+    bundle.receiver_rows = std::move(simulated.receiver_rows);
+    bundle.data.true_reference = true;
+    bundle.truth = hidden_truth(simulated.truth, bundle.data.config.filter.imu);
+    return bundle;
+}
+
+double internal_rate(const LoadedDataset& data) {
+    const double rate = data.config.filter.output_rate;
+    const bool every = !data.recording.reference.empty() && data.recording.imu.size() <= largest_full_rate;
+    return every || !(rate > 0.0) ? 0.0 : std::max(rate, least_internal_rate);
+}
+
+void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output_rate, const std::function<void(double)>& progress,
+                       const fusion::RowSink& rows) {
+    const auto begin = std::chrono::steady_clock::now();
+    if (bundle.data.config.scheme == settings::Scheme::Gnss) {
+        bundle.result = gnss_solution(bundle.data.recording, bundle.data.config.filter);
+    } else {
+        fusion::Settings settings = bundle.data.config.filter;
+        settings.output_rate = output_rate;
+        settings.state_rows = !bundle.truth.sensors.empty();
+        std::optional<scenario::SimulatedReceiver> receiver;
+        using fusion::Coupling;
+        if (bundle.sky && settings.coupling == Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);
+        if (bundle.sky && settings.coupling == Coupling::Medium) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
+        if (receiver) settings.ranging.errors.rate_span = bundle.data.config.filter.ranging.errors.rate_span = receiver->rate_span();
+        fusion::ReceiverInLoop in_loop;
+        if (receiver) in_loop = std::bind_front(&scenario::SimulatedReceiver::run, &*receiver);
+        bundle.result = fusion::run_filter(bundle.data.recording, settings, warnings, progress, rows, in_loop);
+        if (receiver) bundle.receiver_rows = receiver->rows();
+    }
+    bundle.timing.filter_s = seconds_since(begin);
+    if (bundle.result.forward.rows.empty())
+        throw computation_error("the filter gave no solution", "look at the warnings and at `schuler inspect`");
+    bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.truth);
+}
+
+}  // namespace schuler::solution

@@ -1,0 +1,185 @@
+#include "schuler/solution/loaded_dataset.h"
+
+#include "schuler/core/units.h"
+#include "schuler/dataset/clock_steps.h"
+#include "schuler/dataset/imu_log.h"
+#include "schuler/dataset/paths.h"
+#include "schuler/dataset/ranges.h"
+#include "schuler/dataset/read_files.h"
+#include "schuler/dataset/time_axis.h"
+#include "schuler/io/text/csv_events.h"
+#include "schuler/math/rotation.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/solution/load_ranges.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace schuler::solution {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the settings say of how the files are read.
+dataset::Reading reading_of(const settings::Config& c) {
+    dataset::Reading reading;
+    reading.imu = c.scheme != settings::Scheme::Gnss;
+    // body to sensor: the axes, then the mounting
+    reading.C_bs = math::dcm_from_rpy(c.filter.imu.mounting_rpy) * c.filter.imu.C_bs;
+    if (!c.mag_axes.empty()) reading.C_imu_mag = c.filter.imu.C_bs.transpose() * settings::axes_from_text(c.mag_axes);
+    reading.gauges = c.aids.gauges.file;
+    reading.log = c.aids.log.file;
+    reading.compass = c.aids.compass.file;
+    return reading;
+}
+
+/// What the files state takes effect.
+void take_stated(const dataset::ReadFiles& files, settings::Config& c) {
+    if (files.imu_kind) c.filter.imu.kind = *files.imu_kind;
+    const bool sea_level = files.fix_height == io::HeightKind::Msl || files.fix_height == io::HeightKind::Autopilot;
+    if (sea_level && c.filter.gnss.height == fusion::HeightKind::Ellipsoidal) c.filter.gnss.height = fusion::HeightKind::Msl;
+}
+
+/// Ranges, and fixes from them where there are no others.
+void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+    settings::Config& c = out.config;
+    const bool csv = !c.ranges.file.empty();
+    if (!csv && (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Medium))) return;
+    RangingLog& log = out.recording.ranges;
+    log = csv ? dataset::ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, out.given, warnings);
+    const auto axis = dataset::own_axis(out.recording);
+    if (!csv && !log.empty() && axis) {
+        const Duration shift = Duration::from_seconds(c.gnss.time_offset) + -dataset::axis_zero(c.time, log.epochs.front().time, *axis);
+        for (RangeEpoch& e : log.epochs) e.time = e.time + shift;
+    }
+    if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
+}
+
+/// Heights above mean sea level become ellipsoidal where the undulation is known.
+void settle_heights(LoadedDataset& out, WarningLog& warnings) {
+    settings::Config& c = out.config;
+    out.logged_height = c.filter.gnss.height;
+    if (c.filter.gnss.height != fusion::HeightKind::Msl || out.recording.gnss.empty()) return;
+    if (c.undulation) {
+        for (GnssFix& f : out.recording.gnss) f.position.h += *c.undulation;
+        c.filter.gnss.height = fusion::HeightKind::Ellipsoidal;
+        return;
+    }
+    warnings.add("gnss.height.msl",
+                 "heights are above mean sea level and are used as they are; give gnss.undulation_m for ellipsoidal ones");
+}
+
+/// Instants at which the solution is wanted, in order.
+void settle_events(LoadedDataset& out, const fs::path& folder) {
+    settings::Config& c = out.config;
+    if (!c.output.events.empty()) out.events = io::read_events_csv(io::TextInput(dataset::resolved(folder, c.output.events, "output.events")));
+    std::ranges::stable_sort(out.events, {}, &NamedInstant::time);
+    c.filter.output_instants.clear();
+    for (const NamedInstant& e : out.events) c.filter.output_instants.push_back(e.time);
+}
+
+Time absolute(const settings::RunTime& t, Time origin) {
+    const Time base = t.absolute ? Time{} : origin;
+    return base + Duration::from_seconds(t.seconds);
+}
+
+void settle_times(LoadedDataset& out) {
+    const Recording& r = out.recording;
+    if (r.imu.empty() && (out.config.scheme != settings::Scheme::Gnss || r.gnss.empty()))
+        throw input_error("the IMU log has no usable row", {out.config.imu.file, 0, 0, {}},
+                          "check its columns with `schuler inspect`");
+    out.origin = r.gnss.empty() ? r.imu.front().time : r.gnss.front().time;
+    fusion::Settings& f = out.config.filter;
+    const settings::RunConfig& run = out.config.run;
+    if (run.start) f.start = absolute(*run.start, out.origin);
+    if (run.stop) f.stop = absolute(*run.stop, out.origin);
+    if (f.start && f.stop && *f.stop <= *f.start) {
+        throw input_error("the end of the run is not after its start", {{}, 0, 0, "run.stop_s"},
+                          "give a later --stop or an earlier --start");
+    }
+    f.outages.clear();
+    for (const settings::OutageSpan& o : run.outages) {
+        const double start = o.absolute ? (Time::from_seconds(o.start) - out.origin).seconds() : o.start;
+        f.outages.push_back({start, o.duration});
+    }
+    if (!std::isnan(out.config.initial_time)) f.initial.time = Time::from_seconds(out.config.initial_time);
+}
+
+/// What is believed of gauges, log and compass: the filter has it where it has the samples.
+void assume_aid_errors(settings::Config& c) {
+    const settings::AidsConfig& aids = c.aids;
+    c.filter.gauges.std = aids.gauges.white;
+    c.filter.gauges.level_std = aids.gauges.bias;
+    std::ranges::copy(aids.gauges.lever_arms_b, c.filter.gauges.lever_arms_b.begin());
+    c.filter.log = {.std = aids.log.white,
+                    .scale_std = aids.log.scale,
+                    .misalignment_std = aids.log.misalignment,
+                    .lever_arm_b = aids.log.lever_arm_b};
+    if (aids.compass.file.empty()) return;
+    c.filter.heading.std = aids.compass.white;
+    c.filter.heading.offset_std = aids.compass.bias;
+}
+
+/// Near the poles the geographic frame is of no use: the Earth-fixed one is taken where none is given.
+void choose_mechanization(LoadedDataset& data) {
+    // there the geographic frame turns too fast beneath a vehicle: tan(lat) v / R
+    constexpr double polar_latitude = 85.0 * units::deg;
+    const auto polar = [](const GnssFix& fix) { return std::abs(fix.position.lat) > polar_latitude; };
+    if (data.given.contains("filter.mechanization") || std::ranges::none_of(data.recording.gnss, polar)) return;
+    data.config.filter.mechanization = fusion::Mechanization::Ecef;
+    Fact& fact = data.facts.emplace_back();
+    fact.key = "filter.mechanization";
+    fact.value = std::string("ecef");
+    fact.note = "fixes within 5 deg of a pole";
+}
+
+}  // namespace
+
+LoadedDataset settled_dataset(Recording recording, const settings::Config& config, WarningLog& warnings, std::set<std::string> given) {
+    LoadedDataset out;
+    out.given = std::move(given);
+    out.recording = std::move(recording);
+    out.config = config;
+    assume_aid_errors(out.config);
+    if (out.recording.gnss.empty() && !out.recording.ranges.empty()) take_fixes_from_ranges(out);
+    dataset::settle_pressures(out.recording.baro, out.config.sea_level_pressure);
+    settle_heights(out, warnings);
+    settle_times(out);
+    settle_events(out, {});
+    return out;
+}
+
+LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Config& config, WarningLog& warnings) {
+    const auto begin = std::chrono::steady_clock::now();
+    LoadedDataset out;
+    out.config = config;
+    out.given = dataset.given;
+    out.facts = dataset.facts;
+    assume_aid_errors(out.config);
+    dataset::ReadFiles files = dataset::read_files(dataset.folder, out.config, reading_of(out.config), warnings);
+    take_stated(files, out.config);
+    out.recording = std::move(files.recording);
+    out.carrier = std::move(files.carrier);
+    read_ranges(dataset.folder, out, warnings);
+    dataset::settle_rollover(out.recording);
+    dataset::put_clock_steps_back(out.recording, dataset.report.clock_steps);
+    dataset::settle_drift(out.recording, out.config.clock_drift);
+    dataset::settle_pressures(out.recording.baro, out.config.sea_level_pressure);
+    settle_heights(out, warnings);
+    settle_times(out);
+    settle_events(out, dataset.folder);
+    dataset::check_gravity_shows(out.recording.imu, out.config.filter.imu.kind, dataset.folder, out.config);
+    choose_mechanization(out);
+    for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
+    for (const inspect::Contradiction& c : dataset.contradictions)
+        warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; {}", c.key, c.text,
+                                                            !c.refuted ? std::string("the given value is used")
+                                                            : c.better ? fmt::format("{} is used", to_text(*c.better))
+                                                                       : std::string("it is left out")));
+    out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return out;
+}
+
+}  // namespace schuler::solution

@@ -1,0 +1,55 @@
+#include "schuler/solution/load_ranges.h"
+
+#include "schuler/dataset/ranges.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/facts.h"
+
+#include <utility>
+
+namespace schuler::solution {
+
+RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config& c, const std::set<std::string>& given,
+                           WarningLog& warnings) {
+    dataset::RawRanges raw = dataset::ranges_from_raw(folder, c, warnings);
+    fusion::RangingFilterSettings& f = c.filter.ranging;
+    f.ionosphere = raw.ionosphere;
+    f.sigma_by_elevation = true;
+    if (!given.contains("ranges.slow_by_model")) f.slow_by_model = !given.contains("ranges.correlated_m");
+    // Receivers run on temperature-compensated crystals, off by a millionth or so, and let their clock wander within a millisecond.
+    constexpr double wander = 3e5, off = 1000.0;   // m, m/s
+    sensor::Oscillator& clock = f.errors.clock;
+    const bool kind = given.contains("ranges.clock");
+    if (!kind && !given.contains("ranges.clock_h0_s")) clock.h0 = sensor::tcxo.h0;
+    if (!kind && !given.contains("ranges.clock_h_minus2_hz")) clock.h_minus2 = sensor::tcxo.h_minus2;
+    if (!given.contains("ranges.clock_std_m")) clock.bias = wander;
+    if (!given.contains("ranges.drift_std_m_s")) clock.drift = off;
+    return std::move(raw.log);
+}
+
+void take_fixes_from_ranges(LoadedDataset& data) {
+    const sensor::RangeErrorModel& ranges = data.config.filter.ranging.errors.satellite;
+    const bool known = data.given.contains("ranges.correlated_m");
+    dataset::RangeFixes found = dataset::fixes_from_ranges(data.recording.ranges, data.config.filter.ranging.ionosphere,
+                                                           data.config.raw.solver, known ? ranges.correlated : 0.0);
+    data.recording.gnss = std::move(found.fixes);
+    if (!known || data.given.contains("gnss.correlated_m") || data.recording.gnss.empty()) return;
+    sensor::GnssErrorModel& errors = data.config.filter.gnss.errors;
+    const auto tell = [&data](const char* key, auto& setting, const auto& value, const char* note) {
+        if (data.given.contains(key)) return;
+        setting = value;
+        Fact fact;
+        fact.key = key;
+        fact.value = settings::fact_value_of(*settings::config_table().find(key)->get(data.config));
+        fact.note = note;
+        data.facts.push_back(std::move(fact));
+    };
+    const char* by_geometry = "derived from ranges.correlated_m by the geometry of the fixes";
+    const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+    tell("gnss.correlated_m", errors.correlated_position, found.slow, by_geometry);
+    tell("gnss.change_correlated_m", errors.change_correlated_position, found.change, by_geometry);
+    tell("gnss.correlated_time_s", errors.correlated_time, ranges.correlation_time, "that of the ranges");
+    tell("gnss.correlated_distance_m", errors.correlated_distance, 0.0, "that of the ranges");
+    tell("gnss.correlated_velocity_m_s", errors.correlated_velocity, none, "the errors of range rates are white");
+}
+
+}  // namespace schuler::solution

@@ -1,0 +1,25 @@
+// How each setting of a run is known, with the values that were in force; and the settings that repeat the run.
+#pragma once
+
+#include "schuler/core/fact.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/solution/bundle.h"
+
+#include <string>
+#include <vector>
+
+namespace schuler::solution {
+
+/// Replaces settings to be estimated by the values that the run found, so that the settings repeat it.
+void take_in_force(settings::Config& config, const fusion::Findings& findings);
+
+/// Every setting as it was in force, as TOML that repeats the run.
+[[nodiscard]] std::string config_in_force(const LoadedDataset& data);
+
+/// The settings that describe the data, in the order of dataset.toml, each with its value in force.
+[[nodiscard]] std::vector<Fact> facts_of(const ResultBundle& bundle);
+
+/// Neither a default nor a given value that is the default's anyway.
+[[nodiscard]] bool is_news(const Fact& fact);
+
+}  // namespace schuler::solution

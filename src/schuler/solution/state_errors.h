@@ -1,0 +1,52 @@
+// Errors of a filter's states against a simulated truth, block by block, normalised by the filter's own covariances.
+#pragma once
+
+#include "schuler/core/samples.h"
+#include "schuler/earth/earth.h"
+#include "schuler/fusion/result.h"
+#include "schuler/fusion/settings.h"
+#include "schuler/sim/simulate.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+namespace schuler::solution {
+
+/// Truth that no file of a data set has: sensor errors in body axes, slow errors of receiver and barometer.
+struct HiddenTruth {
+    std::vector<sim::SensorTruth> sensors;
+    std::vector<sim::GnssTruth> gnss;
+    std::vector<sim::BaroTruth> baro;
+};
+
+/// Of simulated data; the biases are turned from sensor to body axes.
+[[nodiscard]] HiddenTruth hidden_truth(const sim::SimulatedData& data, const fusion::ImuSettings& imu);
+
+/// Blocks in the order of StateErrors.
+struct StateBlockName {
+    std::string_view name;               ///< in files: "position", "gyro_bias", ...
+    std::array<std::string_view, 3> axis;
+    std::string_view unit;               ///< of tables and files
+    double si;                           ///< size of that unit
+    int dof;
+};
+inline constexpr std::size_t state_blocks = 8;
+[[nodiscard]] const std::array<StateBlockName, state_blocks>& state_block_names();
+
+/// Estimate minus truth at one time. Position, velocity, attitude (phi of the local level) and the receiver's errors: east,
+/// north, up; sensor biases: body x, y, z; the barometer's bias in the first component. NaN where there is no such state or no
+/// truth.
+struct StateErrors {
+    Time time;
+    std::array<Eigen::Vector3d, state_blocks> error;   ///< SI
+    std::array<double, state_blocks> nees;             ///< normalised squared by the block's covariance
+};
+
+/// One row for each state row whose time is a time of the reference.
+[[nodiscard]] std::vector<StateErrors> state_errors(const std::vector<fusion::StateRow>& rows, const earth::Earth& earth,
+                                                    const std::vector<ReferenceSample>& reference, const HiddenTruth& truth);
+
+}  // namespace schuler::solution

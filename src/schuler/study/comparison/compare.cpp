@@ -1,0 +1,122 @@
+// One flight through several schemes (paper A, table 1.1.1, as numbers).
+#include "schuler/study/comparison/compare.h"
+
+#include "schuler/core/error.h"
+#include "schuler/report/outcome.h"
+#include "schuler/report/outputs.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/request.h"
+#include "schuler/settings/scenario/comparison.h"
+#include "schuler/settings/scenario/scenario.h"
+#include "schuler/solution/bundle.h"
+#include "schuler/solution/fuse.h"
+#include "schuler/study/comparison/compare_windows.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::study {
+namespace {
+
+/// Points that a curve keeps from its run to the page.
+constexpr std::size_t drawn_points = 6000;
+
+/// The scenario as it was read, the last word on each key, and what stands above the settings of its data set.
+std::string settings_text(const settings::SettingList& settings, const settings::SettingList& over) {
+    settings::SettingList used;
+    for (const settings::Setting& s : settings) {
+        std::erase_if(used, [&s](const settings::Setting& earlier) { return earlier.key == s.key; });
+        used.push_back(s);
+    }
+    const std::string above =
+        over.empty() ? "" : "\n# above the settings of its data set\n" + settings::to_toml(over, settings::config_table().specs(), false);
+    return settings::to_toml(used, settings::scenario_table().specs(), false) + above;
+}
+
+}  // namespace
+
+settings::ScenarioConfig with_satellites(const settings::ScenarioConfig& scenario, std::optional<std::size_t> satellites) {
+    settings::ScenarioConfig out = scenario;
+    if (!satellites) return out;
+    if (out.ranging.settings.limits.empty())
+        throw input_error("there is no limit whose number could change", {.file = {}, .key = "compare.satellites"},
+                          "give ranges.limit = [{ start_s = 60, keep = 4 }]");
+    out.ranging.settings.limits.front().keep = *satellites;
+    return out;
+}
+
+ComparedRun compared_run(const solution::ResultBundle& bundle, const settings::ScenarioConfig& scenario) {
+    const auto seconds = [&scenario](Time t) { return (t - scenario.sim.origin).seconds(); };
+    ErrorCourse errors;
+    for (const analysis::ErrorRow& e : bundle.evaluation.errors) {
+        if (!e.position.allFinite()) continue;
+        errors.t.push_back(seconds(e.time));
+        errors.horizontal.push_back(e.position.head<2>().norm());
+        errors.vertical.push_back(std::abs(e.position.z()));
+    }
+    std::vector<double> solution, reference;
+    for (const SolutionRow& row : bundle.solution().rows)
+        if (std::isfinite(row.position.lat)) solution.push_back(seconds(row.time));
+    for (const ReferenceSample& sample : bundle.data.recording.reference) reference.push_back(seconds(sample.time));
+    ComparedRun out;
+    out.numbers = compared_numbers(bundle);
+    for (const settings::CompareWindow& w : scenario.windows) {
+        out.windows.push_back(window_statistics(w, scenario.window_rules, errors, solution, reference));
+        add_signal_statistics(out.windows.back(), w, bundle.receiver_rows, scenario.sim.origin);
+    }
+    out.receiver = bundle.receiver_rows;
+    out.course = drawn_course(errors, scenario.window_rules.age, drawn_points);
+    return out;
+}
+
+report::Outcome compare_schemes(const settings::ProcessRequest& request) {
+    const settings::SettingList settings = settings::scenario_settings(request.input, request.seed);
+    const settings::ScenarioConfig scenario = settings::scenario_from(settings);
+    Comparison c{.name = scenario.name,
+                 .version = request.version,
+                 .seed = scenario.sim.seed,
+                 .duration = scenario.sim.duration,
+                 .windows = scenario.windows,
+                 .rules = scenario.window_rules,
+                 .outages = scenario.outages,
+                 .settings = settings_text(settings, request.over({}))};
+    double done = 0.0;
+    bool report_wanted = false;
+    std::vector<std::optional<std::size_t>> counts(scenario.compared_satellites.begin(), scenario.compared_satellites.end());
+    if (counts.empty()) counts.emplace_back();
+    const double each = 1.0 / static_cast<double>(counts.size() * scenario.compared.size());
+    for (const std::optional<std::size_t> satellites : counts) {
+        const settings::ScenarioConfig flight = with_satellites(scenario, satellites);
+        for (const std::string& name : scenario.compared) {
+            const settings::KnownScheme& known = settings::known_scheme(name);
+            settings::SettingList over = request.over({});
+            over.insert(over.end(), known.settings.begin(), known.settings.end());
+            WarningLog warnings;
+            solution::ResultBundle bundle = solution::simulated_bundle(flight, over, warnings);
+            solution::fuse_and_evaluate(bundle, warnings, scenario.sim.reference_rate, {});
+            report_wanted = bundle.data.config.output.wants("report");
+            ComparedRun& run = c.runs.emplace_back(compared_run(bundle, scenario));
+            run.scheme = &known;
+            run.satellites = satellites;
+            for (const std::string& w : warnings.summary())
+                if (std::ranges::find(c.warnings, w) == c.warnings.end()) c.warnings.push_back(w);
+            done += each;
+            if (request.progress) request.progress(done);
+        }
+    }
+    c.plots = signal_panels(c, scenario.sim.origin);
+    report::Outcome out;
+    out.warnings = c.warnings;
+    out.folder = request.folder_for(scenario.name);
+    report::make_folder(out.folder);
+    out.json = comparison_json(c);
+    out.tables = comparison_tables(c);
+    std::vector<std::pair<const char*, std::string>> files{{"comparison.csv", comparison_csv(c)}};
+    if (!c.windows.empty()) files.emplace_back("windows.csv", windows_csv(c));
+    if (report_wanted) files.emplace_back("report.html", report::render(comparison_report(c)));
+    files.emplace_back("summary.json", out.json);   // last: who waits for it finds all
+    for (const auto& [name, text] : files) report::write_text(out.files.emplace_back(out.folder / name), text);
+    return out;
+}
+
+}  // namespace schuler::study

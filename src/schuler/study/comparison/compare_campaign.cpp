@@ -1,0 +1,133 @@
+#include "schuler/study/comparison/compare_campaign.h"
+
+#include "schuler/core/parallel.h"
+#include "schuler/report/outcome.h"
+#include "schuler/report/outputs.h"
+#include "schuler/settings/request.h"
+#include "schuler/settings/scenario/comparison.h"
+#include "schuler/settings/scenario/scenario.h"
+#include "schuler/solution/bundle.h"
+#include "schuler/solution/fuse.h"
+#include "schuler/study/comparison/compare.h"
+#include "schuler/study/montecarlo/montecarlo.h"
+
+#include <algorithm>
+#include <chrono>
+#include <span>
+
+namespace schuler::study {
+namespace {
+
+constexpr std::size_t kept_epochs = 500;   ///< of the NEES of each run
+
+/// What is kept of one run of one scheme.
+struct Kept {
+    ComparedRun run;
+    std::vector<std::array<double, 3>> nees;   ///< position, velocity, attitude, settled
+    SquaredCourse course;
+    bool report_wanted = false;
+    std::string failure;
+};
+
+Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList& over) {
+    Kept out;
+    WarningLog unheard;
+    solution::ResultBundle bundle = solution::simulated_bundle(flight, over, unheard);
+    solution::fuse_and_evaluate(bundle, unheard, flight.sim.reference_rate, {});
+    out.run = compared_run(bundle, flight);
+    out.run.course = {};
+    out.run.receiver = {};
+    out.course.add(bundle.evaluation.errors, flight.sim.origin, flight.sim.duration);
+    out.report_wanted = bundle.data.config.output.wants("report");
+    std::vector<std::array<double, 3>> all;
+    for (const solution::StateErrors& e : bundle.evaluation.states)
+        if (e.time >= bundle.evaluation.settled) all.push_back({e.nees[0], e.nees[1], e.nees[2]});
+    const std::size_t stride = (all.size() + kept_epochs - 1) / kept_epochs;
+    for (std::size_t i = 0; i < all.size(); i += stride) out.nees.push_back(all[i]);
+    return out;
+}
+
+/// A row a run; runs that end early leave NaN.
+analysis::EnsembleConsistency nees_of(std::span<const Kept> runs, std::size_t block) {
+    std::size_t epochs = 0;
+    for (const Kept& k : runs) epochs = std::max(epochs, k.nees.size());
+    analysis::RunsByEpochs values = analysis::RunsByEpochs::Constant(static_cast<Eigen::Index>(runs.size()), static_cast<Eigen::Index>(epochs), not_given);
+    for (std::size_t r = 0; r < runs.size(); ++r)
+        for (std::size_t k = 0; k < runs[r].nees.size(); ++k)
+            values(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(k)) = runs[r].nees[k][block];
+    return analysis::ensemble_consistency(values, 3.0);
+}
+
+}  // namespace
+
+CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::size_t runs, int jobs) {
+    const auto begin = std::chrono::steady_clock::now();
+    const settings::SettingList base = settings::scenario_settings(request.input, request.seed);
+    const settings::ScenarioConfig scenario = settings::scenario_from(base);
+    CompareCampaign c;
+    c.name = scenario.name;
+    c.version = request.version;
+    c.windows = scenario.windows;
+    c.rules = scenario.window_rules;
+    c.outages = scenario.outages;
+    c.duration = scenario.sim.duration;
+    c.settings = settings::to_toml(base, settings::scenario_table().specs(), false);
+    for (std::size_t k = 0; k < runs; ++k) c.seeds.push_back(scenario.sim.seed + k);
+    std::vector<std::optional<std::size_t>> counts(scenario.compared_satellites.begin(), scenario.compared_satellites.end());
+    if (counts.empty()) counts.emplace_back();
+    for (const std::optional<std::size_t> satellites : counts) {
+        for (const std::string& name : scenario.compared) {
+            SchemeCampaign& s = c.schemes.emplace_back();
+            s.scheme = &settings::known_scheme(name);
+            s.satellites = satellites;
+        }
+    }
+    std::vector<Kept> all(c.schemes.size() * runs);
+    for_each_run(
+        all.size(), jobs,
+        [&](std::size_t job) {
+            const SchemeCampaign& s = c.schemes[job / runs];
+            const std::uint64_t seed = c.seeds[job % runs];
+            settings::SettingList over = request.over({}), drawn;
+            over.insert(over.end(), s.scheme->settings.begin(), s.scheme->settings.end());
+            try {
+                all[job] = kept_of(with_satellites(settings::scenario_from(settings_of_run(base, scenario.vary, seed, drawn)), s.satellites), over);
+            } catch (const Error& e) {
+                if (job == 0) throw;
+                all[job].failure = fmt::format("seed {}: {}", seed, e.what());
+            }
+        },
+        request.progress);
+    for (std::size_t i = 0; i < c.schemes.size(); ++i) {
+        SchemeCampaign& s = c.schemes[i];
+        const std::span<const Kept> own(all.data() + i * runs, runs);
+        for (const Kept& k : own) {
+            s.course.add(k.course);
+            s.numbers.push_back(k.run.numbers);
+            s.windows.push_back(k.run.windows);
+            if (!k.failure.empty()) s.failures.push_back(k.failure);
+        }
+        for (std::size_t block = 0; block < 3; ++block) s.nees[block] = nees_of(own, block);
+    }
+    c.report_wanted = all.front().report_wanted;
+    c.wall_s = solution::seconds_since(begin);
+    return c;
+}
+
+report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, std::size_t runs, int jobs) {
+    const CompareCampaign c = compare_campaign(request, runs, jobs);
+    report::Outcome out;
+    out.folder = request.output.empty() ? std::filesystem::path("out") / (c.name + "-montecarlo") : request.output;
+    report::make_folder(out.folder);
+    out.json = campaign_json(c);
+    out.tables = campaign_tables(c);
+    const auto write = [&](const char* name, const std::string& text) { report::write_text(out.files.emplace_back(out.folder / name), text); };
+    write("runs.csv", campaign_runs_csv(c));
+    if (c.report_wanted) write("report.html", report::render(campaign_report(c)));
+    write("summary.json", out.json);   // last: who waits for it finds all
+    for (const SchemeCampaign& s : c.schemes)
+        for (const std::string& failure : s.failures) out.warnings.push_back(fmt::format("{}, {}", s.scheme->name, failure));
+    return out;
+}
+
+}  // namespace schuler::study

@@ -1,0 +1,73 @@
+// Many seeds of one flight through several schemes.
+#pragma once
+
+#include "schuler/analysis/ensemble.h"
+#include "schuler/analysis/errors.h"
+#include "schuler/report/outcome.h"
+#include "schuler/report/report.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/request.h"
+#include "schuler/settings/scenario/comparison.h"
+#include "schuler/study/comparison/compare_windows.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::study {
+
+/// Squares of the errors of one run, or of many, in equal spans of the scenario, beside the variances that the solution stated.
+struct SquaredCourse {
+    static constexpr std::size_t spans = 300, quantities = 4;   ///< horizontal and height, m; velocity, m/s; heading, rad
+    std::array<std::array<double, spans>, quantities> square{}, variance{};
+    std::array<std::array<double, spans>, quantities> count{};
+
+    /// Error rows of one run, whose times count from `origin`, over a scenario of `duration` s. Rows that state no sigma do not count.
+    void add(const std::vector<analysis::ErrorRow>& rows, Time origin, double duration);
+    void add(const SquaredCourse& other);
+};
+
+/// One scheme over all seeds.
+struct SchemeCampaign {
+    const settings::KnownScheme* scheme = nullptr;
+    std::optional<std::size_t> satellites;               ///< compare.satellites
+    std::vector<std::vector<double>> numbers;            ///< of each run, as compared_numbers(); empty: it failed
+    std::vector<std::vector<WindowStatistics>> windows;  ///< of each run
+    std::array<analysis::EnsembleConsistency, 3> nees;   ///< position, velocity, attitude; NaN where the scheme has no covariance
+    SquaredCourse course;                                ///< of all runs together
+    std::vector<std::string> failures;                   ///< of the runs that failed, with their seed
+};
+
+struct CompareCampaign {
+    std::string name, version;
+    std::vector<std::uint64_t> seeds;
+    std::vector<settings::CompareWindow> windows;
+    settings::WindowRules rules;
+    std::vector<SchemeCampaign> schemes;                 ///< those of one number of satellites stand together
+    std::vector<settings::OutageSpan> outages;                     ///< of GNSS
+    double duration = 0.0;                               ///< s, of the scenario
+    std::string settings;                                ///< TOML
+    bool report_wanted = true;                           ///< output.files has "report"
+    double wall_s = 0.0;
+};
+
+/// Runs every scheme that the scenario compares with seeds of the scenario, of the scenario plus one, and so on: all schemes fly the same
+/// flights. What varies (montecarlo.vary) is drawn for each seed. The result does not depend on `jobs`. @throws Error: the first run of the
+/// first scheme cannot be made.
+[[nodiscard]] CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::size_t runs, int jobs);
+
+/// Root mean squares over the seeds and NEES with the bounds of as many independent runs; one table more a window.
+[[nodiscard]] std::string campaign_tables(const CompareCampaign& campaign);
+[[nodiscard]] std::string campaign_json(const CompareCampaign& campaign);
+/// report.html: the tables, and for each scheme the root mean square of the errors over the seeds beside the sigma it stated, over time.
+[[nodiscard]] report::ReportInput campaign_report(const CompareCampaign& campaign);
+/// A row a scheme and run.
+[[nodiscard]] std::string campaign_runs_csv(const CompareCampaign& campaign);
+
+/// The same through every scheme that the scenario compares, what run_montecarlo does where there are such.
+[[nodiscard]] report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, std::size_t runs, int jobs);
+
+}  // namespace schuler::study

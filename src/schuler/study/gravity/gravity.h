@@ -1,0 +1,144 @@
+// The disturbance of gravity along a track: what `schuler gravity` runs.
+#pragma once
+
+#include "schuler/filter/model.h"
+#include "schuler/gravimetry/lines.h"
+#include "schuler/gravimetry/resolution.h"
+#include "schuler/gravimetry/survey_run.h"
+#include "schuler/report/outcome.h"
+#include "schuler/settings/request.h"
+#include "schuler/settings/scenario/scenario.h"
+#include "schuler/solution/bundle.h"
+#include "schuler/solution/loaded_dataset.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace schuler::study {
+
+struct GravityRequest {
+    settings::ProcessRequest common;
+    int runs = 1;                     ///< of a scenario, with seeds from the first on; 1: one survey with all its files
+};
+
+/// Recordings and settings as input of a survey.
+struct GravityInput {
+    std::unique_ptr<const Recording> recording;   ///< but its IMU: that of `data`
+    fusion::RunData data;
+    fusion::Settings filter;                      ///< gravity27
+    fusion::Start start;
+    std::vector<Time> steps;                      ///< where the constant part may have changed
+    gravimetry::SurveySettings settings;          ///< the same beliefs, for covariance analysis
+    gravimetry::VerticalMotion motion;            ///< means over the fixes
+};
+
+/// Increments, events and the states of gravity27. The start is the one given; otherwise that of the loosely coupled smoother over
+/// the same data, whose findings (latencies, noise, mounting) hold then. Anomalies of the settings are injected. @throws Error(Input)
+[[nodiscard]] GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warnings);
+
+/// What is attainable by covariance analysis, and whether it is enough.
+struct Attainability {
+    double vertical = not_given;  ///< sigma of the vertical disturbance at the end, m/s^2
+    double horizontal = not_given;
+    double prior_vertical = not_given;  ///< before any measurement
+    double resolved_period = not_given;  ///< s, full wavelength that is passed at half its amplitude
+    bool usable = false;  ///< the survey halves the prior sigma, of the level or of the varying part
+    std::string statement;  ///< one or two sentences for people
+};
+
+/// The fixes against what the filter expected of them: mean of the squares of the innovations by their variance, a degree of
+/// freedom, after settling; near one where the filter knows its instruments.
+struct GravityInnovations {
+    double nis = not_given;
+    double low = not_given, high = not_given;  ///< between which it lies in 95 of 100 runs of a consistent filter
+    std::size_t epochs = 0;
+};
+
+/// Errors of the disturbance (estimate minus truth), north, east, down, m/s^2.
+struct GravityErrors {
+    Eigen::Vector3d rms = not_given3();  ///< of the smoothed (or forward) disturbance after settling
+    Eigen::Vector3d spread = not_given3();  ///< the same less its mean: what a crossover adjustment leaves
+    Eigen::Vector3d last = not_given3();  ///< at the last fix
+};
+
+/// The survey as lines, with the levels that make their crossovers agree. Values are down, m/s^2. Where a simulated anomaly runs
+/// along the track, not over the ground, the crossovers are those of the errors.
+struct GravityLines {
+    std::vector<gravimetry::SurveyLine> lines;
+    std::vector<gravimetry::Crossover> crossings;
+    std::vector<gravimetry::RepeatedLine> repeats;
+    double rms_before = not_given, rms_after = not_given;  ///< at the crossovers
+    double resolved_spread = not_given;  ///< error on the lines less its mean, low-passed at the resolved period; simulated data
+    double levelled_spread = not_given;  ///< error of the levelled lines less its mean; simulated data
+    std::vector<double> levelled;  ///< at the epochs; NaN off the lines
+    std::vector<int> line_of;  ///< index of the line at the epochs; -1 off the lines
+};
+
+/// Differentiated fixes and a low-pass filter, at the forward epochs: down, m/s^2.
+struct ClassicalGravity {
+    double period = not_given;  ///< s, half amplitude
+    std::vector<double> down;
+    double rms = not_given, spread = not_given;  ///< of the error, and less its mean, ends left out; simulated data
+};
+
+struct GravityBundle {
+    solution::ResultBundle run;
+    gravimetry::SurveyResult survey;
+    std::vector<Eigen::Vector3d> truth;  ///< disturbance at the forward epochs, north, east, down; empty: not known
+    bool over_ground = false;  ///< the simulated disturbance is a field of places alone
+    Attainability attainable;
+    GravityErrors errors;
+    GravityInnovations innovations;
+    ClassicalGravity classical;
+    GravityLines lines;
+    [[nodiscard]] const std::vector<gravimetry::SurveyEpoch>& epochs() const {
+        return survey.smoothed.empty() ? survey.forward : survey.smoothed;
+    }
+};
+
+/// A line of gravity.csv: SI units, north, east, down.
+struct GravityRow {
+    double t = 0.0;  ///< s after the origin of the command line's times
+    double distance = 0.0;  ///< along the track, m
+    Geodetic position;
+    Eigen::Vector3d disturbance_n, sigma_n;
+    double free_air = not_given;  ///< free-air anomaly, m/s^2; needs the undulation
+    double eotvos = 0.0;  ///< Eotvos term, m/s^2, positive where it makes a vehicle lighter
+    double vertical_acceleration = 0.0;  ///< of the vehicle, up, m/s^2
+    Eigen::Vector3d truth_n = not_given3();
+    double classical = not_given;  ///< of the classical pipeline, down
+    double levelled = not_given;  ///< on a line, its level taken off, down
+    int line = -1;  ///< -1: on none
+};
+[[nodiscard]] std::vector<GravityRow> gravity_rows(const GravityBundle& bundle);
+
+/// Lines, crossovers and repeated lines of a survey that moves.
+[[nodiscard]] GravityLines gravity_lines(const GravityBundle& bundle);
+/// The classical pipeline over the same input.
+[[nodiscard]] ClassicalGravity classical_gravity(const GravityBundle& bundle, const GravityInput& input);
+
+/// Simulates (a scenario) or reads (a data set), and estimates. @throws Error
+[[nodiscard]] GravityBundle gravity_survey(const settings::ProcessRequest& request, WarningLog& warnings, std::string& notice);
+
+[[nodiscard]] GravityBundle gravity_of_scenario(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request,
+                                                WarningLog& warnings);
+
+/// `schuler gravity`: gravity.csv, gravity.geojson, solution.csv, run.h5, track.kml, report.html, summary.json, config.toml.
+[[nodiscard]] report::Outcome gravity_command(const GravityRequest& request);
+
+[[nodiscard]] std::string gravity_csv(const GravityBundle& bundle, const std::vector<GravityRow>& rows);
+[[nodiscard]] std::string gravity_geojson(const GravityBundle& bundle, const std::vector<GravityRow>& rows);
+[[nodiscard]] std::string gravity_summary_json(const GravityBundle& bundle, std::size_t rows);
+[[nodiscard]] std::string gravity_tables(const GravityBundle& bundle);
+[[nodiscard]] std::string gravity_report_html(const GravityBundle& bundle, const std::vector<GravityRow>& rows);
+
+/// Amplitude and phase of the estimator along a scenario's track, by harmonics and an impulse that are added to its anomaly (same
+/// seed: the difference of two estimates is the answer, free of noise); the correction of paper E where the scenario has a harmonic.
+[[nodiscard]] report::Outcome gravity_response(const GravityRequest& request);
+
+/// Many seeds of a scenario: medians and consistency. No files but summary.json.
+[[nodiscard]] report::Outcome gravity_campaign(const GravityRequest& request);
+
+}  // namespace schuler::study

@@ -1,0 +1,119 @@
+#include "schuler/study/theory/observability.h"
+
+#include "schuler/core/units.h"
+#include "schuler/gravimetry/observability.h"
+#include "schuler/report/inner/json.h"
+#include "schuler/report/outcome.h"
+#include "schuler/study/parts.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace schuler::study {
+namespace {
+
+using gravimetry::Observability;
+using gravimetry::ObservedMotion;
+
+ObservedMotion motion_of(const ObservabilityRequest& r) {
+    ObservedMotion m;
+    m.start = {r.latitude_deg * units::deg, r.longitude_deg * units::deg, r.height};
+    m.v_eb_n = {r.vn, r.ve, r.vd};
+    m.rpy.z() = r.heading_deg * units::deg;
+    m.heading_rate = r.turn_deg_s * units::deg;
+    m.random_rate = r.correlation_time != 0.0 ? 1.0 / r.correlation_time : 0.0;
+    m.degree = r.polynomial;
+    m.frozen = r.frozen;
+    m.rhumb = r.rhumb;
+    return m;
+}
+
+std::string text_of(const gravimetry::SeenCombination& c) {
+    std::string out = "  " + c.state;
+    for (const auto& [name, coefficient] : c.with)
+        out += fmt::format(" {} {} {}", coefficient < 0.0 ? "-" : "+", short_number(std::abs(coefficient), 4), name);
+    return out + "\n";
+}
+
+std::string tables_of(const ObservabilityRequest& r, const Observability& o) {
+    std::string out = fmt::format("rank {} of {} ({}), position and velocity fixes\n", o.rank, o.states,
+                                  r.tolerance > 0.0 ? fmt::format("pivots from {:g} on count", r.tolerance) : "exact");
+    out += fmt::format("pivots: {} .. {}, the next is {}\n", short_number(o.pivots.front(), 4), short_number(o.pivots.back(), 4),
+                       short_number(o.next, 2));
+    out += "what is seen (SI units; Earth-fixed axes, sensor errors in body axes)\n";
+    for (const gravimetry::SeenCombination& c : o.combinations) out += text_of(c);
+    return out;
+}
+
+report::Json json_of(const Observability& o) {
+    report::Json combinations = report::Json::array();
+    for (const gravimetry::SeenCombination& c : o.combinations) {
+        report::Json with = report::Json::object();
+        for (const auto& [name, coefficient] : c.with) with[name] = coefficient;
+        combinations.push_back({{"state", c.state}, {"with", with}});
+    }
+    return {{"rank", o.rank},
+            {"states", o.states},
+            {"pivots", o.pivots},
+            {"next_pivot", o.next},
+            {"combinations", combinations}};
+}
+
+/// Paper E's cases and those that explain them.
+report::Json papers_cases(const ObservabilityRequest& r, std::string& text) {
+    struct Case {
+        const char* name;
+        const char* paper;
+        double v;
+        double tolerance;
+        bool frozen, rhumb;
+    };
+    constexpr std::array cases{Case{"at rest", "15", 0.0, 0.0, false, false},
+                               Case{"1 m/s north and east, pivots from 1e-7 on", "18", 1.0, 1e-7, false, false},
+                               Case{"1 m/s north and east, exact", "", 1.0, 0.0, false, false},
+                               Case{"constant course against north, exact", "", 1.0, 0.0, false, true},
+                               Case{"model frozen", "", 1.0, 0.0, true, false}};
+    text += fmt::format("paper E, section on observability; constant disturbance\n  {:<44}{:>6}{:>8}\n", "case", "rank", "paper");
+    report::Json rows = report::Json::array();
+    for (const Case& c : cases) {
+        ObservabilityRequest one = r;
+        one.vn = one.ve = c.v;
+        one.polynomial = 0;
+        one.frozen = c.frozen;
+        one.rhumb = c.rhumb;
+        const Observability o = gravimetry::observability({}, motion_of(one), c.tolerance);
+        text += fmt::format("  {:<44}{:>6}{:>8}\n", c.name, o.rank, c.paper);
+        rows.push_back({{"case", c.name}, {"rank", o.rank}, {"paper", c.paper}});
+    }
+    return rows;
+}
+
+}  // namespace
+
+report::Outcome analyze_observability(const ObservabilityRequest& r) {
+    return with_option_names([&] {
+        check_finite({{"latitude-deg", r.latitude_deg},
+                      {"longitude-deg", r.longitude_deg},
+                      {"height", r.height},
+                      {"vn", r.vn},
+                      {"ve", r.ve},
+                      {"vd", r.vd},
+                      {"heading-deg", r.heading_deg},
+                      {"turn-deg-s", r.turn_deg_s},
+                      {"correlation-time", r.correlation_time},
+                      {"tolerance", r.tolerance}});
+        const Observability o = gravimetry::observability({}, motion_of(r), r.tolerance);
+        report::Outcome out;
+        out.tables = tables_of(r, o);
+        report::Json document = json_of(o);
+        if (r.paper) document["paper"] = papers_cases(r, out.tables);
+        out.json = document.dump(2) + "\n";
+        return out;
+    });
+}
+
+}  // namespace schuler::study

@@ -1,0 +1,212 @@
+// Paper D's experiments as a table beside the reference simulation of math.md 5.5.
+#include "schuler/core/parallel.h"
+#include "schuler/report/inner/json.h"
+#include "schuler/report/outcome.h"
+#include "schuler/report/outputs.h"
+#include "schuler/study/parts.h"
+#include "schuler/study/studies.h"
+#include "schuler/study/triad/triad.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace schuler::study {
+namespace {
+
+/// Horizontal errors of a case second by second, root mean square over the runs, m.
+struct Course {
+    std::vector<double> observed = std::vector<double>(triad_epochs), predicted = std::vector<double>(triad_epochs);
+};
+
+struct Done {
+    TriadCase which;
+    TriadStatistics statistics;
+    double one_set = 0.0;        ///< m, standard error of 48 runs
+    double standard_error = 0.0; ///< m, of all runs here
+    Course course;
+};
+
+std::vector<TriadCase> wanted_cases(const TriadRequest& r) {
+    const auto choice = [](const std::string& value, const char* option, const char* first, const char* second) {
+        if (value == second) return true;
+        if (value.empty() || value == first) return false;
+        throw input_error(fmt::format("\"{}\" is not known", value), {.file = {}, .key = option},
+                          fmt::format("give {} or {}", first, second));
+    };
+    const bool tactical = choice(r.grade, "--grade", "navigation", "tactical"),
+               tcxo = choice(r.oscillator, "--oscillator", "ocxo", "tcxo");
+    const bool ecef = choice(r.mechanization, "--mechanization", "geographic", "ecef");
+    if (r.baro && !(*r.baro >= 0.0 && *r.baro <= 1e4))
+        throw input_error("is not a sigma of the barometer's bias", {.file = {}, .key = "--baro"},
+                          "give metres, 0 for no barometer");
+    constexpr double usual_baro = 30.0;
+    const bool chosen = !r.grade.empty() || !r.oscillator.empty() || r.baro.has_value();
+    std::vector<TriadCase> out = chosen ? triad_cases_with(tactical, tcxo, r.baro.value_or(usual_baro)) : triad_cases();
+    std::erase_if(out, [&](const TriadCase& c) { return !r.cases.empty() && r.cases.find(c.key) == std::string::npos; });
+    for (const char key : r.cases)
+        if (std::string("abcdesfg").find(key) == std::string::npos)
+            throw input_error(fmt::format("there is no case {}", key), {.file = {}, .key = "--cases"},
+                              "give letters out of abcdesfg");
+    for (TriadCase& c : out) c.mechanization = ecef ? fusion::Mechanization::Ecef : fusion::Mechanization::Geographic;
+    return out;
+}
+
+Done finished(const TriadCase& which, const std::vector<TriadRun>& runs) {
+    Done d{which, statistics_of(runs), standard_error_of_a_set(runs), 0.0, {}};
+    d.standard_error =
+        d.one_set * std::sqrt(std::min(1.0, static_cast<double>(triad_geometries) / static_cast<double>(runs.size())));
+    for (std::size_t i = 0; i < triad_epochs; ++i) {
+        for (const TriadRun& r : runs) {
+            d.course.observed[i] += r.horizontal[i] * r.horizontal[i] / static_cast<double>(runs.size());
+            d.course.predicted[i] += r.predicted_horizontal[i] * r.predicted_horizontal[i] / static_cast<double>(runs.size());
+        }
+        d.course.observed[i] = std::sqrt(d.course.observed[i]);
+        d.course.predicted[i] = std::sqrt(d.course.predicted[i]);
+    }
+    return d;
+}
+
+/// Difference from the reference in standard errors of both; the reference scatters like one set of 48 runs.
+double deviation(const Done& d) {
+    return d.which.reference ? (d.statistics.pooled - d.which.reference->pooled) / std::hypot(d.one_set, d.standard_error)
+                             : not_given;
+}
+
+constexpr std::array<const char*, 9> titles{"pooled, m", "+-",       "predicted", "ref. pooled", "ref. pred.",
+                                            "sigmas",    "vertical", "at 600 s",  "NEES 3/9"};
+
+std::vector<std::string> cells(const Done& d) {
+    const TriadStatistics& s = d.statistics;
+    const TriadReference none{not_given, not_given, not_given, not_given, not_given, not_given, not_given};
+    const TriadReference& r = d.which.reference ? *d.which.reference : none;
+    return {short_number(s.pooled, 3),
+            short_number(d.standard_error, 2),
+            short_number(s.predicted, 3),
+            short_number(r.pooled, 3),
+            short_number(r.predicted, 3),
+            short_number(deviation(d), 2),
+            short_number(s.vertical, 3),
+            short_number(s.end, 3),
+            fmt::format("{:.2f}/{:.2f}", s.nees3, s.nees9)};
+}
+
+report::Json json_of(const Done& d) {
+    const TriadStatistics& s = d.statistics;
+    report::Json row{{"case", d.which.name},
+             {"key", std::string(1, d.which.key)},
+             {"horizontal_m",
+              {{"pooled", s.pooled},
+               {"predicted", s.predicted},
+               {"standard_error", d.standard_error},
+               {"standard_error_of_48", d.one_set},
+               {"median", s.median},
+               {"low", s.low},
+               {"high", s.high}}},
+             {"vertical_m", {{"pooled", s.vertical}, {"predicted", s.predicted_vertical}}},
+             {"two_sigma_3d_m", s.two_sigma},
+             {"at_600_s_m", {{"pooled", s.end}, {"predicted", s.predicted_end}}},
+             {"switch_on_ratio", d.which.stations_on > 0.0 ? report::Json(s.at_300 / s.at_330) : report::Json(nullptr)},
+             {"nees_position", s.nees3},
+             {"nees_nine", s.nees9},
+             {"reference", nullptr}};
+    if (d.which.reference) {
+        const TriadReference& r = *d.which.reference;
+        row["reference"] = {{"pooled", r.pooled},     {"predicted", r.predicted},
+                            {"vertical", r.vertical}, {"predicted_vertical", r.predicted_vertical},
+                            {"at_600_s", r.end},      {"nees_position", r.nees3},
+                            {"nees_nine", r.nees9},   {"deviation_sigmas", deviation(d)}};
+    }
+    return row;
+}
+
+/// Cases c and e with the same instruments, at 600 s.
+double ratio_of(const std::vector<Done>& all) {
+    for (const Done& c : all)
+        for (const Done& e : all)
+            if (c.which.key == 'c' && e.which.key == 'e' && c.which.tactical == e.which.tactical &&
+                c.which.tcxo == e.which.tcxo && c.which.baro == e.which.baro)
+                return c.statistics.end / e.statistics.end;
+    return not_given;
+}
+
+void write_files(const TriadRequest& request, const std::vector<Done>& all, report::Outcome& out) {
+    out.folder = request.output;
+    report::make_folder(out.folder);
+    std::string table =
+        "case,pooled_m,standard_error_m,predicted_m,reference_pooled_m,reference_predicted_m,nees_position,nees_nine\n";
+    std::string course = "time_s";
+    for (const Done& d : all) {
+        const auto given = [&](double TriadReference::*field) {
+            return d.which.reference ? fmt::format("{:.6g}", (*d.which.reference).*field) : std::string();
+        };
+        table += fmt::format("{},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g}\n", d.which.name, d.statistics.pooled, d.standard_error,
+                             d.statistics.predicted, given(&TriadReference::pooled), given(&TriadReference::predicted),
+                             d.statistics.nees3, d.statistics.nees9);
+        course += fmt::format(",{0} observed_m,{0} predicted_m", d.which.name);
+    }
+    report::ReportInput page{"The triad of paper D",
+                             fmt::format("{} runs of each case from seed {}", request.runs, request.seed)};
+    page.version = request.version;
+    report::Section section{"Horizontal error after the loss",
+                            "Root mean square over the runs; broken: one sigma of the filter."};
+    std::vector<double> t(triad_epochs);
+    for (std::size_t i = 0; i < triad_epochs; ++i) {
+        t[i] = static_cast<double>(i);
+        course += fmt::format("\n{}", i);
+        for (const Done& d : all) course += fmt::format(",{:.5g},{:.5g}", d.course.observed[i], d.course.predicted[i]);
+    }
+    for (const Done& d : all) {
+        report::Panel panel{d.which.name, "time after the loss, s", "horizontal error, m"};
+        panel.series.push_back({"observed", t, d.course.observed, report::Ink::Blue, report::Mark::Line});
+        panel.series.push_back({"predicted", t, d.course.predicted, report::Ink::Vermillion, report::Mark::Dashed});
+        section.groups.push_back({"", {panel}, {}});
+    }
+    page.sections.push_back(section);
+    const std::pair<const char*, std::string> files[] = {
+        {"triad.csv", table}, {"course.csv", course + "\n"}, {"summary.json", out.json}};
+    for (const auto& [name, text] : files) report::write_text(out.files.emplace_back(out.folder / name), text);
+    write_report(out, out.folder, page);
+}
+
+}  // namespace
+
+report::Outcome analyze_triad(const TriadRequest& request) {
+    const std::vector<TriadCase> cases = wanted_cases(request);
+    std::vector<Done> all;
+    for (const TriadCase& which : cases) {
+        std::vector<TriadRun> runs(request.runs);
+        const auto progress = [&](double part) {
+            if (request.progress) request.progress((static_cast<double>(all.size()) + part) / static_cast<double>(cases.size()));
+        };
+        for_each_run(
+            runs.size(), request.jobs,
+            [&](std::size_t j) { runs[j] = run_triad(which, j % triad_geometries, request.seed + j / triad_geometries); },
+            progress);
+        all.push_back(finished(which, runs));
+    }
+    report::Outcome out;
+    out.tables = fmt::format("paper D's triad, {} runs of each case from seed {}; horizontal, 300 to 600 s after the loss\n",
+                             request.runs, request.seed);
+    out.tables += table_line("case", 34, {titles.begin(), titles.end()}, 12);
+    report::Json rows = report::Json::array();
+    for (const Done& d : all) {
+        out.tables += table_line(d.which.name, 34, cells(d), 12);
+        rows.push_back(json_of(d));
+    }
+    const double ratio = ratio_of(all);
+    if (std::isfinite(ratio)) out.tables += fmt::format("c/e at 600 s: {:.2f} (paper D and math.md: about 5)\n", ratio);
+    for (const Done& d : all)
+        if (d.which.stations_on > 0.0)
+            out.tables +=
+                fmt::format("{}: {:.1f} m before, {:.1f} m 30 s later\n", d.which.name, d.statistics.at_300, d.statistics.at_330);
+    out.tables += "+-: standard error of the runs here; sigmas: difference from the reference, whose 48 runs scatter likewise\n";
+    out.json =
+        report::text_of(report::Json{{"runs", request.runs}, {"seed", request.seed}, {"ratio_c_e_at_600_s", report::json_number(ratio)}, {"rows", rows}});
+    if (!request.output.empty()) write_files(request, all, out);
+    return out;
+}
+
+}  // namespace schuler::study

@@ -1,0 +1,198 @@
+#include "schuler/study/triad/protection.h"
+
+#include "schuler/core/parallel.h"
+#include "schuler/earth/earth.h"
+#include "schuler/fusion/run_filter.h"
+#include "schuler/math/binomial.h"
+#include "schuler/math/random.h"
+#include "schuler/report/inner/json.h"
+#include "schuler/report/outcome.h"
+#include "schuler/report/outputs.h"
+#include "schuler/study/parts.h"
+#include "schuler/study/triad/triad.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace schuler::study {
+namespace {
+
+constexpr double earliest = 90.0, scatter = 20.0, followed = 40.0, at_once = 3.0;   // s
+constexpr double least_size = 2.0, most_size = 60.0;                // m
+
+/// Draws the faults and puts them into the ranges.
+void inject(ProtectionTrial& trial, RangingLog& log, Time origin, math::Random& random, int faults) {
+    trial.start = std::floor(earliest + scatter * random.uniform());
+    const auto first =
+        std::ranges::find_if(log.epochs, [&](const RangeEpoch& e) { return (e.time - origin).seconds() >= trial.start - 1e-6; });
+    if (first == log.epochs.end()) throw computation_error("a flight has no ranges", "look at its settings");
+    for (int i = 0; i < faults; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        do {
+            const auto which = static_cast<std::size_t>(random.uniform() * static_cast<double>(first->count));
+            trial.satellite[at] = log.samples[first->first + std::min(which, first->count - 1)].source;
+        } while (at == 1 && trial.satellite[1] == trial.satellite[0]);
+        const double size = least_size + (most_size - least_size) * random.uniform();
+        trial.size[at] = random.uniform() < 0.5 ? -size : size;
+        for (std::size_t k = first->first; k < log.samples.size(); ++k)
+            if (log.samples[k].source == trial.satellite[at]) log.samples[k].pseudorange += trial.size[at];
+    }
+}
+
+/// One epoch with the errors and levels, horizontal and vertical.
+void judge(ProtectionTrial& trial, double t, const std::array<double, 2>& error, const fusion::ProtectionRow& row) {
+    if (t < trial.start) {
+        trial.alarm_before = trial.alarm_before || row.alarm >= 0;
+        ++trial.epochs_before;
+        return;
+    }
+    ++trial.epochs;
+    if (row.alarm >= 0 && !trial.alarm) {
+        trial.alarm = true;
+        trial.time_to_alarm = t - trial.start;
+    }
+    trial.right = trial.right || (row.alarm >= 0 && (row.alarm == trial.satellite[0] || row.alarm == trial.satellite[1]));
+    const std::array<double, 2> level{row.horizontal, row.vertical};
+    for (std::size_t i = 0; i < 2; ++i) {
+        trial.level[i] += level[i] * level[i];
+        if (error[i] > level[i]) ++(trial.alarm ? trial.late : trial.misleading)[i];
+        if (!trial.alarm) trial.worst[i] = std::max(trial.worst[i], error[i] / level[i]);
+    }
+}
+
+/// Events in trials with their bounds, as text and as JSON.
+struct Share {
+    std::size_t events = 0, trials = 0;
+    [[nodiscard]] double value() const {
+        return trials > 0 ? static_cast<double>(events) / static_cast<double>(trials) : not_given;
+    }
+    [[nodiscard]] std::string text() const {
+        const auto [low, high] = math::binomial_bounds(events, trials, 0.95);
+        return fmt::format("{} of {}: {:.2e} ({:.2e} to {:.2e})", events, trials, value(), low, high);
+    }
+    [[nodiscard]] report::Json json() const {
+        const auto [low, high] = math::binomial_bounds(events, trials, 0.95);
+        return {
+            {"events", events}, {"trials", trials}, {"share", report::json_number(value())}, {"low95", report::json_number(low)}, {"high95", report::json_number(high)}};
+    }
+};
+
+std::string csv_of(const std::vector<ProtectionTrial>& trials) {
+    std::string text =
+        "start_s,size_1_m,size_2_m,false_alarm,alarm,right,time_to_alarm_s,excluded,misleading_horizontal,misleading_vertical,"
+        "late_horizontal,late_vertical,hpl_m,vpl_m,worst_horizontal,worst_vertical\n";
+    for (const ProtectionTrial& t : trials)
+        text += fmt::format("{:g},{:.4f},{:.4f},{:d},{:d},{:d},{:g},{:d},{},{},{},{},{:.3f},{:.3f},{:.4f},{:.4f}\n", t.start,
+                            t.size[0], t.size[1], t.alarm_before, t.alarm, t.right, t.time_to_alarm, t.excluded, t.misleading[0],
+                            t.misleading[1], t.late[0], t.late[1], t.level[0], t.level[1], t.worst[0], t.worst[1]);
+    return text;
+}
+
+}  // namespace
+
+ProtectionTrial run_protection_trial(std::size_t j, std::uint64_t seed, bool double_fault,
+                                     const fusion::ProtectionSettings& settings) {
+    TriadCase all;
+    all.satellites = 99;
+    const std::uint64_t own = 1'000'000 * seed + j;
+    TriadFlight flight = triad_flight(all, j % triad_geometries, own, earliest + scatter + followed);
+    math::Random random(own, "protection");
+    ProtectionTrial trial;
+    inject(trial, flight.recording.ranges, flight.origin, random, double_fault ? 2 : 1);
+    flight.settings.ranging.protection = settings;
+    flight.settings.ranging.protection.use = true;
+    WarningLog unheard;
+    const fusion::Result result = fusion::run_filter(flight.recording, flight.settings, unheard);
+    std::map<Time, const fusion::StateRow*> states;
+    for (const fusion::StateRow& s : result.forward.states) states[s.time] = &s;
+    for (const fusion::ProtectionRow& row : result.forward.protection) {
+        const double t = (row.time - flight.origin).seconds();
+        const auto at = static_cast<std::size_t>(std::llround(t));
+        const auto state = states.find(row.time);
+        if (state == states.end() || at >= flight.recording.reference.size() || t >= trial.start + followed) continue;
+        const Eigen::Vector3d error =
+            earth::ned_difference(flight.settings.earth, state->second->nav.position, flight.recording.reference[at].position);
+        judge(trial, t, {error.head<2>().norm(), std::abs(error.z())}, row);
+        if (t >= trial.start && t < trial.start + at_once && row.excluded > 0) trial.excluded = true;
+    }
+    if (trial.epochs == 0) throw computation_error("a flight ended before its fault", "look at its settings");
+    for (double& level : trial.level) level = std::sqrt(level / static_cast<double>(trial.epochs));
+    return trial;
+}
+
+report::Outcome analyze_protection(const ProtectionRequest& request) {
+    std::vector<ProtectionTrial> trials(request.runs);
+    for_each_run(
+        request.runs, request.jobs,
+        [&](std::size_t j) { trials[j] = run_protection_trial(j, request.seed, request.double_fault, request.settings); },
+        request.progress);
+    Share false_alarms, alarms, right, excluded, neither, misleading, misleading_epochs, horizontal, vertical, late;
+    double level_horizontal = 0.0, level_vertical = 0.0, worst_horizontal = 0.0, worst_vertical = 0.0;
+    for (Share* s : {&false_alarms, &alarms, &excluded, &neither, &misleading, &horizontal, &vertical, &late})
+        s->trials = trials.size();
+    for (const ProtectionTrial& t : trials) {
+        false_alarms.events += t.alarm_before;
+        alarms.events += t.alarm;
+        right.trials += t.alarm;
+        right.events += t.right;
+        excluded.events += t.excluded;
+        neither.events += !t.alarm && !t.excluded;
+        horizontal.events += t.misleading[0] > 0;
+        vertical.events += t.misleading[1] > 0;
+        misleading.events += t.misleading[0] + t.misleading[1] > 0;
+        misleading_epochs.events += static_cast<std::size_t>(std::max(t.misleading[0], t.misleading[1]));
+        misleading_epochs.trials += static_cast<std::size_t>(t.epochs);
+        late.events += t.late[0] + t.late[1] > 0;
+        level_horizontal += t.level[0] / static_cast<double>(trials.size());
+        level_vertical += t.level[1] / static_cast<double>(trials.size());
+        worst_horizontal = std::max(worst_horizontal, t.worst[0]);
+        worst_vertical = std::max(worst_vertical, t.worst[1]);
+    }
+    report::Outcome out;
+    out.tables = fmt::format(
+        "{} {} faults of {:g} to {:g} m, navigation grade, all satellites in view; stated risk {:g} an epoch\n", request.runs,
+        request.double_fault ? "double" : "single", least_size, most_size, request.settings.missed_detection);
+    const std::pair<const char*, const Share*> lines[] = {
+        {"misleading epochs (error above its level, no alarm)", &misleading_epochs},
+        {"faults with a misleading epoch", &misleading},
+        {"  horizontally", &horizontal},
+        {"  vertically", &vertical},
+        {"faults with an error above its level after the alarm", &late},
+        {"faults that raised an alarm", &alarms},
+        {"  of these named rightly", &right},
+        {"faults with ranges left out within 3 s", &excluded},
+        {"faults neither left out nor alarmed", &neither},
+        {"flights with a false alarm before the fault", &false_alarms}};
+    report::Json json{{"runs", request.runs},
+              {"double", request.double_fault},
+              {"missed_detection", request.settings.missed_detection},
+              {"false_alarm", request.settings.false_alarm}};
+    for (const auto& [title, share] : lines) out.tables += fmt::format("  {:<54}{}\n", title, share->text());
+    out.tables += fmt::format(
+        "  mean level {:.1f} m horizontally, {:.1f} m vertically; largest error over its level without alarm {:.2f}, {:.2f}\n",
+        level_horizontal, level_vertical, worst_horizontal, worst_vertical);
+    const std::pair<const char*, const Share*> fields[] = {{"misleading_epochs", &misleading_epochs},
+                                                           {"misleading_faults", &misleading},
+                                                           {"late_faults", &late},
+                                                           {"alarms", &alarms},
+                                                           {"named_rightly", &right},
+                                                           {"excluded", &excluded},
+                                                           {"unnoticed", &neither},
+                                                           {"false_alarms", &false_alarms}};
+    for (const auto& [key, share] : fields) json[key] = share->json();
+    json["level_m"] = {{"horizontal", level_horizontal}, {"vertical", level_vertical}};
+    json["worst_ratio"] = {{"horizontal", worst_horizontal}, {"vertical", worst_vertical}};
+    out.json = report::text_of(json);
+    if (!request.output.empty()) {
+        out.folder = request.output;
+        report::make_folder(out.folder);
+        report::write_text(out.files.emplace_back(out.folder / "trials.csv"), csv_of(trials));
+        report::write_text(out.files.emplace_back(out.folder / "summary.json"), out.json);
+    }
+    return out;
+}
+
+}  // namespace schuler::study

@@ -1,0 +1,134 @@
+"""Carrier phases against a base from outside: the solution with its quality, what is refused, loose coupling fed with it."""
+import csv
+import json
+import math
+import os
+import random
+import sys
+from pathlib import Path
+
+from program_test import check, main
+
+BASE = [48.780735783, 9.171992250, 320.0]
+ROVER = [48.780735783, 9.199262450, 320.0]
+
+
+def data_of(source):
+    folder = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data")) / "spirent_rtk_noatm"
+    if not folder.is_dir():
+        print(f"skipped: {folder} is not there (set SCHULER_DATA)")
+        sys.exit(77)
+    return folder
+
+
+def described(program, name, data, rover="Rover-static-2km-east_MO_Spirent.obs.gz", base=None, more="", position=BASE, scheme="gnss"):
+    """A data set of the generator's files; `base`: another file."""
+    folder = Path(program.folder) / name
+    folder.mkdir(exist_ok=True)
+    (folder / "dataset.toml").write_text(f"""
+[gnss]
+observations = "{data}/{rover}"
+navigation = ["{data}/RINEX_GN_Spirent.23N", "{data}/RINEX_EN_Spirent.23L"]
+ionosphere = "none"
+troposphere = "none"
+[base]
+observations = "{base or data / 'Base-static_MO_Spirent.obs.gz'}"
+{f"position = {position}" if position else ""}
+[filter]
+scheme = "{scheme}"
+{more}
+""")
+    return name
+
+
+def rows_of(file):
+    with open(file) as text:
+        return list(csv.DictReader(text))
+
+
+def metres(row, place):
+    """North, east, up from a place."""
+    return ((float(row["lat_deg"]) - place[0]) * 111_200.0, (float(row["lon_deg"]) - place[1]) * 111_320.0 * math.cos(math.radians(place[0])),
+            float(row["height_m"]) - place[2])
+
+
+def ppk_generator(program, source):
+    """At rest two kilometres off: fixed from the first epoch, millimetres."""
+    data = data_of(source)
+    done = program("process", described(program, "static", data), "-o", "out", "--json")
+    summary = json.loads(done.stdout)
+    check(summary["carrier"] == {"epochs": 601, "fixed": 601, "float": 0, "single": 0}, f"{summary['carrier']}")
+    rows = rows_of(Path(program.folder) / "out/solution.csv")
+    check(len(rows) == 601 and all(row["q"] == "1" and int(row["satellites"]) >= 8 for row in rows), "the quality stands in solution.csv")
+    largest = max(math.hypot(*metres(row, ROVER)) for row in rows)
+    print(f"at rest, 2 km: {1e3 * largest:.2f} mm at most")
+    check(largest < 0.005, f"{largest} m")
+    carrier = rows_of(Path(program.folder) / "out/carrier.csv")
+    check(len(carrier) == 601 and abs(float(carrier[0]["east_m"]) - 2004.4) < 1.0, f"the baseline: {carrier[0]}")
+    program("process", "static", "-o", "float", "--json", "--set", "base.integers=false")
+    rows = rows_of(Path(program.folder) / "float/solution.csv")
+    check(all(row["q"] == "2" for row in rows), "without integers all is float")
+    outside = [row for row in rows if any(abs(x) > 3.0 * float(row[std]) for x, std in zip(metres(row, ROVER), ("std_n_m", "std_e_m", "std_d_m")))]
+    check(len(outside) <= 6, f"{len(outside)} of 601 outside three sigma")
+    # the configuration that was used gives the same
+    used = (Path(program.folder) / "out/config.toml").read_text()
+    check("[base]" in used and "position = [48.780735783, 9.17199225, 320.0]" in used, "config.toml has the base")
+
+
+def ppk_refusals(program, source):
+    data = data_of(source)
+    base = data / "Base-static_MO_Spirent.obs.gz"
+    program.fails("process", described(program, "far", data, position=[48.781635783, 9.171992250, 320.0]), "-o", "o",
+                  parts=["Base-static", "base.position", "100 m away", "[48.78073578, 9.17199225, 320.000]"])
+    program.fails("process", described(program, "twice", data, base=data / "Rover-static-2km-east_MO_Spirent.obs.gz"), "-o", "o",
+                  parts=["Rover-static", "base.observations", "rover's own log"])
+    copied = Path(program.folder) / "copied.obs.gz"
+    copied.write_bytes((data / "Rover-static-2km-east_MO_Spirent.obs.gz").read_bytes())
+    program.fails("process", described(program, "copy", data, base=copied), "-o", "o", parts=["copied.obs.gz", "base.observations", "those of the rover"])
+    program.fails("process", described(program, "moves", data, rover="Base-static_MO_Spirent.obs.gz",
+                                       base=data / "Rover-dynamic_MO_Spirent.obs.gz"), "-o", "o", parts=["base.", "Rover-dynamic"])
+    geonet = data.parent / "rtklib_geonet_pair/30400920.05o"
+    if geonet.is_file():
+        program.fails("process", described(program, "years", data, base=geonet), "-o", "o",
+                      parts=["base.observations", "no time in common", "2005-04-0", "2023-01-08"])
+    program.fails("process", described(program, "where", data, position=[400, 2, 3]), "-o", "o", parts=["dataset.toml", "base.position", "no place on the Earth"])
+    program.fails("process", described(program, "gone", data, base=Path(program.folder) / "gone.obs"), "-o", "o", parts=["gone.obs"])
+    # a header in place of a position is told
+    done = program("process", described(program, "header", data, base=base, position=None), "-o", "o")
+    check("the base stands where its header says" in done.stderr, f"{done.stderr[-300:]}")
+
+
+def ppk_loose(program, source):
+    """An inertial unit at rest: loose coupling takes the fixes of carrier phases."""
+    data = data_of(source)
+    name = described(program, "loose", data, scheme="loose", more=f"""[imu]
+file = "imu.csv"
+grade = "mems"
+axes = "frd"
+[initial]
+heading_deg = 30
+heading_std_deg = 2
+""")
+    draw = random.Random(5)
+    rate, turn, gravity = 50, 7.292115e-5, 9.8091
+    lat, heading = math.radians(ROVER[0]), math.radians(30.0)
+    w = [turn * math.cos(lat) * math.cos(heading), -turn * math.cos(lat) * math.sin(heading), -turn * math.sin(lat)]
+    with open(Path(program.folder) / name / "imu.csv", "w") as file:
+        file.write("time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n")
+        for k in range(600 * rate):
+            gyro = [x + draw.gauss(0.0, 6e-4) for x in w]
+            force = [draw.gauss(0.0, 0.01), draw.gauss(0.0, 0.01), -gravity + draw.gauss(0.0, 0.01)]
+            file.write(f"{1357207200.0 + k / rate:.3f}," + ",".join(f"{x:.8f}" for x in gyro + force) + "\n")
+    done = program("process", name, "-o", "out", "--json", "--outage", "300:10")
+    summary = json.loads(done.stdout)
+    check(summary["carrier"]["fixed"] == 601, f"{summary['carrier']}")
+    check(summary["gnss"]["rejected"] == 0 and summary["gnss"]["accepted"] > 500, f"{summary['gnss']}")
+    rows = rows_of(Path(program.folder) / "out/solution.csv")
+    late = [math.hypot(*metres(row, ROVER)) for row in rows if 1357207400.0 < float(row["time_s"]) < 1357207490.0]
+    print(f"loose, at rest: {1e3 * max(late):.1f} mm at most")
+    check(max(late) < 0.02, f"{max(late)} m")
+    check((Path(program.folder) / "out/carrier.csv").is_file(), "carrier.csv is there too")
+
+
+if __name__ == "__main__":
+    main({"ppk_generator": ppk_generator, "ppk_refusals": ppk_refusals, "ppk_loose": ppk_loose})

@@ -1,0 +1,34 @@
+"""The studies of the program behind the page: every one has a form, and what the form says is what is run."""
+import json
+import sys
+import tempfile
+
+from ui_server_test import SMALL, Server, check, main, refused
+
+
+def studies(program, source):
+    with tempfile.TemporaryDirectory() as folder, Server(program, folder) as server:
+        all_of_them = {s["command"]: s for s in server.json("GET", "/api/studies")}
+        check({"analyze equator", "analyze schuler", "analyze requirements", "analyze budget", "analyze integrity", "analyze triad",
+               "analyze allan", "analyze protection", "analyze observability"} <= set(all_of_them), f"studies: {list(all_of_them)}")
+        speed = {o["key"]: o for o in all_of_them["analyze equator"]["options"]}["speed"]
+        check(speed["unit"] == "m/s" and speed["default"] == 0 and speed["shape"] == "number", f"a field: {speed}")
+        for study in all_of_them.values():
+            check(not {"output", "set", "config", "scenario"} & {o["key"] for o in study["options"]}, f"no field names a file: {study['command']}")
+
+        run = server.json("POST", "/api/studies", {"command": "analyze equator", "title": "East", "settings": {"speed": 600, "dh": 1}}, 201)["id"]
+        done = server.finished(run)
+        check(done["state"] == "done" and "speed_limit_m_s" in (done["summary"] or {}), f"what it found is the summary: {json.dumps(done)[:400]}")
+        order = {"command": "analyze budget", "settings": {"runs": 1, "jobs": 1}, "scenario": {"toml": SMALL}}
+        done = server.finished(server.json("POST", "/api/studies", order, 201)["id"])
+        check(done["state"] == "done" and done["summary"], f"a study of a scenario: {json.dumps(done)[:400]}")
+
+        refused(server, "POST", "/api/studies", 422, ["not a study"], body='{"command": "process"}')
+        refused(server, "POST", "/api/studies", 422, ["speed", "number"], body='{"command": "analyze equator", "settings": {"speed": "fast"}}')
+        refused(server, "POST", "/api/studies", 422, ["spead", "speed"], body='{"command": "analyze equator", "settings": {"spead": 1}}')
+        refused(server, "POST", "/api/studies", 422, ["output"], body='{"command": "analyze equator", "settings": {"output": "/tmp/x"}}')
+        refused(server, "POST", "/api/studies", 422, ["scenario"], body='{"command": "analyze budget"}')
+
+
+if __name__ == "__main__":
+    sys.exit(main({"studies": studies}))

@@ -1,0 +1,211 @@
+#include "schuler/core/units.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/toml_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace schuler::settings {
+namespace {
+
+Config parse(const std::string& text) {
+    return config_from(config_table().read(parse_toml(text, "dataset.toml"), "dataset.toml"));
+}
+
+std::string message_of(const std::string& text) {
+    try {
+        (void)parse(text);
+    } catch (const Error& e) {
+        EXPECT_EQ(e.kind(), ErrorKind::Input);
+        return e.what();
+    }
+    return "no error";
+}
+
+/// A file in which the key stands alone with a value that would do if the key were known.
+std::string file_with(const std::string& key) {
+    const auto dot = key.rfind('.');
+    if (dot == std::string::npos) return key + " = 1\n";
+    return "[" + key.substr(0, dot) + "]\n" + key.substr(dot + 1) + " = 1\n";
+}
+
+TEST(OptionTable, EveryMisspeltKeyIsRejectedWithTheRightSuggestion) {
+    std::mt19937 random(7);
+    const std::vector<std::string> keys = config_table().keys();
+    ASSERT_GT(keys.size(), 100u);
+    for (const std::string& key : keys) {
+        // swap two unlike neighbours somewhere in the name, and separately drop one letter
+        const std::size_t begin = key.rfind('.') == std::string::npos ? 0 : key.rfind('.') + 1;
+        std::vector<std::size_t> places;
+        for (std::size_t i = begin; i + 1 < key.size(); ++i) {
+            if (key[i] != key[i + 1]) places.push_back(i);
+        }
+        const std::size_t at = places[random() % places.size()];
+        std::string swapped = key, dropped = key;
+        std::swap(swapped[at], swapped[at + 1]);
+        dropped.erase(at, 1);
+        for (const std::string& bad : {swapped, dropped}) {
+            if (config_table().find(bad) != nullptr) continue;
+            const std::string message = message_of(file_with(bad));
+            EXPECT_NE(message.find("dataset.toml:" + std::string(begin > 0 ? "2" : "1") + ": " + bad + ": unknown key"),
+                      std::string::npos)
+                << message;
+            // two keys can be equally near to a misspelt one (std_vn, std_ve without their last letter; loop, loose for looe): either
+            const std::size_t hint = message.find("did you mean ");
+            ASSERT_NE(hint, std::string::npos) << message;
+            std::string offered = message.substr(hint + 13, message.size() - hint - 14);
+            if (offered == key || bad == swapped) {
+                EXPECT_EQ(offered, key) << message;
+            } else {
+                const auto [there, here] = std::ranges::mismatch(offered, bad);   // one letter lacks or is another
+                const std::string rest(there + 1, offered.end());
+                EXPECT_TRUE(rest == std::string(here, bad.end()) || rest == std::string(here + 1, bad.end())) << message;
+            }
+        }
+    }
+}
+
+TEST(OptionTable, NamesFileLineKeyAndMend) {
+    const struct {
+        const char* text;
+        std::vector<const char*> parts;
+    } cases[] = {
+        {"[imu]\n\ngyro_bias_deg_h = \"3\"\n", {"dataset.toml:3: imu.gyro_bias_deg_h: is text", "number from 0 to"}},
+        {"[imu]\ngyro_bias_deg_h = -1\n", {"dataset.toml:2", "-1 is out of range", "from 0 to"}},
+        {"[imu]\ngyro_bias_deg_h = nan\n", {"out of range"}},
+        {"[imu]\nkind = \"rate\"\n", {"unknown value \"rate\"", "\"rates\" or \"increments\""}},
+        {"[imu]\naxes = \"fld\"\n", {"left-handed"}},
+        {"[imu]\naxes = \"ffd\"\n", {"dataset.toml:2: imu.axes: ", "perpendicular"}},
+        {"[imu]\ngrade = \"tactcal\"\n", {"unknown IMU grade", "tactical"}},
+        {"[imu]\nmounting_deg = [0, 1]\n", {"three angles", "estimate"}},
+        {"[gnss]\nlever_arm_m = [0, 0, 5000]\n", {"5000 is out of range", "-100 to 100"}},
+        {"[gnss]\nlever_arm_m = [0, 0]\n", {"has 2 numbers"}},
+        {"[gnss]\nlatency_s = \"guess\"\n", {"is not a latency"}},
+        {"[gnss]\nfix_codes = { 1 = \"fixed\" }\n", {"unknown fix type \"fixed\"", "rtk_fixed"}},
+        {"[time]\ndate = 2025-13-01\n", {"dataset.toml:2", "TOML"}},
+        {"[time]\ndate = \"yesterday\"\n", {"is not a date"}},
+        {"[filter]\nscheme = \"deeper\"\n", {"unknown value", "\"deep\""}},
+        {"imu = 3\n", {"expected a section", "[imu]"}},
+        {"[imu\n", {"dataset.toml:1", "not valid TOML"}},
+        {"[imu]\nfile = \"a.csv\"\nfile = \"b.csv\"\n", {"dataset.toml:3", "not valid TOML"}},
+        {"[[outage]]\nstart_s = 3\n", {"lacks start_s or duration_s"}},
+        {"[[outage]]\nstart_s = 3\nduration_s = -2\n", {"not a positive number"}},
+        {"[imu]\nscale = { gyro_x_rad_s = 0 }\n", {"not a usable factor"}},
+    };
+    for (const auto& c : cases) {
+        const std::string message = message_of(c.text);
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+        for (const char* part : c.parts) EXPECT_NE(message.find(part), std::string::npos) << c.text << " -> " << message;
+    }
+}
+
+TEST(OptionTable, UnitsReachTheSettings) {
+    const Config c = parse(
+        "[vehicle]\nkind = \"car\"\n[imu]\naxes = \"flu\"\ngrade = \"mems\"\ngyro_noise_deg_sqrt_h = 0.3\naccel_bias_mg = 2.0\n"
+        "mounting_deg = [1, -2, 180]\n[gnss]\nlatency_s = 0.25\nheight = \"msl\"\nfix_codes = { 1 = \"rtk_fixed\" }\n"
+        "columns = { height_m = \"height_msl_m\" }\n[initial]\nheading_deg = 90\n");
+    EXPECT_NEAR(c.filter.imu.errors.gyro_noise, 0.3 * M_PI / 180 / 60, 1e-18);  // 0.3 deg/sqrt(h) = 8.7266e-5 rad/sqrt(s)
+    EXPECT_NEAR(c.filter.imu.errors.accel_bias, 0.0196133, 1e-12);
+    EXPECT_NEAR(c.filter.imu.mounting_rpy.z(), M_PI, 1e-15);
+    EXPECT_EQ(c.filter.imu.C_bs, Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix());
+    EXPECT_EQ(c.filter.gnss.latency, 0.25);
+    EXPECT_EQ(c.filter.gnss.height, fusion::HeightKind::Msl);
+    EXPECT_EQ(c.fix_codes.at("1"), "rtk_fixed");
+    EXPECT_EQ(c.gnss.columns.at("height_m"), "height_msl_m");
+    EXPECT_TRUE(c.filter.aids.nonholonomic);
+    EXPECT_NEAR(c.filter.initial.rpy.z(), M_PI / 2, 1e-15);
+    EXPECT_TRUE(std::isnan(c.filter.initial.rpy.x()));
+}
+
+TEST(OptionTable, GradeComesBeforeTheNumbersThatRefineItWhateverTheirOrder) {
+    const Config c = parse("[imu]\ngyro_bias_deg_h = 7\ngrade = \"navigation\"\n");
+    EXPECT_NEAR(c.filter.imu.errors.gyro_bias, 7 * M_PI / 180 / 3600, 1e-15);
+    EXPECT_NEAR(c.filter.imu.errors.accel_bias, 1e-5 * 9.80665, 1e-12);
+    // a grade of a later layer speaks for all numbers of the earlier ones
+    const SettingList base = config_table().read(parse_toml("[imu]\ngyro_bias_deg_h = 7\n", "a"), "a");
+    const Config d = config_from(overlaid(base, {setting_from_text("imu.grade=navigation")}));
+    EXPECT_NEAR(d.filter.imu.errors.gyro_bias, 0.003 * M_PI / 180 / 3600, 1e-15);
+    // likewise an oscillator; in one layer its coefficients refine it
+    const SettingList clock = config_table().read(parse_toml("[ranges]\nclock = \"tcxo\"\nclock_h0_s = 1e-21\n", "a"), "a");
+    EXPECT_EQ(config_from(clock).filter.ranging.errors.clock.h0, 1e-21);
+    EXPECT_EQ(config_from(clock).filter.ranging.errors.clock.h_minus2, sensor::tcxo.h_minus2);
+    const Config e = config_from(overlaid(clock, {setting_from_text("ranges.clock=ocxo")}));
+    EXPECT_EQ(e.filter.ranging.errors.clock.h0, sensor::ocxo.h0);
+    EXPECT_EQ(e.filter.ranging.errors.clock.h_minus2, sensor::ocxo.h_minus2);
+}
+
+TEST(OptionTable, WhatWasUsedReadsBackTheSame) {
+    std::mt19937_64 random(3);
+    for (int run = 0; run < 50; ++run) {
+        // every plain number gets an arbitrary value inside its range
+        SettingList settings;
+        for (const OptionSpec& spec : config_table().specs()) {
+            const double low = std::isfinite(spec.low) ? spec.low : -1e3, high = std::isfinite(spec.high) ? spec.high : 1e3;
+            std::uniform_real_distribution<double> inside(low, high);
+            if (spec.shape == Shape::Number) settings.push_back({spec.key, {inside(random)}, {}});
+            if (spec.shape == Shape::Numbers && spec.length == 3) {
+                settings.push_back({spec.key, {ValueList{{inside(random)}, {inside(random)}, {inside(random)}}}, {}});
+            }
+        }
+        settings.push_back(setting_from_text("imu.grade=mems"));
+        settings.push_back(setting_from_text("gnss.fix_codes={ 5 = \"autonomous\", \"rtk 1\" = \"rtk_fixed\" }"));
+        settings.push_back(setting_from_text("run.start_s=abs:12.5"));
+        settings.push_back({"outage",
+                            {ValueList{{ValueTable{{"start_s", {50.0}}, {"duration_s", {15.0}}}},
+                                       {ValueTable{{"start_s", {std::string("abs:1e5")}}, {"duration_s", {1.0}}}}}},
+                            {}});
+        const Config first = config_from(settings);
+        const std::string text = to_toml(config_table().used(first), config_table().specs(), true);
+        const Config second = parse(text);
+        EXPECT_EQ(to_toml(config_table().used(second), config_table().specs(), true), text);
+        EXPECT_EQ(first.filter.imu.errors.gyro_noise, second.filter.imu.errors.gyro_noise);  // to the last bit
+        EXPECT_EQ(first.filter.initial.rpy, second.filter.initial.rpy);
+        EXPECT_EQ(first.filter.initial.gyro_bias, second.filter.initial.gyro_bias);
+        EXPECT_EQ(first.filter.mag.bias_std, second.filter.mag.bias_std);
+        ASSERT_EQ(second.run.outages.size(), 2u);
+        EXPECT_TRUE(second.run.outages[1].absolute);
+        EXPECT_EQ(second.run.outages[1].start, 1e5);
+    }
+}
+
+TEST(OptionTable, DefaultsAreInsideTheirOwnRanges) {
+    const SettingList defaults = config_table().used(Config{});
+    EXPECT_GT(defaults.size(), 60u);
+    EXPECT_NO_THROW((void)config_from(defaults));
+    for (const OptionSpec& spec : config_table().specs()) {
+        EXPECT_FALSE(spec.help.empty()) << spec.key;
+        EXPECT_EQ(spec.help.find('\n'), std::string::npos) << spec.key;
+    }
+}
+
+TEST(CommandLine, OutagesAndTimes) {
+    const auto spans = outages_from_text("50:15,abs:413219.5:20");
+    ASSERT_EQ(spans.size(), 2u);
+    EXPECT_EQ(spans[0].start, 50.0);
+    EXPECT_FALSE(spans[0].absolute);
+    EXPECT_EQ(spans[1].start, 413219.5);
+    EXPECT_EQ(spans[1].duration, 20.0);
+    EXPECT_TRUE(spans[1].absolute);
+    for (const char* bad :
+         {"", "50", "50:", ":5", "50:0", "50:-3", "a:b", "50:15,", "50:15;60:15", "nan:3", "abs:5", "1e400:2"}) {
+        EXPECT_THROW((void)outages_from_text(bad), Error) << bad;
+    }
+    EXPECT_THROW((void)run_time_from_text("abs:", "--start"), Error);
+    EXPECT_THROW((void)setting_from_text("imu.grade"), Error);
+    EXPECT_THROW((void)setting_from_text("imu=3"), Error);
+    EXPECT_THROW((void)setting_from_text("imu.gradd=mems"), Error);
+}
+
+TEST(Axes, ColumnsAreTheSensorAxesInForwardRightDown) {
+    Eigen::Matrix3d fur;
+    fur << 1, 0, 0, 0, 0, 1, 0, -1, 0;  // x forward, y up, z right
+    EXPECT_EQ(axes_from_text("fur"), fur);
+    EXPECT_EQ(axes_from_text("x=backward, y=right, z=up"), Eigen::Vector3d(-1, 1, -1).asDiagonal().toDenseMatrix());
+    for (const char* bad : {"", "frr", "fru", "x=forward", "x=forward, y=sideways, z=up", "fr"})
+        EXPECT_THROW((void)axes_from_text(bad), Error) << bad;
+}
+
+}  // namespace
+}  // namespace schuler::settings

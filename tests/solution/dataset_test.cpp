@@ -1,0 +1,208 @@
+#include "schuler/app/commands.h"
+#include "schuler/dataset/trajectory_file.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/dataset.h"
+#include "schuler/settings/kfgins_settings.h"
+#include "schuler/settings/toml_file.h"
+#include "schuler/solution/loaded_dataset.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace schuler::solution {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DatasetTest : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = fs::path(testing::TempDir()) /
+                  (std::string("schuler_dataset_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+        fs::remove_all(folder_);
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+    /// Ten seconds of IMU at 10 Hz and fixes at 1 Hz from t0 on.
+    void write_logs(double t0 = 1000.0) const {
+        std::string imu = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n";
+        for (int i = 0; i <= 100; ++i) imu += fmt::format("{:.1f},0.001,0.002,0.003,0.1,0.2,-9.8\n", t0 + 0.1 * i);
+        std::string gnss = "time_s,lat_deg,lon_deg,height_m\n";
+        for (int i = 0; i <= 8; ++i) gnss += fmt::format("{:.1f},50.0,10.0,{}\n", t0 + 1.0 + i, 300 + i);
+        write("imu.csv", imu);
+        write("gnss.csv", gnss);
+    }
+
+    [[nodiscard]] LoadedDataset load(const std::string& toml, const settings::SettingList& above = {}) const {
+        write("dataset.toml", toml);
+        const settings::Dataset d = settings::open_dataset(folder_);
+        WarningLog warnings;
+        LoadedDataset out = load_dataset(d, settings::config_from(settings::overlaid(d.settings, above)), warnings);
+        warnings_ = warnings.summary();
+        return out;
+    }
+
+    [[nodiscard]] std::string failure(const std::string& toml) const {
+        try {
+            (void)load(toml);
+        } catch (const Error& e) {
+            EXPECT_EQ(e.kind(), ErrorKind::Input);
+            return e.what();
+        }
+        return "no error";
+    }
+
+    fs::path folder_;
+    mutable std::vector<std::string> warnings_;
+};
+
+constexpr const char* plain = "[imu]\nfile = \"imu.csv\"\n[gnss]\nfile = \"gnss.csv\"\n";
+
+TEST_F(DatasetTest, LoadsAndSettlesTimes) {
+    write_logs();
+    const LoadedDataset d = load(std::string(plain) +
+                                 "[run]\nstart_s = 0.5\nstop_s = \"abs:1008\"\n[[outage]]\nstart_s = \"abs:1003\"\nduration_s = "
+                                 "2\n[[outage]]\nstart_s = 4\nduration_s = 1\n");
+    EXPECT_EQ(d.recording.imu.size(), 101u);
+    EXPECT_EQ(d.origin, Time::from_seconds(1001.0));  // the first GNSS epoch
+    EXPECT_EQ(*d.config.filter.start, Time::from_seconds(1001.5));
+    EXPECT_EQ(*d.config.filter.stop, Time::from_seconds(1008.0));
+    ASSERT_EQ(d.config.filter.outages.size(), 2u);
+    EXPECT_DOUBLE_EQ(d.config.filter.outages[0].start, 2.0);
+    EXPECT_DOUBLE_EQ(d.config.filter.outages[1].start, 4.0);
+}
+
+TEST_F(DatasetTest, HeightsAboveSeaLevel) {
+    write_logs();
+    const LoadedDataset with = load(std::string(plain) + "height = \"msl\"\nundulation_m = 47.5\n");
+    EXPECT_DOUBLE_EQ(with.recording.gnss.front().position.h, 347.5);
+    EXPECT_EQ(with.config.filter.gnss.height, fusion::HeightKind::Ellipsoidal);
+    const LoadedDataset without = load(std::string(plain) + "height = \"msl\"\n");
+    EXPECT_DOUBLE_EQ(without.recording.gnss.front().position.h, 300.0);
+    EXPECT_EQ(without.config.filter.gnss.height, fusion::HeightKind::Msl);
+    ASSERT_FALSE(warnings_.empty());
+    EXPECT_NE(warnings_.front().find("undulation_m"), std::string::npos);
+}
+
+TEST_F(DatasetTest, EnvironmentVariablesInPaths) {
+    write_logs();
+    setenv("SCHULER_TEST_FOLDER", folder_.c_str(), 1);
+    const LoadedDataset d =
+        load("[imu]\nfile = \"$SCHULER_TEST_FOLDER/imu.csv\"\n[gnss]\nfile = \"${SCHULER_TEST_FOLDER}/gnss.csv\"\n");
+    EXPECT_EQ(d.recording.gnss.size(), 9u);
+    const std::string message = failure("[imu]\nfile = \"$SCHULER_NOT_SET/imu.csv\"\n");
+    EXPECT_NE(message.find("$SCHULER_NOT_SET"), std::string::npos) << message;
+}
+
+TEST_F(DatasetTest, UnusableInputsAreNamed) {
+    write_logs();
+    const struct {
+        std::string toml;
+        std::vector<const char*> parts;
+    } cases[] = {
+        {"[gnss]\nfile = \"gnss.csv\"\n", {"imu.file", "no IMU file"}},
+        {"[imu]\nfile = \"none.csv\"\n", {"none.csv", "no such file"}},
+        {"[imu]\nfile = \".\"\n", {"directory"}},
+        {"[imu]\nfile = \"gnss.csv\"\n", {"gnss.csv"}},
+        {std::string(plain) + "columns = { height_m = \"altitude\" }\n", {"gnss.csv", "altitude"}},
+        {std::string(plain) + "columns = { hight_m = \"height_m\" }\n", {"hight_m", "height_m"}},
+        {std::string(plain) + "[run]\nstart_s = 5\nstop_s = 3\n", {"run.stop_s", "not after its start"}},
+        {"[imu]\nfle = \"imu.csv\"\n", {"dataset.toml:2: imu.fle: unknown key", "imu.file"}},
+    };
+    for (const auto& c : cases) {
+        const std::string message = failure(c.toml);
+        EXPECT_EQ(message.find('\n'), std::string::npos);
+        for (const char* part : c.parts) EXPECT_NE(message.find(part), std::string::npos) << c.toml << " -> " << message;
+    }
+    EXPECT_THROW((void)settings::open_dataset(folder_ / "nothing"), Error);
+    fs::create_directories(folder_ / "empty");
+    EXPECT_THROW((void)settings::open_dataset(folder_ / "empty"), Error);
+}
+
+TEST_F(DatasetTest, DatedFixesMeetSecondsOfTheWeek) {
+    write_logs(243300.0);  // 2025-07-08 19:35:00 GPS time is second 243300 of week 2374
+    write("gnss.pos",
+          "% program   : test\n"
+          "%  GPST                  latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)  sdne(m)  sdeu(m) "
+          " sdun(m) age(s)  ratio\n"
+          "2025/07/08 19:35:01.000   50.000000000   10.000000000   300.0000   1  12   0.0100   0.0100   0.0200   0.0000   0.0000 "
+          "  0.0000   0.00    0.0\n"
+          "2025/07/08 19:35:02.000   50.000000000   10.000000000   300.0000   1  12   0.0100   0.0100   0.0200   0.0000   0.0000 "
+          "  0.0000   0.00    0.0\n");
+    for (const char* time : {"", "[time]\nweek = 2374\n"}) {
+        const LoadedDataset d = load(std::string(time) + "[imu]\nfile = \"imu.csv\"\n[gnss]\nfile = \"gnss.pos\"\n");
+        ASSERT_EQ(d.recording.gnss.size(), 2u);
+        EXPECT_EQ(d.recording.gnss.front().time, Time::from_seconds(243301.0)) << time;
+    }
+}
+
+TEST_F(DatasetTest, KfGinsProjectInOurWords) {
+    write("imu.txt",
+          "1000.005 1e-6 2e-6 3e-6 1e-3 2e-3 -0.049\n1000.010 1e-6 2e-6 3e-6 1e-3 2e-3 -0.049\n1000.015 1e-6 2e-6 3e-6 1e-3 2e-3 "
+          "-0.049\n");
+    write("gnss.txt", "1000.01 50.0 10.0 300.0 0.01 0.02 0.03\n");
+    write("project.yaml",
+          "imupath: \"imu.txt\"\ngnsspath: \"gnss.txt\"\noutputpath: \".\"\nimudatalen: 7\nimudatarate: 200\nstarttime: "
+          "1000\nendtime: 1005\n"
+          "initpos: [ 50.0, 10.0, 300.0 ]\ninitvel: [ 1.0, 2.0, 3.0 ]\ninitatt: [ 1.0, 2.0, 90.0 ]\ninitgyrbias: [ 0, 0, 0 "
+          "]\ninitaccbias: [ 0, 0, 0 ]\n"
+          "initgyrscale: [ 0, 0, 0 ]\ninitaccscale: [ 0, 0, 0 ]\ninitposstd: [ 0.05, 0.06, 0.1 ]\ninitvelstd: [ 0.05, 0.05, 0.05 "
+          "]\ninitattstd: [ 0.5, 0.5, 1.5 ]\n"
+          "imunoise:\n  arw: [0.24, 0.24, 0.24]\n  vrw: [0.24, 0.24, 0.24]\n  gbstd: [24.0, 24.0, 24.0]\n  abstd: [400.0, 400.0, "
+          "400.0]\n  gsstd: [1000, 1000, 1000]\n"
+          "  asstd: [1000, 1000, 1000]\n  corrtime: 1.0\nantlever: [ 0.136, -0.301, -0.184 ]\n");
+    const settings::Dataset dataset = settings::open_dataset(folder_ / "project.yaml");
+    WarningLog warnings;
+    const LoadedDataset d = load_dataset(dataset, settings::config_from(dataset.settings), warnings);
+    const fusion::Settings& s = d.config.filter;
+    EXPECT_EQ(d.recording.imu.size(), 3u);
+    ASSERT_EQ(d.recording.gnss.size(), 1u);
+    EXPECT_EQ(s.imu.kind, ImuKind::Increments);
+    EXPECT_EQ(s.earth.gravity, earth::GravityModel::KfGins);
+    EXPECT_EQ(s.earth.ellipsoid.w_ie, 7.2921151467e-5);
+    EXPECT_TRUE(s.scale_factors);
+    EXPECT_FALSE(s.aids.nonholonomic);
+    EXPECT_TRUE(s.aids.zero_velocity);
+    EXPECT_NEAR(s.imu.errors.gyro_noise, 0.24 * M_PI / 180 / 60, 1e-17);
+    EXPECT_NEAR(s.imu.errors.accel_noise, 0.24 / 60, 1e-16);
+    EXPECT_NEAR(s.imu.errors.gyro_bias, 24 * M_PI / 180 / 3600, 1e-17);
+    EXPECT_NEAR(s.imu.errors.accel_bias, 400e-5, 1e-16);
+    EXPECT_NEAR(s.imu.errors.gyro_scale, 1e-3, 1e-17);
+    EXPECT_EQ(s.imu.errors.gyro_bias_time, 3600.0);
+    EXPECT_EQ(s.imu.errors.gyro_turn_on_bias, 0.0);
+    EXPECT_EQ(s.gnss.lever_arm_b, Eigen::Vector3d(0.136, -0.301, -0.184));
+    EXPECT_NEAR(s.initial.rpy.z(), M_PI / 2, 1e-15);
+    EXPECT_NEAR(s.initial.std_rpy.z(), 1.5 * M_PI / 180, 1e-16);
+    EXPECT_EQ(s.initial.std_position, Eigen::Vector3d(0.05, 0.06, 0.1));
+    EXPECT_EQ(*s.initial.time, Time::from_seconds(1000.0));
+    EXPECT_EQ(*s.start, Time::from_seconds(1000.0));
+    EXPECT_EQ(*s.stop, Time::from_seconds(1005.0));
+}
+
+TEST_F(DatasetTest, TrajectoriesOfTenColumnsAndBack) {
+    write("truth.txt", "1.000 50.0 10.0 300.0 1.0 2.0 3.0 1.0 -2.0 350.0\n1.100 50.0 10.0 300.0 1.0 2.0 3.0 1.0 -2.0 350.0\n");
+    WarningLog warnings;
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "truth.txt", warnings);
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[1].time, Time::from_seconds(1.1));
+    EXPECT_NEAR(rows[0].rpy.z(), 350 * M_PI / 180, 1e-14);
+    EXPECT_EQ(rows[0].v_eb_n, Eigen::Vector3d(1, 2, 3));
+    (void)app::convert_file(folder_ / "truth.txt", folder_ / "a.csv", {});
+    (void)app::convert_file(folder_ / "a.csv", folder_ / "b.txt", {});
+    const std::vector<SolutionRow> again = dataset::read_trajectory(folder_ / "b.txt", warnings);
+    ASSERT_EQ(again.size(), 2u);
+    EXPECT_NEAR(again[0].position.lat, rows[0].position.lat, 1e-12);
+    EXPECT_NEAR(again[0].rpy.y(), rows[0].rpy.y(), 1e-8);
+    EXPECT_THROW((void)app::convert_file(folder_ / "truth.txt", folder_ / "x.bin", {}), Error);
+    EXPECT_THROW((void)app::convert_file(folder_ / "truth.txt", folder_ / "x.csv", "gpx"), Error);
+}
+
+}  // namespace
+}  // namespace schuler::solution
