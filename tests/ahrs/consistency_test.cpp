@@ -115,6 +115,7 @@ TEST(AhrsConsistency, MekfWithBiasSwayAndHardIronSlow) {
         s.heading.field_time = 0.5 * m.dt;
         s.heading.delay_std = 1e-6;
         s.heading.delay_walk = 1e-9;
+        s.heading.gyro_matrix_std = s.heading.soft_iron_std = 1e-7;
         Mekf filter(s);
         const auto data = simulated(m, static_cast<std::uint64_t>(seed));
         for (const Instant& i : data) {

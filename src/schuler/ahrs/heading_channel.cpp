@@ -9,6 +9,8 @@
 namespace schuler::ahrs {
 namespace {
 
+using S = HeadingState;
+
 constexpr double squared(double x) { return x * x; }
 
 constexpr double start_heading_std = 0.2;        // rad
@@ -29,46 +31,57 @@ HeadingChannel::HeadingChannel(const HeadingSettings& settings, const TiltSettin
 }
 
 void HeadingChannel::gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b) {
-    field_w_.noalias() += C_wb * field_b;
-    sweep_w_.noalias() += C_wb * rate_b.cross(field_b);
-    C_wb_ += C_wb;
+    means_.add(C_wb, rate_b, field_b);
     ++samples_;
 }
 
 void HeadingChannel::start(const Eigen::Vector3d& bias) {
     if (six_axis_ || samples_ == 0) return;
-    const Eigen::Vector3d field_w = field_w_ / samples_;
-    heading_ = -std::atan2(field_w.y(), field_w.x());
-    horizontal_ = field_w.head<2>().norm();
-    vertical_ = field_w.z();
+    const Eigen::Vector3d field_w = means_.field_w() / samples_;
+    estimate_.heading = -std::atan2(field_w.y(), field_w.x());
+    estimate_.horizontal = field_w.head<2>().norm();
+    estimate_.vertical = field_w.z();
     double field_variance = squared(settings_.field_std);
     if (settings_.known_field_n.allFinite()) {
-        horizontal_ = settings_.known_field_n.head<2>().norm();
-        vertical_ = settings_.known_field_n.z();
+        estimate_.horizontal = settings_.known_field_n.head<2>().norm();
+        estimate_.vertical = settings_.known_field_n.z();
         field_variance = squared(settings_.known_field_std);
     }
-    lately_ = {horizontal_, vertical_};
-    bias_ = bias;
-    const double b = squared(tilt_.bias_std), h = squared(settings_.hard_iron_std);
-    P_ = (HeadingVector() << squared(start_heading_std), b, b, b, h, h, h, field_variance, field_variance,
-          squared(settings_.delay_std))
-             .finished()
-             .asDiagonal();
+    lately_ = {estimate_.horizontal, estimate_.vertical};
+    estimate_.bias = bias;
+    HeadingVector variance;
+    variance(S::heading) = squared(start_heading_std);
+    variance.segment<3>(S::bias).setConstant(squared(tilt_.bias_std));
+    variance.segment<9>(S::gyro_matrix).setConstant(squared(settings_.gyro_matrix_std));
+    variance.segment<3>(S::hard_iron).setConstant(squared(settings_.hard_iron_std));
+    variance.segment<9>(S::soft_iron).setConstant(squared(settings_.soft_iron_std));
+    variance(S::horizontal) = variance(S::vertical) = field_variance;
+    variance(S::delay) = squared(settings_.delay_std);
+    P_ = variance.asDiagonal();
     started_ = true;
 }
 
-void HeadingChannel::propagate(const Block& block) {
+/// The strapdown of the block goes on with the bias and the matrix of this channel instead of those that it has used.
+void HeadingChannel::pass(const Block& block) {
     const double dt = block.duration;
-    const Eigen::Vector3d vertical_b = block.C_wb.row(2).transpose();
-    heading_ -= vertical_b.dot(bias_ - block.bias_used) * dt;
-    P_.row(0) -= (vertical_b.transpose() * P_.middleRows<3>(1)).eval() * dt;
-    P_.col(0) -= (P_.middleCols<3>(1) * vertical_b).eval() * dt;
-    const double turn = squared(settings_.turn_noise) * block.turned + squared(block.doubt);
-    P_(0, 0) += (squared(settings_.walk) + squared(tilt_.gyro_noise)) * dt + turn;
-    const double bias = squared(tilt_.bias_walk) * dt, iron = squared(settings_.hard_iron_walk) * dt;
-    const double field = squared(settings_.field_walk) * dt, delay = squared(settings_.delay_walk) * dt;
-    P_.diagonal().tail<9>() +=
-        (Eigen::Matrix<double, 9, 1>() << bias, bias, bias, iron, iron, iron, field, field, delay).finished();
+    const HeadingTurn turn = heading_turn(estimate_, block);
+    estimate_.heading += turn.angle;
+    transition_ += turn.row;
+    noise_ += (squared(settings_.walk) + squared(tilt_.gyro_noise)) * dt + squared(settings_.turn_noise) * block.turned + squared(block.doubt);
+    duration_ += dt;
+}
+
+void HeadingChannel::propagate() {
+    const HeadingVector column = P_ * transition_;
+    P_.col(0) += column;
+    P_.row(0) += column.transpose();
+    P_(0, 0) += transition_.dot(column) + noise_;
+    const double dt = duration_;
+    P_.diagonal().segment<3>(S::bias).array() += squared(tilt_.bias_walk) * dt;
+    P_.diagonal().segment<3>(S::hard_iron).array() += squared(settings_.hard_iron_walk) * dt;
+    P_(S::horizontal, S::horizontal) += squared(settings_.field_walk) * dt;
+    P_(S::vertical, S::vertical) += squared(settings_.field_walk) * dt;
+    P_(S::delay, S::delay) += squared(settings_.delay_walk) * dt;
 }
 
 void HeadingChannel::watch_steadiness(const Eigen::Vector3d& field_n, double dt) {
@@ -83,15 +96,15 @@ void HeadingChannel::watch_steadiness(const Eigen::Vector3d& field_n, double dt)
 bool HeadingChannel::steady() const { return unsteadiness_ < squared(steady_field); }
 
 void HeadingChannel::learn_anew() {
-    for (int i = 4; i < 9; ++i) {
+    for (const int i : {S::hard_iron, S::hard_iron + 1, S::hard_iron + 2, S::horizontal, S::vertical}) {
         P_.row(i).setZero();
         P_.col(i).setZero();
-        P_(i, i) = squared(i < 7 ? settings_.hard_iron_std : settings_.field_std);
+        P_(i, i) = squared(i < S::soft_iron ? settings_.hard_iron_std : settings_.field_std);
     }
     P_(0, 0) += squared(anew_heading_std);
-    const Eigen::Vector3d field_w = field_w_ / samples_ - C_wb_ / samples_ * hard_iron_;
-    horizontal_ = field_w.head<2>().norm();
-    vertical_ = field_w.z();
+    const Eigen::Vector3d field_w = means_.field_w() - means_.C_wb * estimate_.hard_iron;
+    estimate_.horizontal = field_w.head<2>().norm();
+    estimate_.vertical = field_w.z();
     level_ = 1.0;
     disturbed_for_ = 0.0;
 }
@@ -101,10 +114,19 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
         // without a magnetometer the heading is the tilt channel's own, from zero
         if (six_axis_) P_(0, 0) += squared(tilt_.gyro_noise) * block.duration + squared(settings_.turn_noise) * block.turned;
         start(bias);
-        if (record) record->heading = heading();
+    } else {
+        pass(block);
     }
+    if (record) record->path = heading();
     if (!started_) return;
-    propagate(block);
+    // half a block early rather than one late
+    if (duration_ >= settings_.block - 0.5 * block.duration) update(block, counters, record);
+    q_nw_ = about_vertical(heading());
+}
+
+void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecord* record) {
+    if (record) record->transition = transition_;
+    propagate();
     HeadingVector dx = HeadingVector::Zero();
     int count = 0;
     const auto measure = [&](const HeadingVector& h, double computed_minus_measured, double variance) {
@@ -114,68 +136,52 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
     };
     const bool rest = block.rest_time > 0.0;
     if (rest) {
-        for (int i = 0; i < 3; ++i) measure(HeadingVector::Unit(1 + i), bias_(i) - block.rate_b(i), squared(tilt_.rest_rate_std));
+        const double variance = squared(tilt_.rest_rate_std) * block.duration / duration_;
+        for (int i = 0; i < 3; ++i) measure(HeadingVector::Unit(S::bias + i), estimate_.bias(i) - block.rate_b(i), variance);
     }
     if (samples_ > 0) {
-        const double c = std::cos(heading_), s = std::sin(heading_), n = samples_;
-        Eigen::Matrix3d C_nw;
-        C_nw << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
-        const Eigen::Matrix3d C_nb = C_nw * (C_wb_ / n);
-        const Eigen::Vector3d sweep = C_nw * (sweep_w_ / n);
-        const Eigen::Vector3d field = C_nw * (field_w_ / n) - C_nb * hard_iron_ - delay_ * sweep;
-        const Eigen::Vector3d innovation = field - Eigen::Vector3d(horizontal_, 0.0, vertical_);
-        Eigen::Matrix<double, 3, heading_states> H = Eigen::Matrix<double, 3, heading_states>::Zero();
-        H(0, 0) = -field.y();
-        H(1, 0) = field.x();
-        H.block<3, 3>(0, 4) = -C_nb;
-        H(0, 7) = H(2, 8) = -1.0;
-        H.col(9) = -sweep;
-        watch_steadiness(field, block.duration);
+        means_.scale(1.0 / samples_);
+        const FieldMeasurement m = field_measurement(estimate_, means_);
+        watch_steadiness(m.field_n, duration_);
         // how improbable norm, dip and direction are together, now and lately
         double nis = 0.0;
         for (int i = 0; i < 3; ++i) {
-            const HeadingVector h = H.row(i).transpose();
-            nis += squared(innovation(i)) / (h.dot(P_ * h) + squared(settings_.field_noise)) / 3.0;
+            const HeadingVector h = m.H.row(i).transpose();
+            nis += squared(m.innovation(i)) / (h.dot(P_ * h) + squared(settings_.field_noise)) / 3.0;
         }
-        level_ += block.duration / (settings_.adaptation_time + block.duration) * (nis - level_);
-        const double disturbance = std::max({1.0, level_, nis});
-        double factor = std::pow(disturbance, settings_.robustness);
+        level_ += duration_ / (settings_.adaptation_time + duration_) * (nis - level_);
+        const bool known = record != nullptr && std::isfinite(record->disturbance);
+        const double disturbance = known ? std::max(1.0, record->disturbance) : std::max({1.0, level_, nis});
+        // what has lasted so long has at least that memory: it tells no more for being measured again
+        double factor = std::pow(disturbance, settings_.robustness) * std::max(1.0, disturbed_for_ / settings_.field_time);
         if (rest) factor *= settings_.rest_factor * std::max(1.0, block.rest_time / 5.0);
-        const double r = squared(settings_.field_noise) * 2.0 * settings_.field_time / block.duration * factor;
+        const double r = squared(settings_.field_noise) * 2.0 * settings_.field_time / duration_ * factor;
         // the tilt error about north, with its memory, as white noise of the same effect on what is slower than it
-        const Eigen::Vector2d north_w(c, -s);
+        const Eigen::Vector2d north_w(std::cos(estimate_.heading), -std::sin(estimate_.heading));
         const double tilt = north_w.dot(block.P_tilt * north_w);
-        const double memory = (1.0 + block.tilt_kept) / std::max(1.0 - block.tilt_kept, shortest_memory);
-        measure(H.row(0).transpose(), innovation(0), r);
-        measure(H.row(1).transpose(), innovation(1), r + squared(vertical_) * tilt * memory);
-        measure(H.row(2).transpose(), innovation(2), r);
+        const double memory = (1.0 + block.tilt_kept) / std::max(1.0 - block.tilt_kept, shortest_memory) * block.duration / duration_;
+        measure(m.H.row(0).transpose(), m.innovation(0), r);
+        measure(m.H.row(1).transpose(), m.innovation(1), r + squared(estimate_.vertical) * tilt * memory);
+        measure(m.H.row(2).transpose(), m.innovation(2), r);
         const bool disturbed = disturbance > disturbed_level;
         if (disturbed) ++counters.disturbed_blocks;
-        disturbed_for_ = disturbed ? disturbed_for_ + block.duration : 0.0;
+        disturbed_for_ = disturbed ? disturbed_for_ + duration_ : 0.0;
     }
-    heading_ -= dx(0);
-    bias_ -= dx.segment<3>(1);
-    hard_iron_ -= dx.segment<3>(4);
-    horizontal_ -= dx(7);
-    vertical_ -= dx(8);
-    delay_ -= dx(9);
-    q_nw_ = about_vertical(heading());
+    estimate_.correct(dx);
     if (disturbed_for_ >= settings_.recovery_time && steady() && !rest && samples_ > 0 && !record) {
         learn_anew();
         ++counters.recoveries;
     }
     if (record) {
-        record->vertical_b = block.C_wb.row(2).transpose();
-        record->duration = block.duration;
         record->active = true;
         record->P_heading = P_.col(0);
-        record->heading = heading();
         record->correction = dx(0);
         record->count = count;
+        record->field = samples_ > 0;
     }
-    field_w_.setZero();
-    sweep_w_.setZero();
-    C_wb_.setZero();
+    means_ = FieldMeans{};
+    transition_.setZero();
+    duration_ = noise_ = 0.0;
     samples_ = 0;
 }
 

@@ -1,13 +1,13 @@
 // Heading channel: how far the level frame w is turned from north, from the magnetometer. It reads the tilt channel and never
 // writes to it, so no magnetic disturbance can tilt the horizon.
 //
-// States: heading, the gyro bias as this channel sees it, the constant field that travels with the sensor (hard iron), the local
-// horizontal and vertical field, and the age of the magnetometer's samples. What a place adds to the Earth's field is noise with
-// a memory; the more norm, dip or direction depart from what is expected, and the longer, the less the sample weighs.
+// What a place adds to the Earth's field is noise with a memory; the more norm, dip or direction depart from what is expected, and
+// the longer, the less the sample weighs. Nothing is dropped. The states are those of heading_model.h.
 #pragma once
 
 #include "schuler/ahrs/block.h"
 #include "schuler/ahrs/guard.h"
+#include "schuler/ahrs/heading_model.h"
 #include "schuler/ahrs/settings.h"
 #include "schuler/estim/scalar_update.h"
 
@@ -15,23 +15,24 @@
 #include <Eigen/Geometry>
 
 #include <array>
+#include <cstddef>
+#include <limits>
 
 namespace schuler::ahrs {
 
-inline constexpr int heading_states = 10;  ///< heading, gyro bias (b), hard iron (b), horizontal and vertical field, delay
-using HeadingVector = Eigen::Matrix<double, heading_states, 1>;
-using HeadingMatrix = Eigen::Matrix<double, heading_states, heading_states>;
-
-/// What the smoother needs of one block.
+/// What the smoother needs of one update: the transition since the update before and the scalars.
 struct HeadingRecord {
-    Eigen::Vector3d vertical_b = Eigen::Vector3d::Zero();  ///< d(heading)/d(bias) is minus this times the duration
-    double duration = 0.0;
-    bool active = false;  ///< the channel had started: the transition counts
+    bool active = false;                         ///< there was an update; otherwise the block was only passed through
+    std::size_t block = 0;                       ///< of the tilt channel, at the end of which it was
+    HeadingVector transition = HeadingVector::Zero();  ///< row of the heading of the transition, less the identity
     HeadingVector P_heading = HeadingVector::Zero();  ///< row of the covariance after the updates
-    double heading = 0.0;  ///< after the updates
-    double correction = 0.0;  ///< by which the updates changed it
+    double path = 0.0;                           ///< rad, heading at the end of the block before the updates
+    double correction = 0.0;                     ///< by which the updates changed it
     std::array<estim::ScalarUpdate<heading_states>, 6> updates;
     int count = 0;
+    bool field = false;                          ///< the last three of them are the magnetometer's
+    /// In: what an earlier pass has found to be left of the field, squared, of what is expected; NaN: judged by the innovation.
+    double disturbance = std::numeric_limits<double>::quiet_NaN();
 };
 
 class HeadingChannel {
@@ -45,19 +46,22 @@ public:
 
     [[nodiscard]] bool started() const { return started_; }
     /// Rotation of w about the vertical from north-east-down, rad; with the declination where one was given.
-    [[nodiscard]] double heading() const { return heading_ + settings_.declination; }
+    [[nodiscard]] double heading() const { return estimate_.heading + settings_.declination; }
     /// The same as a rotation; kept, since it is wanted at every sample and changes once a block.
     [[nodiscard]] const Eigen::Quaterniond& q_nw() const { return q_nw_; }
     [[nodiscard]] double variance() const { return P_(0, 0); }  ///< rad^2
-    [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return hard_iron_; }
-    [[nodiscard]] double horizontal_field() const { return horizontal_; }
-    [[nodiscard]] double vertical_field() const { return vertical_; }
-    [[nodiscard]] double delay() const { return delay_; }
+    [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return estimate_.hard_iron; }
+    [[nodiscard]] double horizontal_field() const { return estimate_.horizontal; }
+    [[nodiscard]] double vertical_field() const { return estimate_.vertical; }
+    [[nodiscard]] double delay() const { return estimate_.delay; }
+    [[nodiscard]] const HeadingEstimate& estimate() const { return estimate_; }
     [[nodiscard]] double disturbance() const { return level_; }  ///< about 1 in an undisturbed field
 
 private:
     void start(const Eigen::Vector3d& bias);
-    void propagate(const Block& block);
+    void pass(const Block& block);
+    void propagate();
+    void update(const Block& block, Counters& counters, HeadingRecord* record);
     void watch_steadiness(const Eigen::Vector3d& field_n, double dt);
     [[nodiscard]] bool steady() const;
     void learn_anew();
@@ -66,12 +70,12 @@ private:
     TiltSettings tilt_;
     bool six_axis_;
     bool started_ = false;
-    double heading_ = 0.0, horizontal_ = 0.0, vertical_ = 0.0, delay_ = 0.0;
-    Eigen::Vector3d bias_ = Eigen::Vector3d::Zero(), hard_iron_ = Eigen::Vector3d::Zero();
+    HeadingEstimate estimate_;
     HeadingMatrix P_ = HeadingMatrix::Zero();
-    Eigen::Vector3d field_w_ = Eigen::Vector3d::Zero(), sweep_w_ = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d C_wb_ = Eigen::Matrix3d::Zero();
+    FieldMeans means_;                                  ///< sums, until the update
     int samples_ = 0;
+    HeadingVector transition_ = HeadingVector::Zero();  ///< since the last update
+    double duration_ = 0.0, noise_ = 0.0;               ///< s and rad^2, since then
     double level_ = 1.0, disturbed_for_ = 0.0;
     Eigen::Vector2d lately_ = Eigen::Vector2d::Zero();  ///< T, running means of the horizontal and vertical field
     double unsteadiness_ = 0.0;                         ///< T^2, and of the squared departure from them

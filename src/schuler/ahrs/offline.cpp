@@ -24,7 +24,7 @@ struct Smoothed2 {
     Eigen::Vector2d std;
 };
 struct Smoothed1 {
-    double before = 0.0, after = 0.0, std = 0.0;
+    double heading = 0.0, std = 0.0;
 };
 
 struct Forward {
@@ -82,23 +82,73 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
     return out;
 }
 
-std::vector<Smoothed1> smooth_heading(const std::vector<HeadingRecord>& records) {
-    std::vector<Smoothed1> out(records.size());
+/// A forward pass of the heading channel over the smoothed tilt: where it stood at the end of each block, and its updates.
+struct HeadingPass {
+    std::vector<double> path;                    ///< rad
+    std::vector<HeadingRecord> updates;
+};
+
+/// What the smoothed states leave of a measurement.
+double left_of(const estim::ScalarUpdate<heading_states>& u, const HeadingVector& lambda) {
+    return u.s * (1.0 - u.h.dot(u.k)) * (u.k.dot(lambda) + u.innovation / u.s);
+}
+
+/// Smoothed heading at the end of each block; the error runs linearly from update to update. `left`: mean square of what is left of the
+/// field at each update, in units of the expected; NaN where there was none.
+std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, double field_noise, std::vector<double>& left) {
+    const std::vector<double>& path = pass.path;
+    std::vector<Smoothed1> out(path.size());
+    left.assign(pass.updates.size(), std::numeric_limits<double>::quiet_NaN());
     estim::Adjoint<heading_states> adjoint;
-    for (std::size_t k = records.size(); k-- > 0;) {
-        const HeadingRecord& r = records[k];
-        if (!r.active) {
-            if (k + 1 < records.size()) out[k] = {out[k + 1].before, out[k + 1].before, out[k + 1].std};
-            continue;
+    std::size_t next = path.size();              // block of the update after this one
+    double next_before = 0.0;
+    // of the blocks from `from` until that update: the error goes from `after` to `next_before`
+    const auto between = [&](std::size_t from, double after, double std) {
+        for (std::size_t b = from; b < next; ++b) {
+            const double along = next < path.size() ? static_cast<double>(b + 1 - from) / static_cast<double>(next - from + 1) : 0.0;
+            out[b] = {path[b] - (after + along * (next_before - after)), std};
         }
-        out[k].after = -r.P_heading.dot(adjoint.lambda);
-        out[k].before = out[k].after + r.correction;
-        out[k].std = std::sqrt(std::max(0.0, r.P_heading(0) - r.P_heading.dot(adjoint.Lambda * r.P_heading)));
-        for (int u = r.count; u-- > 0;) adjoint.undo(r.updates[static_cast<std::size_t>(u)]);
-        HeadingMatrix F = HeadingMatrix::Identity();
-        F.block<1, 3>(0, 1) = -r.duration * r.vertical_b.transpose();
-        adjoint.lambda = (F.transpose() * adjoint.lambda).eval();
-        adjoint.Lambda = (F.transpose() * adjoint.Lambda * F).eval();
+    };
+    for (std::size_t k = pass.updates.size(); k-- > 0;) {
+        const HeadingRecord& r = pass.updates[k];
+        const double after = -r.P_heading.dot(adjoint.lambda), before = after + r.correction;
+        const double std = std::sqrt(std::max(0.0, r.P_heading(0) - r.P_heading.dot(adjoint.Lambda * r.P_heading)));
+        if (next == path.size()) next_before = after;
+        between(r.block + 1, after, std);
+        out[r.block] = {path[r.block] - before, std};
+        next = r.block;
+        next_before = before;
+        double square = 0.0;
+        for (int u = r.count; u-- > 0;) {
+            const auto& update = r.updates[static_cast<std::size_t>(u)];
+            if (r.field && u >= r.count - 3) square += std::pow(left_of(update, adjoint.lambda) / field_noise, 2) / 3.0;
+            adjoint.undo(update);
+        }
+        if (r.field) left[k] = square;
+        // F = I + e0 a'
+        const HeadingVector row = adjoint.Lambda.col(0);
+        adjoint.Lambda += r.transition * row.transpose() + row * r.transition.transpose() +
+                          row(0) * r.transition * r.transition.transpose();
+        adjoint.lambda += r.transition * adjoint.lambda(0);
+    }
+    between(0, next_before, next < path.size() ? out[next].std : 0.0);
+    return out;
+}
+
+/// How disturbed the field was at each update: what is left of it there, and lately and soon.
+std::vector<double> disturbances(const std::vector<double>& left, const HeadingSettings& settings) {
+    const double gain = settings.block / (settings.block + settings.adaptation_time);
+    std::vector<double> out(left.size(), std::numeric_limits<double>::quiet_NaN()), lately(left.size(), 1.0);
+    double level = 1.0;
+    for (std::size_t k = 0; k < left.size(); ++k) {
+        if (std::isfinite(left[k])) level += gain * (left[k] - level);
+        lately[k] = level;
+    }
+    level = 1.0;
+    for (std::size_t k = left.size(); k-- > 0;) {
+        if (!std::isfinite(left[k])) continue;
+        level += gain * (left[k] - level);
+        out[k] = std::max({1.0, left[k], 0.5 * (lately[k] + level)});
     }
     return out;
 }
@@ -121,37 +171,50 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
     const Forward f = forward_pass(imu, speed, settings);
     const std::vector<Smoothed2> tilt = smooth_tilt(f, settings.tilt.gravity);
 
+    // how much a sample of the field weighs: by its innovation at first, then by what the smoothed states leave of it
+    constexpr int passes = 3;
     RunResult out;
-    out.counters = f.counters;
-    InstrumentGuard guard(settings.guard.field_range, settings.guard.stuck_after);
+    HeadingPass pass;
+    std::vector<Smoothed1> turn;
+    std::vector<double> disturbed;
     HeadingChannel heading(settings.heading, settings.tilt, settings.six_axis);
-    std::vector<HeadingRecord> records;
-    records.reserve(f.tilt.size());
-    std::size_t m = 0;
-    for (std::size_t k = 0; k < f.strapdown.size(); ++k) {
-        const Strapdown& s = f.strapdown[k];
-        const Eigen::Matrix3d C_wb = smoothed_q_wb(s, tilt).toRotationMatrix();
-        if (s.block < f.tilt.size() && s.along >= 1.0F) {
-            records.emplace_back();
-            heading.close(f.tilt[s.block].block, f.bias[s.block], out.counters, &records.back());
+    for (int i = 0; i < passes; ++i) {
+        out.counters = f.counters;
+        InstrumentGuard guard(settings.guard.field_range, settings.guard.stuck_after);
+        heading = HeadingChannel(settings.heading, settings.tilt, settings.six_axis);
+        pass.path.clear();
+        pass.updates.clear();
+        std::size_t m = 0;
+        for (const Strapdown& s : f.strapdown) {
+            const Eigen::Matrix3d C_wb = smoothed_q_wb(s, tilt).toRotationMatrix();
+            if (s.block < f.tilt.size() && s.along >= 1.0F) {
+                HeadingRecord record;
+                record.block = s.block;
+                if (pass.updates.size() < disturbed.size()) record.disturbance = disturbed[pass.updates.size()];
+                heading.close(f.tilt[s.block].block, f.bias[s.block], out.counters, &record);
+                pass.path.push_back(record.path);
+                if (record.active) pass.updates.push_back(record);
+            }
+            for (; m < mag.size() && mag[m].time <= imu[s.sample].time; ++m) {
+                if (guard.usable(mag[m].field_b, out.counters.field) && !settings.six_axis)
+                    heading.gather(C_wb, s.rate_b, mag[m].field_b);
+            }
         }
-        for (; m < mag.size() && mag[m].time <= imu[s.sample].time; ++m) {
-            if (guard.usable(mag[m].field_b, out.counters.field) && !settings.six_axis)
-                heading.gather(C_wb, s.rate_b, mag[m].field_b);
-        }
+        std::vector<double> left;
+        turn = smooth_heading(pass, settings.heading.field_noise, left);
+        if (pass.updates.empty()) break;
+        disturbed = disturbances(left, settings.heading);
     }
-    const std::vector<Smoothed1> turn = smooth_heading(records);
     out.field = {heading.hard_iron(), heading.horizontal_field(), heading.vertical_field(), heading.delay()};
 
     out.rows.reserve(f.strapdown.size());
-    const std::size_t blocks = records.size();
+    const std::size_t blocks = pass.path.size();
     for (const Strapdown& s : f.strapdown) {
         const std::size_t b = std::min(s.block, blocks > 0 ? blocks - 1 : 0);
         double angle = 0.0, heading_std = 0.0;
         Eigen::Vector2d tilt_std = Eigen::Vector2d::Zero();
         if (blocks > 0) {
-            const double end = records[b].heading - turn[b].after;
-            const double begin = b > 0 ? records[b - 1].heading - turn[b - 1].after : end;
+            const double end = turn[b].heading, begin = b > 0 ? turn[b - 1].heading : end;
             angle = s.block < blocks ? begin + static_cast<double>(s.along) * math::wrap_pi(end - begin) : end;
             heading_std = turn[b].std;
             tilt_std = tilt[b].std;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace schuler::ahrs {
 namespace {
@@ -60,6 +61,8 @@ void QuaternionFilter::update(const Eigen::Vector3d& measured_b, const Eigen::Ve
     if (heading_only) {
         const Eigen::Vector4d u = sigma_n(x_).col(2);  // the quaternion's tangent of a rotation about the vertical
         K = (u * (u.transpose() * K)).eval();
+    } else {
+        K -= (x_ * (x_.transpose() * K)).eval();       // the norm is known: only rotations are corrected
     }
     const Eigen::Matrix4d rest = Eigen::Matrix4d::Identity() - K * H;
     x_ = (rest * x_).normalized();
@@ -76,12 +79,39 @@ void QuaternionFilter::accelerometer(const Eigen::Vector3d& force_b) {
     const double norm = force_b.norm();
     if (!(norm > 0.0)) return;
     const double r = settings_.accel_std / settings_.gravity;
+    if (!levelled_) {
+        // level, b's x axis to the north; the covariance lies in the rotations, since the norm is known
+        Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(force_b, -Eigen::Vector3d::UnitZ());
+        const Eigen::Vector3d x_n = q * Eigen::Vector3d::UnitX();
+        q = Eigen::AngleAxisd(-std::atan2(x_n.y(), x_n.x()), Eigen::Vector3d::UnitZ()) * q;
+        start(q, r * r, std::numbers::pi * std::numbers::pi / 3.0);
+        levelled_ = true;
+        return;
+    }
     const double before = variance_about(0);
     update(force_b / norm, -Eigen::Vector3d::UnitZ(), r * r, false);
     leak_.tilt_step(std::min(1.0, variance_about(0) / before));
 }
 
+void QuaternionFilter::start(const Eigen::Quaterniond& q_nb, double tilt_variance, double heading_variance) {
+    x_ = q_nb.normalized().coeffs();
+    const Sigma s = sigma_n(x_);
+    P_ = 0.25 * s * Eigen::Vector3d(tilt_variance, tilt_variance, heading_variance).asDiagonal() * s.transpose();
+    leak_ = TiltLeak{};
+}
+
 void QuaternionFilter::magnetometer(const Eigen::Vector3d& field_b) {
+    if (levelled_ && !headed_) {
+        const Eigen::Vector3d field_n = q_nb() * field_b;
+        const double level = field_n.head<2>().norm();
+        if (!(level > 1e-9 * field_n.norm())) return;
+        const double r = settings_.field_std / settings_.horizontal_field, tilt = variance_about(0);
+        const double tan_dip = field_n.z() / level;
+        start(Eigen::Quaterniond(Eigen::AngleAxisd(-std::atan2(field_n.y(), field_n.x()), Eigen::Vector3d::UnitZ())) * q_nb(), tilt, r * r);
+        leak_.heading_step(1.0, tan_dip, tilt);
+        headed_ = true;
+        return;
+    }
     if (settings_.separation == Separation::None) {
         const Eigen::Vector3d reference(settings_.horizontal_field, 0.0, settings_.vertical_field);
         const double norm = field_b.norm();

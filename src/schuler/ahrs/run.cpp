@@ -4,6 +4,7 @@
 #include "schuler/ahrs/mekf.h"
 #include "schuler/ahrs/offline.h"
 #include "schuler/ahrs/quaternion_filter.h"
+#include "schuler/ahrs/rest_bias.h"
 #include "schuler/core/error.h"
 
 #include <algorithm>
@@ -19,14 +20,17 @@ RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagS
     out.rows.reserve(imu.size());
     const GuardSettings& g = settings.mekf.guard;
     InstrumentGuard gyro(g.gyro_range, g.stuck_after), accel(g.accel_range, g.stuck_after), field(g.field_range, g.stuck_after);
+    RestBias rest(settings.mekf.rest);
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();
     std::size_t m = 0;
     for (std::size_t i = 1; i < imu.size(); ++i) {
         const double dt = (imu[i].time - imu[i - 1].time).seconds();
-        if (gyro.usable(imu[i].gyro, out.counters.gyro)) rate = imu[i].gyro;
+        const bool rate_known = gyro.usable(imu[i].gyro, out.counters.gyro), force_known = accel.usable(imu[i].accel, out.counters.accel);
+        if (rate_known) rate = imu[i].gyro;
         if (dt > g.longest_step) ++out.counters.gaps;
-        filter.propagate(std::min(dt, g.longest_step), rate);
-        if (accel.usable(imu[i].accel, out.counters.accel)) filter.accelerometer(imu[i].accel);
+        if (rate_known && force_known && dt > 0.0 && dt <= g.longest_step) rest.feed(dt, imu[i].gyro, imu[i].accel);
+        filter.propagate(std::min(dt, g.longest_step), rate - rest.bias());
+        if (force_known) filter.accelerometer(imu[i].accel);
         for (; m < mag.size() && mag[m].time <= imu[i].time; ++m) {
             if (field.usable(mag[m].field_b, out.counters.field) && !settings.mekf.six_axis) filter.magnetometer(mag[m].field_b);
         }
@@ -37,7 +41,7 @@ RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagS
             q_nb = Eigen::Quaterniond(filter.C_nb());
         }
         out.rows.push_back(
-            {imu[i].time, q_nb, filter.covariance_phi().diagonal().cwiseMax(0.0).cwiseSqrt(), Eigen::Vector3d::Zero()});
+            {imu[i].time, q_nb, filter.covariance_phi().diagonal().cwiseMax(0.0).cwiseSqrt(), rest.bias()});
     }
     return out;
 }
@@ -68,7 +72,12 @@ RunResult run(std::span<const ImuSample> imu, std::span<const MagSample> mag, st
     VectorFilterSettings vector = settings.vector;
     switch (settings.filter) {
         case FilterKind::Dcm: return run_vector_filter(imu, mag, settings, DcmFilter(vector));
-        case FilterKind::QuaternionCoupled: vector.separation = Separation::None; [[fallthrough]];
+        case FilterKind::QuaternionCoupled:
+            vector.separation = Separation::None;
+            return run_vector_filter(imu, mag, settings, QuaternionFilter(vector));
+        case FilterKind::QuaternionPrinted:
+            vector.separation = Separation::Printed;
+            return run_vector_filter(imu, mag, settings, QuaternionFilter(vector));
         case FilterKind::Quaternion: return run_vector_filter(imu, mag, settings, QuaternionFilter(vector));
         case FilterKind::Mekf: break;
     }

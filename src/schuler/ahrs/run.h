@@ -13,14 +13,14 @@
 
 namespace schuler::ahrs {
 
-enum class FilterKind { Dcm, Quaternion, QuaternionCoupled, Mekf };
+enum class FilterKind { Dcm, Quaternion, QuaternionPrinted, QuaternionCoupled, Mekf };
 
 /// Attitude at an IMU epoch with one sigma of the small rotation about north, east and down (rad).
 struct AttitudeRow {
     Time time;
     Eigen::Quaterniond q_nb;
     Eigen::Vector3d std_phi;
-    Eigen::Vector3d gyro_bias;           ///< rad/s; zero for filters without that state
+    Eigen::Vector3d gyro_bias;           ///< rad/s; that of the last rest for filters without that state
 };
 
 /// Speed over ground along the body's x axis.

@@ -46,7 +46,10 @@ struct TiltSettings {
 
 /// Heading channel: magnetometer, on top of the tilt channel, which it cannot touch.
 struct HeadingSettings {
+    double block = 0.25;                          ///< s between updates
     double turn_noise = 0.005;                    ///< rad per square root of a radian turned
+    double gyro_matrix_std = 0.005;               ///< of the gyro's scale factors and misalignments, initial
+    double soft_iron_std = 0.03;                  ///< of the magnetometer's, initial
     double walk = 0.02 * units::deg;              ///< rad/sqrt(s)
     double field_noise = 2e-6;                    ///< T, of the field from place to place
     double field_time = 1.2;                      ///< s, correlation time of that while moving

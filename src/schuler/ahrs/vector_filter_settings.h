@@ -13,7 +13,7 @@ enum class Separation {
 };
 
 struct VectorFilterSettings {
-    double gyro_noise = 0.3 * units::deg;       ///< rad/sqrt(s)
+    double gyro_noise = 0.1 * units::deg;       ///< rad/sqrt(s), with what bias and scale factor add
     double accel_std = 1.0;                      ///< m/s^2 a sample, with the accelerations of the motion
     double field_std = 2e-6;                     ///< T a sample, with the disturbances of the place
     double gravity = 9.81;                       ///< m/s^2

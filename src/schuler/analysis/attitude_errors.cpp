@@ -5,6 +5,14 @@
 #include <complex>
 
 namespace schuler::analysis {
+namespace {
+
+/// Of rotations about the vertical and about a level axis: perpendicular, so their half angles' cosines multiply.
+double total_of(double heading, double inclination) {
+    return 2.0 * std::acos(std::min(1.0, std::abs(std::cos(0.5 * heading) * std::cos(0.5 * inclination))));
+}
+
+}  // namespace
 
 BroadErrors broad_errors(std::span<const AttitudePair> pairs) {
     BroadErrors out;
@@ -18,21 +26,24 @@ BroadErrors broad_errors(std::span<const AttitudePair> pairs) {
         mean += std::polar(1.0, out.headings.back());
     }
     out.heading_offset = std::arg(mean);
-    double total2 = 0.0, heading2 = 0.0, inclination2 = 0.0;
+    double total2 = 0.0, heading2 = 0.0, inclination2 = 0.0, raw_total2 = 0.0, raw_heading2 = 0.0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         double& heading = out.headings[i];
+        const double raw = std::arg(std::polar(1.0, heading)), inclination = out.inclinations[i];
         heading = std::arg(std::polar(1.0, heading - out.heading_offset));
-        const double inclination = out.inclinations[i];
-        // the two rotations are about perpendicular axes: their half angles' cosines multiply
-        const double total = 2.0 * std::acos(std::min(1.0, std::cos(0.5 * heading) * std::cos(0.5 * inclination)));
+        const double total = total_of(heading, inclination), raw_total = total_of(raw, inclination);
         total2 += total * total;
         heading2 += heading * heading;
         inclination2 += inclination * inclination;
+        raw_total2 += raw_total * raw_total;
+        raw_heading2 += raw * raw;
     }
     const double n = static_cast<double>(pairs.size());
     out.total = std::sqrt(total2 / n);
     out.heading = std::sqrt(heading2 / n);
     out.inclination = std::sqrt(inclination2 / n);
+    out.raw_total = std::sqrt(raw_total2 / n);
+    out.raw_heading = std::sqrt(raw_heading2 / n);
     return out;
 }
 

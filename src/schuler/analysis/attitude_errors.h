@@ -17,11 +17,14 @@ struct AttitudePair {
 
 /// RMS over the epochs, rad. [Laidig2021]: of the error rotation q_estimate q_reference^-1, which lives in the local level frame,
 /// the heading error is the rotation about the vertical, the inclination error the shortest rotation that remains. A constant
-/// heading offset (the circular mean) is taken off first, since the optical frame and magnetic north are apart by one.
+/// heading offset (the circular mean) is taken off first, since the optical frame and magnetic north are apart by one; `raw_` are the
+/// benchmark's own, nothing taken off. The inclination is the same in both.
 struct BroadErrors {
     double total = std::numeric_limits<double>::quiet_NaN();
     double heading = std::numeric_limits<double>::quiet_NaN();
     double inclination = std::numeric_limits<double>::quiet_NaN();
+    double raw_total = std::numeric_limits<double>::quiet_NaN();
+    double raw_heading = std::numeric_limits<double>::quiet_NaN();
     double heading_offset = std::numeric_limits<double>::quiet_NaN();  ///< estimate minus reference, rad
     std::size_t epochs = 0;
     std::vector<double> headings, inclinations;  ///< epoch by epoch; headings signed, offset taken off

@@ -10,8 +10,8 @@
 
 namespace schuler::dataset {
 
-/// What a command cannot do without.
-enum class Needs { Imu, ImuAndGnss };
+/// What a command cannot do without. Attitude: an IMU log, and a magnetometer is used whatever disturbs it.
+enum class Needs { Imu, Attitude, ImuAndGnss };
 
 /// A folder or file whose content was looked at.
 struct Recognised {

@@ -33,6 +33,6 @@ struct Adjoint {
 };
 
 extern template struct Adjoint<7>;
-extern template struct Adjoint<10>;
+extern template struct Adjoint<28>;
 
 }  // namespace schuler::estim

@@ -26,6 +26,7 @@ struct Given {
     GivenFile imu, gnss, baro, mag, reference;
     bool find_logs = true;                         ///< the folder's other files may be the IMU and GNSS logs and the reference
     bool find_aids = true;                         ///< ... the barometer's and the magnetometer's
+    bool weighs_field = false;                     ///< whoever reads the magnetometer weighs its samples: a disturbed one is not left out
     std::map<std::string, std::string> fix_codes;
     std::string vehicle;                           ///< "car", ...
     std::string axes;                              ///< as written

@@ -55,7 +55,7 @@ AhrsEvaluation evaluate(const std::vector<ahrs::AttitudeRow>& rows, const std::v
 
 report::Outcome ahrs_dataset(const AhrsRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
-    const settings::Dataset dataset = settings::open_dataset(request.common.input, dataset::Needs::Imu, request.common.over({}));
+    const settings::Dataset dataset = settings::open_dataset(request.common.input, dataset::Needs::Attitude, request.common.over({}));
     const settings::Config config = settings::config_from(dataset.settings);
     WarningLog warnings;
     AhrsBundle b;
@@ -69,6 +69,8 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
     b.six_axis = input.settings.mekf.six_axis;
     b.field_from_model = input.field_from_model;
     b.declination = input.settings.mekf.heading.declination;
+    b.axes = input.axes;
+    b.calibration = input.calibration;
     b.imu_epochs = input.imu.size();
 
     const auto filter_begin = std::chrono::steady_clock::now();

@@ -1,6 +1,7 @@
 // Attitude and heading from a data set: what `schuler ahrs` runs, and what a benchmark may call piece by piece.
 #pragma once
 
+#include "schuler/ahrs/magnetometer_axes.h"
 #include "schuler/ahrs/run.h"
 #include "schuler/analysis/attitude_errors.h"
 #include "schuler/report/outcome.h"
@@ -15,10 +16,10 @@ namespace schuler::app {
 
 struct AhrsRequest {
     settings::ProcessRequest common;
-    std::string filter = "mekf";                 ///< dcm, quaternion, quaternion-coupled, mekf
+    std::string filter = "mekf";                 ///< dcm, quaternion, quaternion-printed, quaternion-coupled, mekf
     bool six_axis = false;
     bool offline = false;
-    bool calibrate = false;  ///< ellipsoid fit of magnetometer and accelerometer, from this log, applied to it
+    bool calibrate = false;  ///< ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree
 };
 
 /// Recordings and settings as input of the attitude filters: body axes, rates, the field where position and date are known.
@@ -28,6 +29,8 @@ struct AhrsInput {
     std::vector<ahrs::SpeedSample> speed;
     ahrs::RunSettings settings;
     bool field_from_model = false;
+    ahrs::MagnetometerAxes axes;                 ///< already applied to `mag`
+    std::vector<std::string> calibration;        ///< what was applied or refused, and why
 };
 
 /// @throws Error(Input) for an unknown filter, or options that do not go together.

@@ -21,12 +21,13 @@ constexpr double default_speed_std = 0.5;        // m/s
 ahrs::FilterKind filter_from_name(const std::string& name) {
     static const std::map<std::string, ahrs::FilterKind> kinds{{"dcm", ahrs::FilterKind::Dcm},
                                                                {"quaternion", ahrs::FilterKind::Quaternion},
+                                                               {"quaternion-printed", ahrs::FilterKind::QuaternionPrinted},
                                                                {"quaternion-coupled", ahrs::FilterKind::QuaternionCoupled},
                                                                {"mekf", ahrs::FilterKind::Mekf}};
     const auto found = kinds.find(name);
     if (found == kinds.end())
         throw input_error(fmt::format("there is no filter \"{}\"", name), {{}, 0, 0, "--filter"},
-                          "choose dcm, quaternion, quaternion-coupled or mekf");
+                          "choose dcm, quaternion, quaternion-printed, quaternion-coupled or mekf");
     return found->second;
 }
 
@@ -109,22 +110,36 @@ void field_from_log(AhrsInput& out) {
     out.settings.vector.horizontal_field = std::max(1e-6, (field + down * force.normalized()).norm());
 }
 
+/// Turns a magnetometer whose axes are not the IMU's.
+void straighten(AhrsInput& out, WarningLog& warnings) {
+    if (out.mag.empty()) return;
+    out.axes = ahrs::recognise_axes(out.imu, out.mag, out.settings.mekf.heading.known_field_n.z());
+    if (!out.axes.swapped) return;
+    for (MagSample& s : out.mag) s.field_b = (out.axes.C_bm * s.field_b).eval();
+    warnings.add("ahrs.mag.axes.turned",
+                 fmt::format("the magnetometer turns with the gyro only as {} (body axis = reading; the gyro explains {:.0f} % of its "
+                             "changes, {:.0f} % as given): it was turned so{}; name its columns accordingly",
+                             ahrs::axes_text(out.axes.C_bm), 100.0 * out.axes.explained, 100.0 * out.axes.as_given,
+                             out.axes.sign_assumed ? ", the field taken to point down, as north of the equator" : ""));
+}
+
 void calibrate(AhrsInput& out, WarningLog& warnings) {
-    std::vector<Vector3d> field;
-    for (const MagSample& s : out.mag) field.push_back(s.field_b);
     const double size = out.settings.mekf.heading.known_field_n.norm();
-    if (const auto fit = ahrs::fit_ellipsoid(field, std::isfinite(size) ? size : 0.0)) {
-        for (MagSample& s : out.mag) s.field_b = fit->apply(s.field_b);
-    } else if (!field.empty()) {
-        warnings.add("ahrs.calibration.mag",
-                     "the magnetometer was not turned through enough directions to calibrate it from this log");
+    const auto tell = [&](const char* key, const char* name, const ahrs::JudgedCalibration& judged) {
+        if (!judged.fit) warnings.add(key, fmt::format("the {} is left uncalibrated: {}", name, judged.reason));
+        out.calibration.push_back(fmt::format("{}: {}: {}", name, judged.fit ? "applied" : "refused", judged.reason));
+    };
+    if (!out.mag.empty()) {
+        const auto judged = ahrs::judge_magnetometer(out.imu, out.mag, std::isfinite(size) ? size : 0.0);
+        tell("ahrs.calibration.mag", "magnetometer", judged);
+        if (judged.fit) {
+            for (MagSample& s : out.mag) s.field_b = judged.fit->apply(s.field_b);
+        }
     }
-    const std::vector<Vector3d> still = ahrs::still_forces(out.imu);
-    if (const auto fit = ahrs::fit_ellipsoid(still, out.settings.mekf.tilt.gravity)) {
-        for (ImuSample& s : out.imu) s.accel = fit->apply(s.accel);
-    } else {
-        warnings.add("ahrs.calibration.accel",
-                     "the accelerometer did not rest in enough attitudes to calibrate it from this log");
+    const auto judged = ahrs::judge_accelerometer(out.imu, out.settings.mekf.tilt.gravity);
+    tell("ahrs.calibration.accel", "accelerometer", judged);
+    if (judged.fit) {
+        for (ImuSample& s : out.imu) s.accel = judged.fit->apply(s.accel);
     }
 }
 
@@ -172,8 +187,9 @@ AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& req
         out.imu, [](const ImuSample& s) { return s.accel; }, least_force);
     guard.field_range = range_of(
         out.mag, [](const MagSample& s) { return s.field_b; }, least_field);
-    check_ahrs_input(out, warnings);
     field_from_model(data, out, warnings);
+    straighten(out, warnings);
+    check_ahrs_input(out, warnings);
     if (!out.field_from_model) field_from_log(out);
     if (request.calibrate) calibrate(out, warnings);
     return out;

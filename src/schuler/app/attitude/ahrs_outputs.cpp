@@ -41,6 +41,10 @@ report::Json errors_of(const AhrsBundle& b) {
                         {"inclination", rms_of(e.broad.inclination)},
                         {"heading_offset", in_degrees(e.broad.heading_offset)},
                         {"epochs", e.broad.epochs}};
+    out["broad_raw_deg"] = {{"total", rms_of(e.broad.raw_total)},
+                            {"heading", rms_of(e.broad.raw_heading)},
+                            {"inclination", rms_of(e.broad.inclination)},
+                            {"epochs", e.broad.epochs}};
     return out;
 }
 
@@ -111,6 +115,7 @@ std::string ahrs_summary_json(const AhrsBundle& b) {
                        {"horizontal_field_ut", f.horizontal / units::microtesla},
                        {"vertical_field_ut", f.vertical / units::microtesla},
                        {"mag_delay_s", f.delay},
+                       {"mag_axes", b.axes.swapped ? report::Json(ahrs::axes_text(b.axes.C_bm)) : report::Json(nullptr)},
                        {"declination_deg", b.field_from_model ? in_degrees(b.declination) : report::Json(nullptr)}};
     out["samples"] = {{"gyro", count_of(r.counters.gyro)},
                       {"accelerometer", count_of(r.counters.accel)},
@@ -118,6 +123,7 @@ std::string ahrs_summary_json(const AhrsBundle& b) {
                       {"blocks_at_rest", r.counters.rest_blocks},
                       {"blocks_disturbed", r.counters.disturbed_blocks},
                       {"field_learnt_anew", r.counters.recoveries}};
+    out["calibration"] = b.calibration;
     out["gravity"] = nullptr;
     out["montecarlo"] = nullptr;
     out["timing"] = report::timing(b.timing, b.imu_epochs, b.timing.filter_s);
@@ -132,9 +138,12 @@ std::string ahrs_summary_tables(const AhrsBundle& b) {
                                   (b.result.rows.back().time - b.result.rows.front().time).seconds());
     if (e.broad.epochs > 0) {
         out += fmt::format("{:<28}{:>13}{:>13}{:>13}\n", "error in movement, deg rms", "total", "heading", "inclination");
-        out += fmt::format("  {:<26}{:>13.3f}{:>13.3f}{:>13.3f}\n", "BROAD's definitions", e.broad.total / units::deg,
+        out += fmt::format("  {:<26}{:>13.3f}{:>13.3f}{:>13.3f}\n", "heading offset removed", e.broad.total / units::deg,
                            e.broad.heading / units::deg, e.broad.inclination / units::deg);
+        out += fmt::format("  {:<26}{:>13.3f}{:>13.3f}{:>13.3f}\n", "raw, as BROAD counts", e.broad.raw_total / units::deg,
+                           e.broad.raw_heading / units::deg, e.broad.inclination / units::deg);
     }
+    for (const std::string& line : b.calibration) out += fmt::format("calibration of the {}\n", line);
     const ahrs::Counters& c = b.result.counters;
     out += fmt::format(
         "left out: {} gyro, {} accelerometer, {} magnetometer samples; {} blocks at rest, {} magnetically disturbed\n",

@@ -1,6 +1,7 @@
 // What `schuler ahrs` writes.
 #pragma once
 
+#include "schuler/ahrs/magnetometer_axes.h"
 #include "schuler/ahrs/run.h"
 #include "schuler/analysis/attitude_errors.h"
 #include "schuler/analysis/errors.h"
@@ -23,6 +24,8 @@ struct AhrsBundle {
     std::string name, version, filter;
     bool offline = false, six_axis = false, field_from_model = false;
     double declination = 0.0;                    ///< rad, of the model
+    ahrs::MagnetometerAxes axes;
+    std::vector<std::string> calibration;        ///< what was applied or refused, and why
     std::size_t imu_epochs = 0;
     solution::LoadedDataset data;
     ahrs::RunResult result;

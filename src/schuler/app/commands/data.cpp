@@ -118,12 +118,13 @@ Command attitude() {
     OptionTable<R> t;
     t.add(input<R>("DATASET", "dataset", "folder, dataset.toml, or a log"))
         .add(output<R>("folder to write to", "out/NAME"))
-        .add(written("FILTER", one_of<R>("filter", {"dcm", "quaternion", "quaternion-coupled", "mekf"},
-                                         "direction cosines, quaternion, quaternion whose horizon a magnet can tilt, or multiplicative Kalman filter",
+        .add(written("FILTER", one_of<R>("filter", {"dcm", "quaternion", "quaternion-printed", "quaternion-coupled", "mekf"},
+                                         "direction cosines, quaternion, quaternion as the paper prints it, quaternion whose horizon a magnet can tilt, "
+                                         "or multiplicative Kalman filter",
                                          [](auto& r) -> auto& { return r.filter; })))
         .add(settings::flag<R>("six-axis", "leave the magnetometer out; heading starts at zero", [](auto& r) -> auto& { return r.six_axis; }))
         .add(settings::flag<R>("offline", "forward filter and backward smoother (mekf)", [](auto& r) -> auto& { return r.offline; }))
-        .add(settings::flag<R>("calibrate", "ellipsoid fit of magnetometer and accelerometer from this log first",
+        .add(settings::flag<R>("calibrate", "ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree",
                                [](auto& r) -> auto& { return r.calibrate; }))
         .add(otherwise("all", written("LIST", of_setting<R>("outputs", "output.files", "what is written beside summary.json: solution,report,config",
                                                             common))));

@@ -122,22 +122,25 @@ void judge_mag(Study& study) {
     study.found("mag.norm", fmt::format("{:.1f} uT, one sigma {:.1f} uT, 98 % in {:.1f} to {:.1f} uT", mean, sigma, low, high),
                 0.95, "norm of the three axes; the Earth's field has 22 to 67 uT");
     const bool strength = mean > 20.0 && mean < 70.0, steady = share < 0.07;
+    // the attitude filters weigh every sample; a navigation filter is better off without a disturbed magnetometer
+    const bool weighed = study.given.weighs_field || study.gnss_file == nullptr;
+    const char* fate = weighed ? "its samples weigh the less until then" : "left out until then";
     if (!strength) {
         file.problem(Level::Warning,
                      fmt::format("the magnetic field has {:.1f} uT, the Earth's 22 to 67 uT: not calibrated, or disturbed", mean),
-                     "calibrate it (rotate in all directions away from iron), or check the unit; left out until then");
+                     fmt::format("calibrate it (rotate in all directions away from iron), or check the unit; {}", fate));
     } else if (!steady) {
         file.problem(
             Level::Warning,
             fmt::format("the norm of the magnetic field varies by {:.0f} % ({:.1f} to {:.1f} uT): disturbed or not calibrated",
                         100.0 * share, low, high),
-            "calibrate it, mount it away from currents and iron; left out until then");
+            fmt::format("calibrate it, mount it away from currents and iron; {}", fate));
     } else if (high - low > 0.12 * mean) {
         file.problem(Level::Info,
                      fmt::format("the norm of the magnetic field goes from {:.1f} to {:.1f} uT: somewhat disturbed", low, high),
                      "expect a few degrees of heading error from it");
     }
-    draft_mag(study, file, mean, share, strength && steady);
+    draft_mag(study, file, mean, share, weighed || (strength && steady));
 }
 
 void judge_reference(Study& study) {

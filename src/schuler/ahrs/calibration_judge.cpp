@@ -1,0 +1,226 @@
+// What held-out parts of a log say of a calibration.
+#include "schuler/ahrs/calibration.h"
+#include "schuler/core/units.h"
+#include "schuler/math/rotation.h"
+
+#include <Eigen/Geometry>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace schuler::ahrs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int parts = 4;                         // the log in turns: stretches 0, 4, 8, ... are part 0
+constexpr double stretch = 8.0;                  // s
+constexpr double clear_gain = 0.9;               // a quantity has improved where its mean square has fallen to this share
+constexpr double largest_offset_std = 1e-6;      // T; the filters find a hard iron of some 2 uT by themselves
+constexpr double tolerated = 1.02;               // and it is no worse below this
+
+/// One magnetometer reading with what gyro and accelerometer say of it.
+struct Reading {
+    Vector3d field, next;                        // T; `next` some 0.2 s later
+    Matrix3d turn;                               // C of the later body axes from these, by the gyro
+    Vector3d down;                               // against the specific force; zero where that is not gravity
+    int part = 0;
+};
+
+std::vector<Reading> readings_of(std::span<const ImuSample> imu, std::span<const MagSample> mag) {
+    constexpr double interval = 0.2, longest = 0.5, not_gravity = 0.3;
+    std::vector<Reading> out;
+    std::vector<double> norms;
+    std::size_t i = 0, first = 0;
+    Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+    Vector3d force = Vector3d::Zero();
+    for (std::size_t m = 1; m < mag.size(); ++m) {
+        for (; i + 1 < imu.size() && imu[i + 1].time <= mag[m].time; ++i) {
+            if (imu[i + 1].time <= mag[first].time) continue;
+            const double dt = (imu[i + 1].time - std::max(imu[i].time, mag[first].time)).seconds();
+            q = q * math::quaternion_from_rotation_vector(imu[i + 1].gyro * dt);
+            force += q * imu[i + 1].accel * dt;  // in the axes of the first reading
+        }
+        const double span = (mag[m].time - mag[first].time).seconds();
+        if (span < interval) continue;
+        const Vector3d mean = force / span;
+        if (span < longest && q.coeffs().allFinite() && mean.allFinite() && mag[first].field_b.allFinite() && mag[m].field_b.allFinite()) {
+            Reading r{mag[first].field_b, mag[m].field_b, q.conjugate().toRotationMatrix(), Vector3d::Zero()};
+            if (std::abs(mean.norm() - 9.8) < not_gravity) r.down = -mean.normalized();
+            r.part = static_cast<int>((mag[first].time - mag.front().time).seconds() / stretch) % parts;
+            out.push_back(r);
+        }
+        first = m;
+        q.setIdentity();
+        force.setZero();
+    }
+    return out;
+}
+
+/// Mean squares over readings, each in units of the field's own size.
+struct Disagreement {
+    double size = 0.0, dip = 0.0, turning = 0.0;
+};
+
+template <class Calibrated>
+void add(Disagreement& d, const std::vector<Reading>& readings, int part, Calibrated calibrated) {
+    double sizes = 0.0, dips = 0.0, n = 0.0, level = 0.0, all = 0.0;
+    for (const Reading& r : readings) {
+        const Vector3d f = calibrated(r.field);
+        sizes += f.norm();
+        all += 1.0;
+        if (r.down.isZero()) continue;
+        dips += f.dot(r.down);
+        level += 1.0;
+    }
+    if (all == 0.0) return;
+    const double size = sizes / all, dip = level > 0.0 ? dips / level : 0.0;
+    Disagreement sum;
+    double dipped = 0.0;
+    for (const Reading& r : readings) {
+        if (r.part != part) continue;
+        const Vector3d f = calibrated(r.field), later = calibrated(r.next);
+        sum.size += std::pow(f.norm() / size - 1.0, 2);
+        sum.turning += (later - r.turn * f).squaredNorm() / (size * size);
+        n += 1.0;
+        if (r.down.isZero()) continue;
+        sum.dip += std::pow((f.dot(r.down) - dip) / size, 2);
+        dipped += 1.0;
+    }
+    if (n > 0.0) {
+        d.size += sum.size / n;
+        d.turning += sum.turning / n;
+    }
+    if (dipped > 0.0) d.dip += sum.dip / dipped;
+}
+
+std::vector<Vector3d> fields_without(const std::vector<Reading>& readings, int part) {
+    std::vector<Vector3d> out;
+    for (const Reading& r : readings) {
+        if (r.part != part) out.push_back(r.field);
+    }
+    return out;
+}
+
+/// Readings of one attitude: directions within 20 deg of the first.
+std::vector<std::vector<Vector3d>> attitudes_of(const std::vector<Vector3d>& forces) {
+    constexpr double same = 0.94;                // cosine
+    std::vector<std::vector<Vector3d>> out;
+    for (const Vector3d& f : forces) {
+        if (!f.allFinite() || f.isZero()) continue;
+        const auto found = std::ranges::find_if(out, [&](const auto& a) { return a.front().normalized().dot(f.normalized()) > same; });
+        if (found == out.end()) {
+            out.push_back({f});
+        } else {
+            found->push_back(f);
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+JudgedCalibration judge_magnetometer(std::span<const ImuSample> imu, std::span<const MagSample> mag, double size) {
+    JudgedCalibration out;
+    const std::vector<Reading> readings = readings_of(imu, mag);
+    EllipsoidPrior prior;
+    prior.offset_std = 50e-6;
+    prior.gain_std = 0.05;
+    prior.noise = 0.5e-6;
+    prior.alike = 10.0;                          // 2 s: places disturb for as long
+    Disagreement before, after;
+    for (int part = 0; part < parts; ++part) {
+        const auto fit = fit_ellipsoid(fields_without(readings, part), size, prior);
+        if (!fit) {
+            out.reason = "too few readings, or not on an ellipsoid";
+            return out;
+        }
+        add(before, readings, part, [](const Vector3d& f) { return f; });
+        add(after, readings, part, [&](const Vector3d& f) { return fit->apply(f); });
+    }
+    struct Quantity {
+        const char* name;
+        double before, after;
+    };
+    const std::array quantities{Quantity{"the field's size", before.size, after.size}, Quantity{"its dip", before.dip, after.dip},
+                                Quantity{"its turning against the gyro's", before.turning, after.turning}};
+    std::string shown;
+    const char* worse = nullptr;
+    bool better = false;
+    for (const Quantity& q : quantities) {
+        const double root = 100.0 / std::sqrt(static_cast<double>(parts));
+        shown += fmt::format("{}{} {:.2f} to {:.2f} %", shown.empty() ? "" : ", ", q.name, root * std::sqrt(q.before), root * std::sqrt(q.after));
+        if (q.after > tolerated * q.before) worse = q.name;
+        better = better || q.after < clear_gain * q.before;
+    }
+    out.reason = fmt::format("held-out parts, RMS: {}", shown);
+    if (worse != nullptr) {
+        out.reason += fmt::format("; {} got worse", worse);
+        return out;
+    }
+    if (!better) {
+        out.reason += "; nothing got better";
+        return out;
+    }
+    const std::vector<Vector3d> all = fields_without(readings, -1);
+    const auto fit = fit_ellipsoid(all, size, prior);
+    if (fit && fit->offset_std() > largest_offset_std) {
+        out.reason += fmt::format("; but the readings show the hard iron only to {:.1f} uT, {:.1f} are needed",
+                                  fit->offset_std() / units::microtesla, largest_offset_std / units::microtesla);
+        return out;
+    }
+    out.fit = fit;
+    return out;
+}
+
+JudgedCalibration judge_accelerometer(std::span<const ImuSample> imu, double gravity) {
+    constexpr std::size_t least_attitudes = 5;
+    JudgedCalibration out;
+    const auto attitudes = attitudes_of(still_forces(imu));
+    if (attitudes.size() < least_attitudes) {
+        out.reason = fmt::format("it rested in {} attitudes, {} are needed", attitudes.size(), least_attitudes);
+        return out;
+    }
+    EllipsoidPrior prior;
+    prior.offset_std = 0.1;
+    prior.gain_std = 0.005;
+    prior.noise = 0.01;
+    // one reading an attitude, so that a long rest does not outvote the others: mean direction and mean size
+    std::vector<Vector3d> means;
+    for (const auto& a : attitudes) {
+        Vector3d sum = Vector3d::Zero();
+        double size = 0.0;
+        for (const Vector3d& f : a) {
+            sum += f;
+            size += f.norm() / static_cast<double>(a.size());
+        }
+        means.push_back(size * sum.normalized());
+    }
+    double before = 0.0, after = 0.0;
+    for (std::size_t k = 0; k < means.size(); ++k) {
+        std::vector<Vector3d> others = means;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+        const auto fit = fit_ellipsoid(others, gravity, prior);
+        if (!fit) {
+            out.reason = "the readings at rest do not lie on an ellipsoid";
+            return out;
+        }
+        before += std::pow(means[k].norm() - gravity, 2);
+        after += std::pow(fit->apply(means[k]).norm() - gravity, 2);
+    }
+    const double n = static_cast<double>(means.size());
+    out.reason = fmt::format("held-out attitudes, {} of them: size of the force at rest off by {:.3f} to {:.3f} m/s^2 RMS", means.size(),
+                             std::sqrt(before / n), std::sqrt(after / n));
+    if (after > clear_gain * before || before < n * prior.noise * prior.noise) {
+        out.reason += after > clear_gain * before ? "; not better" : "; there is nothing to mend";
+        return out;
+    }
+    out.fit = fit_ellipsoid(means, gravity, prior);
+    return out;
+}
+
+}  // namespace schuler::ahrs

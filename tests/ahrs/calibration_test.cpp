@@ -1,0 +1,219 @@
+// Calibration from the log: what the readings show is found, what they do not show stays, and what would harm is refused. Axes of the
+// magnetometer in all orders and signs.
+#include "ahrs/simulated_motion.h"
+#include "support/perturbation.h"
+
+#include "schuler/ahrs/calibration.h"
+#include "schuler/ahrs/magnetometer_axes.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+
+namespace schuler::ahrs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using namespace testing;
+
+struct Log {
+    std::vector<ImuSample> imu;
+    std::vector<MagSample> mag;
+};
+
+/// A sensor that is turned about all axes, its magnetometer wrong by a matrix and a hard iron.
+Log turned(const Matrix3d& distortion, const Vector3d& iron, std::uint64_t seed, double duration = 120.0, double reach = 1.0) {
+    Motion m;
+    m.gravity = 9.81;
+    math::Random noise(seed, "turned");
+    Log l;
+    const auto attitude = [&](double t) {
+        return math::quaternion_from_rpy(
+            {reach * 2.5 * std::sin(0.9 * t), reach * 1.2 * std::sin(0.55 * t + 0.4), reach * 2.8 * std::sin(0.31 * t + 1.0)});
+    };
+    const Vector3d field_n(m.horizontal, 0.0, m.vertical);
+    for (double t = m.dt; t < duration; t += m.dt) {
+        const Eigen::Quaterniond q = attitude(t), before = attitude(t - m.dt);
+        const Vector3d rate = math::rotation_vector_from_quaternion(before.conjugate() * q) / m.dt;
+        const Vector3d force = q.conjugate() * Vector3d(0.0, 0.0, -m.gravity), field = q.conjugate() * field_n;
+        l.imu.push_back({Time::from_seconds(t), rate + 2e-3 * noise.normal3(), force + 0.05 * noise.normal3()});
+        l.mag.push_back({Time::from_seconds(t), distortion * field + iron + m.field_std * noise.normal3()});
+    }
+    return l;
+}
+
+/// At rest in some attitudes, a few seconds each; the accelerometer wrong by a matrix and a bias.
+Log rested(int attitudes, const Matrix3d& distortion, const Vector3d& bias) {
+    math::Random noise(3, "rested");
+    Log l;
+    double t = 0.0;
+    for (int a = 0; a < attitudes; ++a) {
+        const Vector3d down = noise.normal3().normalized();
+        for (int i = 0; i < 400; ++i, t += 0.01)
+            l.imu.push_back({Time::from_seconds(t), 1e-4 * noise.normal3(), distortion * (-9.81 * down) + bias + 0.02 * noise.normal3()});
+        for (int i = 0; i < 100; ++i, t += 0.01) l.imu.push_back({Time::from_seconds(t), noise.normal3(), 9.81 * noise.normal3()});
+    }
+    return l;
+}
+
+Matrix3d some_distortion(double size) {
+    Matrix3d d;
+    d << 1.0, 0.5, -0.2, 0.5, -0.8, 0.3, -0.2, 0.3, 0.4;
+    return Matrix3d::Identity() + size * d;
+}
+
+SCHULER_JACOBIAN(size_error, "ahrs.size_error") {
+    EllipsoidFit fit;
+    fit.offset = Vector3d(0.1, -0.2, 0.3);
+    fit.gain = some_distortion(0.1);
+    fit.size = 1.0;
+    const Vector3d measured(0.7, -0.9, 0.4);
+    schuler::test::LinearModel m;
+    m.where = "off the centre";
+    m.analytic = size_error(fit, measured).H;
+    m.output = [=](const Eigen::VectorXd& dx) {
+        EllipsoidFit f = fit;
+        f.offset += dx.head<3>();
+        Matrix3d d;
+        d << dx(3), dx(6), dx(7), dx(6), dx(4), dx(8), dx(7), dx(8), dx(5);
+        f.gain += d;
+        return Eigen::VectorXd::Constant(1, size_error(f, measured).error).eval();
+    };
+    m.step = Eigen::VectorXd::Constant(ellipsoid_parameters, 1e-3);
+    m.tolerance = schuler::test::tolerance_of(m.analytic, 1e-8, Eigen::VectorXd::Constant(1, 1e-9), m.step.cwiseInverse() * 1e-3);
+    return {m};
+}
+
+TEST(AhrsCalibration, EllipsoidIsUndoneAndItsCovarianceIsTrue) {
+    math::Random random(6, "calibration");
+    const Matrix3d distortion = some_distortion(0.08);
+    const Vector3d iron(12e-6, -7e-6, 20e-6);
+    EllipsoidPrior prior{.offset_std = 50e-6, .gain_std = 0.1, .noise = 1e-7};
+    double nees = 0.0;
+    constexpr int runs = 30;
+    for (int run = 0; run < runs; ++run) {
+        std::vector<Vector3d> readings;
+        for (int i = 0; i < 500; ++i) readings.push_back(distortion * (48e-6 * random.normal3().normalized()) + iron + 1e-7 * random.normal3());
+        readings[5] = Vector3d(9e-5, 9e-5, 9e-5);
+        const auto fit = fit_ellipsoid(readings, 48e-6, prior);
+        ASSERT_TRUE(fit.has_value());
+        EXPECT_LT((fit->offset - iron).norm(), 5e-8);
+        EXPECT_LT((fit->gain - distortion.inverse()).norm(), 3e-3);
+        const Vector3d e = fit->offset - iron;
+        nees += e.dot(fit->covariance.topLeftCorner<3, 3>().inverse() * e) / runs;
+    }
+    // three degrees of freedom; 90 together: 2.2 to 3.9 of 99 in a hundred. The noise across the distorted field is some 8 % more or less
+    EXPECT_GT(nees, 2.0);
+    EXPECT_LT(nees, 4.2);
+}
+
+TEST(AhrsCalibration, WhatTheReadingsDoNotShowStaysAtThePrior) {
+    // a cap of 20 deg: the size along it is seen, the rest is not
+    math::Random random(7, "cap");
+    EllipsoidPrior prior{.offset_std = 20e-6, .gain_std = 0.05, .noise = 2e-7};
+    std::vector<Vector3d> readings;
+    for (int i = 0; i < 2000; ++i)
+        readings.push_back(48e-6 * (Vector3d::UnitZ() + 0.2 * random.normal3()).normalized() + 2e-7 * random.normal3());
+    const auto fit = fit_ellipsoid(readings, 48e-6, prior);
+    ASSERT_TRUE(fit.has_value());
+    EXPECT_LT((fit->gain - Matrix3d::Identity()).cwiseAbs().maxCoeff(), 3.0 * prior.gain_std);
+    EXPECT_GT(fit->offset_std(), 1e-6) << "and it says that it does not know";
+}
+
+TEST(AhrsJudge, AMagnetometerIsMendedWhereItNeedsItAndShowsIt) {
+    const Vector3d iron(9e-6, -6e-6, 8e-6);
+    const Log bad = turned(some_distortion(0.03), iron, 1);
+    const JudgedCalibration judged = judge_magnetometer(bad.imu, bad.mag, 0.0);
+    ASSERT_TRUE(judged.fit.has_value()) << judged.reason;
+    EXPECT_LT((judged.fit->offset - iron).norm(), 0.5e-6);
+
+    const Log good = turned(Matrix3d::Identity(), Vector3d::Zero(), 2);
+    EXPECT_FALSE(judge_magnetometer(good.imu, good.mag, 0.0).fit.has_value()) << "there is nothing to mend";
+    const Log little = turned(some_distortion(0.03), iron, 3, 120.0, 0.03);
+    const JudgedCalibration refused = judge_magnetometer(little.imu, little.mag, 0.0);
+    EXPECT_FALSE(refused.fit.has_value()) << "a few degrees of turning do not show it";
+    EXPECT_NE(refused.reason.find("held-out"), std::string::npos) << refused.reason;
+}
+
+TEST(AhrsJudge, AMagnetThatComesAndGoesIsNoCalibration) {
+    Log l = turned(Matrix3d::Identity(), Vector3d::Zero(), 4);
+    for (MagSample& s : l.mag) {
+        if (std::fmod(s.time.seconds(), 40.0) > 20.0) s.field_b += Vector3d(4e-6, 8e-6, -5e-6);
+    }
+    const JudgedCalibration judged = judge_magnetometer(l.imu, l.mag, 0.0);
+    if (!judged.fit) return;
+    // a compromise is tolerable: nothing beyond the disturbance itself
+    EXPECT_LT(judged.fit->offset.norm(), 11e-6);
+}
+
+TEST(AhrsJudge, AnAccelerometerNeedsAttitudes) {
+    const Vector3d bias(0.15, -0.1, 0.08);
+    const Log few = rested(3, some_distortion(0.004), bias);
+    const JudgedCalibration refused = judge_accelerometer(few.imu, 9.81);
+    EXPECT_FALSE(refused.fit.has_value());
+    EXPECT_NE(refused.reason.find("attitudes"), std::string::npos) << refused.reason;
+    const Log many = rested(20, some_distortion(0.004), bias);
+    const JudgedCalibration judged = judge_accelerometer(many.imu, 9.81);
+    ASSERT_TRUE(judged.fit.has_value()) << judged.reason;
+    EXPECT_LT((judged.fit->offset - bias).norm(), 0.02);
+    const Log right = rested(20, Matrix3d::Identity(), Vector3d::Zero());
+    EXPECT_FALSE(judge_accelerometer(right.imu, 9.81).fit.has_value()) << "there is nothing to mend";
+}
+
+/// Readings of a magnetometer whose axes are such that C_bm of the readings is the field in b.
+Log mounted(const Log& l, const Matrix3d& C_bm) {
+    Log out = l;
+    for (MagSample& s : out.mag) s.field_b = (C_bm.transpose() * s.field_b).eval();
+    return out;
+}
+
+TEST(AhrsAxes, AllOrdersAndSignsAreRecognised) {
+    const Log l = turned(Matrix3d::Identity(), Vector3d(5e-6, -8e-6, 6e-6), 5, 60.0);
+    std::array<int, 3> order{0, 1, 2};
+    int recognised = 0;
+    do {
+        for (int signs = 0; signs < 8; ++signs) {
+            Matrix3d C = Matrix3d::Zero();
+            for (int i = 0; i < 3; ++i) C(i, order[static_cast<std::size_t>(i)]) = (signs >> i & 1) != 0 ? -1.0 : 1.0;
+            const Log m = mounted(l, C);
+            const MagnetometerAxes found = recognise_axes(m.imu, m.mag, 40e-6);
+            EXPECT_EQ(found.C_bm, C) << axes_text(C) << " taken for " << axes_text(found.C_bm);
+            EXPECT_EQ(found.swapped, !C.isIdentity());
+            recognised += found.C_bm == C ? 1 : 0;
+        }
+    } while (std::next_permutation(order.begin(), order.end()));
+    EXPECT_EQ(recognised, 48);
+}
+
+TEST(AhrsAxes, NothingIsTurnedWithoutEvidence) {
+    const Matrix3d C = (Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, -1).finished();
+    const Log still = mounted(turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0, 1e-3), C);
+    EXPECT_FALSE(recognise_axes(still.imu, still.mag).swapped);
+    const Log right = turned(some_distortion(0.05), Vector3d(20e-6, 10e-6, -15e-6), 7, 60.0);
+    EXPECT_FALSE(recognise_axes(right.imu, right.mag).swapped) << "irons are not axes";
+    // about the vertical only: x and y can be told, but not what z does
+    Log yaw = right;
+    for (std::size_t i = 0; i < yaw.imu.size(); ++i) {
+        const double t = yaw.imu[i].time.seconds();
+        yaw.imu[i].gyro = Vector3d(0.0, 0.0, 0.5);
+        yaw.mag[i].field_b = C.transpose() * Vector3d(19e-6 * std::cos(0.5 * t), -19e-6 * std::sin(0.5 * t), 46e-6);
+    }
+    EXPECT_FALSE(recognise_axes(yaw.imu, yaw.mag).swapped);
+    EXPECT_FALSE(recognise_axes({}, {}).swapped);
+    EXPECT_EQ(axes_text(C), "x = y, y = x, z = -z");
+}
+
+TEST(AhrsAxes, SouthOfTheEquatorTheFieldPointsUp) {
+    Log l = turned(Matrix3d::Identity(), Vector3d::Zero(), 8, 60.0);
+    for (MagSample& s : l.mag) s.field_b = -s.field_b;
+    const MagnetometerAxes unknown = recognise_axes(l.imu, l.mag);
+    EXPECT_FALSE(unknown.swapped) << "all three turned round turn with the gyro as well: left as they are";
+    EXPECT_FALSE(recognise_axes(l.imu, l.mag, -40e-6).swapped);
+    EXPECT_TRUE(recognise_axes(l.imu, l.mag, 40e-6).C_bm.isApprox(-Matrix3d::Identity()));
+}
+
+}  // namespace
+}  // namespace schuler::ahrs
