@@ -107,7 +107,6 @@ grade = "mems"
 axes = "frd"
 [initial]
 heading_deg = 30
-heading_std_deg = 2
 """)
     draw = random.Random(5)
     rate, turn, gravity = 50, 7.292115e-5, 9.8091

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 namespace schuler::io {
@@ -164,7 +165,7 @@ TEST_F(ReceiverSensors, MeasurementsOfMessagesComeWithTheirSigns) {
             put(p, 5000 + 10 * i);
             put(p, static_cast<std::uint16_t>(3U << 11));
             put(p, std::uint16_t{0});
-            for (const unsigned type : gyro ? std::initializer_list<unsigned>{14, 13, 5} : std::initializer_list<unsigned>{16, 17, 18}) put(p, type << 24 | 0xFFF000U);
+            for (const unsigned type : gyro ? std::array{14U, 13U, 5U} : std::array{16U, 17U, 18U}) put(p, type << 24 | 0xFFF000U);
             put(p, 5000 + 10 * i);
             log += test::ubx(0x10, 0x02, p);
         }

@@ -1,3 +1,4 @@
+#include "schuler/io/own_files.h"
 #include "schuler/io/solution/solution_csv.h"
 #include "schuler/io/text/fixed_point.h"
 
@@ -160,6 +161,9 @@ TEST_F(Solution, AppearsOnlyWhenCommitted) {
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder())) << "the temporary file is removed";
     write("solution.csv", "old");
+    test::expect_parts(test::message_of([&] { AtomicFile file(path); }), {"solution.csv", "exists", "--force"});
+    EXPECT_EQ(content_of(path), "old");
+    allow_overwrite(path);
     {
         AtomicFile file(path);
         file.write("new");

@@ -151,11 +151,11 @@ TEST(Evaluation, OnlyTheRowsOfTheSolutionAreComparedWhereEpochsCoincide) {
         truth.push_back(s);
         if (i % 20 == 0) rows.push_back({s.time, s.position, s.velocity_n, s.rpy, not_given3(), not_given3(), not_given3()});
     }
-    const solution::Evaluation e = compare(earth::Earth{}, rows, truth, 0.0);
+    const solution::Evaluation e = solution::compare(earth::Earth{}, rows, truth, 0.0);
     EXPECT_EQ(e.summary.epochs, rows.size());
     EXPECT_LT(e.summary.roll.max, 1e-12);
     for (SolutionRow& r : rows) r.time.ns += 1'000'000'000'000;
-    EXPECT_THROW((void)compare(earth::Earth{}, rows, truth, 0.0), Error);
+    EXPECT_THROW((void)solution::compare(earth::Earth{}, rows, truth, 0.0), Error);
 }
 
 TEST(Thinned, OneRowAPeriodOnTheGridOfTheAxis) {

@@ -20,9 +20,9 @@ ResultTable table() {
 }
 
 TEST(ResultTable, IsAlignedForPeopleUnderItsGroups) {
-    EXPECT_EQ(table_text(table()), "flight                                 horiz., m        share\n4 satellites\n"
-                                   "  b loose                                 1.235            -\n"
-                                   "  c tight                              2.00e-04            -\n");
+    EXPECT_EQ(table_text(table()), "flight                                  horiz., m        share\n4 satellites\n"
+                                   "  b loose                                   1.235            -\n"
+                                   "  c tight                                2.00e-04            -\n");
 }
 
 TEST(ResultTable, HasLabelsAndKeysInCsvAndNothingWhereThereIsNoNumber) {
@@ -33,7 +33,7 @@ TEST(ResultTable, HasNamesAndTitlesOnAPage) {
     const TableBlock block = table_block(table());
     EXPECT_EQ(block.columns, (std::vector<std::string>{"scheme", "satellites", "horiz., m", "share"}));
     EXPECT_EQ(block.rows[0][0], "b loose");
-    EXPECT_EQ(block.rows[1][2], "0.0002");
+    EXPECT_EQ(block.rows[1][2], "0.0002000");
     EXPECT_EQ(block.rows[1].size(), 4u);
 }
 

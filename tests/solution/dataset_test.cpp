@@ -201,7 +201,7 @@ TEST_F(DatasetTest, TrajectoriesOfTenColumnsAndBack) {
     EXPECT_NEAR(again[0].position.lat, rows[0].position.lat, 1e-12);
     EXPECT_NEAR(again[0].rpy.y(), rows[0].rpy.y(), 1e-8);
     EXPECT_THROW((void)app::convert_file(folder_ / "truth.txt", folder_ / "x.bin", {}), Error);
-    EXPECT_THROW((void)app::convert_file(folder_ / "truth.txt", folder_ / "x.csv", "gpx"), Error);
+    EXPECT_THROW((void)app::convert_file(folder_ / "truth.txt", folder_ / "x.csv", "papyrus"), Error);
 }
 
 }  // namespace

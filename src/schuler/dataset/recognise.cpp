@@ -31,6 +31,10 @@ namespace fs = std::filesystem;
                           "put the log itself there, or name it in a dataset.toml");
     }
     const bool imu = kind == "imu";
+    const auto trajectory = std::ranges::find(report.files, "trajectory", &inspect::FileReport::kind);
+    if (imu && trajectory != report.files.end())
+        throw input_error("is a trajectory (attitude and position), no log of an IMU", {(folder / trajectory->path).string(), 0, 0, {}},
+                          "give the log of the IMU itself: angular rates and accelerations");
     throw input_error(fmt::format("no {} log was recognised in it", imu ? "IMU" : "GNSS"), {path.string(), 0, 0, {}},
                       imu ? "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in a dataset.toml"
                           : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");

@@ -76,15 +76,18 @@ const Format* format_named(std::string_view name) {
 const Format* format_to_write(const std::filesystem::path& file) {
     const std::string extension = file.extension().string();
     if (extension.empty()) return nullptr;
+    const Format* best = nullptr;
+    std::size_t best_place = 0;
     for (const Format* format : formats()) {
         if (format->write == nullptr) continue;
-        for (std::string_view rest = format->extensions; !rest.empty();) {
+        std::size_t place = 0;   // what a format is called first is its own
+        for (std::string_view rest = format->extensions; !rest.empty(); ++place) {
             const std::size_t end = std::min(rest.find(' '), rest.size());
-            if (rest.substr(0, end) == extension) return format;
+            if (rest.substr(0, end) == extension && (best == nullptr || place < best_place)) best = format, best_place = place;
             rest.remove_prefix(std::min(end + 1, rest.size()));
         }
     }
-    return nullptr;
+    return best;
 }
 
 }  // namespace schuler::io

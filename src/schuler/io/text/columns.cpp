@@ -337,7 +337,12 @@ static bool is_rotation(const TableLayout& layout, const std::array<int, 4>& col
 bool is_own_frame(const TableLayout& layout) {
     const ColumnPlan plan = match_columns(layout, TableKind::Reference);
     const auto has = [&](std::string_view name) { return plan.find(name) != nullptr; };
-    return has("local_x_m") && has("local_y_m") && has("local_z_m") && !has("lat_deg") && !has("ecef_x_m");
+    if (!has("local_x_m") || !has("local_y_m") || !has("local_z_m") || has("lat_deg") || has("ecef_x_m")) return false;
+    // An attitude that says against which level axes it is (quat_sensor_to_enu_w) is a reference, wherever the positions are counted from.
+    const ColumnMatch* attitude = plan.find("qw");
+    if (attitude == nullptr) return true;
+    const std::vector<std::string> words = words_of_name(attitude->file_name);
+    return std::ranges::none_of(words, [](const std::string& word) { return word == "enu" || word == "ned"; });
 }
 
 std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
