@@ -108,7 +108,7 @@ def refusals(program, source):
         (folder / name).write_bytes(content)
     before = files_of(folder)
     for name, form, parts in [
-        ("none", "ibyte", ["no such file"]), (".", "ibyte", ["folder"]), ("empty", "ibyte", ["no samples"]),
+        ("none", "ibyte", ["no such file"]), (".", "ibyte", ["directory"]), ("empty", "ibyte", ["no samples"]),
         ("odd", "ibyte", ["end within a sample", "cut short"]), ("odd", "ishort", ["end within a sample"]),
         ("short", "ibyte", ["9 ms", "10 ms are needed", "--search-ms"]),
         ("silent", "ibyte", ["one value throughout", "beginning"]),
