@@ -30,8 +30,8 @@ void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingLi
     if (!spec.line.positional) option->type_name(settings::placeholder_of(spec));
     if (is_list(spec) && spec.length > 0) {
         option->expected(static_cast<int>(spec.length));
-    } else if (is_list(spec)) {
-        option->allow_extra_args(spec.line.spaced);
+    } else if (spec.line.repeated) {
+        option->allow_extra_args(false);
     }
     if (spec.shape == Shape::Text && !spec.choices.empty())   // for help and completion; the table itself refuses what is none of them
         option->check(CLI::Validator([](std::string&) { return std::string(); }, fmt::format("{{{}}}", fmt::join(spec.choices, ","))));

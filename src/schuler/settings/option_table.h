@@ -26,7 +26,6 @@ struct CommandLine {
     char letter = 0;                   ///< -n beside --runs
     bool positional = false;
     bool required = false;
-    bool spaced = false;               ///< of Texts: also with spaces between them
     bool repeated = false;             ///< of Texts: once for each, instead of a list with commas
     bool hidden = false;               ///< help leaves it out
     bool file = false;                 ///< it names a file or folder, or settings that may: no field of a form

@@ -38,13 +38,6 @@ Option<R> written(const char* placeholder, Option<R> option) {
     return option;
 }
 
-/// Words also with spaces between them: `--kind step ramp`.
-template <class R>
-Option<R> spaced(Option<R> option) {
-    option.spec.line.spaced = true;
-    return option;
-}
-
 /// What holds where it is not given.
 template <class R>
 Option<R> otherwise(const char* text, Option<R> option) {

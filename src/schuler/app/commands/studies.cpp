@@ -44,8 +44,8 @@ Command budget() {
 Command integrity() {
     using R = study::StudyRequest;
     OptionTable<R> t = study_of_scenario();
-    t.add(otherwise("all", spaced(written("KIND", words<R>("kind", "step, ramp (position alone), drift (with its velocity), velocity, noise, freeze",
-                                                           [](auto& r) -> auto& { return r.kinds; })))))
+    t.add(otherwise("all", written("KIND", words<R>("kind", "step, ramp (position alone), drift (with its velocity), velocity, noise, freeze",
+                                                    [](auto& r) -> auto& { return r.kinds; }))))
         .add(otherwise("by the kind", written("SIZE", numbers<R>("size", -1e9, 1e9, "m, or m/s", [](auto& r) -> auto& { return r.sizes; }))))
         .add(in_units("s", settings::number<R>("start", 1.0, 0, 1e9, "start of the fault; 0: half of the scenario", [](auto& r) -> auto& { return r.start; })))
         .add(in_units("s", settings::number<R>("duration", 1.0, 0, 1e9, "duration of the fault", [](auto& r) -> auto& { return r.duration; })));
