@@ -163,10 +163,10 @@ TEST(AhrsJudge, AnAccelerometerNeedsAttitudes) {
     EXPECT_FALSE(judge_accelerometer(right.imu, 9.81).fit.has_value()) << "there is nothing to mend";
 }
 
-/// Readings of a magnetometer whose axes are such that C_bm of the readings is the field in b.
-Log mounted(const Log& l, const Matrix3d& C_bm) {
+/// Readings of a magnetometer whose axes are such that C_bs of the readings is the field in b.
+Log mounted(const Log& l, const Matrix3d& C_bs) {
     Log out = l;
-    for (MagSample& s : out.mag) s.field_b = (C_bm.transpose() * s.field_b).eval();
+    for (MagSample& s : out.mag) s.field_b = (C_bs.transpose() * s.field_b).eval();
     return out;
 }
 
@@ -180,9 +180,9 @@ TEST(AhrsAxes, AllOrdersAndSignsAreRecognised) {
             for (int i = 0; i < 3; ++i) C(i, order[static_cast<std::size_t>(i)]) = (signs >> i & 1) != 0 ? -1.0 : 1.0;
             const Log m = mounted(l, C);
             const MagnetometerAxes found = recognise_axes(m.imu, m.mag, 40e-6);
-            EXPECT_EQ(found.C_bm, C) << axes_text(C) << " taken for " << axes_text(found.C_bm);
+            EXPECT_EQ(found.C_bs, C) << axes_text(C) << " taken for " << axes_text(found.C_bs);
             EXPECT_EQ(found.swapped, !C.isIdentity());
-            recognised += found.C_bm == C ? 1 : 0;
+            recognised += found.C_bs == C ? 1 : 0;
         }
     } while (std::next_permutation(order.begin(), order.end()));
     EXPECT_EQ(recognised, 48);
@@ -212,7 +212,7 @@ TEST(AhrsAxes, SouthOfTheEquatorTheFieldPointsUp) {
     const MagnetometerAxes unknown = recognise_axes(l.imu, l.mag);
     EXPECT_FALSE(unknown.swapped) << "all three turned round turn with the gyro as well: left as they are";
     EXPECT_FALSE(recognise_axes(l.imu, l.mag, -40e-6).swapped);
-    EXPECT_TRUE(recognise_axes(l.imu, l.mag, 40e-6).C_bm.isApprox(-Matrix3d::Identity()));
+    EXPECT_TRUE(recognise_axes(l.imu, l.mag, 40e-6).C_bs.isApprox(-Matrix3d::Identity()));
 }
 
 }  // namespace

@@ -134,22 +134,22 @@ MagnetometerAxes recognise_axes(std::span<const ImuSample> imu, std::span<const 
     const bool known = std::isfinite(field_down);
     if (C.isIdentity() && !known) return out;    // all three turned round, or south of the equator
     const bool down = downward(imu, mag, C) > 0.0;
-    out.C_bm = down == (!known || field_down > 0.0) ? C : Matrix3d(-C);
-    out.swapped = !out.C_bm.isIdentity();
+    out.C_bs = down == (!known || field_down > 0.0) ? C : Matrix3d(-C);
+    out.swapped = !out.C_bs.isIdentity();
     out.sign_assumed = out.swapped && !known;
     out.explained = 1.0 - best / capped;
     return out;
 }
 
-std::string axes_text(const Matrix3d& C_bm) {
+std::string axes_text(const Matrix3d& C_bs) {
     constexpr std::array names{'x', 'y', 'z'};
     std::string out;
     for (std::size_t r = 0; r < 3; ++r) {
         Eigen::Index c = 0;
-        C_bm.row(static_cast<Eigen::Index>(r)).cwiseAbs().maxCoeff(&c);
+        C_bs.row(static_cast<Eigen::Index>(r)).cwiseAbs().maxCoeff(&c);
         if (r > 0) out += ", ";
         out += names[r];
-        out += C_bm(static_cast<Eigen::Index>(r), c) < 0.0 ? " = -" : " = ";
+        out += C_bs(static_cast<Eigen::Index>(r), c) < 0.0 ? " = -" : " = ";
         out += names[static_cast<std::size_t>(c)];
     }
     return out;

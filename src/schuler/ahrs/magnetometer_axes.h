@@ -13,11 +13,11 @@
 namespace schuler::ahrs {
 
 struct MagnetometerAxes {
-    /// field_b = C_bm * reading; every row and column has one entry, 1 or -1. Determinant -1: the readings are left-handed.
-    Eigen::Matrix3d C_bm = Eigen::Matrix3d::Identity();
-    bool swapped = false;            ///< C_bm is another than the identity, beyond doubt
+    /// field_b = C_bs * reading; every row and column has one entry, 1 or -1. Determinant -1: the readings are left-handed.
+    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();
+    bool swapped = false;            ///< C_bs is another than the identity, beyond doubt
     bool sign_assumed = false;       ///< all three signs together do not show in the turning: the field was taken to point down
-    double explained = std::numeric_limits<double>::quiet_NaN();  ///< share of the field's changes that the gyro explains, with C_bm
+    double explained = std::numeric_limits<double>::quiet_NaN();  ///< share of the field's changes that the gyro explains, with C_bs
     double as_given = std::numeric_limits<double>::quiet_NaN();   ///< ... and with the axes as they are
 };
 
@@ -28,6 +28,6 @@ struct MagnetometerAxes {
                                               double field_down = std::numeric_limits<double>::quiet_NaN());
 
 /// "x = -y, y = x, z = z": body axis = reading.
-[[nodiscard]] std::string axes_text(const Eigen::Matrix3d& C_bm);
+[[nodiscard]] std::string axes_text(const Eigen::Matrix3d& C_bs);
 
 }  // namespace schuler::ahrs

@@ -115,11 +115,11 @@ void straighten(AhrsInput& out, WarningLog& warnings) {
     if (out.mag.empty()) return;
     out.axes = ahrs::recognise_axes(out.imu, out.mag, out.settings.mekf.heading.known_field_n.z());
     if (!out.axes.swapped) return;
-    for (MagSample& s : out.mag) s.field_b = (out.axes.C_bm * s.field_b).eval();
+    for (MagSample& s : out.mag) s.field_b = (out.axes.C_bs * s.field_b).eval();
     warnings.add("ahrs.mag.axes.turned",
                  fmt::format("the magnetometer turns with the gyro only as {} (body axis = reading; the gyro explains {:.0f} % of its "
                              "changes, {:.0f} % as given): it was turned so{}; name its columns accordingly",
-                             ahrs::axes_text(out.axes.C_bm), 100.0 * out.axes.explained, 100.0 * out.axes.as_given,
+                             ahrs::axes_text(out.axes.C_bs), 100.0 * out.axes.explained, 100.0 * out.axes.as_given,
                              out.axes.sign_assumed ? ", the field taken to point down, as north of the equator" : ""));
 }
 

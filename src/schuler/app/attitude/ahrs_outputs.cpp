@@ -115,7 +115,7 @@ std::string ahrs_summary_json(const AhrsBundle& b) {
                        {"horizontal_field_ut", f.horizontal / units::microtesla},
                        {"vertical_field_ut", f.vertical / units::microtesla},
                        {"mag_delay_s", f.delay},
-                       {"mag_axes", b.axes.swapped ? report::Json(ahrs::axes_text(b.axes.C_bm)) : report::Json(nullptr)},
+                       {"mag_axes", b.axes.swapped ? report::Json(ahrs::axes_text(b.axes.C_bs)) : report::Json(nullptr)},
                        {"declination_deg", b.field_from_model ? in_degrees(b.declination) : report::Json(nullptr)}};
     out["samples"] = {{"gyro", count_of(r.counters.gyro)},
                       {"accelerometer", count_of(r.counters.accel)},
