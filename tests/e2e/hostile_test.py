@@ -1,5 +1,6 @@
 """What nobody should lose: files of the user's own, a terminal, the time of somebody who names the wrong file."""
 import gzip
+import json
 import os
 import resource
 import shutil
@@ -49,6 +50,14 @@ def overwriting(program, _):
     check(files(drive) == first, "simulated again into the same folder")
     program("process", drive, "-o", "out", "--quiet")
     program("process", drive, "-o", "out", "--quiet")
+    # a result beside the logs is no reference for the next run
+    bare = folder / "bare"
+    bare.mkdir()
+    for name in ("imu.csv", "gnss.csv"):
+        shutil.copyfile(drive / name, bare / name)
+    for _ in range(2):
+        program("process", bare, "-o", bare, "--quiet")
+        check(json.loads((bare / "summary.json").read_text())["reference"] is None, "nothing to compare with")
     # unless somebody has changed it
     with open(drive / "imu.csv", "a") as f:
         f.write("# a note\n")

@@ -4,7 +4,9 @@
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/inspect/detail/study.h"
 #include "schuler/inspect/explain.h"
+#include "schuler/io/own_files.h"
 #include "schuler/io/raw_input.h"
+#include "schuler/io/streams.h"
 
 #include <fmt/format.h>
 
@@ -97,6 +99,13 @@ const GivenFile* named(const Given& given, io::TableKind kind) {
     return file != nullptr && !file->path.empty() ? file : nullptr;
 }
 
+/// Written by a run of this program and not changed since: no log, and no reference for the next run either.
+bool is_result(const LoadedFile& file) {
+    const io::StreamPath where = io::stream_path(file.path);
+    const std::string name = where.file.filename().string();
+    return (name == "run.h5" || name == "solution.csv" || name == "point.csv" || name == "events.csv") && io::may_overwrite(where.file);
+}
+
 LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section) {
     LoadedFile* best = nullptr;
     if (named(study.given, kind) != nullptr) {
@@ -108,14 +117,14 @@ LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section)
     const bool aid = kind == io::TableKind::Baro || kind == io::TableKind::Mag;
     if (!(aid ? study.given.find_aids : study.given.find_logs)) return nullptr;
     for (LoadedFile& file : study.files) {
-        if (file.table != kind || file.as.kind) continue;
+        if (file.table != kind || file.as.kind || is_result(file)) continue;
         const bool comparable = kind == io::TableKind::Gnss;
         if (best == nullptr || (comparable && preference(file) > preference(*best))) best = &file;
     }
     if (best == nullptr) return nullptr;
     best->report.chosen = true;
     for (const LoadedFile& file : study.files) {
-        if (file.table != kind || file.as.kind || &file == best) continue;
+        if (file.table != kind || file.as.kind || &file == best || is_result(file)) continue;
         study.problem(Level::Info,
                       fmt::format("{} could be [{}] as well; {} was taken", file.report.path, section, best->report.path),
                       fmt::format("to use it: [{}] file = {}", section, toml_text(file.report.path)));
