@@ -16,10 +16,10 @@ install(FILES "${PROJECT_BINARY_DIR}/schulerConfig.cmake" "${PROJECT_BINARY_DIR}
 
 if(TARGET schuler_cli)
     install(TARGETS schuler_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
-    install(FILES "${PROJECT_BINARY_DIR}/shell/schuler.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program)
+    install(FILES "${PROJECT_BINARY_DIR}/shell/schuler.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program OPTIONAL)
     install(FILES "${PROJECT_BINARY_DIR}/shell/schuler.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions"
-            RENAME schuler COMPONENT program)
-    install(FILES "${PROJECT_BINARY_DIR}/shell/_schuler" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" COMPONENT program)
+            RENAME schuler COMPONENT program OPTIONAL)
+    install(FILES "${PROJECT_BINARY_DIR}/shell/_schuler" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" COMPONENT program OPTIONAL)
 endif()
 if(EXISTS "${PROJECT_SOURCE_DIR}/data")
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/data/" DESTINATION "${CMAKE_INSTALL_DATADIR}/schuler" COMPONENT program)
