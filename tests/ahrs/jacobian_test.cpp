@@ -112,10 +112,10 @@ FieldMeans measured_with(const HeadingEstimate& truth) {
 
 /// Steps of the errors' own size.
 Eigen::VectorXd heading_steps() {
-    Eigen::VectorXd steps(heading_states);
-    steps << 1e-3, Eigen::VectorXd::Constant(3, 1e-3), Eigen::VectorXd::Constant(9, 1e-3), Eigen::VectorXd::Constant(3, 1e-6),
+    Eigen::VectorXd sizes(heading_states);
+    sizes << 1e-3, Eigen::VectorXd::Constant(3, 1e-3), Eigen::VectorXd::Constant(9, 1e-3), Eigen::VectorXd::Constant(3, 1e-6),
         Eigen::VectorXd::Constant(9, 1e-3), 1e-6, 1e-6, 1e-3;
-    return steps;
+    return sizes;
 }
 
 HeadingEstimate with_error(HeadingEstimate e, const Eigen::VectorXd& dx) {
