@@ -52,7 +52,8 @@ for (const [name, duration] of [
   if (done.status !== 0) throw new Error(done.stderr);
 }
 const server = spawn(options.program, ["ui", "--port", "0", "--workspace", work], { stdio: ["ignore", "pipe", "inherit"] });
-const address = await new Promise((r) => server.stdout.on("data", (d) => r(/http:\S+/.exec(String(d))[0])));
+const entrance = await new Promise((r) => server.stdout.on("data", (d) => r(/http:\S+/.exec(String(d))[0])));
+const address = new URL("/", entrance).href;
 const browser = await chromium.launch({ executablePath: options.browser ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
 const page = await browser.newPage({ viewport: { width: 1280, height: 900 } });
 const median = (all) => [...all].sort((a, b) => a - b)[all.length >> 1];
@@ -60,7 +61,7 @@ const median = (all) => [...all].sort((a, b) => a - b)[all.length >> 1];
 const paints = [];
 for (let i = 0; i < 5; ++i) {
   await page.goto("about:blank");
-  await page.goto(address);
+  await page.goto(entrance);
   await page.locator("h1").waitFor();
   paints.push(await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0].startTime));
 }
@@ -118,6 +119,7 @@ for (let i = 0; i < 10; ++i) {
   await (
     await fetch(
       `${address}api/runs/million/series?columns=/errors/position:east,/errors/std_position:east&from=${i * 500}&to=${i * 500 + 5000}&points=1200`,
+      { headers: { Authorization: `Bearer ${new URL(entrance).searchParams.get("token")}` } },
     )
   ).text();
   asked.push(performance.now() - begin);

@@ -36,13 +36,15 @@ const server = spawn(options.program, ["ui", "--port", "0", "--workspace", join(
   cwd: folder,
   stdio: ["ignore", "pipe", "inherit"],
 });
-const address = await new Promise((resolve, reject) => {
+const entrance = await new Promise((resolve, reject) => {
   server.stdout.on("data", (d) => {
     const found = /http:\S+/.exec(String(d));
     if (found) resolve(found[0]);
   });
   server.on("exit", () => reject(new Error("the server ended")));
 });
+// The token of the entrance becomes a cookie; from then on the page asks without it.
+const address = new URL("/", entrance).href, token = new URL(entrance).searchParams.get("token");
 const browser = await chromium.launch({
   executablePath: browserPath,
   args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
@@ -57,7 +59,7 @@ page.on("pageerror", (e) => check(false, `error on the page: ${e.message}`));
 page.on("console", (m) => m.type() === "error" && !/4\d\d \(/.test(m.text()) && check(false, `console: ${m.text()}`));
 page.on("request", (r) => check(r.url().startsWith(address) || /^(data|blob):/.test(r.url()), `asks another server: ${r.url()}`));
 
-const ask = async (path) => (await fetch(address + path)).json();
+const ask = async (path) => (await fetch(address + path, { headers: { Authorization: `Bearer ${token}` } })).json();
 const shot = async (name) => {
   if (!options.shots) return;
   mkdirSync(options.shots, { recursive: true });
@@ -93,7 +95,7 @@ const done = async () => {
 };
 
 async function start() {
-  await page.goto(address);
+  await page.goto(entrance);
   await page.getByRole("heading", { name: "Integrated inertial-satellite navigation" }).waitFor();
   await accessible("start");
 }
