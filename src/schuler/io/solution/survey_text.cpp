@@ -141,7 +141,7 @@ StreamLog read_kitti(const TextInput& input, WarningLog& warnings) {
         if (std::sscanf(line.c_str(), "%4d-%2d-%2d %2d:%2d:%lf", &year, &month, &day, &hour, &minute, &second) == 6 && detail::is_date(year, month, day)) {
             std::error_code ec;
             const std::string text = std::filesystem::exists(file, ec) ? read_bytes(TextInput(file), 65'536) : std::string();
-            for (const std::string_view word : words_of(text.substr(0, text.find('\n')))) {
+            for (const std::string_view word : words_of(std::string_view(text).substr(0, text.find('\n')))) {
                 if (n == v.size()) break;
                 v[n++] = number_from(word);
             }
