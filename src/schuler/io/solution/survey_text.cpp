@@ -67,6 +67,8 @@ StreamLog read_waypoint(const TextInput& input, WarningLog& warnings) {
     for (const std::string_view name : header) columns.push_back(export_of(name));
     for (const Export* e : columns)
         if (e != nullptr && std::string_view(e->column) != "time" && std::string_view(e->column) != "week" && s.find(e->column) == nullptr) s.columns.push_back({e->column, {}});
+    const auto is_angle = [](const Export* e) { return e != nullptr && (e->name == "Latitude" || e->name == "Longitude"); };
+    const auto in_minutes = 2 * static_cast<std::size_t>(std::ranges::count_if(columns, is_angle));   // words more where angles are degrees, minutes, seconds
     std::size_t bad = 0;
     long first_bad = 0;
     bool weeks = false, seen = false;
@@ -77,9 +79,8 @@ StreamLog read_waypoint(const TextInput& input, WarningLog& warnings) {
             continue;
         }
         if (words.empty() || words.front().front() == '(') continue;   // units
-        // latitudes and longitudes may be degrees, minutes and seconds: four words more than names
         const std::size_t extra = words.size() > columns.size() ? words.size() - columns.size() : 0;
-        if (words.size() < columns.size() || (extra != 0 && extra != 4)) {
+        if (words.size() < columns.size() || (extra != 0 && extra != in_minutes)) {
             if (bad++ == 0) first_bad = lines.number();
             continue;
         }
@@ -88,7 +89,7 @@ StreamLog read_waypoint(const TextInput& input, WarningLog& warnings) {
         std::size_t at = 0;
         for (const Export* e : columns) {
             double value = number_from(words[at]);
-            if (extra == 4 && e != nullptr && (e->name == "Latitude" || e->name == "Longitude")) {
+            if (extra != 0 && is_angle(e)) {
                 const double minutes = number_from(words[at + 1]), seconds = number_from(words[at + 2]);
                 value = std::copysign(std::abs(value) + minutes / 60.0 + seconds / 3600.0, words[at].starts_with('-') ? -1.0 : 1.0);
                 at += 2;
