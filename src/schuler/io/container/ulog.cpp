@@ -124,7 +124,7 @@ private:
         } else if (type == 'A' && body.size() > 3) {
             subscribe(static_cast<unsigned char>(body[0]), detail::load<std::uint16_t>(body, 1), std::string(body.substr(3)));
         } else if (type == 'R' && body.size() >= 2) {
-            subscriptions_[detail::load<std::uint16_t>(body.data())].reset();
+            if (const auto id = detail::load<std::uint16_t>(body.data()); id < subscriptions_.size()) subscriptions_[id].reset();
         } else if (type == 'O' && body.size() >= 2) {
             ++dropouts;
             dropped_seconds += 1e-3 * detail::load<std::uint16_t>(body.data());
