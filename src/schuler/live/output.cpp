@@ -94,6 +94,9 @@ struct Output::State {
     void add(Descriptor fd, bool pending, bool greeted = true) {
         Reader& r = readers.emplace_back();
         r.fd = std::move(fd);
+        // what waits is to be here, where the oldest can be dropped, not in the system
+        const int small = 65536;
+        (void)setsockopt(r.fd.get(), SOL_SOCKET, SO_SNDBUF, &small, sizeof small);
         r.pending = pending;
         if (greeted && !greeting.empty()) push(r, greeting);
         told = false;

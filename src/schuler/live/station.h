@@ -34,7 +34,7 @@ public:
 
 private:
     std::array<Duration, instrument_count> offset_{};
-    Eigen::Matrix3d C_b_mag_;                     ///< sensor axes of the magnetometer to body
+    Eigen::Matrix3d C_bs_mag_;                     ///< sensor axes of the magnetometer to body
     double sea_level_pressure_, undulation_;
 };
 
