@@ -118,7 +118,11 @@ LiveSettings read_live(const std::filesystem::path& file, const settings::Settin
     LiveSettings out;
     out.file = file.string();
     live_table().apply(own, out);
-    out.config = settings::config_from(settings::overlaid(std::move(others), above));
+    const settings::SettingList all = settings::overlaid(std::move(others), above);
+    out.config = settings::config_from(all);
+    // a batch fits the noise where only a grade is given; here the grade is all there is
+    const bool asked = std::ranges::any_of(all, [](const settings::Setting& s) { return s.key == "imu.estimate_noise"; });
+    if (!asked) out.config.filter.imu.estimate_noise = false;
     for (std::size_t i = 0; i < instrument_count; ++i) {
         const std::string section(name_of(static_cast<Instrument>(i)));
         if (!out.sources[i].from.empty()) (void)endpoint_from(out.sources[i].from, Direction::In, section + ".source");
