@@ -73,6 +73,7 @@ void add_imu(Table& table) {
 /// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which names no sigma of its own for the
 /// white jump of the height.
 void set_duostar1000(sim::GnssSettings& g) {
+    g.rate = 10.0;   // table 1.2.1
     g.white_position = {1.0, 1.0, 1.5};
     g.white_velocity.setConstant(0.01);
     g.errors.correlated_position = {5.0, 5.0, 7.0};
