@@ -195,8 +195,9 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     if (!b.verdict.usable) {
         b.attainable.usable = false;
         b.attainable.statement = "the disturbance of this survey is not to be used: " + b.verdict.reasons.front();
-    } else if (!b.attainable.usable && !b.changes.empty())
-        b.attainable.statement += "; a change is known better than the level that it changes";
+    } else if (std::ranges::any_of(b.changes, [&](const GravityChange& change) { return change.sigma_n.z() < 0.5 * b.attainable.vertical; })) {
+        b.attainable.statement += "; its change at a step is known better";
+    }
     b.classical = classical_gravity(b, input);
     b.lines = gravity_lines(b);
     b.run.timing.read_s = b.run.data.read_seconds;

@@ -54,13 +54,17 @@ GravityVerdict gravity_verdict(const GravityBundle& b) {
 std::vector<GravityChange> gravity_changes(const GravityBundle& b, const GravityInput& input) {
     std::vector<GravityChange> out;
     if (input.steps.empty()) return out;
-    // The constant errors of the accelerometers are taken into the level, whose prior grows by them: level and errors together are well known.
+    // What the accelerometers are off by at the start is taken into the level, whose prior grows by it: the sum is well known. What their bias
+    // does afterwards stays with its state, as a walk from zero.
     filter::Settings settings = input.filter;
     fusion::Start start = input.start;
-    const double constant = settings.imu.errors.accel_turn_on_bias;
+    // So are scale factors and misalignments, which turn the specific force of rest into a bias.
+    sensor::ImuErrorModel& errors = settings.imu.errors;
+    const double constant = std::hypot(start.std_accel_bias.maxCoeff(), units::g0 * errors.accel_scale, units::g0 * errors.accel_misalignment);
     constexpr double nothing = 1e-9;   // m/s^2
-    settings.imu.errors.accel_turn_on_bias = std::min(constant, nothing);
-    start.std_accel_bias.setConstant(std::max(settings.imu.errors.accel_initial_bias(), nothing));
+    errors.accel_turn_on_bias = nothing;
+    errors.accel_scale = errors.accel_misalignment = 0.0;
+    start.std_accel_bias.setConstant(nothing);
     for (double& prior : settings.disturbance.prior_n) prior = std::hypot(prior, constant);
     const gravimetry::SurveyResult survey = gravimetry::run_survey(input.data, settings, start, {.smooth = false, .steps = input.steps});
     const auto before = [&](Time t) {

@@ -15,7 +15,7 @@ report::Json in_mgal(double x) { return report::json_number(x / units::mgal); }
 
 /// A component of the answer: errors where the truth is known, sigma and estimate at the last fix.
 report::Json component(const GravityBundle& b, int axis, double sign) {
-    if (!b.attainable.usable)
+    if (!b.attainable.usable && b.verdict.usable)   // a survey that is not to be used is off by something all the same
         return {{"rms", nullptr}, {"spread", nullptr}, {"final", nullptr}, {"sigma", nullptr}, {"estimate", nullptr}};
     const gravimetry::SurveyEpoch& last = b.epochs().back();
     return {{"rms", in_mgal(b.errors.rms(axis))},
