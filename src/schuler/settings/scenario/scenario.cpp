@@ -73,7 +73,6 @@ void add_imu(Table& table) {
 /// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which names no sigma of its own for the
 /// white jump of the height.
 void set_duostar1000(sim::GnssSettings& g) {
-    g.rate = 10.0;   // table 1.2.1
     g.white_position = {1.0, 1.0, 1.5};
     g.white_velocity.setConstant(0.01);
     g.errors.correlated_position = {5.0, 5.0, 7.0};
@@ -285,6 +284,7 @@ ScenarioConfig scenario_from(const SettingList& settings) {
     s.sim.imu.errors = sensor::imu_grade(s.grade);
     scenario_table().apply(settings, s);
     for (const Setting& setting : settings) s.given.insert(setting.key);
+    if (s.receiver == "duostar1000" && !s.given.contains("gnss.rate_hz")) s.sim.gnss.rate = 10.0;   // [PaperA:table 1.2.1]
     for (const Setting& setting : settings)
         if (s.folder.empty() && setting.place.line > 0) s.folder = std::filesystem::path(setting.place.file).parent_path();
     s.processing.filter.vehicle = s.vehicle.value_or(vehicle_of(s.type));
