@@ -219,6 +219,7 @@ void add_data_commands(std::vector<Command>& list);
 void add_file_commands(std::vector<Command>& list);
 void add_live_commands(std::vector<Command>& list);
 void add_gravity_command(std::vector<Command>& list);
+void add_paper_command(std::vector<Command>& list);
 void add_receiver_commands(std::vector<Command>& list);
 void add_theory_commands(std::vector<Command>& list);
 void add_study_commands(std::vector<Command>& list);
