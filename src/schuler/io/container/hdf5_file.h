@@ -60,11 +60,16 @@ public:
     Hdf5Reader& operator=(const Hdf5Reader&) = delete;
 
     [[nodiscard]] Hdf5Table table(const std::string& path) const;
+    /// A column of whole numbers.
+    [[nodiscard]] std::vector<std::int64_t> integers(const std::string& path) const;
+    /// Square matrices, one a row.
+    [[nodiscard]] Hdf5Table matrices(const std::string& path) const;
     [[nodiscard]] std::string attribute(const std::string& path, const std::string& name) const;
     /// Names in a group, sorted.
     [[nodiscard]] std::vector<std::string> names(const std::string& group) const;
 
 private:
+    [[nodiscard]] Hdf5Table read(const std::string& path, int largest_rank) const;
     struct File;
     std::unique_ptr<File> file_;
 };
