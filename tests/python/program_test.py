@@ -54,6 +54,14 @@ class Results(unittest.TestCase):
                          {k: v for k, v in theirs.items() if k not in ("timing", "settings", "outputs")}.keys())
         self.assertEqual(mine["errors"] if "errors" in mine else mine["evaluation"], theirs["errors"] if "errors" in theirs else theirs["evaluation"])
 
+    def test_covariance(self):
+        result = schuler.process(drive(), outputs="h5,covariance", self_check=False)
+        P, states = result["covariance"].covariance, result["covariance"].attributes["states"]
+        self.assertEqual(P.shape[1:], (len(states), len(states)))
+        np.testing.assert_allclose(P, np.swapaxes(P, 1, 2), rtol=1e-9, atol=1e-18)
+        self.assertEqual(result.solution.time_ns.dtype, np.int64)
+        np.testing.assert_allclose(np.sqrt(P[-1, 2, 2]), result.solution.std_position[-1, 2], rtol=0.05)
+
     def test_tables_carry_units(self):
         self.assertEqual(self.result.solution.units["position"], ("deg", "deg", "m"))
         si = self.result.solution.si()
