@@ -38,4 +38,5 @@ class CMakeBuild(build_ext):
 setup(name="schuler", version=VERSION, description="Integrated inertial-satellite navigation",
       package_dir={"": "python"}, packages=["schuler"], package_data={"schuler": ["*.pyi", "py.typed"]},
       ext_modules=[Extension("schuler._schuler", sources=[])], cmdclass={"build_ext": CMakeBuild},
+      options={"build": {"build_base": str(ROOT / "build-python/setuptools")}},   # build/ is CMake's
       python_requires=">=3.11", install_requires=["numpy"], zip_safe=False)
