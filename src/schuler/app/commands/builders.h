@@ -208,9 +208,10 @@ void add_run(OptionTable<R>& table) {
     outage.spec.line.repeated = true;
     table.add(written("T:DUR[,T:DUR...]", std::move(outage)))
         .add(otherwise("alignment + 60 s", written("S", of_setting<R>("settle", "run.settle_s", "count errors from here", common))))
-        .add(otherwise("all of these",
+        .add(otherwise("the first six",
                        written("LIST", of_setting<R>("outputs", "output.files",
-                                                     "what is written: solution,summary,h5,report,kml,config; or covariance (the whole of it, in run.h5)",
+                                                     "what is written: solution,summary,h5,report,kml,config; or mat (run.mat: the tables of run.h5 for Octave and "
+                                                     "MATLAB), covariance (the whole of it, in run.h5)",
                                                      common))));
 }
 
