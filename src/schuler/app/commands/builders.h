@@ -155,6 +155,11 @@ Command command(std::string name, std::string purpose, std::string examples, Opt
             request.common.version = context.version;
             request.common.progress = context.progress;
         }
+        if constexpr (requires { request.team; }) {
+            request.team = context.team;
+        } else if (context.team) {
+            throw input_error("this command does not share its work among processes", {}, "start it without mpirun; `schuler montecarlo` does");
+        }
         if constexpr (requires { request.version; }) request.version = context.version;
         if constexpr (requires { request.progress; }) request.progress = context.progress;
         table.apply(given, request);
