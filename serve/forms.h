@@ -32,4 +32,7 @@ enum class Form { Scenario, Dataset };
 /// `used` has every option with its value after presets. A scenario comes with its track.
 [[nodiscard]] Json understood(const settings::SettingList& settings, Form form);
 
+/// Words of the command line for the options that an order gives a command ({key: value}). @throws Refusal 422, Error
+[[nodiscard]] std::vector<std::string> argument_words(const std::string& command_name, const Json& arguments);
+
 }  // namespace schuler::serve
