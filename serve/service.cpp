@@ -44,6 +44,18 @@ std::vector<std::string> upload_parts(std::string_view path) {
     return parts;
 }
 
+/// What a scenario says of itself: the comment that it begins with, as far as the command that runs it.
+std::string about_of(const std::string& toml) {
+    std::string out;
+    for (const std::string& line : split(toml, '\n')) {
+        if (!line.starts_with("# ")) break;
+        const std::string text = line.substr(2);
+        if (text.starts_with(" ")) break;      // an indented command line
+        out += (out.empty() ? "" : " ") + text;
+    }
+    return out;
+}
+
 }  // namespace
 
 Reply refused(const Refusal& r) {
@@ -120,6 +132,8 @@ std::unique_ptr<Upload> Service::upload(const std::string& path, std::uintmax_t 
     fs::path folder = workspace_.dataset_folder(parts[0]);
     const std::uintmax_t all = settings_.max_upload * 8, used = workspace_.uploaded_bytes();
     if (used + length >= all) throw Refusal{413, "the workspace is full", "remove data sets that are not needed"};
+    for (const std::string& part : parts)      // before the first folder is made
+        if (!is_file_name(part)) throw Refusal{400, "the name cannot be that of a file here", "letters, digits, dots and dashes are always possible"};
     for (std::size_t i = 1; i + 1 < parts.size(); ++i) {
         folder = inside(folder, parts[i]);
         std::error_code ec;
@@ -183,7 +197,7 @@ void Service::add_settings_routes() {
              for (const Asset& a : assets()) {
                  if (!a.path.starts_with("/examples/")) continue;
                  const std::string toml(a.bytes);
-                 const std::string about = toml.starts_with("# ") ? toml.substr(2, toml.find('\n') - 2) : "";
+                 const std::string about = about_of(toml);
                  const std::string file(a.path.substr(10));
                  out.push_back({{"name", file.substr(0, file.rfind('.'))}, {"about", about}, {"toml", toml}});
              }

@@ -22,10 +22,11 @@ export function unit(text: string): string {
 
 /** Value with its band of three sigma, one plot a component. */
 function banded(run: string, group: string, table: string, what: string, g: Group, linked: Linked, single: boolean): TimePlot[] {
-  const mine = g.columns.filter((c) => c.id.startsWith(`${group}/${table}:`));
+  // a solution alone has latitude and longitude, its sigmas have north and east
+  const mine = g.columns.filter((c) => c.id.startsWith(`${group}/${single ? "std_" : ""}${table}:`));
   return mine.map((column, i) => {
     const axis = t(column.name);
-    const sigma = column.id.replace(`/${table}:`, `/std_${table}:`);
+    const sigma = single ? column.id : column.id.replace(`/${table}:`, `/std_${table}:`);
     return new TimePlot(
       {
         title: single ? t("view.sigma_of", { what, axis }) : t("view.error_of", { what, axis }),
@@ -143,17 +144,20 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
             title: `${name}: ${t("innovation")} ${t(axis)}`,
             unit: units[kind] ?? "",
             lines: [
-              { label: t("innovation"), ink: i, dots: true },
-              ...(status ? [{ label: t("rejected"), ink: 1, dots: true }] : []),
+              { label: status ? t("accepted") : t("innovation"), ink: 0, dots: true },
+              ...(status ? [{ label: t("rejected"), paint: "--rejected", dots: true }] : []),
             ],
             band: t("band"),
             include: [0],
             robust: true,
+            mayBeEmpty: true,
             load: loader(run, status ? [...ids, status.id] : ids, ([v, s, st]) => {
               const seen = v!.map((x, j) => (s![j] ? x : null));
               const lines: Values[] = [st ? seen.map((x, j) => (st[j] === 0 ? x : null)) : seen];
               if (st) lines.push(seen.map((x, j) => (st[j] === 1 ? x : null)));
-              return [...lines, s!.map((x) => (x ? 3 * x : null)), s!.map((x) => (x ? -3 * x : null))];
+              // while fixes are withheld the band grows far beyond what is seen: it is that of what was used
+              const band = s!.map((x, j) => (x && st?.[j] !== 2 ? 3 * x : null));
+              return [...lines, band, times(band, -1)];
             }),
           },
           linked,
