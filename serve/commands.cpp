@@ -1,6 +1,8 @@
 // The commands that make runs of scenarios and data sets, as forms; and the layouts that the page keeps.
 #include "schuler/app/command.h"
+#include "schuler/report/outputs.h"
 #include "schuler/settings/command_line.h"
+#include "serve/assets.h"
 #include "serve/forms.h"
 #include "serve/service.h"
 #include "serve/split.h"
@@ -28,6 +30,14 @@ std::vector<OptionSpec> fields_of(const app::Command& command) {
     return out;
 }
 
+/// Also inside lists and tables: fields of gravity are tables.
+bool mentions(const settings::Value& value, const std::string& name) {
+    if (value.text() != nullptr) return *value.text() == name;
+    if (const auto* list = value.list()) return std::ranges::any_of(*list, [&](const settings::Value& v) { return mentions(v, name); });
+    if (const auto* table = value.table()) return std::ranges::any_of(*table, [&](const auto& entry) { return mentions(entry.second, name); });
+    return false;
+}
+
 }  // namespace
 
 std::vector<std::string> argument_words(const std::string& command_name, const Json& arguments) {
@@ -42,6 +52,17 @@ std::vector<std::string> argument_words(const std::string& command_name, const J
         for (std::string& word : settings::words_from_value(spec, s.value)) words.push_back(std::move(word));
     }
     return words;
+}
+
+void add_example_files(const settings::SettingList& settings, const std::filesystem::path& folder) {
+    for (const Asset& a : assets()) {
+        if (!a.path.starts_with("/examples/") || a.path.ends_with(".toml")) continue;
+        const std::string name(a.path.substr(a.path.rfind('/') + 1));
+        const bool named = std::ranges::any_of(settings, [&](const settings::Setting& s) {
+            return mentions(s.value, name);
+        });
+        if (named) report::write_text(folder / name, std::string(a.bytes));
+    }
 }
 
 void Service::add_kept_routes() {

@@ -195,7 +195,7 @@ void Service::add_settings_routes() {
         {"GET", "/api/examples", "scenarios that come with the program", {}, "", "[{name, about, toml}]", [=](const Request&) {
              Json out = Json::array();
              for (const Asset& a : assets()) {
-                 if (!a.path.starts_with("/examples/")) continue;
+                 if (!a.path.starts_with("/examples/") || !a.path.ends_with(".toml")) continue;
                  const std::string toml(a.bytes);
                  const std::string about = about_of(toml);
                  const std::string file(a.path.substr(10));

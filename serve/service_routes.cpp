@@ -139,6 +139,7 @@ Json Service::understood_aside(const Json& body, Form form) {
     constexpr double limit_s = 10.0;
     constexpr std::size_t limit_bytes = std::size_t{1} << 30;
     try {
+        add_example_files(settings, folder);
         report::write_text(folder / "body.json", body.dump(-1, ' ', false, Json::error_handler_t::replace));
         const Json printed = asked_of_program("scenario", {std::string(aside_word), "understand", std::string(name_of(form)), (folder / "body.json").string()},
                                               folder, {}, limit_s, limit_bytes);
@@ -250,6 +251,7 @@ Reply Service::start_run(const Json& order) {
     const fs::path folder = workspace_.run_folder(id);
     const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
     report::write_text(file, toml_of(settings, form));
+    if (form == Form::Scenario) add_example_files(settings, folder);
     JobOrder job;
     job.id = id;
     job.program = settings_.program;

@@ -40,7 +40,7 @@ export async function serve(program, folder, words = []) {
     server.kill("SIGTERM");
     await over;
   };
-  return { server, entrance, address, ask, stop };
+  return { server, entrance, address, token, ask, stop };
 }
 
 /** A browser, or the end of the test where there is none. */
@@ -71,7 +71,7 @@ export async function browse(options, settings = {}) {
 export async function visitTabs(page, address, run, { wait = 8000, only = null, shot = null } = {}) {
   const wrong = [];
   await page.goto(`${address}#/run/${encodeURIComponent(run)}`);
-  await page.locator('[role="tablist"]').waitFor();
+  await page.locator(`.run[data-run="${run}"] [role="tablist"]`).waitFor();
   const tabs = await page.locator('[role="tab"]').evaluateAll((all) => all.map((t) => t.id.replace("tab-", "")));
   for (const tab of tabs) {
     if (only && !only.includes(tab)) continue;
@@ -90,7 +90,7 @@ export async function visitTabs(page, address, run, { wait = 8000, only = null, 
           const note = f.querySelector(".plot-note")?.textContent ?? "";
           if (f.plot.failed) out.errors.push(`${title}: ${note}`);
           else if (!f.plot.shown) ++out.pending;
-          else if (!data.y.some((y) => y.some((v) => v !== null && Number.isFinite(v)))) out.empty.push(title);
+          else if (!f.plot.settings.mayBeEmpty && !data.y.some((y) => y.some((v) => v !== null && Number.isFinite(v)))) out.empty.push(title);
         }
         return out;
       });

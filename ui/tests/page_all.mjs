@@ -1,6 +1,6 @@
 // Every example and every real data set through the page of `schuler ui`: runs all of them, opens every tab of every run and every data
 // set, and fails on a console error, an error text, an empty plot or a page wider than its window.
-//   node page_all.mjs --program SCHULER --modules NODE_MODULES [--data FOLDER] [--only WORD] [--shots FOLDER] [--width PIXELS]
+//   node page_all.mjs --program SCHULER --modules NODE_MODULES [--data FOLDER] [--only WORD] [--shots FOLDER] [--width PIXELS] [--examples no]
 // Exit status 0 passed, 1 failed, 77 skipped.
 import { cpSync, existsSync, mkdirSync, mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -58,13 +58,13 @@ const through = async (name, order, path = "api/runs") => {
 try {
   await page.goto(entrance);
   await page.locator("h1").waitFor();
-  const plain = (await ask("api/examples")).filter((e) => wanted(e.name));
+  const plain = (await ask("api/examples")).filter((e) => wanted(e.name) && options.examples !== "no");
   for (const { name, toml } of plain) {
     const { settings } = await ask("api/settings?of=scenario", "POST", { toml });
-    const gravity = Object.keys(settings ?? {}).some((k) => k.startsWith("gravity.") || k === "anomaly");
+    const gravity = Object.keys(settings ?? {}).some((k) => k.startsWith("gravity.") || k.startsWith("anomaly"));
     await through(name, { kind: "scenario", title: name, toml, command: gravity ? "gravity" : "run" });
   }
-  for (const study of (await ask("api/studies")).filter((s) => !s.input && wanted(s.command)))
+  for (const study of (await ask("api/studies")).filter((s) => !s.input && wanted(s.command) && options.examples !== "no"))
     await through(study.command.replace(" ", "-"), { command: study.command, title: study.command, settings: {} }, "api/studies");
   const data = options.data && existsSync(options.data) ? readdirSync(options.data).filter((d) => statSync(join(options.data, d)).isDirectory() && wanted(d)) : [];
   if (data.length === 0) console.log("no data sets: give --data FOLDER");

@@ -112,7 +112,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     allow();
     const keys = Object.keys(form.settings);
     const runs = form.settings["montecarlo.runs"];
-    if (keys.some((k) => k.startsWith("gravity.") || k === "anomaly")) command.suggest("gravity");
+    if (keys.some((k) => k.startsWith("gravity.") || k.startsWith("anomaly"))) command.suggest("gravity");
     else if (typeof runs === "number") command.suggest("montecarlo", runs);
   };
   const command = new CommandChoice(["run", "montecarlo", "gravity"]);

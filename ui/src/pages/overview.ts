@@ -72,7 +72,7 @@ export function statCards(run: RunDetails): HTMLElement | null {
     );
   const cards = h("div", { class: "stats" });
   const shown = ["position_m.horizontal", "position_m.up", "attitude_deg.heading"];
-  for (const { key, name, spread } of errorRows(s))
+  for (const { key, name, spread } of errorRows(s).sort((a, b) => shown.indexOf(a.key) - shown.indexOf(b.key)))
     if (shown.includes(key)) append(cards, card(name, number(spread.rms, 3), `rms · ${t("table.max")} ${number(spread.max, 3)}`));
   if (s.duration_s) append(cards, card(t("run.duration"), `${number(s.duration_s)} s`, [s.scheme, s.mechanization].filter(Boolean).join(", ")));
   if (s.imu) append(cards, card(t("overview.imu_card"), `${number(s.imu.rate_hz)} Hz`, t("overview.imu_note", { n: s.imu.epochs, gaps: s.imu.gaps })));

@@ -26,8 +26,8 @@ function verdictCard(run: RunDetails): HTMLElement | null {
   const v = run.summary?.verdict;
   const c = run.summary?.self_check as Record<string, number | null> | null | undefined;
   if (!v && !c) return null;
-  const sign = v ? ({ good: "✓", care: "⚠", bad: "✗" }[v.word] ?? (v.word === "usable" ? "✓" : "⚠")) : "";
-  const kind = v ? (/^(good|usable)$/.test(v.word) ? "good" : v.word === "care" ? "care" : "poor") : "good";
+  const kind = !v || v.word === "trustworthy" ? "good" : v.word === "care" ? "care" : "poor";
+  const sign = { good: "✓", care: "⚠", poor: "✗" }[kind];
   return h(
     "section",
     { class: `card verdict ${kind}` },

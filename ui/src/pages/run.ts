@@ -267,7 +267,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
   );
   const element = h(
     "div",
-    { class: "run" },
+    { class: "run", "data-run": run.id },
     h(
       "div",
       { class: "bar" },

@@ -117,6 +117,8 @@ const axes: Record<string, string[]> = {
   baro: ["down"],
   mag: ["heading"],
   nonholonomic: ["lateral", "vertical"],
+  pseudorange: [""],
+  range_rate: [""],
 };
 
 export function innovationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
@@ -125,6 +127,8 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
     gnss_position: "m",
     gnss_velocity: "m/s",
     baro: "m",
+    pseudorange: "m",
+    range_rate: "m/s",
     mag: "rad",
     zero_velocity: "m/s",
     zero_rate: "rad/s",
@@ -141,7 +145,7 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
       out.push(
         new TimePlot(
           {
-            title: `${name}: ${t("innovation")} ${t(axis)}`,
+            title: `${name}: ${t("innovation")} ${axis && t(axis)}`.trim(),
             unit: units[kind] ?? "",
             lines: [
               { label: status ? t("accepted") : t("innovation"), ink: 0, dots: true },
@@ -150,7 +154,6 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
             band: t("band"),
             include: [0],
             robust: true,
-            mayBeEmpty: true,
             load: loader(run, status ? [...ids, status.id] : ids, ([v, s, st]) => {
               const seen = v!.map((x, j) => (s![j] ? x : null));
               const lines: Values[] = [st ? seen.map((x, j) => (st[j] === 0 ? x : null)) : seen];
