@@ -2,7 +2,7 @@
 import { spawn } from "node:child_process";
 import { existsSync } from "node:fs";
 import { createRequire } from "node:module";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 
 export function optionsOf(words) {
   return Object.fromEntries(words.flatMap((a, i) => (a.startsWith("--") ? [[a.slice(2), words[i + 1] ?? ""]] : [])));
@@ -49,7 +49,7 @@ export async function browse(options, settings = {}) {
   if (!path || !existsSync(path)) skip("there is no Chromium");
   if (!existsSync(join(options.modules, "playwright-core")))
     skip("there is no playwright-core; scripts/build_ui.sh installs it where npm reaches a registry");
-  const require = createRequire(join(options.modules, "x.js"));
+  const require = createRequire(resolve(options.modules, "x.js"));
   const { chromium } = require("playwright-core");
   const browser = await chromium.launch({
     executablePath: path,

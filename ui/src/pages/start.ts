@@ -163,6 +163,8 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
       h(
         "td",
         { class: "tools" },
+        (run.state === "running" || run.state === "waiting") &&
+          iconButton("⊘", `${t("run.cancel")} ${run.title}`, () => void api.cancel(run.id).then(again, (e: Error) => tell(e.message, "error"))),
         iconButton("✎", `${t("rename")} ${run.title}`, () => {
           const name = prompt(t("rename"), run.title);
           if (name) void api.rename(run.id, name).then(again);

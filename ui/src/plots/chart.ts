@@ -49,7 +49,7 @@ export function limitsOf(
 ): [number, number] {
   let [min, max] = [low, high];
   if (s.names) return [-0.6, s.names.length - 0.4];
-  if (s.logY) return s.along ? [(min ?? 1e-3) / 1.5, (max ?? 1) * 1.5] : [Math.max(min ?? 1e-3, 1e-6), Math.max(max ?? 1, 1e-5)];
+  if (s.logY) return s.along ? [(min ?? 1e-3) / 1.5, (max ?? 1) * 1.5] : [Math.max(min ?? 1e-3, 1e-6) / 1.15, Math.max(max ?? 1, 1e-5) * 1.25];
   for (const v of s.include ?? []) (min = Math.min(min ?? v, v)), (max = Math.max(max ?? v, v));
   if (s.robust && min !== null && max !== null) [min, max] = robust(min, max);
   if (min === null || max === null || !Number.isFinite(min) || !Number.isFinite(max)) return [-1, 1];
