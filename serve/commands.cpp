@@ -2,8 +2,10 @@
 #include "schuler/app/command.h"
 #include "schuler/report/outputs.h"
 #include "schuler/settings/command_line.h"
+#include "serve/aside.h"
 #include "serve/assets.h"
 #include "serve/forms.h"
+#include "serve/names.h"
 #include "serve/service.h"
 #include "serve/split.h"
 
@@ -15,6 +17,7 @@
 namespace schuler::serve {
 namespace {
 
+namespace fs = std::filesystem;
 using settings::OptionSpec;
 
 constexpr std::array run_commands{"process", "run", "ahrs", "gravity", "montecarlo"};
@@ -83,6 +86,17 @@ void Service::add_kept_routes() {
                                               {"options", schema_of(fields_of(*command), command->defaults)}});
                            }
                            return json(out);
+                       }});
+    routes_.push_back({"GET", "/api/datasets/{dataset}/raw", "the columns of one of its logs before anything is processed, thinned",
+                       {{"file", "string", "its path as in inspect, also of one instrument of a log: log.ulg#imu"}}, "",
+                       "{rows, zero, time, time_s, columns: {name: []}}", [=, this](const Request& r) {
+                           const fs::path folder = workspace_.dataset_folder(r.parts[0]);
+                           const std::string given = r.asked("file");
+                           const std::size_t mark = given.find('#');
+                           fs::path file = folder;
+                           for (const std::string& part : split(given.substr(0, mark), '/')) file = inside(file, part);
+                           if (mark != std::string::npos) file += given.substr(mark);
+                           return json(asked_of_program("log", {std::string(aside_word), "raw", file.string()}, folder, {}, 60.0));
                        }});
     routes_.push_back({"GET", "/api/layouts", "the layouts of plots that are kept in the workspace", {}, "", "{name: layout}, or null",
                        [=, this](const Request&) { return json(workspace_.kept()); }});

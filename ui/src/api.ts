@@ -300,6 +300,10 @@ export const api = {
   },
   difference: (run: string, other: string, range: Range = {}, signal?: AbortSignal) =>
     get<Series>(`/api/runs/${id(run)}/difference?${ranged(new URLSearchParams({ with: other }), range)}`, signal),
+  raw: (name: string, file: string) =>
+    get<{ rows: number; zero: number; time: string; time_s: (number | null)[]; columns: Record<string, (number | null)[]> }>(
+      `/api/datasets/${id(name)}/raw?file=${id(file)}`,
+    ),
   commands: () => get<CommandForm[]>("/api/commands"),
   studies: () => get<CommandForm[]>("/api/studies"),
   startStudy: (order: Record<string, unknown>) => send<Run>("POST", "/api/studies", order),

@@ -84,7 +84,7 @@ export async function visitTabs(page, address, run, { wait = 8000, only = null, 
         const out = { errors: [], empty: [], pending: 0 };
         for (const e of document.querySelectorAll("#view .bad, main > .card .bad")) out.errors.push(e.textContent.slice(0, 200));
         for (const f of document.querySelectorAll("#view figure.plot")) {
-          if (!f.plot) continue;
+          if (!f.plot || f.hidden) continue;
           const { data } = f.plot;
           const title = f.querySelector(".plot-title")?.textContent;
           const note = f.querySelector(".plot-note")?.textContent ?? "";
@@ -105,7 +105,7 @@ export async function visitTabs(page, address, run, { wait = 8000, only = null, 
     while (now.pending > 0 && Date.now() < until) {
       await page.waitForTimeout(150);
       const next = await page.evaluate(() => {
-        const f = [...document.querySelectorAll("#view figure.plot")].find((x) => x.plot && !x.plot.shown && !x.plot.failed);
+        const f = [...document.querySelectorAll("#view figure.plot")].find((x) => x.plot && !x.hidden && !x.plot.shown && !x.plot.failed);
         f?.scrollIntoView();
         return Boolean(f);
       });

@@ -40,7 +40,7 @@ export function attitudePlots(run: string, groups: Group[], linked: Linked): Tim
             unit: "°",
             height: 120,
             logY: true,
-            mayBeEmpty: true,
+            optional: true,
             lines: [{ label: "σ", ink }],
             load: async (from, to, points, signal) => {
               const s = await api.series(run, [id(`std_${axis}_deg`)], { from, to, points }, undefined, signal);

@@ -1,5 +1,5 @@
 // A data set: what is in its files, what is doubtful, its settings as a form, and the way to a run.
-import { api, type Inspection } from "../api";
+import { api, type Inspection, type Settings } from "../api";
 import { h, quietly, replace, saveAs } from "../dom";
 import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
@@ -8,6 +8,7 @@ import type { Page } from "../page";
 import { OutageLine } from "../plots/timeline";
 import { noiseView } from "./noise";
 import { runButton } from "./runbutton";
+import { rawCard } from "./raw";
 import { TaskChoice } from "./tasks";
 
 function problems(list: Inspection["problems"]): HTMLElement {
@@ -116,8 +117,11 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
     from ? api.run(from) : null,
     from ? api.runSettings(from) : null,
   ]);
-  // a run's own settings, not those of the data set
-  if (before) found.form = before;
+  // What was found out stays a finding: only what is changed here is given to the run, or its guesses would count as yours.
+  const base = { ...found.form.settings };
+  const changes = (of: Settings): Settings => Object.fromEntries(Object.entries(of).filter(([k, v]) => JSON.stringify(v) !== JSON.stringify(base[k])));
+  // a run's own settings over those of the data set
+  if (before) found.form = { ...before, settings: { ...base, ...before.settings } };
   const at = draftKey();
   const problem = h("p", { class: "bad", role: "alert", hidden: true });
   const toml = h("pre", { class: "toml", tabIndex: 0 }, found.form.toml);
@@ -173,7 +177,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
       kind: "dataset",
       dataset: name,
       title: title.value.trim() || name,
-      settings: tasks.settings(form.settings),
+      settings: tasks.settings(changes(form.settings)),
       ...tasks.order,
     }),
     () => forgetDraft(at),
@@ -242,6 +246,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
       h("summary", null, `${t("data.findings")} (${found.findings.length}): ${doubts > 0 ? t("data.doubts", { n: doubts }) : t("data.no_doubts")}`),
       findings(found),
     ),
+    rawCard(name, found),
     noise,
     outages.element,
     h(

@@ -118,7 +118,7 @@ function sigmaPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
           unit: unit(columns[0]!.unit),
           logY: true,
           height: 165,
-          mayBeEmpty: true,
+          optional: true,
           lines: columns.map((c, ink) => ({ label: t(c.name), ink })),
           load: loader(run, columns.map((c) => c.id), (all) => all.map((v) => v.map((x) => (x !== null && x > 0 ? x : null)))),
         },
@@ -166,7 +166,7 @@ export function outagePlots(run: string, groups: Group[], linked: Linked): TimeP
           unit: unit(columns[0]!.unit),
           include: [0],
           height: 165,
-          mayBeEmpty: true,
+          optional: true,
           lines: columns.map((c, ink) => ({ label: t(c.name), ink, dots: true })),
           load: loader(run, columns.map((c) => c.id)),
         },
@@ -188,6 +188,7 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
   linkCursors(plots, linked);
   const growth = growthPlot(run);
   if (growth) linkCursors([growth], growth.linked);
+  const figures = overview(run);
   const element = h(
     "div",
     { class: "quality" },
@@ -195,11 +196,11 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
     h(
       "div",
       { class: "quality-grid" },
-      h("div", { class: "quality-left" }, verdictCard(run), plan?.element, (events.length > 0 || plan) && eventList(events, linked)),
+      h("div", { class: "quality-left" }, verdictCard(run), plan?.element, (events.length > 0 || plan) && eventList(events, linked), !plan && figures),
       h("div", { class: "quality-right" }, growth?.element, ...plots.map((p) => p.element)),
     ),
     factsCard(run, others),
-    overview(run),
+    plan && figures,
   );
   return { element, redraw: () => [...plots, plan, growth].forEach((p) => p?.redraw()) };
 }

@@ -32,7 +32,7 @@ function banded(run: string, group: string, table: string, what: string, g: Grou
         title: single ? t("view.sigma_of", { what, axis }) : t("view.error_of", { what, axis }),
         unit: unit(column.unit),
         lines: single ? [{ label: "σ", ink: i }] : [{ label: `${t("error")} ${axis}`, ink: i }],
-        ...(single ? {} : { band: t("band") }),
+        ...(single ? { optional: true } : { band: t("band") }),
         include: [0],
         load: single
           ? loader(run, [sigma])
@@ -194,7 +194,7 @@ export function motionPlots(run: string, groups: Group[], linked: Linked): TimeP
   if (!groups.some((g) => g.group === "/solution")) return [];
   const of = (title: string, u: string, ids: string[], labels: string[], combine?: (c: Values[]) => Values[]) =>
     new TimePlot(
-      { title, unit: u, lines: labels.map((label, ink) => ({ label, ink })), load: loader(run, ids, combine) },
+      { title, unit: u, optional: true, lines: labels.map((label, ink) => ({ label, ink })), load: loader(run, ids, combine) },
       linked,
     );
   const ids = (table: string, names: string[]) => names.map((n) => `/solution/${table}:${n}`);

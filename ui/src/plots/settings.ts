@@ -36,6 +36,8 @@ export interface PlotSettings {
   logY?: boolean;
   /** The range of y is that of nearly all values, not of the few largest ones; the plot says how many lie outside. */
   robust?: boolean;
+  /** Not shown where it has no value at all: a solution without attitude has none of its sigmas. */
+  optional?: boolean;
   /** Nothing in a range is no fault: measurements that were all withheld. */
   mayBeEmpty?: boolean;
   /** Of the axis at the right. */

@@ -158,6 +158,10 @@ export class TimePlot {
       this.loaded = range;
       this.data = data;
       this.failed = false;
+      if (this.settings.optional && whole && !data.y.some((y) => y.some((v) => v !== null))) {
+        this.element.hidden = true;
+        return;
+      }
       this.note.textContent = data.x.length === 0 ? t("plot.empty") : "";
       this.show();
     } catch (e) {
