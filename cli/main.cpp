@@ -7,6 +7,7 @@
 #include "schuler/app/command.h"
 #include "schuler/app/commands.h"
 #include "schuler/app/formats_command.h"
+#include "schuler/app/large_runs.h"
 #include "schuler/core/error.h"
 #include "serve/aside.h"
 
@@ -71,6 +72,7 @@ report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser) {
                                           .threads = line.threads};
         const auto given = cli::settings_of(*command, line, parser);
         if (line.force) app::allow_overwrite(given);
+        if (const std::string size = line.quiet ? "" : app::notice_of_size(given); !size.empty()) fmt::print(stderr, "schuler: {}\n", size);
         return command->perform(given, context);
     }
     report::Outcome help;

@@ -33,6 +33,7 @@ test=(
 )
 develop=(
     clang-format-16 clang-tidy-16
+    gcovr                           # scripts/coverage.sh
     python3-mpmath                  # tests/theory/make_equator_table.py
 )
 
