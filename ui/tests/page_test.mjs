@@ -439,7 +439,7 @@ async function upload() {
     page.getByRole("button", { name: "Choose files" }).click(),
   ]);
   await chooser.setFiles(bad);
-  await page.getByRole("heading", { name: /Data set/ }).waitFor();
+  await page.locator(".tasks").waitFor();
   check((await page.locator(".problems .error, .problems .warning").count()) > 0, "problems of the file are shown");
   await accessible("data set");
   const process = page.getByRole("button", { name: /Process/ });
