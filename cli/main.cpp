@@ -4,10 +4,12 @@
 #include "printable.h"
 #include "progress.h"
 #include "team.h"
+#include "version.h"
 
 #include "schuler/app/command.h"
 #include "schuler/app/commands.h"
 #include "schuler/app/formats_command.h"
+#include "schuler/app/large_runs.h"
 #include "schuler/core/error.h"
 #include "serve/aside.h"
 
@@ -73,6 +75,7 @@ report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser, co
                                           .threads = line.threads, .team = team};
         const auto given = cli::settings_of(*command, line, parser);
         if (line.force) app::allow_overwrite(given);
+        if (const std::string size = line.quiet ? "" : app::notice_of_size(given); !size.empty()) fmt::print(stderr, "schuler: {}\n", size);
         return command->perform(given, context);
     }
     report::Outcome help;
@@ -108,7 +111,7 @@ int main(int argc, char** argv) {
         std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
         parser.parse(std::move(arguments));
     } catch (const CLI::CallForVersion&) {
-        fmt::print("schuler {}\n", SCHULER_VERSION);
+        fmt::print("{}\n", cli::version_line());
         return flushed(done);
     } catch (const CLI::CallForHelp& e) {
         parser.exit(e);

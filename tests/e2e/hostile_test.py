@@ -160,6 +160,13 @@ def extremes(program, _):
     for options in (["--output-rate", "1e-308"], ["--set", "imu.time_offset_s=3.9e9"], ["--start", "-1e300"], ["--settle", "1e300"]):
         done = ran(program, "process", "drive", "-o", "extreme", *options)
         check(done.returncode in (0, 1, 2), f"{options}: {done.returncode} {done.stderr}")
+    # What takes long is said before it begins.
+    (folder / "large.toml").write_text(SCENARIO.replace("duration_s = 20", "duration_s = 40000").replace("rate_hz = 50", "rate_hz = 1000"))
+    with subprocess.Popen([program.path, "simulate", "large.toml", "-o", "large"], cwd=folder, stderr=subprocess.PIPE, text=True) as large:
+        said = large.stderr.readline()
+        large.kill()
+    check("4e+07 samples of the IMU" in said and "minutes" in said and "GB" in said, f"a large simulation begins with '{said}'")
+    check(not ran(program, "simulate", "brief.toml", "-o", "small").stderr, "a small simulation speaks of its size")
     (folder / "deep.toml").write_text("a." * 10_000 + "a = 1\n")
     for command in (["run", "deep.toml"], ["process", "drive", "--config", "deep.toml"], ["simulate", "deep.toml", "-o", "x"]):
         program.fails(*command, parts=["deep.toml", "1:"])

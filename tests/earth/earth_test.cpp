@@ -116,4 +116,19 @@ TEST(Displacement, AgreesWithCartesianNearby) {
     }
 }
 
+TEST(EarthTerms, MetresNearThePolesAreThoseOfTheChord) {
+    const Geodetic near_pole{89.9999 * units::deg, 40.0 * units::deg, 100.0};
+    const Geodetic beyond{89.9999 * units::deg, -140.0 * units::deg, 103.0};
+    // 11.17 m from the pole on either side of it: straight over it lies the other one, to the north.
+    const Eigen::Vector3d over = ned_difference({}, beyond, near_pole);
+    EXPECT_NEAR(over.x(), 22.34, 0.01);
+    EXPECT_NEAR(over.y(), 0.0, 1e-6);
+    EXPECT_NEAR(over.z(), -3.0, 1e-9);
+    for (const double lat : {90.0, 89.99, -89.5, -90.0}) {
+        const Geodetic from{lat * units::deg, 1.0, 50.0};
+        const Eigen::Vector3d ned(300.0, -2000.0, 12.0);
+        EXPECT_LT((ned_difference({}, moved_by_ned({}, from, ned), from) - ned).norm(), 1e-6) << lat;
+    }
+}
+
 }  // namespace

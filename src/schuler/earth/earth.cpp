@@ -39,16 +39,49 @@ Eigen::Vector3d gravity_ecef(const Earth& earth, const Ecef& position) {
     return {outward * at.cos_lon, outward * at.sin_lon, g.north * at.cos_lat - g.down * at.sin_lat};
 }
 
+namespace {
+
+/// Within 64 km of a pole angles of longitude are no measure of distance: there the horizontal part is that of the chord.
+constexpr double polar_cos_lat = 0.01;
+
+Eigen::Vector3d polar_difference(const Earth& earth, const Geodetic& to, const Geodetic& from) {
+    const Eigen::Vector3d chord = ecef_from_geodetic(earth.ellipsoid, to).r - ecef_from_geodetic(earth.ellipsoid, from).r;
+    const Eigen::Vector3d ned = C_en(from.lat, from.lon).transpose() * chord;
+    return {ned.x(), ned.y(), from.h - to.h};
+}
+
+Geodetic moved_near_pole(const Earth& earth, const Geodetic& from, const Eigen::Vector3d& ned) {
+    const Eigen::Matrix3d axes = C_en(from.lat, from.lon);
+    Ecef at{ecef_from_geodetic(earth.ellipsoid, from).r};
+    Geodetic to = from;
+    // The chord sinks below the horizon by a part in 1e4 of its length at most: each step gains four digits.
+    for (int step = 0; step < 4; ++step) {
+        to.h = from.h - ned.z();
+        Eigen::Vector3d missing = ned - polar_difference(earth, to, from);
+        missing.z() = 0.0;
+        at.r = ecef_from_geodetic(earth.ellipsoid, to).r + axes * missing;
+        to = geodetic_from_ecef(earth.ellipsoid, at);
+    }
+    to.h = from.h - ned.z();
+    return to;
+}
+
+}  // namespace
+
 Eigen::Vector3d ned_difference(const Earth& earth, const Geodetic& to, const Geodetic& from) {
+    const double cos_lat = std::cos(from.lat);
+    if (cos_lat < polar_cos_lat) return polar_difference(earth, to, from);
     const Radii r = radii(earth.ellipsoid, from.lat);
     double dlon = to.lon - from.lon;
     if (std::abs(dlon) > std::numbers::pi) dlon = math::wrap_pi(dlon);
-    return {(to.lat - from.lat) * (r.meridian + from.h), dlon * (r.prime_vertical + from.h) * std::cos(from.lat), from.h - to.h};
+    return {(to.lat - from.lat) * (r.meridian + from.h), dlon * (r.prime_vertical + from.h) * cos_lat, from.h - to.h};
 }
 
 Geodetic moved_by_ned(const Earth& earth, const Geodetic& from, const Eigen::Vector3d& ned) {
+    const double cos_lat = std::cos(from.lat);
+    if (cos_lat < polar_cos_lat) return moved_near_pole(earth, from, ned);
     const Radii r = radii(earth.ellipsoid, from.lat);
-    double lon = from.lon + ned.y() / ((r.prime_vertical + from.h) * std::cos(from.lat));
+    double lon = from.lon + ned.y() / ((r.prime_vertical + from.h) * cos_lat);
     if (std::abs(lon) > std::numbers::pi) lon = math::wrap_pi(lon);
     return {from.lat + ned.x() / (r.meridian + from.h), lon, from.h - ned.z()};
 }

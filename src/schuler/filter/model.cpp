@@ -172,7 +172,12 @@ public:
         P_n_.diagonal().segment<3>(Layout::velocity) = start.std_velocity.cwiseAbs2();
         const Eigen::Matrix3d J = math::rpy_error_from_phi(math::rpy_from_quaternion(start.nav.q_nb)).inverse();
         P_n_.block<3, 3>(Layout::attitude, Layout::attitude) = J * start.std_rpy.cwiseAbs2().asDiagonal() * J.transpose();
-        if constexpr (!Frame::errors_are_geographic) T_ = f_.to_local_level(model).inverse();
+        if constexpr (!Frame::errors_are_geographic) {
+            Eigen::Matrix<double, 9, 9> to_local_level = f_.to_local_level(model);
+            // Near a pole a heading is told of the meridian of the stated position, not of the one below the true position.
+            if (std::cos(start.nav.position.lat) < 0.01) to_local_level.template block<6, 3>(3, 0).setZero();
+            T_ = to_local_level.inverse();
+        }
         f_.P.template topLeftCorner<9, 9>() = T_ * P_n_ * T_.transpose();
     }
 

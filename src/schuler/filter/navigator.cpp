@@ -4,6 +4,7 @@
 #include "schuler/filter/detail/navigator_engine.h"
 
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace schuler::filter {
@@ -14,6 +15,24 @@ struct Refusal {
     MakeStatus status = MakeStatus::Made;
     const char *key = "", *reason = "";
 };
+
+bool is_sigma(const Eigen::Vector3d& sigma, double most) { return (sigma.array() >= 0.0).all() && (sigma.array() <= most).all(); }
+
+/// A start that no body has, or whose covariance would overflow.
+Refusal unusable(const Start& start) {
+    using enum MakeStatus;
+    const Geodetic& p = start.nav.position;
+    if (!(std::abs(p.lat) <= 0.5 * std::numbers::pi && std::abs(p.lon) <= 2.0 * std::numbers::pi && std::abs(p.h) <= 1e6))
+        return {BadSettings, "start.nav.position", "the position of the start is not on or near the Earth"};
+    if (!(start.nav.v_eb_n.norm() <= 1e4)) return {BadSettings, "start.nav.v_eb_n", "the velocity of the start is to be below 10 km/s"};
+    if (!(std::abs(start.nav.q_nb.norm() - 1.0) < 1e-6)) return {BadSettings, "start.nav.q_nb", "the quaternion of the start is to have a norm of one"};
+    if (!is_sigma(start.std_position, 1e7)) return {BadSettings, "start.std_position", "a sigma is to be from 0 to 10 000 km"};
+    if (!is_sigma(start.std_velocity, 1e4)) return {BadSettings, "start.std_velocity", "a sigma is to be from 0 to 10 km/s"};
+    if (!is_sigma(start.std_rpy, 10.0)) return {BadSettings, "start.std_rpy", "a sigma is to be from 0 to 10 rad"};
+    if (!is_sigma(start.std_gyro_bias, 10.0)) return {BadSettings, "start.std_gyro_bias", "a sigma is to be from 0 to 10 rad/s"};
+    if (!is_sigma(start.std_accel_bias, 1e3)) return {BadSettings, "start.std_accel_bias", "a sigma is to be from 0 to 1000 m/s^2"};
+    return {};
+}
 
 /// What a stream cannot be told.
 Refusal unusable(const NavigatorSettings& n) {
@@ -49,7 +68,7 @@ Refusal unusable(const NavigatorSettings& n) {
     if (s.imu.estimate_noise) return {NotForStreams, "imu.estimate_noise", "the noise is found from whole logs: give it"};
     if (s.gnss.estimate_latency) return {NotForStreams, "gnss.latency_s", "the latency is found from whole logs: give it"};
     if (s.state_rows || s.covariance_rows) return {NotForStreams, "outputs", "rows of all states are those of a batch"};
-    return {};
+    return n.start ? unusable(*n.start) : Refusal{};
 }
 
 }  // namespace

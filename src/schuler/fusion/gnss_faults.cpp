@@ -14,7 +14,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t least_fixes = 3;
 constexpr double least_span = 2.0;       // s
 constexpr double least_way = 5.0;        // m
@@ -247,16 +246,16 @@ std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const ear
 
 GnssFix FixScreen::without(const GnssFix& fix, std::size_t index) const {
     GnssFix out = fix;
-    if (!position.empty() && position[index]) out.position = {absent, absent, absent};
-    if (!velocity.empty() && velocity[index]) out.velocity_n.setConstant(absent);
-    if (!height.empty() && height[index]) out.position.h = out.velocity_n.z() = absent;
+    if (!position.empty() && position[index]) out.position = {not_given, not_given, not_given};
+    if (!velocity.empty() && velocity[index]) out.velocity_n.setConstant(not_given);
+    if (!height.empty() && height[index]) out.position.h = out.velocity_n.z() = not_given;
     return out;
 }
 
 FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settings, Time origin, WarningLog& warnings) {
     std::vector<GnssFix> seen = fixes;
     if (!settings.gnss.use_velocity)
-        for (GnssFix& fix : seen) fix.velocity_n.setConstant(absent);
+        for (GnssFix& fix : seen) fix.velocity_n.setConstant(not_given);
     const FrozenFixes frozen = frozen_fixes(seen, settings.earth);
     FixScreen screen{frozen.position, frozen.velocity, {}};
     if (frozen.any())

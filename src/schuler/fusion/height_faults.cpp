@@ -13,7 +13,6 @@
 namespace schuler::fusion {
 namespace {
 
-constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 
 /// Values at times, in order.
 struct Series {
@@ -26,12 +25,12 @@ struct Series {
         const auto [a, b] = within(from, to);
         double sum = 0.0;
         for (std::size_t i = a; i < b; ++i) sum += x[i] / static_cast<double>(b - a);
-        return b > a ? sum : absent;
+        return b > a ? sum : not_given;
     }
     /// Second derivative of the parabola through the values of a window; absent with fewer than five.
     [[nodiscard]] double bend(double from, double to) const {
         const auto [a, b] = within(from, to);
-        if (b < a + 5) return absent;
+        if (b < a + 5) return not_given;
         Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
         Eigen::Vector3d y = Eigen::Vector3d::Zero();
         for (std::size_t i = a; i < b; ++i) {

@@ -3,6 +3,8 @@
 #include "schuler/ins/detail/gravity_slope.h"
 #include "schuler/math/rotation.h"
 
+#include <algorithm>
+
 namespace schuler::ins {
 
 using Eigen::Matrix3d;
@@ -45,7 +47,9 @@ ErrorDynamics error_e(const earth::Earth& earth, const Ecef& position, const Vec
 }
 
 Eigen::Matrix<double, 9, 9> geographic_from_ecef_errors(const earth::Earth& earth, const NavState& state) {
-    const earth::EarthTerms t = earth::terms_at(earth, state.position, state.v_eb_n);
+    earth::EarthTerms t = earth::terms_at(earth, state.position, state.v_eb_n);
+    // North turns with the position by tan(lat) / R: a radian a metre at a metre from the pole, where it stops to have a meaning.
+    t.tan_lat = std::clamp(t.tan_lat, -t.rn, t.rn);
     const Matrix3d C_ne = earth::C_en(state.position.lat, state.position.lon).transpose();
     const Matrix3d turn = level_rotation_by_displacement(t) * C_ne;
     Eigen::Matrix<double, 9, 9> M = Eigen::Matrix<double, 9, 9>::Zero();

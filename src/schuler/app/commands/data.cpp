@@ -3,6 +3,7 @@
 #include "schuler/app/batch.h"
 #include "schuler/app/commands.h"
 #include "schuler/app/commands/builders.h"
+#include "schuler/app/satellites.h"
 #include "schuler/study/montecarlo/montecarlo.h"
 
 namespace schuler::app {
@@ -134,6 +135,24 @@ Command attitude() {
                       std::move(t), table_json, true, ahrs_dataset);
 }
 
+Command satellites() {
+    using R = SatellitesRequest;
+    OptionTable<R> t;
+    t.add(input<R>("DATASET", "dataset", "folder, dataset.toml, or a log of raw measurements"))
+        .add(output<R>("folder to write to", "out/NAME"))
+        .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.4, "of the protection levels: share of faults of the worst size that the fault test may miss",
+                                 [](auto& r) -> auto& { return r.missed_detection; }));
+    add_settings(t);
+    return command<R>("gnss", "satellites of a receiver's raw measurements: sky, residuals, dilution, protection levels, phases against a base",
+                      "  schuler gnss receiver.ubx                       the log of a receiver\n"
+                      "  schuler gnss survey/ -o out/survey              a folder with dataset.toml, or one that is recognised\n"
+                      "  schuler gnss survey/ --set gnss.systems=GE --json\n"
+                      "  schuler gnss rover.obs --set base.observations=base.obs    and slips and integers against a base\n"
+                      "Writes gnss.csv, satellites.csv, residuals.csv, report.html and summary.json; with a base carrier.csv. Exit status 1 where no epoch\n"
+                      "has a solution.",
+                      std::move(t), "summary.json on standard output instead of the tables", true, gnss_dataset);
+}
+
 Command montecarlo() {
     using R = study::CampaignRequest;
     OptionTable<R> t;
@@ -180,7 +199,7 @@ Command batch() {
 }  // namespace
 
 void add_data_commands(std::vector<Command>& list) {
-    for (Command (*make)() : {demo, simulate, process, run, batch, attitude, montecarlo}) list.push_back(make());
+    for (Command (*make)() : {demo, simulate, process, run, batch, attitude, satellites, montecarlo}) list.push_back(make());
 }
 
 }  // namespace schuler::app

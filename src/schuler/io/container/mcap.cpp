@@ -19,7 +19,7 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::string_view magic("\x89MCAP0\r\n", 8);
+constexpr std::string_view mcap_magic("\x89MCAP0\r\n", 8);
 enum Op : unsigned char { Header = 1, Footer = 2, Schema = 3, Channel = 4, Message = 5, Chunk = 6, DataEnd = 15 };
 constexpr std::size_t record_head = 9;
 
@@ -58,7 +58,7 @@ public:
     std::size_t cut_at = 0, damaged = 0, first_damaged = 0;
 
     void read(std::string_view bytes) {
-        std::size_t at = magic.size();
+        std::size_t at = mcap_magic.size();
         while (at + record_head <= bytes.size()) {
             const auto op = static_cast<unsigned char>(bytes[at]);
             const auto size = detail::load<std::uint64_t>(bytes.data() + at + 1);
@@ -149,7 +149,7 @@ private:
 
 StreamLog read_mcap(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
-    if (!bytes.starts_with(magic)) throw input_error("is no MCAP file: its first bytes are others", place_in(input.name()), "choose a .mcap file");
+    if (!bytes.starts_with(mcap_magic)) throw input_error("is no MCAP file: its first bytes are others", place_in(input.name()), "choose a .mcap file");
     McapReader reader(input.name());
     reader.read(bytes);
     StreamLog log;
@@ -235,7 +235,7 @@ void message(std::string& out, std::uint16_t channel, std::uint32_t number, std:
 }
 
 void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
-    std::string out(magic), header;
+    std::string out(mcap_magic), header;
     put_text(header, "ros2");
     put_text(header, "schuler");
     record(out, Header, header);
@@ -275,7 +275,7 @@ void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> 
     detail::store(footer, std::uint64_t{0});
     detail::store(footer, std::uint32_t{0});
     record(out, Footer, footer);
-    out += magic;
+    out += mcap_magic;
     write_file(path, out);
 }
 
@@ -289,7 +289,7 @@ const Format mcap_format = {
     .holds = "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
              "their own; zstd and LZ4. Written: NavSatFix and the attitude (body to east-north-up) as QuaternionStamped",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
-    .recognise = [](const FileHead& head) { return head.starts_with(magic); },
+    .recognise = [](const FileHead& head) { return head.starts_with(mcap_magic); },
     .read = read_mcap,
     .write = write_mcap};
 

@@ -17,7 +17,7 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::string_view magic = "#ROSBAG V2.0\n", sqlite_magic("SQLite format 3\0", 16);
+constexpr std::string_view bag_magic = "#ROSBAG V2.0\n", sqlite_magic("SQLite format 3\0", 16);
 
 /// Fields "name=value" of a record's header.
 std::map<std::string, std::string_view, std::less<>> fields_of(std::string_view header) {
@@ -39,7 +39,7 @@ public:
     RosMessages messages;
     std::size_t cut_at = 0;
 
-    void read(std::string_view bytes) { records(bytes, magic.size(), true); }
+    void read(std::string_view bytes) { records(bytes, bag_magic.size(), true); }
 
 private:
     struct Connection {
@@ -119,7 +119,7 @@ StreamLog finished(const TextInput& input, RosMessages& messages, WarningLog& wa
 
 StreamLog read_bag(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
-    if (!bytes.starts_with(magic)) throw input_error("is no ROS bag of version 2.0: its first line is another", place_in(input.name()), "convert older bags with `rosbag migrate`");
+    if (!bytes.starts_with(bag_magic)) throw input_error("is no ROS bag of version 2.0: its first line is another", place_in(input.name()), "convert older bags with `rosbag migrate`");
     BagReader reader(input.name());
     reader.read(bytes);
     if (reader.cut_at > 0)

@@ -16,7 +16,7 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::string_view magic("ULog\x01\x12\x35", 7);
+constexpr std::string_view ulog_magic("ULog\x01\x12\x35", 7);
 constexpr std::size_t header_size = 16, prefix_size = 3;
 
 enum class Number : std::uint8_t { I8, U8, I16, U16, I32, U32, I64, U64, F32, F64 };
@@ -220,7 +220,7 @@ std::string list_of(const std::set<std::string>& names) {
 
 StreamLog read_ulog(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
-    if (!bytes.starts_with(magic)) throw input_error("is no ULog: its first bytes are others", place_in(input.name()), "choose a .ulg file of PX4");
+    if (!bytes.starts_with(ulog_magic)) throw input_error("is no ULog: its first bytes are others", place_in(input.name()), "choose a .ulg file of PX4");
     UlogReader reader(bytes, input.name());
     reader.read();
     StreamLog log = px4_streams(reader.tables);
@@ -248,7 +248,7 @@ const Format ulog_format = {
              "(`vehicle_air_data`, `sensor_baro`), magnetometer (`vehicle_magnetometer`, `sensor_mag`), the autopilot's attitude, velocity and position as "
              "reference; drop-outs are counted",
     .time = "boot of the autopilot",
-    .recognise = [](const FileHead& head) { return head.starts_with(magic); },
+    .recognise = [](const FileHead& head) { return head.starts_with(ulog_magic); },
     .read = read_ulog};
 
 }  // namespace schuler::io

@@ -254,6 +254,7 @@ ScenarioConfig scenario_from(const SettingList& settings) {
     s.sim.imu.errors = sensor::imu_grade(s.grade);
     scenario_table().apply(settings, s);
     for (const Setting& setting : settings) s.given.insert(setting.key);
+    if (s.receiver == "duostar1000" && !s.given.contains("gnss.rate_hz")) s.sim.gnss.rate = 10.0;   // [PaperA:table 1.2.1]
     for (const Setting& setting : settings)
         if (s.folder.empty() && setting.place.line > 0) s.folder = std::filesystem::path(setting.place.file).parent_path();
     s.processing.filter.vehicle = s.vehicle.value_or(vehicle_of(s.type));

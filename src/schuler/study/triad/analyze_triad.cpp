@@ -75,7 +75,7 @@ double deviation(const Done& d) {
                              : not_given;
 }
 
-constexpr std::array<const char*, 9> titles{"pooled, m", "+-",       "predicted", "ref. pooled", "ref. pred.",
+constexpr std::array<const char*, 9> column_titles{"pooled, m", "+-",       "predicted", "ref. pooled", "ref. pred.",
                                             "sigmas",    "vertical", "at 600 s",  "NEES 3/9"};
 
 std::vector<std::string> cells(const Done& d) {
@@ -190,7 +190,7 @@ report::Outcome analyze_triad(const TriadRequest& request) {
     report::Outcome out;
     out.tables = fmt::format("paper D's triad, {} runs of each case from seed {}; horizontal, 300 to 600 s after the loss\n",
                              request.runs, request.seed);
-    out.tables += table_line("case", 34, {titles.begin(), titles.end()}, 12);
+    out.tables += table_line("case", 34, {column_titles.begin(), column_titles.end()}, 12);
     report::Json rows = report::Json::array();
     for (const Done& d : all) {
         out.tables += table_line(d.which.name, 34, cells(d), 12);
