@@ -3,6 +3,7 @@
 #include "parser.h"
 #include "printable.h"
 #include "progress.h"
+#include "version.h"
 
 #include "schuler/app/command.h"
 #include "schuler/app/commands.h"
@@ -108,7 +109,7 @@ int main(int argc, char** argv) {
         std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
         parser.parse(std::move(arguments));
     } catch (const CLI::CallForVersion&) {
-        fmt::print("schuler {}\n", SCHULER_VERSION);
+        fmt::print("{}\n", cli::version_line());
         return flushed(done);
     } catch (const CLI::CallForHelp& e) {
         parser.exit(e);
