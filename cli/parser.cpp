@@ -31,7 +31,7 @@ void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingLi
     if (!spec.line.positional) option->type_name(settings::placeholder_of(spec));
     if (is_list(spec) && spec.length > 0) {
         option->expected(static_cast<int>(spec.length));
-    } else if (spec.line.repeated) {
+    } else if (spec.line.repeated && !spec.line.positional) {
         option->allow_extra_args(false);
     }
     if (spec.shape == Shape::Text && !spec.choices.empty())   // for help and completion; the table itself refuses what is none of them

@@ -1,5 +1,6 @@
 """`schuler gravity` from outside: files, numbers, injected disturbances, refusals."""
 import json
+import subprocess
 from pathlib import Path
 
 from program_test import check, main
@@ -31,6 +32,16 @@ initial_error = { level_deg = 0.005, heading_deg = 0.05, velocity_m_s = 0.01, po
 model = "constant"
 prior_mgal = [10, 10, 10]
 """
+
+
+def not_to_be_used(program, *arguments):
+    """Runs a survey that is judged not to be used: everything is written, the exit status is 1."""
+    done = subprocess.run([program.path, "gravity", *map(str, arguments), "--json"], cwd=program.folder, capture_output=True, text=True, timeout=200,
+                          stdin=subprocess.DEVNULL)
+    found = json.loads(done.stdout)["gravity"]
+    check(done.returncode == 1 and not found["usable"] and found["judged"]["reasons"] and "schuler: do not use: " in done.stderr,
+          f"{arguments}: status {done.returncode}, {found['judged']}, {done.stderr!r}")
+    return found
 
 
 def gravity(program, source):
@@ -72,8 +83,9 @@ def gravity(program, source):
     spreads = {}
     for model in ("constant", "quadratic"):
         (folder / "bent.toml").write_text(bent + "sigma_mgal = [0, 0, 0]\nslope_mgal_km = 2\ncurvature_mgal_km2 = 1\n")
-        spreads[model] = json.loads(program("gravity", "bent.toml", "-o", "q", "--set", f"gravity.model={model}",
-                                            "--json").stdout)["gravity"]["vertical_mgal"]["spread"]
+        survey = ("bent.toml", "-o", "q", "--set", f"gravity.model={model}")
+        found = not_to_be_used(program, *survey) if model == "constant" else json.loads(program("gravity", *survey, "--json").stdout)["gravity"]
+        spreads[model] = found["vertical_mgal"]["spread"]
     check(spreads["quadratic"] < 0.3 < 1.0 < spreads["constant"], f"a parabola follows what a constant does not: {spreads}")
 
     runs = json.loads(program("gravity", "survey.toml", "--runs", 3, "--json").stdout)
@@ -86,7 +98,7 @@ def gravity(program, source):
     check(seen["low"] < 1.0 < seen["high"] and 0.97 * seen["low"] < seen["nis"] < 1.03 * seen["high"], f"innovations {seen}")
     wave = 'kind = "harmonic"\nlength_m = 900\nsize_mgal = [0, 0, 100]'
     (folder / "wave.toml").write_text(SURVEY.replace('kind = "constant"\nsize_mgal = [0, 0, 10]', wave))
-    seen = json.loads(program("gravity", "wave.toml", "-o", "w", "--json").stdout)["gravity"]["innovations"]
+    seen = not_to_be_used(program, "wave.toml", "-o", "w")["innovations"]
     check(seen["nis"] > 1.1 * seen["high"], f"a wave under a model of a constant breaks the innovations: {seen}")
 
     # A log of velocity, gauges and a compass: written, read again, taken; the innovations are of the fixes and stay what they were.
@@ -108,6 +120,22 @@ def gravity(program, source):
     cross = example["crossovers"]
     check(cross["count"] >= 8 and cross["levelled_rms_mgal"] < cross["rms_mgal"] < 2.0, f"crossovers over the ground {cross}")
     check(example["vertical_mgal"]["spread"] < 1.0, "the field is found but for its level")
+
+    # A bias of 5 mGal hides the level and not a step of it; a scenario keeps its [gravity] section without an [[anomaly]].
+    rest = SURVEY[SURVEY.index("[imu]"):].replace("accel_turn_on_bias_mg = 1e-4", "accel_turn_on_bias_mg = 5.1e-3")
+    still = ('name = "rest"\nduration_s = 2000\n[trajectory]\ntype = "static"\nstart = { lat_deg = 55.8, lon_deg = 37.5, height_m = 100 }\n' +
+             rest + "steps_s = [1000]\n")
+    (folder / "rest.toml").write_text(still)
+    program("simulate", "rest.toml", "-o", "rest")
+    check("steps_s = [1000" in (folder / "rest/dataset.toml").read_text(), "the section [gravity] is kept without an anomaly")
+    (folder / "inject.toml").write_text('[[anomaly]]\nkind = "step"\nstart_s = 1000\nsize_mgal = [0, 0, -3]\n')
+    half_real = json.loads(program("gravity", "rest", "-o", "half", "--config", "inject.toml", "--json").stdout)["gravity"]
+    change = half_real["changes"][0]["vertical_mgal"]
+    check(abs(change["change"] + 3.0) < 3.0 * change["sigma"] and change["sigma"] < 1.0, f"the step is found with its sigma: {change}")
+    check(half_real["attainable_vertical_mgal"] > 3.0, "where the level is not")
+
+    # An open loop that has left its linear model is not to be used.
+    not_to_be_used(program, source / "examples/gravity-car-5400s.toml", "-o", "far", "--loop", "open", "--seed", 801)
 
     # Logs that cannot show gravity say so instead of numbers.
     (folder / "poor.toml").write_text(SURVEY.replace('accel_turn_on_bias_mg = 1e-4', "accel_turn_on_bias_mg = 2"))

@@ -19,7 +19,7 @@ LIBRARIES = [
     (r"fast_float/", "fast_float"), (r"toml\+\+/|toml\.hpp", "toml++"), (r"nlohmann/", "nlohmann-json"),
     (r"CLI/", "CLI11"), (r"boost/multiprecision/", "Boost.Multiprecision"),
     (r"boost/math/", "Boost.Math"), (r"httplib\.h", "cpp-httplib"), (r"linux/", "Linux"),
-    (r"(sys|netinet|arpa)/|(unistd|fcntl|poll|termios|signal)\.h", "POSIX"),
+    (r"(sys|netinet|arpa)/|(unistd|fcntl|poll|termios|signal|netdb)\.h", "POSIX"),
 ]
 EVERYWHERE = {"Eigen", "fmt"}
 

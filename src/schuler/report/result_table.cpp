@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 namespace schuler::report {
 namespace {
@@ -23,14 +25,18 @@ std::string table_cell(double x) {
 }
 
 std::string table_text(const ResultTable& table) {
-    std::string out = fmt::format("{:<36}", table.title), group;
-    for (const TableColumn& column : table.columns) out += fmt::format("{:>13}", column.title);
+    // A column is as wide as its numbers need, or its title.
+    const auto width = [](const TableColumn& column) { return std::max<std::size_t>(13, std::string_view(column.title).size() + 2); };
+    std::size_t names = std::max<std::size_t>(34, table.title.size());
+    for (const ResultRow& row : table.rows) names = std::max(names, row.name.size());
+    std::string out = fmt::format("{:<{}}", table.title, names + 2), group;
+    for (const TableColumn& column : table.columns) out += fmt::format("{:>{}}", column.title, width(column));
     out += "\n";
     for (const ResultRow& row : table.rows) {
         if (row.group != group) out += row.group + "\n";
         group = row.group;
-        out += fmt::format("  {:<34}", row.name);
-        for (std::size_t i = 0; i < table.columns.size(); ++i) out += fmt::format("{:>13}", table_cell(number_of(row, i)));
+        out += fmt::format("  {:<{}}", row.name, names);
+        for (std::size_t i = 0; i < table.columns.size(); ++i) out += fmt::format("{:>{}}", table_cell(number_of(row, i)), width(table.columns[i]));
         out += "\n";
     }
     return out;

@@ -168,6 +168,10 @@ void add_fixes(io::TableWriter& file, const std::vector<GnssFix>& rows) {
     add_table(file, "/gnss/position", rows, 3, "lat,lon,height", "deg,deg,m", [](const GnssFix& r, std::vector<double>& out) {
         push(out, {r.position.lat / units::deg, r.position.lon / units::deg, r.position.h});
     });
+    add_table(file, "/gnss/quality", rows, 4, "fix,satellites,std_horizontal,std_down", "1,1,m,m", [](const GnssFix& r, std::vector<double>& out) {
+        out.insert(out.end(), {static_cast<double>(r.fix), r.satellites >= 0 ? static_cast<double>(r.satellites) : not_given,
+                               r.std_position.head<2>().maxCoeff(), r.std_position.z()});
+    });
 }
 
 void add_innovations(io::TableWriter& file, const std::vector<fusion::AidRecord>& records) {

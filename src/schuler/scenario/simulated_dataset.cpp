@@ -347,9 +347,11 @@ SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, cons
     // Fixes that will be made of the ranges have those' slow errors, which follow from the geometry: nothing is assumed instead.
     const bool by_ranges = out.recording.gnss.empty() && !out.recording.ranges.empty() && !assumed_scenario.given.contains("gnss.correlated_m") &&
                            !assumed_scenario.given.contains("gnss.receiver");
+    const bool gravimetry = scenario.sim.disturbed() ||
+                            std::ranges::any_of(assumed_scenario.given, [](const std::string& key) { return key.starts_with("gravity."); });
     for (settings::Setting& s : settings::config_table().used(c)) {
         if (by_ranges && (s.key.starts_with("gnss.correlated_") || s.key.starts_with("gnss.change_")) && !assumed_scenario.given.contains(s.key)) continue;
-        if (is_relevant(s.key, c, scenario.sim.disturbed())) out.settings.push_back(std::move(s));
+        if (is_relevant(s.key, c, gravimetry)) out.settings.push_back(std::move(s));
     }
     out.settings.insert(out.settings.end(), assumed_scenario.assumed.begin(), assumed_scenario.assumed.end());
     return out;

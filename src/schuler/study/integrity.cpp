@@ -116,7 +116,7 @@ Verdict judged(const settings::ScenarioConfig& scenario, const settings::Setting
     for (const Finding& f : findings_of(bundle)) {
         const double t = bundle.relative(f.time);
         if (t < start) v.false_alarm = true;
-        if (t < start || t > start + duration + 5.0 || v.detected || std::ranges::find(in_health, f) != in_health.end()) continue;
+        if (t < start || t > start + duration || v.detected || std::ranges::find(in_health, f) != in_health.end()) continue;
         v.detected = true;
         v.time_to_alert = t - start;
     }

@@ -155,6 +155,11 @@ Command command(std::string name, std::string purpose, std::string examples, Opt
             request.common.version = context.version;
             request.common.progress = context.progress;
         }
+        if constexpr (requires { request.team; }) {
+            request.team = context.team;
+        } else if (context.team) {
+            throw input_error("this command does not share its work among processes", {}, "start it without mpirun; `schuler montecarlo` does");
+        }
         if constexpr (requires { request.version; }) request.version = context.version;
         if constexpr (requires { request.progress; }) request.progress = context.progress;
         table.apply(given, request);
@@ -218,7 +223,9 @@ void add_run(OptionTable<R>& table) {
 /// Commands of the parts, see their files.
 void add_data_commands(std::vector<Command>& list);
 void add_file_commands(std::vector<Command>& list);
+void add_live_commands(std::vector<Command>& list);
 void add_gravity_command(std::vector<Command>& list);
+void add_paper_command(std::vector<Command>& list);
 void add_receiver_commands(std::vector<Command>& list);
 void add_theory_commands(std::vector<Command>& list);
 void add_study_commands(std::vector<Command>& list);

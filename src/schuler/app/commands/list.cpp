@@ -8,8 +8,10 @@ const std::vector<Command>& commands() {
     static const std::vector<Command> list = [] {
         std::vector<Command> all;
         add_data_commands(all);
+        add_live_commands(all);
         add_file_commands(all);
         add_gravity_command(all);
+        add_paper_command(all);
         add_receiver_commands(all);
         all.push_back({.name = "analyze",
                        .purpose = "theory and studies: error solutions, modes, requirements, budgets, integrity, noise",

@@ -69,7 +69,9 @@ fusion::Trajectory trajectory_of(const earth::Earth& earth, const std::vector<Su
     return out;
 }
 
-std::string in_mgal(double x, int digits = 2) { return fmt::format("{:.{}g} mGal", x / units::mgal, digits); }
+std::string in_mgal(double x, int digits = 2) {
+    return std::isfinite(x) ? fmt::format("{:.{}g} mGal", x / units::mgal, digits) : std::string("an unknown amount");
+}
 
 Attainability attainability(const GravityInput& in, const std::vector<SurveyEpoch>& forward, const settings::GravityConfig& g) {
     Attainability a;
@@ -188,6 +190,14 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     b.errors = errors_of(b);
     b.innovations = innovations_of(b);
     b.attainable = attainability(input, b.survey.forward, c.gravity);
+    b.changes = gravity_changes(b, input);
+    b.verdict = gravity_verdict(b);
+    if (!b.verdict.usable) {
+        b.attainable.usable = false;
+        b.attainable.statement = "the disturbance of this survey is not to be used: " + b.verdict.reasons.front();
+    } else if (std::ranges::any_of(b.changes, [&](const GravityChange& change) { return change.sigma_n.z() < 0.5 * b.attainable.vertical; })) {
+        b.attainable.statement += "; its change at a step is known better";
+    }
     b.classical = classical_gravity(b, input);
     b.lines = gravity_lines(b);
     b.run.timing.read_s = b.run.data.read_seconds;
@@ -292,6 +302,11 @@ report::Outcome gravity_command(const GravityRequest& request) {
     if (c.output.wants("summary")) write("summary.json", out.json);
     out.tables = gravity_tables(b);
     out.warnings = b.run.warnings;
+    out.usable = b.verdict.usable;
+    if (!out.usable) {
+        out.verdict = "do not use";
+        for (const std::string& reason : b.verdict.reasons) out.verdict += (&reason == &b.verdict.reasons.front() ? ": " : "; ") + reason;
+    }
     return out;
 }
 

@@ -4,6 +4,7 @@
 #include "schuler/filter/model.h"
 #include "schuler/gravimetry/lines.h"
 #include "schuler/gravimetry/resolution.h"
+#include "schuler/gravimetry/response.h"
 #include "schuler/gravimetry/survey_run.h"
 #include "schuler/report/outcome.h"
 #include "schuler/settings/request.h"
@@ -56,6 +57,19 @@ struct GravityInnovations {
     std::size_t epochs = 0;
 };
 
+/// Difference of the disturbance from before a possible step to after it. Constant errors of the accelerometers, which hide its level,
+/// do not hide a change of it while the attitude stays.
+struct GravityChange {
+    double at = 0.0;                         ///< s after the origin
+    Eigen::Vector3d change_n, sigma_n;       ///< north, east, down, m/s^2; the sigma is an upper bound: errors common to both sides cancel
+};
+
+/// Whether the answer may be used: what the filter's own fixes, and a simulated truth, say of it.
+struct GravityVerdict {
+    bool usable = true;
+    std::vector<std::string> reasons;        ///< why not
+};
+
 /// Errors of the disturbance (estimate minus truth), north, east, down, m/s^2.
 struct GravityErrors {
     Eigen::Vector3d rms = not_given3();  ///< of the smoothed (or forward) disturbance after settling
@@ -91,6 +105,8 @@ struct GravityBundle {
     Attainability attainable;
     GravityErrors errors;
     GravityInnovations innovations;
+    std::vector<GravityChange> changes;  ///< one a step that the settings name
+    GravityVerdict verdict;
     ClassicalGravity classical;
     GravityLines lines;
     [[nodiscard]] const std::vector<gravimetry::SurveyEpoch>& epochs() const {
@@ -116,6 +132,9 @@ struct GravityRow {
 
 /// Lines, crossovers and repeated lines of a survey that moves.
 [[nodiscard]] GravityLines gravity_lines(const GravityBundle& bundle);
+/// At the steps of the input. @throws Error
+[[nodiscard]] std::vector<GravityChange> gravity_changes(const GravityBundle& bundle, const GravityInput& input);
+[[nodiscard]] GravityVerdict gravity_verdict(const GravityBundle& bundle);
 /// The classical pipeline over the same input.
 [[nodiscard]] ClassicalGravity classical_gravity(const GravityBundle& bundle, const GravityInput& input);
 
@@ -124,6 +143,27 @@ struct GravityRow {
 
 [[nodiscard]] GravityBundle gravity_of_scenario(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request,
                                                 WarningLog& warnings);
+
+/// Response of the estimator along a scenario's track to harmonics of the vertical disturbance.
+struct GravityResponse {
+    struct At {
+        double period;                  ///< s
+        gravimetry::HarmonicResponse forward, smoothed;
+    };
+    /// Errors of the settled half of the survey, less their mean: the filter, the filter corrected, the smoother; mGal.
+    struct Correction {
+        double forward = not_given, corrected = not_given, smoothed = not_given;
+        double period = not_given;      ///< s, of the scenario's own harmonic
+        std::vector<double> t, e_forward, e_corrected, e_smoothed;
+    };
+    std::string name;
+    bool by_time = false, smooth = false;
+    double pace = 1.0;                  ///< metres (or seconds) in a second
+    std::vector<At> at;
+    double resolution = not_given;      ///< width of the answer to an impulse, m or s
+    Correction corrected;
+};
+[[nodiscard]] GravityResponse gravity_response_of(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request);
 
 /// `schuler gravity`: gravity.csv, gravity.geojson, solution.csv, run.h5, track.kml, report.html, summary.json, config.toml.
 [[nodiscard]] report::Outcome gravity_command(const GravityRequest& request);

@@ -75,6 +75,19 @@ void take_systematic_errors(const settings::GravityConfig& g, sensor::GnssErrorM
     }
 }
 
+/// Where the disturbance is a constant, errors of the sensors that come and go many times in the survey average out like white noise of the
+/// density that they have at zero frequency. Beside a constant error of the sensors, which keeps the state of the bias, they are taken so: as
+/// a walk of that state, which holds for times shorter than their correlation, they would hide the disturbance.
+void take_coloured_noise(double span, sensor::ImuErrorModel& e) {
+    const auto take = [&](double& bias, double time, double constant, double& noise) {
+        if (!(constant > 0.0 && bias > 0.0 && time > 0.0 && time < 0.1 * span)) return;
+        noise = std::hypot(noise, bias * std::sqrt(2.0 * time));
+        bias = 0.0;
+    };
+    take(e.accel_bias, e.accel_bias_time, e.accel_turn_on_bias, e.accel_noise);
+    take(e.gyro_bias, e.gyro_bias_time, e.gyro_turn_on_bias, e.gyro_noise);
+}
+
 /// The barometer as one gauge with a constant error.
 void take_barometer(const solution::LoadedDataset& data, Recording& recording, fusion::Settings& settings) {
     const SourcePlace place{{}, 0, 0, "gravity.height_aid"};
@@ -172,6 +185,8 @@ GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warn
     }
     out.filter = gravimetry::gravity27(std::move(settings), disturbance_of(c.gravity));
     take_systematic_errors(c.gravity, out.filter.gnss.errors);
+    if (c.gravity.model == gravimetry::DisturbanceKind::Constant)
+        take_coloured_noise((run.imu.increments.back().time - run.imu.increments.front().time).seconds(), out.filter.imu.errors);
     Recording recording;
     recording.gnss = data.recording.gnss;
     recording.heading = data.recording.heading;

@@ -15,7 +15,7 @@ report::Json in_mgal(double x) { return report::json_number(x / units::mgal); }
 
 /// A component of the answer: errors where the truth is known, sigma and estimate at the last fix.
 report::Json component(const GravityBundle& b, int axis, double sign) {
-    if (!b.attainable.usable)
+    if (!b.attainable.usable && b.verdict.usable)   // a survey that is not to be used is off by something all the same
         return {{"rms", nullptr}, {"spread", nullptr}, {"final", nullptr}, {"sigma", nullptr}, {"estimate", nullptr}};
     const gravimetry::SurveyEpoch& last = b.epochs().back();
     return {{"rms", in_mgal(b.errors.rms(axis))},
@@ -33,6 +33,32 @@ report::Json repeats_of(const GravityBundle& b) {
                        {"length_m", r.length},
                        {"mean_mgal", in_mgal(r.mean)},
                        {"deviation_mgal", in_mgal(r.deviation)}});
+    return out;
+}
+
+report::Json changes_of(const GravityBundle& b) {
+    report::Json out = report::Json::array();
+    for (const GravityChange& c : b.changes)
+        out.push_back({{"at_s", c.at},
+                       {"vertical_mgal", {{"change", in_mgal(-c.change_n.z())}, {"sigma", in_mgal(c.sigma_n.z())}}},
+                       {"north_mgal", {{"change", in_mgal(c.change_n.x())}, {"sigma", in_mgal(c.sigma_n.x())}}},
+                       {"east_mgal", {{"change", in_mgal(c.change_n.y())}, {"sigma", in_mgal(c.sigma_n.y())}}}});
+    return out;
+}
+
+/// For a column: no wider than it, "-" where not known.
+std::string cell(double x) {
+    if (!std::isfinite(x)) return fmt::format("{:>12}", "-");
+    const std::string text = fmt::format("{:.3f}", x / units::mgal);
+    return fmt::format("{:>12}", text.size() < 12 ? text : fmt::format("{:.3e}", x / units::mgal));
+}
+
+std::string changes_text(const GravityBundle& b) {
+    std::string out;
+    for (const GravityChange& c : b.changes)
+        out += fmt::format("change at {:g} s, mGal (one sigma): up {:+.3f} ({:.3f}), north {:+.3f} ({:.3f}), east {:+.3f} ({:.3f})\n", c.at,
+                           -c.change_n.z() / units::mgal, c.sigma_n.z() / units::mgal, c.change_n.x() / units::mgal, c.sigma_n.x() / units::mgal,
+                           c.change_n.y() / units::mgal, c.sigma_n.y() / units::mgal);
     return out;
 }
 
@@ -106,6 +132,8 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
           {"high", report::json_number(b.innovations.high)},
           {"epochs", b.innovations.epochs}}},
         {"usable", a.usable},
+        {"judged", {{"usable", b.verdict.usable}, {"reasons", b.verdict.reasons}}},
+        {"changes", changes_of(b)},
         {"statement", a.statement},
         {"epochs", rows},
         {"classical",
@@ -129,23 +157,23 @@ std::string gravity_tables(const GravityBundle& b) {
     if (std::isfinite(b.innovations.nis))
         out += fmt::format("innovations: NIS {:.3f} a degree of freedom, {:.3f} to {:.3f} in 95 of 100 consistent runs\n",
                            b.innovations.nis, b.innovations.low, b.innovations.high);
-    if (!b.attainable.usable) return out;
+    if (!b.attainable.usable) return out + changes_text(b);
     const gravimetry::SurveyEpoch& last = b.epochs().back();
-    out += fmt::format("{:<28}{:>11}{:>11}", "disturbance, mGal", "at the end", "sigma");
-    out += b.truth.empty() ? "\n" : fmt::format("{:>11}{:>11}{:>11}\n", "error", "rms", "rms - mean");
+    out += fmt::format("{:<28}{:>12}{:>12}", "disturbance, mGal", "at the end", "sigma");
+    out += b.truth.empty() ? "\n" : fmt::format("{:>12}{:>12}{:>12}\n", "error", "rms", "rms - mean");
     const struct {
         const char* name;
         int axis;
         double sign;
     } lines[] = {{"east", 1, 1.0}, {"north", 0, 1.0}, {"up", 2, -1.0}};
     for (const auto& l : lines) {
-        const auto shown = [&](double x) { return fmt::format("{:>11.3f}", x / units::mgal); };
-        out += fmt::format("  {:<26}", l.name) + shown(l.sign * last.disturbance_n(l.axis)) +
-               shown(last.sigma_disturbance_n(l.axis));
+        out += fmt::format("  {:<26}", l.name) + cell(l.sign * last.disturbance_n(l.axis)) +
+               cell(last.sigma_disturbance_n(l.axis));
         if (!b.truth.empty())
-            out += shown(l.sign * b.errors.last(l.axis)) + shown(b.errors.rms(l.axis)) + shown(b.errors.spread(l.axis));
+            out += cell(l.sign * b.errors.last(l.axis)) + cell(b.errors.rms(l.axis)) + cell(b.errors.spread(l.axis));
         out += "\n";
     }
+    out += changes_text(b);
     if (std::isfinite(b.classical.rms))
         out += fmt::format("classical pipeline, {:.3g} s: error of up {:.3f} rms, {:.3f} less its mean\n", b.classical.period,
                            b.classical.rms / units::mgal, b.classical.spread / units::mgal);

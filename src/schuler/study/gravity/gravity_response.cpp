@@ -65,10 +65,8 @@ std::vector<double> between(const std::vector<double>& x, double from, double to
     return {x.begin() + static_cast<std::ptrdiff_t>(from * n), x.begin() + static_cast<std::ptrdiff_t>(to * n)};
 }
 
-struct Measured {
-    double period;                  ///< s
-    HarmonicResponse forward, smoothed;
-};
+using Measured = GravityResponse::At;
+using Corrected = GravityResponse::Correction;
 
 /// Estimates with parts added to the scenario's anomaly.
 GravityBundle with(const settings::ScenarioConfig& scenario, const std::vector<AnomalyPart>& parts, const settings::ProcessRequest& request) {
@@ -102,13 +100,7 @@ double rms_less_mean(const std::vector<double>& x) {
     return std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n)));
 }
 
-/// Errors of the settled half of the survey, less their mean: the filter, the filter corrected, the smoother.
-struct Corrected {
-    double forward = not_given, corrected = not_given, smoothed = not_given;
-    double period = not_given;
-    std::vector<double> t, e_forward, e_corrected, e_smoothed;
-};
-
+/// The settled half of the survey.
 Corrected corrected(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request, const GravityBundle& base,
                     const Course& course) {
     Corrected out;
@@ -174,15 +166,16 @@ void add_page(report::Outcome& out, const settings::ProcessRequest& request, con
 
 }  // namespace
 
-report::Outcome gravity_response(const GravityRequest& request) {
-    const settings::ProcessRequest& common = request.common;
-    const settings::ScenarioConfig scenario = settings::read_scenario(common.input, common.seed);
+GravityResponse gravity_response_of(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& common) {
+    GravityResponse out;
     const GravityBundle base = with(scenario, {}, common);
     const Course course = course_of(base);
-    std::vector<Measured> all;
+    out.name = base.run.name;
+    out.by_time = course.by_time;
+    out.pace = course.pace;
     const double shortest = std::min(20.0, 0.05 * course.duration), longest = course.duration / 3.0;
     for (int i = 0; i < periods; ++i) {
-        all.push_back(measured(scenario, common, base, course, shortest * std::pow(longest / shortest, i / (periods - 1.0))));
+        out.at.push_back(measured(scenario, common, base, course, shortest * std::pow(longest / shortest, i / (periods - 1.0))));
         if (common.progress) common.progress((i + 1.0) / (periods + 2.0));
     }
     // An impulse of a second in the middle: two steps.
@@ -191,46 +184,53 @@ report::Outcome gravity_response(const GravityRequest& request) {
                                    {part(AnomalyPart::Kind::Step, 100.0, middle, 1.0, course.by_time),
                                     part(AnomalyPart::Kind::Step, -100.0, middle + width, 1.0, course.by_time)},
                                    common);
-    const bool smooth = !hit.survey.smoothed.empty();
-    const double resolution = smooth ? gravimetry::half_width(course.s, answer(hit.survey.smoothed, base.survey.smoothed))
-                                     : gravimetry::half_width(course.s, answer(hit.survey.forward, base.survey.forward));
-    const Corrected c = corrected(scenario, common, base, course);
+    out.smooth = !hit.survey.smoothed.empty();
+    out.resolution = out.smooth ? gravimetry::half_width(course.s, answer(hit.survey.smoothed, base.survey.smoothed))
+                                : gravimetry::half_width(course.s, answer(hit.survey.forward, base.survey.forward));
+    out.corrected = corrected(scenario, common, base, course);
+    return out;
+}
+
+report::Outcome gravity_response(const GravityRequest& request) {
+    const settings::ProcessRequest& common = request.common;
+    const GravityResponse response = gravity_response_of(settings::read_scenario(common.input, common.seed), common);
+    const Corrected& c = response.corrected;
 
     report::Outcome out;
-    out.folder = common.folder_for(base.run.name);
-    const char* unit = course.by_time ? "s" : "m";
+    out.folder = common.folder_for(response.name);
+    const char* unit = response.by_time ? "s" : "m";
     out.tables =
         fmt::format("{}: response to harmonics of the vertical disturbance\n{:>12}{:>14}{:>12}{:>12}{:>12}{:>12}\n",
-                    base.run.name, "period, s", course.by_time ? "" : "length, m", "filter", "lag, deg", "smoother", "lag, deg");
+                    response.name, "period, s", response.by_time ? "" : "length, m", "filter", "lag, deg", "smoother", "lag, deg");
     report::Json rows = report::Json::array();
-    for (const Measured& m : all) {
+    for (const Measured& m : response.at) {
         out.tables += fmt::format("{:>12.4g}{:>14}{:>12.3f}{:>12.1f}{:>12.3f}{:>12.1f}\n", m.period,
-                                  course.by_time ? std::string{} : fmt::format("{:.4g}", m.period * course.pace), m.forward.gain,
+                                  response.by_time ? std::string{} : fmt::format("{:.4g}", m.period * response.pace), m.forward.gain,
                                   m.forward.lag / units::deg, m.smoothed.gain, m.smoothed.lag / units::deg);
         rows.push_back({{"period_s", m.period},
-                        {"length_m", course.by_time ? report::Json(nullptr) : report::Json(m.period * course.pace)},
+                        {"length_m", response.by_time ? report::Json(nullptr) : report::Json(m.period * response.pace)},
                         {"forward", of(m.forward)},
                         {"smoothed", of(m.smoothed)}});
     }
-    out.tables += std::isfinite(resolution)
-                      ? fmt::format("an impulse becomes a hump of {:.4g} {} at half its height ({})\n", resolution, unit,
-                                    smooth ? "smoother" : "filter")
+    out.tables += std::isfinite(response.resolution)
+                      ? fmt::format("an impulse becomes a hump of {:.4g} {} at half its height ({})\n", response.resolution, unit,
+                                    response.smooth ? "smoother" : "filter")
                       : std::string("an impulse does not fall to half its height: the model takes it for a constant\n");
     if (std::isfinite(c.forward))
         out.tables += fmt::format(
             "error less its mean at a period of {:.4g} s, mGal: filter {:.3f}, corrected in amplitude and lag {:.3f}, smoother "
             "{:.3f}\n",
             c.period, c.forward, c.corrected, c.smoothed);
-    out.json = report::text_of({{"name", base.run.name},
+    out.json = report::text_of({{"name", response.name},
                         {"command", "gravity"},
                         {"response", rows},
-                        {"impulse_half_width", {{course.by_time ? "s" : "m", report::json_number(resolution)}}},
+                        {"impulse_half_width", {{response.by_time ? "s" : "m", report::json_number(response.resolution)}}},
                         {"correction",
                          {{"period_s", report::json_number(c.period)},
                           {"forward_mgal", report::json_number(c.forward)},
                           {"corrected_mgal", report::json_number(c.corrected)},
                           {"smoothed_mgal", report::json_number(c.smoothed)}}}});
-    add_page(out, common, all, c, base.run.name);
+    add_page(out, common, response.at, c, response.name);
     return out;
 }
 

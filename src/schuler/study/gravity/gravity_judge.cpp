@@ -1,0 +1,85 @@
+// Whether a survey may be used, and what has changed at its steps.
+#include "schuler/core/units.h"
+#include "schuler/study/gravity/gravity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::study {
+namespace {
+
+using Eigen::Vector3d;
+using gravimetry::SurveyEpoch;
+
+/// Beyond these the linear model of the errors, or what is believed of the instruments, does not hold. A consistent filter refuses fewer
+/// than one fix in ten thousand, and its NIS is one within a percent or two.
+constexpr double largest_nis = 2.0, largest_refused = 0.01;
+constexpr double largest_error = 5.0;   ///< sigmas, where the truth is known
+
+/// Positions that were refused after settling, as a share.
+double refused_share(const GravityBundle& b) {
+    double refused = 0.0, all = 0.0;
+    for (const filter::AidRecord& r : b.survey.aids) {
+        if (r.kind != filter::AidKind::GnssPosition || r.stamp < b.run.evaluation.settled || r.status == filter::AidStatus::Withheld) continue;
+        all += 1.0;
+        refused += r.status == filter::AidStatus::Rejected ? 1.0 : 0.0;
+    }
+    return all > 0.0 ? refused / all : 0.0;
+}
+
+}  // namespace
+
+GravityVerdict gravity_verdict(const GravityBundle& b) {
+    GravityVerdict out;
+    const auto refuse = [&](std::string why) {
+        out.usable = false;
+        out.reasons.push_back(std::move(why));
+    };
+    const SurveyEpoch& last = b.epochs().back();
+    if (!last.disturbance_n.allFinite() || !last.sigma_disturbance_n.allFinite()) refuse("its covariance is no covariance any more");
+    if (b.innovations.nis > largest_nis)
+        refuse(fmt::format("the fixes are off by more than the filter knows (NIS {:.3g} a degree of freedom, 1 expected)", b.innovations.nis));
+    if (const double share = refused_share(b); share > largest_refused)
+        refuse(fmt::format("{:.2g} % of the fixes were refused: the errors have left what a linear model of them can follow{}", 100.0 * share,
+                           b.run.data.config.filter.loop == fusion::Loop::Open ? "; an open loop holds for about an hour, take --loop closed or mixed" : ""));
+    if (!b.truth.empty()) {
+        const double off = std::abs(b.errors.last.z()) / last.sigma_disturbance_n.z();
+        if (off > largest_error) refuse(fmt::format("the vertical disturbance is off by {:.3g} of its sigmas", off));
+    }
+    return out;
+}
+
+std::vector<GravityChange> gravity_changes(const GravityBundle& b, const GravityInput& input) {
+    std::vector<GravityChange> out;
+    if (input.steps.empty()) return out;
+    // What the accelerometers are off by at the start is taken into the level, whose prior grows by it: the sum is well known. What their bias
+    // does afterwards stays with its state, as a walk from zero.
+    filter::Settings settings = input.filter;
+    fusion::Start start = input.start;
+    // So are scale factors and misalignments, which turn the specific force of rest into a bias.
+    sensor::ImuErrorModel& errors = settings.imu.errors;
+    const double constant = std::hypot(start.std_accel_bias.maxCoeff(), units::g0 * errors.accel_scale, units::g0 * errors.accel_misalignment);
+    constexpr double nothing = 1e-9;   // m/s^2
+    errors.accel_turn_on_bias = nothing;
+    errors.accel_scale = errors.accel_misalignment = 0.0;
+    start.std_accel_bias.setConstant(nothing);
+    for (double& prior : settings.disturbance.prior_n) prior = std::hypot(prior, constant);
+    const gravimetry::SurveyResult survey = gravimetry::run_survey(input.data, settings, start, {.smooth = false, .steps = input.steps});
+    const auto before = [&](Time t) {
+        // an epoch at the time of the step has the step's variance already
+        const auto after = std::ranges::find_if(survey.forward, [&](const SurveyEpoch& e) { return e.time >= t; });
+        return after == survey.forward.begin() ? nullptr : &*(after - 1);
+    };
+    for (std::size_t k = 0; k < input.steps.size(); ++k) {
+        const SurveyEpoch* first = before(input.steps[k]);
+        const SurveyEpoch* second = k + 1 < input.steps.size() ? before(input.steps[k + 1]) : &survey.forward.back();
+        if (first == nullptr || second == nullptr || second->time <= input.steps[k]) continue;
+        out.push_back({b.run.relative(input.steps[k]), second->disturbance_n - first->disturbance_n,
+                       (first->sigma_disturbance_n.cwiseAbs2() + second->sigma_disturbance_n.cwiseAbs2()).cwiseSqrt()});
+    }
+    return out;
+}
+
+}  // namespace schuler::study

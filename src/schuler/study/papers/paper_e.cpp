@@ -1,0 +1,213 @@
+// Paper E: the gravi-inertial complex, simulated.
+#include "schuler/core/parallel.h"
+#include "schuler/core/units.h"
+#include "schuler/gravimetry/observability.h"
+#include "schuler/gravimetry/response.h"
+#include "schuler/study/gravity/gravity.h"
+#include "schuler/study/papers/item.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace schuler::study {
+namespace {
+
+using gravimetry::SurveyEpoch;
+
+GravityBundle surveyed(std::string_view file, std::uint64_t seed, const settings::SettingList& over = {}) {
+    WarningLog unheard;
+    return gravity_of_scenario(paper_scenario(file, seed, over), {}, unheard);
+}
+
+/// Over time: error and sigma of the vertical disturbance of the filter, mGal, up.
+struct Course {
+    std::vector<double> t, error, sigma;
+};
+Course course_of(const GravityBundle& b, const std::vector<SurveyEpoch>& epochs) {
+    Course c;
+    for (std::size_t i = 0; i < epochs.size(); ++i) {
+        c.t.push_back(b.run.relative(epochs[i].time));
+        c.error.push_back(-(epochs[i].disturbance_n.z() - b.truth[i].z()) / units::mgal);
+        c.sigma.push_back(epochs[i].sigma_disturbance_n.z() / units::mgal);
+    }
+    return c;
+}
+report::Panel error_panel(const std::string& title, const Course& c) {
+    report::Panel p{title, "time, s", "mGal"};
+    report::Band band{"one sigma", c.t, {}, c.sigma};
+    for (const double s : c.sigma) band.lo.push_back(-s);
+    p.bands.push_back(std::move(band));
+    p.series = {paper_curve("error of the vertical disturbance, filter", c.t, c.error)};
+    const double last = c.sigma.back();
+    p.y_limits = std::pair{-10.0 * last, 10.0 * last};
+    return p;
+}
+
+PaperResult observability(const PaperWork&) {
+    PaperResult out;
+    const auto rank = [](double v, double tolerance) {
+        gravimetry::ObservedMotion m;
+        m.v_eb_n = {v, v, 0.0};
+        return static_cast<double>(gravimetry::observability({}, m, tolerance).rank);
+    };
+    out.numbers = {{"at rest", rank(0.0, 0.0)}, {"moving", rank(1.0, 1e-7)}};
+    out.notes = fmt::format("Exact rank in motion, all pivots counted: {:.0f}. `schuler analyze observability --paper` lists the combinations.\n", rank(1.0, 0.0));
+    return out;
+}
+
+PaperResult figure_3(const PaperWork& w) {
+    struct One {
+        double end = 0, tilt = 0, velocity = 0, up = 0, five = 0;
+        Course course;
+    };
+    constexpr std::array<const char*, 2> files{"gravity-car-5400s.toml", "gravity-car-differential.toml"};
+    std::vector<One> all(2 * w.runs);
+    for_each_run(
+        all.size(), w.jobs,
+        [&](std::size_t job) {
+            const GravityBundle b = surveyed(files[job % 2], w.seed + job / 2);
+            One& one = all[job];
+            one.end = std::abs(b.errors.last.z()) / units::mgal;
+            const analysis::ErrorRow& last = b.run.evaluation.errors.back();
+            one.tilt = last.rpy.head<2>().norm() / std::sqrt(2.0) / units::arcsec;
+            one.velocity = last.velocity.head<2>().norm();
+            one.up = std::abs(last.velocity.z());
+            for (const SurveyEpoch& e : b.survey.forward)
+                if (b.run.relative(e.time) <= 300.0) one.five = e.sigma_disturbance_n.z();
+            if (job < 2) one.course = course_of(b, b.survey.forward);
+        },
+        w.progress);
+    const auto median = [&](std::size_t mode, double One::*field) {
+        std::vector<double> x;
+        for (std::size_t job = mode; job < all.size(); job += 2) x.push_back(all[job].*field);
+        return paper_median(x);
+    };
+    PaperResult out;
+    out.numbers = {{"phase", median(0, &One::end)}, {"differential", median(1, &One::end)}, {"tilt", median(0, &One::tilt)},
+                   {"velocity", std::max(median(0, &One::velocity), median(1, &One::velocity))}, {"velocity up", std::max(median(0, &One::up), median(1, &One::up))},
+                   {"5 min phase", median(0, &One::five)}, {"5 min differential", median(1, &One::five)}};
+    out.panels = {error_panel("figure 3 a: differential", all[1].course), error_panel("figure 3 b: phase", all[0].course)};
+    return out;
+}
+
+/// Accelerometer noise of 5e-5 m/s^2 with a correlation time, and white one of 1e-4 m/s^2 a sample.
+PaperResult coloured(const PaperWork& w) {
+    struct Kind {
+        const char* key;
+        settings::SettingList over;
+    };
+    const double mg = 5e-5 / units::mg;
+    const std::array<Kind, 3> kinds{{{"mu 0.01", {{"imu.accel_bias_mg", {mg}, {}}, {"imu.accel_bias_time_s", {100.0}, {}}}},
+                                     {"mu 0.1", {{"imu.accel_bias_mg", {mg}, {}}, {"imu.accel_bias_time_s", {10.0}, {}}}},
+                                     {"white", {{"imu.accel_noise_m_s_sqrt_h", {1e-4 / std::sqrt(2.0) * 60.0}, {}}}}}};
+    struct One {
+        double error = 0, sigma = 0, nis = 0;
+        bool usable = false;
+        Course course;
+    };
+    std::vector<One> all(kinds.size() * w.runs);
+    for_each_run(
+        all.size(), w.jobs,
+        [&](std::size_t job) {
+            const GravityBundle b = surveyed("gravity-car-5400s.toml", w.seed + job / kinds.size(), kinds[job % kinds.size()].over);
+            One& one = all[job];
+            one.error = b.errors.last.z();
+            one.sigma = b.attainable.vertical;
+            one.nis = b.innovations.nis;
+            one.usable = b.attainable.usable;
+            if (job < kinds.size()) one.course = course_of(b, b.survey.forward);
+        },
+        w.progress);
+    PaperResult out;
+    report::ResultTable table{"vertical anomaly, m/s2", {{"error", "error, rms"}, {"sigma", "sigma"}, {"nees", "NEES/1"}, {"nis", "NIS"}, {"usable", "usable, share"}}, {}};
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+        std::vector<double> errors;
+        double sigma = 0.0, nees = 0.0, nis = 0.0, usable = 0.0;
+        const auto runs = static_cast<double>(w.runs);
+        for (std::size_t job = k; job < all.size(); job += kinds.size()) {
+            errors.push_back(all[job].error);
+            sigma += all[job].sigma / runs;
+            nees += std::pow(all[job].error / all[job].sigma, 2.0) / runs;
+            nis += all[job].nis / runs;
+            usable += all[job].usable ? 1.0 / runs : 0.0;
+        }
+        out.numbers.emplace_back(kinds[k].key, paper_rms(errors));
+        table.rows.push_back({kinds[k].key, {}, {{"noise", kinds[k].key}}, {paper_rms(errors), sigma, nees, nis, usable}});
+        out.panels.push_back(error_panel(fmt::format("accelerometer noise: {}", kinds[k].key), all[k].course));
+    }
+    out.tables.push_back(std::move(table));
+    return out;
+}
+
+// --- figures 4 and 5: a variable anomaly ---
+
+GravityResponse response(const char* speed_of, std::uint64_t seed) {
+    settings::SettingList over;
+    if (std::string_view(speed_of) == "1 m/s") {
+        // the same field in time: lengths a tenth
+        const auto part = [](const char* kind, double e, double n, double u, double length) {
+            settings::ValueTable t{{"kind", {std::string(kind)}}, {"size_mgal", {settings::ValueList{{e}, {n}, {u}}}}};
+            if (length > 0.0) t.emplace_back("length_m", settings::Value{length});
+            return settings::Value{std::move(t)};
+        };
+        over = {{"trajectory.speed_m_s", {1.0}, {}}, {"gravity.length_m", {300.0}, {}},
+                {"anomaly", {settings::ValueList{part("constant", 5, 5, 10, 0), part("harmonic", 0, 0, 5, 600), part("ramp", 0, 0, 5, 5400)}}, {}}};
+    }
+    return gravity_response_of(paper_scenario("gravity-variable.toml", seed, over), {});
+}
+
+PaperResult figure_4(const PaperWork& w) {
+    const GravityResponse r = response("10 m/s", w.seed);
+    report::Panel gain{"amplitude", "frequency, Hz", "out / in"}, phase{"phase", "frequency, Hz", "lag, deg"};
+    gain.time_axis = phase.time_axis = false;
+    report::ResultTable table{"period, s", {{"frequency_hz", "frequency, Hz"}, {"filter", "filter"}, {"filter_lag_deg", "lag, deg"}, {"smoother", "smoother"}, {"smoother_lag_deg", "lag, deg"}}, {}};
+    std::vector<double> f, gf, pf, gs, ps;
+    for (const GravityResponse::At& m : r.at) {
+        f.push_back(1.0 / m.period);
+        gf.push_back(m.forward.gain);
+        gs.push_back(m.smoothed.gain);
+        pf.push_back(m.forward.lag / units::deg);
+        ps.push_back(m.smoothed.lag / units::deg);
+        table.rows.push_back({fmt::format("{:.4g}", m.period), {}, {{"period_s", fmt::format("{:.6g}", m.period)}}, {f.back(), gf.back(), pf.back(), gs.back(), ps.back()}});
+    }
+    gain.series = {paper_curve("filter", f, gf, report::Ink::Vermillion), paper_curve("smoother", f, gs)};
+    phase.series = {paper_curve("filter", f, pf, report::Ink::Vermillion), paper_curve("smoother", f, ps)};
+    PaperResult out;
+    out.tables.push_back(std::move(table));
+    out.panels = {std::move(gain), std::move(phase)};
+    out.notes = "The filter lags and damps as the paper found; the smoother has no lag.\n";
+    return out;
+}
+
+PaperResult figure_5(const PaperWork& w) {
+    PaperResult out;
+    report::ResultTable table{"error less its mean, mGal", {{"filter", "filter"}, {"corrected", "corrected"}, {"smoother", "smoother"}}, {}};
+    for (const char* speed : {"1 m/s", "10 m/s"}) {
+        const GravityResponse r = response(speed, w.seed);
+        out.numbers.emplace_back(speed, r.corrected.corrected);
+        table.rows.push_back({speed, {}, {{"speed", speed}}, {r.corrected.forward, r.corrected.corrected, r.corrected.smoothed}});
+        report::Panel p{fmt::format("error of the vertical anomaly at {}", speed), "time, s", "mGal"};
+        p.series = {paper_curve("filter", r.corrected.t, r.corrected.e_forward, report::Ink::Muted),
+                    paper_curve("corrected in amplitude and phase", r.corrected.t, r.corrected.e_corrected, report::Ink::Vermillion),
+                    paper_curve("smoother", r.corrected.t, r.corrected.e_smoothed)};
+        out.panels.push_back(std::move(p));
+        if (w.progress) w.progress(0.5 * static_cast<double>(out.panels.size()));
+    }
+    out.tables.push_back(std::move(table));
+    return out;
+}
+
+}  // namespace
+
+std::vector<PaperItem> paper_e_items() {
+    return {{"E", "observability", "ranks at rest and in motion", 0, 2.0, observability},
+            {"E", "figure-3", "error of the vertical anomaly: phase and differential", 20, 0.5, figure_3},
+            {"E", "coloured-noise", "coloured and strong white accelerometer noise", 12, 0.6, coloured},
+            {"E", "figure-4", "amplitude and phase of the estimator", 0, 8.0, figure_4},
+            {"E", "figure-5", "a variable anomaly corrected in amplitude and phase, 1 and 10 m/s", 0, 16.0, figure_5}};
+}
+
+}  // namespace schuler::study

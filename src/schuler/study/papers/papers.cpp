@@ -1,0 +1,280 @@
+#include "schuler/study/papers/papers.h"
+
+#include "schuler/core/error.h"
+#include "schuler/report/inner/json.h"
+#include "schuler/report/outputs.h"
+#include "schuler/settings/toml_file.h"
+#include "schuler/study/papers/printed.h"
+#include "schuler/study/parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An item with what it gave beside what is printed.
+struct Row {
+    const PrintedValue* printed;
+    double ours;
+    Agreement agreement;
+};
+struct Made {
+    const PaperItem* item;
+    const PrintedItem* printed;
+    std::size_t runs;
+    PaperResult result;
+    std::vector<Row> rows;
+};
+
+/// As it stands in the paper, with what kind of statement it is.
+std::string statement_of(const PrintedValue& v) {
+    switch (v.kind) {
+        case PrintedValue::Kind::AtMost: return "<= " + v.printed;
+        case PrintedValue::Kind::AtLeast: return ">= " + v.printed;
+        case PrintedValue::Kind::Between: return v.printed + " to " + v.to;
+        case PrintedValue::Kind::Equal: break;
+    }
+    return v.printed;
+}
+
+std::string share_of(const Row& r) {
+    const double printed = number_of(r.printed->printed), difference = r.ours - printed;
+    if (!std::isfinite(r.ours)) return "-";
+    return printed == 0.0 ? short_number(difference, 3) : fmt::format("{:+.2g} %", 100.0 * difference / std::abs(printed));
+}
+
+std::size_t length_of(const std::string& text) {   // of UTF-8
+    return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+/// Columns as wide as their longest cell, numbers to the right; the last as it is.
+std::string columns_text(const std::vector<std::vector<std::string>>& lines, std::size_t left) {
+    std::vector<std::size_t> width;
+    for (const auto& line : lines)
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            if (width.size() <= i) width.push_back(0);
+            width[i] = std::max(width[i], length_of(line[i]));
+        }
+    std::string out;
+    for (const auto& line : lines) {
+        std::string text = " ";
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            const std::string pad(width[i] - length_of(line[i]), ' ');
+            text += i < left || i + 1 == line.size() ? " " + line[i] + (i + 1 == line.size() ? "" : pad + " ") : " " + pad + line[i] + " ";
+        }
+        text.erase(text.find_last_not_of(' ') + 1);
+        out += text + "\n";
+    }
+    return out;
+}
+
+std::vector<std::vector<std::string>> cells_of(const Made& m) {
+    std::vector<std::vector<std::string>> out{{"quantity", "unit", "printed", "ours", "difference", "", ""}};
+    for (const Row& r : m.rows) {
+        std::string remark = r.agreement == Agreement::Agrees ? "" : r.printed->remark;
+        if (r.agreement == Agreement::Misprint || r.agreement == Agreement::Explained) remark = "right: " + r.printed->right + "; " + remark;
+        out.push_back({r.printed->quantity, r.printed->unit, statement_of(*r.printed), short_number(r.ours, 6), share_of(r), name_of(r.agreement), remark});
+    }
+    return out;
+}
+
+std::string heading_of(const Made& m) {
+    return fmt::format("paper {}, {} (page {}): {}{}\n", m.item->paper, m.printed->place, m.printed->page, m.item->what,
+                       m.item->runs > 0 ? fmt::format("; {} run{}", m.runs, m.runs == 1 ? "" : "s") : "");
+}
+
+std::string tables_of(const Made& m) {
+    std::string out = heading_of(m);
+    if (!m.rows.empty()) out += columns_text(cells_of(m), 2);
+    for (const report::ResultTable& t : m.result.tables) out += "\n" + report::table_text(t);
+    if (!m.result.notes.empty()) out += "\n" + m.result.notes;
+    return out;
+}
+
+std::size_t count(const Made& m, Agreement a) { return static_cast<std::size_t>(std::ranges::count(m.rows, a, &Row::agreement)); }
+
+std::string summary_of(const Made& m) {
+    if (m.rows.empty()) return "no number is printed";
+    std::string out = fmt::format("{} of {} printed numbers agree", count(m, Agreement::Agrees), m.rows.size());
+    for (const auto& [a, name] : {std::pair{Agreement::Misprint, "misprinted"}, std::pair{Agreement::Explained, "explained"},
+                                  std::pair{Agreement::Differs, "NOT reached"}})
+        if (const std::size_t n = count(m, a); n > 0) out += fmt::format(", {} {}", n, name);
+    return out;
+}
+
+report::Json json_of(const Made& m) {
+    report::Json rows = report::Json::array();
+    for (const Row& r : m.rows) {
+        const PrintedValue& v = *r.printed;
+        rows.push_back({{"key", v.key}, {"quantity", v.quantity}, {"unit", v.unit}, {"printed", v.printed}, {"statement", statement_of(v)},
+                        {"right", v.right.empty() ? report::Json(nullptr) : report::Json(number_of(v.right))}, {"ours", report::json_number(r.ours)},
+                        {"agreement", name_of(r.agreement)}, {"remark", v.remark}});
+    }
+    return {{"paper", m.item->paper}, {"item", m.item->name}, {"what", m.item->what}, {"page", m.printed->page}, {"place", m.printed->place},
+            {"runs", m.runs}, {"rows", rows}};
+}
+
+std::string csv_field(const std::string& text) {
+    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    std::string out = "\"";
+    for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+    return out + "\"";
+}
+
+std::string comparison_csv_of(const Made& m) {
+    std::string out = "key,quantity,unit,statement,printed,right,ours,agreement,remark\n";
+    for (const Row& r : m.rows) {
+        const PrintedValue& v = *r.printed;
+        out += fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_field(v.key), csv_field(v.quantity), v.unit, csv_field(statement_of(v)), v.printed, v.right,
+                           std::isfinite(r.ours) ? fmt::format("{:.9g}", r.ours) : "", name_of(r.agreement), csv_field(v.remark));
+    }
+    return out;
+}
+
+/// Every curve, a point a line.
+std::string curves_csv_of(const Made& m) {
+    std::string out = "plot,curve,x,y\n";
+    for (const report::Panel& p : m.result.panels)
+        for (const report::Series& s : p.series)
+            for (std::size_t i = 0; i < s.x.size(); ++i)
+                if (std::isfinite(s.y[i])) out += fmt::format("{},{},{:.9g},{:.9g}\n", csv_field(p.title), csv_field(s.name), s.x[i], s.y[i]);
+    return out;
+}
+
+report::ReportInput page_of(const Made& m, const std::string& version) {
+    report::ReportInput page;
+    page.title = fmt::format("Paper {}: {}", m.item->paper, m.item->what);
+    page.subtitle = fmt::format("{}, page {}{}", m.printed->place, m.printed->page, m.item->runs > 0 ? fmt::format(", {} runs", m.runs) : "");
+    page.version = version;
+    page.cards.push_back({"Beside the paper", summary_of(m), {}});
+    report::Section section{"Ours beside the printed", m.result.notes, {}};
+    report::Group group;
+    if (!m.rows.empty()) {
+        auto cells = cells_of(m);
+        report::TableBlock block{"", cells.front(), {cells.begin() + 1, cells.end()}};
+        block.columns[5] = "agreement";
+        block.columns[6] = "remark";
+        group.tables.push_back(std::move(block));
+    }
+    group.panels = m.result.panels;
+    for (const report::ResultTable& t : m.result.tables) group.tables.push_back(report::table_block(t));
+    section.groups.push_back(std::move(group));
+    page.sections.push_back(std::move(section));
+    return page;
+}
+
+void write_made(const Made& m, const fs::path& folder, const std::string& version, report::Outcome& out) {
+    report::make_folder(folder);
+    const auto write = [&](const char* name, const std::string& text) { report::write_text(out.files.emplace_back(folder / name), text); };
+    write("comparison.csv", comparison_csv_of(m));
+    if (!m.result.panels.empty()) write("curves.csv", curves_csv_of(m));
+    for (std::size_t i = 0; i < m.result.tables.size(); ++i)
+        write(i == 0 ? "table.csv" : fmt::format("table{}.csv", i + 1).c_str(), report::table_csv(m.result.tables[i]));
+    write("summary.json", report::text_of(json_of(m)));
+    write_report(out, folder, page_of(m, version));
+}
+
+Made made(const PaperItem& item, const PaperRequest& request) {
+    Made m{&item, &printed_item(item.paper, item.name), item.runs, {}, {}};
+    if (item.runs == 0 && request.runs > 0 && request.item != "all")
+        throw input_error("this item is no Monte Carlo campaign", {{}, 0, 0, "--runs"}, "leave it out");
+    if (item.runs > 0 && request.runs > 0) m.runs = static_cast<std::size_t>(request.runs);
+    m.result = item.make({m.runs, request.seed, request.jobs, request.progress});
+    for (const PrintedValue& v : m.printed->values) {
+        const auto ours = std::ranges::find(m.result.numbers, v.key, &std::pair<std::string, double>::first);
+        const double number = ours == m.result.numbers.end() ? std::nan("") : ours->second;
+        m.rows.push_back({&v, number, agreement_of(v, number)});
+    }
+    return m;
+}
+
+std::string time_of(const PaperItem& item) {
+    if (item.runs == 0) return item.seconds < 1.5 ? "1 s" : fmt::format("{:.0f} s", item.seconds);
+    return fmt::format("{} runs, {:.0f} s", item.runs, std::max(1.0, item.seconds * static_cast<double>(item.runs)));
+}
+
+report::Outcome listed(const PaperRequest& request) {
+    report::Outcome out;
+    report::Json rows = report::Json::array();
+    std::vector<std::vector<std::string>> lines{{"item", "page", "numbers", "takes", "what"}};
+    for (const PaperItem& item : paper_items()) {
+        if (item.paper != request.paper) continue;
+        const PrintedItem& printed = printed_item(item.paper, item.name);
+        lines.push_back({item.name, printed.page, fmt::format("{}", printed.values.size()), time_of(item), item.what});
+        rows.push_back({{"item", item.name}, {"what", item.what}, {"page", printed.page}, {"place", printed.place}, {"printed_numbers", printed.values.size()},
+                        {"runs", item.runs}, {"seconds", item.runs > 0 ? item.seconds * static_cast<double>(item.runs) : item.seconds}});
+    }
+    out.tables = fmt::format("paper {}\n", request.paper) + columns_text(lines, 1) +
+                 fmt::format("\n`schuler paper {} ITEM [-o DIR]` makes one, `schuler paper {} all` all of them but the Monte Carlo campaigns\n",
+                             request.paper, request.paper);
+    out.json = report::text_of(report::Json{{"paper", request.paper}, {"items", rows}});
+    return out;
+}
+
+}  // namespace
+
+const std::vector<PaperItem>& paper_items() {
+    static const std::vector<PaperItem> all = [] {
+        std::vector<PaperItem> out;
+        for (const auto make : {paper_a_systems, paper_a_algorithms, paper_a_errors, paper_a_flight, paper_b_items, paper_c_items, paper_d_items,
+                                paper_e_items, paper_e_laboratory})
+            for (PaperItem& item : make()) out.push_back(item);
+        return out;
+    }();
+    return all;
+}
+
+settings::ScenarioConfig paper_scenario(std::string_view file, std::uint64_t seed, const settings::SettingList& over) {
+    const std::string origin(file);
+    settings::SettingList all = settings::scenario_table().read(settings::parse_toml(embedded_file(file), origin), origin);
+    all.push_back({"seed", {static_cast<std::int64_t>(seed)}, {}});
+    all.insert(all.end(), over.begin(), over.end());
+    return settings::scenario_from(all);
+}
+
+double paper_median(std::vector<double> x) {
+    std::erase_if(x, [](double v) { return !std::isfinite(v); });
+    if (x.empty()) return std::nan("");
+    std::ranges::sort(x);
+    const std::size_t half = x.size() / 2;
+    return x.size() % 2 == 1 ? x[half] : 0.5 * (x[half - 1] + x[half]);
+}
+
+double paper_rms(const std::vector<double>& x) {
+    double sum = 0.0;
+    for (const double v : x) sum += v * v;
+    return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+report::Outcome make_paper(const PaperRequest& request) {
+    if (request.item.empty()) return listed(request);
+    report::Outcome out;
+    report::Json all = report::Json::array();
+    std::size_t differing = 0;
+    std::string last;
+    for (const PaperItem& item : paper_items()) {
+        if (item.paper != request.paper || (request.item == "all" ? item.runs > 0 : request.item != item.name)) continue;
+        const Made m = made(item, request);
+        out.tables += (out.tables.empty() ? "" : "\n") + tables_of(m);
+        all.push_back(json_of(m));
+        differing += count(m, Agreement::Differs);
+        last = summary_of(m);
+        if (!request.output.empty()) {
+            out.folder = request.output;
+            write_made(m, request.item == "all" ? request.output / item.name : request.output, request.version, out);
+        }
+    }
+    if (all.empty()) static_cast<void>(printed_item(request.paper, request.item));   // says which there are
+    out.usable = differing == 0;
+    out.verdict = request.item == "all" ? (differing == 0 ? "every printed number agrees or is explained" : fmt::format("{} printed numbers are not reached", differing))
+                                        : last;
+    out.json = report::text_of(request.item == "all" ? report::Json{{"paper", request.paper}, {"items", all}} : all.front());
+    return out;
+}
+
+}  // namespace schuler::study
