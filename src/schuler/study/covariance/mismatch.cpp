@@ -144,6 +144,7 @@ std::vector<std::string> left_out_of(const settings::ScenarioConfig& s) {
     if ((e.gyro_temperature > 0.0 || e.accel_temperature > 0.0) && s.sim.imu.warm_up != 0.0) out.emplace_back("temperature errors");
     if (e.gyro_g > 0.0) out.emplace_back("g-dependent gyro bias");
     if (e.gyro_quantum > 0.0 || e.accel_quantum > 0.0) out.emplace_back("quantization");
+    if (!s.sim.gnss.constellation_changes.empty()) out.emplace_back("changes of constellation");
     return out;
 }
 
