@@ -1,4 +1,5 @@
 #include "parser.h"
+#include "version.h"
 
 #include "schuler/core/error.h"
 #include "schuler/settings/command_line.h"
@@ -30,7 +31,7 @@ void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingLi
     if (!spec.line.positional) option->type_name(settings::placeholder_of(spec));
     if (is_list(spec) && spec.length > 0) {
         option->expected(static_cast<int>(spec.length));
-    } else if (spec.line.repeated) {
+    } else if (spec.line.repeated && !spec.line.positional) {
         option->allow_extra_args(false);
     }
     if (spec.shape == Shape::Text && !spec.choices.empty())   // for help and completion; the table itself refuses what is none of them
@@ -82,7 +83,7 @@ void add_everywhere(CLI::App& app, CommandLine& line) {
     app.add_flag("-q,--quiet", line.quiet, "no table, no progress bar, no warnings; errors only");
     app.add_flag("--force", line.force, "overwrite files at the place of the results even if another program wrote or changed them");
     app.add_option("--threads", line.threads, "number of threads; results do not depend on it")->check(CLI::Range(0, 1024))->type_name("N");
-    app.set_version_flag("--version", "schuler " SCHULER_VERSION, "print the version");
+    app.set_version_flag("--version", version_line(), "print the version and the commit");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-# `cmake --install build --prefix X`: headers, libschuler, the find_package(schuler) files (component development), and the
+# `cmake --install build --prefix X`: headers, libschuler, the find_package(schuler) and pkg-config files (component development), and the
 # program with its data (component program).
 include(CMakePackageConfigHelpers)
 set(config_dir "${CMAKE_INSTALL_LIBDIR}/cmake/schuler")
@@ -14,6 +14,14 @@ install(FILES "${PROJECT_BINARY_DIR}/schulerConfig.cmake" "${PROJECT_BINARY_DIR}
               "${CMAKE_CURRENT_LIST_DIR}/schuler_dependencies.cmake"
         DESTINATION "${config_dir}" COMPONENT development)
 
+set(pc_definitions "")
+foreach(definition ${SCHULER_ABI_DEFINITIONS})
+    string(APPEND pc_definitions "-D${definition} ")
+endforeach()
+file(RELATIVE_PATH pc_to_prefix "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")   # wherever it is unpacked
+configure_file("${CMAKE_CURRENT_LIST_DIR}/schuler.pc.in" "${PROJECT_BINARY_DIR}/schuler.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/schuler.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT development)
+
 if(TARGET schuler_cli)
     install(TARGETS schuler_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
     install(FILES "${PROJECT_BINARY_DIR}/shell/schuler.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program OPTIONAL)
@@ -24,4 +32,7 @@ endif()
 if(EXISTS "${PROJECT_SOURCE_DIR}/data")
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/data/" DESTINATION "${CMAKE_INSTALL_DATADIR}/schuler" COMPONENT program)
 endif()
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/octave" DESTINATION "${CMAKE_INSTALL_DATADIR}/schuler" COMPONENT program)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples" DESTINATION "${CMAKE_INSTALL_DATADIR}/schuler" COMPONENT program FILES_MATCHING PATTERN "*.toml")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
+include(schuler_package)

@@ -3,7 +3,7 @@
 #   SCHULER_UI_SOURCE    the source file with the page and the example scenarios in it
 set(ui_bundle "${PROJECT_SOURCE_DIR}/ui/bundle")
 file(GLOB_RECURSE ui_files CONFIGURE_DEPENDS "${ui_bundle}/*")
-file(GLOB examples CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/examples/*.toml")
+file(GLOB examples CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/examples/*.toml" "${PROJECT_SOURCE_DIR}/examples/*.csv")
 
 set(SCHULER_UI_SOURCE "${PROJECT_BINARY_DIR}/ui/assets.cpp")
 add_custom_command(

@@ -7,7 +7,7 @@
 namespace schuler::serve {
 namespace {
 
-constexpr std::array groups{CsvGroup{"gravity.csv", "/gravity"}, CsvGroup{"epochs.csv", "/ensemble"}};
+constexpr std::array groups{CsvGroup{"gravity.csv", "/gravity"}, CsvGroup{"epochs.csv", "/ensemble"}, CsvGroup{"solution.csv", "/attitude", true}};
 
 /// What the parts of a name say; longer ones first.
 constexpr std::pair<const char*, const char*> unit_marks[] = {{"_deg_h", "deg/h"}, {"_m_s", "m/s"}, {"_mgal", "mGal"},

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,11 @@ enum class Form { Scenario, Dataset };
 /// What the settings come to: {settings, used, toml, problem, track?}. `problem` tells what makes them unusable, with the key.
 /// `used` has every option with its value after presets. A scenario comes with its track.
 [[nodiscard]] Json understood(const settings::SettingList& settings, Form form);
+
+/// Puts the files of examples that a scenario names (a field of gravity) beside it.
+void add_example_files(const settings::SettingList& settings, const std::filesystem::path& folder);
+
+/// Words of the command line for the options that an order gives a command ({key: value}). @throws Refusal 422, Error
+[[nodiscard]] std::vector<std::string> argument_words(const std::string& command_name, const Json& arguments);
 
 }  // namespace schuler::serve

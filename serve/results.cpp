@@ -36,8 +36,9 @@ fs::path h5_of(const fs::path& folder) {
 
 /// The CSV file that holds the table, or none.
 fs::path csv_of(const fs::path& folder, const std::string& path) {
+    std::error_code ec;
     for (const CsvGroup& g : csv_groups())
-        if (group_of(path) == g.group) return folder / g.file;
+        if (group_of(path) == g.group && !(g.alone && fs::is_regular_file(folder / "run.h5", ec))) return folder / g.file;
     return {};
 }
 
@@ -216,7 +217,7 @@ Json Results::channels(const fs::path& folder) {
                        {"columns", columns}});
     };
     for (const CsvGroup& g : csv_groups()) {
-        if (!fs::is_regular_file(folder / g.file, ec)) continue;
+        if (!fs::is_regular_file(folder / g.file, ec) || (g.alone && fs::is_regular_file(folder / "run.h5", ec))) continue;
         const std::string path = std::string(g.group) + "/table";
         const Table all = table(folder, path);
         Json columns = Json::array();

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <thread>
 #include <utility>
 
 namespace schuler::serve {
@@ -32,7 +33,28 @@ bool matches(std::string_view pattern, std::string_view path, std::vector<std::s
     return true;
 }
 
-constexpr std::string_view upload_path = "/api/datasets/{dataset}/files/{file}";
+constexpr std::size_t deepest_folder = 4;
+
+/// Data set, folders inside it and file of an upload's path; nothing where it is another path.
+std::vector<std::string> upload_parts(std::string_view path) {
+    std::vector<std::string> parts = split(path, '/');   // "", "api", "datasets", NAME, "files", ...
+    if (parts.size() < 6 || parts.size() > 6 + deepest_folder || parts[1] != "api" || parts[2] != "datasets" || parts[4] != "files") return {};
+    parts.erase(parts.begin() + 4);
+    parts.erase(parts.begin(), parts.begin() + 3);
+    return parts;
+}
+
+/// What a scenario says of itself: the comment that it begins with, as far as the command that runs it.
+std::string about_of(const std::string& toml) {
+    std::string out;
+    for (const std::string& line : split(toml, '\n')) {
+        if (!line.starts_with("# ")) break;
+        const std::string text = line.substr(2);
+        if (text.starts_with(" ")) break;      // an indented command line
+        out += (out.empty() ? "" : " ") + text;
+    }
+    return out;
+}
 
 }  // namespace
 
@@ -47,13 +69,15 @@ Reply refused(const Refusal& r) {
 Service::Service(ServiceSettings settings)
     : settings_(std::move(settings)),
       workspace_(settings_.workspace, settings_.opened),
-      jobs_(settings_.runs_at_once, [this](const JobReport& report) { finished(report); }) {
+      jobs_(settings_.runs_at_once > 0 ? settings_.runs_at_once : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 4), [this](const JobReport& report) { finished(report); }) {
     add_settings_routes();
     add_dataset_routes();
     add_run_routes();
     add_study_routes();
     add_result_routes();
     add_noise_routes();
+    add_kept_routes();
+    if (!workspace_.alone()) return;           // another server is at work here: what runs is its own
     for (const Json& run : workspace_.runs()) {
         if (run["state"] != "running" && run["state"] != "waiting") continue;
         workspace_.note(run["id"], {{"state", "failed"}, {"message", "the server ended before the run did"}});
@@ -94,22 +118,29 @@ Reply Service::answer(Request request) noexcept {
 }
 
 bool Service::is_upload(const std::string& method, const std::string& path) {
-    std::vector<std::string> parts;
-    return method == "PUT" && matches(upload_path, path, parts);
+    return method == "PUT" && !upload_parts(path).empty();
 }
 
 std::unique_ptr<Upload> Service::upload(const std::string& path, std::uintmax_t length) {
-    std::vector<std::string> parts;
-    if (!matches(upload_path, path, parts)) throw Refusal{404, "there is nothing of that name"};
+    const std::vector<std::string> parts = upload_parts(path);
+    if (parts.empty()) throw Refusal{404, "there is nothing of that name"};
     if (length > settings_.max_upload) {
         throw Refusal{413, fmt::format("larger than {} MB, the most that an upload may have", settings_.max_upload >> 20),
                       "start with --max-upload MB"};
     }
     if (workspace_.is_opened(parts[0])) throw Refusal{403, "the opened folder is yours and is never changed"};
-    const fs::path target = inside(workspace_.dataset_folder(parts[0]), parts[1]);
+    fs::path folder = workspace_.dataset_folder(parts[0]);
     const std::uintmax_t all = settings_.max_upload * 8, used = workspace_.uploaded_bytes();
     if (used + length >= all) throw Refusal{413, "the workspace is full", "remove data sets that are not needed"};
-    return std::make_unique<Upload>(target, std::min(settings_.max_upload, all - used));
+    for (const std::string& part : parts)      // before the first folder is made
+        if (!is_file_name(part)) throw Refusal{400, "the name cannot be that of a file here", "letters, digits, dots and dashes are always possible"};
+    for (std::size_t i = 1; i + 1 < parts.size(); ++i) {
+        folder = inside(folder, parts[i]);
+        std::error_code ec;
+        fs::create_directory(folder, ec);
+        if (!fs::is_directory(folder, ec)) throw Refusal{409, fmt::format("{} is a file, not a folder", parts[i])};
+    }
+    return std::make_unique<Upload>(inside(folder, parts.back()), std::min(settings_.max_upload, all - used));
 }
 
 Confinement Service::confinement(const fs::path& readable, const fs::path& writable) const {
@@ -164,9 +195,9 @@ void Service::add_settings_routes() {
         {"GET", "/api/examples", "scenarios that come with the program", {}, "", "[{name, about, toml}]", [=](const Request&) {
              Json out = Json::array();
              for (const Asset& a : assets()) {
-                 if (!a.path.starts_with("/examples/")) continue;
+                 if (!a.path.starts_with("/examples/") || !a.path.ends_with(".toml")) continue;
                  const std::string toml(a.bytes);
-                 const std::string about = toml.starts_with("# ") ? toml.substr(2, toml.find('\n') - 2) : "";
+                 const std::string about = about_of(toml);
                  const std::string file(a.path.substr(10));
                  out.push_back({{"name", file.substr(0, file.rfind('.'))}, {"about", about}, {"toml", toml}});
              }

@@ -24,7 +24,7 @@ struct ServiceSettings {
     std::filesystem::path program;             ///< that runs are made with
     std::string version;
     std::uintmax_t max_upload = std::uintmax_t{2048} << 20;   ///< bytes of one file; all together eight times as many
-    std::size_t runs_at_once = 1;
+    std::size_t runs_at_once = 0;              ///< 0: as many as there are cores, four at most
 };
 
 struct Parameter {
@@ -67,6 +67,7 @@ private:
     void add_study_routes();
     void add_result_routes();
     void add_noise_routes();
+    void add_kept_routes();
     [[nodiscard]] Reply dispatch(Request& request);
     [[nodiscard]] Reply start_run(const Json& order);
     [[nodiscard]] Reply start_study(const Json& order);

@@ -84,6 +84,7 @@ std::vector<std::string> words_of(const Json& order, Form form, const std::strin
     const std::string command = order.value("command", "run");
     if (command == "run") return {form == Form::Scenario ? "run" : "process", input};
     if (command == "gravity") return {"gravity", input};
+    if (command == "ahrs" && form == Form::Dataset) return {"ahrs", input};
     if (command != "montecarlo" || form != Form::Scenario) return {};
     const int runs = order.value("runs", 100);
     if (runs < 2 || runs > 100'000) throw Refusal{422, "a campaign has 2 to 100000 runs", {}, "runs"};
@@ -138,6 +139,7 @@ Json Service::understood_aside(const Json& body, Form form) {
     constexpr double limit_s = 10.0;
     constexpr std::size_t limit_bytes = std::size_t{1} << 30;
     try {
+        add_example_files(settings, folder);
         report::write_text(folder / "body.json", body.dump(-1, ' ', false, Json::error_handler_t::replace));
         const Json printed = asked_of_program("scenario", {std::string(aside_word), "understand", std::string(name_of(form)), (folder / "body.json").string()},
                                               folder, {}, limit_s, limit_bytes);
@@ -220,7 +222,7 @@ Reply Service::start_run(const Json& order) {
     const Form form = kind == "scenario" ? Form::Scenario : Form::Dataset;
     if (words_of(order, form, {}).empty())
         throw Refusal{422, fmt::format("\"{}\" is nothing to be done with a {}", command, kind),
-                      "run and gravity, and of a scenario montecarlo, are", "command"};
+                      "run and gravity, of a scenario montecarlo and of a data set ahrs are", "command"};
     settings::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
                                                        : settings_from_json(order.value("settings", Json::object()), form);
     check_file_settings(settings);
@@ -229,6 +231,7 @@ Reply Service::start_run(const Json& order) {
     else body["settings"] = order.value("settings", Json::object());
     if (const Json problem = understood_aside(body, form)["problem"]; !problem.is_null())
         throw Refusal{422, problem["text"], problem["mend"], problem["key"], problem["line"]};
+    const std::vector<std::string> words = argument_words(words_of(order, form, {}).front(), order.value("arguments", Json::object()));
     const std::string dataset = order.value("dataset", "");
     fs::path input;
     if (form == Form::Dataset) {
@@ -243,15 +246,18 @@ Reply Service::start_run(const Json& order) {
         {{"kind", command == "run" ? kind : command},
          {"state", "waiting"},
          {"message", ""},
+         {"order", {{"command", command}, {"runs", order.value("runs", 0)}, {"arguments", order.value("arguments", Json::object())}}},
          {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
     const fs::path folder = workspace_.run_folder(id);
     const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
     report::write_text(file, toml_of(settings, form));
+    if (form == Form::Scenario) add_example_files(settings, folder);
     JobOrder job;
     job.id = id;
     job.program = settings_.program;
     job.arguments = words_of(order, form, form == Form::Scenario ? file.string() : input.string());
     if (form == Form::Dataset) job.arguments.insert(job.arguments.end(), {"--config", file.string()});
+    job.arguments.insert(job.arguments.end(), words.begin(), words.end());
     job.arguments.insert(job.arguments.end(), {"-o", folder.string(), "--progress", "lines"});
     if (order.contains("output_rate_hz") && command == "run")
         job.arguments.insert(job.arguments.end(), {"--output-rate", fmt::format("{}", order["output_rate_hz"].get<double>())});
@@ -298,7 +304,7 @@ void Service::add_run_routes() {
                        "all runs of the workspace, newest first",
                        {},
                        "",
-                       "[{id, title, kind, state, message, created, dataset, scheme, duration_s, error_m, reference}]",
+                       "[{id, title, kind, state, message, created, dataset, command, order, scheme, duration_s, error_m, reference}]",
                        [this](const Request&) {
                            Json all = workspace_.runs();
                            for (Json& run : all) run = run_now(run["id"]);
@@ -308,8 +314,8 @@ void Service::add_run_routes() {
                        "/api/runs",
                        "starts a run",
                        {},
-                       "{kind: scenario or dataset, command: run (default), gravity or montecarlo (of a scenario, with runs: how many "
-                       "seeds), title, settings: {key: value} or toml: text, dataset: name, output_rate_hz}",
+                       "{kind: scenario or dataset, command: run (default), gravity, ahrs (of a data set) or montecarlo (of a scenario, with runs: how many "
+                       "seeds), arguments: {option: value} as /api/commands, title, settings: {key: value} or toml: text, dataset: name, output_rate_hz}",
                        "201 and the run",
                        [this](const Request& r) { return start_run(Json::parse(r.body)); }});
     routes_.push_back({"GET",

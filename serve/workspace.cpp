@@ -6,7 +6,9 @@
 #include "serve/message.h"
 #include "serve/names.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* state_file = "run.json";
 constexpr const char* data_folder = "data";
+constexpr const char* kept_file = "layouts.json";
 
 Json json_of(const fs::path& file) {
     Json out = Json::parse(text_of(file), nullptr, false);
@@ -55,9 +58,12 @@ std::int64_t now() {
 Json files_of(const fs::path& folder) {
     Json files = Json::array();
     std::error_code ec;
-    for (const auto& entry : fs::directory_iterator(folder, ec)) {
-        if (!entry.is_regular_file(ec) || !is_file_name(entry.path().filename().string())) continue;
-        files.push_back({{"name", entry.path().filename().string()}, {"bytes", entry.file_size(ec)}});
+    constexpr std::size_t most_files = 2000;
+    for (auto it = fs::recursive_directory_iterator(folder, ec); !ec && it != fs::recursive_directory_iterator(); it.increment(ec)) {
+        const fs::path& path = it->path();
+        if (!it->is_regular_file(ec) || it->is_symlink(ec) || !is_file_name(path.filename().string())) continue;
+        if (files.size() >= most_files) break;
+        files.push_back({{"name", path.lexically_relative(folder).string()}, {"bytes", it->file_size(ec)}});
     }
     std::sort(files.begin(), files.end(), [](const Json& a, const Json& b) { return a["name"] < b["name"]; });
     return files;
@@ -76,11 +82,30 @@ std::string text_of(const fs::path& file, std::uintmax_t limit) {
 Workspace::Workspace(fs::path root, const fs::path& opened) {
     report::make_folder(root);
     root_ = fs::canonical(root);
+    lock_ = open((root_ / ".server").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+        close(lock_);
+        lock_ = -1;
+    }
     if (opened.empty()) return;
     std::error_code ec;
     if (!fs::is_directory(opened, ec))
         throw input_error("is not a folder", {opened.string(), 0, 0, "--open"}, "name the folder of a data set");
     opened_ = fs::canonical(opened);
+}
+
+Workspace::~Workspace() {
+    if (lock_ >= 0) close(lock_);
+}
+
+Json Workspace::kept() const {
+    Json out = Json::parse(text_of(root_ / kept_file), nullptr, false);
+    return out.is_object() ? out : Json(nullptr);
+}
+
+void Workspace::keep(const Json& what) {
+    io::allow_overwrite(root_ / kept_file);
+    report::write_text(root_ / kept_file, what.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 Json Workspace::runs() const {
@@ -105,6 +130,8 @@ Json Workspace::run(const std::string& id) const {
              {"message", text("message", "")},
              {"created", text("created", written_at(folder / "summary.json"))},
              {"dataset", text("dataset", nullptr)},
+             {"command", text("command", nullptr)},
+             {"order", text("order", nullptr)},
              {"scheme", member(summary, {"scheme"})},
              {"duration_s", member(summary, {"duration_s"})},
              {"error_m", member(summary, {"errors", "position_m", "horizontal", "rms"})},

@@ -20,7 +20,16 @@ public:
     /// @throws Error(Input)
     Workspace(std::filesystem::path root, const std::filesystem::path& opened);
 
+    ~Workspace();
+    Workspace(const Workspace&) = delete;
+    Workspace& operator=(const Workspace&) = delete;
+
     [[nodiscard]] const std::filesystem::path& root() const { return root_; }
+    /// Whether no other server works in this folder; decided when it is opened.
+    [[nodiscard]] bool alone() const { return lock_ >= 0; }
+    /// What the page keeps beside its runs: layouts of plots. JSON; null where there is nothing yet.
+    [[nodiscard]] Json kept() const;
+    void keep(const Json& what);
 
     /// Newest first: {id, title, kind, state, message, created, dataset, scheme, error_m}.
     [[nodiscard]] Json runs() const;
@@ -49,6 +58,7 @@ public:
 private:
     [[nodiscard]] std::string new_folder(const std::filesystem::path& parent, const std::string& title) const;
     std::filesystem::path root_, opened_;
+    int lock_ = -1;                            ///< held as long as the server lives
 };
 
 /// A file that arrives piece by piece: under its name only when complete.

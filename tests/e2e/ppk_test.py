@@ -75,6 +75,33 @@ def ppk_generator(program, source):
     check("[base]" in used and "position = [48.780735783, 9.17199225, 320.0]" in used, "config.toml has the base")
 
 
+def ppk_satellites(program, source):
+    """`schuler gnss`: of a simulated drive with a tunnel; of the generator's rover against its base."""
+    program("simulate", str(source / "examples/car-tight.toml"), "-o", "car")
+    summary = json.loads(program("gnss", "car", "-o", "car-out", "--json").stdout)
+    check(summary["status"] == {"solved": 310, "too few satellites": 90, "weak geometry": 0, "inconsistent ranges": 0}, f"{summary['status']}")
+    check(0.5 < max(s["normalised_rms"] for s in summary["satellites"]) < 1.5, "residuals are not those of the sigmas")
+    folder = Path(program.folder) / "car-out"
+    rows, seen = rows_of(folder / "gnss.csv"), rows_of(folder / "satellites.csv")
+    check(len(rows) == 400 and sum(row["q"] == "5" for row in rows) == 310, "epochs")
+    times = {row["time_s"] for row in rows if row["q"] == "5"}
+    used = {time: 0 for time in times}
+    for row in seen:
+        if row["used"] == "1":
+            used[row["time_s"]] += 1
+        check((row["used"] == "1") == (row["reason"] == ""), "a satellite is neither used nor is it said why")
+    check(all(int(row["used"]) == used[row["time_s"]] for row in rows if row["q"] == "5"), "numbers of satellites differ")
+    check("<svg" in (folder / "report.html").read_text(), "no plots")
+    bad = program("gnss", "car", "-o", "car-out", "--start", "abs:5", status=2)
+    check("run.start_s" in bad.stderr, bad.stderr)
+    data = data_of(source)
+    program("gnss", described(program, "views", data, rover="Rover-dynamic_MO_Spirent.obs.gz"), "-o", "views-out", "--quiet")
+    folder = Path(program.folder) / "views-out"
+    check(json.loads((folder / "summary.json").read_text())["carrier"]["fixed"] == 601, "not fixed")
+    phases = [float(r["residual"]) for r in rows_of(folder / "residuals.csv") if r["quantity"] == "difference_phase_m" and r["whole"] == "1"]
+    check(len(phases) > 5000 and math.sqrt(sum(x * x for x in phases) / len(phases)) < 0.003, "phases do not fit their integers")
+
+
 def ppk_refusals(program, source):
     data = data_of(source)
     base = data / "Base-static_MO_Spirent.obs.gz"
@@ -130,4 +157,4 @@ heading_deg = 30
 
 
 if __name__ == "__main__":
-    main({"ppk_generator": ppk_generator, "ppk_refusals": ppk_refusals, "ppk_loose": ppk_loose})
+    main({"ppk_generator": ppk_generator, "ppk_refusals": ppk_refusals, "ppk_loose": ppk_loose, "ppk_satellites": ppk_satellites})

@@ -85,7 +85,7 @@ def commands(program, source):
         help_text = program(name, "--help").stdout
         check("Examples:" in help_text and f"schuler {name}" in help_text, f"{name} --help has no example")
         check(program(name, "--version").stdout == program("--version").stdout, f"{name} --version")
-    check(re.fullmatch(r"schuler \d+\.\d+\.\d+\n", program("--version").stdout), "--version is one line")
+    check(re.fullmatch(r"schuler \d+\.\d+\.\d+( \([0-9a-f]{7,}(, modified)?\))?\n", program("--version").stdout), "--version is one line")
     check("imu.gyro_noise_deg_sqrt_h" in program("help", "settings").stdout, "help settings lists the keys")
     check("trajectory.period_s" in program("help", "scenario", "trajectory.").stdout, "help scenario lists the keys")
 

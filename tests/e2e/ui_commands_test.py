@@ -54,6 +54,59 @@ def commands(program, source):
         refused(server, "GET", f"/api/runs/{many}/noise/x", 404)
         refused(server, "GET", "/api/datasets/none/noise", 404)
 
+        forms(server)
+        attitude(server, Path(folder))
+        kept(server, program, folder, order)
+
+
+def forms(server):
+    """Options of the commands are forms; what they do not take is refused, what they take reaches the run."""
+    forms = {f["command"]: {o["key"] for o in f["options"]} for f in server.json("GET", "/api/commands")}
+    check({"smooth", "backward", "outage", "scheme"} <= forms["process"], f"options of process: {forms.get('process')}")
+    check(not forms["process"] & {"output", "config", "set", "json", "progress"}, "what the server says itself is not asked")
+    order = {"kind": "scenario", "toml": SMALL}
+    refused(server, "POST", "/api/runs", 422, ("unknown key",), {**order, "arguments": {"config": "/etc/passwd"}})
+    refused(server, "POST", "/api/runs", 422, (), {**order, "arguments": {"scheme": "none such"}})
+    run = server.json("POST", "/api/runs", {**order, "title": "smoothed", "arguments": {"smooth": True}}, 201)["id"]
+    end = server.finished(run)
+    check(end["summary"]["smoothed"] is True, f"the option reaches the run: {end['message']}")
+    check(end["order"] == {"command": "run", "runs": 0, "arguments": {"smooth": True}}, f"and is kept to run again: {end['order']}")
+    quality = [c["id"] for g in server.json("GET", f"/api/runs/{run}/channels") if g["group"] == "/gnss" for c in g["columns"]]
+    check("/gnss/quality:fix" in quality, f"fixes have their quality: {quality}")
+
+
+def attitude(server, folder):
+    """A log without GNSS: attitude alone, its solution.csv as a group; a field of gravity comes with its example."""
+    name = server.json("POST", "/api/datasets", {"title": "hand"})["name"]
+    rows = ["time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"]
+    rows += [f"{i / 100},0.001,0.002,0.003,0.01,0.02,-9.81" for i in range(2000)]
+    server.json("PUT", f"/api/datasets/{name}/files/day/imu.csv", "\n".join(rows) + "\n", 201)
+    [files] = [d["files"] for d in server.json("GET", "/api/datasets") if d["name"] == name]
+    check([f["name"] for f in files] == ["day/imu.csv"], f"an upload keeps its folder: {files}")
+    run = server.json("POST", "/api/runs", {"kind": "dataset", "dataset": name, "command": "ahrs", "arguments": {"offline": True}}, 201)["id"]
+    end = server.finished(run)
+    check(end["state"] == "done" and end["summary"]["command"] == "ahrs", f"attitude without GNSS: {end['message']}")
+    groups = {g["group"]: [c["name"] for c in g["columns"]] for g in server.json("GET", f"/api/runs/{run}/channels")}
+    check("roll_deg" in groups["/attitude"], f"its solution is a group: {groups}")
+    examples = {e["name"]: e for e in server.json("GET", "/api/examples")}
+    check("gravity-field" not in examples, "files of examples are no examples")
+    survey = server.json("POST", "/api/settings", {"toml": examples["gravity-survey"]["toml"]})
+    check(survey["problem"] is None, f"a survey over a field of the ground: {survey['problem']}")
+
+
+def kept(server, program, folder, order):
+    """Layouts are kept in the workspace; a second server on it leaves the runs of the first alone."""
+    check(server.json("GET", "/api/layouts") is None, "no layouts at first")
+    server.json("PUT", "/api/layouts", {"mine": [[{"id": "/solution/position:height"}]]})
+    check("mine" in server.json("GET", "/api/layouts"), "layouts are kept")
+    refused(server, "PUT", "/api/layouts", 422, (), [1])
+    run = server.json("POST", "/api/runs", {**order, "command": "montecarlo", "runs": 5000, "title": "at work"}, 201)["id"]
+    with Server(program, folder) as second:
+        state = second.json("GET", f"/api/runs/{run}")["state"]
+        check(state in ("waiting", "running"), f"a second server does not end the runs of the first: {state}")
+    server.json("POST", f"/api/runs/{run}/cancel")
+    server.finished(run)
+
 
 if __name__ == "__main__":
     sys.exit(main({"commands": commands}))

@@ -332,7 +332,11 @@ def hostile(program, source):
                 "%2e%2e",
                 "..",
                 ".hidden",
-                "a%2fb",
+                "a%2f..",
+                "a/../b",
+                "a/%2e%2e/%2e%2e/%2e%2e/b",
+                "a/.b",
+                "a/b/c/d/e/f",
                 "a%5cb",
                 "%00",
                 "x" * 200,
@@ -347,7 +351,7 @@ def hostile(program, source):
                     f"no file of {name}: {reply.status}",
                 )
             work = Path(folder) / "work"
-            check(sorted(p.name for p in work.rglob("*")) == ["data", "ok"], f"nothing was written: {sorted(work.rglob('*'))}")
+            check(sorted(p.name for p in work.rglob("*")) == [".server", "data", "ok"], f"nothing was written: {sorted(work.rglob('*'))}")
             (work / "data/ok/link").symlink_to(folder)
             os.symlink(Path(folder) / "secret.csv", work / "data/ok/link.csv")
             check(

@@ -1,4 +1,5 @@
 // A campaign repeats single runs, whatever the number of threads; what varies is drawn from its distribution.
+#include "schuler/math/random.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/bundle.h"
@@ -15,6 +16,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <sstream>
 
 namespace schuler::study {
 namespace {
@@ -38,21 +41,67 @@ settings::ProcessRequest request_of(const std::string& text, const std::string& 
     return request;
 }
 
-TEST(MonteCarloThreads, TheSameNumbersWhateverTheJobs) {
+/// A campaign in a folder of its own, which is begun anew.
+CampaignRequest campaign_of(const settings::ProcessRequest& common, const std::string& name, std::optional<std::size_t> runs, int jobs) {
+    CampaignRequest request;
+    request.common = common;
+    request.common.output = fs::path(testing::TempDir()) / ("schuler_campaign_" + name);
+    fs::remove_all(request.common.output);
+    request.runs = runs;
+    request.jobs = jobs;
+    return request;
+}
+
+std::string text_of(const fs::path& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The lines of a CSV file in cells.
+std::vector<std::vector<std::string>> cells_of(const fs::path& file) {
+    std::vector<std::vector<std::string>> out;
+    std::istringstream lines(text_of(file));
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream cells(line + ",");
+        for (std::string cell; std::getline(cells, cell, ',');) {
+            if (out.empty() || cells.tellg() == static_cast<std::streamoff>(cell.size() + 1)) out.emplace_back();
+            out.back().push_back(cell);
+        }
+    }
+    return out;
+}
+
+/// summary.json without the speed.
+nlohmann::json timeless(const fs::path& folder) {
+    auto json = nlohmann::json::parse(text_of(folder / "summary.json"));
+    json.erase("timing");
+    json["montecarlo"].erase("runs_per_s");
+    return json;
+}
+
+void expect_same_files(const fs::path& a, const fs::path& b) {
+    for (const char* name : {"runs.csv", "epochs.csv", "sweep.csv"}) {
+        EXPECT_EQ(fs::exists(a / name), fs::exists(b / name)) << name;
+        EXPECT_EQ(text_of(a / name), text_of(b / name)) << name;
+    }
+    EXPECT_EQ(timeless(a), timeless(b));
+}
+
+TEST(MonteCarloThreads, TheSameFilesWhateverTheJobs) {
     const settings::ProcessRequest request = request_of(short_flight, "jobs");
-    MonteCarlo one = montecarlo(request, std::nullopt, 1), three = montecarlo(request, std::nullopt, 3);
-    ASSERT_EQ(one.runs.size(), 6u);
-    EXPECT_EQ(one.failed(), 0u);
-    EXPECT_EQ(epochs_csv(one), epochs_csv(three));
-    EXPECT_EQ(runs_csv(one), runs_csv(three));
-    one.wall_s = three.wall_s = 1.0;
-    EXPECT_EQ(summary_json(one), summary_json(three));
-    for (std::size_t k = 0; k < 6; ++k) {
-        ASSERT_EQ(one.runs[k].drawn.size(), 2u);
-        const double white = one.runs[k].drawn[0].value.number(), lat = one.runs[k].drawn[1].value.number();
+    const fs::path one = run_montecarlo(campaign_of(request, "one", std::nullopt, 1)).folder;
+    const fs::path three = run_montecarlo(campaign_of(request, "three", std::nullopt, 3)).folder;
+    expect_same_files(one, three);
+    const auto rows = cells_of(one / "runs.csv");
+    ASSERT_EQ(rows.size(), 7u);
+    EXPECT_EQ(rows[0][3], "baro.white_m");
+    EXPECT_EQ(rows[0][4], "trajectory.start.lat_deg");
+    for (std::size_t k = 1; k < 7; ++k) {
+        EXPECT_EQ(rows[k][2], "0");
+        EXPECT_NEAR(std::stod(rows[k][3]), 1.0, 0.05);
+        const double lat = std::stod(rows[k][4]);
         EXPECT_TRUE(lat >= 0.0 && lat <= 60.0);
-        EXPECT_NEAR(white, 1.0, 0.05);
-        EXPECT_NE(lat, one.runs[(k + 1) % 6].drawn[1].value.number());
+        EXPECT_NE(rows[k][4], rows[1 + k % 6][4]);
     }
 }
 
@@ -60,25 +109,167 @@ TEST(MonteCarlo, RunKIsTheRunWithItsSeed) {
     std::string text = short_flight;
     text.resize(text.find("vary"));
     settings::ProcessRequest request = request_of(text, "seed");
-    const MonteCarlo campaign = montecarlo(request, 3, 1);
+    const fs::path all = run_montecarlo(campaign_of(request, "all", 3, 1)).folder;
     request.seed = 9;
-    const MonteCarlo third = montecarlo(request, 1, 1);
-    EXPECT_EQ(campaign.runs[2].seed, 9u);
-    EXPECT_EQ(campaign.runs[2].summary.horizontal.rms, third.runs[0].summary.horizontal.rms);
-    EXPECT_EQ(campaign.runs[2].outages[0].growth_horizontal, third.runs[0].outages[0].growth_horizontal);
+    const fs::path third = run_montecarlo(campaign_of(request, "third", 1, 1)).folder;
+    auto rows = cells_of(all / "runs.csv"), own = cells_of(third / "runs.csv");
+    EXPECT_EQ(rows[3][1], "9");
+    EXPECT_EQ(std::vector(rows[3].begin() + 1, rows[3].end()), std::vector(own[1].begin() + 1, own[1].end()));
 
     // The pooled rms is the root of the mean square; the quantiles are those of the runs.
-    const auto json = nlohmann::json::parse(summary_json(campaign));
-    double square = 0.0;
-    for (const MonteCarloRun& r : campaign.runs) square += r.summary.north.rms * r.summary.north.rms / 3.0;
-    EXPECT_NEAR(json["errors"]["position_m"]["north"]["rms"].get<double>(), std::sqrt(square), 1e-12);
+    const auto json = timeless(all);
+    const auto column = static_cast<std::size_t>(std::ranges::find(rows[0], "position_m_north_rms") - rows[0].begin());
+    std::vector<double> north;
+    for (std::size_t k = 1; k < 4; ++k) north.push_back(std::stod(rows[k][column]));
+    const double square = north[0] * north[0] + north[1] * north[1] + north[2] * north[2];
+    EXPECT_NEAR(json["errors"]["position_m"]["north"]["rms"].get<double>(), std::sqrt(square / 3.0), 1e-8);
+    std::ranges::sort(north);
+    EXPECT_NEAR(json["errors"]["position_m"]["north"]["median"].get<double>(), north[1], 1e-8);
     EXPECT_EQ(json["montecarlo"]["runs"], 3);
     EXPECT_EQ(json["montecarlo"]["failed"], 0);
-    const double median = json["errors"]["position_m"]["north"]["median"];
-    int below = 0;
-    for (const MonteCarloRun& r : campaign.runs) below += r.summary.north.rms < median - 1e-12 ? 1 : 0;
-    EXPECT_EQ(below, 1);
     EXPECT_GT(json["consistency"]["nees_baro_bias"]["mean"].get<double>(), 0.0);
+}
+
+/// Runs of random numbers: what statistics are made of.
+std::vector<MonteCarloRun> invented_runs(std::size_t count) {
+    std::vector<MonteCarloRun> out(count);
+    for (std::size_t k = 0; k < count; ++k) {
+        math::Random random(k, "invented");
+        MonteCarloRun& run = out[k];
+        run.run = k;
+        run.seed = 100 + k;
+        run.point = k % 3;
+        if (k % 7 == 5) {
+            run.failure = fmt::format("run {} has failed", k);
+            continue;
+        }
+        run.scheme = "loose";
+        run.settled_s = 2.0;
+        run.summary.epochs = 5 + k % 4;
+        for (const ErrorField& f : error_fields()) {
+            const double rms = std::abs(random.normal()) * 1e-3;
+            run.summary.*f.of_run = {rms, 2.0 * rms, 3.0 * rms};
+        }
+        for (int t = 0; t < 6; ++t) {
+            analysis::ErrorRow row{};
+            row.time = Time::from_seconds(t);
+            row.position = random.normal3();
+            row.velocity = row.rpy = 1e-9 * random.normal3();
+            run.errors.push_back(row);
+            solution::StateErrors state{};
+            state.time = row.time;
+            for (std::size_t b = 0; b < solution::state_blocks; ++b) {
+                state.error[b] = random.normal3() * 1e-7;
+                state.nees[b] = b == 5 ? std::nan("") : std::abs(random.normal());
+            }
+            run.states.push_back(state);
+        }
+        analysis::NisStatistics nis{};
+        nis.mean = random.uniform();
+        nis.dof = 3.0;
+        nis.accepted = 10 + k;
+        nis.rejected = k % 2;
+        run.aids.push_back({"baro", nis});
+        analysis::OutageStatistics outage{};
+        outage.end_horizontal = std::abs(random.normal());
+        run.outages.push_back(outage);
+    }
+    return out;
+}
+
+std::string bytes_of(const CampaignStatistics& statistics) {
+    Packer to;
+    statistics.pack(to);
+    return to.take();
+}
+
+// Sums are exact and histograms fixed: any partition, merged in any order, is the whole, to the last bit; also after bytes and back.
+TEST(CampaignStatistics, MergedInAnyPartitionTheyAreThoseAtOnce) {
+    const std::vector<MonteCarloRun> runs = invented_runs(600);   // more than the values that an epoch keeps
+    CampaignStatistics empty;
+    empty.swept = true;
+    CampaignStatistics whole = empty;
+    for (const MonteCarloRun& run : runs) whole.add(run);
+    EXPECT_EQ(whole.runs, 600u);
+    EXPECT_FALSE(whole.epochs.at(3).block[0].front().error[0].sketch.exact());
+    math::Random random(5, "partition");
+    for (int trial = 0; trial < 5; ++trial) {
+        std::vector<CampaignStatistics> parts(1 + static_cast<std::size_t>(random.uniform() * 9.0), empty);
+        std::vector<MonteCarloRun> shuffled = runs;
+        for (std::size_t i = shuffled.size(); i-- > 1;)
+            std::swap(shuffled[i], shuffled[static_cast<std::size_t>(random.uniform() * static_cast<double>(i + 1))]);
+        for (const MonteCarloRun& run : shuffled) parts[static_cast<std::size_t>(random.uniform() * static_cast<double>(parts.size()))].add(run);
+        CampaignStatistics merged = empty;
+        for (const CampaignStatistics& part : parts) {
+            const std::string bytes = bytes_of(part);
+            Unpacker from(bytes);
+            CampaignStatistics again = empty;
+            again.unpack(from);
+            EXPECT_TRUE(from.at_end());
+            merged.merge(again);
+        }
+        EXPECT_EQ(bytes_of(merged), bytes_of(whole)) << parts.size() << " parts";
+    }
+}
+
+TEST(CampaignStatistics, DamagedBytesAreRefused) {
+    CampaignStatistics statistics;
+    for (const MonteCarloRun& run : invented_runs(20)) statistics.add(run);
+    const std::string bytes = bytes_of(statistics);
+    for (std::size_t size = 0; size < bytes.size(); size += 997) {
+        Unpacker from(std::string_view(bytes).substr(0, size));
+        CampaignStatistics again;
+        EXPECT_THROW(again.unpack(from), Error) << size;
+    }
+}
+
+// Every point of the grid in turn, and a list at random, of any kind of value.
+TEST(MonteCarlo, SweepsAndLists) {
+    std::string text = short_flight;
+    text.resize(text.find("runs = 6"));
+    const settings::ProcessRequest request =
+        request_of(text + "vary = { \"imu.rate_hz\" = { sweep = [10, 20] }, \"gnss.receiver\" = { list = [\"autonomous\", \"rtk\"] }, "
+                          "\"imu.gyro_bias_deg_h\" = { sweep = { from = 1, to = 100, steps = 3, log = true } } }\n",
+                   "sweep");
+    const report::Outcome out = run_montecarlo(campaign_of(request, "sweep", std::nullopt, 2));
+    const auto rows = cells_of(out.folder / "runs.csv"), points = cells_of(out.folder / "sweep.csv");
+    ASSERT_EQ(rows.size(), 7u);   // once each
+    ASSERT_EQ(points.size(), 7u);
+    std::set<std::string> receivers, grid;
+    for (std::size_t k = 1; k < 7; ++k) {
+        const auto cell = [&](const char* key) { return rows[k][static_cast<std::size_t>(std::ranges::find(rows[0], key) - rows[0].begin())]; };
+        receivers.insert(cell("gnss.receiver"));
+        grid.insert(cell("imu.rate_hz") + " " + cell("imu.gyro_bias_deg_h"));
+    }
+    EXPECT_EQ(receivers, (std::set<std::string>{"autonomous", "rtk"}));
+    EXPECT_EQ(grid, (std::set<std::string>{"10 1", "10 10", "10 100", "20 1", "20 10", "20 100"}));
+    for (std::size_t k = 1; k < 7; ++k) EXPECT_EQ(points[k][2], "1");
+}
+
+// What is left in the folder of a campaign that was stopped is gone on with, and the files are those of one that was not.
+TEST(MonteCarlo, AnInterruptedCampaignGoesOn) {
+    const settings::ProcessRequest request = request_of(short_flight, "resume");
+    const fs::path whole = run_montecarlo(campaign_of(request, "whole", 6, 1)).folder;
+    CampaignRequest stopped = campaign_of(request, "stopped", 6, 1);
+    stopped.common.progress = [](double share) {
+        if (share > 0.4) throw computation_error("stopped");
+    };
+    EXPECT_THROW((void)run_montecarlo(stopped), Error);
+    EXPECT_FALSE(CampaignPart::left_in(stopped.common.output).empty());
+    stopped.common.progress = {};
+    EXPECT_THROW((void)run_montecarlo(stopped), Error);   // not without being asked to
+    stopped.resume = true;
+    CampaignRequest other = stopped;
+    other.common.above.push_back({"filter.loop", {std::string("open")}, {}});
+    EXPECT_THROW((void)run_montecarlo(other), Error);
+    CampaignRequest fewer = stopped;
+    fewer.runs = 1;
+    EXPECT_THROW((void)run_montecarlo(fewer), Error);
+    std::size_t flown = 0;
+    stopped.common.progress = [&](double) { ++flown; };
+    expect_same_files(whole, run_montecarlo(stopped).folder);
+    EXPECT_EQ(flown, 3u);
+    EXPECT_TRUE(CampaignPart::left_in(stopped.common.output).empty());
 }
 
 TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
@@ -91,15 +282,13 @@ TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
     EXPECT_EQ(campaign_runs_csv(one), campaign_runs_csv(three));
 
     // the same as a campaign of the scheme alone
-    const MonteCarlo alone = montecarlo(request_of(short_flight, "alone"), 3, 1);
+    const fs::path folder = run_montecarlo(campaign_of(request_of(short_flight, "alone"), "alone", 3, 1)).folder;
     const auto json = nlohmann::json::parse(campaign_json(one));
     ASSERT_EQ(json["schemes"].size(), 2u);
     const auto& loose = json["schemes"][1];
     EXPECT_EQ(loose["scheme"], "loose");
-    double square = 0.0;
-    for (const MonteCarloRun& r : alone.runs) square += r.summary.horizontal.rms * r.summary.horizontal.rms / 3.0;
-    EXPECT_NEAR(loose["horizontal_m"].get<double>(), std::sqrt(square), 1e-9);
-    const auto told = nlohmann::json::parse(summary_json(alone));
+    const auto told = timeless(folder);
+    EXPECT_NEAR(loose["horizontal_m"].get<double>(), told["errors"]["position_m"]["horizontal"]["rms"].get<double>(), 1e-9);
     EXPECT_NEAR(loose["nees_attitude"]["mean"].get<double>(), told["consistency"]["nees_attitude"]["mean"].get<double>(), 1e-9);
     EXPECT_TRUE(json["schemes"][0]["nees_position"].is_null());
     EXPECT_GT(loose["windows"][0]["horizontal_max_m"].get<double>(), loose["windows"][0]["horizontal_rms_m"].get<double>());
@@ -189,7 +378,7 @@ std::string message_of(const std::string& vary) {
     std::string text = short_flight;
     text.resize(text.find("vary"));
     try {
-        (void)montecarlo(request_of(text + vary + "\n", "bad"), 1, 1);
+        (void)run_montecarlo(campaign_of(request_of(text + vary + "\n", "bad"), "bad", 1, 1));
     } catch (const Error& e) {
         return e.kind() == ErrorKind::Input ? e.what() : "no input error";
     }
@@ -202,6 +391,10 @@ TEST(MonteCarlo, WrongVariationsAreNamedWithTheirLine) {
     EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { uniform = [2, 1] } }"), testing::HasSubstr("wrong order"));
     EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { gamma = [2, 1] } }"), testing::HasSubstr("unknown distribution"));
     EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { normal = [-5, 0] } }"), testing::HasSubstr("baro.white_m"));
+    EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { sweep = { from = 0, to = 1, steps = 1 } } }"), testing::HasSubstr("steps"));
+    EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { sweep = [1, -2] } }"), testing::HasSubstr("baro.white_m"));
+    EXPECT_THAT(message_of("vary = { \"gnss.white_m\" = { uniform = [1, 2] } }"), testing::HasSubstr("only list and sweep"));
+    EXPECT_THAT(message_of("vary = { \"seed\" = { list = [1, 2] } }"), testing::HasSubstr("seed of its own"));
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ export class ApiError extends Error {
     readonly status: number,
     readonly problem: Problem,
   ) {
-    super(problem.text + (problem.mend ? `; ${problem.mend}` : ""));
+    const place = [problem.line > 0 ? `line ${problem.line}` : "", problem.key].filter(Boolean).join(", ");
+    super((place ? `${place}: ` : "") + problem.text + (problem.mend ? `; ${problem.mend}` : ""));
   }
 }
 
@@ -28,7 +29,18 @@ export interface Option {
   accepts: string;
   help: string;
   unit: string;
+  /** Where it has an effect; empty: everywhere. */
+  applies?: string;
   default: Json;
+}
+
+export interface CommandForm {
+  command: string;
+  purpose: string;
+  examples: string;
+  options: Option[];
+  /** Of a study: what it works on, or null. */
+  input?: string | null;
 }
 
 export interface Track {
@@ -68,6 +80,10 @@ export interface Run {
   error_m: number | null;
   reference: string | null;
   progress?: number;
+  /** Of a study. */
+  command?: string | null;
+  /** As it was ordered. */
+  order?: { command: string; runs: number; arguments: Settings } | null;
 }
 
 export interface Spread {
@@ -88,6 +104,17 @@ export interface Summary {
   gnss: { epochs: number; accepted: number; rejected: number } | null;
   errors: Record<string, Record<string, Spread> | null> | null;
   outages: Outage[] | null;
+  outages_forward?: Outage[] | null;
+  verdict?: { word: string; reasons: string[] } | null;
+  self_check?: Record<string, unknown> | null;
+  separation?: Record<string, unknown> | null;
+  events?: unknown;
+  integrity?: { alerts: { time_s: number; channel: string; test: string; size: number }[] } | null;
+  findings?: Record<string, unknown> | null;
+  facts?: Fact[] | null;
+  ignored?: unknown[];
+  command?: string;
+  schemes?: Record<string, unknown>[];
   consistency: Record<string, unknown> | null;
   /** Of `schuler gravity`. */
   gravity?: Record<string, unknown>;
@@ -105,6 +132,18 @@ export interface Outage {
   end_vertical_m: number | null;
   max_3d_m: number | null;
   inside_3sigma: boolean | null;
+}
+
+/** A setting and how it is known. */
+export interface Fact {
+  key: string;
+  value: Json;
+  unit: string | null;
+  how: string;
+  sigma: number | null;
+  from_s: number | null;
+  to_s: number | null;
+  note: string | null;
 }
 
 export interface RunDetails extends Run {
@@ -261,16 +300,25 @@ export const api = {
   },
   difference: (run: string, other: string, range: Range = {}, signal?: AbortSignal) =>
     get<Series>(`/api/runs/${id(run)}/difference?${ranged(new URLSearchParams({ with: other }), range)}`, signal),
+  raw: (name: string, file: string) =>
+    get<{ rows: number; zero: number; time: string; time_s: (number | null)[]; columns: Record<string, (number | null)[]> }>(
+      `/api/datasets/${id(name)}/raw?file=${id(file)}`,
+    ),
+  commands: () => get<CommandForm[]>("/api/commands"),
+  studies: () => get<CommandForm[]>("/api/studies"),
+  startStudy: (order: Record<string, unknown>) => send<Run>("POST", "/api/studies", order),
+  layouts: async () => (await get<Record<string, unknown> | null>("/api/layouts")) ?? {},
+  keepLayouts: (all: Record<string, unknown>) => send<object>("PUT", "/api/layouts", all),
   noise: (of: "runs" | "datasets", name: string) => get<Noise>(`/api/${of}/${id(name)}/noise`),
   fileText: async (run: string, file: string) => (await reply(await fetch(`/api/runs/${id(run)}/files/${id(file)}`))).text(),
   fileUrl: (run: string, file: string, save = false) => `/api/runs/${id(run)}/files/${id(file)}${save ? "?save=1" : ""}`,
 };
 
 /** Sends a file as it is; `progress` from 0 to 1. */
-export function upload(dataset: string, file: File, progress: (part: number) => void): Promise<void> {
+export function upload(dataset: string, file: File, path: string, progress: (part: number) => void): Promise<void> {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
-    request.open("PUT", `/api/datasets/${id(dataset)}/files/${id(file.name)}`);
+    request.open("PUT", `/api/datasets/${id(dataset)}/files/${path.split("/").map(id).join("/")}`);
     request.upload.onprogress = (e) => progress(e.total > 0 ? e.loaded / e.total : 0);
     request.onload = () => {
       if (request.status < 300) return resolve();
@@ -294,18 +342,67 @@ export interface RunEvent {
   message: string;
 }
 
-const listeners = new Set<(e: RunEvent) => void>();
-let source: EventSource | null = null;
+type Listener = (e: RunEvent) => void;
+const listeners = new Set<Listener>();
+const connection = new Set<(alive: boolean) => void>();
+let alive = true;
+let watching = false;
+
+function told(event: RunEvent): void {
+  for (const each of [...listeners]) each(event);
+}
+
+function connected(now: boolean): void {
+  if (now === alive) return;
+  alive = now;
+  for (const each of connection) each(now);
+}
+
+/** Tells when the server stops answering, and when it answers again. */
+export function watchServer(listener: (alive: boolean) => void): void {
+  connection.add(listener);
+  window.setInterval(() => {
+    if (document.hidden && alive) return;
+    void fetch("/api/about", { signal: AbortSignal.timeout(6000) }).then(
+      () => connected(true),
+      () => connected(false),
+    );
+  }, 4000);
+}
+
+/** A browser opens six connections to a server at most: of all tabs one listens to it and passes on what it hears. */
+function listen(): void {
+  watching = true;
+  const channel = typeof BroadcastChannel === "undefined" ? null : new BroadcastChannel("schuler.runs");
+  if (channel) channel.onmessage = (e: MessageEvent<RunEvent>) => told(e.data);
+  const open = () =>
+    new Promise<void>(() => {
+      const source = new EventSource("/api/events");
+      source.addEventListener("run", (e) => {
+        const event = JSON.parse((e as MessageEvent<string>).data) as RunEvent;
+        told(event);
+        channel?.postMessage(event);
+      });
+    });
+  if (channel && navigator.locks) void navigator.locks.request("schuler.events", open);
+  else if (!channel) void open();
+  else
+    // without locks (a page by plain HTTP from another machine) each tab asks now and then
+    window.setInterval(() => {
+      if (document.hidden || listeners.size === 0) return;
+      void api.runs().then(
+        (all) =>
+          all
+            .filter((r) => r.state === "running" || r.state === "waiting" || r.progress !== undefined)
+            .forEach((r) => told({ id: r.id, state: r.state, progress: r.progress ?? 0, message: r.message })),
+        () => undefined,
+      );
+    }, 2000);
+}
 
 /** Tells of every change of a run at work; returns what ends that. */
-export function watchRuns(listener: (e: RunEvent) => void): () => void {
+export function watchRuns(listener: Listener): () => void {
   listeners.add(listener);
-  if (!source) {
-    source = new EventSource("/api/events");
-    source.addEventListener("run", (e) => {
-      const event = JSON.parse((e as MessageEvent<string>).data) as RunEvent;
-      for (const each of [...listeners]) each(event);
-    });
-  }
+  if (!watching) listen();
   return () => listeners.delete(listener);
 }

@@ -74,6 +74,8 @@ function parsed(option: Option, text: string): { value: Json } | { wrong: string
       return list.every(bounds) && (option.length === 0 || list.length === option.length) ? { value: list } : wrong;
     }
     default:
+      if (option.shape === "texts" && !text.trim().startsWith("["))
+        return { value: text.split(/[,;]+/).map((x) => x.trim()).filter(Boolean) };
       // a value of its own form: a list or a number as JSON, otherwise text
       if (option.shape === "any" && !/^[[{"\d+-]|^(true|false)$/.test(text.trim())) return { value: text };
       try {
@@ -106,6 +108,10 @@ export class OptionForm {
   });
   private readonly onlySet = h("input", { type: "checkbox", onChange: () => this.filter() });
   private readonly kinds: string[];
+  /** Fields whose text is no value: what is used is still the one before. */
+  private readonly wrong = new Set<string>();
+  /** Told whenever the number of such fields changes. */
+  judged: (wrong: number) => void = () => undefined;
 
   constructor(
     options: Option[],
@@ -236,12 +242,16 @@ export class OptionForm {
     message.hidden = wrong === "";
     message.textContent = wrong;
     for (const i of inputs) i.setAttribute("aria-invalid", String(wrong !== ""));
+    if (wrong === "") this.wrong.delete(key);
+    else this.wrong.add(key);
+    this.judged(this.wrong.size);
     row.classList.toggle("given", key in this.settings);
     if (wrong === "") this.changed();
   }
 
   /** Sets a field as if it had been typed; undefined: back to what is used without it. */
   put(key: string, value: Json | undefined, tell = true): void {
+    if (this.wrong.delete(key)) this.judged(this.wrong.size);
     const field = this.fields.get(key);
     if (value === undefined) delete this.settings[key];
     else this.settings[key] = value;
@@ -286,6 +296,8 @@ export class OptionForm {
   }
 
   load(now: Understood): void {
+    this.wrong.clear();
+    this.judged(0);
     for (const key of Object.keys(this.settings)) delete this.settings[key];
     Object.assign(this.settings, now.settings);
     this.used = now.used;

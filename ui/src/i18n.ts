@@ -1,14 +1,15 @@
 // Texts in the reader's language: one message file a language, English where a text is missing.
 import en from "./messages/en.json";
+import ru from "./messages/ru.json";
 import uk from "./messages/uk.json";
 
 type Messages = Record<string, string>;
-const languages: Record<string, Messages> = { en, uk };
+const languages: Record<string, Messages> = { en, uk, ru };
 
 function first(): string {
   const chosen = localStorage.getItem("schuler.language");
   if (chosen && chosen in languages) return chosen;
-  return navigator.language.startsWith("uk") ? "uk" : "en";
+  return ["uk", "ru"].find((l) => navigator.language.startsWith(l)) ?? "en";
 }
 
 export let language = first();

@@ -9,6 +9,8 @@ import { dataPage } from "./pages/data";
 import { editorPage } from "./pages/editor";
 import { runPage } from "./pages/run";
 import { startPage } from "./pages/start";
+import { studiesPage } from "./pages/studies";
+import { watchServer } from "./api";
 
 type Theme = "auto" | "light" | "dark";
 const themes: Theme[] = ["auto", "light", "dark"];
@@ -38,12 +40,14 @@ async function open(): Promise<void> {
       kind === "scenario"
         ? editorPage(parameters)
         : kind === "data"
-          ? dataPage(rest[0] ?? "")
+          ? dataPage(rest[0] ?? "", parameters)
           : kind === "run"
             ? runPage(rest[0] ?? "", rest[1] ?? "")
             : kind === "compare"
               ? comparePage(rest)
-              : startPage();
+              : kind === "studies"
+                ? studiesPage(parameters, rest[0] ?? "")
+                : startPage();
     const made = await page;
     if (mine !== turn) return made.close?.();
     shown = made;
@@ -64,6 +68,8 @@ async function open(): Promise<void> {
     );
   }
 }
+
+const banner = h("p", { class: "banner", role: "alert", hidden: true });
 
 function frame(): void {
   applyTheme();
@@ -96,6 +102,7 @@ function frame(): void {
     },
     h("option", { value: "en" }, "English"),
     h("option", { value: "uk" }, "Українська"),
+    h("option", { value: "ru" }, "Русский"),
   );
   chooser.value = language;
   replace(
@@ -110,6 +117,7 @@ function frame(): void {
         { "aria-label": t("nav") },
         h("a", { href: "#/" }, t("nav.start")),
         h("a", { href: "#/scenario?example=demo" }, t("nav.scenario")),
+        h("a", { href: "#/studies" }, t("nav.studies")),
       ),
       h("span", { class: "grow" }),
       h(
@@ -120,6 +128,7 @@ function frame(): void {
       themeButton,
       chooser,
     ),
+    banner,
     content,
     h("div", { id: "messages", "aria-live": "polite" }),
   );
@@ -161,5 +170,10 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
 });
 window.addEventListener("hashchange", () => void open());
 window.addEventListener("unhandledrejection", (e) => tell(String((e.reason as Error)?.message ?? e.reason), "error"));
+watchServer((alive) => {
+  banner.textContent = t("server.gone");
+  banner.hidden = alive;
+  if (alive && shown === null) void open();
+});
 frame();
 void open();

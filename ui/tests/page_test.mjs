@@ -1,26 +1,12 @@
 // The page of `schuler ui` in a real browser on real runs, as a user goes through it.
 //   node page_test.mjs --program SCHULER --modules NODE_MODULES [--browser CHROMIUM] [--shots FOLDER]
 // Exit status 0 passed, 1 failed, 77 skipped (no browser, or no packages for it).
-import { spawn } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { browse, optionsOf, serve, visitTabs } from "./browse.mjs";
 
-const options = Object.fromEntries(
-  process.argv.slice(2).flatMap((a, i, all) => (a.startsWith("--") ? [[a.slice(2), all[i + 1]]] : [])),
-);
-const skip = (why) => {
-  console.log(`SKIPPED: ${why}`);
-  process.exit(77);
-};
-const browserPath = options.browser ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
-if (!browserPath || !existsSync(browserPath)) skip("there is no Chromium");
-if (!existsSync(join(options.modules, "playwright-core"))) skip("there is no playwright-core; scripts/build_ui.sh installs it where npm reaches a registry");
-const require = createRequire(join(options.modules, "x.js"));
-const { chromium } = require("playwright-core");
-const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
-
+const options = optionsOf(process.argv.slice(2));
 // the example flight, and where GNSS is cut in it, s
 const duration = 600,
   cutFrom = 350,
@@ -31,35 +17,14 @@ const check = (condition, text) => {
   ++failures;
   console.error(`FAILED: ${text}`);
 };
+const { browser, page, require } = await browse(options);
+const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 const folder = mkdtempSync(join(tmpdir(), "schuler_page_"));
-const server = spawn(options.program, ["ui", "--port", "0", "--workspace", join(folder, "work")], {
-  cwd: folder,
-  stdio: ["ignore", "pipe", "inherit"],
-});
-const entrance = await new Promise((resolve, reject) => {
-  server.stdout.on("data", (d) => {
-    const found = /http:\S+/.exec(String(d));
-    if (found) resolve(found[0]);
-  });
-  server.on("exit", () => reject(new Error("the server ended")));
-});
-// The token of the entrance becomes a cookie; from then on the page asks without it.
-const address = new URL("/", entrance).href, token = new URL(entrance).searchParams.get("token");
-const browser = await chromium.launch({
-  executablePath: browserPath,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-});
-const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, acceptDownloads: true, colorScheme: "light" });
-await context.addInitScript(() => {
-  if (window.top === window) localStorage.getItem("schuler.language") ?? localStorage.setItem("schuler.language", "en");
-});
-const page = await context.newPage();
-page.setDefaultTimeout(30_000);
+const { entrance, address, token, ask, stop } = await serve(options.program, folder);
 page.on("pageerror", (e) => check(false, `error on the page: ${e.message}`));
 page.on("console", (m) => m.type() === "error" && !/4\d\d \(/.test(m.text()) && check(false, `console: ${m.text()}`));
 page.on("request", (r) => check(r.url().startsWith(address) || /^(data|blob):/.test(r.url()), `asks another server: ${r.url()}`));
 
-const ask = async (path) => (await fetch(address + path, { headers: { Authorization: `Bearer ${token}` } })).json();
 const shot = async (name) => {
   if (!options.shots) return;
   mkdirSync(options.shots, { recursive: true });
@@ -68,6 +33,7 @@ const shot = async (name) => {
   await page.screenshot({ path: join(options.shots, `${name}.png`) });
 };
 const accessible = async (where) => {
+  await page.mouse.move(0, 0);   // a line that the mouse is near fades the others
   await page.evaluate(axe);
   const found = await page.evaluate(() =>
     globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"] }),
@@ -90,7 +56,7 @@ const soon = async (condition) => {
   return false;
 };
 const done = async () => {
-  await page.getByRole("tab", { name: "Overview" }).waitFor({ timeout: 120_000 });
+  await page.locator('[role="tablist"]').waitFor({ timeout: 120_000 });
   return decodeURIComponent(/#\/run\/([^/]+)/.exec(page.url())[1]);
 };
 
@@ -127,20 +93,27 @@ async function flight() {
   await page.waitForTimeout(400);
   await page.getByRole("button", { name: /Run/ }).click();
   const id = await done();
-  check((await page.locator(".stat strong").count()) >= 3, "the overview has its figures");
+  await page.locator(".stat strong").nth(2).waitFor();
+  await page.locator(".quality .plot canvas").first().waitFor();
+  check((await page.locator(".verdict-word").count()) === 1, "the verdict stands on the first page");
+  check((await page.locator(".facts tbody tr").count()) > 5, "settings with where they come from");
   await accessible("overview");
   return id;
 }
 
-/** Every view draws, plots are zoomed by keys and mouse, and what is exported is what is shown. */
+/** Every tab draws something and says no error; of the flight each is accessible too. */
+async function tabs(name, id, careful = false) {
+  const { tabs: all, wrong } = await visitTabs(page, address, id, {
+    shot: careful ? async (tab) => (await accessible(tab), tab === "track" && (await shot("ui-track"))) : null,
+  });
+  for (const w of wrong) check(false, `${name}: ${w}`);
+  check(all.length >= 2, `${name} has its tabs: ${all}`);
+}
+
+/** Plots are zoomed by keys and mouse, and what is exported is what is shown. */
 async function views(id) {
-  for (const tab of ["Track", "Sensor errors", "Innovations", "Motion", "Table", "Report", "Log", "Errors"]) {
-    await page.getByRole("tab", { name: tab, exact: true }).click();
-    await page.waitForTimeout(tab === "Track" ? 1500 : 500);
-    check((await page.locator("#view > *").count()) > 0, `${tab} shows something`);
-    await accessible(tab);
-    if (tab === "Track") await shot("ui-track");
-  }
+  await tabs("flight", id, true);
+  await page.getByRole("tab", { name: "Errors", exact: true }).click();
   const plot = page.locator("figure.plot").first();
   await plot.locator("canvas").waitFor();
   const range = () =>
@@ -183,6 +156,17 @@ async function views(id) {
     Number(rows[5].split(",")[1]) === truth.columns["/errors/position:east"][4],
     "the numbers of the CSV are those of the run",
   );
+  // a box zooms both axes
+  const limits = () => page.evaluate(() => { const { min, max } = document.querySelector("figure.plot").plot.shown.scales.y; return [min, max]; });
+  const [low, high] = await limits();
+  const whole = (await plot.locator(".u-over").boundingBox()) ?? box;
+  await page.mouse.move(whole.x + 0.2 * whole.width, whole.y + 0.3 * whole.height);
+  await page.mouse.down();
+  await page.mouse.move(whole.x + 0.7 * whole.width, whole.y + 0.3 * whole.height + 60, { steps: 6 });
+  await page.mouse.up();
+  await page.waitForTimeout(300);
+  const [lowBox, highBox] = await limits();
+  check(highBox - lowBox < 0.7 * (high - low), `a box narrows y too: ${[low, high]} to ${[lowBox, highBox]}`);
   check(/<svg[^]*<path/.test(String(await save(/Save as SVG/))), "SVG");
   check((await save(/Save as PNG/)).subarray(1, 4).toString() === "PNG", "PNG");
   await plot.getByRole("button", { name: /Show everything/ }).click();
@@ -196,8 +180,90 @@ async function views(id) {
   );
 }
 
+/** Signals: found by words, a second one of another unit on the right axis, a derived one, a layout that is kept. */
+async function signals(id) {
+  await page.goto(`${address}#/run/${id}/signals`);
+  await page.reload();
+  await page.locator(".signal-tree").waitFor();
+  await page.getByPlaceholder("Find a signal").fill("solution height");
+  await page.locator("button.signal").first().click();
+  await page.locator(".signal-chip").nth(1).waitFor();
+  const shown = () => page.evaluate(() => document.querySelector("figure.plot").plot.data.y.map((y) => y.filter((v) => v !== null).length));
+  check(await soon(async () => (await shown()).length === 2 && (await shown()).every((n) => n > 100)), `two signals are drawn: ${await shown()}`);
+  check((await page.evaluate(() => document.querySelector("figure.plot").plot.settings.lines.map((l) => Boolean(l.right)))).join() === "false,true", "another unit has the other axis");
+  await page.locator(".signal-chip select").first().selectOption("integral");
+  check(await soon(async () => /integral/.test(await page.locator(".signal-card .plot-title").innerText())), "a derived signal");
+  page.once("dialog", (d) => void d.accept("mine"));
+  await page.getByRole("button", { name: "Keep this layout" }).click();
+  check(await soon(async () => Array.isArray((await ask("api/layouts"))?.mine)), "the layout is in the workspace");
+  await shot("ui-signals");
+}
+
+/** What is typed survives a reload; a field that holds no value keeps the run from starting. */
+async function drafts() {
+  await page.goto(address);
+  await page.goto(`${address}#/scenario?example=uav-mems`);
+  const length = page.locator("#option-duration_s");
+  await length.waitFor();
+  await length.fill("ten");
+  check(await page.locator("button.primary.run").isDisabled(), "no run of a field without a value");
+  await length.fill("555");
+  check(await soon(async () => page.locator("button.primary.run").isEnabled()), "and again with one");
+  await page.reload();
+  await length.waitFor();
+  check((await length.inputValue()) === "555", "a reload keeps what was typed");
+  await page.getByRole("button", { name: "Discard them" }).click();
+  check(await soon(async () => (await length.inputValue()) === String(duration)), "unless it is discarded");
+}
+
+/** The forms of the studies, and what becomes of one: its numbers. */
+async function studies() {
+  await page.goto(`${address}#/studies`);
+  await page.locator(".examples a").first().waitFor();
+  check((await page.locator(".examples a").count()) >= 9, "every study has its form");
+  await accessible("studies");
+  await page.goto(`${address}#/studies/${encodeURIComponent("analyze equator")}`);
+  await page.locator(".studies .form").waitFor();
+  await page.getByRole("button", { name: /Compute/ }).click();
+  await tabs("study", await done());
+}
+
+/** Logs without GNSS: navigation is refused with its reason, attitude is offered and made. A folder keeps its subfolders. */
+async function attitude() {
+  await ask("api/datasets", "POST", { title: "hand" });
+  const rows = ["time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"];
+  for (let i = 0; i < 3000; ++i) rows.push([i / 100, 0.1 * Math.sin(i / 90), 0.001, 0.002, 0.3 * Math.sin(i / 90), 0.01, -9.81].join(","));
+  for (const path of ["a/imu.csv", "b/notes.csv"]) await fetch(`${address}api/datasets/hand/files/${path}`, { method: "PUT", headers: { Authorization: `Bearer ${token}` }, body: path === "a/imu.csv" ? rows.join("\n") : "x\n1\n" });
+  const [{ files }] = (await ask("api/datasets")).filter((d) => d.name === "hand");
+  check(files.map((f) => f.name).join() === "a/imu.csv,b/notes.csv", `folders are kept: ${JSON.stringify(files)}`);
+  await page.goto(`${address}#/data/hand`);
+  await page.locator(".tasks").waitFor();
+  check(await page.locator('.task input[value="process"]').isDisabled(), "no navigation without GNSS");
+  check(/Not possible/.test(await page.locator(".task.off").first().innerText()), "and the reason is told");
+  check((await page.locator(".task input:checked").getAttribute("value")) === "ahrs", "attitude is offered");
+  await accessible("data set without GNSS");
+  await page.getByRole("button", { name: /Process/ }).click();
+  await tabs("attitude", await done());
+}
+
+/** At 390 px nothing hangs out of the page. */
+async function narrow(ids) {
+  await page.setViewportSize({ width: 390, height: 844 });
+  const wide = () => page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  for (const [where, path] of [["start", ""], ["scenario", "#/scenario?example=demo"], ["studies", "#/studies"], ["data", "#/data/hand"], ["comparison", `#/compare/${ids.join("/")}`]]) {
+    await page.goto(address + path);
+    await page.waitForTimeout(900);
+    check((await wide()) <= 1, `${where}: ${await wide()} px wider than a phone`);
+  }
+  const { wrong } = await visitTabs(page, address, ids[0], { only: ["overview", "track", "innovations", "signals", "table"] });
+  for (const w of wrong) check(false, `phone: ${w}`);
+  await shot("ui-phone");
+  await page.setViewportSize({ width: 1280, height: 900 });
+}
+
 /** GNSS is cut on the time line: the error grows; both runs side by side. */
 async function cut(first) {
+  await page.goto(`${address}#/run/${first}/errors`);
   await page.getByRole("link", { name: "Change and run again" }).click();
   const line = page.locator("canvas.timeline");
   await line.scrollIntoViewIfNeeded();
@@ -295,6 +361,7 @@ async function noise() {
   await page.getByRole("button", { name: /Run/ }).click();
   const id = await done();
   await page.getByRole("tab", { name: "Noise" }).click();
+  await page.locator('#view[data-tab="noise"]').waitFor({ timeout: 60_000 });
   await page.locator(".table-block tbody tr").nth(5).waitFor({ timeout: 60_000 });
   await page.locator("figure.plot canvas").nth(1).waitFor();
   const settings = await ask(`api/runs/${id}/settings`);
@@ -327,6 +394,7 @@ async function campaign() {
   await order("Campaign", 4);
   const id = await done();
   await page.getByRole("tab", { name: "Ensemble" }).click();
+  await page.locator('#view[data-tab="ensemble"]').waitFor();
   await page.locator("figure.plot canvas").first().waitFor();
   check((await page.locator(".table-block tbody tr").count()) === 4, "a row a run");
   const run = await ask(`api/runs/${id}`);
@@ -345,13 +413,14 @@ async function gravity() {
   await page.getByRole("button", { name: /Run/ }).click();
   const id = await done();
   await page.getByRole("tab", { name: "Gravity" }).click();
+  await page.locator('#view[data-tab="gravity"]').waitFor();
   await page.locator("figure.plot canvas").nth(2).waitFor();
   const shown = await page.evaluate(() => {
     const { data, settings } = document.querySelector("figure.plot").plot;
     return { labels: settings.lines.map((l) => l.label), last: data.y.map((y) => y.at(-1)), km: data.x.at(-1) };
   });
   const { gravity } = (await ask(`api/runs/${id}`)).summary;
-  // the summary speaks of up, the plot of down
+  // the summary speaks of up, the page of down
   check(Math.abs(shown.last[0] + gravity.vertical_mgal.estimate) < 0.01, `the last estimate: ${shown.last} ${shown.labels}`);
   const truth = shown.last[shown.labels.indexOf("truth")];
   check(Math.abs(shown.last[0] - truth + gravity.vertical_mgal.final) < 0.01, `and the truth: ${truth}`);
@@ -370,11 +439,11 @@ async function upload() {
     page.getByRole("button", { name: "Choose files" }).click(),
   ]);
   await chooser.setFiles(bad);
-  await page.getByRole("heading", { name: /Data set/ }).waitFor();
+  await page.locator(".tasks").waitFor();
   check((await page.locator(".problems .error, .problems .warning").count()) > 0, "problems of the file are shown");
   await accessible("data set");
-  await page.getByRole("button", { name: /Process/ }).click();
-  await page.getByText(/The run failed/).waitFor({ timeout: 60_000 });
+  const process = page.getByRole("button", { name: /Process/ });
+  check((await process.isDisabled()) && /Not possible/.test(await page.locator(".note:not([hidden])").innerText()), "nothing is started where nothing can be done, and the reason is told");
 }
 
 /** Dark, Ukrainian, and wide. */
@@ -400,7 +469,12 @@ try {
   await start();
   const first = await flight();
   await views(first);
+  await signals(first);
+  await drafts();
   const second = await cut(first);
+  await studies();
+  await attitude();
+  await narrow([second, first]);
   await ranges(...(await compare()));
   await noise();
   await campaign();
@@ -412,9 +486,7 @@ try {
   if (options.shots) await page.screenshot({ path: join(options.shots, "failed.png") }).catch(() => undefined);
 } finally {
   await browser.close();
-  server.removeAllListeners("exit");
-  server.kill("SIGTERM");
-  await new Promise((r) => server.once("exit", r));
+  await stop();
   rmSync(folder, { recursive: true, force: true });
 }
 console.log(`page: ${failures} failures`);

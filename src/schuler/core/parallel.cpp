@@ -9,6 +9,8 @@
 
 namespace schuler {
 
+int hardware_jobs() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
+
 void for_each_run(std::size_t count, int jobs, const std::function<void(std::size_t)>& work,
                   const std::function<void(double)>& progress) {
     // Runs take seconds each, so a counter shares them out as well as any scheduler.
@@ -30,7 +32,7 @@ void for_each_run(std::size_t count, int jobs, const std::function<void(std::siz
             if (!failure) failure = std::current_exception();
         }
     };
-    const std::size_t wanted = jobs > 0 ? static_cast<std::size_t>(jobs) : std::max(1U, std::thread::hardware_concurrency());
+    const std::size_t wanted = jobs > 0 ? static_cast<std::size_t>(jobs) : static_cast<std::size_t>(hardware_jobs());
     {
         std::vector<std::jthread> others;
         for (std::size_t i = 1; i < std::min(wanted, count); ++i) others.emplace_back(worker);

@@ -11,7 +11,8 @@
 namespace schuler::dataset {
 
 /// What a command cannot do without. Attitude: an IMU log, and a magnetometer is used whatever disturbs it.
-enum class Needs { Imu, Attitude, ImuAndGnss };
+/// Satellites: raw measurements of a receiver.
+enum class Needs { Imu, Attitude, ImuAndGnss, Satellites };
 
 /// A folder or file whose content was looked at.
 struct Recognised {

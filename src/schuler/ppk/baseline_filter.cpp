@@ -257,6 +257,7 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
     // some combinations of integers may hold and leave the position as uncertain as it was
     constexpr double fixed_sigma = 0.05;   // m
     if (out.covariance.trace() < fixed_sigma * fixed_sigma) out.quality = Quality::Fixed;
+    if (settings_.views) look_at_signals(x, true, out);
     if (trial.fix->count == trial.fix->ambiguities) hold(*trial.fix);
 }
 
@@ -352,6 +353,7 @@ EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     place(rover.tag, x_, P_, out);
     out.velocity = x_.segment<3>(3);
     out.velocity_covariance = P_.block<3, 3>(3, 3);
+    if (settings_.views) look_at_signals(x_, false, out);
     if (settings_.integers.use) use_integers(rover.tag, dt, out);
     return out;
 }

@@ -93,6 +93,7 @@ private:
     void use_integers(Time tag, double dt, EpochSolution& out);
     void hold(const IntegerFix& fix);
     [[nodiscard]] EpochSolution single(const TrackedEpoch& rover) const;
+    void look_at_signals(const Eigen::VectorXd& x, bool integers, EpochSolution& out) const;
 
     Settings settings_;
     const SignalPlan& plan_;

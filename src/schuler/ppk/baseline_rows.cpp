@@ -1,5 +1,6 @@
 // Of the baseline filter: its measurement rows, and which measurements do not fit.
 #include "schuler/math/chi_square.h"
+#include "schuler/math/quantile.h"
 #include "schuler/ppk/baseline_filter.h"
 
 #include <Eigen/Cholesky>
@@ -87,6 +88,29 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const E
         for (auto j = static_cast<Eigen::Index>(first[r]); j < i; ++j) out.R(i, j) = out.R(j, i) = reference_noise[r];
     }
     return out;
+}
+
+/// What the epoch's position and the states leave of each signal.
+void BaselineFilter::look_at_signals(const Eigen::VectorXd& x, bool integers, EpochSolution& out) const {
+    out.signals.clear();
+    std::map<int, std::vector<double>> codes, phases;
+    const Eigen::Vector3d moved = out.position.r - linearised_.r;
+    for (std::size_t k = 0; k < differences_.size(); ++k) {
+        const Difference& d = differences_[k];
+        const Entry& e = entries_[static_cast<std::size_t>(ambiguity_[k] - leading)];
+        const double common = d.towards.dot(moved) + d.mapping * x[6], ionosphere = ionosphere_ ? d.factor * x[delay_[k]] : 0.0;
+        SignalView v{d.id, d.band, d.elevation, d.code - common - ionosphere, d.phase - common + ionosphere - x[ambiguity_[k]],
+                     std::sqrt(code_scale_.value() * d.code_variance), std::sqrt(phase_scale_.value() * d.phase_variance),
+                     std::isfinite(d.code) && !code_out_[k], integers && e.trusted, d.rover_arc, d.base_arc};
+        if (v.code_used) codes[group_of(d)].push_back(v.code);
+        phases[group_of(d)].push_back(v.phase);
+        out.signals.push_back(v);
+    }
+    for (std::size_t k = 0; k < differences_.size(); ++k) {
+        const int group = group_of(differences_[k]);
+        out.signals[k].phase -= math::median(phases[group]);
+        out.signals[k].code -= codes[group].empty() ? 0.0 : math::median(codes[group]);
+    }
 }
 
 BaselineFilter::Suspect BaselineFilter::worst(const estim::BlockUpdate& block, const Rows& rows) const {

@@ -4,15 +4,30 @@
 #include "schuler/core/position.h"
 #include "schuler/core/samples.h"
 #include "schuler/core/time.h"
+#include "schuler/gnss/satellite.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <vector>
 
 namespace schuler::ppk {
 
 /// As RTKLIB numbers them.
 enum class Quality : std::uint8_t { None = 0, Fixed = 1, Float = 2, Single = 5 };
+
+/// One carrier of one satellite in an epoch, Settings::views. Residuals are differences rover less base, measured minus modelled at the
+/// epoch's position, less the median of their system and carrier.
+struct SignalView {
+    gnss::SatelliteId satellite;
+    char band = '1';
+    double elevation = 0;         ///< rad
+    double code = not_given, phase = not_given;                      ///< m, residuals
+    double code_sigma = not_given, phase_sigma = not_given;          ///< m, of a single difference
+    bool code_used = false;
+    bool whole = false;           ///< its ambiguity is among the integers of the epoch
+    int rover_arc = 0, base_arc = 0;   ///< another number than before: the phase slipped, or was lost
+};
 
 struct EpochSolution {
     Time tag, time;               ///< by the rover's clock, and GPS time
@@ -26,6 +41,7 @@ struct EpochSolution {
     double ratio = 0, success = 0;
     double age = 0;               ///< s to the base's epoch
     int rejected = 0;             ///< codes left out, and ambiguities begun anew because their phases did not fit
+    std::vector<SignalView> signals;   ///< empty but for Settings::views
 };
 
 }  // namespace schuler::ppk

@@ -6,6 +6,7 @@
 #include "schuler/io/solution/solution_csv.h"
 #include "schuler/io/text/csv_events.h"
 #include "schuler/report/carrier.h"
+#include "schuler/report/run_mat.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/events.h"
@@ -44,7 +45,7 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void check_overwrite_of_outputs(const std::filesystem::path& folder) {
-    for (const char* name : {"solution.csv", "point.csv", "events.csv", "protection.csv", "receiver.csv", "run.h5", "report.html", "track.kml",
+    for (const char* name : {"solution.csv", "point.csv", "events.csv", "protection.csv", "receiver.csv", "run.h5", "run.mat", "report.html", "track.kml",
                              "config.toml", "summary.json"})
         io::check_overwrite(folder / name);
 }
@@ -71,6 +72,7 @@ std::vector<std::filesystem::path> write_outputs(solution::ResultBundle& b, cons
     if (!b.result.forward.protection.empty()) write_text(add("protection.csv"), protection_csv(b));
     if (!b.result.cross_checks.empty()) write_text(add("receiver.csv"), receiver_csv(b));
     if (c.output.wants("h5") || c.filter.covariance_rows) write_run_h5(add("run.h5"), b);
+    if (c.output.wants("mat")) write_run_mat(add("run.mat"), b);
     if (c.output.wants("report")) io::write_file(add("report.html"), report_html(b));
     if (c.output.wants("kml")) io::write_track_kml(add("track.kml"), b.solution().rows, b.name);
     if (c.output.wants("config")) io::write_file(add("config.toml"), b.config_toml);

@@ -1,6 +1,8 @@
 #include "schuler/core/units.h"
 #include "schuler/io/container/hdf5_file.h"
+#include "schuler/io/container/mat_file.h"
 #include "schuler/io/solution/solution_csv.h"
+#include "schuler/report/run_mat.h"
 #include "schuler/report/sky.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
@@ -15,7 +17,7 @@ using Eigen::Vector3d;
 
 /// One table of a group: rows of triples, or wider ones, gathered from a range.
 template <class Rows, class Fill>
-void add_table(io::Hdf5Writer& file, const std::string& path, const Rows& rows, std::size_t columns, const std::string& names,
+void add_table(io::TableWriter& file, const std::string& path, const Rows& rows, std::size_t columns, const std::string& names,
                const std::string& units, Fill fill) {
     std::vector<double> values;
     values.reserve(rows.size() * columns);
@@ -28,7 +30,7 @@ void push(std::vector<double>& out, const Vector3d& v, double unit = 1.0) {
 }
 
 template <class Rows>
-void add_times(io::Hdf5Writer& file, const std::string& group, const Rows& rows) {
+void add_times(io::TableWriter& file, const std::string& group, const Rows& rows) {
     std::vector<std::int64_t> ns;
     std::vector<double> s;
     for (const auto& row : rows) {
@@ -39,7 +41,7 @@ void add_times(io::Hdf5Writer& file, const std::string& group, const Rows& rows)
     file.table(group + "/time_s", s, 1, {{"units", "s"}});
 }
 
-void add_solution(io::Hdf5Writer& file, const std::string& group, const std::vector<SolutionRow>& rows, const std::vector<Time>& legs = {}) {
+void add_solution(io::TableWriter& file, const std::string& group, const std::vector<SolutionRow>& rows, const std::vector<Time>& legs = {}) {
     if (rows.empty()) return;
     add_times(file, group, rows);
     if (legs.size() > 1) {
@@ -64,7 +66,7 @@ void add_solution(io::Hdf5Writer& file, const std::string& group, const std::vec
 }
 
 /// The solution at the point of the user's choice, and at events.
-void add_chosen(io::Hdf5Writer& file, const solution::ResultBundle& b) {
+void add_chosen(io::TableWriter& file, const solution::ResultBundle& b) {
     const Eigen::Vector3d& arm = b.data.config.filter.output_lever_arm_b;
     const std::string lever_arm = fmt::format("{},{},{}", arm.x(), arm.y(), arm.z());
     if (!b.solution().point.empty()) {
@@ -80,7 +82,7 @@ void add_chosen(io::Hdf5Writer& file, const solution::ResultBundle& b) {
     file.integers("/events/line", lines, {{"units", "line of output.events"}});
 }
 
-void add_separation(io::Hdf5Writer& file, const std::vector<analysis::SeparationRow>& rows) {
+void add_separation(io::TableWriter& file, const std::vector<analysis::SeparationRow>& rows) {
     using Row = analysis::SeparationRow;
     if (rows.empty()) return;
     add_times(file, "/separation", rows);
@@ -94,7 +96,7 @@ void add_separation(io::Hdf5Writer& file, const std::vector<analysis::Separation
     add("attitude", "roll,pitch,heading", "deg", units::deg, &Row::rpy, &Row::std_rpy);
 }
 
-void add_sensor_errors(io::Hdf5Writer& file, const std::string& group, const std::vector<fusion::SensorErrorRow>& rows) {
+void add_sensor_errors(io::TableWriter& file, const std::string& group, const std::vector<fusion::SensorErrorRow>& rows) {
     using Row = fusion::SensorErrorRow;
     if (rows.empty()) return;
     add_times(file, group, rows);
@@ -111,7 +113,7 @@ void add_sensor_errors(io::Hdf5Writer& file, const std::string& group, const std
 }
 
 /// Estimates and sigmas of every block of states behind the navigation's own, in SI units.
-void add_states(io::Hdf5Writer& file, const std::string& group, const std::vector<filter::LayoutBlock>& states,
+void add_states(io::TableWriter& file, const std::string& group, const std::vector<filter::LayoutBlock>& states,
                 const std::vector<filter::ParameterRow>& rows) {
     constexpr int navigation = 9;
     if (rows.empty()) return;
@@ -132,7 +134,7 @@ void add_states(io::Hdf5Writer& file, const std::string& group, const std::vecto
 }
 
 /// The whole covariance, epochs x n x n; the attribute `states` names its rows and columns.
-void add_covariances(io::Hdf5Writer& file, const fusion::Result& result) {
+void add_covariances(io::TableWriter& file, const fusion::Result& result) {
     const std::vector<filter::CovarianceRow>& rows = result.forward.covariances;
     if (rows.empty()) return;
     std::string names;
@@ -150,7 +152,7 @@ void add_covariances(io::Hdf5Writer& file, const fusion::Result& result) {
     file.table("/covariance_time_s", times, 1, {{"units", "s"}});
 }
 
-void add_sensor_truth(io::Hdf5Writer& file, const std::vector<sim::SensorTruth>& rows) {
+void add_sensor_truth(io::TableWriter& file, const std::vector<sim::SensorTruth>& rows) {
     if (rows.empty()) return;
     add_times(file, "/sensor_truth", rows);
     add_table(file, "/sensor_truth/gyro_bias", rows, 3, "x,y,z", "deg/h",
@@ -160,15 +162,19 @@ void add_sensor_truth(io::Hdf5Writer& file, const std::vector<sim::SensorTruth>&
 }
 
 /// The fixes as the receiver gave them, at the antenna.
-void add_fixes(io::Hdf5Writer& file, const std::vector<GnssFix>& rows) {
+void add_fixes(io::TableWriter& file, const std::vector<GnssFix>& rows) {
     if (rows.empty()) return;
     add_times(file, "/gnss", rows);
     add_table(file, "/gnss/position", rows, 3, "lat,lon,height", "deg,deg,m", [](const GnssFix& r, std::vector<double>& out) {
         push(out, {r.position.lat / units::deg, r.position.lon / units::deg, r.position.h});
     });
+    add_table(file, "/gnss/quality", rows, 4, "fix,satellites,std_horizontal,std_down", "1,1,m,m", [](const GnssFix& r, std::vector<double>& out) {
+        out.insert(out.end(), {static_cast<double>(r.fix), r.satellites >= 0 ? static_cast<double>(r.satellites) : not_given,
+                               r.std_position.head<2>().maxCoeff(), r.std_position.z()});
+    });
 }
 
-void add_innovations(io::Hdf5Writer& file, const std::vector<fusion::AidRecord>& records) {
+void add_innovations(io::TableWriter& file, const std::vector<fusion::AidRecord>& records) {
     for (const filter::MeasurementInfo& info : filter::measurement_infos) {
         std::vector<fusion::AidRecord> rows;
         for (const fusion::AidRecord& r : records) {
@@ -189,7 +195,7 @@ void add_innovations(io::Hdf5Writer& file, const std::vector<fusion::AidRecord>&
 }
 
 /// One row a source and epoch; the sources' names are an attribute of the table, in the order of their numbers.
-void add_sky(io::Hdf5Writer& file, const RangingLog& log, const std::vector<SkyRow>& rows) {
+void add_sky(io::TableWriter& file, const RangingLog& log, const std::vector<SkyRow>& rows) {
     if (rows.empty()) return;
     add_times(file, "/sky", rows);
     add_table(file, "/sky/source", rows, 2, "number,station", "1", [](const SkyRow& r, std::vector<double>& out) {
@@ -207,7 +213,7 @@ void add_sky(io::Hdf5Writer& file, const RangingLog& log, const std::vector<SkyR
     file.attribute("/sky/source", "names", names);
 }
 
-void add_errors(io::Hdf5Writer& file, const std::string& group, const std::vector<analysis::ErrorRow>& rows) {
+void add_errors(io::TableWriter& file, const std::string& group, const std::vector<analysis::ErrorRow>& rows) {
     using Row = analysis::ErrorRow;
     if (rows.empty()) return;
     add_times(file, group, rows);
@@ -223,7 +229,7 @@ void add_errors(io::Hdf5Writer& file, const std::string& group, const std::vecto
     add("attitude", "roll,pitch,heading", "deg", units::deg, &Row::rpy, &Row::std_rpy);
 }
 
-void add_reference(io::Hdf5Writer& file, const std::vector<ReferenceSample>& rows) {
+void add_reference(io::TableWriter& file, const std::vector<ReferenceSample>& rows) {
     if (rows.empty()) return;
     add_times(file, "/reference", rows);
     add_table(file, "/reference/position", rows, 3, "lat,lon,height", "deg,deg,m",
@@ -236,7 +242,7 @@ void add_reference(io::Hdf5Writer& file, const std::vector<ReferenceSample>& row
               [](const ReferenceSample& r, std::vector<double>& out) { push(out, r.rpy, units::deg); });
 }
 
-void add_outages(io::Hdf5Writer& file, const std::string& group, const std::vector<fusion::OutageEpoch>& rows) {
+void add_outages(io::TableWriter& file, const std::string& group, const std::vector<fusion::OutageEpoch>& rows) {
     if (rows.empty()) return;
     add_times(file, group, rows);
     add_table(file, group + "/error", rows, 3, "north,east,down", "m",
@@ -249,10 +255,7 @@ void add_outages(io::Hdf5Writer& file, const std::string& group, const std::vect
     });
 }
 
-}  // namespace
-
-void write_run_h5(const std::filesystem::path& path, const solution::ResultBundle& b) {
-    io::Hdf5Writer file(path);
+void write_run(io::TableWriter& file, const solution::ResultBundle& b) {
     add_solution(file, "/solution", b.solution().rows, b.result.legs);
     if (b.smoothed()) add_solution(file, "/forward", b.result.forward.rows, b.result.legs);
     add_chosen(file, b);
@@ -274,6 +277,18 @@ void write_run_h5(const std::filesystem::path& path, const solution::ResultBundl
     file.attribute("/", "config", b.config_toml);
     file.attribute("/", "origin_s", fmt::format("{}", b.data.origin.seconds()));
     file.commit();
+}
+
+}  // namespace
+
+void write_run_h5(const std::filesystem::path& path, const solution::ResultBundle& b) {
+    io::Hdf5Writer file(path);
+    write_run(file, b);
+}
+
+void write_run_mat(const std::filesystem::path& path, const solution::ResultBundle& b) {
+    io::MatWriter file(path);
+    write_run(file, b);
 }
 
 }  // namespace schuler::report

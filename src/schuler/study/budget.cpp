@@ -107,8 +107,24 @@ const std::array<Source, 20> all_sources{{
      },
      has_baro}}};
 
-/// The scenario without errors of its own.
-settings::ScenarioConfig bare_of(const settings::ScenarioConfig& full) {
+constexpr std::size_t measures = 6;
+constexpr std::array<const char*, measures> keys{"horizontal_m", "up_m", "velocity_m_s", "tilt_deg", "heading_deg", "outage_end_horizontal_m"};
+using Measures = std::array<double, measures>;
+
+/// Root mean squares of one run.
+Measures measures_of(const solution::ResultBundle& b) {
+    const analysis::ErrorSummary& s = b.evaluation.summary;
+    return {s.horizontal.rms,
+            s.up.rms,
+            std::hypot(s.v_east.rms, s.v_north.rms, s.v_up.rms),
+            std::hypot(s.roll.rms, s.pitch.rms) / units::deg,
+            s.heading.rms / units::deg,
+            b.evaluation.outages.empty() ? not_given : b.evaluation.outages.front().end_horizontal};
+}
+
+}  // namespace
+
+settings::ScenarioConfig without_errors(const settings::ScenarioConfig& full) {
     settings::ScenarioConfig bare = full;
     const ImuErrorModel& e = full.sim.imu.errors;
     bare.sim.imu.errors = sensor::imu_grade("perfect");
@@ -132,23 +148,6 @@ settings::ScenarioConfig bare_of(const settings::ScenarioConfig& full) {
     return bare;
 }
 
-constexpr std::size_t measures = 6;
-constexpr std::array<const char*, measures> keys{"horizontal_m", "up_m", "velocity_m_s", "tilt_deg", "heading_deg", "outage_end_horizontal_m"};
-using Measures = std::array<double, measures>;
-
-/// Root mean squares of one run.
-Measures measures_of(const solution::ResultBundle& b) {
-    const analysis::ErrorSummary& s = b.evaluation.summary;
-    return {s.horizontal.rms,
-            s.up.rms,
-            std::hypot(s.v_east.rms, s.v_north.rms, s.v_up.rms),
-            std::hypot(s.roll.rms, s.pitch.rms) / units::deg,
-            s.heading.rms / units::deg,
-            b.evaluation.outages.empty() ? not_given : b.evaluation.outages.front().end_horizontal};
-}
-
-}  // namespace
-
 report::Outcome analyze_budget(const StudyRequest& request) {
     const settings::SettingList base = settings::scenario_settings(request.scenario, request.seed);
     const settings::ScenarioConfig first = settings::scenario_from(base);
@@ -169,7 +168,7 @@ report::Outcome analyze_budget(const StudyRequest& request) {
             const settings::ScenarioConfig full = settings::scenario_from(settings);
             settings::ScenarioConfig simulated = full;
             if (row < sources.size()) {
-                simulated = bare_of(full);
+                simulated = without_errors(full);
                 sources[row]->keep(full, simulated);
             }
             WarningLog unheard;

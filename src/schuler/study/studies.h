@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/report/outcome.h"
+#include "schuler/settings/scenario/scenario.h"
 #include "schuler/settings/value.h"
 
 #include <filesystem>
@@ -35,6 +36,9 @@ struct StudyRequest {
 };
 /// Error budget: one source at a time is simulated, the filter goes on assuming all of them.
 [[nodiscard]] report::Outcome analyze_budget(const StudyRequest& request);
+
+/// The scenario without errors of its own.
+[[nodiscard]] settings::ScenarioConfig without_errors(const settings::ScenarioConfig& full);
 
 /// Detection, false alarms and time to alert of the receiver's faults.
 [[nodiscard]] report::Outcome analyze_integrity(const StudyRequest& request);

@@ -31,6 +31,21 @@ function statistics(runs: RunDetails[]): HTMLElement {
     const best = Math.min(...values.filter((v): v is number => v !== null));
     return [name, ...values.map((v) => (v === best && runs.length > 1 ? h("strong", null, number(v)) : number(v)))];
   });
+  // whatever else the documents have in common: scalars of their summaries
+  const flat = runs.map((r) => {
+    const out = new Map<string, number>();
+    const walk = (v: unknown, path: string, depth: number) => {
+      if (typeof v === "number") out.set(path, v);
+      else if (Array.isArray(v)) v.slice(0, 12).forEach((x: unknown, i) => walk(x, `${path} ${typeof x === "object" && x !== null && "scheme" in x ? String((x as { scheme: unknown }).scheme) : i + 1}`, depth + 1));
+      else if (typeof v === "object" && v !== null && depth < 4) for (const [k, x] of Object.entries(v)) walk(x, `${path} ${k.replaceAll("_", " ")}`.trim(), depth + 1);
+    };
+    const { timing: _t, facts: _f, errors: _e, imu: _i, gnss: _g, outages: _o, warnings: _w, self_check: _s, consistency: _c, integrity: _n, ...rest } = (r.summary ?? {}) as Record<string, unknown>;
+    walk(rest, "", 0);
+    return out;
+  });
+  if (names.length === 0)
+    for (const key of [...new Set(flat.flatMap((f) => [...f.keys()]))].slice(0, 120))
+      rows.push([key, ...flat.map((f) => number(f.get(key) ?? null))]);
   const outages = Math.max(0, ...runs.map((r) => r.summary?.outages?.length ?? 0));
   for (let i = 0; i < outages; ++i)
     rows.push([
@@ -69,15 +84,35 @@ export async function comparePage(ids: string[]): Promise<Page> {
           linked,
         ),
       );
+  // attitude runs, campaigns and surveys have tables of their own
+  for (const group of ["/attitude", "/gravity", "/ensemble"]) {
+    const theirs = groups.map((g) => g.find((x) => x.group === group));
+    const common = theirs.find(Boolean)?.columns.filter((c) => !/lat|lon|_q\d|_median|(low|high)95|^vel_|^std_(n|e|d|v)/.test(c.name)) ?? [];
+    if (theirs.filter(Boolean).length > 1)
+      for (const column of common.slice(0, 18))
+        plots.push(
+          new TimePlot(
+            {
+              title: `${group.slice(1)} ${column.name.replaceAll("_", " ")}`,
+              unit: unit(column.unit),
+              lines,
+              robust: true,
+              mayBeEmpty: true,
+              load: (from, to, points, signal) => together(runs, column.id, { from, to, points }, signal),
+            },
+            linked,
+          ),
+        );
+  }
   const base = h(
     "select",
     { "aria-label": t("compare.base"), onChange: () => differ() },
-    ...runs.map((r) => h("option", { value: r.id }, r.title)),
+    ...runs.filter((_, i) => groups[i]!.some((g) => g.group === "/solution")).map((r) => h("option", { value: r.id }, r.title)),
   );
   const place = h("div", { class: "plots" });
   let differences: TimePlot[] = [];
   const differ = () => {
-    const others = runs.filter((r) => r.id !== base.value);
+    const others = runs.filter((r, i) => r.id !== base.value && groups[i]!.some((g) => g.group === "/solution"));
     const kinds: [string, string, string[]][] = [
       ["position", "m", ["north", "east", "down"]],
       ["velocity", "m/s", ["v_north", "v_east", "v_down"]],
@@ -105,9 +140,11 @@ export async function comparePage(ids: string[]): Promise<Page> {
     replace(place, ...differences.map((p) => p.element));
   };
   const plan = new PlanView(linked);
+  const withTrack = runs.filter((_, i) => groups[i]!.some((g) => g.group === "/solution"));
   const tracks = await Promise.all(
-    runs.map(async (r, ink) => {
-      const s = await api.series(r.id, ["/solution/local:east", "/solution/local:north"], { points: 1500 }, runs[0]!.id);
+    withTrack.map(async (r) => {
+      const ink = runs.indexOf(r);
+      const s = await api.series(r.id, ["/solution/local:east", "/solution/local:north"], { points: 1500 }, withTrack[0]!.id);
       return {
         label: r.title,
         ink,
@@ -117,7 +154,7 @@ export async function comparePage(ids: string[]): Promise<Page> {
       };
     }),
   );
-  plan.show(tracks);
+  if (tracks.length > 0) plan.show(tracks);
   linkCursors(plots, linked);
   differ();
   const element = h(
@@ -137,12 +174,12 @@ export async function comparePage(ids: string[]): Promise<Page> {
       ),
     ),
     statistics(runs),
-    h("h2", null, t("compare.overlay")),
+    plots.length > 0 && h("h2", null, t("compare.overlay")),
     h("div", { class: "plots" }, ...plots.map((p) => p.element)),
-    h("h2", null, t("compare.base"), " ", base),
-    place,
-    h("h2", null, t("compare.tracks")),
-    plan.element,
+    withTrack.length > 1 && h("h2", null, t("compare.base"), " ", base),
+    withTrack.length > 1 && place,
+    tracks.length > 0 && h("h2", null, t("compare.tracks")),
+    tracks.length > 0 && plan.element,
   );
   return { title: t("compare.title"), element, redraw: () => [...plots, ...differences, plan].forEach((p) => p.redraw()) };
 }

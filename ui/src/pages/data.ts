@@ -1,12 +1,15 @@
 // A data set: what is in its files, what is doubtful, its settings as a form, and the way to a run.
-import { api, type Inspection } from "../api";
+import { api, type Inspection, type Settings } from "../api";
 import { h, quietly, replace, saveAs } from "../dom";
+import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
 import { OutageLine } from "../plots/timeline";
 import { noiseView } from "./noise";
-import { CommandChoice, runButton } from "./runbutton";
+import { runButton } from "./runbutton";
+import { rawCard } from "./raw";
+import { TaskChoice } from "./tasks";
 
 function problems(list: Inspection["problems"]): HTMLElement {
   const icon = { error: "✗", warning: "⚠", info: "ℹ" };
@@ -105,8 +108,21 @@ function findings(found: Inspection): HTMLElement {
   );
 }
 
-export async function dataPage(name: string): Promise<Page> {
-  const [options, found] = await Promise.all([api.options("dataset"), api.inspect(name)]);
+export async function dataPage(name: string, query: URLSearchParams): Promise<Page> {
+  const from = query.get("run");
+  const [options, found, commands, again, before] = await Promise.all([
+    api.options("dataset"),
+    api.inspect(name),
+    api.commands(),
+    from ? api.run(from) : null,
+    from ? api.runSettings(from) : null,
+  ]);
+  // What was found out stays a finding: only what is changed here is given to the run, or its guesses would count as yours.
+  const base = { ...found.form.settings };
+  const changes = (of: Settings): Settings => Object.fromEntries(Object.entries(of).filter(([k, v]) => JSON.stringify(v) !== JSON.stringify(base[k])));
+  // a run's own settings over those of the data set
+  if (before) found.form = { ...before, settings: { ...base, ...before.settings } };
+  const at = draftKey();
   const problem = h("p", { class: "bad", role: "alert", hidden: true });
   const toml = h("pre", { class: "toml", tabIndex: 0 }, found.form.toml);
   // settings of the run over those of the data set
@@ -117,13 +133,26 @@ export async function dataPage(name: string): Promise<Page> {
       toml.textContent = now.toml;
       problem.hidden = !now.problem || form.blame(now.problem);
       if (now.problem) problem.textContent = `${now.problem.text}; ${now.problem.mend}`;
-      start.disabled = now.problem !== null;
+      invalid.server = now.problem !== null;
+      allow();
     } catch (e) {
       problem.hidden = false;
       problem.textContent = (e as Error).message;
     }
   });
-  const form = new OptionForm(options, check, (key) => key === "outage", ["imu", "gnss", "filter"]);
+  const form = new OptionForm(
+    options,
+    () => {
+      keepDraft({ settings: form.settings, title: title.value }, at);
+      check();
+    },
+    (key) => key === "outage",
+    [],
+  );
+  form.judged = (wrong) => {
+    invalid.fields = wrong;
+    allow();
+  };
   const gnss = found.files.find((f) => /gnss|pos|nmea/.test(f.kind)) ?? found.files[0];
   const length = gnss && gnss.start_s !== null && gnss.stop_s !== null ? gnss.stop_s - gnss.start_s : 600;
   const outages = new OutageLine((list) =>
@@ -132,18 +161,43 @@ export async function dataPage(name: string): Promise<Page> {
       list.map((o) => ({ ...o })),
     ),
   );
-  const title = h("input", { type: "text", class: "run-name", value: found.path, "aria-label": t("run.title") });
-  const command = new CommandChoice(["run", "gravity"]);
-  const start = runButton(t("data.run"), () => ({
-    kind: "dataset",
-    dataset: name,
-    title: title.value.trim() || name,
-    settings: form.settings,
-    ...command.order,
-  }));
-  form.load(found.form);
+  const title = h("input", { type: "text", class: "run-name", value: again?.title ?? found.path, "aria-label": t("run.title") });
+  const invalid = { server: false, fields: 0 };
+  const obstacle = h("p", { class: "note", hidden: true });
+  const allow = () => {
+    const why = invalid.fields > 0 ? t("form.mend_first") : invalid.server ? t("form.mend_first") : tasks.obstacle;
+    start.disabled = why !== "";
+    start.title = why;
+    obstacle.hidden = why === "";
+    obstacle.textContent = `${t("task.not")}: ${why}`;
+  };
+  const start: HTMLButtonElement = runButton(
+    t("data.run"),
+    () => ({
+      kind: "dataset",
+      dataset: name,
+      title: title.value.trim() || name,
+      settings: tasks.settings(changes(form.settings), form.settings),
+      ...tasks.order,
+    }),
+    () => forgetDraft(at),
+    (order) => tasks.start(order),
+  );
+  let ready = false;
+  const order = again?.order;
+  const scheme = found.form.settings["filter.scheme"];
+  const tasks: TaskChoice = new TaskChoice(found, commands, () => ready && allow(), {
+    task: order && order.command !== "run" ? order.command : "base.observations" in found.form.settings ? "ppk" : scheme === "gnss" ? "gnss" : "process",
+    arguments: order?.arguments ?? {},
+  });
+  ready = true;
+  const draft = keptDraft();
+  const restored = draft !== null && JSON.stringify(draft.settings) !== JSON.stringify(found.form.settings);
+  if (draft && restored) title.value = draft.title;
+  form.load(draft && restored ? { ...found.form, settings: draft.settings } : found.form);
+  allow();
   form.doubts(found.findings);
-  outages.show((found.form.settings["outage"] as never) ?? [], length);
+  outages.show((form.settings["outage"] as never) ?? [], length);
   if (found.form.problem) {
     problem.hidden = form.blame(found.form.problem);
     problem.textContent = found.form.problem.text;
@@ -172,25 +226,27 @@ export async function dataPage(name: string): Promise<Page> {
       { class: "bar" },
       h("h1", null, `${t("data.title")}: ${name}`),
       title,
-      command.element,
       start,
       h("button", { type: "button", onClick: () => saveAs(new Blob([toml.textContent ?? ""]), "dataset.toml") }, t("data.save")),
     ),
     problem,
+    restored && h("p", { class: "note" }, t("draft.restored"), " ", h("button", { type: "button", onClick: () => (forgetDraft(at), window.dispatchEvent(new HashChangeEvent("hashchange"))) }, t("draft.discard"))),
+    obstacle,
+    tasks.element,
     h(
-      "section",
-      { class: "card" },
-      h("h2", null, t("data.files")),
+      "details",
+      { class: "card", open: found.files.length <= 8 || found.problems.length > 0 },
+      h("summary", null, `${t("data.files")} (${found.files.length})`),
       files(found),
       found.problems.length > 0 && problems(found.problems),
     ),
     h(
-      "section",
+      "details",
       { class: "card" },
-      h("h2", null, t("data.findings")),
-      h("p", { class: "muted" }, doubts > 0 ? t("data.doubts", { n: doubts }) : t("data.no_doubts")),
+      h("summary", null, `${t("data.findings")} (${found.findings.length}): ${doubts > 0 ? t("data.doubts", { n: doubts }) : t("data.no_doubts")}`),
       findings(found),
     ),
+    rawCard(name, found),
     noise,
     outages.element,
     h(
@@ -203,7 +259,7 @@ export async function dataPage(name: string): Promise<Page> {
         h("p", { class: "muted" }, t(found.own_toml ? "data.own" : "data.inferred")),
         form.element,
       ),
-      h("div", { class: "right" }, h("details", { class: "card", open: true }, h("summary", null, "dataset.toml"), toml)),
+      h("div", { class: "right" }, h("details", { class: "card" }, h("summary", null, "dataset.toml"), toml)),
     ),
   );
   replace(element, ...[...element.children]);

@@ -1,6 +1,7 @@
 // The scenario editor: the option table as a form, the track as one types, outages on a time line, TOML in and out.
 import { api, type Json, type Settings, type Understood } from "../api";
 import { h, quietly, replace, saveAs, tell } from "../dom";
+import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
@@ -38,6 +39,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       return api.settings("scenario", example ? { toml: example.toml } : { settings: {} });
     })(),
   ]);
+  const again = query.get("run") ? await api.run(query.get("run")!) : null;
   let now = first;
   let linked = new Linked(0, 1);
   const problem = h("p", { class: "bad", role: "alert", hidden: true });
@@ -106,13 +108,20 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     problem.hidden = !now.problem;
     if (now.problem)
       problem.textContent = known ? t("editor.see_field", { key: now.problem.key }) : now.problem.text + "; " + now.problem.mend;
-    start.disabled = now.problem !== null;
+    invalid.server = now.problem !== null;
+    allow();
     const keys = Object.keys(form.settings);
     const runs = form.settings["montecarlo.runs"];
-    if (keys.some((k) => k.startsWith("gravity.") || k === "anomaly")) command.suggest("gravity");
+    if (keys.some((k) => k.startsWith("gravity.") || k.startsWith("anomaly"))) command.suggest("gravity");
     else if (typeof runs === "number") command.suggest("montecarlo", runs);
   };
   const command = new CommandChoice(["run", "montecarlo", "gravity"]);
+  const invalid = { server: false, fields: 0 };
+  const allow = () => {
+    start.disabled = invalid.server || invalid.fields > 0;
+    start.title = invalid.fields > 0 ? t("form.mend_first") : "";
+  };
+  const at = draftKey();
   const ask = quietly(150, async () => {
     request?.abort();
     request = new AbortController();
@@ -127,7 +136,19 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       }
     }
   });
-  const form = new OptionForm(options, ask, (key) => key === "outage");
+  const form = new OptionForm(
+    options,
+    () => {
+      keepDraft({ settings: form.settings, title: title.value }, at);
+      ask();
+    },
+    (key) => key === "outage",
+    ["general", "trajectory"],
+  );
+  form.judged = (wrong) => {
+    invalid.fields = wrong;
+    allow();
+  };
 
   const load = async (text: string) => {
     try {
@@ -144,7 +165,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     title: title.value.trim() || String(form.settings["name"] ?? "scenario"),
     settings: form.settings,
     ...command.order,
-  }));
+  }), () => forgetDraft(at));
   const file = () => {
     const input = h("input", { type: "file", accept: ".toml" });
     input.onchange = () => void input.files?.[0]?.text().then(load);
@@ -193,7 +214,25 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       ),
     ),
   );
+  title.addEventListener("input", () => keepDraft({ settings: form.settings, title: title.value }, at));
   form.load(now);
+  if (again) {
+    title.value = again.title;
+    const order = again.order;
+    if (order && order.command !== "run") command.suggest(order.command as never, order.runs || undefined);
+  }
+  const draft = keptDraft();
+  if (draft && JSON.stringify(draft.settings) !== JSON.stringify(now.settings)) {
+    try {
+      now = await api.settings("scenario", { settings: draft.settings });
+      form.load(now);
+      title.value = draft.title;
+      const note = h("p", { class: "note" }, t("draft.restored"), " ", h("button", { type: "button", onClick: () => (forgetDraft(at), window.dispatchEvent(new HashChangeEvent("hashchange"))) }, t("draft.discard")));
+      element.insertBefore(note, problem);
+    } catch {
+      forgetDraft(at);
+    }
+  }
   drawn();
   return {
     title: t("editor.title"),

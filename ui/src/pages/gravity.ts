@@ -15,7 +15,9 @@ function figures(run: RunDetails): HTMLElement | null {
   if (!g) return null;
   const rows = (["vertical", "north", "east"] as const).map((axis) => {
     const c = (g[`${axis}_mgal`] ?? {}) as Record<string, number | null>;
-    return [t(axis === "vertical" ? "up" : axis), ...["estimate", "sigma", "final", "rms", "spread"].map((k) => number(c[k] ?? null, 3))];
+    // the summary speaks of up, the plots of down: so does the table
+    const signed = (k: string) => (axis === "vertical" && (k === "estimate" || k === "final") && typeof c[k] === "number" ? -c[k] : (c[k] ?? null));
+    return [t(axis === "vertical" ? "down" : axis), ...["estimate", "sigma", "final", "rms", "spread"].map((k) => number(signed(k), 3))];
   });
   const head = ["table.quantity", "gravity.at_end", "gravity.sigma", "gravity.final", "table.rms", "gravity.spread"];
   return h("div", { class: "figures" }, typeof g["statement"] === "string" && h("p", null, g["statement"]), table(head.map((x) => t(x)), rows, t("gravity.table")));

@@ -1,7 +1,7 @@
 // The figures of a run as cards and tables.
 import { api, type RunDetails, type Spread, type Summary } from "../api";
 import { append, copyText, h, icon } from "../dom";
-import { number, t } from "../i18n";
+import { maybe, number, t } from "../i18n";
 
 type Cells = (string | HTMLElement)[];
 
@@ -58,10 +58,10 @@ export function errorRows(summary: Summary): { key: string; name: string; spread
   return out;
 }
 
-export function overview(run: RunDetails): HTMLElement {
+/** The figures that matter first. */
+export function statCards(run: RunDetails): HTMLElement | null {
   const s = run.summary;
-  const box = h("div", { class: "overview" });
-  if (!s) return append(box, h("p", { class: "muted" }, t("plot.empty"))), box;
+  if (!s) return null;
   const card = (name: string, value: string, note = "") =>
     h(
       "div",
@@ -72,25 +72,26 @@ export function overview(run: RunDetails): HTMLElement {
     );
   const cards = h("div", { class: "stats" });
   const shown = ["position_m.horizontal", "position_m.up", "attitude_deg.heading"];
-  for (const { key, name, spread } of errorRows(s))
+  for (const { key, name, spread } of errorRows(s).sort((a, b) => shown.indexOf(a.key) - shown.indexOf(b.key)))
     if (shown.includes(key)) append(cards, card(name, number(spread.rms, 3), `rms · ${t("table.max")} ${number(spread.max, 3)}`));
+  if (s.duration_s) append(cards, card(t("run.duration"), `${number(s.duration_s)} s`, [s.scheme, s.mechanization].filter(Boolean).join(", ")));
+  if (s.imu) append(cards, card(t("overview.imu_card"), `${number(s.imu.rate_hz)} Hz`, t("overview.imu_note", { n: s.imu.epochs, gaps: s.imu.gaps })));
+  if (s.gnss) append(cards, card(t("overview.gnss_card"), String(s.gnss.epochs), t("overview.gnss_note", { accepted: s.gnss.accepted, rejected: s.gnss.rejected })));
   const inside = s.outages?.filter((o) => o.inside_3sigma !== null) ?? [];
   if (inside.length > 0)
     append(
       cards,
       card(t("table.outages"), `${inside.filter((o) => o.inside_3sigma).length} / ${inside.length}`, t("table.inside")),
     );
-  append(box, cards);
-  if (s.imu && s.gnss)
-    append(
-      box,
-      h(
-        "p",
-        { class: "muted" },
-        `${t("overview.imu", { n: s.imu.epochs, rate: number(s.imu.rate_hz), gaps: s.imu.gaps })}; ${t("overview.gnss", { n: s.gnss.epochs, accepted: s.gnss.accepted, rejected: s.gnss.rejected })}. ${s.settled_after_s !== null ? t("table.settled", { s: number(s.settled_after_s) }) : ""}`,
-      ),
-    );
-  if (s.warnings.length > 0)
+  return cards;
+}
+
+export function overview(run: RunDetails): HTMLElement {
+  const s = run.summary;
+  const box = h("div", { class: "overview" });
+  if (!s) return append(box, h("p", { class: "muted" }, t("plot.empty"))), box;
+  if (typeof s.settled_after_s === "number") append(box, h("p", { class: "muted" }, t("table.settled", { s: number(s.settled_after_s) })));
+  if ((s.warnings?.length ?? 0) > 0)
     append(
       box,
       h("h3", null, t("table.warnings")),
@@ -123,6 +124,13 @@ export function overview(run: RunDetails): HTMLElement {
         t("table.outages"),
       ),
     );
+  const broad = ["broad_deg", "broad_raw_deg"].flatMap((set) =>
+    ["total", "heading", "inclination"].flatMap((part) => {
+      const v = (s.errors?.[set] as Record<string, { rms?: number } | number> | null | undefined)?.[part];
+      return typeof v === "object" && typeof v?.rms === "number" ? [[`${t(`attitude.${set}`)}: ${maybe(part, t(`attitude.${part}`))}`, number(v.rms)]] : [];
+    }),
+  );
+  if (broad.length > 0) append(box, table([t("table.quantity"), `${t("table.rms")}, °`], broad, t("attitude.errors")));
   const c = s.consistency ?? {};
   const consistency: Cells[] = [];
   for (const [name, value] of Object.entries(c)) {

@@ -1,15 +1,17 @@
 // One run: live while it works, then its views.
 import { api, watchRuns, type Group, type RunDetails, type RunEvent } from "../api";
 import { h, replace, saveAs, tell } from "../dom";
-import { t } from "../i18n";
+import { number, t } from "../i18n";
 import type { Page } from "../page";
 import { Linked } from "../plots/linked";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { ensembleView } from "./ensemble";
 import { gravityView } from "./gravity";
 import { noiseView } from "./noise";
-import { overview } from "./overview";
+import { documentView } from "./document";
+import { qualityView } from "./quality";
 import { skyView } from "./sky";
+import { signalsView } from "./signals";
 import { stateBadge } from "./start";
 import { trackView, type View } from "./track";
 import { tableView } from "./values";
@@ -31,6 +33,7 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
   const bar = h("progress", { max: 1, value: run.progress ?? 0, "aria-label": t("run.working") });
   const log = h("pre", { class: "log", tabIndex: 0 });
   const words = h("p", null, t(run.state === "waiting" ? "run.queue" : "run.working"));
+  const begun = Date.now();
   let over = false;
   const ended = (state: RunDetails["state"]) => {
     if (over || state === "waiting" || state === "running") return;
@@ -45,8 +48,11 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
   const timer = window.setInterval(() => void refresh().catch(() => undefined), 1500);
   const stop = watchRuns((e: RunEvent) => {
     if (e.id !== run.id) return;
-    bar.value = e.progress;
-    words.textContent = `${t(e.state === "waiting" ? "run.queue" : "run.working")} ${Math.round(100 * e.progress)} %`;
+    if (e.progress > 0) bar.value = e.progress;
+    else bar.removeAttribute("value");
+    const spent = (Date.now() - begun) / 1000;
+    const left = e.progress > 0.05 && e.progress < 1 ? t("run.left", { s: number((spent * (1 - e.progress)) / e.progress, 2) }) : "";
+    words.textContent = `${t(e.state === "waiting" ? "run.queue" : e.progress > 0 ? "run.working" : "run.preparing")} ${e.progress > 0 ? `${Math.round(100 * e.progress)} %` : ""} ${left}`;
     ended(e.state);
   });
   void refresh().catch(() => undefined);
@@ -77,6 +83,7 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
 
 const tabs = [
   "overview",
+  "document",
   "ensemble",
   "gravity",
   "track",
@@ -85,11 +92,17 @@ const tabs = [
   "innovations",
   "sky",
   "motion",
+  "signals",
   "noise",
   "table",
   "report",
   "log",
 ] as const;
+
+/** A comparison of couplings, or a study: numbers of its own, no trajectory. */
+function isDocument(run: RunDetails): boolean {
+  return run.summary !== null && (run.kind === "study" || run.summary.schemes !== undefined);
+}
 
 /** Whether a run has what a tab shows. */
 function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): boolean {
@@ -107,10 +120,15 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
     case "gravity":
     case "ensemble":
       return has(`/${tab}`);
+    case "signals":
     case "table":
       return groups.length > 0;
+    case "overview":
+      return !isDocument(run);
+    case "document":
+      return isDocument(run);
     case "noise":
-      return run.kind !== "montecarlo" && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
+      return run.kind !== "montecarlo" && run.kind !== "study" && !isDocument(run) && run.state === "done" && (run.summary?.imu?.epochs ?? 0) > 1 && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
     case "report":
       return run.files.includes("report.html");
     default:
@@ -119,8 +137,9 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
 }
 
 async function finished(run: RunDetails, first: string): Promise<Page> {
-  const drawn = ["run.h5", "gravity.csv", "epochs.csv"].some((f) => run.files.includes(f));
+  const drawn = ["run.h5", "gravity.csv", "epochs.csv", "solution.csv"].some((f) => run.files.includes(f));
   const groups = drawn ? await api.channels(run.id) : [];
+  const others = (await api.runs()).filter((r) => r.id !== run.id && r.state === "done");
   const stops = groups.map((g) => g.stop_s).filter((x): x is number => x !== null);
   const linked = new Linked(0, Math.max(1e-3, ...stops));
   linked.spans = (run.summary?.outages ?? []).map((o) => ({
@@ -157,6 +176,10 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
         return noiseView("runs", run.id);
       case "motion":
         return plotsView(motionPlots(run.id, groups, linked), linked);
+      case "signals":
+        return signalsView(run.id, groups, linked);
+      case "document":
+        return documentView(run.summary as never);
       case "table":
         return tableView(run.id, groups, linked);
       case "report": {
@@ -188,7 +211,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
         );
       }
       default:
-        return plain(overview(run));
+        return qualityView(run, groups, linked, others);
     }
   };
   const buttons = tabs
@@ -208,13 +231,22 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       b.tabIndex = b.id === `tab-${name}` ? 0 : -1;
     }
     place.setAttribute("aria-labelledby", `tab-${name}`);
+    delete place.dataset.tab;
     try {
       if (!made.has(name)) made.set(name, await make(name));
-      if (current === name) replace(place, made.get(name)!.element);
+      if (current === name) {
+        replace(place, made.get(name)!.element);
+        place.dataset.tab = name;
+      }
     } catch (e) {
+      if (current !== name) return;
+      place.dataset.tab = name;
       replace(place, h("p", { class: "bad", role: "alert" }, (e as Error).message));
     }
   };
+  const title = h("h1", null, run.title);
+  const tool = (sign: string, name: string, action: () => void) =>
+    h("button", { type: "button", class: "icon", title: name, "aria-label": `${name}: ${run.title}`, onClick: action }, sign);
   const list = h("div", { class: "tabs", role: "tablist", "aria-label": run.title }, ...buttons);
   list.addEventListener("keydown", (e) => {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[e.key];
@@ -224,7 +256,6 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
     next.focus();
     next.click();
   });
-  const others = (await api.runs()).filter((r) => r.id !== run.id && r.state === "done");
   const compare = h(
     "select",
     {
@@ -236,23 +267,32 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
   );
   const element = h(
     "div",
-    { class: "run" },
+    { class: "run", "data-run": run.id },
     h(
       "div",
       { class: "bar" },
-      h("h1", null, run.title),
+      title,
       stateBadge(run),
       h("span", { class: "grow" }),
       others.length > 0 && compare,
       run.files.includes("scenario.toml") &&
         h("a", { class: "button", href: `#/scenario?run=${encodeURIComponent(run.id)}` }, t("run.again")),
-      run.dataset && h("a", { class: "button", href: `#/data/${encodeURIComponent(run.dataset)}` }, t("run.again")),
+      run.dataset &&
+        run.files.includes("settings.toml") &&
+        h("a", { class: "button", href: `#/data/${encodeURIComponent(run.dataset)}?run=${encodeURIComponent(run.id)}` }, t("run.again")),
+      tool("✎", t("rename"), () => {
+        const name = prompt(t("rename"), run.title);
+        if (name) void api.rename(run.id, name).then(() => ((run.title = name), (title.textContent = name)));
+      }),
+      tool("✕", t("remove"), () => {
+        if (confirm(t("remove.sure", { name: run.title }))) void api.remove(run.id).then(() => (location.hash = "#/"));
+      }),
     ),
     run.state === "failed" && h("p", { class: "bad", role: "alert" }, `${t("run.failed")}: ${run.message}`),
     list,
     place,
   );
-  await show(first !== "" && buttons.some((b) => b.id === `tab-${first}`) ? first : run.state === "done" ? "overview" : "log");
+  await show(first !== "" && buttons.some((b) => b.id === `tab-${first}`) ? first : run.state === "done" ? (isDocument(run) ? "document" : "overview") : "log");
   return { title: run.title, element, redraw: () => made.forEach((v) => v.redraw()) };
 }
 

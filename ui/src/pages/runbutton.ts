@@ -1,18 +1,26 @@
-import { api } from "../api";
+import { api, type Run } from "../api";
 import { h, tell } from "../dom";
 import { t } from "../i18n";
 
 /** Starts what `order` says and goes to the run. */
-export function runButton(label: string, order: () => Record<string, unknown>): HTMLButtonElement {
+export function runButton(
+  label: string,
+  order: () => Record<string, unknown>,
+  started: () => void = () => undefined,
+  begin: (order: Record<string, unknown>) => Promise<Run> = (o) => api.start(o),
+): HTMLButtonElement {
   const start = async () => {
     try {
-      const run = await api.start(order());
+      if (button.disabled) return;
+      const run = await begin(order());
+      started();
       location.hash = `#/run/${encodeURIComponent(run.id)}`;
     } catch (e) {
       tell((e as Error).message, "error");
     }
   };
-  return h("button", { type: "button", class: "primary run", onClick: () => void start() }, `▶ ${label}`);
+  const button = h("button", { type: "button", class: "primary run", onClick: () => void start() }, `▶ ${label}`);
+  return button;
 }
 
 export type Command = "run" | "gravity" | "montecarlo";

@@ -5,12 +5,20 @@ import { number, t } from "../i18n";
 import type { Page } from "../page";
 
 /** Files of a drop, those of folders too. */
-async function dropped(items: DataTransferItemList): Promise<{ files: File[]; name: string }> {
-  const files: File[] = [];
+interface Sent {
+  file: File;
+  /** Inside the data set: folders are kept. */
+  path: string;
+}
+
+async function dropped(items: DataTransferItemList): Promise<{ files: Sent[]; name: string }> {
+  const files: Sent[] = [];
   let name = "";
   const walk = async (entry: FileSystemEntry): Promise<void> => {
     if (entry.isFile) {
-      files.push(await new Promise<File>((done, fail) => (entry as FileSystemFileEntry).file(done, fail)));
+      const file = await new Promise<File>((done, fail) => (entry as FileSystemFileEntry).file(done, fail));
+      const parts = entry.fullPath.split("/").filter(Boolean);
+      files.push({ file, path: parts.length > 1 ? parts.slice(1).join("/") : file.name });
       return;
     }
     name ||= entry.name;
@@ -23,26 +31,29 @@ async function dropped(items: DataTransferItemList): Promise<{ files: File[]; na
   };
   const entries = [...items].map((i) => i.webkitGetAsEntry()).filter((e) => e !== null);
   for (const entry of entries) await walk(entry);
-  return { files, name: name || files[0]?.name.replace(/\.[^.]*$/, "") || "data" };
+  return { files, name: name || files[0]?.file.name.replace(/\.[^.]*$/, "") || "data" };
 }
 
-async function send(files: File[], title: string, status: HTMLElement): Promise<void> {
-  const wanted = files.filter((f) => !f.name.startsWith("."));
+async function send(files: Sent[], title: string, status: HTMLElement): Promise<void> {
+  const wanted = files.filter((f) => !f.path.split("/").some((part) => part.startsWith(".")));
   if (wanted.length === 0) return tell(t("start.nothing"), "error");
   const bar = h("progress", { max: 1, value: 0 });
   const text = h("span");
   replace(status, bar, text);
+  let name = "";
   try {
-    const { name } = await api.newDataset(title);
-    const whole = wanted.reduce((sum, f) => sum + f.size, 0) || 1;
+    ({ name } = await api.newDataset(title));
+    const whole = wanted.reduce((sum, f) => sum + f.file.size, 0) || 1;
     let before = 0;
-    for (const file of wanted) {
-      text.textContent = file.name;
-      await upload(name, file, (part) => (bar.value = (before + part * file.size) / whole));
+    for (const { file, path } of wanted) {
+      text.textContent = path;
+      await upload(name, file, path, (part) => (bar.value = (before + part * file.size) / whole));
       before += file.size;
     }
     location.hash = `#/data/${encodeURIComponent(name)}`;
   } catch (e) {
+    // half a data set is none
+    if (name) void api.removeDataset(name).catch(() => undefined);
     replace(status, h("p", { class: "bad", role: "alert" }, (e as Error).message));
   }
 }
@@ -55,7 +66,8 @@ function dropZone(): HTMLElement {
     input.onchange = () => {
       const files = [...(input.files ?? [])];
       const path = files[0]?.webkitRelativePath.split("/")[0];
-      void send(files, path || files[0]?.name.replace(/\.[^.]*$/, "") || "data", status);
+      const sent = files.map((file) => ({ file, path: file.webkitRelativePath.split("/").slice(1).join("/") || file.name }));
+      void send(sent, path || files[0]?.name.replace(/\.[^.]*$/, "") || "data", status);
     };
     input.click();
   };
@@ -113,6 +125,7 @@ export function stateBadge(run: Run): HTMLElement {
 function runTable(runs: Run[], again: () => void): HTMLElement {
   if (runs.length === 0) return h("p", { class: "muted" }, t("start.no_runs"));
   const chosen = new Set<string>();
+  const most = 60;
   const compare = h(
     "button",
     {
@@ -150,6 +163,8 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
       h(
         "td",
         { class: "tools" },
+        (run.state === "running" || run.state === "waiting") &&
+          iconButton("⊘", `${t("run.cancel")} ${run.title}`, () => void api.cancel(run.id).then(again, (e: Error) => tell(e.message, "error"))),
         iconButton("✎", `${t("rename")} ${run.title}`, () => {
           const name = prompt(t("rename"), run.title);
           if (name) void api.rename(run.id, name).then(again);
@@ -168,9 +183,22 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
     t("run.created"),
     "",
   ];
+  const body = h("tbody", null, ...rows.slice(0, most));
+  const all: HTMLButtonElement = h("button", { type: "button", onClick: () => (body.append(...rows.slice(most)), all.remove()) }, t("start.all_runs", { n: rows.length }));
+  const search = h("input", {
+    type: "search",
+    placeholder: t("start.find_run"),
+    "aria-label": t("start.find_run"),
+    onInput: () => {
+      if (all.isConnected) all.click();
+      const word = search.value.toLowerCase();
+      rows.forEach((row, i) => (row.hidden = !`${runs[i]!.title} ${runs[i]!.scheme ?? ""} ${runs[i]!.dataset ?? ""}`.toLowerCase().includes(word)));
+    },
+  });
   return h(
     "div",
     null,
+    rows.length > 8 && h("p", { class: "form-tools" }, search),
     h(
       "div",
       { class: "scroll", tabIndex: 0 },
@@ -192,9 +220,10 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
             ),
           ),
         ),
-        h("tbody", null, ...rows),
+        body,
       ),
     ),
+    rows.length > most && all,
     h("p", null, compare, h("span", { class: "muted" }, ` ${t("start.compare_hint")}`)),
   );
 }
@@ -238,7 +267,9 @@ export async function startPage(): Promise<Page> {
       "div",
       { class: "columns" },
       h("section", { class: "card" }, h("h2", null, t("start.logs")), dropZone(), sets),
-      h(
+      h("section", { class: "card" }, h("h2", null, t("start.runs")), runs),
+    ),
+    h(
         "section",
         { class: "card" },
         h("h2", null, t("start.examples")),
@@ -253,15 +284,13 @@ export async function startPage(): Promise<Page> {
               h(
                 "a",
                 { href: `#/scenario?example=${encodeURIComponent(e.name)}` },
-                h("strong", null, e.name.replace(/[-_]/g, " ")),
+                h("strong", null, e.name),
                 h("span", null, e.about),
               ),
             ),
           ),
         ),
       ),
-    ),
-    h("section", { class: "card" }, h("h2", null, t("start.runs")), runs),
   );
   return { title: t("nav.start"), element, close };
 }

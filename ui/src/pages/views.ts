@@ -22,15 +22,17 @@ export function unit(text: string): string {
 
 /** Value with its band of three sigma, one plot a component. */
 function banded(run: string, group: string, table: string, what: string, g: Group, linked: Linked, single: boolean): TimePlot[] {
-  const mine = g.columns.filter((c) => c.id.startsWith(`${group}/${table}:`));
+  // a solution alone has latitude and longitude, its sigmas have north and east
+  const mine = g.columns.filter((c) => c.id.startsWith(`${group}/${single ? "std_" : ""}${table}:`));
   return mine.map((column, i) => {
     const axis = t(column.name);
-    const sigma = column.id.replace(`/${table}:`, `/std_${table}:`);
+    const sigma = single ? column.id : column.id.replace(`/${table}:`, `/std_${table}:`);
     return new TimePlot(
       {
         title: single ? t("view.sigma_of", { what, axis }) : t("view.error_of", { what, axis }),
         unit: unit(column.unit),
         lines: single ? [{ label: "σ", ink: i }] : [{ label: `${t("error")} ${axis}`, ink: i }],
+        optional: true,
         ...(single ? {} : { band: t("band") }),
         include: [0],
         load: single
@@ -116,6 +118,8 @@ const axes: Record<string, string[]> = {
   baro: ["down"],
   mag: ["heading"],
   nonholonomic: ["lateral", "vertical"],
+  pseudorange: [""],
+  range_rate: [""],
 };
 
 export function innovationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
@@ -124,6 +128,8 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
     gnss_position: "m",
     gnss_velocity: "m/s",
     baro: "m",
+    pseudorange: "m",
+    range_rate: "m/s",
     mag: "rad",
     zero_velocity: "m/s",
     zero_rate: "rad/s",
@@ -140,11 +146,11 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
       out.push(
         new TimePlot(
           {
-            title: `${name}: ${t("innovation")} ${t(axis)}`,
+            title: `${name}: ${t("innovation")} ${axis && t(axis)}`.trim(),
             unit: units[kind] ?? "",
             lines: [
-              { label: t("innovation"), ink: i, dots: true },
-              ...(status ? [{ label: t("rejected"), ink: 1, dots: true }] : []),
+              { label: status ? t("accepted") : t("innovation"), ink: 0, dots: true },
+              ...(status ? [{ label: t("rejected"), paint: "--rejected", dots: true }] : []),
             ],
             band: t("band"),
             include: [0],
@@ -153,7 +159,9 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
               const seen = v!.map((x, j) => (s![j] ? x : null));
               const lines: Values[] = [st ? seen.map((x, j) => (st[j] === 0 ? x : null)) : seen];
               if (st) lines.push(seen.map((x, j) => (st[j] === 1 ? x : null)));
-              return [...lines, s!.map((x) => (x ? 3 * x : null)), s!.map((x) => (x ? -3 * x : null))];
+              // while fixes are withheld the band grows far beyond what is seen: it is that of what was used
+              const band = s!.map((x, j) => (x && st?.[j] !== 2 ? 3 * x : null));
+              return [...lines, band, times(band, -1)];
             }),
           },
           linked,
@@ -187,7 +195,7 @@ export function motionPlots(run: string, groups: Group[], linked: Linked): TimeP
   if (!groups.some((g) => g.group === "/solution")) return [];
   const of = (title: string, u: string, ids: string[], labels: string[], combine?: (c: Values[]) => Values[]) =>
     new TimePlot(
-      { title, unit: u, lines: labels.map((label, ink) => ({ label, ink })), load: loader(run, ids, combine) },
+      { title, unit: u, optional: true, lines: labels.map((label, ink) => ({ label, ink })), load: loader(run, ids, combine) },
       linked,
     );
   const ids = (table: string, names: string[]) => names.map((n) => `/solution/${table}:${n}`);

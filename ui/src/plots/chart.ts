@@ -25,7 +25,7 @@ export function seriesOf(s: PlotSettings, hidden: Set<number>): { series: uPlot.
     bands.push({ series: [first, first + 1], fill: faded(css("--band"), 0.28) });
   }
   s.lines.forEach((line, i) => {
-    const stroke = colour(line.label, line.ink ?? i);
+    const stroke = colour(line.label, line.ink ?? i, line.paint);
     series.push({
       label: line.label,
       stroke,
@@ -33,6 +33,7 @@ export function seriesOf(s: PlotSettings, hidden: Set<number>): { series: uPlot.
       ...(line.dash ? { dash: line.dash } : {}),
       ...(line.dots ? { paths: () => null, points: { show: true, size: 5, fill: stroke, width: 0 } } : { points: { show: false } }),
       show: !hidden.has(i),
+      ...(line.right ? { scale: "y2" } : {}),
       value: (_, v) => short(v),
     });
   });
@@ -48,7 +49,7 @@ export function limitsOf(
 ): [number, number] {
   let [min, max] = [low, high];
   if (s.names) return [-0.6, s.names.length - 0.4];
-  if (s.logY) return s.along ? [(min ?? 1e-3) / 1.5, (max ?? 1) * 1.5] : [Math.max(min ?? 1e-3, 1e-6), Math.max(max ?? 1, 1e-5)];
+  if (s.logY) return s.along ? [(min ?? 1e-3) / 1.5, (max ?? 1) * 1.5] : [Math.max(min ?? 1e-3, 1e-6) / 1.15, Math.max(max ?? 1, 1e-5) * 1.25];
   for (const v of s.include ?? []) (min = Math.min(min ?? v, v)), (max = Math.max(max ?? v, v));
   if (s.robust && min !== null && max !== null) [min, max] = robust(min, max);
   if (min === null || max === null || !Number.isFinite(min) || !Number.isFinite(max)) return [-1, 1];
@@ -68,6 +69,9 @@ export function axesOf(s: PlotSettings): uPlot.Axis[] {
   const along = s.along ? `${s.along.label}, ${s.along.unit}` : `${t("plot.time")}, s`;
   return [
     { ...axis, size: 34, label: along, labelSize: 16, gap: 3, ...(s.along?.log ? powers : {}) },
-    { ...axis, size: 64, label: s.unit, labelSize: 18, ...(s.logY ? powers : s.names ? named(s.names) : {}) },
+    { ...axis, size: window.innerWidth < 600 ? 52 : 64, label: s.unit, labelSize: 18, ...(s.logY ? powers : s.names ? named(s.names) : {}) },
+    ...(s.lines.some((l) => l.right)
+      ? [{ ...axis, scale: "y2", side: 1 as const, size: 58, label: s.rightUnit ?? "", labelSize: 18, grid: { show: false } }]
+      : []),
   ];
 }

@@ -1,12 +1,13 @@
 // Colours told apart by colour-blind readers: Okabe and Ito (2008), lightened for the dark theme.
 import { css } from "../dom";
 
-export const inks = ["--ink-1", "--ink-2", "--ink-3", "--ink-4", "--ink-5", "--ink-6", "--ink-7"] as const;
+export const inks = ["--ink-1", "--ink-2", "--ink-3", "--ink-4", "--ink-5", "--ink-6", "--ink-7", "--ink-8", "--ink-9"] as const;
 
 const key = (line: string) => `schuler.colour.${line}`;
 
 /** The colour of a line: what the user chose for that name, else that of its number. */
-export function colour(line: string, number: number): string {
+export function colour(line: string, number: number, paint?: string): string {
+  if (paint) return css(paint);
   return localStorage.getItem(key(line)) ?? css(inks[number % inks.length]!);
 }
 

@@ -21,7 +21,7 @@ export function lineChoice(
       }),
       h("input", {
         type: "color",
-        value: hex(colour(line.label, line.ink ?? i)),
+        value: hex(colour(line.label, line.ink ?? i, line.paint)),
         "aria-label": `${t("plot.colour")}: ${line.label}`,
         onInput: (e: Event) => {
           chooseColour(line.label, (e.target as HTMLInputElement).value);

@@ -5,11 +5,20 @@ export interface Span {
   label: string;
 }
 
+/** Something that happened at a time. */
+export interface Mark {
+  at: number;
+  label: string;
+  /** A variable of the style sheet. */
+  paint: string;
+}
+
 export class Linked {
   from: number;
   to: number;
   cursor: number | null = null;
   spans: Span[] = [];
+  marks: Mark[] = [];
   private readonly rangeListeners = new Set<() => void>();
   private readonly cursorListeners = new Set<() => void>();
 

@@ -2,7 +2,7 @@
 import { copyText, css, h, icon, saveAs } from "../dom";
 import { t } from "../i18n";
 import { colour } from "./colours";
-import { Linked } from "./linked";
+import { Linked, type Mark } from "./linked";
 
 export interface Track2d {
   label: string;
@@ -11,6 +11,8 @@ export interface Track2d {
   east: (number | null)[];
   north: (number | null)[];
   dots?: boolean;
+  /** Variables of the style sheet, one a point: what has a fixed meaning, as the quality of fixes. */
+  paints?: string[];
 }
 
 export class PlanView {
@@ -211,6 +213,20 @@ export class PlanView {
     // the first one on top
     for (const track of [...this.tracks].reverse()) if (!this.hidden.has(track.label)) this.line(g, track);
     this.marks(g);
+    for (const m of this.linked?.marks ?? []) this.mark(g, m);
+  }
+
+  /** What happened, where it was then. */
+  private mark(g: CanvasRenderingContext2D, m: Mark): void {
+    const track = this.tracks[0];
+    if (!track) return;
+    const i = track.time.findIndex((time) => time >= m.at);
+    if (i < 0) return;
+    const [x, y] = this.place(track.east[i] ?? NaN, track.north[i] ?? NaN);
+    if (x !== x) return;
+    g.strokeStyle = css(m.paint);
+    g.lineWidth = 2;
+    g.beginPath(), g.moveTo(x - 5, y - 5), g.lineTo(x + 5, y + 5), g.moveTo(x + 5, y - 5), g.lineTo(x - 5, y + 5), g.stroke();
   }
 
   private step(pixels: number): number {
@@ -262,6 +278,7 @@ export class PlanView {
     g.globalAlpha = 1;
     if (track.dots) {
       track.east.forEach((e, i) => {
+        if (track.paints) g.fillStyle = css(track.paints[i] ?? "--muted");
         const [x, y] = this.place(e ?? NaN, track.north[i] ?? NaN);
         if (x === x) g.fillRect(x - 1.5, y - 1.5, 3, 3);
       });

@@ -9,7 +9,15 @@ export const powers: Partial<uPlot.Axis> = {
     const steps = Math.log10(max / min) < 2 ? [1, 2, 5] : [1];
     for (let p = Math.floor(Math.log10(min)); p <= Math.log10(max) + 1e-9; ++p)
       for (const k of steps) out.push(k * 10 ** p);
-    return out.filter((v) => v >= min * (1 - 1e-9) && v <= max * (1 + 1e-9));
+    const inside = out.filter((v) => v >= min * (1 - 1e-9) && v <= max * (1 + 1e-9));
+    if (inside.length > 1) return inside;
+    // hardly a power of ten is shown: round numbers as on a linear axis
+    const raw = (max - min) / 4,
+      power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((m) => m * power).find((m) => m >= raw) ?? raw;
+    const round: number[] = [];
+    for (let v = Math.ceil(min / step) * step; v <= max * (1 + 1e-9); v += step) round.push(Number(v.toPrecision(8)));
+    return round;
   },
   filter: (_, splits) => splits,
   values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),

@@ -14,6 +14,10 @@ export interface Line {
   width?: number;
   /** Only points, no line: measurements. */
   dots?: boolean;
+  /** A variable of the style sheet instead of a colour of the series: what has a fixed meaning. */
+  paint?: string;
+  /** On the axis at the right. */
+  right?: boolean;
 }
 
 export interface Data {
@@ -32,6 +36,12 @@ export interface PlotSettings {
   logY?: boolean;
   /** The range of y is that of nearly all values, not of the few largest ones; the plot says how many lie outside. */
   robust?: boolean;
+  /** Not shown where it has no value at all: a solution without attitude has none of its sigmas. */
+  optional?: boolean;
+  /** Nothing in a range is no fault: measurements that were all withheld. */
+  mayBeEmpty?: boolean;
+  /** Of the axis at the right. */
+  rightUnit?: string;
   /** Always inside the range of y. */
   include?: number[];
   /** Names that stand for 0, 1, 2 … along y. */

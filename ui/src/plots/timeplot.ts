@@ -35,11 +35,15 @@ export class TimePlot {
   private request: AbortController | null = null;
   private inSight = false;
   private stale = true;
+  /** Limits of y that a box has chosen. */
+  private box: [number, number] | null = null;
+  /** The last attempt to load its numbers failed. */
+  failed = false;
   private readonly hidden = new Set<number>();
   private readonly refine = quietly(60, () => void this.fetch());
 
   constructor(
-    private readonly settings: PlotSettings,
+    readonly settings: PlotSettings,
     readonly linked: Linked,
   ) {
     const id = `plot-${++number}`;
@@ -153,10 +157,17 @@ export class TimePlot {
       if (request.signal.aborted) return;
       this.loaded = range;
       this.data = data;
+      this.failed = false;
+      if (this.settings.optional && whole && !data.y.some((y) => y.some((v) => v !== null))) {
+        this.element.hidden = true;
+        return;
+      }
       this.note.textContent = data.x.length === 0 ? t("plot.empty") : "";
       this.show();
     } catch (e) {
-      if (!request.signal.aborted) this.note.textContent = String((e as Error).message);
+      if (request.signal.aborted) return;
+      this.failed = true;
+      this.note.textContent = String((e as Error).message);
     }
   }
 
@@ -181,6 +192,17 @@ export class TimePlot {
       const b = Math.min(bbox.left + bbox.width, u.valToPos(s.to, "x", true));
       if (b > a) ctx.fillRect(a, bbox.top, b - a, bbox.height);
     }
+    // what happened, as short strokes at the upper edge
+    for (const m of this.linked.marks) {
+      const x = u.valToPos(m.at, "x", true);
+      if (x < bbox.left || x > bbox.left + bbox.width || this.settings.along) continue;
+      ctx.strokeStyle = css(m.paint);
+      ctx.lineWidth = 1.5 * devicePixelRatio;
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + 9 * devicePixelRatio);
+      ctx.stroke();
+    }
     ctx.restore();
   }
 
@@ -195,8 +217,9 @@ export class TimePlot {
           ...(s.logY ? { distr: 3 as const } : {}),
           // names are read from the top
           ...(s.names ? { dir: -1 as const } : {}),
-          range: (_, min, max) => limitsOf(s, min, max, (a, b) => this.usual(a, b)),
+          range: (_, min, max) => this.box ?? limitsOf(s, min, max, (a, b) => this.usual(a, b)),
         },
+        ...(s.lines.some((l) => l.right) ? { y2: { range: (_: uPlot, min: number, max: number) => limitsOf({ ...s, logY: false }, min, max, (a, b) => [a, b]) } } : {}),
       },
       axes: axesOf(s),
       ...seriesOf(s, this.hidden),
@@ -265,16 +288,14 @@ export class TimePlot {
   }
 
   private lockY(low: number, high: number): void {
-    this.settings.include = undefined as never;
+    this.box = [low, high];
     this.chart?.setScale("y", { min: low, max: high });
   }
 
   reset(): void {
+    this.box = null;
     this.linked.reset();
-    if (this.chart) {
-      this.chart.setScale("y", { min: null as never, max: null as never });
-      this.draw();
-    }
+    if (this.chart) this.draw();
   }
 
   private toggleLines(): void {

@@ -155,6 +155,11 @@ Command command(std::string name, std::string purpose, std::string examples, Opt
             request.common.version = context.version;
             request.common.progress = context.progress;
         }
+        if constexpr (requires { request.team; }) {
+            request.team = context.team;
+        } else if (context.team) {
+            throw input_error("this command does not share its work among processes", {}, "start it without mpirun; `schuler montecarlo` does");
+        }
         if constexpr (requires { request.version; }) request.version = context.version;
         if constexpr (requires { request.progress; }) request.progress = context.progress;
         table.apply(given, request);
@@ -208,15 +213,17 @@ void add_run(OptionTable<R>& table) {
     outage.spec.line.repeated = true;
     table.add(written("T:DUR[,T:DUR...]", std::move(outage)))
         .add(otherwise("alignment + 60 s", written("S", of_setting<R>("settle", "run.settle_s", "count errors from here", common))))
-        .add(otherwise("all of these",
+        .add(otherwise("the first six",
                        written("LIST", of_setting<R>("outputs", "output.files",
-                                                     "what is written: solution,summary,h5,report,kml,config; or covariance (the whole of it, in run.h5)",
+                                                     "what is written: solution,summary,h5,report,kml,config; or mat (run.mat: the tables of run.h5 for Octave and "
+                                                     "MATLAB), covariance (the whole of it, in run.h5)",
                                                      common))));
 }
 
 /// Commands of the parts, see their files.
 void add_data_commands(std::vector<Command>& list);
 void add_file_commands(std::vector<Command>& list);
+void add_live_commands(std::vector<Command>& list);
 void add_gravity_command(std::vector<Command>& list);
 void add_paper_command(std::vector<Command>& list);
 void add_receiver_commands(std::vector<Command>& list);

@@ -1,7 +1,9 @@
 // Commands that make a solution of logs or of a scenario.
 #include "schuler/app/attitude/ahrs.h"
+#include "schuler/app/batch.h"
 #include "schuler/app/commands.h"
 #include "schuler/app/commands/builders.h"
+#include "schuler/app/satellites.h"
 #include "schuler/study/montecarlo/montecarlo.h"
 
 namespace schuler::app {
@@ -57,12 +59,6 @@ Option<R> seed(const char* help) {
 struct SimulateRequest {
     std::filesystem::path scenario, output;
     std::optional<std::uint64_t> seed;
-};
-
-struct MonteCarloRequest {
-    ProcessRequest common;
-    std::optional<std::size_t> runs;
-    int jobs = 0;
 };
 
 Command demo() {
@@ -139,28 +135,71 @@ Command attitude() {
                       std::move(t), table_json, true, ahrs_dataset);
 }
 
+Command satellites() {
+    using R = SatellitesRequest;
+    OptionTable<R> t;
+    t.add(input<R>("DATASET", "dataset", "folder, dataset.toml, or a log of raw measurements"))
+        .add(output<R>("folder to write to", "out/NAME"))
+        .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.4, "of the protection levels: share of faults of the worst size that the fault test may miss",
+                                 [](auto& r) -> auto& { return r.missed_detection; }));
+    add_settings(t);
+    return command<R>("gnss", "satellites of a receiver's raw measurements: sky, residuals, dilution, protection levels, phases against a base",
+                      "  schuler gnss receiver.ubx                       the log of a receiver\n"
+                      "  schuler gnss survey/ -o out/survey              a folder with dataset.toml, or one that is recognised\n"
+                      "  schuler gnss survey/ --set gnss.systems=GE --json\n"
+                      "  schuler gnss rover.obs --set base.observations=base.obs    and slips and integers against a base\n"
+                      "Writes gnss.csv, satellites.csv, residuals.csv, report.html and summary.json; with a base carrier.csv. Exit status 1 where no epoch\n"
+                      "has a solution.",
+                      std::move(t), "summary.json on standard output instead of the tables", true, gnss_dataset);
+}
+
 Command montecarlo() {
-    using R = MonteCarloRequest;
+    using R = study::CampaignRequest;
     OptionTable<R> t;
     t.add(input<R>("SCENARIO", "scenario", "scenario file"))
-        .add(lettered('n', written("RUNS", otherwise("the scenario's, else 100", settings::integer<R>("runs", 1, 1000000, "number of Monte Carlo runs",
+        .add(lettered('n', written("RUNS", otherwise("the scenario's, else the points of its sweeps, else 100", settings::integer<R>("runs", 1, 100'000'000, "number of Monte Carlo runs",
                                                                                                       [](auto& r) -> auto& { return r.runs; })))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
         .add(output<R>("folder to write to", "out/NAME-montecarlo"))
-        .add(seed<R>("of the first run, instead of the scenario's"));
+        .add(settings::flag<R>("resume", "go on with the interrupted campaign in the folder; begin one where there is none", [](auto& r) -> auto& { return r.resume; }))
+        .add(written("K", settings::integer<R>("first", 0, 9.0e15, "number of the first run: a part of a campaign, or one run of it again",
+                                               [](auto& r) -> auto& { return r.first; })))
+        .add(seed<R>("of run 0, instead of the scenario's"));
     add_processing(t);
     return command<R>("montecarlo", "many runs of a scenario with seeds of their own: errors and consistency over the runs",
                       "  schuler montecarlo examples/paper-a-flight.toml -n 100\n"
                       "  schuler montecarlo examples/paper-a-flight.toml -n 20 --jobs 2 --set filter.loop=open\n"
+                      "  schuler montecarlo examples/paper-a-flight.toml -n 10000 -o out/many --resume    go on after an interruption\n"
+                      "  schuler montecarlo examples/paper-a-flight.toml --first 17 -n 1                 run 17 again\n"
                       "Run k has the seed of the scenario plus k: `schuler run SCENARIO --seed ...` repeats it. The files do not depend on --jobs\n"
-                      "(but for the speed in summary.json). [montecarlo] vary draws settings anew for each run.",
-                      std::move(t), table_json, true, [](const R& r) { return study::run_montecarlo(r.common, r.runs, r.jobs); });
+                      "(but for the speed in summary.json), nor on interruptions. [montecarlo] vary draws or sweeps settings from run to run.",
+                      std::move(t), table_json, true, study::run_montecarlo);
+}
+
+Command batch() {
+    using R = BatchRequest;
+    OptionTable<R> t;
+    Option<R> inputs = words<R>("list", "text file with the path of a data set in each line (relative to the file; # comments), data sets, or a folder of them",
+                                [](auto& r) -> auto& { return r.inputs; });
+    inputs.spec.line.file = inputs.spec.line.repeated = true;
+    t.add(argument("LIST", std::move(inputs)))
+        .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
+        .add(settings::flag<R>("resume", "keep the results of the data sets that an interrupted batch has finished with the same settings",
+                               [](auto& r) -> auto& { return r.resume; }))
+        .add(output<R>("folder to write to: a folder for each data set, and the table of all", "out/batch"));
+    add_processing(t);
+    return command<R>("batch", "many data sets, each as `process` does it; one table of all, worst first",
+                      "  schuler batch logs.txt -o out/logs                      a path in each line\n"
+                      "  schuler batch archive/ --jobs 2 --resume                a folder of data sets; go on after an interruption\n"
+                      "A data set that fails does not stop the others. The exit status is 1 where one failed or is not to be used. batch.csv, batch.json\n"
+                      "and index.html, which links the reports, do not depend on --jobs.",
+                      std::move(t), "batch.json on standard output instead of the table", true, process_batch);
 }
 
 }  // namespace
 
 void add_data_commands(std::vector<Command>& list) {
-    for (Command (*make)() : {demo, simulate, process, run, attitude, montecarlo}) list.push_back(make());
+    for (Command (*make)() : {demo, simulate, process, run, batch, attitude, satellites, montecarlo}) list.push_back(make());
 }
 
 }  // namespace schuler::app

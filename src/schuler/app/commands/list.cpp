@@ -8,6 +8,7 @@ const std::vector<Command>& commands() {
     static const std::vector<Command> list = [] {
         std::vector<Command> all;
         add_data_commands(all);
+        add_live_commands(all);
         add_file_commands(all);
         add_gravity_command(all);
         add_paper_command(all);

@@ -1,6 +1,7 @@
 // `schuler analyze`: studies of designs, of faults and of instruments.
 #include "schuler/app/commands/builders.h"
 #include "schuler/study/allan.h"
+#include "schuler/study/covariance/covariance.h"
 #include "schuler/study/studies.h"
 #include "schuler/study/triad/protection.h"
 
@@ -39,6 +40,28 @@ Command budget() {
                                         "  schuler analyze budget examples/paper-a-flight.toml\n"
                                         "  schuler analyze budget examples/airliner-hg9900.toml -n 20 --json",
                                         study_of_scenario(), json_document, true, study::analyze_budget);
+}
+
+Command covariance() {
+    using R = study::CovarianceRequest;
+    OptionTable<R> t;
+    t.add(argument("SCENARIO", path<R>("scenario", "scenario file, with filter.initial_error", [](auto& r) -> auto& { return r.scenario; })))
+        .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
+        .add(seed_option<R>("of changes of the satellites in view", [](auto& r) -> auto& { return r.seed; }))
+        .add(in_units("Hz", settings::number<R>("rate", 1.0, 0.1, 1e4, "rate of the inertial unit, at most: the path is followed so finely", [](auto& r) -> auto& { return r.rate; })))
+        .add(in_units("s", settings::number<R>("outage", 1.0, 0, 1e6, "withhold GNSS for so long at the end of the scenario, instead of its own outages; 0: its own",
+                                               [](auto& r) -> auto& { return r.outage; })))
+        .add(written("KEY", settings::text<R>("find", "the value of this key of the scenario at which the horizontal error is --target, by bisection",
+                                              [](auto& r) -> auto& { return r.find; })))
+        .add(in_units("m", settings::number<R>("target", 1.0, 0, 1e9, "horizontal error (one sigma, radial) at the end of the first outage, or of the path",
+                                               [](auto& r) -> auto& { return r.target; })))
+        .add(output_option<R>("folder of covariance.csv and a report with plots", "none", [](auto& r) -> auto& { return r.output; }));
+    return command<R>("analyze covariance", "errors of the filter without Monte Carlo: true covariance under its gains, its own, and the share of each source",
+                      "  schuler analyze covariance examples/paper-a-flight.toml\n"
+                      "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 -o out/covariance\n"
+                      "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 --find imu.gyro_bias_deg_h --target 5\n"
+                      "[filter] assumed gives the filter another error model than the true one: the table then shows how far its sigmas are off.",
+                      std::move(t), json_document, false, study::analyze_covariance);
 }
 
 Command integrity() {
@@ -113,7 +136,7 @@ Command protection() {
 }  // namespace
 
 void add_study_commands(std::vector<Command>& list) {
-    for (Command (*make)() : {requirements, budget, integrity, triad, allan, protection}) list.push_back(make());
+    for (Command (*make)() : {requirements, budget, covariance, integrity, triad, allan, protection}) list.push_back(make());
 }
 
 }  // namespace schuler::app

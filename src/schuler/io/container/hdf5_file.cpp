@@ -205,22 +205,37 @@ Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : file_(std::make_uniq
 
 Hdf5Reader::~Hdf5Reader() = default;
 
-Hdf5Table Hdf5Reader::table(const std::string& path) const {
+Hdf5Table Hdf5Reader::table(const std::string& path) const { return read(path, 2); }
+
+Hdf5Table Hdf5Reader::matrices(const std::string& path) const { return read(path, 3); }
+
+Hdf5Table Hdf5Reader::read(const std::string& path, int largest_rank) const {
     const Handle data(H5Dopen2(file_->file.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!data.ok()) throw file_->no_such(path);
     const Handle space(H5Dget_space(data.id()), H5Sclose);
-    std::array<hsize_t, 2> size = {0, 1};
-    if (H5Sget_simple_extent_ndims(space.id()) > 2) throw file_->no_such(path + " with two dimensions");
+    std::array<hsize_t, 3> size = {0, 1, 1};
+    if (H5Sget_simple_extent_ndims(space.id()) > largest_rank) throw file_->no_such(fmt::format("{} with {} dimensions", path, largest_rank));
     H5Sget_simple_extent_dims(space.id(), size.data(), nullptr);
     Hdf5Table result;
     result.rows = size[0];
-    result.columns = size[1];
+    result.columns = size[1] * size[2];
     result.values.resize(result.rows * result.columns);
     if (!result.values.empty() &&
         H5Dread(data.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.values.data()) < 0) {
         throw input_error("cannot be read", place_in(file_->name, 0, 0, path), "check that it was copied completely");
     }
     return result;
+}
+
+std::vector<std::int64_t> Hdf5Reader::integers(const std::string& path) const {
+    const Handle data(H5Dopen2(file_->file.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
+    if (!data.ok()) throw file_->no_such(path);
+    const Handle space(H5Dget_space(data.id()), H5Sclose);
+    const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+    std::vector<std::int64_t> values(count > 0 ? static_cast<std::size_t>(count) : 0);
+    if (!values.empty() && H5Dread(data.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+        throw input_error("cannot be read", place_in(file_->name, 0, 0, path), "check that it was copied completely");
+    return values;
 }
 
 std::string Hdf5Reader::attribute(const std::string& path, const std::string& name) const {

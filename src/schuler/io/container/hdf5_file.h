@@ -2,10 +2,11 @@
 // The HDF5 library is not reentrant: one thread at a time may use these classes.
 #pragma once
 
+#include "schuler/io/container/table_writer.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -13,16 +14,14 @@
 
 namespace schuler::io {
 
-using Hdf5Attributes = std::map<std::string, std::string>;
+using Hdf5Attributes = TableAttributes;
 
 /// Writes beside the wanted name and renames on commit(); without commit() nothing is left behind.
-class Hdf5Writer {
+class Hdf5Writer final : public TableWriter {
 public:
     /// Throws Error(Input) where the file cannot be made.
     explicit Hdf5Writer(std::filesystem::path path);
-    ~Hdf5Writer();
-    Hdf5Writer(const Hdf5Writer&) = delete;
-    Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+    ~Hdf5Writer() override;
 
     /// Makes an empty table (rows x columns) under a path such as "/solution/position"; the groups on the way are made.
     /// Attributes (units, names of the columns) are texts. Throws Error(Computation) where the path is taken or the disk is full.
@@ -31,14 +30,14 @@ public:
     void append(const std::string& path, std::span<const double> values);
     /// A complete table at once.
     void table(const std::string& path, std::span<const double> values, std::size_t columns,
-               const Hdf5Attributes& attributes = {});
+               const Hdf5Attributes& attributes = {}) override;
     /// Square matrices as one dataset of rank three in the root group, matrices x size x size, size * size values each.
-    void matrices(const std::string& path, std::span<const double> values, std::size_t size, const Hdf5Attributes& attributes = {});
+    void matrices(const std::string& path, std::span<const double> values, std::size_t size, const Hdf5Attributes& attributes = {}) override;
     /// A column of whole numbers (times in ns).
-    void integers(const std::string& path, std::span<const std::int64_t> values, const Hdf5Attributes& attributes = {});
+    void integers(const std::string& path, std::span<const std::int64_t> values, const Hdf5Attributes& attributes = {}) override;
     /// A text attribute of an object that exists ("/" is the file itself).
-    void attribute(const std::string& path, const std::string& name, const std::string& value);
-    void commit();
+    void attribute(const std::string& path, const std::string& name, const std::string& value) override;
+    void commit() override;
 
 private:
     struct File;
@@ -60,11 +59,16 @@ public:
     Hdf5Reader& operator=(const Hdf5Reader&) = delete;
 
     [[nodiscard]] Hdf5Table table(const std::string& path) const;
+    /// A column of whole numbers.
+    [[nodiscard]] std::vector<std::int64_t> integers(const std::string& path) const;
+    /// Square matrices, one a row.
+    [[nodiscard]] Hdf5Table matrices(const std::string& path) const;
     [[nodiscard]] std::string attribute(const std::string& path, const std::string& name) const;
     /// Names in a group, sorted.
     [[nodiscard]] std::vector<std::string> names(const std::string& group) const;
 
 private:
+    [[nodiscard]] Hdf5Table read(const std::string& path, int largest_rank) const;
     struct File;
     std::unique_ptr<File> file_;
 };

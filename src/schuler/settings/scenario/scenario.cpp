@@ -201,36 +201,6 @@ void add_filter(Table& table) {
                        error(&InitialError::position)));
 }
 
-Variation variation_of(const std::string& key, const Value& v) {
-    const auto bad = [&](const std::string& what) {
-        return input_error(fmt::format("{}: {}", key, what), {}, "write vary = { \"KEY\" = { uniform = [low, high] } } or normal = [mean, sigma]");
-    };
-    const std::vector<std::string> known = scenario_table().keys();
-    const Option<S>* option = scenario_table().find(key);
-    if (option == nullptr) throw input_error(fmt::format("unknown key \"{}\"", key), {}, fmt::format("did you mean \"{}\"?", nearest_key(key, known)));
-    if (option->spec.shape != Shape::Number) throw bad("is not a key of one number");
-    if (v.table() == nullptr || v.table()->size() != 1) throw bad("has no distribution");
-    const auto& [name, numbers] = v.table()->front();
-    if (name != "uniform" && name != "normal") throw bad(fmt::format("unknown distribution \"{}\"", name));
-    const ValueList* list = numbers.list();
-    if (list == nullptr || list->size() != 2 || !(*list)[0].is_number() || !(*list)[1].is_number()) throw bad("needs two numbers");
-    const Variation out{key, name == "normal", (*list)[0].number(), (*list)[1].number()};
-    if (out.normal ? !(out.second >= 0.0) : !(out.second >= out.first)) throw bad("the two numbers are in the wrong order or negative");
-    return out;
-}
-
-void add_montecarlo(Table& table) {
-    table.add(integer<S>("montecarlo.runs", 1, 1000000, "number of runs", [](auto& s) -> auto& { return s.montecarlo_runs; }));
-    OptionSpec spec = detail::spec("montecarlo.vary", Shape::Table,
-                                   "values drawn at random for each run: { \"imu.gyro_bias_deg_h\" = { uniform = [0, 5] }, ... = { normal = [mean, sigma] } }");
-    table.add(Option<S>{std::move(spec),
-                        [](S& s, const Value& v) {
-                            s.vary.clear();
-                            for (const auto& [key, distribution] : *v.table()) s.vary.push_back(variation_of(key, distribution));
-                        },
-                        [](const S&) { return std::optional<Value>(); }});
-}
-
 void add_published(Table& table) {
     table.add(text<S>("published.source", "source of published root mean squares of this scenario, to compare with those of a run",
                       [](auto& s) -> auto& { return s.published.source; }));
@@ -260,7 +230,7 @@ Table make_table() {
     add_receiver_scenario_options(table);
     table.add(outage_option()).add(fault_option());
     add_filter(table);
-    add_montecarlo(table);
+    add_montecarlo_options(table);
     add_published(table);
     add_compare_options(table);
     for (const OptionSpec& spec : config_table().specs())

@@ -48,12 +48,18 @@ struct InitialError {
     [[nodiscard]] bool given() const { return level == level && heading == heading; }
 };
 
-/// A number that differs from run to run of a Monte Carlo campaign.
+/// A setting that differs from run to run of a Monte Carlo campaign.
 struct Variation {
+    enum class Kind { Uniform, Normal, List, Sweep };
     std::string key;
-    bool normal = false;           ///< first: mean, second: sigma; otherwise uniform from first to second; in the key's unit
-    double first = 0.0, second = 0.0;
+    Kind kind = Kind::Uniform;
+    double first = 0.0, second = 0.0;   ///< from first to second, or mean and sigma; in the key's unit
+    bool whole = false;                 ///< drawn numbers are rounded to whole ones
+    std::vector<Value> values;          ///< list: one of them at random; sweep: each in turn
 };
+
+/// Points of the grid of all sweeps; 1 where there is none.
+[[nodiscard]] std::size_t grid_points(const std::vector<Variation>& vary);
 
 /// Raw ranges of a scenario.
 struct RangingScenarioConfig {

@@ -28,6 +28,9 @@ void add_aid_scenario_options(OptionTable<ScenarioConfig>& table);
 /// "compare.*": what `run` compares.
 void add_compare_options(OptionTable<ScenarioConfig>& table);
 
+/// "montecarlo.*": runs and what varies.
+void add_montecarlo_options(OptionTable<ScenarioConfig>& table);
+
 /// "ranges.*".
 void add_ranging_scenario_options(OptionTable<ScenarioConfig>& table);
 

@@ -91,7 +91,7 @@ CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::s
             settings::SettingList over = request.over({}), drawn;
             over.insert(over.end(), s.scheme->settings.begin(), s.scheme->settings.end());
             try {
-                all[job] = kept_of(with_satellites(settings::scenario_from(settings_of_run(base, scenario.vary, seed, drawn)), s.satellites), over);
+                all[job] = kept_of(with_satellites(settings::scenario_from(settings_of_run(base, scenario.vary, seed, job % runs, drawn)), s.satellites), over);
             } catch (const Error& e) {
                 if (job == 0) throw;
                 all[job].failure = fmt::format("seed {}: {}", seed, e.what());

@@ -1,67 +1,53 @@
 // Monte Carlo runs of one scenario, and the statistics of their errors and innovations.
 #pragma once
 
-#include "schuler/analysis/ensemble.h"
-#include "schuler/analysis/errors.h"
-#include "schuler/analysis/outages.h"
+#include "schuler/core/team.h"
 #include "schuler/report/outcome.h"
-#include "schuler/settings/config/config.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/published.h"
 #include "schuler/settings/scenario/scenario.h"
-#include "schuler/solution/evaluate.h"
-#include "schuler/solution/state_errors.h"
+#include "schuler/study/montecarlo/checkpoint.h"
+#include "schuler/study/montecarlo/statistics.h"
 
-#include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace schuler::study {
 
-/// What is kept of one run.
-struct MonteCarloRun {
-    std::uint64_t seed = 0;
-    settings::SettingList drawn;                               ///< values of the keys that vary
-    std::string failure;                             ///< empty: it went through
-    double settled_s = 0.0;                          ///< s after the first fix, from where errors are counted
-    analysis::ErrorSummary summary;                  ///< at every reference epoch
-    std::vector<analysis::ErrorRow> errors;          ///< a thousand of them at most, settled
-    std::vector<solution::StateErrors> states;                 ///< a thousand of them at most, from the start on
-    std::vector<solution::AidConsistency> aids;
-    std::vector<analysis::OutageStatistics> outages;
-
-    [[nodiscard]] bool failed() const { return !failure.empty(); }
+struct CampaignRequest {
+    settings::ProcessRequest common;
+    std::optional<std::size_t> runs;
+    std::size_t first = 0;                           ///< number of the first run
+    int jobs = 0;                                    ///< threads; 0: one a core
+    bool resume = false;                             ///< go on with what is in the folder
+    std::shared_ptr<Team> team;                      ///< the processes that share the runs; null: this one alone
 };
 
-/// One block of states over all runs that went through, at the epochs of the first of them.
-struct BlockEnsemble {
-    std::array<analysis::RunsByEpochs, 3> error;     ///< SI
-    analysis::RunsByEpochs nees;
-    [[nodiscard]] bool present() const;
-};
-
+/// A campaign that is done. Its rows and checkpoint are in its folder until they are removed.
 struct MonteCarlo {
     std::string name, version;
     settings::Published published;
-    settings::Config config;                                   ///< of the first run
-    std::vector<MonteCarloRun> runs;
-    std::vector<double> time_s;                      ///< epochs, s after the first fix
-    Eigen::Index settled = 0;                        ///< index of the first of them that counts
-    std::array<BlockEnsemble, solution::state_blocks> blocks;
+    std::vector<settings::Variation> vary;
+    std::uint64_t seed = 0;                          ///< of run 0
+    std::size_t first = 0, runs = 0;
+    std::filesystem::path folder;
+    std::unique_ptr<CampaignPart> part;
+    std::size_t run_here = 0;                        ///< since it was last taken up, for the speed
     double wall_s = 0.0;
 
-    [[nodiscard]] std::size_t failed() const;
-    /// The settled part of a block's values.
-    [[nodiscard]] analysis::RunsByEpochs counted(const analysis::RunsByEpochs& values) const;
+    [[nodiscard]] const CampaignStatistics& statistics() const { return part->statistics(); }
 };
 
-/// The settings of one run: another seed, and the keys that vary, drawn (into `drawn` too).
-[[nodiscard]] settings::SettingList settings_of_run(const settings::SettingList& base, const std::vector<settings::Variation>& vary, std::uint64_t seed, settings::SettingList& drawn);
+/// The settings of one run: another seed, and the keys that vary, drawn (into `drawn` too) or at the run's point of the grid.
+[[nodiscard]] settings::SettingList settings_of_run(const settings::SettingList& base, const std::vector<settings::Variation>& vary, std::uint64_t seed,
+                                                    std::uint64_t run, settings::SettingList& drawn);
 
-/// Simulates, fuses and evaluates `runs` runs; run k has the seed of the scenario plus k, so that `schuler run --seed` repeats it.
-/// The result does not depend on `jobs`. @throws Error where no run goes through.
-[[nodiscard]] MonteCarlo montecarlo(const settings::ProcessRequest& request, std::optional<std::size_t> runs, int jobs);
+/// Simulates, fuses and evaluates the runs; run k has the seed of the scenario plus k, so that `schuler run --seed` repeats it. The result does not
+/// depend on jobs, processes or interruptions. In processes other than 0 of a team it is empty. @throws Error where no run goes through.
+[[nodiscard]] MonteCarlo montecarlo(const CampaignRequest& request);
 
 /// summary.json of a campaign; everything but montecarlo.runs_per_s and timing depends on the input alone.
 [[nodiscard]] std::string summary_json(const MonteCarlo& campaign);
@@ -69,10 +55,15 @@ struct MonteCarlo {
 [[nodiscard]] std::string summary_tables(const MonteCarlo& campaign);
 /// A row an epoch: root mean square and quantiles over the runs of each state's error, mean NEES of each block with its bounds.
 [[nodiscard]] std::string epochs_csv(const MonteCarlo& campaign);
+/// A row a point of the grid of sweeps.
+[[nodiscard]] std::string sweep_csv(const MonteCarlo& campaign);
 /// A row a run: seed, drawn values, its errors and mean NEES.
-[[nodiscard]] std::string runs_csv(const MonteCarlo& campaign);
+void write_runs_csv(const MonteCarlo& campaign, const std::filesystem::path& file);
+/// A value as a cell of a CSV file.
+[[nodiscard]] std::string csv_value(const settings::Value& value);
+[[nodiscard]] RunNumbers numbers_of(const MonteCarloRun& run, std::size_t varying);
 
-/// Many seeds of a scenario on `jobs` threads (0: one a core): errors and consistency over the runs. @throws Error
-[[nodiscard]] report::Outcome run_montecarlo(const settings::ProcessRequest& request, std::optional<std::size_t> runs, int jobs);
+/// Many runs of a scenario: errors and consistency over the runs, as files. @throws Error
+[[nodiscard]] report::Outcome run_montecarlo(const CampaignRequest& request);
 
 }  // namespace schuler::study

@@ -1,5 +1,4 @@
 // A campaign as JSON, as CSV and as tables.
-#include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/published.h"
 #include "schuler/settings/config/config.h"
@@ -9,64 +8,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace schuler::study {
 namespace {
 
-using analysis::ErrorRow;
-using analysis::ErrorSummary;
 using analysis::Quantiles;
-using analysis::Spread;
-
-/// A scalar error of summary.json: where it stands, how it is got, its unit.
-struct ErrorField {
-    const char* group;
-    const char* name;
-    const char* title;
-    Spread ErrorSummary::*of_run;
-    double (*of_row)(const ErrorRow&);
-    double si;
-};
-const ErrorField error_fields[] = {
-    {"position_m", "east", "position east, m", &ErrorSummary::east, [](const ErrorRow& r) { return r.position.x(); }, 1.0},
-    {"position_m", "north", "position north, m", &ErrorSummary::north, [](const ErrorRow& r) { return r.position.y(); }, 1.0},
-    {"position_m", "up", "position up, m", &ErrorSummary::up, [](const ErrorRow& r) { return r.position.z(); }, 1.0},
-    {"position_m", "horizontal", "position horizontal, m", &ErrorSummary::horizontal,
-     [](const ErrorRow& r) { return r.position.head<2>().norm(); }, 1.0},
-    {"position_m", "three_d", "position 3-d, m", &ErrorSummary::three_d, [](const ErrorRow& r) { return r.position.norm(); }, 1.0},
-    {"velocity_m_s", "east", "velocity east, m/s", &ErrorSummary::v_east, [](const ErrorRow& r) { return r.velocity.x(); }, 1.0},
-    {"velocity_m_s", "north", "velocity north, m/s", &ErrorSummary::v_north, [](const ErrorRow& r) { return r.velocity.y(); }, 1.0},
-    {"velocity_m_s", "up", "velocity up, m/s", &ErrorSummary::v_up, [](const ErrorRow& r) { return r.velocity.z(); }, 1.0},
-    {"attitude_deg", "roll", "roll, deg", &ErrorSummary::roll, [](const ErrorRow& r) { return r.rpy.x(); }, units::deg},
-    {"attitude_deg", "pitch", "pitch, deg", &ErrorSummary::pitch, [](const ErrorRow& r) { return r.rpy.y(); }, units::deg},
-    {"attitude_deg", "heading", "heading, deg", &ErrorSummary::heading, [](const ErrorRow& r) { return r.rpy.z(); }, units::deg},
-};
 
 /// Over all runs and epochs (rms, p95, max), and the runs' own rms as quantiles.
 struct PooledError {
-    Spread all;
+    analysis::Spread all;
     Quantiles runs;
 };
 
-PooledError pooled(const MonteCarlo& mc, const ErrorField& f) {
-    PooledError out;
-    double square = 0.0, epochs = 0.0, largest = 0.0;
-    std::vector<double> rms, values;
-    for (const MonteCarloRun& r : mc.runs) {
-        const Spread& s = r.summary.*f.of_run;
-        if (r.failed() || !std::isfinite(s.rms)) continue;
-        const auto n = static_cast<double>(r.summary.epochs);
-        square += n * s.rms * s.rms;
-        epochs += n;
-        largest = std::max(largest, s.max);
-        rms.push_back(s.rms / f.si);
-        for (const ErrorRow& row : r.errors) values.push_back(f.of_row(row) / f.si);
-    }
-    if (rms.empty()) return out;
-    out.all = {std::sqrt(square / epochs) / f.si, analysis::spread_of(std::move(values)).p95, largest / f.si};
-    out.runs = analysis::quantiles_of(std::move(rms));
-    return out;
+PooledError pooled(const CampaignStatistics& s, std::size_t field) {
+    const FieldStatistics& f = s.fields[field];
+    if (f.epochs == 0) return {};
+    return {{std::sqrt(f.square.value() / static_cast<double>(f.epochs)), f.size.quantile(0.95), f.largest}, f.runs.quantiles()};
 }
 
 struct PooledAid {
@@ -76,27 +35,12 @@ struct PooledAid {
     analysis::Bounds bounds{};
 };
 
-std::vector<PooledAid> pooled_aids(const MonteCarlo& mc) {
+std::vector<PooledAid> pooled_aids(const CampaignStatistics& s) {
     std::vector<PooledAid> out;
-    for (const MonteCarloRun& r : mc.runs) {
-        for (const solution::AidConsistency& a : r.aids) {
-            auto it = std::ranges::find(out, a.name, &PooledAid::name);
-            if (it == out.end()) it = out.insert(out.end(), PooledAid{std::string(a.name), 0.0, 0.0, 0.0, 0, 0, {}});
-            it->rejected += a.nis.rejected;
-            if (a.nis.accepted == 0) continue;
-            const auto n = static_cast<double>(a.nis.accepted);
-            it->accepted += a.nis.accepted;
-            it->nis += n * a.nis.mean;
-            it->dof += n * a.nis.dof;
-            it->lag1 += std::isfinite(a.nis.lag1) ? n * a.nis.lag1 : 0.0;
-        }
-    }
-    for (PooledAid& a : out) {
+    for (const auto& [name, a] : s.aids) {
         const auto n = static_cast<double>(a.accepted);
-        a.nis /= n;
-        a.dof /= n;
-        a.lag1 /= n;
-        if (a.accepted > 0) a.bounds = analysis::mean_bounds(a.dof, n);
+        PooledAid& p = out.emplace_back(PooledAid{name, a.nis.value() / n, a.dof.value() / n, a.lag1.value() / n, a.accepted, a.rejected, {}});
+        if (a.accepted > 0) p.bounds = analysis::mean_bounds(p.dof, n);
     }
     return out;
 }
@@ -107,32 +51,47 @@ struct PooledOutage {
     double inside_3sigma = 0.0;
 };
 
-std::vector<PooledOutage> pooled_outages(const MonteCarlo& mc) {
+std::vector<PooledOutage> pooled_outages(const CampaignStatistics& s) {
     std::vector<PooledOutage> out;
-    const auto& outages = mc.config.filter.outages;
-    for (std::size_t k = 0; k < outages.size(); ++k) {
-        PooledOutage p{outages[k].start, outages[k].duration, {}, {}, {}, {}, {}, 0.0};
-        std::vector<double> end, most, vertical, three, growth;
-        for (const MonteCarloRun& r : mc.runs) {
-            if (r.failed() || r.outages.size() <= k) continue;
-            const analysis::OutageStatistics& o = r.outages[k];
-            end.push_back(o.end_horizontal);
-            most.push_back(o.max_horizontal);
-            vertical.push_back(o.end_vertical);
-            three.push_back(o.max_3d);
-            growth.push_back(o.growth_horizontal);
-            p.inside_3sigma += o.inside_3sigma ? 1.0 : 0.0;
-        }
-        if (end.empty()) continue;
-        p.inside_3sigma /= static_cast<double>(end.size());
-        p.end_horizontal = analysis::quantiles_of(std::move(end));
-        p.max_horizontal = analysis::quantiles_of(std::move(most));
-        p.end_vertical = analysis::quantiles_of(std::move(vertical));
-        p.max_3d = analysis::quantiles_of(std::move(three));
-        p.growth = analysis::quantiles_of(std::move(growth));
-        out.push_back(p);
+    for (const OutageOfRuns& o : s.outages) {
+        const auto& q = o.size;
+        out.push_back({o.start_s, o.duration_s, q[0].quantiles(), q[1].quantiles(), q[2].quantiles(), q[3].quantiles(), q[4].quantiles(),
+                       static_cast<double>(o.inside) / static_cast<double>(o.runs)});
     }
     return out;
+}
+
+/// Numbers of one point of the grid of sweeps.
+constexpr std::array point_columns{"runs", "failed", "horizontal_rms_m", "up_rms_m", "three_d_rms_m", "heading_rms_deg", "nees_position", "outage_end_horizontal_rms_m"};
+
+std::array<double, point_columns.size()> numbers_of(const PointStatistics& p) {
+    const auto n = static_cast<double>(p.epochs);
+    const auto rms = [&](std::size_t field) { return std::sqrt(p.square[field].value() / n); };
+    return {static_cast<double>(p.runs), static_cast<double>(p.failed), rms(3), rms(2), rms(4), rms(10), p.nees.value() / static_cast<double>(p.nees_runs),
+            std::sqrt(p.end_square.value() / static_cast<double>(p.ends))};
+}
+
+/// The swept keys with their values at a point.
+std::vector<std::pair<std::string, const settings::Value*>> at_point(const MonteCarlo& mc, std::uint64_t point) {
+    std::vector<std::pair<std::string, const settings::Value*>> out;
+    for (auto it = mc.vary.rbegin(); it != mc.vary.rend(); ++it) {
+        if (it->kind != settings::Variation::Kind::Sweep) continue;
+        out.insert(out.begin(), {it->key, &it->values[point % it->values.size()]});
+        point /= it->values.size();
+    }
+    return out;
+}
+
+report::Json sweep_json(const MonteCarlo& mc) {
+    report::Json rows = report::Json::array();
+    for (const auto& [point, p] : mc.statistics().points) {
+        report::Json row;
+        for (const auto& [key, value] : at_point(mc, point)) row[key] = value->is_number() ? report::Json(value->number()) : report::Json(settings::to_toml(*value));
+        const auto numbers = numbers_of(p);
+        for (std::size_t i = 0; i < numbers.size(); ++i) row[point_columns[i]] = report::json_number(numbers[i]);
+        rows.push_back(std::move(row));
+    }
+    return rows;
 }
 
 report::Json of(const Quantiles& q) { return {{"rms", report::json_number(q.rms)}, {"median", report::json_number(q.median)}, {"q05", report::json_number(q.q05)}, {"q95", report::json_number(q.q95)}}; }
@@ -142,22 +101,16 @@ report::Json of(const analysis::EnsembleConsistency& c) {
             {"high95", report::json_number(c.high95)}, {"inside", report::json_number(c.inside)},     {"worth", report::json_number(c.worth)}};
 }
 
-/// All settled values of one component.
-Quantiles component(const MonteCarlo& mc, std::size_t block, std::size_t axis) {
-    const analysis::RunsByEpochs v = mc.counted(mc.blocks[block].error[axis]) / solution::state_block_names()[block].si;
-    return analysis::quantiles_of({v.reshaped().begin(), v.reshaped().end()});
-}
-
-report::Json consistency_of(const MonteCarlo& mc) {
+report::Json consistency_of(const CampaignStatistics& s) {
     report::Json out;
     for (std::size_t b = 0; b < solution::state_blocks; ++b) {
         const solution::StateBlockName& name = solution::state_block_names()[b];
         out["nees_" + std::string(name.name)] =
-            mc.blocks[b].present() ? of(analysis::ensemble_consistency(mc.counted(mc.blocks[b].nees), name.dof)) : report::Json(nullptr);
+            s.present(b) ? of(s.consistency(b)) : report::Json(nullptr);
     }
     report::Json nis;
     for (const char* name : {"gnss_position", "gnss_velocity", "baro", "pseudorange", "range_rate", "mag"}) nis[name] = nullptr;
-    for (const PooledAid& a : pooled_aids(mc)) {
+    for (const PooledAid& a : pooled_aids(s)) {
         nis[a.name] = {{"mean", report::json_number(a.nis)},          {"dof", report::json_number(a.dof)},
                        {"accepted", a.accepted},         {"rejected", a.rejected},
                        {"lag1", report::json_number(a.lag1)},         {"low95", report::json_number(a.bounds.low95)},
@@ -170,34 +123,34 @@ report::Json consistency_of(const MonteCarlo& mc) {
 }  // namespace
 
 std::string summary_json(const MonteCarlo& mc) {
-    const settings::Config& c = mc.config;
+    const CampaignStatistics& s = mc.statistics();
     report::Json out;
     out["name"] = mc.name;
     out["command"] = "montecarlo";
-    out["scheme"] = settings::scheme_name(c.scheme);
-    out["mechanization"] = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
-    out["loop"] = settings::loop_name(c.filter.loop);
-    out["smoothed"] = c.filter.smooth;
-    out["seed"] = mc.runs.front().seed;
+    out["scheme"] = s.head.scheme;
+    out["mechanization"] = s.head.mechanization;
+    out["loop"] = s.head.loop;
+    out["smoothed"] = s.head.smoothed;
+    out["seed"] = mc.seed + mc.first;
     out["version"] = mc.version;
     out["reference"] = "truth";
-    for (const ErrorField& f : error_fields) {
-        const PooledError p = pooled(mc, f);
+    for (std::size_t i = 0; i < error_field_count; ++i) {
+        const ErrorField& f = error_fields()[i];
+        const PooledError p = pooled(s, i);
         out["errors"][f.group][f.name] = {{"rms", report::json_number(p.all.rms)},     {"p95", report::json_number(p.all.p95)},
                                           {"max", report::json_number(p.all.max)},     {"median", report::json_number(p.runs.median)},
                                           {"q05", report::json_number(p.runs.q05)},    {"q95", report::json_number(p.runs.q95)}};
     }
     for (std::size_t b = 0; b < solution::state_blocks; ++b) {
         const solution::StateBlockName& name = solution::state_block_names()[b];
-        if (!mc.blocks[b].present()) continue;
+        if (!s.present(b)) continue;
         report::Json& block = out["states"][fmt::format("{}_{}", name.name, name.unit)];
-        for (std::size_t axis = 0; axis < static_cast<std::size_t>(name.dof); ++axis) block[std::string(name.axis[axis])] = of(component(mc, b, axis));
+        for (std::size_t axis = 0; axis < static_cast<std::size_t>(name.dof); ++axis) block[std::string(name.axis[axis])] = of(s.component(b, axis));
     }
-    const auto first = std::ranges::find_if(mc.runs, [](const MonteCarloRun& r) { return !r.failed(); });
-    out["settled_after_s"] = report::json_number(first->settled_s);
-    out["consistency"] = consistency_of(mc);
+    out["settled_after_s"] = report::json_number(s.head.settled_s);
+    out["consistency"] = consistency_of(s);
     out["outages"] = report::Json::array();
-    for (const PooledOutage& o : pooled_outages(mc)) {
+    for (const PooledOutage& o : pooled_outages(s)) {
         out["outages"].push_back({{"start_s", o.start_s},
                                   {"duration_s", o.duration_s},
                                   {"end_horizontal_m", report::json_number(o.end_horizontal.rms)},
@@ -208,8 +161,11 @@ std::string summary_json(const MonteCarlo& mc) {
                                   {"end_horizontal", of(o.end_horizontal)},
                                   {"growth_horizontal", of(o.growth)}});
     }
-    const auto runs = static_cast<double>(mc.runs.size());
-    out["montecarlo"] = {{"runs", mc.runs.size()}, {"failed", mc.failed()}, {"runs_per_s", report::json_number(runs / mc.wall_s)}};
+    out["montecarlo"] = {{"runs", mc.runs}, {"failed", s.failed}, {"runs_per_s", report::json_number(static_cast<double>(mc.run_here) / mc.wall_s)},
+                         {"quantiles", s.fields[0].runs.sketch.exact() ? "exact" : "histogram"}};
+    report::Json& failures = out["montecarlo"]["failures"] = report::Json::array();
+    for (const auto& [run, failure] : s.failures) failures.push_back({{"run", run}, {"seed", failure.seed}, {"reason", failure.reason}});
+    if (s.swept) out["montecarlo"]["sweep"] = sweep_json(mc);
     out["timing"] = {{"wall_s", mc.wall_s}};
     out["warnings"] = report::Json::array();
     return report::text_of(out);
@@ -228,13 +184,13 @@ std::string readable(std::string_view unit) {
     return unit == "m_s" ? "m/s" : unit == "deg_h" ? "deg/h" : std::string(unit);
 }
 
-std::string block_table(const MonteCarlo& mc) {
+std::string block_table(const CampaignStatistics& s) {
     std::string out = fmt::format("{:<28}{:>11}{:>11}{:>11}{:>11}\n", "states", "rms", "5 %", "median", "95 %");
     for (std::size_t b = 2; b < solution::state_blocks; ++b) {   // position and velocity stand above
         const solution::StateBlockName& name = solution::state_block_names()[b];
-        if (!mc.blocks[b].present()) continue;
+        if (!s.present(b)) continue;
         for (std::size_t axis = 0; axis < static_cast<std::size_t>(name.dof); ++axis) {
-            const Quantiles q = component(mc, b, axis);
+            const Quantiles q = s.component(b, axis);
             std::string title = fmt::format("{} {}, {}", name.name, name.axis[axis], readable(name.unit));
             std::ranges::replace(title, '_', ' ');
             out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}\n", title, cell(q.rms), cell(q.q05), cell(q.median), cell(q.q95));
@@ -243,17 +199,17 @@ std::string block_table(const MonteCarlo& mc) {
     return out;
 }
 
-std::string consistency_table(const MonteCarlo& mc) {
+std::string consistency_table(const CampaignStatistics& s) {
     std::string out = fmt::format("{:<24}{:>11}{:>11}   {:<22}{}\n", "consistency", "mean", "expected", "95 % bounds", "epochs inside theirs");
     for (std::size_t b = 0; b < solution::state_blocks; ++b) {
         const solution::StateBlockName& name = solution::state_block_names()[b];
-        if (!mc.blocks[b].present()) continue;
-        const analysis::EnsembleConsistency c = analysis::ensemble_consistency(mc.counted(mc.blocks[b].nees), name.dof);
+        if (!s.present(b)) continue;
+        const analysis::EnsembleConsistency c = s.consistency(b);
         const bool holds = c.mean >= c.low95 && c.mean <= c.high95;
         out += fmt::format("  NEES {:<17}{:>11}{:>11}   {:<22}{:.0f} %{}\n", name.name, cell(c.mean), cell(c.expected),
                            fmt::format("({} to {})", cell(c.low95), cell(c.high95)), 100.0 * c.inside, holds ? "" : "   OUTSIDE");
     }
-    for (const PooledAid& a : pooled_aids(mc)) {
+    for (const PooledAid& a : pooled_aids(s)) {
         const bool holds = a.nis >= a.bounds.low95 && a.nis <= a.bounds.high95;
         out += fmt::format("  NIS  {:<17}{:>11}{:>11}   {:<22}{} rejected of {}, lag 1 {}{}\n", a.name, cell(a.nis), cell(a.dof),
                            fmt::format("({} to {})", cell(a.bounds.low95), cell(a.bounds.high95)), a.rejected,
@@ -262,22 +218,50 @@ std::string consistency_table(const MonteCarlo& mc) {
     return out;
 }
 
+std::string sweep_table(const MonteCarlo& mc) {
+    constexpr std::size_t shown = 100;
+    std::string out = fmt::format("{:<50}{:>7}{:>8}{:>14}{:>11}{:>14}{:>11}\n", "sweep", "runs", "failed", "horizontal, m", "up, m", "heading, deg", "outage, m");
+    std::size_t lines = 0;
+    for (const auto& [point, p] : mc.statistics().points) {
+        if (lines++ == shown) return out + fmt::format("  ... {} points in all: sweep.csv\n", mc.statistics().points.size());
+        std::string title;
+        for (const auto& [key, value] : at_point(mc, point)) title += (title.empty() ? "" : ", ") + key + " = " + settings::to_toml(*value);
+        const auto n = numbers_of(p);
+        out += fmt::format("  {:<48}{:>7}{:>8}{:>14}{:>11}{:>14}{:>11}\n", title, p.runs, p.failed, cell(n[2]), cell(n[3]), cell(n[5]), cell(n[7]));
+    }
+    return out;
+}
+
 }  // namespace
 
+std::string sweep_csv(const MonteCarlo& mc) {
+    std::string out;
+    for (const auto& [key, value] : at_point(mc, 0)) out += key + ",";
+    for (const char* column : point_columns) out += fmt::format("{}{}", column, column == point_columns.back() ? "\n" : ",");
+    for (const auto& [point, p] : mc.statistics().points) {
+        for (const auto& [key, value] : at_point(mc, point)) out += csv_value(*value) + ",";
+        const auto numbers = numbers_of(p);
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            out += (std::isfinite(numbers[i]) ? fmt::format("{:.9g}", numbers[i]) : "") + (i + 1 == numbers.size() ? "\n" : ",");
+    }
+    return out;
+}
+
 std::string summary_tables(const MonteCarlo& mc) {
-    const auto first = std::ranges::find_if(mc.runs, [](const MonteCarloRun& r) { return !r.failed(); });
-    std::string out = fmt::format("{}: {} runs, seeds {} to {}, {} failed\n\n", mc.name, mc.runs.size(), mc.runs.front().seed,
-                                  mc.runs.back().seed, mc.failed());
-    out += fmt::format("{:<28}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", fmt::format("errors from {:.1f} s", first->settled_s), "rms",
+    const CampaignStatistics& s = mc.statistics();
+    const std::uint64_t seed = mc.seed + mc.first;
+    std::string out = fmt::format("{}: {} runs, seeds {} to {}, {} failed\n\n", mc.name, mc.runs, seed, seed + mc.runs - 1, s.failed);
+    out += fmt::format("{:<28}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", fmt::format("errors from {:.1f} s", s.head.settled_s), "rms",
                        "95 %", "max", "runs: 5 %", "median", "95 %");
-    for (const ErrorField& f : error_fields) {
-        const PooledError p = pooled(mc, f);
+    for (std::size_t i = 0; i < error_field_count; ++i) {
+        const ErrorField& f = error_fields()[i];
+        const PooledError p = pooled(s, i);
         if (!std::isfinite(p.all.rms)) continue;
         out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", f.title, cell(p.all.rms), cell(p.all.p95), cell(p.all.max),
                            cell(p.runs.q05), cell(p.runs.median), cell(p.runs.q95));
     }
-    out += block_table(mc);
-    const std::vector<PooledOutage> outages = pooled_outages(mc);
+    out += block_table(s);
+    const std::vector<PooledOutage> outages = pooled_outages(s);
     if (!outages.empty())
         out += fmt::format("\n{:<28}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "outages, horizontal, m", "end median", "95 %", "growth 50 %",
                            "95 %", "3 sigma");
@@ -286,79 +270,16 @@ std::string summary_tables(const MonteCarlo& mc) {
                            cell(o.end_horizontal.median), cell(o.end_horizontal.q95), cell(o.growth.median), cell(o.growth.q95),
                            100.0 * o.inside_3sigma);
     }
-    out += "\n" + consistency_table(mc);
+    out += "\n" + consistency_table(s);
+    if (s.swept) out += "\n" + sweep_table(mc);
     if (!mc.published.source.empty()) {
         settings::BlockRms rms;
         for (std::size_t b = 0; b < settings::published_blocks; ++b)
             for (std::size_t axis = 0; axis < 3; ++axis)
-                rms[b][static_cast<Eigen::Index>(axis)] = component(mc, b, axis).rms * solution::state_block_names()[b].si;
-        out += "\n" + report::published_table(mc.published, rms, fmt::format("{} runs, from {:.0f} s", mc.runs.size(), first->settled_s));
+                rms[b][static_cast<Eigen::Index>(axis)] = s.component(b, axis).rms * solution::state_block_names()[b].si;
+        out += "\n" + report::published_table(mc.published, rms, fmt::format("{} runs, from {:.0f} s", mc.runs, s.head.settled_s));
     }
-    out += fmt::format("\n{:.1f} s, {:.2f} runs/s\n", mc.wall_s, static_cast<double>(mc.runs.size()) / mc.wall_s);
-    return out;
-}
-
-std::string epochs_csv(const MonteCarlo& mc) {
-    std::string header = "time_s";
-    std::vector<std::vector<double>> columns;
-    for (std::size_t b = 0; b < solution::state_blocks; ++b) {
-        const solution::StateBlockName& name = solution::state_block_names()[b];
-        if (!mc.blocks[b].present()) continue;
-        for (std::size_t axis = 0; axis < static_cast<std::size_t>(name.dof); ++axis) {
-            std::vector<double> rms, q05, median, q95;
-            for (const Quantiles& q : analysis::quantiles_by_epoch(mc.blocks[b].error[axis] / name.si)) {
-                rms.push_back(q.rms);
-                q05.push_back(q.q05);
-                median.push_back(q.median);
-                q95.push_back(q.q95);
-            }
-            for (const char* what : {"rms", "q05", "median", "q95"}) header += fmt::format(",{}_{}_{}_{}", name.name, name.axis[axis], name.unit, what);
-            for (auto* column : {&rms, &q05, &median, &q95}) columns.push_back(std::move(*column));
-        }
-        std::vector<double> mean, low, high;
-        for (Eigen::Index k = 0; k < mc.blocks[b].nees.cols(); ++k) {
-            const analysis::EnsembleConsistency c = analysis::ensemble_consistency(mc.blocks[b].nees.col(k), name.dof);
-            const auto n = static_cast<double>(mc.blocks[b].nees.col(k).array().isFinite().count());
-            const analysis::Bounds bounds = n > 0.0 ? analysis::mean_bounds(name.dof, n) : analysis::Bounds{c.low95, c.high95};
-            mean.push_back(c.mean);
-            low.push_back(bounds.low95);
-            high.push_back(bounds.high95);
-        }
-        header += fmt::format(",nees_{0},nees_{0}_low95,nees_{0}_high95", name.name);
-        for (auto* column : {&mean, &low, &high}) columns.push_back(std::move(*column));
-    }
-    std::string out = header + "\n";
-    for (std::size_t k = 0; k < mc.time_s.size(); ++k) {
-        out += fmt::format("{:.9g}", mc.time_s[k]);
-        for (const auto& column : columns) out += std::isfinite(column[k]) ? fmt::format(",{:.9g}", column[k]) : ",";
-        out += '\n';
-    }
-    return out;
-}
-
-std::string runs_csv(const MonteCarlo& mc) {
-    std::string out = "run,seed,failed";
-    for (const settings::Setting& s : mc.runs.front().drawn) out += "," + s.key;
-    for (const ErrorField& f : error_fields) out += fmt::format(",{}_{}_rms", f.group, f.name);
-    for (std::size_t b = 0; b < solution::state_blocks; ++b)
-        if (mc.blocks[b].present()) out += fmt::format(",nees_{}", solution::state_block_names()[b].name);
-    out += '\n';
-    Eigen::Index row = 0;
-    for (std::size_t k = 0; k < mc.runs.size(); ++k) {
-        const MonteCarloRun& r = mc.runs[k];
-        out += fmt::format("{},{},{}", k, r.seed, r.failed() ? 1 : 0);
-        for (const settings::Setting& s : r.drawn) out += fmt::format(",{}", s.value.number());
-        for (const ErrorField& f : error_fields)
-            out += r.failed() || !std::isfinite((r.summary.*f.of_run).rms) ? "," : fmt::format(",{:.9g}", (r.summary.*f.of_run).rms / f.si);
-        for (std::size_t b = 0; b < solution::state_blocks; ++b) {
-            if (!mc.blocks[b].present()) continue;
-            const double mean = r.failed() ? std::nan("")
-                                           : analysis::ensemble_consistency(mc.counted(mc.blocks[b].nees).row(row), 1.0).mean;
-            out += std::isfinite(mean) ? fmt::format(",{:.9g}", mean) : ",";
-        }
-        if (!r.failed()) ++row;
-        out += '\n';
-    }
+    out += fmt::format("\n{:.1f} s, {:.2f} runs/s\n", mc.wall_s, static_cast<double>(mc.run_here) / mc.wall_s);
     return out;
 }
 

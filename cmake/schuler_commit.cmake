@@ -1,0 +1,23 @@
+# Writes SOURCE, which defines schuler::cli::commit(): the commit that the program is built from, "modified" where files that are kept
+# differ from it, nothing where that cannot be known. SCHULER_COMMIT in the environment takes precedence (packages built without git).
+set(commit "$ENV{SCHULER_COMMIT}")
+if(commit STREQUAL "" AND EXISTS "${ROOT}/.git")
+    execute_process(COMMAND git -C "${ROOT}" rev-parse --short=12 HEAD OUTPUT_VARIABLE commit ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE
+                    RESULT_VARIABLE failed)
+    if(failed)
+        set(commit "")
+    else()
+        execute_process(COMMAND git -C "${ROOT}" diff-index --quiet HEAD -- RESULT_VARIABLE modified ERROR_QUIET OUTPUT_QUIET)
+        if(modified)
+            string(APPEND commit ", modified")
+        endif()
+    endif()
+endif()
+set(text "// Made by cmake/schuler_commit.cmake.\n#include \"version.h\"\n\nstd::string_view schuler::cli::commit() { return \"${commit}\"; }\n")
+set(old "")
+if(EXISTS "${SOURCE}")
+    file(READ "${SOURCE}" old)
+endif()
+if(NOT old STREQUAL text)
+    file(WRITE "${SOURCE}" "${text}")
+endif()

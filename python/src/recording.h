@@ -1,0 +1,24 @@
+// The instruments of a data set in memory, shared between Python's views of it.
+#pragma once
+
+#include "arrays.h"
+
+#include "schuler/core/samples.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace schuler::python {
+
+struct SharedRecording {
+    std::string name;
+    std::shared_ptr<const Recording> recording;
+    ImuKind imu_kind = ImuKind::Rates;
+    double origin = 0.0;                         ///< s, zero of the command line's times
+    std::string config_toml;                     ///< settings of the data set as loading has settled them
+    std::string inferred_toml;                   ///< the dataset.toml that was inferred; empty where there is one
+    std::vector<std::string> warnings;
+};
+
+}  // namespace schuler::python

@@ -1,0 +1,21 @@
+// Values of Python as values of settings, and back.
+#pragma once
+
+#include "arrays.h"
+
+#include "schuler/settings/option_table.h"
+
+namespace schuler::python {
+
+/// bool, int, float, str, a path, a list, tuple or array of these, a dict. @throws Error(Input) naming `key` for anything else
+[[nodiscard]] settings::Value value_from(const py::handle& object, const std::string& key);
+
+/// The value of an option as its command takes it: a path as text, words with commas between them as a list, on and off of a flag.
+[[nodiscard]] settings::Value value_for(const settings::OptionSpec& spec, const py::handle& object);
+
+[[nodiscard]] py::object object_of(const settings::Value& value);
+
+/// Settings of dataset.toml from a dict: keys with dots, or dicts in dicts. @throws Error(Input) for an unknown key, with the nearest one
+[[nodiscard]] settings::SettingList settings_from(const py::dict& settings);
+
+}  // namespace schuler::python

@@ -1,0 +1,22 @@
+// `schuler batch`: many data sets, each as `process` does it, and one table of all.
+#pragma once
+
+#include "schuler/report/outcome.h"
+#include "schuler/settings/request.h"
+
+#include <string>
+#include <vector>
+
+namespace schuler::app {
+
+struct BatchRequest {
+    settings::ProcessRequest common;   ///< its input is not used; its output is the folder of all
+    std::vector<std::string> inputs;   ///< lists (text files of paths), data sets, or folders of data sets
+    int jobs = 0;
+    bool resume = false;               ///< keep what an interrupted batch has finished
+};
+
+/// @throws Error(Input) where there is no data set, or the folder cannot be written
+[[nodiscard]] report::Outcome process_batch(const BatchRequest& request);
+
+}  // namespace schuler::app

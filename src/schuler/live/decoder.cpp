@@ -1,0 +1,284 @@
+#include "schuler/live/decoder.h"
+
+#include "schuler/core/error.h"
+#include "schuler/io/formats.h"
+#include "schuler/io/receiver/nmea.h"
+#include "schuler/io/receiver/ubx.h"
+#include "schuler/io/text/csv_aids.h"
+#include "schuler/live/detail/framing.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+namespace schuler::live {
+namespace {
+
+using io::TextInput;
+
+TextInput input_of(const std::string& text) { return TextInput::memory(text, "the stream"); }
+
+/// Rows of a table through the reader of such files.
+void read_rows(const std::string& table, Instrument instrument, const io::CsvOptions& options, std::vector<Sample>& out) {
+    WarningLog heard;
+    const auto add = [&out](const auto& samples) { out.insert(out.end(), samples.begin(), samples.end()); };
+    switch (instrument) {
+        case Instrument::Imu: return add(io::read_imu_csv(input_of(table), options, heard).samples);
+        case Instrument::Gnss: return add(io::read_gnss_csv(input_of(table), options, heard).fixes);
+        case Instrument::Baro: return add(io::read_baro_csv(input_of(table), options, heard).samples);
+        case Instrument::Mag: return add(io::read_mag_csv(input_of(table), options, heard).samples);
+        case Instrument::Odometer: return add(io::read_odometer_csv(input_of(table)));
+        case Instrument::Heading: return add(io::read_compass_csv(input_of(table)));
+    }
+}
+
+/// The first line that is no number is the header; a connection that begins anew may send it again.
+class CsvDecoder final : public Decoder {
+public:
+    CsvDecoder(Instrument instrument, io::CsvOptions options) : instrument_(instrument), options_(std::move(options)) {}
+
+    void take(std::string_view bytes, std::vector<Sample>& out) override {
+        lines_.take(bytes, [&](std::string_view line) { take_line(line, out); }, [&] { bad("no line end"); });
+    }
+    void reset() override { lines_.reset(); }
+
+private:
+    void take_line(std::string_view line, std::vector<Sample>& out) {
+        const std::size_t first = line.find_first_not_of(" \t");
+        if (first == std::string_view::npos || line[first] == '#') return;
+        const bool number = (line[first] >= '0' && line[first] <= '9') || line[first] == '-' || line[first] == '+' || line[first] == '.';
+        if (!number) {
+            if (line.find_first_of(",;\t ") == std::string_view::npos) return bad("a line that is neither a header nor a row");
+            header_ = line;
+            return;
+        }
+        if (header_.empty()) return bad("a row before the header line");
+        table_.assign(header_).append("\n").append(line).append("\n");
+        const std::size_t before = out.size();
+        try {
+            read_rows(table_, instrument_, options_, out);
+        } catch (const Error& e) {
+            return bad(e.reason());
+        }
+        if (out.size() > before)
+            ++counters_.messages;
+        else
+            bad("a row without a usable value");
+    }
+
+    Instrument instrument_;
+    io::CsvOptions options_;
+    detail::Lines lines_;
+    std::string header_, table_;
+};
+
+/// Sentences of one time of day form an epoch, which is complete when the next one begins or nothing more comes.
+class NmeaDecoder final : public Decoder {
+public:
+    void take(std::string_view bytes, std::vector<Sample>& out) override {
+        lines_.take(bytes, [&](std::string_view line) { take_line(line, out); }, [&] { bad("no line end"); });
+    }
+    void quiet(std::vector<Sample>& out) override { finish(out); }
+    [[nodiscard]] bool waiting() const override { return !epoch_.empty(); }
+    void reset() override {
+        lines_.reset();
+        epoch_.clear();
+    }
+
+private:
+    void take_line(std::string_view line, std::vector<Sample>& out) {
+        const std::size_t begin = line.rfind('$');
+        if (begin == std::string_view::npos || line.size() - begin < 11) return bad("a line that is no sentence");
+        line = line.substr(begin);
+        if (!checked(line)) return bad("a sentence with a wrong checksum");
+        const std::string_view kind = line.substr(3, 3);
+        const bool timed = kind == "GGA" || kind == "RMC" || kind == "GNS" || kind == "GST" || kind == "ZDA";
+        if (!timed && kind != "VTG" && kind != "GSA") {
+            ++counters_.foreign;
+            return;
+        }
+        ++counters_.messages;
+        if (timed) {
+            const std::size_t end = line.find(',', 7);
+            const std::string_view time = line.substr(7, end == std::string_view::npos ? end : end - 7);
+            if (time != time_) finish(out);
+            time_ = time;
+        }
+        if (kind == "RMC" || kind == "ZDA") {
+            date_ = std::string(line) + "\r\n";
+            dated_ = true;
+        }
+        epoch_.append(line).append("\r\n");
+    }
+
+    static bool checked(std::string_view line) {
+        const std::size_t star = line.rfind('*');
+        if (star == std::string_view::npos || star + 3 > line.size()) return false;
+        unsigned sum = 0;
+        for (const char c : line.substr(1, star - 1)) sum ^= static_cast<unsigned char>(c);
+        return fmt::format("{:02X}", sum & 0xffU) == line.substr(star + 1, 2) || fmt::format("{:02x}", sum & 0xffU) == line.substr(star + 1, 2);
+    }
+
+    void finish(std::vector<Sample>& out) {
+        if (epoch_.empty()) return;
+        // an epoch without a date has that of the one before
+        const std::string text = dated_ ? std::exchange(epoch_, {}) : date_ + std::exchange(epoch_, {});
+        dated_ = false;
+        WarningLog heard;
+        try {
+            for (const GnssFix& fix : io::read_nmea(input_of(text), heard).fixes) {
+                if (last_ && fix.time <= *last_ && *last_ - fix.time < Duration::from_seconds(5.0)) continue;
+                last_ = fix.time;
+                out.emplace_back(fix);
+            }
+        } catch (const Error&) {   // no fix in it
+        }
+    }
+
+    detail::Lines lines_;
+    std::string epoch_, time_, date_;
+    bool dated_ = false;
+    std::optional<Time> last_;
+};
+
+/// Binary frames: what is none is passed over and counted once a run.
+class FrameDecoder : public Decoder {
+public:
+    void take(std::string_view bytes, std::vector<Sample>& out) override {
+        waiting_ += bytes;
+        std::size_t at = 0;
+        while (at < waiting_.size()) {
+            const std::string_view rest(waiting_.data() + at, waiting_.size() - at);
+            const std::size_t size = frame(rest);
+            if (size == more) break;
+            if (size == none) {
+                if (!lost_) bad("bytes between the messages");
+                lost_ = true;
+                ++at;
+                continue;
+            }
+            lost_ = false;
+            message(std::string(rest.substr(0, size)), out);
+            at += size;
+        }
+        waiting_.erase(0, at);
+        if (waiting_.size() > longest) waiting_.clear();
+    }
+    void reset() override { waiting_.clear(); }
+
+protected:
+    static constexpr std::size_t more = SIZE_MAX, none = 0, longest = 1 << 17;
+    /// Size of the message at the beginning; `more` where it has not wholly come, `none` where there is none.
+    [[nodiscard]] virtual std::size_t frame(std::string_view bytes) const = 0;
+    virtual void message(const std::string& bytes, std::vector<Sample>& out) = 0;
+    static unsigned byte(std::string_view bytes, std::size_t i) { return static_cast<unsigned char>(bytes[i]); }
+
+private:
+    std::string waiting_;
+    bool lost_ = false;
+};
+
+/// NMEA sentences between the messages are foreign, not garbage.
+class UbxDecoder final : public FrameDecoder {
+protected:
+    [[nodiscard]] std::size_t frame(std::string_view b) const override {
+        if (b[0] == '$') {
+            const std::size_t end = b.find('\n');
+            return end != std::string_view::npos ? end + 1 : b.size() < 120 ? more : none;
+        }
+        if (byte(b, 0) != 0xb5) return none;
+        if (b.size() < 2) return more;
+        if (byte(b, 1) != 0x62) return none;
+        if (b.size() < 6) return more;
+        const std::size_t size = 8 + byte(b, 4) + 256 * byte(b, 5);
+        if (size > 8192) return none;
+        if (b.size() < size) return more;
+        unsigned a = 0, c = 0;
+        for (std::size_t i = 2; i < size - 2; ++i) {
+            a = (a + byte(b, i)) & 0xffU;
+            c = (c + a) & 0xffU;
+        }
+        return a == byte(b, size - 2) && c == byte(b, size - 1) ? size : none;
+    }
+    void message(const std::string& bytes, std::vector<Sample>& out) override {
+        const bool solution = bytes[0] != '$' && byte(bytes, 2) == 0x01 && byte(bytes, 3) == 0x07;   // NAV-PVT
+        if (!solution) {
+            ++counters_.foreign;
+            return;
+        }
+        ++counters_.messages;
+        WarningLog heard;
+        try {
+            for (const GnssFix& fix : io::read_ubx(input_of(bytes), heard).fixes) out.emplace_back(fix);
+        } catch (const Error&) {   // without a fix
+        }
+    }
+};
+
+/// Position and velocity are messages of their own: they are read together when the receiver pauses.
+class NovatelDecoder final : public FrameDecoder {
+public:
+    void quiet(std::vector<Sample>& out) override {
+        if (chunk_.empty()) return;
+        const std::string text = std::exchange(chunk_, {});
+        WarningLog heard;
+        try {
+            const io::StreamLog log = io::format_named("novatel")->read(input_of(text), heard);
+            for (const io::Stream& s : log.streams) {
+                if (s.kind != io::TableKind::Imu && s.kind != io::TableKind::Gnss) continue;
+                read_rows(io::table_text(s, log.clock), s.kind == io::TableKind::Imu ? Instrument::Imu : Instrument::Gnss, {}, out);
+            }
+        } catch (const Error&) {   // nothing of use in it
+        }
+    }
+    [[nodiscard]] bool waiting() const override { return !chunk_.empty(); }
+    void reset() override {
+        FrameDecoder::reset();
+        chunk_.clear();
+    }
+
+protected:
+    [[nodiscard]] std::size_t frame(std::string_view b) const override {
+        if (b[0] == '#' || b[0] == '%') {
+            const std::size_t end = b.find('\n');
+            return end != std::string_view::npos ? end + 1 : b.size() < 4096 ? more : none;
+        }
+        if (byte(b, 0) != 0xaa) return none;
+        if (b.size() < 10) return more;
+        if (byte(b, 1) != 0x44 || (byte(b, 2) != 0x12 && byte(b, 2) != 0x13)) return none;
+        const bool is_long = byte(b, 2) == 0x12;
+        const std::size_t size = is_long ? byte(b, 3) + byte(b, 8) + 256 * byte(b, 9) + 4 : 12 + byte(b, 3) + 4;
+        return size > detail::longest_message ? none : b.size() < size ? more : size;
+    }
+    void message(const std::string& bytes, std::vector<Sample>& out) override {
+        ++counters_.messages;
+        chunk_ += bytes;
+        if (chunk_.size() > detail::longest_message) quiet(out);
+    }
+
+private:
+    std::string chunk_;
+};
+
+}  // namespace
+
+std::string_view name_of(Instrument instrument) {
+    constexpr std::array<std::string_view, instrument_count> names{"imu", "gnss", "baro", "mag", "odometer", "heading"};
+    return names[static_cast<std::size_t>(instrument)];
+}
+
+std::unique_ptr<Decoder> make_decoder(StreamFormat format, Instrument instrument, const io::CsvOptions& options) {
+    switch (format) {
+        case StreamFormat::Nmea: return std::make_unique<NmeaDecoder>();
+        case StreamFormat::Ubx: return std::make_unique<UbxDecoder>();
+        case StreamFormat::Novatel: return std::make_unique<NovatelDecoder>();
+        case StreamFormat::Json: return detail::json_decoder();
+        case StreamFormat::Gpsd: return detail::gpsd_decoder();
+        default: return std::make_unique<CsvDecoder>(instrument, options);
+    }
+}
+
+}  // namespace schuler::live

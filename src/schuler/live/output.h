@@ -1,0 +1,48 @@
+// A place that messages are sent to without ever waiting for a reader: what it does not take is queued, and beyond a limit the oldest is
+// dropped and counted.
+#pragma once
+
+#include "schuler/live/endpoint.h"
+#include "schuler/live/input.h"
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace schuler::live {
+
+struct OutputLimits {
+    std::size_t queue = 1 << 20;      ///< bytes that wait for one reader
+    std::size_t rotate = 0;           ///< bytes after which a file is begun anew; 0: never
+    int keep = 5;                     ///< older files that stay, NAME.1 the newest of them
+};
+
+class Output {
+public:
+    Output(Endpoint endpoint, const OutputLimits& limits, std::function<void(const std::string&)> tell);
+    ~Output();
+    Output(Output&&) noexcept;
+    Output& operator=(Output&&) = delete;
+
+    /// Lines that every reader gets before the first message, with their line ends: the header of a table.
+    void greet(std::string text);
+    void tend(double now);
+    /// One message with its line end. Sent at once where that is possible.
+    void send(std::string_view message, double now);
+    void interests(std::vector<Interest>& out) const;
+    /// To be called when one of its descriptors is ready.
+    void ready(int fd, double now);
+
+    [[nodiscard]] std::size_t dropped() const;     ///< messages
+    [[nodiscard]] std::size_t readers() const;
+    [[nodiscard]] bool broken() const;             ///< standard output was closed
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace schuler::live

@@ -1,0 +1,164 @@
+#include "schuler/live/settings.h"
+
+#include "schuler/settings/option_builders.h"
+#include "schuler/settings/toml_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace schuler::live {
+namespace {
+
+using settings::Option;
+using settings::OptionTable;
+using settings::Value;
+
+constexpr std::array source_formats{"csv", "json", "nmea", "ubx", "novatel"};
+
+double number_of(const settings::NamedValue& v, double low, double high) {
+    if (!v.second.is_number() || !(v.second.number() >= low && v.second.number() <= high))
+        throw input_error("is not a number in its range", {{}, v.second.line, 0, "output." + v.first}, fmt::format("give a number from {} to {}", low, high));
+    return v.second.number();
+}
+
+std::string text_of(const settings::NamedValue& v) {
+    if (v.second.text() == nullptr) throw input_error("is not a text", {{}, v.second.line, 0, "output." + v.first}, "write it in quotes");
+    return *v.second.text();
+}
+
+bool flag_of(const settings::NamedValue& v) {
+    if (v.second.flag() == nullptr) throw input_error("is neither true nor false", {{}, v.second.line, 0, "output." + v.first}, "write true or false");
+    return *v.second.flag();
+}
+
+OutputSettings output_of(const settings::ValueTable& table) {
+    OutputSettings out;
+    bool any = false;
+    for (const settings::NamedValue& v : table) {
+        const SourcePlace place{{}, v.second.line, 0, "output." + v.first};
+        if (v.first == "to") {
+            out.to = endpoint_from(text_of(v), Direction::Out, "output.to");
+            any = true;
+        } else if (v.first == "format") {
+            const std::string format = text_of(v);
+            if (format != "json" && format != "csv" && format != "nmea") throw input_error("is no format", place, "write json, csv or nmea");
+            out.format = format == "json" ? MessageFormat::Json : format == "csv" ? MessageFormat::Csv : MessageFormat::Nmea;
+        } else if (v.first == "rate_hz") {
+            out.rate = number_of(v, 0.0, 1e4);
+        } else if (v.first == "at") {
+            const std::string at = text_of(v);
+            if (at != "now" && at != "lag") throw input_error("is neither \"now\" nor \"lag\"", place, "now: the newest sample; lag: the filter, the lag ago");
+            out.lagged = at == "lag";
+        } else if (v.first == "events") {
+            out.events = flag_of(v);
+        } else if (v.first == "queue_kb") {
+            out.limits.queue = static_cast<std::size_t>(number_of(v, 1.0, 1e6) * 1024.0);
+        } else if (v.first == "rotate_mb") {
+            out.limits.rotate = static_cast<std::size_t>(number_of(v, 0.0, 1e6) * 1e6);
+        } else if (v.first == "keep") {
+            out.limits.keep = static_cast<int>(number_of(v, 0.0, 1000.0));
+        } else {
+            throw input_error("unknown key", place, "an output has to, format, rate_hz, at, events, queue_kb, rotate_mb and keep");
+        }
+    }
+    if (!any) throw input_error("an output has no place", {{}, table.empty() ? 0 : table.front().second.line, 0, "output.to"}, "write to = \"stdout\"");
+    return out;
+}
+
+OptionTable<LiveSettings> make_table() {
+    using L = LiveSettings;
+    OptionTable<L> t;
+    for (std::size_t i = 0; i < instrument_count; ++i) {
+        const std::string section(name_of(static_cast<Instrument>(i)));
+        t.add(settings::text<L>(section + ".source", "live: where its samples come from: tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, "
+                                                     "serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or stdin; instruments may share one",
+                                [i](auto& l) -> auto& { return l.sources[i].from; }));
+        Option<L> format = settings::text<L>(section + ".format", "live: how they are written", [i](auto& l) -> auto& { return l.sources[i].format; });
+        format.spec.choices.assign(source_formats.begin(), source_formats.end());
+        t.add(std::move(format));
+        t.add(settings::flag<L>(section + ".arrival_time", "live: the time of a sample is that of its arrival", [i](auto& l) -> auto& { return l.sources[i].arrival; }));
+        if (i > 0)
+            t.add(settings::number<L>(section + ".rate_hz", 1.0, 0, 1e4, "live: most samples a second", [i](auto& l) -> auto& { return l.sources[i].rate; }));
+    }
+    t.add(settings::number<L>("imu.rate_hz", 1.0, 5, 1e4, "live: samples a second", [](auto& l) -> auto& { return l.imu_rate; }))
+        .add(settings::number<L>("live.lag_s", 1.0, 0, 10, "how much later than the IMU a sample may come", [](auto& l) -> auto& { return l.lag; }))
+        .add(settings::number<L>("live.still_delay_s", 1.0, 0, 5, "how much longer is waited to decide on standing still",
+                                 [](auto& l) -> auto& { return l.still_delay; }))
+        .add(settings::number<L>("live.longest_hole_s", 1.0, 0, 60, "holes of the IMU up to this are bridged", [](auto& l) -> auto& { return l.longest_hole; }))
+        .add(settings::text<L>("live.state", "file in which the state of the filter is kept from run to run", [](auto& l) -> auto& { return l.state; }))
+        .add(settings::number<L>("live.save_every_s", 1.0, 1, 1e6, "how often it is saved, beside at the end", [](auto& l) -> auto& { return l.save_every; }))
+        .add(settings::text<L>("live.log", "stderr, none or a file: connections, events and trouble, a line each", [](auto& l) -> auto& { return l.log; }))
+        .add(settings::number<L>("live.health_every_s", 1.0, 0.1, 1e6, "how often the health is told", [](auto& l) -> auto& { return l.health_every; }));
+    Option<L> outputs{settings::detail::spec("output", settings::Shape::Tables, "live: [[output]] with to, format, rate_hz, at, events, queue_kb, rotate_mb, keep"),
+                      [](L& l, const Value& v) {
+                          l.outputs.clear();
+                          for (const Value& one : *v.list()) l.outputs.push_back(output_of(*one.table()));
+                      },
+                      [](const L&) { return std::optional<Value>(); }};
+    t.add(std::move(outputs));
+    return t;
+}
+
+}  // namespace
+
+const settings::OptionTable<LiveSettings>& live_table() {
+    static const OptionTable<LiveSettings> table = make_table();
+    return table;
+}
+
+LiveSettings read_live(const std::filesystem::path& file, const settings::SettingList& above) {
+    std::vector<settings::OptionSpec> known = live_table().specs();
+    const std::vector<settings::OptionSpec>& of_filter = settings::config_table().specs();
+    known.insert(known.end(), of_filter.begin(), of_filter.end());
+    settings::SettingList own, others;
+    for (settings::Setting& s : settings::flatten(settings::read_toml(file), file.string(), known))
+        (live_table().find(s.key) != nullptr ? own : others).push_back(std::move(s));
+    LiveSettings out;
+    out.file = file.string();
+    live_table().apply(own, out);
+    const settings::SettingList all = settings::overlaid(std::move(others), above);
+    out.config = settings::config_from(all);
+    // a batch fits the noise where only a grade is given; here the grade is all there is
+    const bool asked = std::ranges::any_of(all, [](const settings::Setting& s) { return s.key == "imu.estimate_noise"; });
+    if (!asked) out.config.filter.imu.estimate_noise = false;
+    for (std::size_t i = 0; i < instrument_count; ++i) {
+        const std::string section(name_of(static_cast<Instrument>(i)));
+        if (!out.sources[i].from.empty()) (void)endpoint_from(out.sources[i].from, Direction::In, section + ".source");
+    }
+    if (out.sources[0].from.empty()) throw input_error("there is no source of the IMU", {file.string(), 0, 0, "imu.source"}, "write [imu] source = \"tcp://HOST:PORT\"");
+    if (out.outputs.empty()) throw input_error("there is no output", {file.string(), 0, 0, "output"}, "write [[output]] with to = \"stdout\"");
+    return out;
+}
+
+filter::NavigatorSettings navigator_settings(const LiveSettings& l) {
+    filter::NavigatorSettings n;
+    n.filter = l.config.filter;
+    n.filter.outages.clear();
+    n.filter.gnss.estimate_std = false;   // found from whole logs
+    double lagged = 0.0;
+    bool all = false;
+    for (const OutputSettings& o : l.outputs) {
+        if (!o.lagged) continue;
+        lagged = std::max(lagged, o.rate);
+        all = all || o.rate == 0.0;
+    }
+    n.filter.output_rate = all ? 0.0 : lagged > 0.0 ? lagged : 1.0;
+    n.imu_interval = 1.0 / l.imu_rate;
+    n.lag = l.lag;
+    n.still_delay = l.still_delay;
+    n.longest_hole = l.longest_hole;
+    const auto rate = [&l](Instrument i, double usual) {
+        const SourceSettings& s = l.sources[static_cast<std::size_t>(i)];
+        return s.from.empty() ? 0.0 : s.rate > 0.0 ? s.rate : usual;
+    };
+    n.rates.gnss = rate(Instrument::Gnss, 20.0);
+    n.rates.baro = rate(Instrument::Baro, 100.0);
+    n.rates.mag = rate(Instrument::Mag, 200.0);
+    n.rates.odometer = rate(Instrument::Odometer, 200.0);
+    n.rates.heading = rate(Instrument::Heading, 20.0);
+    return n;
+}
+
+}  // namespace schuler::live

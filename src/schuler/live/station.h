@@ -1,0 +1,41 @@
+// The sources of a live run: connections with their decoders, which hand on samples of the instruments as the filter takes them.
+#pragma once
+
+#include "schuler/live/decoder.h"
+#include "schuler/live/input.h"
+#include "schuler/live/settings.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace schuler::live {
+
+/// One connection.
+struct Station {
+    Input input;
+    std::unique_ptr<Decoder> decoder;
+    std::array<bool, instrument_count> of{};      ///< whose source it is
+    std::array<bool, instrument_count> arrival{};
+    double last_bytes = 0.0;                      ///< s
+    std::size_t garbage_told = 0;
+    std::size_t connections = 0;                  ///< that the decoder knows of
+};
+
+/// One a different source. @throws Error(Input) where instruments share one whose format tells of one instrument only
+[[nodiscard]] std::vector<Station> stations_of(const LiveSettings& settings, const std::function<void(const std::string&)>& tell);
+
+/// Puts samples on the filter's axes: time offsets, arrival times, axes of the magnetometer, pressures and heights.
+class Preparation {
+public:
+    explicit Preparation(const LiveSettings& settings);
+    void operator()(Sample& sample, const Station& station, Time arrival) const;
+
+private:
+    std::array<Duration, instrument_count> offset_{};
+    Eigen::Matrix3d C_bs_mag_;                     ///< sensor axes of the magnetometer to body
+    double sea_level_pressure_, undulation_;
+};
+
+}  // namespace schuler::live

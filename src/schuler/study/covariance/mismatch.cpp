@@ -1,0 +1,351 @@
+#include "schuler/study/covariance/mismatch.h"
+
+#include "schuler/filter/model.h"
+#include "schuler/filter/pass.h"
+#include "schuler/fusion/start.h"
+#include "schuler/fusion/still.h"
+#include "schuler/fusion/timeline.h"
+#include "schuler/fusion/tune.h"
+#include "schuler/solution/fuse.h"
+#include "schuler/study/studies.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::study {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using filter::AidKind;
+using filter::Layout;
+using Frame = filter::GeographicFrame;
+using Filter = filter::InertialFilter<Frame>;
+using Walk = filter::Walk<Frame>;
+
+/// What true processes of a source do to the inertial unit's output.
+enum class Drive { None, Gyro, Accel, GyroAxes, AccelAxes };
+
+/// True processes behind the filter's states: the joint vector is (errors of the first nine states, estimates of the others, true processes).
+struct Source {
+    SourceName name;
+    Drive drive = Drive::None;
+    VectorXd variance, decay, psd;                 ///< of each process, at the start; 1/s; unit^2/s
+    Eigen::Matrix<double, 9, 9> start = Eigen::Matrix<double, 9, 9>::Zero();   ///< of the first nine errors
+    double gyro_psd = 0.0, accel_psd = 0.0;
+    std::optional<AidKind> slow;                   ///< the processes are errors of this measurement
+    Vector3d white_position = Vector3d::Zero(), white_velocity = Vector3d::Zero();
+    double white_baro = 0.0;
+    bool decays_with_speed = false;
+    MatrixXd S;
+
+    [[nodiscard]] Eigen::Index size() const { return variance.size(); }
+    /// It makes no errors.
+    [[nodiscard]] bool empty() const {
+        return variance.isZero(0.0) && psd.isZero(0.0) && start.isZero(0.0) && gyro_psd == 0.0 && accel_psd == 0.0 && white_position.isZero(0.0) &&
+               white_velocity.isZero(0.0) && white_baro == 0.0;
+    }
+    void processes(const VectorXd& sigma, const VectorXd& decay_, const VectorXd& psd_) {
+        variance = sigma.array().square();
+        decay = decay_;
+        psd = psd_;
+    }
+    /// Stationary ones.
+    void markov(const VectorXd& sigma, double time) {
+        processes(sigma, VectorXd::Constant(sigma.size(), 1.0 / time), 2.0 / time * sigma.array().square());
+    }
+    [[nodiscard]] double white(AidKind kind, Eigen::Index axis) const {
+        const double sigma = kind == AidKind::GnssPosition ? white_position(axis) : kind == AidKind::GnssVelocity ? white_velocity(axis) : kind == AidKind::Baro ? white_baro : 0.0;
+        return sigma * sigma;
+    }
+};
+
+VectorXd repeated(double first, double then, Eigen::Index n) {
+    VectorXd out(2 * n);
+    out << VectorXd::Constant(n, first), VectorXd::Constant(n, then);
+    return out;
+}
+
+/// The matrix (three rows) by which scale factors and misalignments act on a vector that is measured.
+Eigen::Matrix<double, 3, 9> axes_acting_on(const Vector3d& v) {
+    Eigen::Matrix<double, 3, 9> m = Eigen::Matrix<double, 3, 9>::Zero();
+    m.leftCols<3>() = v.asDiagonal();
+    m.row(0).segment<2>(3) << v.y(), v.z();
+    m.row(1).segment<2>(5) << v.x(), v.z();
+    m.row(2).segment<2>(7) << v.x(), v.y();
+    return m;
+}
+
+std::vector<Source> sources_of(const settings::ScenarioConfig& s) {
+    std::vector<Source> out;
+    const auto add = [&](const char* key, const char* title) -> Source& {
+        Source& source = out.emplace_back();
+        source.name = {key, title};
+        source.processes(VectorXd(0), VectorXd(0), VectorXd(0));
+        return source;
+    };
+    const sensor::ImuErrorModel& e = s.sim.imu.errors;
+    for (const auto& [key, title] : {std::pair{"initial_position", "initial position"}, {"initial_velocity", "initial velocity"},
+                                     {"initial_level", "initial level"}, {"initial_heading", "initial heading"}})
+        add(key, title);
+    const auto bias = [&](const char* key, const char* title, Drive drive, double in_run, double time, double turn_on, double walk) {
+        Source& b = add(key, title);
+        b.drive = drive;
+        b.processes(repeated(in_run, turn_on, 3), repeated(1.0 / time, 0.0, 3), repeated(2.0 * in_run * in_run / time, walk * walk, 3));
+    };
+    const auto axes = [&](const char* key, const char* title, Drive drive, double scale, double misalignment) {
+        Source& a = add(key, title);
+        a.drive = drive;
+        VectorXd sigma(9);
+        sigma << Vector3d::Constant(scale), VectorXd::Constant(6, misalignment);
+        a.processes(sigma, VectorXd::Zero(9), VectorXd::Zero(9));
+    };
+    bias("gyro_bias", "gyro bias", Drive::Gyro, e.gyro_bias, e.gyro_bias_time, e.gyro_turn_on_bias, e.gyro_rate_walk);
+    add("gyro_noise", "gyro noise").gyro_psd = e.gyro_noise * e.gyro_noise;
+    axes("gyro_scale", "gyro scale and axes", Drive::GyroAxes, e.gyro_scale, e.gyro_misalignment);
+    bias("accel_bias", "accelerometer bias", Drive::Accel, e.accel_bias, e.accel_bias_time, e.accel_turn_on_bias, e.accel_rate_walk);
+    add("accel_noise", "accelerometer noise").accel_psd = e.accel_noise * e.accel_noise;
+    axes("accel_scale", "accelerometer scale and axes", Drive::AccelAxes, e.accel_scale, e.accel_misalignment);
+    if (s.sim.gnss.rate > 0.0) {
+        Source& white = add("gnss_white", "receiver, white");
+        white.white_position = s.sim.gnss.white_position;
+        white.white_velocity = s.sim.gnss.white_velocity;
+        const sensor::GnssErrorModel& g = s.sim.gnss.errors;
+        Source& position = add("gnss_position", "receiver, slow position");
+        position.markov(g.correlated_position, g.correlated_time);
+        position.slow = AidKind::GnssPosition;
+        position.decays_with_speed = g.correlated_distance > 0.0;
+        Source& velocity = add("gnss_velocity", "receiver, slow velocity");
+        velocity.markov(g.correlated_velocity, g.correlated_velocity_time);
+        velocity.slow = AidKind::GnssVelocity;
+    }
+    if (s.sim.baro.rate > 0.0) {
+        const sim::BaroSettings& b = s.sim.baro;
+        Source& baro = add("baro", "barometer");
+        const VectorXd sigma = VectorXd::Constant(1, b.bias);
+        if (b.bias_time > 0.0) {
+            baro.markov(sigma, b.bias_time);
+        } else {
+            baro.processes(sigma, VectorXd::Zero(1), VectorXd::Constant(1, b.bias_walk * b.bias_walk));
+        }
+        baro.slow = AidKind::Baro;
+        baro.white_baro = b.white;
+    }
+    return out;
+}
+
+std::vector<std::string> left_out_of(const settings::ScenarioConfig& s) {
+    const sensor::ImuErrorModel& e = s.sim.imu.errors;
+    std::vector<std::string> out;
+    if (e.gyro_flicker > 0.0 || e.accel_flicker > 0.0) out.emplace_back("flicker of the inertial sensors");
+    if ((e.gyro_temperature > 0.0 || e.accel_temperature > 0.0) && s.sim.imu.warm_up != 0.0) out.emplace_back("temperature errors");
+    if (e.gyro_g > 0.0) out.emplace_back("g-dependent gyro bias");
+    if (e.gyro_quantum > 0.0 || e.accel_quantum > 0.0) out.emplace_back("quantization");
+    return out;
+}
+
+/// Follows the sources along a walk.
+class Follower : public filter::PassObserver<Frame> {
+public:
+    Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario, std::vector<Source>& sources, Time origin, Mismatch& out)
+        : model_(model), scenario_(scenario), sources_(sources), origin_(origin), out_(out) {}
+
+    void begin(Eigen::Index states) {
+        n_ = states;
+        for (Source& s : sources_) {
+            s.S = MatrixXd::Zero(n_ + s.size(), n_ + s.size());
+            s.S.topLeftCorner<9, 9>() = s.start;
+            s.S.diagonal().tail(s.size()) = s.variance;
+        }
+    }
+    [[nodiscard]] bool records() const override { return true; }
+    void step(const estim::Transition& phi) override { phi_ = phi; }
+    void propagated(const Filter& f, double span) override {
+        // First nine rows of the transition, and the diagonal of the others; shears (a state that is the integral of another) make it dense.
+        MatrixXd top = MatrixXd::Zero(9, n_), dense;
+        VectorXd diagonal = phi_.diagonal.head(n_);
+        if (phi_.shear_count == 0) {
+            const Eigen::Index driven = std::min<Eigen::Index>(phi_.driven, n_);
+            top.leftCols(driven) = phi_.rows.topRows(driven).transpose();
+        } else {
+            dense.resize(n_, n_);
+            filter::StateVector unit = filter::StateVector::Zero(n_);
+            for (Eigen::Index i = 0; i < n_; ++i) {
+                unit(i) = 1.0;
+                dense.col(i) = phi_.times(unit).head(n_);
+                unit(i) = 0.0;
+            }
+            top = dense.topRows(9);
+        }
+        const Eigen::Matrix<double, 9, 3> by_gyro = top.middleCols<3>(Layout::gyro_bias), by_accel = top.middleCols<3>(Layout::accel_bias);
+        const Vector3d force = f.previous.dt > 0.0 ? Vector3d(f.previous.dv / f.previous.dt) : Vector3d::Zero();
+        const double speed = f.geographic(model_).v_eb_n.head<2>().norm();
+        for (Source& s : sources_) {
+            const Eigen::Index m = s.size();
+            if (s.empty()) continue;
+            MatrixXd F = MatrixXd::Zero(9, n_ + m);
+            F.leftCols(n_) = top;
+            VectorXd d(n_ + m), noise(m);
+            d.head(n_) = diagonal;
+            switch (s.drive) {
+                case Drive::None: break;
+                case Drive::Gyro: F.block(0, n_, 9, 6) << -by_gyro, -by_gyro; break;
+                case Drive::Accel: F.block(0, n_, 9, 6) << -by_accel, -by_accel; break;
+                case Drive::GyroAxes: F.block(0, n_, 9, 9) = -by_gyro * axes_acting_on(f.w_ib_b); break;
+                case Drive::AccelAxes: F.block(0, n_, 9, 9) = -by_accel * axes_acting_on(force); break;
+            }
+            for (Eigen::Index i = 0; i < m; ++i) {
+                const double decay = s.decays_with_speed ? scenario_.sim.gnss.errors.position_decay(speed) : s.decay(i);
+                const double psd = s.decays_with_speed ? 2.0 * decay * s.variance(i) : s.psd(i);
+                d(n_ + i) = std::exp(-decay * span);
+                noise(i) = decay > 0.0 ? -psd / (2.0 * decay) * std::expm1(-2.0 * decay * span) : psd * span;
+            }
+            if (dense.size() > 0) {
+                MatrixXd all = d.asDiagonal();
+                all.topLeftCorner(n_, n_) = dense;
+                all.topRows(9) = F;
+                const MatrixXd half = all * s.S;
+                s.S.noalias() = half * all.transpose();
+            } else {
+                const Eigen::Index rest = n_ + m - 9;
+                const MatrixXd half = F * s.S;
+                s.S.bottomRightCorner(rest, rest).array() *= (d.tail(rest) * d.tail(rest).transpose()).array();
+                s.S.topLeftCorner(9, 9).noalias() = half * F.transpose();
+                s.S.topRightCorner(9, rest).noalias() = half.rightCols(rest) * d.tail(rest).asDiagonal();
+                s.S.bottomLeftCorner(rest, 9) = s.S.topRightCorner(9, rest).transpose();
+            }
+            s.S.diagonal().tail(m) += noise;
+            if (s.gyro_psd > 0.0) s.S.topLeftCorner<9, 9>() += s.gyro_psd / span * by_gyro * by_gyro.transpose();
+            if (s.accel_psd > 0.0) s.S.topLeftCorner<9, 9>() += s.accel_psd / span * by_accel * by_accel.transpose();
+        }
+    }
+    void scalar(const estim::RowUpdate& u) override { pending_.push_back(u); }
+    void corrected() override { throw unfollowed("the corrections of this coupling are no updates of a Kalman filter"); }
+    void aid(const filter::AidRecord& record) override {
+        for (const estim::RowUpdate& u : pending_) update(record.kind, u);
+        pending_.clear();
+    }
+    void output(const Walk& walk, Time time) override { out_.rows.push_back(row_at(walk, time)); }
+    void outage_epoch(const Walk& walk, const filter::Event& event, const filter::Measurement&, const filter::AidRecord&) override {
+        if (event.outage_end) out_.outage_ends.push_back(row_at(walk, event.stamp));
+    }
+    static Error unfollowed(const std::string& why) {
+        return input_error("the covariance cannot be followed: " + why, {.file = {}, .key = "filter"}, "choose --set filter.scheme=loose with the usual gains");
+    }
+
+private:
+    [[nodiscard]] MismatchRow row_at(const Walk& walk, Time time) const {
+        MismatchRow row;
+        row.time_s = (time - origin_).seconds();
+        row.filter = walk.covariance(model_).diagonal();
+        for (const Source& s : sources_) row.sources.emplace_back(s.S.diagonal().head<9>());
+        return row;
+    }
+    void update(AidKind kind, const estim::RowUpdate& u) {
+        const bool velocity = kind == AidKind::GnssVelocity;
+        Eigen::Index axis = 0;
+        if (kind == AidKind::GnssPosition || velocity) u.h.head.segment<3>(velocity ? 3 : 0).cwiseAbs().maxCoeff(&axis);
+        const int state = kind == AidKind::GnssPosition ? model_.layout.gnss_position : velocity ? model_.layout.gnss_velocity : kind == AidKind::Baro ? model_.layout.baro_bias : -1;
+        double seen = -1.0;   // the innovation is estimate minus measured
+        if (state >= 0 && u.h(state + static_cast<int>(axis)) != 0.0) seen = -u.h(state + static_cast<int>(axis));
+        const VectorXd whole = u.h.whole(n_).head(n_);
+        for (Source& s : sources_) {
+            if (s.empty()) continue;
+            const Eigen::Index size = n_ + s.size();
+            VectorXd h = VectorXd::Zero(size), k = VectorXd::Zero(size);
+            h.head(n_) = whole;
+            k.head(n_) = u.k.head(n_);
+            if (s.slow == kind) h(n_ + axis) = seen;
+            const VectorXd Sh = s.S * h;
+            const double variance = h.dot(Sh) + s.white(kind, axis);
+            s.S.noalias() -= k * Sh.transpose();
+            s.S.noalias() -= Sh * k.transpose();
+            s.S.noalias() += variance * k * k.transpose();
+        }
+    }
+
+    const filter::InertialModel& model_;
+    const settings::ScenarioConfig& scenario_;
+    std::vector<Source>& sources_;
+    Time origin_;
+    Mismatch& out_;
+    Eigen::Index n_ = 0;
+    estim::Transition phi_;
+    std::vector<estim::RowUpdate> pending_;
+};
+
+/// The start covariance of the first nine errors, of one kind of initial error.
+Eigen::Matrix<double, 9, 9> start_covariance(const filter::InertialModel& model, const filter::RunData& data, const fusion::Settings& settings,
+                                             filter::Start start, const settings::InitialError& e, std::size_t which) {
+    start.std_position.setConstant(which == 0 ? e.position : 0.0);
+    start.std_velocity.setConstant(which == 1 ? e.velocity : 0.0);
+    start.std_rpy = which == 2 ? Vector3d(e.level, e.level, 0.0) : which == 3 ? Vector3d(0.0, 0.0, e.heading) : Vector3d(0.0, 0.0, 0.0);
+    start.std_gyro_bias.setZero();
+    start.std_accel_bias.setZero();
+    start.position_of_fix.setZero();
+    start.velocity_of_fix.setZero();
+    start.position_rate.setZero();
+    start.velocity_rate.setZero();
+    start.heading_rate = 0.0;
+    start.heading_of_mag = start.heading_of_sensor = false;
+    start.undecided_heading = 0.0;
+    return filter::first_step<Frame>(model, data, settings, start).filter.P.topLeftCorner<9, 9>();
+}
+
+}  // namespace
+
+Variances MismatchRow::all() const {
+    Variances sum = Variances::Zero();
+    for (const Variances& v : sources) sum += v;
+    return sum;
+}
+
+Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::SettingList& over, double rate) {
+    if (!scenario.initial_error.given())
+        throw input_error("the scenario does not say how wrong the filter starts", {.file = {}, .key = "filter.initial_error"},
+                          "give level_deg and heading_deg: what a start finds by itself is no linear function of the errors");
+    if (scenario.ranging.rate > 0.0 || scenario.receiver_channels.rate > 0.0)
+        throw input_error("ranges of single satellites are not among the errors of this analysis", {.file = {}, .key = "ranges.rate_hz"}, "use `schuler analyze budget`");
+    settings::ScenarioConfig flown = without_errors(scenario);
+    flown.sim.imu.rate = std::min(flown.sim.imu.rate, rate);
+    WarningLog unheard;
+    const solution::ResultBundle bundle = solution::simulated_bundle(flown, over, unheard, &scenario);
+    const fusion::Settings& given = bundle.data.config.filter;
+    if (given.coupling != filter::Coupling::Loose) throw Follower::unfollowed("only the loose scheme is followed");
+    if (given.mechanization != fusion::Mechanization::Geographic) throw Follower::unfollowed("only the geographic mechanization is followed");
+    fusion::Settings settings = given;
+    settings.output_rate = 1.0;
+    settings.gnss.estimate_latency = settings.gnss.estimate_std = settings.imu.estimate_noise = settings.imu.estimate_mounting = false;
+
+    const Recording& recording = bundle.data.recording;
+    filter::RunData data;
+    data.recording = &recording;
+    data.imu = fusion::make_imu_timeline(recording.imu, settings.imu, unheard);
+    data.origin = bundle.data.origin;
+    filter::set_limits(data, settings);
+    data.events = fusion::make_events(recording, settings, data.origin, unheard);
+    data.fix_noise = fusion::fix_noise(recording, settings.gnss, unheard);
+    data.still = fusion::find_still(data.imu, recording, data.events, settings);
+    fusion::Findings findings;
+    const filter::Start start = fusion::find_start(data, settings, findings, unheard);
+
+    Mismatch out;
+    out.name = scenario.name;
+    out.left_out = left_out_of(scenario);
+    out.settled_s = bundle.data.config.run.settle.value_or((start.nav.time - data.origin).seconds() + 60.0);
+    const filter::InertialModel model = filter::make_model(settings, filter::make_layout(settings, recording));
+    std::vector<Source> sources = sources_of(scenario);
+    for (std::size_t i = 0; i < 4; ++i) sources[i].start = start_covariance(model, data, settings, start, scenario.initial_error, i);
+    for (const Source& s : sources) out.sources.push_back(s.name);
+    Walk walk = filter::first_step<Frame>(model, data, settings, start);
+    Follower follower(model, scenario, sources, data.origin, out);
+    follower.begin(walk.filter.P.rows());
+    const filter::Pass<Frame> pass(model, data, settings);
+    pass.advance(walk, data.imu.increments.size() - 1, follower);
+    return out;
+}
+
+}  // namespace schuler::study

@@ -1,0 +1,179 @@
+"""`schuler live`: replays through real connections, pulled cables, garbage, clocks that jump, readers that do not read, state kept over a restart."""
+import csv
+import json
+import math
+import re
+import signal
+import socket
+import subprocess
+import time
+from pathlib import Path
+
+from program_test import check, main
+
+
+def port():
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
+
+
+def drive(program, source, name="drive", seconds=240):
+    """A simulated drive; returns its dataset.toml."""
+    text = (source / "examples/demo.toml").read_text()
+    scenario = Path(program.folder) / "short.toml"
+    scenario.write_text(re.sub(r"(?m)^duration_s = .*$", f"duration_s = {seconds}", text))
+    program("simulate", str(scenario), "-o", name)
+    return Path(program.folder) / name / "dataset.toml"
+
+
+def configured(program, described, place, outputs, name="live.toml", more="", columns=("imu", "gnss", "baro")):
+    """The data set's own settings with sources instead of files."""
+    text = re.sub(r"(?ms)^\[output\]\n.*?(?=^\[|\Z)", "", described.read_text()).replace("smooth = true", "smooth = false")
+    for section in columns:
+        text = text.replace(f"[{section}]\n", f'[{section}]\nsource = "{place}"\nformat = "json"\n', 1)
+    file = Path(program.folder) / name
+    file.write_text(text + f"\n[live]\nlag_s = 0.5\nstill_delay_s = 0.65\nhealth_every_s = 0.2\n{more}\n{outputs}")
+    return file
+
+
+def started(program, file):
+    return subprocess.Popen([program.path, "live", str(file)], cwd=program.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL)
+
+
+def ended(process, how=signal.SIGTERM):
+    process.send_signal(how)
+    out, err = process.communicate(timeout=20)
+    check(process.returncode == 0, f"exit status {process.returncode}: {err[-400:]}")
+    return out.decode(), err.decode()
+
+
+def connected(number, seconds=10.0):
+    until = time.monotonic() + seconds
+    while True:
+        try:
+            return socket.create_connection(("127.0.0.1", number), timeout=10)
+        except OSError:
+            check(time.monotonic() < until, "nobody listens")
+            time.sleep(0.05)
+
+
+def messages(path, kind):
+    found = []
+    for line in path.read_text().splitlines():
+        message = json.loads(line)   # every line is whole
+        if message["type"] == kind:
+            found.append(message)
+    return found
+
+
+def until(condition, seconds=20.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        check(time.monotonic() < end, "it does not happen")
+        time.sleep(0.05)
+
+
+def live_replay(program, source):
+    """A replay through loopback: the rows are those of the batch once both have found themselves."""
+    described = drive(program, source)
+    number = port()
+    file = configured(program, described, f"tcp-listen://127.0.0.1:{number}",
+                      '[[output]]\nto = "file:lag.csv"\nformat = "csv"\nat = "lag"\nrate_hz = 10\n[[output]]\nto = "file:now.jsonl"\nrate_hz = 10\n')
+    process = started(program, file)
+    sent = program("replay", "drive", "--to", f"tcp://127.0.0.1:{number}", "--speed", "0")
+    check("samples sent" in sent.stdout, sent.stdout)
+    folder = Path(program.folder)
+    until(lambda: messages(folder / "now.jsonl", "health")[-1]["time_s"] >= 240.0)
+    _, err = ended(process)
+    check("navigating" in err and "stopped after" in err, err)
+    program("process", "drive", "--set", "filter.smooth=false", "--self-check", "off", "-o", "batch", "--output-rate", "10")
+    with open(folder / "batch/solution.csv") as a, open(folder / "lag.csv") as b:
+        batch = {round(float(r["time_s"]), 1): r for r in csv.DictReader(a)}
+        live = list(csv.DictReader(b))
+    last = [r for r in live if float(r["time_s"]) > 200.0]
+    check(len(last) > 300 and float(last[-1]["time_s"]) > 238.0, f"{len(last)} rows")
+    worst = 0.0
+    for r in last:
+        other = batch[round(float(r["time_s"]), 1)]
+        north = math.radians(float(r["lat_deg"]) - float(other["lat_deg"])) * 6.37e6
+        east = math.radians(float(r["lon_deg"]) - float(other["lon_deg"])) * 6.37e6 * math.cos(math.radians(float(r["lat_deg"])))
+        worst = max(worst, math.hypot(north, east) / float(other["std_n_m"]))
+    print(f"live against batch: at most {worst:.2f} sigma apart")
+    check(worst < 0.5, f"{worst} sigma")
+    now = messages(folder / "now.jsonl", "state")
+    check(now[-1]["time_s"] == 240.0 and now[-1]["at"] == "now", f"{now[-1]}")
+    check(messages(folder / "now.jsonl", "health")[-1]["dropped"] == 0, "dropped")
+
+
+def live_trouble(program, source):
+    """Garbage, a pulled cable, a clock that jumps, a reader that does not read: it goes on and says so."""
+    described = drive(program, source, seconds=120)
+    number, served = port(), port()
+    file = configured(program, described, f"tcp-listen://127.0.0.1:{number}", '[[output]]\nto = "file:now.jsonl"\nrate_hz = 1\n'
+                      f'[[output]]\nto = "tcp-listen://127.0.0.1:{served}"\nrate_hz = 0\nqueue_kb = 64\n', more='state = "live.state"')
+    lines = program("replay", "drive", "--to", "stdout", "--speed", "0").stdout.splitlines(keepends=True)
+    # the replay's own times, seconds from the start
+    stamp = lambda line: int(re.search(r'"time_ns":(-?\d+)', line).group(1)) * 1e-9
+    process = started(program, file)
+    connected(served).close()   # it listens
+    idle = socket.socket()      # never reads
+    idle.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    idle.connect(("127.0.0.1", served))
+    now = Path(program.folder) / "now.jsonl"
+
+    def feed(chosen, cut=b""):
+        with connected(number) as s:
+            s.sendall("".join(chosen).encode() + cut)
+        time.sleep(0.3)
+
+    feed([l for l in lines if stamp(l) < 80.0], cut=b'{"type":"imu","time_ns":8000')   # the cable is pulled within a line
+    feed(["\x00\xff garbage\n", "{\"type\":\n", "a" * 100000, "\n"] + [l for l in lines if 80.0 <= stamp(l) < 90.0])
+    until(lambda: messages(now, "state") and messages(now, "state")[-1]["time_s"] > 88.5)
+    health = messages(now, "health")[-1]
+    check(health["phase"] == "navigating" and health["garbage"] >= 3 and health["reconnections"] == 1, f"{health}")
+    check(health["restarts"] == 0, "a second connection is no restart")
+    check(health["dropped"] > 100, f"a reader that does not read: {health['dropped']} dropped")
+    # the clock of the IMU goes on an hour later: alignment begins anew
+    moved = [re.sub(r'"time_ns":(\d+)', lambda m: f'"time_ns":{int(m.group(1)) + 3600 * 10**9}', l) for l in lines if 90.0 <= stamp(l) < 100.0]
+    feed(moved)
+    until(lambda: messages(now, "health")[-1]["restarts"] >= 1)
+    check(any(e["kind"] == "restarted" for e in messages(now, "event")), "nothing said")
+    idle.close()
+    _, err = ended(process, signal.SIGINT)
+    for part in ("garbage", "connection was closed", "does not keep up", "begins anew"):
+        check(part in err, f"{part}: {err}")
+
+
+def live_state(program, source):
+    """What was navigating goes on navigating after a restart of the program; a state of other settings is refused in a line."""
+    described = drive(program, source, seconds=120)
+    output = '[[output]]\nto = "file:now.jsonl"\nrate_hz = 10\n'
+    file = configured(program, described, "file:first.jsonl", output, more='state = "live.state"')
+    lines = program("replay", "drive", "--to", "stdout", "--speed", "0").stdout.splitlines(keepends=True)
+    half = next(i for i, line in enumerate(lines) if '"imu"' in line and int(re.search(r'"time_ns":(-?\d+)', line).group(1)) >= 90 * 10**9)
+    folder = Path(program.folder)
+    (folder / "first.jsonl").write_text("".join(lines[:half]))
+    program("live", str(file))
+    before = len(messages(folder / "now.jsonl", "event"))
+    (folder / "first.jsonl").write_text("".join(lines[half:]))
+    done = program("live", str(file))
+    check("restored" in done.stderr, done.stderr)
+    later = messages(folder / "now.jsonl", "event")[before:]
+    check(not any(e["kind"] == "phase" for e in later), f"aligned anew: {later}")
+    (folder / "one.jsonl").write_text("".join(lines))
+    (folder / "now.jsonl").rename(folder / "two.jsonl")
+    whole = configured(program, described, "file:one.jsonl", output, name="one.toml")
+    program("live", str(whole))
+    check(messages(folder / "two.jsonl", "state")[-1] == messages(folder / "now.jsonl", "state")[-1], "other bits than without a restart")
+    other = configured(program, described, "file:first.jsonl", output, name="other.toml", more='state = "live.state"')
+    other.write_text(other.read_text().replace("lag_s = 0.5", "lag_s = 0.4"))
+    check("of other settings" in program("live", str(other)).stderr, "not refused")
+    for wrong, part in (('source = "tcp://nowhere"', "port"), ('source = "telepathy"', "place"), ('source = "stdin"\nformt = "json"', "format")):
+        bad = folder / "bad.toml"
+        bad.write_text(f'[imu]\n{wrong}\n[[output]]\nto = "stdout"\n')
+        check(part in program("live", str(bad), status=2).stderr, wrong)
+
+
+if __name__ == "__main__":
+    main({"live_replay": live_replay, "live_trouble": live_trouble, "live_state": live_state})

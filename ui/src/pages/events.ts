@@ -1,0 +1,136 @@
+// What happened in a run: fixes refused, gaps, outages, rests and wheels that were recognised. A list, and marks on every time axis.
+import { api, type Group, type RunDetails, type Series } from "../api";
+import { h } from "../dom";
+import { maybe, number, t } from "../i18n";
+import type { Linked, Mark } from "../plots/linked";
+
+export interface Happening {
+  from: number;
+  to: number;
+  what: string;
+  note: string;
+  /** Whether it is marked on the axes of time. */
+  marked: boolean;
+  paint: string;
+}
+
+type Values = (number | null)[];
+
+/** Times that follow one another closer than `gap`, as spans. */
+export function spansOf(times: number[], gap: number): { from: number; to: number; n: number }[] {
+  const out: { from: number; to: number; n: number }[] = [];
+  for (const time of times) {
+    const last = out.at(-1);
+    if (last && time - last.to <= gap) (last.to = time), ++last.n;
+    else out.push({ from: time, to: time, n: 1 });
+  }
+  return out;
+}
+
+export function usualStep(times: number[]): number {
+  const steps = times.slice(1).map((v, i) => v - times[i]!).filter((d) => d > 0).sort((a, b) => a - b);
+  return steps[Math.floor(steps.length / 2)] ?? 1;
+}
+
+async function gates(run: string, g: Group): Promise<{ times: number[]; status: Values } | null> {
+  const id = g.columns.find((c) => c.id.startsWith(`${g.group}/gate:status`))?.id;
+  if (!id) return null;
+  const s: Series = await api.series(run, [id], { points: 20000 });
+  return { times: s.time_s, status: s.columns[id]! };
+}
+
+/** Kinds that say something about the vehicle by being used at all. */
+const recognised = ["zero_velocity", "zero_rate", "nonholonomic"];
+
+export async function happenings(run: RunDetails, groups: Group[]): Promise<Happening[]> {
+  const out: Happening[] = [];
+  const s = run.summary;
+  const aligned = s?.findings?.["aligned_at_s"];
+  const alignment = s?.findings?.["alignment"];
+  if (typeof aligned === "number")
+    out.push({ from: aligned, to: aligned, what: t("event.aligned"), note: typeof alignment === "string" ? alignment : "", marked: true, paint: "--good" });
+  for (const o of s?.outages ?? [])
+    out.push({
+      from: o.start_s,
+      to: o.start_s + o.duration_s,
+      what: t("event.outage"),
+      note: o.max_horizontal_m === null ? "" : `${t("table.max_h")} ${number(o.max_horizontal_m, 3)} m`,
+      marked: false,
+      paint: "--warn",
+    });
+  for (const a of s?.integrity?.alerts ?? [])
+    out.push({
+      from: a.time_s,
+      to: a.time_s,
+      what: t("event.alert", { channel: maybe(`aid.${a.channel}`, a.channel) }),
+      note: `${a.test}, ${number(a.size, 3)}`,
+      marked: true,
+      paint: "--rejected",
+    });
+  await Promise.all(
+    groups
+      .filter((g) => g.group.startsWith("/innovations/"))
+      .map(async (g) => {
+        const kind = g.group.split("/")[2]!;
+        const found = await gates(run.id, g);
+        if (!found) return;
+        const name = maybe(`aid.${kind}`, kind.replaceAll("_", " "));
+        const step = usualStep(found.times);
+        const at = (status: number) => found.times.filter((_, i) => found.status[i] === status);
+        for (const span of spansOf(at(1), 3 * step + 0.01).slice(0, 200))
+          out.push({ ...span, what: t("event.rejected", { name }), note: t("event.n", { n: span.n }), marked: true, paint: "--rejected" });
+        if (recognised.includes(kind))
+          for (const span of spansOf(at(0), Math.max(2.5, 3 * step)).slice(0, 200))
+            if (kind !== "zero_rate") out.push({ ...span, what: name, note: t("event.n", { n: span.n }), marked: false, paint: "--good" });
+      }),
+  );
+  if (groups.some((g) => g.group === "/gnss")) {
+    const { time_s } = await api.series(run.id, ["/gnss/position:height"], { points: 20000 });
+    const step = usualStep(time_s);
+    time_s.slice(1).forEach((time, i) => {
+      if (time - time_s[i]! > Math.max(2.5, 3.5 * step))
+        out.push({ from: time_s[i]!, to: time, what: t("event.gap"), note: "", marked: true, paint: "--warn" });
+    });
+  }
+  return out.sort((a, b) => a.from - b.from);
+}
+
+export function marksOf(all: Happening[]): Mark[] {
+  return all.filter((e) => e.marked).slice(0, 400).map((e) => ({ at: e.from, label: e.what, paint: e.paint }));
+}
+
+export function eventList(all: Happening[], linked: Linked): HTMLElement {
+  const most = 300;
+  const row = (e: Happening) => {
+    const go = () => {
+      const room = Math.max(5, 0.5 * (e.to - e.from), 0.01 * (linked.stop - linked.start));
+      linked.set(e.from - room, e.to + room);
+      linked.point(e.from);
+    };
+    return h(
+      "tr",
+      null,
+      h("td", { class: "figure" }, h("button", { type: "button", class: "link", title: t("event.show"), onClick: go }, number(e.from, 6))),
+      h("td", { class: "figure" }, e.to > e.from ? number(e.to - e.from, 3) : ""),
+      h("td", null, h("span", { class: "dot", style: `background:var(${e.paint})` }), e.what),
+      h("td", { class: "muted" }, e.note),
+    );
+  };
+  return h(
+    "section",
+    { class: "card" },
+    h("h3", null, `${t("event.title")} (${all.length})`),
+    all.length === 0
+      ? h("p", { class: "muted" }, t("event.none"))
+      : h(
+          "div",
+          { class: "scroll event-list", tabIndex: 0 },
+          h(
+            "table",
+            null,
+            h("thead", null, h("tr", null, ...[`${t("table.at")}`, `${t("table.length")}`, t("event.what"), ""].map((x, i) => h("th", { scope: "col", class: i < 2 ? "figure" : "" }, x || h("span", { class: "hidden" }, t("event.note")))))),
+            h("tbody", null, ...all.slice(0, most).map(row)),
+          ),
+        ),
+  );
+}

@@ -1,0 +1,206 @@
+// The first page of a run: is it good, where was it bad, and what is that judged by.
+import { api, type Group, type RunDetails } from "../api";
+import { h } from "../dom";
+import { maybe, number, t } from "../i18n";
+import { Linked } from "../plots/linked";
+import { PlanView, type Track2d } from "../plots/plan";
+import { TimePlot, linkCursors } from "../plots/timeplot";
+import { attitudePlots } from "./attitude";
+import { eventList, happenings, marksOf } from "./events";
+import { factsCard } from "./facts";
+import { overview, statCards } from "./overview";
+import type { View } from "./track";
+import { loader, unit } from "./views";
+
+type Values = (number | null)[];
+
+/** Of core's fix types: none, autonomous, differential, fixed, float, unknown. */
+const fixPaints = ["--fix-none", "--fix-single", "--fix-differential", "--fix-fixed", "--fix-float", "--fix-unknown"];
+const fixNames = ["none", "single", "differential", "fixed", "float", "unknown"];
+
+function percent(x: unknown): string {
+  return typeof x === "number" ? `${number(100 * x, 3)} %` : "–";
+}
+
+function verdictCard(run: RunDetails): HTMLElement | null {
+  const v = run.summary?.verdict;
+  const c = run.summary?.self_check as Record<string, number | null> | null | undefined;
+  if (!v && !c) return null;
+  const kind = !v || v.word === "trustworthy" ? "good" : v.word === "care" ? "care" : "poor";
+  const sign = { good: "✓", care: "⚠", poor: "✗" }[kind];
+  return h(
+    "section",
+    { class: `card verdict ${kind}` },
+    h("h3", null, t("quality.verdict")),
+    v && h("p", { class: "verdict-word" }, `${sign} ${maybe(`verdict.${v.word}`, v.word)}`),
+    v && v.reasons.length > 0 && h("ul", null, ...v.reasons.map((r) => h("li", null, r))),
+    c &&
+      h(
+        "p",
+        null,
+        t("quality.check", {
+          windows: c["windows"] ?? 0,
+          length: number(c["length_s"] ?? null),
+          inside: percent(c["inside_3sigma_epochs"]),
+          horizontal: percent(c["inside_3sigma_horizontal"]),
+          vertical: percent(c["inside_3sigma_vertical"]),
+          error: number(c["end_rms_m"] ?? null, 3),
+          sigma: number(c["sigma_rms_m"] ?? null, 3),
+        }),
+      ),
+  );
+}
+
+/** How errors grow without fixes, as the self-check measured it, beside what the filter said. */
+function growthPlot(run: RunDetails): TimePlot | null {
+  const growth = (run.summary?.self_check as { growth?: Record<string, number>[] } | null | undefined)?.growth;
+  if (!growth || growth.length < 2) return null;
+  const x = growth.map((g) => g["since_s"]!);
+  return new TimePlot(
+    {
+      title: t("quality.growth"),
+      unit: "m",
+      include: [0],
+      lines: [
+        { label: t("quality.growth_error"), ink: 1, dots: false },
+        { label: t("quality.growth_sigma"), ink: 0, dash: [6, 4] },
+      ],
+      along: { label: t("quality.since"), unit: "s", name: "since_s" },
+      load: async () => ({ x, y: [growth.map((g) => g["error_rms_m"] ?? null), growth.map((g) => g["sigma_rms_m"] ?? null)] }),
+    },
+    new Linked(x[0]!, x.at(-1)!),
+  );
+}
+
+async function map(run: RunDetails, groups: Group[], linked: Linked): Promise<PlanView | null> {
+  const has = (g: string) => groups.some((x) => x.group === g);
+  if (!has("/solution")) return null;
+  const local = async (group: string, more: string[] = []) => {
+    const s = await api.series(run.id, [`${group}/local:east`, `${group}/local:north`, ...more], { points: 2500 });
+    return { time: s.time_s, east: s.columns[`${group}/local:east`]!, north: s.columns[`${group}/local:north`]!, columns: s.columns };
+  };
+  const tracks: Track2d[] = [{ label: t("track.solution"), ink: 0, ...(await local("/solution")) }];
+  if (has("/reference")) tracks.push({ label: t("track.reference"), ink: 2, ...(await local("/reference")) });
+  const gnss = groups.find((g) => g.group === "/gnss");
+  const quality = "/gnss/quality:fix";
+  const known = gnss?.columns.some((c) => c.id === quality) ?? false;
+  const plan = new PlanView(linked, 430);
+  if (gnss) {
+    const g = await local("/gnss", known ? [quality] : []);
+    const fixes = (g.columns[quality] ?? []) as Values;
+    tracks.push({ label: t("track.gnss"), ink: 1, dots: true, ...g, ...(known ? { paints: fixes.map((f) => fixPaints[f ?? 5] ?? "--muted") } : {}) });
+    if (known) {
+      const count = new Map<number, number>();
+      for (const f of fixes) if (f !== null) count.set(f, (count.get(f) ?? 0) + 1);
+      plan.element.append(
+        h(
+          "p",
+          { class: "legend fix-legend" },
+          ...[...count.keys()].sort().map((f) => h("span", null, h("span", { class: "dot", style: `background:var(${fixPaints[f] ?? "--muted"})` }), t(`fix.${fixNames[f] ?? "unknown"}`))),
+        ),
+      );
+    }
+  }
+  plan.show(tracks);
+  return plan;
+}
+
+function sigmaPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
+  const g = groups.find((x) => x.group === "/solution");
+  if (!g) return [];
+  return ["position", "velocity", "attitude"].flatMap((table) => {
+    const columns = g.columns.filter((c) => c.id.startsWith(`/solution/std_${table}:`));
+    if (columns.length === 0) return [];
+    return [
+      new TimePlot(
+        {
+          title: t("view.sigma_of", { what: t(`view.${table}`), axis: "" }).replace(/[ ,:]+$/, ""),
+          unit: unit(columns[0]!.unit),
+          logY: true,
+          height: 165,
+          optional: true,
+          lines: columns.map((c, ink) => ({ label: t(c.name), ink })),
+          load: loader(run, columns.map((c) => c.id), (all) => all.map((v) => v.map((x) => (x !== null && x > 0 ? x : null)))),
+        },
+        linked,
+      ),
+    ];
+  });
+}
+
+/** Forward minus backward inside three sigma. */
+export function separationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
+  const g = groups.find((x) => x.group === "/separation");
+  if (!g) return [];
+  return g.columns
+    .filter((c) => /\/(position|velocity|attitude):/.test(c.id))
+    .map((c, i) => {
+      const sigma = c.id.replace(/\/(\w+):/, "/std_$1:");
+      return new TimePlot(
+        {
+          title: `${t("quality.separation")}: ${t(`view.${/\/(\w+):/.exec(c.id)![1]!}`)} ${t(c.name)}`,
+          unit: unit(c.unit),
+          lines: [{ label: t("quality.separation"), ink: i % 3 }],
+          band: t("band"),
+          include: [0],
+          robust: true,
+          height: 165,
+          load: loader(run, [c.id, sigma], ([v, s]) => [v!, s!.map((x) => (x === null ? null : 3 * x)), s!.map((x) => (x === null ? null : -3 * x))]),
+        },
+        linked,
+      );
+    });
+}
+
+/** Solution minus withheld fix. */
+export function outagePlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
+  const g = groups.find((x) => x.group === "/outages");
+  if (!g) return [];
+  return ["position", "velocity"].flatMap((table) => {
+    const columns = g.columns.filter((c) => c.id.startsWith(`/outages/${table}:`));
+    if (columns.length === 0) return [];
+    return [
+      new TimePlot(
+        {
+          title: t("quality.outage_errors", { what: t(`view.${table}`) }),
+          unit: unit(columns[0]!.unit),
+          include: [0],
+          height: 165,
+          optional: true,
+          lines: columns.map((c, ink) => ({ label: t(c.name), ink, dots: true })),
+          load: loader(run, columns.map((c) => c.id)),
+        },
+        linked,
+      ),
+    ];
+  });
+}
+
+export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: { id: string; title: string }[]): Promise<View> {
+  const [plan, events] = await Promise.all([map(run, groups, linked), happenings(run, groups)]);
+  linked.marks = marksOf(events);
+  const plots = [
+    ...outagePlots(run.id, groups, linked),
+    ...separationPlots(run.id, groups, linked),
+    ...sigmaPlots(run.id, groups, linked),
+    ...attitudePlots(run.id, groups, linked),
+  ];
+  linkCursors(plots, linked);
+  const growth = growthPlot(run);
+  if (growth) linkCursors([growth], growth.linked);
+  const figures = overview(run);
+  const element = h(
+    "div",
+    { class: "quality" },
+    statCards(run),
+    h(
+      "div",
+      { class: "quality-grid" },
+      h("div", { class: "quality-left" }, verdictCard(run), plan?.element, (events.length > 0 || plan) && eventList(events, linked), !plan && figures),
+      h("div", { class: "quality-right" }, growth?.element, ...plots.map((p) => p.element)),
+    ),
+    factsCard(run, others),
+    plan && figures,
+  );
+  return { element, redraw: () => [...plots, plan, growth].forEach((p) => p?.redraw()) };
+}

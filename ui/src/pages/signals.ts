@@ -1,0 +1,282 @@
+// Every signal of a run: searched in a tree, several in one plot with two axes, derived ones, layouts that are kept.
+import { api, type Group } from "../api";
+import { h, replace, tell } from "../dom";
+import { number, t } from "../i18n";
+import { derived, norm, type Operation } from "../plots/derive";
+import { Linked } from "../plots/linked";
+import { TimePlot, linkCursors, type Data } from "../plots/timeplot";
+import type { View } from "./track";
+import { resampled, unit } from "./views";
+
+type Values = (number | null)[];
+
+interface Signal {
+  /** Of /channels; "norm:/group/table" for the length of a vector. */
+  id: string;
+  right?: boolean;
+  operation?: Operation;
+  seconds?: number;
+  /** What is subtracted from it. */
+  minus?: string;
+}
+type Layout = Signal[][];
+
+interface Known {
+  id: string;
+  group: string;
+  label: string;
+  unit: string;
+  parts: string[];
+}
+
+function catalogue(groups: Group[]): Map<string, Known> {
+  const out = new Map<string, Known>();
+  for (const g of groups) {
+    const tables = new Map<string, { id: string; name: string; unit: string }[]>();
+    for (const c of g.columns) {
+      const [path = "", name = ""] = [c.id.slice(0, c.id.lastIndexOf(":")), c.id.slice(c.id.lastIndexOf(":") + 1)];
+      const table = path.slice(g.group.length + 1);
+      const words = table === "table" ? name.replaceAll("_", " ") : `${table.replace(/^std_/, "σ ").replaceAll("_", " ")} ${name}`;
+      out.set(c.id, { id: c.id, group: g.group, label: words, unit: unit(c.unit), parts: [c.id] });
+      tables.set(path, [...(tables.get(path) ?? []), { id: c.id, name, unit: c.unit }]);
+    }
+    for (const [path, columns] of tables) {
+      const names = columns.map((c) => c.name).join();
+      if (!/^(x,y,z|north,east,down|east,north,up|north,east,up)$/.test(names)) continue;
+      const id = `norm:${path}`;
+      out.set(id, { id, group: g.group, label: `|${path.slice(g.group.length + 1).replaceAll("_", " ")}|`, unit: unit(columns[0]!.unit), parts: columns.map((c) => c.id) });
+    }
+  }
+  return out;
+}
+
+const operations: Operation[] = ["raw", "mean", "integral", "derivative", "lowpass"];
+
+function derivedUnit(u: string, operation: Operation | undefined): string {
+  if (operation === "integral") return `${u}·s`;
+  return operation === "derivative" ? `${u}/s` : u;
+}
+
+export async function signalsView(run: string, groups: Group[], linked: Linked): Promise<View> {
+  const known = catalogue(groups);
+  let layouts: Record<string, unknown> = await api.layouts().catch(() => ({}));
+  const first = ["/solution/velocity:north", "/attitude/table:roll_deg", "/gravity/table:gravity_disturbance_mgal"].find((id) => known.has(id)) ?? [...known.keys()][0];
+  let layout: Layout = [first ? [{ id: first }] : []];
+  const remembered = sessionStorage.getItem("schuler.signals");
+  if (remembered) {
+    const kept = (JSON.parse(remembered) as Layout).map((p) => p.filter((s) => known.has(s.id)));
+    if (kept.some((p) => p.length > 0)) layout = kept;
+  }
+  let active = 0;
+  let plots: TimePlot[] = [];
+
+  const labelOf = (s: Signal) => {
+    const k = known.get(s.id);
+    const name = `${k?.group.slice(1) ?? ""} ${k?.label ?? s.id}`;
+    const of = s.operation && s.operation !== "raw" ? `${t(`signals.${s.operation}`)} ${name}` : name;
+    return s.minus ? `${of} − ${known.get(s.minus)?.label ?? s.minus}` : of;
+  };
+
+  const values = async (id: string, fine: boolean, range: { from?: number | undefined; to?: number | undefined; points: number }, signal: AbortSignal) => {
+    const k = known.get(id);
+    if (!k) throw new Error(id);
+    const s = await api.series(run, k.parts, { ...range, points: fine ? 20000 : range.points }, undefined, signal);
+    const columns = k.parts.map((p) => s.columns[p]!);
+    return { time: s.time_s, values: columns.length > 1 ? norm(columns) : columns[0]! };
+  };
+
+  const load = (signals: Signal[]) => async (from: number | undefined, to: number | undefined, points: number, abort: AbortSignal): Promise<Data> => {
+    const all = await Promise.all(
+      signals.map(async (s) => {
+        const operation = s.operation ?? "raw";
+        // an integral starts where the log does, whatever is shown
+        const fine = operation !== "raw";
+        const range = operation === "integral" ? { points: 20000 } : { from, to, points };
+        const a = await values(s.id, fine, range, abort);
+        let v: Values = a.values;
+        if (s.minus) {
+          const b = await values(s.minus, fine, range, abort);
+          const other = resampled(b.time, b.values, a.time);
+          v = v.map((x, i) => (x === null || other[i] === null || other[i] === undefined ? null : x - other[i]!));
+        }
+        return { time: a.time, values: derived(a.time, v, operation, s.seconds ?? 1) };
+      }),
+    );
+    if (all.length === 0) return { x: [], y: [] };
+    const same = all.every((a) => a.time.length === all[0]!.time.length && a.time[0] === all[0]!.time[0] && a.time.at(-1) === all[0]!.time.at(-1));
+    if (same) return { x: all[0]!.time, y: all.map((a) => a.values) };
+    const x = [...new Set(all.flatMap((a) => a.time))].sort((a, b) => a - b);
+    return { x, y: all.map((a) => resampled(a.time, a.values, x)) };
+  };
+
+  const list = h("div", { class: "signal-plots" });
+  const changed = () => {
+    sessionStorage.setItem("schuler.signals", JSON.stringify(layout));
+    draw();
+  };
+
+  const chip = (plot: Signal[], s: Signal, i: number) => {
+    const choice = h(
+      "select",
+      {
+        "aria-label": `${t("signals.derived")}: ${labelOf(s)}`,
+        onChange: () => {
+          const value = choice.value;
+          if (value.startsWith("minus:")) s.minus = value.slice(6);
+          else {
+            s.operation = value as Operation;
+            delete s.minus;
+            if (s.operation === "lowpass") {
+              const typed = Number(prompt(t("signals.seconds"), String(s.seconds ?? 1)) ?? "1");
+              s.seconds = typed > 0 ? typed : 1;
+            }
+          }
+          changed();
+        },
+      },
+      ...operations.map((o) => h("option", { value: o }, t(`signals.${o}`))),
+      ...plot.filter((other) => other !== s).map((other) => h("option", { value: `minus:${other.id}` }, `− ${known.get(other.id)?.label ?? other.id}`)),
+    );
+    choice.value = s.minus && plot.some((o) => o.id === s.minus) ? `minus:${s.minus}` : (s.operation ?? "raw");
+    return h(
+      "span",
+      { class: "signal-chip" },
+      h("span", { class: `swatch ink-${(i % 9) + 1}` }),
+      labelOf(s),
+      choice,
+      h("button", { type: "button", class: "icon", title: t("signals.axis"), "aria-label": `${t("signals.axis")}: ${labelOf(s)}`, onClick: () => ((s.right = !s.right), changed()) }, s.right ? "R" : "L"),
+      h("button", { type: "button", class: "icon", "aria-label": `${t("remove")} ${labelOf(s)}`, onClick: () => (plot.splice(i, 1), changed()) }, "✕"),
+    );
+  };
+
+  function draw(): void {
+    const bothUnits = (plot: Signal[], right: boolean) =>
+      [...new Set(plot.filter((s) => Boolean(s.right) === right).map((s) => derivedUnit(known.get(s.id)?.unit ?? "", s.operation)))].join(", ");
+    plots = [];
+    const cards = layout.map((plot, at) => {
+      const head = h(
+        "div",
+        { class: "signal-head" },
+        h("label", { class: "signal-active" }, h("input", { type: "radio", name: "signal-plot", checked: at === active, onChange: () => (active = at) }), ` ${t("signals.plot", { n: at + 1 })}`),
+        ...plot.map((s, i) => chip(plot, s, i)),
+        h("button", { type: "button", class: "icon", "aria-label": `${t("remove")} ${t("signals.plot", { n: at + 1 })}`, onClick: () => (layout.splice(at, 1), layout.length || layout.push([]), (active = Math.min(active, layout.length - 1)), changed()) }, "✕"),
+      );
+      const card = h("section", { class: "signal-card" }, head);
+      if (plot.length > 0) {
+        const p = new TimePlot(
+          {
+            title: plot.map((s) => labelOf(s)).join("; "),
+            unit: bothUnits(plot, false),
+            rightUnit: bothUnits(plot, true),
+            height: layout.length > 1 ? 190 : 330,
+            mayBeEmpty: true,
+            lines: plot.map((s, ink) => ({ label: labelOf(s), ink, ...(s.right ? { right: true } : {}) })),
+            load: load(plot),
+          },
+          linked,
+        );
+        plots.push(p);
+        card.append(p.element);
+      } else card.append(h("p", { class: "muted" }, t("signals.empty")));
+      card.addEventListener("dragover", (e) => e.preventDefault());
+      card.addEventListener("drop", (e) => {
+        e.preventDefault();
+        const id = e.dataTransfer?.getData("text/plain") ?? "";
+        if (known.has(id)) (active = at), add(id, plot.length > 0 && e.clientX > card.getBoundingClientRect().left + 0.7 * card.clientWidth);
+      });
+      return card;
+    });
+    linkCursors(plots, linked);
+    replace(list, ...cards);
+  }
+
+  function add(id: string, right = false): void {
+    const plot = layout[active] ?? (layout[active] = []);
+    const at = plot.findIndex((s) => s.id === id && !s.operation && !s.minus);
+    if (at >= 0) plot.splice(at, 1);
+    else {
+      const units = new Set(plot.filter((s) => !s.right).map((s) => known.get(s.id)?.unit));
+      // another unit goes to the other axis
+      plot.push({ id, ...(right || (units.size > 0 && !units.has(known.get(id)?.unit)) ? { right: true } : {}) });
+    }
+    changed();
+  }
+
+  const tree = h("div", { class: "signal-tree" });
+  const search = h("input", { type: "search", placeholder: t("signals.search"), "aria-label": t("signals.search"), onInput: () => fill() });
+  const fill = () => {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const hits = [...known.values()].filter((k) => words.every((w) => `${k.group} ${k.label} ${k.unit}`.toLowerCase().includes(w)));
+    const byGroup = new Map<string, Known[]>();
+    for (const k of hits) byGroup.set(k.group, [...(byGroup.get(k.group) ?? []), k]);
+    replace(
+      tree,
+      ...[...byGroup].map(([group, all], i) =>
+        h(
+          "details",
+          { open: words.length > 0 || i === 0 },
+          h("summary", null, `${group.slice(1)} (${all.length})`),
+          ...all.map((k) => {
+            const button = h("button", { type: "button", class: "signal", draggable: true, onClick: () => add(k.id) }, k.label, h("span", { class: "muted" }, ` ${k.unit}`));
+            button.addEventListener("dragstart", (e) => e.dataTransfer?.setData("text/plain", k.id));
+            return button;
+          }),
+        ),
+      ),
+      hits.length === 0 && h("p", { class: "muted" }, t("signals.none")),
+    );
+  };
+  const chooser = h("select", {
+    "aria-label": t("signals.layouts"),
+    onChange: () => {
+      const kept = layouts[chooser.value];
+      if (!Array.isArray(kept)) return;
+      layout = (structuredClone(kept) as Layout).map((p) => p.filter((s) => known.has(s.id)));
+      active = 0;
+      changed();
+    },
+  });
+  const choices = () => replace(chooser, h("option", { value: "" }, `${t("signals.layouts")} …`), ...Object.keys(layouts).map((n) => h("option", { value: n }, n)));
+  choices();
+  const keep = async (all: Record<string, unknown>) => {
+    try {
+      await api.keepLayouts(all);
+      layouts = all;
+      choices();
+    } catch (e) {
+      tell((e as Error).message, "error");
+    }
+  };
+  const element = h(
+    "div",
+    { class: "signals" },
+    h("aside", { class: "card" }, search, tree),
+    h(
+      "div",
+      null,
+      h(
+        "p",
+        { class: "form-tools" },
+        h("button", { type: "button", onClick: () => (layout.push([]), (active = layout.length - 1), changed()) }, `+ ${t("signals.add_plot")}`),
+        chooser,
+        h(
+          "button",
+          {
+            type: "button",
+            onClick: () => {
+              const name = prompt(t("signals.name"), chooser.value || "");
+              if (name) void keep({ ...layouts, [name]: layout });
+            },
+          },
+          t("signals.keep"),
+        ),
+        h("button", { type: "button", onClick: () => { const { [chooser.value]: _, ...rest } = layouts; void keep(rest); } }, t("signals.forget")),
+        h("span", { class: "muted" }, t("signals.hint", { n: number(known.size) })),
+      ),
+      list,
+    ),
+  );
+  fill();
+  draw();
+  return { element, redraw: () => plots.forEach((p) => p.redraw()) };
+}

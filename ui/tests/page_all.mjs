@@ -1,0 +1,108 @@
+// Every example and every real data set through the page of `schuler ui`: runs all of them, opens every tab of every run and every data
+// set, and fails on a console error, an error text, an empty plot or a page wider than its window.
+//   node page_all.mjs --program SCHULER --modules NODE_MODULES [--data FOLDER] [--only WORD] [--shots FOLDER] [--width PIXELS] [--examples no]
+// Exit status 0 passed, 1 failed, 77 skipped.
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { browse, optionsOf, serve, visitTabs } from "./browse.mjs";
+
+const options = optionsOf(process.argv.slice(2));
+const folder = mkdtempSync(join(tmpdir(), "schuler_all_"));
+const { browser, page } = await browse(options, options.width ? { viewport: { width: Number(options.width), height: 844 } } : {});
+const { entrance, address, ask, stop } = await serve(options.program, folder);
+let failures = 0;
+const complaints = [];
+const fail = (where, what) => {
+  ++failures;
+  console.error(`FAILED: ${where}: ${what}`);
+};
+page.on("pageerror", (e) => complaints.push(`error on the page: ${e.message}`));
+page.on("console", (m) => m.type() === "error" && complaints.push(`console: ${m.text()}`));
+page.on("response", (r) => r.status() >= 400 && complaints.push(`${r.status()} ${r.url().slice(address.length)}`));
+const wanted = (name) => !options.only || name.includes(options.only);
+const shot = async (name) => {
+  if (!options.shots) return;
+  mkdirSync(options.shots, { recursive: true });
+  await page.evaluate(() => window.scrollTo(0, 0));
+  await page.waitForTimeout(250);
+  await page.screenshot({ path: join(options.shots, `${name}.png`) });
+};
+const finished = async (id) => {
+  for (;;) {
+    const run = await ask(`api/runs/${id}`);
+    if (run.state !== "waiting" && run.state !== "running") return run;
+    await new Promise((r) => setTimeout(r, 300));
+  }
+};
+const visit = async (name, id) => {
+  complaints.length = 0;
+  const { tabs, wrong } = await visitTabs(page, address, id, { shot: options.shots ? (tab) => shot(`${name}-${tab}`) : null });
+  for (const w of [...wrong, ...complaints]) fail(name, w);
+  console.log(`${name}: ${tabs.join(" ")}`);
+};
+
+/** A run that cannot be is no fault of the page as long as it says why. */
+const through = async (name, order, path = "api/runs") => {
+  const begun = await ask(path, "POST", order);
+  if (begun.error) return console.log(`${name}: refused: ${begun.error.text}`);
+  const run = await finished(begun.id);
+  if (run.state !== "done") {
+    if (!run.message) fail(name, "failed without a word");
+    console.log(`${name}: ${run.state}: ${run.message}`);
+  }
+  await visit(name, begun.id);
+  return begun.id;
+};
+
+try {
+  await page.goto(entrance);
+  await page.locator("h1").waitFor();
+  const plain = (await ask("api/examples")).filter((e) => wanted(e.name) && options.examples !== "no");
+  for (const { name, toml } of plain) {
+    const { settings } = await ask("api/settings?of=scenario", "POST", { toml });
+    const gravity = Object.keys(settings ?? {}).some((k) => k.startsWith("gravity.") || k.startsWith("anomaly"));
+    await through(name, { kind: "scenario", title: name, toml, command: gravity ? "gravity" : "run" });
+  }
+  for (const study of (await ask("api/studies")).filter((s) => !s.input && wanted(s.command) && options.examples !== "no"))
+    await through(study.command.replace(" ", "-"), { command: study.command, title: study.command, settings: {} }, "api/studies");
+  const data = options.data && existsSync(options.data) ? readdirSync(options.data).filter((d) => statSync(join(options.data, d)).isDirectory() && wanted(d)) : [];
+  if (data.length === 0) console.log("no data sets: give --data FOLDER");
+  for (const name of data) {
+    const id = name.toLowerCase().replaceAll("_", "-");
+    mkdirSync(join(folder, "work", "data"), { recursive: true });
+    cpSync(join(options.data, name), join(folder, "work", "data", id), { recursive: true });
+    complaints.length = 0;
+    await page.goto(`${address}#/data/${id}`);
+    await page.locator(".tasks").waitFor({ timeout: 120_000 }).catch(() => fail(name, "its page does not open"));
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    if (wide > 1) fail(name, `data page ${wide} px wider than the window`);
+    for (const c of complaints) fail(name, c);
+    await shot(`data-${name}`);
+    // what the page would start by itself
+    const task = await page.locator('.task input:checked').getAttribute("value", { timeout: 2000 }).catch(() => null);
+    const button = page.locator("button.primary.run");
+    if (!task || (await button.isDisabled())) {
+      const why = await page.locator(".note:not([hidden])").allInnerTexts();
+      if (why.length === 0) fail(name, "nothing can be started and no reason is told");
+      console.log(`${name}: ${why.join(" ")}`);
+      continue;
+    }
+    await button.click();
+    await page.waitForURL(/#\/run\//, { timeout: 60_000 }).catch(async () => fail(name, `does not start: ${await page.locator(".toast").allInnerTexts()}`));
+    const run = decodeURIComponent(/#\/run\/([^/]+)/.exec(page.url())?.[1] ?? "");
+    if (!run) continue;
+    const end = await finished(run);
+    if (task === "gnss" && end.state !== "done") fail(name, `GNSS alone: ${end.message}`);
+    if (end.state !== "done") console.log(`${name} (${task}): ${end.state}: ${end.message}`);
+    await visit(name, run);
+  }
+} catch (e) {
+  fail("test", String(e.stack ?? e));
+} finally {
+  await browser.close();
+  await stop();
+  rmSync(folder, { recursive: true, force: true });
+}
+console.log(`page_all: ${failures} failures`);
+process.exit(failures ? 1 : 0);
