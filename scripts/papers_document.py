@@ -41,6 +41,7 @@ def picture(folder):
     ys = sorted(y for c in curves.values() for _, y in c)
     cut = len(ys) // 100  # a start-up would rule the scale
     low, high, left, right = ys[cut], ys[-1 - cut], min(xs), max(xs)
+    title = first if len(first) < 64 else first[: first.rfind(" ", 0, 62)] + " ..."
     margin = 0.05 * (high - low) or 1.0
     low, high = low - margin, high + margin
 
@@ -49,11 +50,12 @@ def picture(folder):
         return (LEFT + (x - left) / ((right - left) or 1.0) * (WIDTH - LEFT - 8), HEIGHT - BOTTOM - (y - low) / (high - low) * (HEIGHT - BOTTOM - TOP))
 
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="10">',
-           f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/><text x="{LEFT}" y="14" font-size="11">{escaped(first if len(first) < 64 else first[:first.rfind(' ', 0, 62)] + ' ...')}</text>',
+           f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/><text x="{LEFT}" y="14" font-size="11">{escaped(title)}</text>',
            f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH - LEFT - 8}" height="{HEIGHT - BOTTOM - TOP}" fill="none" stroke="#999"/>']
     for share in (0.0, 0.5, 1.0):
         x, y = left + share * (right - left), low + share * (high - low)
-        out.append(f'<text x="{place(x, low)[0]:.0f}" y="{HEIGHT - BOTTOM + 12}" text-anchor="{'end' if share == 1.0 else 'middle'}">{x:.4g}</text>')
+        anchor = "end" if share == 1.0 else "middle"
+        out.append(f'<text x="{place(x, low)[0]:.0f}" y="{HEIGHT - BOTTOM + 12}" text-anchor="{anchor}">{x:.4g}</text>')
         out.append(f'<text x="{LEFT - 4}" y="{place(left, y)[1] + 3:.0f}" text-anchor="end">{y:.3g}</text>')
     legend = LEFT
     for i, (name, points) in enumerate(curves.items()):
