@@ -3,6 +3,7 @@
 #include "parser.h"
 #include "printable.h"
 #include "progress.h"
+#include "team.h"
 #include "version.h"
 
 #include "schuler/app/command.h"
@@ -18,6 +19,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <new>
 #include <string>
 #include <utility>
@@ -66,11 +68,11 @@ void show(const report::Outcome& out, const cli::CommandLine& line) {
     if (!out.verdict.empty()) fmt::print("{}\n", one_line(out.verdict));
 }
 
-report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser) {
+report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser, const std::shared_ptr<Team>& team) {
     if (const app::Command* command = app::command_named(line.command)) {
-        cli::ProgressBar bar(!line.quiet, line.progress == "lines");
+        cli::ProgressBar bar(!line.quiet && (!team || team->rank() == 0), line.progress == "lines");
         const app::CommandContext context{.version = SCHULER_VERSION, .progress = [&bar](double done_part) { bar.show(done_part); },
-                                          .threads = line.threads};
+                                          .threads = line.threads, .team = team};
         const auto given = cli::settings_of(*command, line, parser);
         if (line.force) app::allow_overwrite(given);
         if (const std::string size = line.quiet ? "" : app::notice_of_size(given); !size.empty()) fmt::print(stderr, "schuler: {}\n", size);
@@ -125,7 +127,13 @@ int main(int argc, char** argv) {
         complain(fmt::format("{}; see `schuler{} --help`", one_line(e.what()), cli::command_in(argc, argv, parser)));
         return input_unusable;
     }
+    std::shared_ptr<Team> team;
+    const auto failed = [&team](int status) {
+        if (team) cli::end_team(*team, status);
+        return status;
+    };
     try {
+        team = cli::team_of_processes();
         if (line.command == "ui") {
             cli::serve_page(line);
             return flushed(done);
@@ -143,13 +151,14 @@ int main(int argc, char** argv) {
                                             : parser.get_formatter()->make_help(&parser, "schuler", CLI::AppFormatMode::Normal));
             return flushed(done);
         }
-        const report::Outcome out = perform(line, parser);
-        show(out, line);
+        const report::Outcome out = perform(line, parser, team);
+        if (!team || team->rank() == 0) show(out, line);
         return flushed(out.usable ? done : computation_failed);
     } catch (const Error& e) {
+        cli::let_the_first_tell(team.get());
         const bool of_option = e.place().file.starts_with("--");
         complain(of_option ? fmt::format("{}; see `schuler {} --help`", e.what(), line.command) : std::string(e.what()));
-        return e.kind() == ErrorKind::Input ? input_unusable : computation_failed;
+        return failed(e.kind() == ErrorKind::Input ? input_unusable : computation_failed);
     } catch (const std::bad_alloc&) {
         complain("out of memory; process a part of the data with --start and --stop");
     } catch (const std::exception& e) {
@@ -157,5 +166,5 @@ int main(int argc, char** argv) {
     } catch (...) {
         complain("unexpected failure");
     }
-    return computation_failed;
+    return failed(computation_failed);
 }

@@ -164,6 +164,10 @@ def facts_real(program, source):
     check(doubled["findings"]["latency_s"] == bare["findings"]["latency_s"],
           f"what is refuted beyond doubt is not used: {doubled['findings']['latency_s']}")
     check(facts_of(doubled)["gnss.velocity_latency_s"]["how"] != "given", "what is used instead is not what was given")
+    (folder / "said/dataset.toml").write_text(files + "velocity_latency_s = 0.12\n[run]\nkeep_given = true\n")
+    insisted = summary_of(program, "said", "-o", "insisted", *outage)
+    check(facts_of(insisted)["gnss.velocity_latency_s"]["how"] == "given" and any("velocity_latency_s" in text for text in insisted["warnings"]),
+          "a given value that is to be kept is used, and the contradiction told")
     check(usual(doubled) < max(1.05 * errors["bare"], errors["bare"] + 0.1), f"{usual(doubled)} m with it, {errors}")
     # what was found, given: the same run
     program("process", drive, "-o", "again", "--config", "bare/config.toml", *outage)

@@ -93,6 +93,7 @@ try {
     const run = decodeURIComponent(/#\/run\/([^/]+)/.exec(page.url())?.[1] ?? "");
     if (!run) continue;
     const end = await finished(run);
+    if (task === "gnss" && end.state !== "done") fail(name, `GNSS alone: ${end.message}`);
     if (end.state !== "done") console.log(`${name} (${task}): ${end.state}: ${end.message}`);
     await visit(name, run);
   }

@@ -1,10 +1,12 @@
 // A command of the program: its name, its options, its function. Every door (command line, page, documents) is made of the list.
 #pragma once
 
+#include "schuler/core/team.h"
 #include "schuler/report/outcome.h"
 #include "schuler/settings/option_table.h"
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,7 @@ struct CommandContext {
     std::string version{};
     std::function<void(double)> progress{};   ///< share done; may be empty
     int threads = 0;                          ///< at most so many runs at once where a request leaves it open; 0: one a core
+    std::shared_ptr<Team> team{};             ///< the processes that this one is started with; null: it is alone
 };
 
 struct Command {

@@ -50,7 +50,8 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     const std::string origin = "found in " + path.string();
     d.contradictions = std::move(r.report.contradictions);
     SettingList believed = given;   // all but what is refuted
-    for (const inspect::Contradiction& c : d.contradictions) {
+    for (inspect::Contradiction& c : d.contradictions) {
+        if (said.run.keep_given) c.refuted = false;
         if (!c.refuted) continue;
         std::erase_if(believed, [&](const Setting& s) { return s.key == c.key; });
         d.given.erase(c.key);

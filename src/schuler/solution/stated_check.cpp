@@ -78,7 +78,7 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     constexpr double least = 0.1, sure = 0.3;   // m
     const auto beyond = [&](double sigmas, double metres) { return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any(); };
     if (!beyond(3.0, least)) return std::nullopt;
-    doubt.refuted = beyond(10.0, sure);
+    doubt.refuted = beyond(10.0, sure) && !data.config.run.keep_given;
     if (doubt.refuted) doubt.settings.gnss.lever_arm_b = doubt.found_b;
     return doubt;
 }

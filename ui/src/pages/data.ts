@@ -177,7 +177,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
       kind: "dataset",
       dataset: name,
       title: title.value.trim() || name,
-      settings: tasks.settings(changes(form.settings)),
+      settings: tasks.settings(changes(form.settings), form.settings),
       ...tasks.order,
     }),
     () => forgetDraft(at),

@@ -128,7 +128,7 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
     case "document":
       return isDocument(run);
     case "noise":
-      return run.kind !== "montecarlo" && run.kind !== "study" && !isDocument(run) && run.state === "done" && Boolean(run.summary?.imu) && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
+      return run.kind !== "montecarlo" && run.kind !== "study" && !isDocument(run) && run.state === "done" && (run.summary?.imu?.epochs ?? 0) > 1 && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
     case "report":
       return run.files.includes("report.html");
     default:

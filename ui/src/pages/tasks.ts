@@ -139,9 +139,10 @@ export class TaskChoice {
   }
 
   /** Settings over those of the data set that the task needs. */
-  settings(of: Settings): Settings {
-    if (this.task !== "ppk" && this.task !== "gnss") return of;
-    const out: Settings = { ...of, "filter.scheme": "gnss" };
+  settings(changed: Settings, whole: Settings): Settings {
+    if (this.task !== "ppk" && this.task !== "gnss") return changed;
+    // a receiver's log alone is found by its settings: all of them are given
+    const out: Settings = { ...whole, "filter.scheme": "gnss" };
     if (this.task === "ppk") {
       const { files } = this.found;
       delete out["gnss.file"];
@@ -156,7 +157,8 @@ export class TaskChoice {
   }
 
   get order(): Record<string, unknown> {
-    const args = { ...(this.form?.settings ?? {}) };
+    const args: Settings = { ...(this.form?.settings ?? {}) };
+    if (this.task === "gnss" || this.task === "ppk") args["scheme"] = "gnss";
     return { command: this.command === "process" ? "run" : this.command, arguments: args };
   }
 

@@ -32,7 +32,8 @@ function banded(run: string, group: string, table: string, what: string, g: Grou
         title: single ? t("view.sigma_of", { what, axis }) : t("view.error_of", { what, axis }),
         unit: unit(column.unit),
         lines: single ? [{ label: "σ", ink: i }] : [{ label: `${t("error")} ${axis}`, ink: i }],
-        ...(single ? { optional: true } : { band: t("band") }),
+        optional: true,
+        ...(single ? {} : { band: t("band") }),
         include: [0],
         load: single
           ? loader(run, [sigma])

@@ -41,6 +41,7 @@ struct RunConfig {
     std::vector<OutageSpan> outages;
     std::optional<double> settle;                ///< s after which errors are counted; not given: alignment + 60 s
     bool self_check = true;                      ///< of `process`: withhold GNSS in windows and measure the sigmas
+    bool keep_given = false;                     ///< given values are used even if the data refute them
 };
 
 struct OutputConfig {

@@ -96,6 +96,8 @@ void add_run_options(OptionTable<Config>& table) {
         .add(time_option("run.stop_s", "data after this time are left out", &RunConfig::stop))
         .add(number<Config>("run.settle_s", 1.0, 0, 1e9, "errors are counted from here; default: alignment + 60 s",
                             [](auto& c) -> auto& { return c.run.settle; }))
+        .add(flag<Config>("run.keep_given", "use given values even if the data refute them; without it the value from the data is used. Both are reported",
+                          [](auto& c) -> auto& { return c.run.keep_given; }))
         .add(outage_option())
         .add(number<Config>("output.rate_hz", 1.0, 0, 1e5, "rate of the solution; 0 = every IMU epoch",
                             [](auto& c) -> auto& { return c.filter.output_rate; }))

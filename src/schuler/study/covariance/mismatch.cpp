@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace schuler::study {
@@ -42,6 +43,11 @@ struct Source {
     MatrixXd S;
 
     [[nodiscard]] Eigen::Index size() const { return variance.size(); }
+    /// It makes no errors.
+    [[nodiscard]] bool empty() const {
+        return variance.isZero(0.0) && psd.isZero(0.0) && start.isZero(0.0) && gyro_psd == 0.0 && accel_psd == 0.0 && white_position.isZero(0.0) &&
+               white_velocity.isZero(0.0) && white_baro == 0.0;
+    }
     void processes(const VectorXd& sigma, const VectorXd& decay_, const VectorXd& psd_) {
         variance = sigma.array().square();
         decay = decay_;
@@ -158,20 +164,32 @@ public:
     [[nodiscard]] bool records() const override { return true; }
     void step(const estim::Transition& phi) override { phi_ = phi; }
     void propagated(const Filter& f, double span) override {
-        MatrixXd Phi(n_, n_);
-        filter::StateVector unit = filter::StateVector::Zero(n_);
-        for (Eigen::Index i = 0; i < n_; ++i) {
-            unit(i) = 1.0;
-            Phi.col(i) = phi_.times(unit).head(n_);
-            unit(i) = 0.0;
+        // First nine rows of the transition, and the diagonal of the others; shears (a state that is the integral of another) make it dense.
+        MatrixXd top = MatrixXd::Zero(9, n_), dense;
+        VectorXd diagonal = phi_.diagonal.head(n_);
+        if (phi_.shear_count == 0) {
+            const Eigen::Index driven = std::min<Eigen::Index>(phi_.driven, n_);
+            top.leftCols(driven) = phi_.rows.topRows(driven).transpose();
+        } else {
+            dense.resize(n_, n_);
+            filter::StateVector unit = filter::StateVector::Zero(n_);
+            for (Eigen::Index i = 0; i < n_; ++i) {
+                unit(i) = 1.0;
+                dense.col(i) = phi_.times(unit).head(n_);
+                unit(i) = 0.0;
+            }
+            top = dense.topRows(9);
         }
-        const Eigen::Matrix<double, 9, 3> by_gyro = Phi.block<9, 3>(0, Layout::gyro_bias), by_accel = Phi.block<9, 3>(0, Layout::accel_bias);
+        const Eigen::Matrix<double, 9, 3> by_gyro = top.middleCols<3>(Layout::gyro_bias), by_accel = top.middleCols<3>(Layout::accel_bias);
         const Vector3d force = f.previous.dt > 0.0 ? Vector3d(f.previous.dv / f.previous.dt) : Vector3d::Zero();
         const double speed = f.geographic(model_).v_eb_n.head<2>().norm();
         for (Source& s : sources_) {
             const Eigen::Index m = s.size();
-            MatrixXd F = MatrixXd::Zero(n_ + m, n_ + m);
-            F.topLeftCorner(n_, n_) = Phi;
+            if (s.empty()) continue;
+            MatrixXd F = MatrixXd::Zero(9, n_ + m);
+            F.leftCols(n_) = top;
+            VectorXd d(n_ + m), noise(m);
+            d.head(n_) = diagonal;
             switch (s.drive) {
                 case Drive::None: break;
                 case Drive::Gyro: F.block(0, n_, 9, 6) << -by_gyro, -by_gyro; break;
@@ -179,15 +197,26 @@ public:
                 case Drive::GyroAxes: F.block(0, n_, 9, 9) = -by_gyro * axes_acting_on(f.w_ib_b); break;
                 case Drive::AccelAxes: F.block(0, n_, 9, 9) = -by_accel * axes_acting_on(force); break;
             }
-            VectorXd noise(m);
             for (Eigen::Index i = 0; i < m; ++i) {
                 const double decay = s.decays_with_speed ? scenario_.sim.gnss.errors.position_decay(speed) : s.decay(i);
                 const double psd = s.decays_with_speed ? 2.0 * decay * s.variance(i) : s.psd(i);
-                F(n_ + i, n_ + i) = std::exp(-decay * span);
+                d(n_ + i) = std::exp(-decay * span);
                 noise(i) = decay > 0.0 ? -psd / (2.0 * decay) * std::expm1(-2.0 * decay * span) : psd * span;
             }
-            const MatrixXd half = F * s.S;
-            s.S.noalias() = half * F.transpose();
+            if (dense.size() > 0) {
+                MatrixXd all = d.asDiagonal();
+                all.topLeftCorner(n_, n_) = dense;
+                all.topRows(9) = F;
+                const MatrixXd half = all * s.S;
+                s.S.noalias() = half * all.transpose();
+            } else {
+                const Eigen::Index rest = n_ + m - 9;
+                const MatrixXd half = F * s.S;
+                s.S.bottomRightCorner(rest, rest).array() *= (d.tail(rest) * d.tail(rest).transpose()).array();
+                s.S.topLeftCorner(9, 9).noalias() = half * F.transpose();
+                s.S.topRightCorner(9, rest).noalias() = half.rightCols(rest) * d.tail(rest).asDiagonal();
+                s.S.bottomLeftCorner(rest, 9) = s.S.topRightCorner(9, rest).transpose();
+            }
             s.S.diagonal().tail(m) += noise;
             if (s.gyro_psd > 0.0) s.S.topLeftCorner<9, 9>() += s.gyro_psd / span * by_gyro * by_gyro.transpose();
             if (s.accel_psd > 0.0) s.S.topLeftCorner<9, 9>() += s.accel_psd / span * by_accel * by_accel.transpose();
@@ -224,6 +253,7 @@ private:
         if (state >= 0 && u.h(state + static_cast<int>(axis)) != 0.0) seen = -u.h(state + static_cast<int>(axis));
         const VectorXd whole = u.h.whole(n_).head(n_);
         for (Source& s : sources_) {
+            if (s.empty()) continue;
             const Eigen::Index size = n_ + s.size();
             VectorXd h = VectorXd::Zero(size), k = VectorXd::Zero(size);
             h.head(n_) = whole;

@@ -1,7 +1,7 @@
 #include "schuler/study/montecarlo/checkpoint.h"
 
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/bytes.h"
+#include "schuler/io/own_files.h"
 
 #include <fmt/format.h>
 
@@ -23,6 +23,11 @@ int rank_in(const std::string& name, std::string_view kind) {
     const char* end = name.data() + name.size() - 4;
     const auto result = std::from_chars(name.data() + kind.size(), end, rank);
     return result.ptr == end && result.ec == std::errc{} ? rank : -1;
+}
+
+/// Rows, and checkpoints that were being written at the end.
+bool is_left_over(const std::string& name) {
+    return rank_in(name, "rows-") >= 0 || name == "rows.bin" || (name.starts_with(".checkpoint-") && name.ends_with(".part"));
 }
 
 Error rows_unwritable(const fs::path& file) {
@@ -73,7 +78,7 @@ void CampaignPart::remove_from(const fs::path& folder) {
     std::vector<fs::path> files = left_in(folder);
     std::error_code ec;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, ec))
-        if (rank_in(entry.path().filename().string(), "rows-") >= 0 || entry.path().filename() == "rows.bin") files.push_back(entry.path());
+        if (is_left_over(entry.path().filename().string())) files.push_back(entry.path());
     for (const fs::path& f : files) fs::remove(f, ec);
 }
 
@@ -99,6 +104,7 @@ void CampaignPart::take_over() {
             if (!bytes.starts_with(magic)) throw input_error("is no checkpoint of this version of the program");
             Unpacker from(std::string_view(bytes).substr(magic.size()));
             if (from.text() != identity_) throw input_error("belongs to a campaign with another scenario, other settings or another version of the program");
+            io::allow_overwrite(path);   // it is ours, also where the end came before it was noted
             const auto rows = from.get<std::uint64_t>();
             const RunSet theirs = get_runs(from);
             CampaignStatistics statistics = empty_;

@@ -128,7 +128,10 @@ private:
 /// Checkpoints often enough to lose little, rarely enough to cost little.
 class SaveClock {
 public:
-    [[nodiscard]] bool due() const { return seconds() > std::max(5.0, 30.0 * cost_); }
+    [[nodiscard]] bool due() const {
+        const double since = solution::seconds_since(last_);
+        return since > std::max(std::clamp(0.1 * solution::seconds_since(begin_), 0.5, 5.0), 30.0 * cost_);
+    }
     void save(CampaignPart& part) {
         const auto begin = std::chrono::steady_clock::now();
         part.save();
@@ -137,8 +140,8 @@ public:
     }
 
 private:
-    [[nodiscard]] double seconds() const { return solution::seconds_since(last_); }
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+    const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point last_ = begin_;
     double cost_ = 0.0;
 };
 
