@@ -5,6 +5,7 @@
 import sys
 from pathlib import Path
 
+import schuler
 from schuler import _commands as c
 
 TYPES = {"number": "float", "integer": "int", "flag": "bool", "text": "str", "numbers": "Sequence[float]", "texts": "str | Sequence[str]"}
@@ -16,7 +17,7 @@ def type_of(option):
         if option["choices"] == ["on", "off"]:
             return "bool | str"
         return "str"
-    if option["key"] == "outage":
+    if option["key"] == "outage" and option["shape"] == "texts":
         return "str | Sequence[str | tuple[float, float]]"
     if option["positional"] or option["key"] in ("output", "config"):
         return "str | PathLike[str]"
@@ -40,7 +41,7 @@ def stubs():
     for name, command in c.COMMANDS.items():
         if name.startswith("analyze "):
             studies += stub_of(command, name.split(" ", 1)[1].replace("-", "_"))
-        elif " " not in name:
+        elif hasattr(schuler, name):   # a function of the package
             whole += stub_of(command, name.replace("-", "_"))
     return {"_made.pyi": whole, "analyze.pyi": studies}
 

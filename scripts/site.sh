@@ -15,13 +15,14 @@ trap 'rm -rf "$work"' EXIT
 
 mkdir "$work/docs"
 cp "$root"/docs/*.md "$root"/docs/*.png "$root/docs/references.bib" "$work/docs/"
+find "$root/docs" -mindepth 1 -maxdepth 1 -type d -exec cp -r {} "$work/docs/" \;   # of pictures
 # links out of docs/ lead to files of the repository, which a site has not: they become text; those from the root lead into docs/
 sed -E 's#\]\(docs/#](#g' "$root/README.md" >"$work/docs/index.md"
 sed -E 's#\]\(docs/#](#g' "$root/CHANGELOG.md" >"$work/docs/changelog.md"
 sed -E 's#\]\(docs/#](#g' "$root/CONTRIBUTING.md" >"$work/docs/contributing.md"
 [ ! -f "$root/SECURITY.md" ] || sed -E 's#\]\(docs/#](#g' "$root/SECURITY.md" >"$work/docs/security.md"
 sed -E -i 's#\]\((\.\./)?CHANGELOG\.md#](changelog.md#g; s#\]\((\.\./)?CONTRIBUTING\.md#](contributing.md#g; s#\]\((\.\./)?SECURITY\.md#](security.md#g
-    s#\[([^][]*)\]\((\.\./|LICENSE)[^)]*\)#\1#g' "$work"/docs/*.md
+    s#\[([^][]*)\]\((\.\./|LICENSE|examples/|scripts/|src/|data/|tests/|packaging/)[^)]*\)#\1#g' "$work"/docs/*.md
 
 if [ -d "$build/python/schuler" ]; then
     PYTHONPATH="$build/python" /usr/bin/python3 -B - >"$work/docs/python-api.md" <<'PYTHON' || rm "$work/docs/python-api.md"
@@ -64,7 +65,7 @@ page() { [ ! -f "$work/docs/$1" ] || printf '      - "%s": %s\n' "$2" "$1"; }
         page "${p%%:*}" "${p#*:}"
     done
     echo '  - Subjects:'
-    for p in "ahrs.md:Attitude and heading" "complex.md:Integrated system" "gravimetry.md:Gravimetry" "ppk.md:Carrier phase" "receiver.md:Receiver" "triad.md:Ranges"; do
+    for p in "ahrs.md:Attitude and heading" "complex.md:Integrated system" "gravimetry.md:Gravimetry" "ppk.md:Carrier phase" "receiver.md:Receiver" "triad.md:Ranges" "papers.md:Papers"; do
         page "${p%%:*}" "${p#*:}"
     done
     echo '  - Background:'

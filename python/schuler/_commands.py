@@ -49,6 +49,7 @@ def given_of(command, arguments, keywords):
         raise Error.of(f"takes {len(positional)} arguments without a name, and {len(arguments)} are given", command["name"],
                        f"they are {', '.join(positional)}" if positional else "give options by their names")
     known = keywords_of(command)
+    shapes = {option["key"]: option["shape"] for option in command["options"]}
     given = dict(zip(positional, arguments))
     settings = dict(keywords.pop("settings", None) or {})
     if settings and not takes_settings(command):
@@ -66,7 +67,7 @@ def given_of(command, arguments, keywords):
         elif key in given:
             raise Error.of("is given twice", name)
         else:
-            given[key] = _outage(value) if key == "outage" else value
+            given[key] = _outage(value) if key == "outage" and shapes[key] == "texts" else value
     if above:
         given["set"] = [_schuler.setting_text(key, value) for key, value in above]
     for option in command["options"]:

@@ -107,6 +107,8 @@ def montecarlo(
     runs: int | None = ...,
     jobs: int | None = ...,
     output: str | PathLike[str] | None = ...,
+    resume: bool | None = ...,
+    first: int | None = ...,
     seed: int | None = ...,
     config: str | PathLike[str] | None = ...,
     start: Any | None = ...,

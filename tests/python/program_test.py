@@ -96,6 +96,7 @@ class Results(unittest.TestCase):
         self.assertEqual(schuler.analyze.equator(speed=600, height=10000, time=3600, dh=1).summary,
                          json.loads(program("analyze", "equator", "--speed", 600, "--height", 10000, "--time", 3600, "--dh", 1, "--json").stdout))
         self.assertIn("solution", schuler.ahrs(drive()).tables)
+        self.assertEqual(schuler.analyze.requirements(outage=60).summary, json.loads(program("analyze", "requirements", "--outage", 60, "--json").stdout))
         several = schuler.montecarlo(scenario(), runs=2, jobs=2, stop=60)
         self.assertTrue(several.tables)
         self.assertIn("solution", schuler.run(scenario(), seed=3).tables)
