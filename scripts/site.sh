@@ -65,7 +65,7 @@ page() { [ ! -f "$work/docs/$1" ] || printf '      - "%s": %s\n' "$2" "$1"; }
         page "${p%%:*}" "${p#*:}"
     done
     echo '  - Subjects:'
-    for p in "ahrs.md:Attitude and heading" "complex.md:Integrated system" "gravimetry.md:Gravimetry" "ppk.md:Carrier phase" "receiver.md:Receiver" "triad.md:Ranges" "papers.md:Papers"; do
+    for p in "ahrs.md:Attitude and heading" "complex.md:Integrated system" "gravimetry.md:Gravimetry" "ppk.md:Carrier phase" "receiver.md:Receiver" "triad.md:Ranges" "papers.md:Papers" "campaigns.md:Campaigns"; do
         page "${p%%:*}" "${p#*:}"
     done
     echo '  - Background:'
