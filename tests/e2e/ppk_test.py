@@ -100,6 +100,14 @@ def ppk_satellites(program, source):
     check(json.loads((folder / "summary.json").read_text())["carrier"]["fixed"] == 601, "not fixed")
     phases = [float(r["residual"]) for r in rows_of(folder / "residuals.csv") if r["quantity"] == "difference_phase_m" and r["whole"] == "1"]
     check(len(phases) > 5000 and math.sqrt(sum(x * x for x in phases) / len(phases)) < 0.003, "phases do not fit their integers")
+    # A folder of raw measurements alone, and the scheme in a file of settings.
+    bare = Path(program.folder) / "bare"
+    bare.mkdir()
+    for file in data.iterdir():
+        if file.name.startswith("Rover-static") or file.name.startswith("RINEX_"):
+            (bare / file.name).write_bytes(file.read_bytes())
+    (Path(program.folder) / "scheme.toml").write_text('[filter]\nscheme = "gnss"\n')
+    program("process", "bare", "--config", "scheme.toml", "-o", "bare-out", "--outputs", "summary")
 
 
 def ppk_refusals(program, source):

@@ -197,9 +197,14 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
 
 report::Outcome process_dataset(const settings::ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
+    const settings::SettingList over = request.over({});
+    const bool satellites_only = std::ranges::any_of(over, [](const settings::Setting& s) {
+        return s.key == "filter.scheme" && s.value.text() != nullptr && *s.value.text() == "gnss";
+    });
     const bool given_start = !request.config.empty() ||
                              std::ranges::any_of(request.above, [](const settings::Setting& s) { return s.key == "initial.lat_deg"; });
-    const settings::Dataset dataset = settings::open_dataset(request.input, given_start ? dataset::Needs::Imu : dataset::Needs::ImuAndGnss, request.over({}));
+    const settings::Dataset dataset =
+        settings::open_dataset(request.input, given_start && !satellites_only ? dataset::Needs::Imu : dataset::Needs::ImuAndGnss, over);
     const settings::Config config = settings::config_from(dataset.settings);
     WarningLog warnings;
     solution::ResultBundle bundle;
