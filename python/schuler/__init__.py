@@ -33,6 +33,9 @@ convert = _function_of("convert")
 ahrs = _function_of("ahrs")
 gravity = _function_of("gravity")
 montecarlo = _function_of("montecarlo")
+batch = _function_of("batch")
+gnss = _function_of("gnss")
+paper = _function_of("paper")
 
 from . import analyze  # noqa: E402  (made of the same table)
 

@@ -6,8 +6,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import analyze as analyze
 from ._error import Error as Error
-from ._made import (ahrs as ahrs, convert as convert, demo as demo, evaluate as evaluate, gravity as gravity, inspect as inspect,
-                    montecarlo as montecarlo, process as process, run as run, simulate as simulate)
+from ._made import (ahrs as ahrs, batch as batch, convert as convert, demo as demo, evaluate as evaluate, gnss as gnss, gravity as gravity,
+                    inspect as inspect, montecarlo as montecarlo, paper as paper, process as process, run as run, simulate as simulate)
 from ._result import NotTrustworthy as NotTrustworthy, Result as Result
 from ._schuler import (C_en as C_en, EventKind as EventKind, FeedStatus as FeedStatus, HeadingSettings as HeadingSettings, Mekf as Mekf,
                        MekfSettings as MekfSettings, NavigatorState as NavigatorState, Phase as Phase, Source as Source,
