@@ -224,7 +224,7 @@ std::string figure(const Panel& panel, int number) {
         append_axes(out, panel, f);
         append_spans(out, panel, f);
         append_curves(out, panel, f, number);
-        if (panel.equal_axes) append_scale_bar(out, panel, f);
+        if (panel.equal_axes && panel.x_label.ends_with(", m")) append_scale_bar(out, panel, f);
     }
     return out + "</svg></div></figure>";
 }
