@@ -173,6 +173,12 @@ def live_state(program, source):
         bad = folder / "bad.toml"
         bad.write_text(f'[imu]\n{wrong}\n[[output]]\nto = "stdout"\n')
         check(part in program("live", str(bad), status=2).stderr, wrong)
+    # Outputs are appended to: to nothing that another program made, and to no source.
+    imu = (folder / "drive/imu.csv").read_bytes()
+    for name, part in (("drive/imu.csv", "does not begin"), ("first.jsonl", "is a source")):
+        bad = configured(program, described, "file:first.jsonl", f'[[output]]\nto = "file:{name}"\nformat = "json"\n', name="bad.toml")
+        check(part in program("live", str(bad), status=2).stderr, name)
+    check((folder / "drive/imu.csv").read_bytes() == imu, "a log was written to")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/solution/solution_csv.h"
 #include "schuler/live/detail/descriptor.h"
+#include "schuler/live/detail/output_files.h"
 #include "schuler/live/message.h"
 #include "schuler/live/station.h"
 
@@ -351,6 +352,7 @@ private:
 LiveReport run_live(const LiveSettings& settings, const std::function<bool()>& stop) {
     filter::NavigatorMade made = filter::Navigator::make(navigator_settings(settings));
     if (!made) throw input_error(made.reason, {settings.file, 0, 0, made.key}, "a live run needs a value that is given");
+    detail::check_output_files(settings);
     return Run(settings, std::move(*made.navigator)).go(stop);
 }
 
