@@ -7,8 +7,14 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-INKS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 460, 200, 64, 34, 26
+import matplotlib
+
+matplotlib.use("svg")
+from matplotlib import pyplot  # noqa: E402  (after the choice of what draws)
+
+# Text stays text, and the same data give the same bytes.
+matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "schuler", "font.size": 8, "axes.grid": True, "grid.color": "#e0e0e0", "grid.linewidth": 0.6,
+                            "axes.prop_cycle": matplotlib.cycler(color=["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"])})
 
 
 def run(program, *arguments):
@@ -22,50 +28,39 @@ def thinned(points, most=120):
     return points[:: max(1, len(points) // most)] + points[-1:]
 
 
-def escaped(text):
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
-def picture(folder):
-    """The first plot of an item as a small SVG; None without curves."""
+def picture(folder, plots, target):
+    """Draws the first plot of an item; False where it has no curves."""
     file = folder / "curves.csv"
     if not file.exists():
-        return None
-    curves, first = {}, None
+        return False
+    plot, curves = plots[0], {}
     with open(file, encoding="utf-8") as rows:
         for row in csv.DictReader(rows):
-            first = first or row["plot"]
-            if row["plot"] == first and row["curve"]:
-                curves.setdefault(row["curve"], []).append((float(row["x"]), float(row["y"])))
-    xs = [x for c in curves.values() for x, _ in c]
-    ys = sorted(y for c in curves.values() for _, y in c)
-    cut = len(ys) // 100  # a start-up would rule the scale
-    low, high, left, right = ys[cut], ys[-1 - cut], min(xs), max(xs)
-    title = first if len(first) < 64 else first[: first.rfind(" ", 0, 62)] + " ..."
-    margin = 0.05 * (high - low) or 1.0
-    low, high = low - margin, high + margin
-
-    def place(x, y):
-        y = min(max(y, low), high)
-        return (LEFT + (x - left) / ((right - left) or 1.0) * (WIDTH - LEFT - 8), HEIGHT - BOTTOM - (y - low) / (high - low) * (HEIGHT - BOTTOM - TOP))
-
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="10">',
-           f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/><text x="{LEFT}" y="14" font-size="11">{escaped(title)}</text>',
-           f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH - LEFT - 8}" height="{HEIGHT - BOTTOM - TOP}" fill="none" stroke="#999"/>']
-    for share in (0.0, 0.5, 1.0):
-        x, y = left + share * (right - left), low + share * (high - low)
-        anchor = "end" if share == 1.0 else "middle"
-        out.append(f'<text x="{place(x, low)[0]:.0f}" y="{HEIGHT - BOTTOM + 12}" text-anchor="{anchor}">{x:.4g}</text>')
-        out.append(f'<text x="{LEFT - 4}" y="{place(left, y)[1] + 3:.0f}" text-anchor="end">{y:.3g}</text>')
-    legend = LEFT
-    for i, (name, points) in enumerate(curves.items()):
-        ink = INKS[i % len(INKS)]
-        line = " ".join("{:.1f},{:.1f}".format(*place(x, y)) for x, y in thinned(points))
-        out.append(f'<polyline points="{line}" fill="none" stroke="{ink}" stroke-width="1.2"/>')
-        if name and legend < WIDTH - 60:
-            out.append(f'<text x="{legend}" y="{HEIGHT - 6}" fill="{ink}">{escaped(name[:34])}</text>')
-            legend += 6 * min(len(name), 34) + 10
-    return "\n".join(out) + "\n</svg>\n"
+            if row["plot"] == plot["title"]:
+                curves.setdefault(row["curve"], []).append((float(row["x"]), float(row["y"] or "nan")))
+    if not curves:
+        return False
+    figure, axes = pyplot.subplots(figsize=(5.6, 2.7), layout="constrained")
+    for name, points in curves.items():
+        axes.plot(*zip(*thinned(points)), linewidth=1.1, label=name or None)
+    axes.set_title(plot["title"], fontsize=8, loc="left", wrap=True)
+    axes.set_xlabel(plot["x"])
+    axes.set_ylabel(plot["y"])
+    if plot["log_y"]:
+        axes.set_yscale("log")
+    elif not plot["equal_axes"]:   # a start-up would rule the scale
+        values = sorted(y for points in curves.values() for _, y in points if y == y)
+        cut = len(values) // 100
+        low, high = values[cut], values[-1 - cut]
+        margin = 0.06 * (high - low) or 1.0
+        axes.set_ylim(low - margin, high + margin)
+    else:
+        axes.set_aspect("equal", adjustable="datalim")
+    if any(curves):
+        axes.legend(fontsize=7, framealpha=0.8)
+    figure.savefig(target, metadata={"Date": None, "Creator": None})
+    pyplot.close(figure)
+    return True
 
 
 def number(x):
@@ -99,10 +94,8 @@ def main():
                             remark += f": right is {row['right']:.4g}; {row['remark']}"
                         text.append(f"| {row['quantity']} | {row['unit']} | {row['statement'].replace('<=', '≤').replace('>=', '≥')} | {number(row['ours'])} | {remark} |".replace("|beta|", "beta"))
                     text.append("")
-                drawn = picture(folder)
-                if drawn:
-                    file = f"{paper.lower()}-{name}.svg"
-                    (pictures / file).write_text(drawn, encoding="utf-8")
+                file = f"{paper.lower()}-{name}.svg"
+                if made["plots"] and picture(folder, made["plots"], pictures / file):
                     text += [f"![{item['what']}](papers/{file})", ""]
     (arguments.docs / "papers.md").write_text("\n".join(text).rstrip() + "\n", encoding="utf-8")
 

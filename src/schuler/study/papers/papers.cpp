@@ -115,8 +115,11 @@ report::Json json_of(const Made& m) {
                         {"right", v.right.empty() ? report::Json(nullptr) : report::Json(number_of(v.right))}, {"ours", report::json_number(r.ours)},
                         {"agreement", name_of(r.agreement)}, {"remark", v.remark}});
     }
+    report::Json plots = report::Json::array();
+    for (const report::Panel& p : m.result.panels)
+        plots.push_back({{"title", p.title}, {"x", p.x_label}, {"y", p.y_label}, {"log_y", p.log_y}, {"equal_axes", p.equal_axes}});
     return {{"paper", m.item->paper}, {"item", m.item->name}, {"what", m.item->what}, {"page", m.printed->page}, {"place", m.printed->place},
-            {"runs", m.runs}, {"rows", rows}};
+            {"runs", m.runs}, {"rows", rows}, {"plots", plots}};
 }
 
 std::string csv_field(const std::string& text) {
@@ -136,13 +139,13 @@ std::string comparison_csv_of(const Made& m) {
     return out;
 }
 
-/// Every curve, a point a line.
+/// Every curve, a point a line; where a curve is broken, a line without y.
 std::string curves_csv_of(const Made& m) {
     std::string out = "plot,curve,x,y\n";
     for (const report::Panel& p : m.result.panels)
         for (const report::Series& s : p.series)
             for (std::size_t i = 0; i < s.x.size(); ++i)
-                if (std::isfinite(s.y[i])) out += fmt::format("{},{},{:.9g},{:.9g}\n", csv_field(p.title), csv_field(s.name), s.x[i], s.y[i]);
+                out += fmt::format("{},{},{:.9g},{}\n", csv_field(p.title), csv_field(s.name), s.x[i], std::isfinite(s.y[i]) ? fmt::format("{:.9g}", s.y[i]) : "");
     return out;
 }
 
