@@ -1,4 +1,5 @@
 """`schuler live`: replays through real connections, pulled cables, garbage, clocks that jump, readers that do not read, state kept over a restart."""
+import atexit
 import csv
 import json
 import math
@@ -38,12 +39,14 @@ def configured(program, described, place, outputs, name="live.toml", more="", co
 
 
 def started(program, file):
-    return subprocess.Popen([program.path, "live", str(file)], cwd=program.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL)
+    process = subprocess.Popen([program.path, "live", str(file)], cwd=program.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL)
+    atexit.register(lambda: process.poll() is None and process.kill())   # a test that fails leaves nothing behind
+    return process
 
 
 def ended(process, how=signal.SIGTERM):
     process.send_signal(how)
-    out, err = process.communicate(timeout=20)
+    out, err = process.communicate(timeout=60)
     check(process.returncode == 0, f"exit status {process.returncode}: {err[-400:]}")
     return out.decode(), err.decode()
 
@@ -84,7 +87,7 @@ def live_replay(program, source):
     sent = program("replay", "drive", "--to", f"tcp://127.0.0.1:{number}", "--speed", "0")
     check("samples sent" in sent.stdout, sent.stdout)
     folder = Path(program.folder)
-    until(lambda: any(message["time_s"] >= 240.0 for message in messages(folder / "now.jsonl", "health")))
+    until(lambda: any((message["time_s"] or 0.0) >= 240.0 for message in messages(folder / "now.jsonl", "health")))
     _, err = ended(process)
     check("navigating" in err and "stopped after" in err, err)
     program("process", "drive", "--set", "filter.smooth=false", "--self-check", "off", "-o", "batch", "--output-rate", "10")
