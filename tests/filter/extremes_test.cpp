@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <vector>
@@ -189,8 +190,9 @@ TEST(Extremes, AbsurdNoiseLeavesTheCovariancePositive) {
     }
 }
 
-/// A month at rest by ten samples and a fix a second: 26 million steps, 2.6 million fixes. Run by scripts/trust.
-TEST(Extremes, DISABLED_AMonthWithoutEnd) {
+/// A month at rest by ten samples and a fix a second: 26 million steps, 2.6 million fixes.
+TEST(Extremes, AMonthWithoutEnd) {
+    if (std::getenv("SCHULER_LONG_TESTS") == nullptr) GTEST_SKIP() << "takes more than a minute: set SCHULER_LONG_TESTS, or run scripts/trust month";
     NavigatorSettings settings;
     settings.filter.imu.errors = sensor::imu_grade("tactical");
     settings.imu_interval = 0.1;

@@ -182,7 +182,7 @@ TEST_F(AutopilotLogs, DataflashAsTextIsTheSameLog) {
 TEST_F(AutopilotLogs, RealSamples) {
     SKIP_WITHOUT_DATA();
     const auto folder = test::data_folder() / "format_samples";
-    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no format samples";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no format samples (set SCHULER_DATA to the folder of the data sets)";
     WarningLog warnings;
     const StreamLog ulog = format_named("ulog")->read(TextInput(folder / "px4/sample.ulg"), warnings);
     ASSERT_NE(ulog.find("imu"), nullptr);

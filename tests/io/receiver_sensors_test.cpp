@@ -247,7 +247,7 @@ TEST_F(ReceiverSensors, QualitiesWrittenAsDoublesAreNumbers) {
 TEST_F(ReceiverSensors, RealSamples) {
     SKIP_WITHOUT_DATA();
     const auto samples = test::data_folder() / "format_samples";
-    if (!std::filesystem::exists(samples)) GTEST_SKIP() << "no format samples";
+    if (!std::filesystem::exists(samples)) GTEST_SKIP() << "no format samples (set SCHULER_DATA to the folder of the data sets)";
     WarningLog warnings;
     EXPECT_EQ(read(samples / "novatel/BESTPOS.GPS", "novatel", warnings).streams.at(0).kind, TableKind::Gnss);
     EXPECT_FALSE(read(samples / "novatel/ins1.gps", "novatel", warnings).streams.empty());

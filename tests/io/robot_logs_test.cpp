@@ -214,7 +214,7 @@ TEST_F(RobotLogs, ATrajectoryIsNeverAnImu) {
 TEST_F(RobotLogs, RealSamples) {
     SKIP_WITHOUT_DATA();
     const auto folder = test::data_folder() / "format_samples";
-    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no format samples";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no format samples (set SCHULER_DATA to the folder of the data sets)";
     WarningLog warnings;
     EXPECT_NE(read(folder / "ros/rosbag2_test_0.db3", warnings).find("imu"), nullptr);
     EXPECT_FALSE(read(folder / "ros/nav2_turtlebot.mcap", warnings).streams.empty());
