@@ -6,6 +6,7 @@
 #include "schuler/live/run.h"
 #include "schuler/report/result_table.h"
 #include "schuler/settings/dataset.h"
+#include "schuler/settings/magnetometer_axes.h"
 #include "schuler/solution/events.h"
 #include "schuler/solution/loaded_dataset.h"
 
@@ -35,6 +36,8 @@ report::Outcome replay_dataset(const ReplayDatasetRequest& request) {
     WarningLog warnings;
     solution::LoadedDataset data = solution::load_dataset(dataset, config, warnings);
     solution::leave_out_chosen(data, warnings);
+    if (const auto C_imu_mag = settings::C_imu_mag(data.config))   // what the instrument itself said
+        for (MagSample& m : data.recording.mag) m.field_b = C_imu_mag->transpose() * m.field_b;
     report::Outcome out;
     const std::size_t lines = live::replay(data.recording, {.to = to, .speed = request.speed, .progress = request.common.progress});
     out.warnings = warnings.summary();

@@ -2,7 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/dataset/read_files.h"
-#include "schuler/math/rotation.h"
+#include "schuler/settings/magnetometer_axes.h"
 
 #include <fmt/format.h>
 
@@ -65,8 +65,7 @@ std::vector<Station> stations_of(const LiveSettings& l, const std::function<void
 Preparation::Preparation(const LiveSettings& l) {
     const settings::Config& c = l.config;
     for (std::size_t i = 0; i < instrument_count; ++i) offset_[i] = Duration::from_seconds(file_of(c, static_cast<Instrument>(i)).time_offset);
-    const Eigen::Matrix3d axes = c.mag_axes.empty() ? c.filter.imu.C_bs : settings::axes_from_text(c.mag_axes);
-    C_bs_mag_ = (math::dcm_from_rpy(c.filter.imu.mounting_rpy) * axes).transpose();
+    C_imu_mag_ = settings::C_imu_mag(c).value_or(Eigen::Matrix3d::Identity());
     sea_level_pressure_ = c.sea_level_pressure;
     undulation_ = c.filter.gnss.height == filter::HeightKind::Msl && c.undulation ? *c.undulation : 0.0;
 }
@@ -77,7 +76,7 @@ void Preparation::operator()(Sample& sample, const Station& station, Time arriva
     if (auto* fix = std::get_if<GnssFix>(&sample)) {
         fix->position.h += undulation_;
     } else if (auto* mag = std::get_if<MagSample>(&sample)) {
-        mag->field_b = C_bs_mag_ * mag->field_b;
+        mag->field_b = C_imu_mag_ * mag->field_b;
     } else if (auto* baro = std::get_if<BaroSample>(&sample)) {
         std::vector<BaroSample> one{*baro};
         dataset::settle_pressures(one, sea_level_pressure_);

@@ -34,7 +34,7 @@ public:
 
 private:
     std::array<Duration, instrument_count> offset_{};
-    Eigen::Matrix3d C_bs_mag_;                     ///< sensor axes of the magnetometer to body
+    Eigen::Matrix3d C_imu_mag_;                    ///< axes of the magnetometer to those of the inertial unit, which the filter mounts
     double sea_level_pressure_, undulation_;
 };
 

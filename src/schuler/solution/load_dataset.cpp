@@ -10,6 +10,7 @@
 #include "schuler/io/text/csv_events.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
+#include "schuler/settings/magnetometer_axes.h"
 #include "schuler/solution/load_ranges.h"
 
 #include <algorithm>
@@ -28,7 +29,7 @@ dataset::Reading reading_of(const settings::Config& c) {
     reading.imu = c.scheme != settings::Scheme::Gnss;
     // body to sensor: the axes, then the mounting
     reading.C_bs = math::dcm_from_rpy(c.filter.imu.mounting_rpy) * c.filter.imu.C_bs;
-    if (!c.mag_axes.empty()) reading.C_imu_mag = c.filter.imu.C_bs.transpose() * settings::axes_from_text(c.mag_axes);
+    reading.C_imu_mag = settings::C_imu_mag(c);
     reading.gauges = c.aids.gauges.file;
     reading.log = c.aids.log.file;
     reading.compass = c.aids.compass.file;
