@@ -10,7 +10,7 @@ set(SCHULER_CORE_HEADERS ${SCHULER_COMMON_HEADERS} "<${core}/aid_samples.h>" "<$
 set(SCHULER_PRECOMPILED_core ${SCHULER_CORE_HEADERS})
 set(SCHULER_PRECOMPILED_filter ${SCHULER_CORE_HEADERS} <schuler/math/rotation.h> <schuler/earth/earth.h> <schuler/gnss/ranges.h>
     <schuler/gnss/satellite_source.h> <schuler/filter/measurement/measurement.h> <schuler/filter/settings.h>
-    <schuler/filter/inertial_filter.h> <schuler/filter/pass.h> <schuler/filter/result.h>)
+    <schuler/filter/states/inertial_filter.h> <schuler/filter/update/pass.h> <schuler/filter/result.h>)
 set(SCHULER_PRECOMPILED_app ${SCHULER_CORE_HEADERS} <schuler/settings/config/config.h> <schuler/settings/option_table.h>
     <schuler/sim/simulate.h> <schuler/fusion/result.h>)
 set(SCHULER_PRECOMPILED_serve ${SCHULER_CORE_HEADERS} <nlohmann/json.hpp>)

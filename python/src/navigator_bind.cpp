@@ -1,8 +1,8 @@
 // The class Navigator of Python.
 #include "navigator.h"
 
-#include "schuler/filter/layout.h"
-#include "schuler/filter/measurement_kinds.h"
+#include "schuler/filter/measurement/kinds.h"
+#include "schuler/filter/states/layout.h"
 #include "schuler/math/rotation.h"
 
 #include <pybind11/stl.h>

@@ -4,7 +4,7 @@
 #include "fusion/range_flight.h"
 
 #include "schuler/ahrs/mekf.h"
-#include "schuler/filter/model.h"
+#include "schuler/filter/states/model.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/fusion/tune.h"

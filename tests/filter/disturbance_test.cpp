@@ -1,6 +1,6 @@
 // The disturbance of gravity as states: its processes against their correlation functions, spans against their parts, and what the
 // covariance's staged propagation makes of them against dense matrices.
-#include "schuler/filter/disturbance.h"
+#include "schuler/filter/states/disturbance.h"
 
 #include "schuler/core/error.h"
 #include "schuler/earth/earth.h"

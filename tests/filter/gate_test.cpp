@@ -1,5 +1,5 @@
 // The gate with recovery: outliers stay out, and an estimate that is off for good is found out.
-#include "schuler/filter/gate.h"
+#include "schuler/filter/integrity/gate.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Motion gathered over a tenth of a second against the covariance propagated at every step, and against dense products of a fine step.
 #include "schuler/core/units.h"
-#include "schuler/filter/inertial_filter.h"
 #include "schuler/filter/measurement/gnss.h"
+#include "schuler/filter/states/inertial_filter.h"
 #include "schuler/math/rotation.h"
 
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include "schuler/filter/measurement/gauge.h"
 #include "schuler/filter/measurement/gnss.h"
 #include "schuler/filter/measurement/odometer.h"
-#include "schuler/filter/pass.h"
+#include "schuler/filter/update/pass.h"
 #include "schuler/ins/state_error.h"
 #include "schuler/math/rotation.h"
 #include "support/draws.h"

@@ -1,5 +1,5 @@
 // Runs of refused fixes: what their innovations tell, and which level of a receiver counts.
-#include "schuler/filter/refused_fixes.h"
+#include "schuler/filter/integrity/refused_fixes.h"
 
 #include <gtest/gtest.h>
 

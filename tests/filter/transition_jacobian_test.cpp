@@ -1,6 +1,6 @@
 // The filter's transition against what its own step does to perturbed states: every column, both frames.
-#include "schuler/filter/inertial_filter.h"
-#include "schuler/filter/model.h"
+#include "schuler/filter/states/inertial_filter.h"
+#include "schuler/filter/states/model.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
 

@@ -1,5 +1,5 @@
 // What successive samples of an inertial unit say of its white noise.
-#include "schuler/filter/vibration.h"
+#include "schuler/filter/update/vibration.h"
 
 #include "schuler/math/random.h"
 

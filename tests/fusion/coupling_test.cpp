@@ -2,10 +2,10 @@
 #include "fusion/car_drive.h"
 
 #include "schuler/core/error.h"
-#include "schuler/filter/correction_period.h"
-#include "schuler/filter/integrity.h"
-#include "schuler/filter/receiver_aiding.h"
-#include "schuler/filter/separate.h"
+#include "schuler/filter/integrity/integrity.h"
+#include "schuler/filter/update/correction_period.h"
+#include "schuler/filter/update/receiver_aiding.h"
+#include "schuler/filter/update/separate.h"
 #include "schuler/sim/inverse_imu.h"
 
 #include <Eigen/Eigenvalues>

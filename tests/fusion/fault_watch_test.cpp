@@ -1,6 +1,6 @@
 // What a wrong pseudorange does to the tight filter, foretold by the fault watch, against running the filter twice; repair; levels.
 #include "fusion/range_flight.h"
-#include "schuler/filter/fault_watch.h"
+#include "schuler/filter/integrity/fault_watch.h"
 #include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/timeline.h"
 

@@ -3,7 +3,7 @@
 #include "schuler/gravimetry/discretize.h"
 
 #include "schuler/core/units.h"
-#include "schuler/filter/inertial_filter.h"
+#include "schuler/filter/states/inertial_filter.h"
 #include "schuler/ins/state_error.h"
 #include "schuler/ins/step.h"
 #include "schuler/math/rotation.h"

@@ -1,6 +1,6 @@
 // Every filter's error dynamics before its three judges (tests/support/error_models.h).
 #include "schuler/core/units.h"
-#include "schuler/filter/frame.h"
+#include "schuler/filter/states/frame.h"
 #include "support/error_models.h"
 
 namespace schuler {

@@ -1,10 +1,10 @@
 // What a navigator is told before it begins, and the words it answers in.
 #pragma once
 
-#include "schuler/filter/model.h"
 #include "schuler/filter/result.h"
 #include "schuler/filter/settings.h"
-#include "schuler/filter/timeline.h"
+#include "schuler/filter/states/model.h"
+#include "schuler/filter/update/timeline.h"
 
 #include <Eigen/Core>
 

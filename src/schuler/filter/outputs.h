@@ -1,8 +1,8 @@
 // From a filter's state and covariance to the rows that are reported.
 #pragma once
 
-#include "schuler/filter/inertial_filter.h"
 #include "schuler/filter/result.h"
+#include "schuler/filter/states/inertial_filter.h"
 
 namespace schuler::filter {
 

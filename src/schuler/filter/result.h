@@ -4,8 +4,8 @@
 #include "schuler/core/log.h"
 #include "schuler/core/nav_state.h"
 #include "schuler/core/samples.h"
-#include "schuler/filter/layout.h"
-#include "schuler/filter/measurement_kinds.h"
+#include "schuler/filter/measurement/kinds.h"
+#include "schuler/filter/states/layout.h"
 
 #include <Eigen/Core>
 

@@ -4,8 +4,8 @@
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
 #include "schuler/estim/loop.h"
-#include "schuler/filter/disturbance.h"
 #include "schuler/filter/ranging_settings.h"
+#include "schuler/filter/states/disturbance.h"
 #include "schuler/sensor/gnss_errors.h"
 #include "schuler/sensor/grades.h"
 

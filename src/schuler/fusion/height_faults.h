@@ -3,7 +3,7 @@
 
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
-#include "schuler/filter/timeline.h"
+#include "schuler/filter/update/timeline.h"
 #include "schuler/fusion/gnss_faults.h"
 #include "schuler/fusion/settings.h"
 

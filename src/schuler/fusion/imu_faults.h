@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/core/samples.h"
-#include "schuler/filter/timeline.h"
+#include "schuler/filter/update/timeline.h"
 
 #include <cstddef>
 #include <vector>

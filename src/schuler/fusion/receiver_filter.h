@@ -1,8 +1,8 @@
 // The receiver's own filter of the intermediate coupling: position, velocity and clock of the antenna from ranges alone.
 #pragma once
 
-#include "schuler/filter/model.h"
-#include "schuler/filter/range_update.h"
+#include "schuler/filter/states/model.h"
+#include "schuler/filter/update/range_update.h"
 #include "schuler/fusion/settings.h"
 
 #include <optional>

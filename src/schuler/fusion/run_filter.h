@@ -3,7 +3,7 @@
 
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
-#include "schuler/filter/receiver_in_loop.h"
+#include "schuler/filter/update/receiver_in_loop.h"
 #include "schuler/fusion/result.h"
 #include "schuler/fusion/settings.h"
 

@@ -2,7 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/filter/outputs.h"
-#include "schuler/filter/tape.h"
+#include "schuler/filter/update/tape.h"
 #include "schuler/fusion/pass_collector.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // One complete pass of a filter along prepared data: forward, and backward if asked for.
 #pragma once
 
-#include "schuler/filter/model.h"
+#include "schuler/filter/states/model.h"
 #include "schuler/fusion/run_filter.h"
 
 namespace schuler::fusion {

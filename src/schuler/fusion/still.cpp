@@ -1,7 +1,7 @@
 #include "schuler/fusion/still.h"
 
 #include "schuler/earth/earth.h"
-#include "schuler/filter/still_slots.h"
+#include "schuler/filter/stream/still_slots.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "schuler/fusion/timeline.h"
 
 #include "schuler/core/error.h"
-#include "schuler/filter/event_maker.h"
-#include "schuler/filter/imu_intervals.h"
+#include "schuler/filter/stream/event_maker.h"
+#include "schuler/filter/stream/imu_intervals.h"
 #include "schuler/fusion/imu_faults.h"
 #include "schuler/math/quantile.h"
 

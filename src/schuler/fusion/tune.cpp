@@ -1,8 +1,8 @@
 #include "schuler/fusion/tune.h"
 
 #include "schuler/core/units.h"
-#include "schuler/filter/fix_noise.h"
-#include "schuler/filter/vibration.h"
+#include "schuler/filter/stream/fix_noise.h"
+#include "schuler/filter/update/vibration.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/fusion/trial.h"
 #include "schuler/fusion/trial_judge.h"

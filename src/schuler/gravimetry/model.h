@@ -5,7 +5,7 @@
 
 #include "schuler/core/nav_state.h"
 #include "schuler/earth/earth.h"
-#include "schuler/filter/disturbance.h"
+#include "schuler/filter/states/disturbance.h"
 
 #include <Eigen/Core>
 

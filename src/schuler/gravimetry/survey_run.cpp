@@ -1,7 +1,7 @@
 #include "schuler/gravimetry/survey_run.h"
 
 #include "schuler/core/error.h"
-#include "schuler/filter/tape.h"
+#include "schuler/filter/update/tape.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // gravity at the fixes.
 #pragma once
 
-#include "schuler/filter/model.h"
+#include "schuler/filter/states/model.h"
 
 #include <Eigen/Core>
 

@@ -1,7 +1,7 @@
 // A receiver at correlator level on a simulated flight: alone, or in the loop of the navigation filter.
 #pragma once
 
-#include "schuler/filter/receiver_in_loop.h"
+#include "schuler/filter/update/receiver_in_loop.h"
 #include "schuler/gnss/satellite_source.h"
 #include "schuler/scenario/simulated_dataset.h"
 #include "schuler/settings/scenario/scenario.h"

@@ -2,9 +2,9 @@
 // forgotten here does not compile.
 #pragma once
 
-#include "schuler/filter/pass.h"
-#include "schuler/filter/start_up.h"
-#include "schuler/filter/stream_timeline.h"
+#include "schuler/filter/stream/start_up.h"
+#include "schuler/filter/stream/stream_timeline.h"
+#include "schuler/filter/update/pass.h"
 
 #include <array>
 #include <concepts>

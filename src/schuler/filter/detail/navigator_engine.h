@@ -2,8 +2,8 @@
 #pragma once
 
 #include "schuler/filter/navigator_settings.h"
-#include "schuler/filter/start_up.h"
-#include "schuler/filter/stream_timeline.h"
+#include "schuler/filter/stream/start_up.h"
+#include "schuler/filter/stream/stream_timeline.h"
 
 #include <cstddef>
 #include <memory>

@@ -7,7 +7,7 @@
 #include "schuler/core/nav_state.h"
 #include "schuler/earth/earth.h"
 #include "schuler/estim/update.h"
-#include "schuler/filter/layout.h"
+#include "schuler/filter/states/layout.h"
 
 #include <Eigen/Core>
 

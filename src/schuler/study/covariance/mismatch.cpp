@@ -1,7 +1,7 @@
 #include "schuler/study/covariance/mismatch.h"
 
-#include "schuler/filter/model.h"
-#include "schuler/filter/pass.h"
+#include "schuler/filter/states/model.h"
+#include "schuler/filter/update/pass.h"
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"

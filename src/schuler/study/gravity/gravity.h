@@ -1,7 +1,7 @@
 // The disturbance of gravity along a track: what `schuler gravity` runs.
 #pragma once
 
-#include "schuler/filter/model.h"
+#include "schuler/filter/states/model.h"
 #include "schuler/gravimetry/lines.h"
 #include "schuler/gravimetry/resolution.h"
 #include "schuler/gravimetry/response.h"

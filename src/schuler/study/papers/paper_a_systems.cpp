@@ -1,7 +1,7 @@
 // Paper A, tables 1.1.1, 1.2.1 and 1.4.2: couplings, receiver, inertial unit.
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
-#include "schuler/filter/model.h"
+#include "schuler/filter/states/model.h"
 #include "schuler/math/random.h"
 #include "schuler/receiver/search.h"
 #include "schuler/sensor/grades.h"

@@ -1,0 +1,400 @@
+// When fixes are refused in a row there are two suspects, the receiver and the navigation. Two hypotheses go side by side until the data
+// decide, and what is reported covers both: members of Pass.
+
+#include "schuler/core/units.h"
+#include "schuler/earth/earth.h"
+#include "schuler/filter/update/pass.h"
+#include "schuler/math/rotation.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace schuler::filter {
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// An accelerating error, or one that the log explains, needs few fixes to be believed; an ambiguous one what the user has set.
+constexpr int few_fixes = 4, explained_fixes = 2;
+constexpr double few_seconds = 3.0;
+/// What lever arm, latency and heading make of the first metres of a motion is no jump of the receiver, m.
+constexpr double least_jump = 1.0;
+
+/// u u^T of the vertical u in the axes of the filter's attitude errors; the geocentric one will do.
+Eigen::Matrix3d down_axis(const InertialFilter<GeographicFrame>&) { return Vector3d::UnitZ() * Eigen::RowVector3d::UnitZ(); }
+Eigen::Matrix3d down_axis(const InertialFilter<EarthFixedFrame>& f) {
+    const Vector3d up = f.nav.position.r.normalized();
+    return up * up.transpose();
+}
+
+/// The components of a measurement where they belong: north, east, down.
+Vector3d in_place(const Vector3d& packed, std::uint8_t components) {
+    if (components == 7) return packed;
+    Vector3d out = Vector3d::Zero();
+    for (int axis = 0, used = 0; axis < 3; ++axis)
+        if ((components >> axis & 1) != 0) out(axis) = packed(used++);
+    return out;
+}
+
+Vector3d packed(const Vector3d& ned, std::uint8_t components) {
+    Vector3d out = Vector3d::Zero();
+    for (int axis = 0, used = 0; axis < 3; ++axis)
+        if ((components >> axis & 1) != 0) out(used++) = ned(axis);
+    return out;
+}
+
+/// One state less another: position (m), velocity (m/s), attitude (rad), north, east, down.
+Vector9 difference(const earth::Earth& earth, const NavState& a, const NavState& b) {
+    Vector9 d;
+    d.head<3>() = earth::ned_difference(earth, a.position, b.position);
+    d.segment<3>(3) = a.v_eb_n - b.v_eb_n;
+    const Eigen::AngleAxisd turn(b.q_nb * a.q_nb.conjugate());
+    d.tail<3>() = turn.angle() * turn.axis();
+    return d;
+}
+
+/// What the channels say that refuse their fixes now.
+template <class Frame>
+Opening opening_of(const Walk<Frame>& walk) {
+    Opening o;
+    o.bias_jump = 1.0;
+    for (std::size_t k = 0; k < walk.fixes.size(); ++k) {
+        const FixChannel& c = walk.fixes[k];
+        if (c.run.count() == 0) continue;
+        if (k % 2 == 0) {
+            o.position += c.run.latest();   // horizontal and vertical, where those are two channels
+            o.rate += c.run.rate();
+        } else {
+            o.velocity += c.run.latest();
+        }
+        if (c.fitted) o.span = std::max(o.span, (walk.filter.time() - *c.fitted).seconds());
+    }
+    return o;
+}
+
+Alert alert_of(const Opening& o, Time time, IntegrityTest test) {
+    if (o.position.isZero()) return {time, AidKind::GnssVelocity, test, o.velocity.norm()};
+    return {time, AidKind::GnssPosition, test, o.position.norm()};
+}
+
+template <class Frame>
+double speed_sigma(const InertialFilter<Frame>& filter) {
+    return std::sqrt(filter.P.diagonal().template segment<3>(Layout::velocity).maxCoeff());
+}
+
+}  // namespace
+
+template <class Frame>
+Matrix9 Walk<Frame>::undecided(const InertialModel& model) const {
+    Matrix9 P = Matrix9::Zero();
+    P(Layout::attitude + 2, Layout::attitude + 2) = undecided_heading * undecided_heading;
+    if (!rival.empty() && !rival.front().explained) {
+        const Rival<Frame>& other = rival.front();
+        const Vector9 d = 0.4 * difference(model.earth, other.walk.filter.geographic(model), filter.geographic(model));
+        P += d * d.transpose();
+    }
+    for (std::size_t k = 0; k < fixes.size(); ++k) {
+        const FixChannel& c = fixes[k];
+        const int block = k % 2 == 0 ? Layout::position : Layout::velocity;
+        if (c.run.count() > 1) {
+            const Vector3d d = 0.4 * c.run.latest();
+            P.template block<3, 3>(block, block) += d * d.transpose();
+        }
+        if (!c.levels.two) continue;
+        const Vector3d d = c.levels.spread();
+        P.template topLeftCorner<3, 3>() += d * d.transpose();
+    }
+    return P;
+}
+
+template <class Frame>
+bool Pass<Frame>::contests(AidKind kind) const {
+    return rivalry_ != Rivalry::None && is_part_of_fix(kind) &&
+           settings_.coupling != Coupling::Separate;
+}
+
+template <class Frame>
+AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
+                             Observer& observer) const {
+    FixChannel& fixes = walk.fixes[channel.fix()];
+    FixLevels& levels = fixes.levels;
+    const double limit = data_.gates.chi_square[record.dof];
+    const bool position = channel.kind == AidKind::GnssPosition;
+    const double since_fit = fixes.fitted ? (record.time - *fixes.fitted).seconds() : 0.0;
+    double sigma = 0.0;
+    for (int i = 0; i < m.dof; ++i) sigma = std::max(sigma, std::sqrt(m.variance(i)));
+    const auto accept = [&](bool elsewhere) {
+        if (levels.two && levels.at_other && !elsewhere) observer.alert({record.stamp, channel.kind, IntegrityTest::JumpBack, levels.other.norm()});
+        // After a long interruption the first fix decides where it goes on, and founds a level of its own.
+        if (position && !levels.two && since_fit > 5.0 && record.sigma_state.maxCoeff() > 3.0 * sigma) levels.here = 0.0;
+        if (position) levels.confirm(elsewhere, since_fit);
+        fixes.fit(record.time, in_place(record.innovation, channel.components), sigma);
+        record.other_level = elsewhere;
+        return AidStatus::Accepted;
+    };
+    // Measured from the other level.
+    const auto move = [&] {
+        const Vector3d offset = packed(levels.other, channel.components);
+        local.innovation -= offset;
+        m.innovation -= offset;
+        record.innovation -= offset;
+        record.nis = m.innovation.dot(walk.filter.innovation_covariance(m).inverse() * m.innovation);
+    };
+    if (levels.two) {
+        AidRecord here = record;
+        const Measurement local_here = local, m_here = m;
+        move();
+        const bool fits_there = record.nis <= limit, fits_here = here.nis <= limit;
+        if (fits_there && (levels.at_other || !fits_here)) {
+            accept(true);
+            if (levels.prefers_other()) {
+                Vector9 to_other = Vector9::Zero();
+                to_other.head<3>() = levels.other;
+                StateVector dx = StateVector::Zero(walk.filter.P.rows());
+                dx.template head<9>() = Frame::errors_are_geographic ? to_other : Vector9(walk.filter.to_local_level(model_).inverse() * to_other);
+                walk.filter.apply(model_, dx);
+                observer.alert({record.stamp, channel.kind, IntegrityTest::OtherLevel, levels.other.norm()});
+                levels.swap();
+            }
+            return AidStatus::Accepted;
+        }
+        record = here;
+        local = local_here;
+        m = m_here;
+        if (fits_here) return accept(false);
+    } else if (record.nis <= limit) {
+        return accept(false);
+    }
+
+    fixes.run.add(record.time, in_place(record.innovation, channel.components), sigma);
+    fixes.fits = 0;
+    const bool suspect = walk.suspect && (!fixes.fitted || *walk.suspect > *fixes.fitted);
+    const FixChannel& speeds = walk.fixes[channel.vertical_only ? 3 : 1];
+    if (position && !suspect && fixes.run.shape(speed_sigma(walk.filter)) == RunShape::Constant) {
+        const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
+        // After an interruption the navigation has drifted away itself where the velocities are refused as well.
+        const bool only_here = since_fit > 5.0 && speeds.run.count() == 0;
+        if (jump && (at_once || only_here || speeds.fits >= few_fixes)) {
+            observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
+            levels.jumped(fixes.run.mean(), fixes.run.span(), at_once);
+            fixes.run.clear();
+            if (!walk.rival.empty() && walk.rival.front().challenger) walk.rival.clear();
+            move();
+            if (record.nis > limit) return AidStatus::Rejected;
+            return accept(true);
+        }
+    }
+    // A velocity that is refused while positions go on to fit is the receiver's own affair, unless the IMU log says otherwise.
+    const bool positions_fit = !position && walk.fixes[channel.vertical_only ? 2 : 0].fits > 0 && !suspect;
+    const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
+    const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
+    if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough)
+        walk.wanted = opening_of(walk);
+    return AidStatus::Rejected;
+}
+
+namespace {
+
+/// What a rival makes of the fixes.
+template <class Frame>
+struct FixCount : PassObserver<Frame> {
+    Rival<Frame>& rival;
+    explicit FixCount(Rival<Frame>& r) : rival(r) {}
+    void aid(const AidRecord& r) override {
+        if (r.kind != AidKind::GnssPosition && r.kind != AidKind::GnssVelocity) return;
+        if (r.status == AidStatus::Accepted) {
+            ++rival.accepted;
+            ++rival.accepted_in_row;
+        } else if (r.status == AidStatus::Rejected) {
+            ++rival.refused;
+            rival.accepted_in_row = 0;
+        }
+    }
+};
+
+}  // namespace
+
+template <class Frame>
+void Pass<Frame>::open(Walk<Frame>& walk, const Opening& o) const {
+    // Since when, and by what velocity: a tilt e makes g e T of it, a heading error that much of the speed. Where attitude was lost (a
+    // hole or fault of the inertial unit), the biases learnt since are wrong as well and begin anew.
+    auto& P = walk.filter.P;
+    const double size2 = o.position.squaredNorm(), span = std::max(1.0, o.span);
+    const double faster2 = std::max({size2 / (span * span), o.rate.squaredNorm(), o.velocity.squaredNorm()});
+    P.diagonal().template segment<3>(Layout::position).array() += size2;
+    P.diagonal().template segment<3>(Layout::velocity).array() += faster2;
+    if (settings_.coupling == Coupling::Separate) return;   // which estimates neither attitude nor biases
+    constexpr double most_tilt = 0.3, most_heading = 1.0;   // rad: beyond them the filter is not linear
+    const double speed2 = std::max(1.0, walk.filter.geographic(model_).v_eb_n.squaredNorm());
+    const double tilt2 = std::min(most_tilt * most_tilt, faster2 / std::pow(units::g0 * span, 2));
+    const double heading2 = std::min(most_heading * most_heading, faster2 / speed2);
+    const Eigen::Matrix3d down = down_axis(walk.filter);
+    P.template block<3, 3>(Layout::attitude, Layout::attitude) += tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down;
+    const auto reopen = [&P](int offset, double sigma) { P.diagonal().template segment<3>(offset).array() += sigma * sigma; };
+    double rate = settings_.imu.errors.gyro_initial_bias(), force = settings_.imu.errors.accel_initial_bias();
+    if (o.bias_jump > 0.0) {
+        const double most_rate = 0.1 * o.bias_jump, most_force = 2.0 * o.bias_jump;   // rad/s, m/s^2
+        rate = std::max(rate, std::min(most_rate, std::sqrt(tilt2 + heading2) / span));
+        force = std::max(force, std::min(most_force, std::sqrt(faster2) / span));
+    }
+    reopen(Layout::gyro_bias, rate);
+    reopen(Layout::accel_bias, force);
+}
+
+template <class Frame>
+void Pass<Frame>::challenge(Walk<Frame>& walk) const {
+    Opening opening = *walk.wanted;
+    walk.wanted.reset();
+    walk.rival.clear();
+    opening.increment = walk.increment;
+    Rival<Frame>& rival = walk.rival.room();
+    rival.walk = walk;
+    Walk<Frame>& w = rival.walk;
+    w.next_output = Time{INT64_MAX};
+    w.challenged_by_fixes = false;
+    ++w.increment;
+    for (FixChannel& c : w.fixes) c.run.clear();
+    open(w, opening);
+    w.openings.push_back(opening);
+    rival.opening = opening;
+    constexpr double patience = 60.0;   // s
+    const std::optional<Time>& fitted = walk.fixes[opening.position.isZero() ? 1 : 0].fitted;
+    rival.begin(walk.filter.time(), true, walk.suspect && (!fitted || *walk.suspect > *fitted), patience);
+    walk.rival.use();
+}
+
+template <class Frame>
+void Pass<Frame>::change_sides(Walk<Frame>& walk) const {
+    AtMostOne<Rival<Frame>> held = std::move(walk.rival);
+    Rival<Frame>& other = held.front();
+    Walk<Frame>& winner = other.walk;
+    winner.next_output = walk.next_output;
+    winner.outputs = walk.outputs;
+    winner.increment = walk.increment;
+    winner.sides_changed = walk.sides_changed + 1;
+    winner.challenged_by_fixes = true;
+    walk.challenged_by_fixes = false;
+    walk.next_output = Time{INT64_MAX};
+    ++walk.increment;
+    std::swap(walk, winner);
+    // What the log explains is decided. Otherwise the loser goes on, and what is reported covers it.
+    if (other.explained) {
+        held.clear();
+    } else {
+        other.begin(walk.filter.time(), false, false, other.patience);
+        for (FixChannel& c : walk.fixes) c.fits = 0;
+    }
+    walk.rival = std::move(held);
+}
+
+template <class Frame>
+void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
+    if (rivalry_ == Rivalry::Decided) {
+        for (const Opening& o : openings_) {
+            if (o.increment != walk.increment) continue;
+            propagate_covariance(walk, observer);
+            for (FixChannel& c : walk.fixes) c.run.clear();
+            open(walk, o);
+        }
+        return;
+    }
+    if (!walk.challenged_by_fixes) return;
+    if (walk.rival.empty()) {
+        if (!walk.wanted) return;
+        propagate_covariance(walk, observer);
+        challenge(walk);
+        return;
+    }
+    Rival<Frame>& rival = walk.rival.front();
+    FixCount<Frame> count(rival);
+    const int fixes_before = rival.accepted + rival.refused;
+    advance(rival.walk, walk.increment, count);
+    const double age = (walk.filter.time() - rival.since).seconds();
+    if (rival.accepted + rival.refused == fixes_before) {
+        if (!rival.challenger && age > rival.patience) walk.rival.clear();
+        return;
+    }
+    // One that has lost and takes these fixes no more than the winner makes room for a new challenger.
+    const std::optional<Opening> wanted = std::exchange(walk.wanted, std::nullopt);
+    if (wanted && !rival.challenger && rival.accepted_in_row == 0) {
+        walk.wanted = wanted;
+        propagate_covariance(walk, observer);
+        challenge(walk);
+        return;
+    }
+    const FixChannel &positions = walk.fixes[0], &speeds = walk.fixes[1];
+    const FixChannel& main = positions.fitted || positions.run.count() > 0 ? positions : speeds;
+    const bool main_refuses = std::ranges::any_of(walk.fixes, [](const FixChannel& c) { return c.run.count() > 0; });
+    if (rival.challenger) {
+        if (!main_refuses && main.fits >= 2) {   // the receiver was wrong, and has come back
+            observer.alert(alert_of(rival.opening, walk.filter.time(), IntegrityTest::Receiver));
+            walk.rival.clear();
+            return;
+        }
+        // One that takes the velocities and refuses all positions, or the other way round, explains as little as one that refuses both.
+        const bool half = rival.refused >= settings_.aids.recovery_count && 4 * rival.refused > rival.accepted;
+        if (half || (rival.refused > 0 && rival.accepted_in_row == 0)) {   // it does not explain them either: perhaps a bias has jumped
+            const int attempts = rival.attempts + 1;
+            walk.rival.clear();
+            if (!wanted) return;
+            walk.wanted = wanted;
+            walk.wanted->bias_jump = attempts % 2 == 0 ? std::pow(10.0, std::min(attempts / 2, 3)) : 0.0;
+            propagate_covariance(walk, observer);
+            challenge(walk);
+            walk.rival.front().attempts = attempts;
+            return;
+        }
+        if (!main_refuses) return;
+        // Velocities that go on to fit say that the positions wander by themselves.
+        if (!rival.explained && positions.run.count() > 1 && speeds.fits >= few_fixes &&
+            (positions.run.rate() - speeds.sum / speeds.fits).norm() > 4.0 * speeds.fitted_sigma)
+            return;
+        int needed = settings_.aids.recovery_count;
+        double seconds = settings_.aids.recovery_time;
+        if (rival.explained) {
+            needed = explained_fixes;
+            seconds = 0.0;
+        } else {
+            const RunShape shape = positions.run.shape(speed_sigma(walk.filter));
+            if (shape == RunShape::Growing || (shape == RunShape::Constant && positions.run.mean().norm() <= least_jump)) {
+                needed = few_fixes;
+                seconds = few_seconds;
+                rival.patience = settings_.aids.recovery_time;
+            }
+        }
+        if (rival.accepted_in_row >= needed && age >= seconds) {
+            observer.alert(alert_of(rival.opening, walk.filter.time(), IntegrityTest::Navigation));
+            change_sides(walk);
+        }
+        return;
+    }
+    // The loser goes on: it is right after all where it takes the fixes and the winner does not.
+    if (rival.accepted_in_row >= 2 && main_refuses && main.run.count() >= 2) {
+        change_sides(walk);
+        walk.rival.clear();
+        return;
+    }
+    // What runs away faster and faster is an inertial error: that settles it.
+    if (rival.walk.fixes[0].run.shape(speed_sigma(rival.walk.filter)) == RunShape::Growing)
+        rival.patience = std::min(rival.patience, settings_.aids.recovery_time);
+    if ((rival.accepted_in_row >= 2 && !main_refuses) || age > rival.patience) walk.rival.clear();
+}
+
+#define SCHULER_INSTANTIATE(Frame)                                                                                   \
+    template Matrix9 Walk<Frame>::undecided(const InertialModel&) const;                                             \
+    template bool Pass<Frame>::contests(AidKind) const;                                                              \
+    template AidStatus Pass<Frame>::judge(Walk<Frame>&, Channel, AidRecord&, Measurement&, Measurement&,             \
+                                           Observer&) const;                                                         \
+    template void Pass<Frame>::open(Walk<Frame>&, const Opening&) const;                                             \
+    template void Pass<Frame>::challenge(Walk<Frame>&) const;                                                        \
+    template void Pass<Frame>::change_sides(Walk<Frame>&) const;                                                     \
+    template void Pass<Frame>::contest(Walk<Frame>&, Observer&) const;
+SCHULER_INSTANTIATE(GeographicFrame)
+SCHULER_INSTANTIATE(EarthFixedFrame)
+#undef SCHULER_INSTANTIATE
+
+}  // namespace schuler::filter

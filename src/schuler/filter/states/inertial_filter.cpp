@@ -1,0 +1,355 @@
+#include "schuler/filter/states/inertial_filter.h"
+
+#include "schuler/core/units.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::filter {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+InertialModel::InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu)
+    : earth(earth_),
+      layout(layout_),
+      gyro_psd(imu.gyro_noise * imu.gyro_noise),
+      accel_psd(imu.accel_noise * imu.accel_noise),
+      floor(StateVector::Zero(estim::padded(layout_.size))) {
+    const auto set = [&](int offset, double sigma, double time, double walk, bool constant_part) {
+        // With a turn-on part the sum does not return to zero: a random walk of the same driving noise describes it.
+        set_process(offset, 3, {constant_part ? 0.0 : 1.0 / time, 2.0 * sigma * sigma / time + walk * walk});
+    };
+    // Flicker is told to the filter as in-run bias of the size of its Allan floor.
+    constexpr double allan_floor = 0.664;
+    set(Layout::gyro_bias, std::hypot(imu.gyro_bias, allan_floor * imu.gyro_flicker), imu.gyro_bias_time, imu.gyro_rate_walk,
+        imu.gyro_turn_on_bias > 0.0 || imu.gyro_rate_walk > 0.0);
+    set(Layout::accel_bias, std::hypot(imu.accel_bias, allan_floor * imu.accel_flicker), imu.accel_bias_time, imu.accel_rate_walk,
+        imu.accel_turn_on_bias > 0.0 || imu.accel_rate_walk > 0.0);
+}
+
+void InertialModel::set_process(int offset, int count, StateProcess process_) {
+    for (int i = 0; offset >= 0 && i < count; ++i) process[static_cast<std::size_t>(offset + i)] = process_;
+}
+
+template <class Frame>
+InertialFilter<Frame>::InertialFilter(const InertialModel& model)
+    : gathered(model.layout), used(estim::padded(model.layout.without_slots())) {
+    const int n = estim::padded(model.layout.size);
+    P = StateMatrix::Zero(n, n);
+    parameters = error = cached_q = StateVector::Zero(n);
+    cached_diagonal = StateVector::Ones(n);
+}
+
+template <class Frame>
+void InertialFilter<Frame>::set_nav(const typename Frame::State& state) {
+    nav = state;
+    C = Frame::attitude(nav).toRotationMatrix();
+}
+
+namespace {
+
+/// I + S + M of a triad.
+Matrix3d gain(const Vector3d& scale, const Eigen::Matrix<double, 6, 1>& m) {
+    Matrix3d G;
+    G << 1.0 + scale.x(), m(0), m(1), m(2), 1.0 + scale.y(), m(3), m(4), m(5), 1.0 + scale.z();
+    return G;
+}
+
+/// Scale factors and misalignments that are no states act where the vehicle turns and where its specific force is not that of rest, which
+/// the biases take over: as white noise that leaves, after a manoeuvre of `manoeuvre` seconds, the error that they do.
+BridgeNoise gain_noise(const InertialModel& model, const ImuIncrement& increment) {
+    constexpr double manoeuvre = 10.0;   // s
+    const double dt2 = increment.dt * increment.dt, g0 = units::g0;
+    const double beyond_rest = std::max(0.0, increment.dv.squaredNorm() / dt2 - g0 * g0);
+    const double turning = increment.dtheta.squaredNorm() / dt2;
+    return {model.gyro_gain * model.gyro_gain * turning * manoeuvre, model.accel_gain * model.accel_gain * beyond_rest * manoeuvre};
+}
+
+BiasNoise bias_noise(const InertialModel& model) {
+    return {model.process[Layout::gyro_bias].psd, model.process[Layout::accel_bias].psd};
+}
+
+}  // namespace
+
+template <class Frame>
+ImuIncrement InertialFilter<Frame>::corrected(const InertialModel& model, const ImuIncrement& raw) const {
+    ImuIncrement c = raw;
+    c.dtheta -= parameters.segment<3>(Layout::gyro_bias) * raw.dt;
+    c.dv -= parameters.segment<3>(Layout::accel_bias) * raw.dt;
+    const Layout& L = model.layout;
+    if (L.gyro_misalignment >= 0) {
+        const auto scale = [&](int offset) -> Vector3d {
+            return offset < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(parameters.segment<3>(offset));
+        };
+        c.dtheta = gain(scale(L.gyro_scale), parameters.segment<6>(L.gyro_misalignment)).inverse() * c.dtheta;
+        c.dv = gain(scale(L.accel_scale), parameters.segment<6>(L.accel_misalignment)).inverse() * c.dv;
+    } else if (L.gyro_scale >= 0) {
+        c.dtheta = c.dtheta.cwiseQuotient(Vector3d::Ones() + parameters.segment<3>(L.gyro_scale));
+        c.dv = c.dv.cwiseQuotient(Vector3d::Ones() + parameters.segment<3>(L.accel_scale));
+    }
+    return c;
+}
+
+template <class Frame>
+void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncrement& raw, const BridgeNoise& bridge) {
+    const double dt = raw.dt;
+    const ImuIncrement inc = corrected(model, raw);
+    ins::CompensatedIncrement motion = ins::compensate(previous, inc);
+    const Matrix3d C0 = C;
+    const Vector3d df = C0 * motion.dv;   // dv is resolved in the body axes of the start of the step
+    if (model.layout.gravity_constant >= 0) {
+        follow_disturbance(model, 0.5 * dt);   // felt half way
+        motion.dv += felt_disturbance(model, dt);
+        set_nav(Frame::step(model.earth, nav, motion));
+        follow_disturbance(model, 0.5 * dt);
+    } else {
+        set_nav(Frame::step(model.earth, nav, motion));
+    }
+    previous = inc;
+    w_ib_b = inc.dtheta / dt;
+    recent_force = recent_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(recent_force + (df - dt * recent_force) / (force_memory + dt));
+    double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
+    if (model.gyro_gain > 0.0 || model.accel_gain > 0.0) {
+        const BridgeNoise more = gain_noise(model, raw);
+        gyro_psd += more.gyro_psd;
+        accel_psd += more.accel_psd;
+    }
+    gathered.add(model.layout, dt, 0.5 * (C0 + C), bridge.standing ? vertical_part(model, df, dt) : df, w_ib_b, inc.dv / dt, gyro_psd, accel_psd);
+}
+
+template <class Frame>
+Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const Vector3d& df, double dt) const {
+    constexpr double calm = 0.2;   // m/s^2: more than noise, bias and level that are known leave to a body at rest
+    const Matrix3d C_en = Frame::errors_are_geographic ? Matrix3d(Matrix3d::Identity()) : Frame::C_en(model.earth, nav);
+    const Vector3d down = C_en.col(2), vertical = down.dot(df) * down;
+    const double horizontal = (df - vertical).norm() / dt;
+    if (horizontal < calm) return vertical;
+    // Not known yet, they may leave more: three sigma of their sum.
+    constexpr int a = Layout::attitude, b = Layout::accel_bias;
+    const Matrix3d F = math::skew(vertical / dt), cross = F * P.block<3, 3>(a, b) * C.transpose();
+    const Matrix3d M = F * P.block<3, 3>(a, a) * F.transpose() + C * P.block<3, 3>(b, b) * C.transpose() - cross - cross.transpose();
+    return horizontal * horizontal < 9.0 * (M.trace() - down.dot(M * down)) ? vertical : df;
+}
+
+template <class Frame>
+Matrix3d InertialFilter<Frame>::disturbance_axes(const InertialModel& model) const {
+    const bool local = model.disturbance.axes == DisturbanceAxes::LocalLevel;
+    if (local == Frame::errors_are_geographic) return Matrix3d::Identity();
+    const Matrix3d C_en = Frame::C_en(model.earth, nav);
+    return local ? C_en : Matrix3d(C_en.transpose());
+}
+
+template <class Frame>
+void InertialFilter<Frame>::follow_disturbance(const InertialModel& model, double dt) {
+    // the way of the vehicle, which may not be that of the nominal state
+    const double distance = model.disturbance.pace(Frame::velocity(nav) - error.segment<3>(Layout::velocity)) * dt;
+    advance_disturbance(model.disturbance, model.layout, distance, parameters);
+    gathered.distance += distance;
+}
+
+template <class Frame>
+Vector3d InertialFilter<Frame>::felt_disturbance(const InertialModel& model, double dt) const {
+    return dt * (C.transpose() * (disturbance_axes(model) * disturbance_of(model.layout, parameters)));
+}
+
+template <class Frame>
+void InertialFilter<Frame>::fill_transition(const InertialModel& model, estim::Transition& phi) const {
+    gathered.fill(model.layout, phi);
+    if (model.layout.gravity_constant >= 0)
+        fill_disturbance(model.disturbance, model.layout, gathered.time, gathered.distance, disturbance_axes(model), phi);
+    gathered.add_earth(Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
+}
+
+template <class Frame>
+bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, estim::Transition& phi) {
+    const double T = gathered.time;
+    if (!(T > 0.0)) return false;
+    const Layout& L = model.layout;
+    const Eigen::Index n = P.rows();
+    if (T != cached_time) {
+        cached_time = T;
+        for (int i = 9; i < n; ++i) {
+            const bool slot = L.source >= 0 && i >= L.source && i < L.source + Layout::slots;
+            const StateProcess& s = slot ? slot_process[static_cast<std::size_t>(i - L.source)] : model.process[static_cast<std::size_t>(i)];
+            const double m = s.decay * T;
+            cached_diagonal(i) = m == 0.0 ? 1.0 : std::exp(-m);
+            cached_q(i) = m == 0.0 ? s.psd * T : s.psd * -std::expm1(-2.0 * m) / (2.0 * s.decay);
+        }
+    }
+    if (L.gnss_position >= 0 && model.gnss.correlated_distance > 0.0) {
+        const double times = model.gnss.position_decay(Frame::ground_speed(nav)) * T;
+        cached_diagonal.template segment<3>(L.gnss_position).setConstant(std::exp(-times));
+        cached_q.template segment<3>(L.gnss_position) = -std::expm1(-2.0 * times) * model.gnss.correlated_position.cwiseAbs2();
+    }
+    phi.diagonal = cached_diagonal;
+    phi.shear_count = 0;
+    fill_transition(model, phi);
+    if (L.clock >= 0) phi.shears[static_cast<std::size_t>(phi.shear_count++)] = {L.clock, L.drift, T};
+    estim::propagate(P, phi, used);
+    gathered.add_noise(bias_noise(model), P);
+    P.diagonal().head(used) += cached_q.head(used);
+    if (L.clock >= 0) {
+        const double cross = 0.5 * model.drift_psd * T * T;
+        P(L.clock, L.clock) += model.clock_psd * T + model.drift_psd * T * T * T / 3.0;
+        P(L.drift, L.drift) += model.drift_psd * T;
+        P(L.clock, L.drift) += cross;
+        P(L.drift, L.clock) += cross;
+        parameters(L.clock) += T * parameters(L.drift);
+    }
+    if (L.gravity_constant >= 0)
+        add_disturbance_noise(model.disturbance, L, T, gathered.distance,
+                              model.disturbance.from_local_level(Frame::C_en(model.earth, nav)), disturbance_axes(model), P);
+    // the disturbance's nominal values have gone on with the nominal state
+    parameters.tail(n - 9).array() *= cached_diagonal.tail(n - 9).array();
+    if (model.loop != Loop::Closed) error = phi.times(error);
+    mean_force = gathered.force / T;
+    gathered.reset();
+    return true;
+}
+
+template <class Frame>
+Measurement InertialFilter<Frame>::to_own(const InertialModel& model, const Measurement& local) const {
+    Measurement m = local;
+    if constexpr (!Frame::errors_are_geographic) {
+        const Matrix9 T = to_local_level(model).transpose();
+        for (int i = 0; i < m.dof; ++i) {
+            estim::Row& row = m.rows[static_cast<std::size_t>(i)];
+            row.head = (T * row.head).eval();
+        }
+    }
+    return m;
+}
+
+template <class Frame>
+Matrix3d InertialFilter<Frame>::innovation_covariance(const Measurement& m) const {
+    Matrix3d S = Matrix3d::Identity();
+    for (int i = 0; i < m.dof; ++i) {
+        const StateVector ph = m.rows[static_cast<std::size_t>(i)].times(P, used);
+        for (int j = 0; j <= i; ++j) S(i, j) = S(j, i) = m.rows[static_cast<std::size_t>(j)].dot(ph);
+        S(i, i) += m.variance(i);
+    }
+    return S;
+}
+
+template <class Frame>
+Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, const Measurement& m, const Matrix9& undecided) const {
+    const int slow = model.layout.gnss_position;
+    Vector3d sigma = Vector3d::Zero();
+    for (int i = 0; i < m.dof; ++i) {
+        estim::Row row = m.rows[static_cast<std::size_t>(i)];
+        for (std::size_t k = 0; k < static_cast<std::size_t>(row.count); ++k)
+            if (slow >= 0 && row.index[k] >= slow && row.index[k] < slow + 3) row.value[k] = 0.0;
+        const double of_fix = slow >= 0 ? model.gnss.correlated_position(i) : 0.0;
+        sigma(i) = std::sqrt(std::max(0.0, row.dot(row.times(P, used))) + undecided(i, i) + m.variance(i) + of_fix * of_fix);
+    }
+    return sigma;
+}
+
+template <class Frame>
+void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
+    if (model.loop != Loop::Closed) {
+        error += dx;
+        return;
+    }
+    set_nav(Frame::corrected(model.earth, nav, dx.head<9>()));
+    parameters.tail(dx.size() - 9) -= dx.tail(dx.size() - 9);
+}
+
+template <class Frame>
+estim::Transition InertialFilter<Frame>::feed_back(const InertialModel& model) {
+    estim::Transition turn;
+    turn.diagonal = StateVector::Ones(P.rows());
+    for (int i = 0; i < 9; ++i) turn.rows(i, i) = 1.0;
+    turn.rows.block<3, 3>(Layout::attitude, Layout::attitude) -= 0.5 * math::skew(error.segment<3>(Layout::attitude));   // transposed
+    set_nav(Frame::corrected(model.earth, nav, error.head<9>()));
+    parameters.tail(error.size() - 9) -= error.tail(error.size() - 9);
+    error.setZero();
+    estim::propagate(P, turn, used);
+    return turn;
+}
+
+template <class Frame>
+void InertialFilter<Frame>::renew(int state, double variance) {
+    used = std::max(used, estim::padded(state + 1));
+    P.row(state).setZero();
+    P.col(state).setZero();
+    P(state, state) = variance;
+    parameters(state) = 0.0;
+    error(state) = 0.0;
+}
+
+template <class Frame>
+void InertialFilter<Frame>::clone(int first, const std::array<estim::Row, 3>& rows, const Vector3d& value) {
+    for (int k = 0; k < 3; ++k) renew(first + k, 0.0);
+    estim::clone(P, rows, first, used);
+    parameters.segment<3>(first) = value;
+}
+
+template <class Frame>
+void InertialFilter<Frame>::set_slot_process(std::size_t slot, StateProcess process_) {
+    slot_process[slot] = process_;
+    cached_time = -1.0;
+}
+
+template <class Frame>
+typename Frame::State InertialFilter<Frame>::estimated(const InertialModel& model) const {
+    if (model.loop == Loop::Closed) return nav;
+    return Frame::corrected(model.earth, nav, error.head<9>());
+}
+
+template <class Frame>
+StateVector InertialFilter<Frame>::estimated_parameters() const {
+    StateVector estimate = parameters;
+    estimate.tail(error.size() - 9) -= error.tail(error.size() - 9);
+    return estimate;
+}
+
+template <class Frame>
+Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
+    const bool fed_back = model.loop == Loop::Closed;
+    Estimate e;
+    e.earth = model.earth;
+    e.layout = model.layout;
+    e.nav = geographic(model);
+    if (Frame::errors_are_geographic && fed_back)
+        e.C_nb = C;
+    else
+        e.C_nb = e.nav.q_nb.toRotationMatrix();
+    e.w_ib_b = w_ib_b;
+    const Vector3d force_n = Frame::errors_are_geographic ? recent_force
+                                                          : Vector3d(earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * recent_force);
+    e.a_n = force_n + earth::terms_at(model.earth, e.nav.position, e.nav.v_eb_n).g_n;
+    if (!fed_back) e.w_ib_b += error.segment<3>(Layout::gyro_bias);
+    e.parameters = estimated_parameters();
+    return e;
+}
+
+template <class Frame>
+Matrix9 InertialFilter<Frame>::to_local_level(const InertialModel& model) const {
+    if constexpr (Frame::errors_are_geographic)
+        return Matrix9::Identity();
+    else
+        return ins::geographic_from_ecef_errors(model.earth, geographic(model));
+}
+
+template <class Frame>
+Matrix9 InertialFilter<Frame>::local_covariance(const InertialModel& model) const {
+    Matrix9 P9 = P.topLeftCorner<9, 9>();
+    if (gathered.time > 0.0) {
+        estim::Transition phi;
+        if (model.layout.gravity_constant >= 0) phi.diagonal = StateVector::Ones(P.rows());
+        fill_transition(model, phi);
+        P9 = estim::propagated_corner(P, phi) + gathered.noise(bias_noise(model));
+    }
+    if constexpr (Frame::errors_are_geographic) return P9;
+    const Matrix9 T = to_local_level(model);
+    return T * P9 * T.transpose();
+}
+
+template struct InertialFilter<GeographicFrame>;
+template struct InertialFilter<EarthFixedFrame>;
+
+}  // namespace schuler::filter

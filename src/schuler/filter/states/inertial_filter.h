@@ -1,0 +1,174 @@
+// Error-state inertial filter: nominal state, covariance, propagation with every IMU increment, feedback of the estimated errors.
+// It knows no sensor but the IMU; measurements come as rows (filter/measurement). The one owner of the covariance.
+#pragma once
+
+#include "schuler/core/samples.h"
+#include "schuler/estim/transition.h"
+#include "schuler/estim/update.h"
+#include "schuler/filter/measurement/measurement.h"
+#include "schuler/filter/settings.h"
+#include "schuler/filter/states/disturbance.h"
+#include "schuler/filter/states/frame.h"
+#include "schuler/filter/states/gathered_motion.h"
+#include "schuler/filter/states/layout.h"
+#include "schuler/sensor/grades.h"
+
+#include <Eigen/Core>
+
+#include <array>
+
+namespace schuler::filter {
+
+using estim::StateMatrix;
+using estim::StateVector;
+
+/// First-order process of one state: d' = -decay d + white; without decay a random walk.
+struct StateProcess {
+    double decay = 0.0;   ///< 1/s (0: constant or random walk)
+    double psd = 0.0;     ///< unit^2/s
+
+    /// Stationary process of a sigma and a correlation time (s).
+    [[nodiscard]] static StateProcess markov(double sigma, double time) { return {1.0 / time, 2.0 * sigma * sigma / time}; }
+};
+
+/// What does not change in a run.
+struct InertialModel {
+    earth::Earth earth;
+    Layout layout;
+    double gyro_psd = 0.0;    ///< rad^2/s
+    double accel_psd = 0.0;   ///< m^2/s^3
+    /// One sigma of scale factors and misalignments where they are no states: noise while the vehicle manoeuvres.
+    double gyro_gain = 0.0, accel_gain = 0.0;
+    double gyro_vibration = 0.0, accel_vibration = 0.0;   ///< ImuSettings, with the scale of the noise
+    std::array<StateProcess, estim::max_states> process{};   ///< of the states from 9 on
+    double clock_psd = 0.0, drift_psd = 0.0;   ///< m^2/s, m^2/s^3
+    sensor::GnssErrorModel gnss;               ///< of the receiver's states, whose decay may follow the speed
+    DisturbanceModel disturbance;              ///< of gravity, where the layout has it
+    Loop loop = Loop::Closed;
+    StateVector floor;                         ///< least variances after an update
+
+    InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu);
+    /// Sets the process of `count` states from an offset on; nothing where the offset is negative.
+    void set_process(int offset, int count, StateProcess process_);
+};
+
+/// Extra noise of a step whose measurements were bridged (IMU gap), added to the densities of the model.
+struct BridgeNoise {
+    double gyro_psd = 0.0;
+    double accel_psd = 0.0;
+    bool standing = false;      ///< the body has stood still until now
+};
+
+/// s, time constant of the specific force by which rows with a latency see the acceleration: what a receiver's velocity is a mean over.
+inline constexpr double force_memory = 0.05;
+
+/// A plain copyable struct: copying it is saving the filter.
+template <class Frame>
+struct InertialFilter {
+    typename Frame::State nav;
+    StateVector parameters;               ///< nominal values of the states from 9 on
+    StateVector error;                    ///< estimated errors of nav and parameters that are not fed back yet (zero in the closed loop)
+    StateMatrix P;                        ///< of the errors, estimate minus truth, before the motion gathered since
+    GatheredMotion gathered;
+    int used = 0;                         ///< leading states in use, a multiple of four; the others are not correlated with them
+
+    Eigen::Matrix3d C = Eigen::Matrix3d::Identity();        ///< body to frame, of nav
+    ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
+    Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();       ///< corrected rate of the last step, rad/s
+    Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();   ///< specific force over the last span, frame axes, m/s^2
+    Eigen::Vector3d recent_force = Eigen::Vector3d::Zero(); ///< likewise, an exponential mean over force_memory, whatever the spans
+    double cached_time = -1.0;                              ///< of decay and noise below, s
+    StateVector cached_diagonal, cached_q;
+    std::array<StateProcess, Layout::slots> slot_process{};   ///< of the source block, whose states change their sources
+
+    /// Zero covariance and nominal values for the states of the model.
+    explicit InertialFilter(const InertialModel& model);
+    InertialFilter() = default;
+
+    [[nodiscard]] Time time() const { return nav.time; }
+    void set_nav(const typename Frame::State& state);
+
+    /// The increment less the estimated sensor errors.
+    [[nodiscard]] ImuIncrement corrected(const InertialModel& model, const ImuIncrement& raw) const;
+
+    /// Advances the nominal state by one raw increment; the covariance keeps its time.
+    void propagate(const InertialModel& model, const ImuIncrement& raw, const BridgeNoise& bridge);
+
+    /// Covariance, errors that are not fed back and parameters to the time of the nominal state; `phi` is the transition. False where
+    /// they are there already.
+    bool propagate_covariance(const InertialModel& model, estim::Transition& phi);
+
+    /// Covariance of position, velocity and attitude at the time of the nominal state, local level. Where motion has been gathered since
+    /// the covariance was propagated, that block alone is: for outputs.
+    [[nodiscard]] Matrix9 local_covariance(const InertialModel& model) const;
+
+    // What follows needs the covariance at the time of the nominal state.
+
+    /// Rows of a measurement in local-level errors as rows in the filter's own errors.
+    [[nodiscard]] Measurement to_own(const InertialModel& model, const Measurement& local) const;
+
+    /// Innovation covariance (dof x dof used, the rest identity) of a measurement in the filter's own errors.
+    [[nodiscard]] Eigen::Matrix3d innovation_covariance(const Measurement& m) const;
+
+    /// One sigma of the innovations of a position (own errors; components in the order north, east, down), were its slow errors none of
+    /// the states: of the states without them, of `undecided` between hypotheses, and of the whole error of the fix.
+    [[nodiscard]] Eigen::Vector3d sigma_apart(const InertialModel& model, const Measurement& m, const Matrix9& undecided) const;
+
+    /// Sequential update and closed-loop correction. `record(RowUpdate)` is called for each scalar. Returns the error that was found.
+    template <class Record>
+    StateVector update(const InertialModel& model, const Measurement& m, Record&& record) {
+        StateVector dx = StateVector::Zero(P.rows());
+        for (int i = 0; i < m.dof; ++i)
+            record(estim::update(dx, P, m.rows[static_cast<std::size_t>(i)], m.innovation(i), m.variance(i), used));
+        P.diagonal() = P.diagonal().cwiseMax(model.floor);
+        apply(model, dx);
+        return dx;
+    }
+
+    /// Correction with given gain columns; the covariance is that of the errors whatever the gains are.
+    template <class Gains>
+    void correct(const InertialModel& model, const Measurement& m, const Gains& gains) {
+        StateVector dx = StateVector::Zero(P.rows());
+        for (int i = 0; i < m.dof; ++i)
+            (void)estim::update_with_gain(dx, P, m.rows[static_cast<std::size_t>(i)], m.innovation(i), m.variance(i), gains.col(i), used);
+        apply(model, dx);
+    }
+
+    /// Corrects the estimate by dx: the nominal state in the closed loop, `error` otherwise.
+    void apply(const InertialModel& model, const StateVector& dx);
+    /// nominal <- corrected(nominal, error): the correction of the open or mixed loop. The estimate stays as it is. What is left of an
+    /// attitude error is counted from the new nominal attitude: e + a x e/2 for a correction by a. A tilt of 1e-4 rad turns an azimuth
+    /// error of 1e-3 into 1e-7 rad of tilt, which shows by then; after a single measurement it is nothing. Returns that turn.
+    estim::Transition feed_back(const InertialModel& model);
+    /// Gives a state another meaning: its value 0, variance as given, no correlation.
+    void renew(int state, double variance);
+    /// Makes three states the combinations that the rows are of the others, from now on and with all that is known of these [RoumeliotisBurdick2002];
+    /// `value`: their nominal values.
+    void clone(int first, const std::array<estim::Row, 3>& rows, const Eigen::Vector3d& value);
+    /// The process of a slot of the source block.
+    void set_slot_process(std::size_t slot, StateProcess process_);
+
+    /// The estimate: nominal state and parameters, corrected by `error`.
+    [[nodiscard]] typename Frame::State estimated(const InertialModel& model) const;
+    [[nodiscard]] StateVector estimated_parameters() const;
+    [[nodiscard]] Estimate estimate(const InertialModel& model) const;
+    [[nodiscard]] NavState geographic(const InertialModel& model) const { return Frame::geographic(model.earth, estimated(model)); }
+
+    /// 9 x 9 map of the filter's first nine errors to north-east-down errors (identity in the geographic frame).
+    [[nodiscard]] Matrix9 to_local_level(const InertialModel& model) const;
+
+private:
+    /// Rows and disturbance of gravity of the transition over the motion gathered; phi's D and shears are those of the other states.
+    void fill_transition(const InertialModel& model, estim::Transition& phi) const;
+    /// Nominal disturbance of gravity and `gathered.distance` after dt at the velocity of now.
+    void follow_disturbance(const InertialModel& model, double dt);
+    /// The disturbance as the accelerometers would feel it, over dt: m/s, body axes.
+    [[nodiscard]] Eigen::Vector3d felt_disturbance(const InertialModel& model, double dt) const;
+    /// Velocity increment by which errors of a body at rest grow: what is horizontal of the measured one is noise, and a transition made of it
+    /// would tell the heading from noise (as many radians as the noise is of itself, at each measurement).
+    [[nodiscard]] Eigen::Vector3d vertical_part(const InertialModel& model, const Eigen::Vector3d& df, double dt) const;
+    /// The axes of the disturbance's model to those of the frame.
+    [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
+};
+
+}  // namespace schuler::filter

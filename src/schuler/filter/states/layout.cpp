@@ -1,0 +1,38 @@
+#include "schuler/filter/states/layout.h"
+
+#include "schuler/core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace schuler::filter {
+
+Layout::Layout() {
+    (void)add("position", "m", 3);
+    (void)add("velocity", "m/s", 3);
+    (void)add("attitude", "rad", 3);
+    (void)add("gyro_bias", "rad/s", 3);
+    (void)add("accel_bias", "m/s^2", 3);
+}
+
+int Layout::add(std::string_view name, std::string_view unit, int states) {
+    if (size + states > estim::max_states || count_ == blocks_.size())
+        throw input_error(fmt::format("the filter would have more than {} states", estim::max_states),
+                          {.file = {}, .key = "filter.misalignments"},
+                          "leave out misalignments, scale factors, the lever arm or the receiver's slow errors");
+    blocks_[count_++] = {name, unit, size, states};
+    size += states;
+    return size - states;
+}
+
+int Layout::driven() const {
+    int end = accel_bias + 3;
+    if (accel_scale >= 0) end = std::max(end, accel_scale + 3);
+    if (accel_misalignment >= 0) end = std::max(end, accel_misalignment + 6);
+    for (const int gravity : {gravity_constant, gravity_random, gravity_slope, gravity_curvature})
+        if (gravity >= 0) end = std::max(end, gravity + 3);
+    return end;
+}
+
+}  // namespace schuler::filter

@@ -1,0 +1,369 @@
+#include "schuler/filter/states/model.h"
+
+#include "schuler/filter/update/correction_period.h"
+#include "schuler/math/chi_square.h"
+#include "schuler/math/rotation.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace schuler::filter {
+
+using Eigen::Vector3d;
+
+Sensors sensors_of(const Recording& recording) {
+    int gauges = 0;
+    for (const GaugeSample& s : recording.gauges)
+        for (int i = gauges; i < 3; ++i)
+            if (std::isfinite(s.height(i))) gauges = i + 1;
+    return {!recording.baro.empty(),    !recording.mag.empty(), !recording.odometer.empty(),
+            !recording.heading.empty(), gauges,                 !recording.body_velocity.empty()};
+}
+
+Layout layout_with(const Settings& settings, const Sensors& sensors) {
+    Layout L;
+    if (settings.scale_factors) {
+        L.gyro_scale = L.add("gyro_scale", "1", 3);
+        L.accel_scale = L.add("accel_scale", "1", 3);
+    }
+    if (settings.misalignments) {
+        L.gyro_misalignment = L.add("gyro_misalignment", "rad", 6);
+        L.accel_misalignment = L.add("accel_misalignment", "rad", 6);
+    }
+    if (settings.disturbance.estimate) add_disturbance(settings.disturbance.model, L);
+    if (settings.aids.nonholonomic || settings.aids.nonholonomic_auto) {
+        L.mounting = L.add("mounting", "rad", 2);
+        L.axle = L.add("axle", "m", 1);
+    }
+    if (settings.estimate_lever_arm) L.lever_arm = L.add("lever_arm", "m", 3);
+    if (sensors.baro && settings.baro.use) L.baro_bias = L.add("baro_bias", "m", 1);
+    if (sensors.mag && settings.mag.use) L.mag_bias = L.add("mag_heading_offset", "rad", 1);
+    if (sensors.odometer && settings.odometer.use) L.odometer_scale = L.add("odometer_scale", "1", 1);
+    if (sensors.heading && settings.heading.use && settings.heading.offset_std > 0.0)
+        L.heading_offset = L.add("heading_offset", "rad", 1);
+    if (sensors.gauges > 0 && settings.gauges.use && settings.gauges.level_std > 0.0) {
+        L.gauges = sensors.gauges;
+        L.gauge_level = L.add("gauge_level", "m", L.gauges);
+    }
+    if (sensors.log && settings.log.use) {
+        if (settings.log.scale_std > 0.0) L.log_scale = L.add("log_scale", "1", 1);
+        if (settings.log.misalignment_std > 0.0) L.log_misalignment = L.add("log_misalignment", "rad", 2);
+    }
+    if (uses_ranges(settings.coupling)) {
+        L.clock = L.add("clock_bias", "m", 1);
+        L.drift = L.add("clock_drift", "m/s", 1);
+        if (settings.ranging.use_rates && settings.ranging.errors.rate_span > 0.0) L.rate_noise = L.add("range_rate_common_noise", "m/s", 1);
+        if (settings.coupling == Coupling::Deep && settings.ranging.use_rates) {
+            constexpr int most = 12, after = 4 + Layout::slots;
+            L.phases = std::clamp((estim::max_states - after - L.size - 3) / 2, 0, most);
+            if (L.phases > 0) {
+                L.antenna = L.add("antenna_at_last_phase", "m", 3);
+                L.phase = L.add("carrier_phase_error", "m", 2 * L.phases);
+            }
+        }
+        L.network = L.add("station_network_offset", "m", 1);
+        L.intersystem = L.add("intersystem_offset", "m", 3);
+        L.source = L.add("range_slow_error", "m", Layout::slots);
+    } else {
+        if (settings.gnss.latency_std > 0.0) L.gnss_latency = L.add("gnss_latency_error", "s", 1);
+        if (settings.gnss.use_velocity && settings.gnss.velocity_latency_std > 0.0)
+            L.gnss_velocity_latency = L.add("gnss_velocity_latency_error", "s", 1);
+        if (settings.gnss.errors.correlated_position.maxCoeff() > 0.0) L.gnss_position = L.add("gnss_position_error", "m", 3);
+        if (settings.gnss.use_velocity && settings.gnss.errors.correlated_velocity.maxCoeff() > 0.0)
+            L.gnss_velocity = L.add("gnss_velocity_error", "m/s", 3);
+    }
+    return L;
+}
+
+namespace {
+
+/// What drives the errors while the filter runs.
+sensor::ImuErrorModel driving(const ImuSettings& imu) {
+    sensor::ImuErrorModel errors = imu.errors;
+    const double gyro = imu.gyro_noise_scale.value_or(1.0), accel = imu.accel_noise_scale.value_or(1.0);
+    for (double* x : {&errors.gyro_noise, &errors.gyro_bias, &errors.gyro_rate_walk, &errors.gyro_flicker}) *x *= gyro;
+    for (double* x : {&errors.accel_noise, &errors.accel_bias, &errors.accel_rate_walk, &errors.accel_flicker}) *x *= accel;
+    return errors;
+}
+
+}  // namespace
+
+Layout make_layout(const Settings& settings, const Recording& recording) { return layout_with(settings, sensors_of(recording)); }
+
+void set_limits(RunData& data, const Settings& settings) {
+    const AidSettings& aids = settings.aids;
+    const bool open = aids.gate_probability == 0.0;
+    for (int dof = 1; dof <= 3; ++dof) {
+        data.gates.chi_square[dof] =
+            open ? std::numeric_limits<double>::infinity() : math::chi_square_quantile(1.0 - aids.gate_probability, dof);
+    }
+    data.gates.recovery_time = aids.recovery_time;
+    data.gates.recovery_count = aids.recovery_count;
+    if (settings.integrity.use) data.slow_limits = slow_limits(settings.integrity);
+    data.declination = std::isfinite(settings.mag.declination) ? settings.mag.declination : 0.0;
+}
+
+InertialModel make_model(const Settings& settings, const Layout& layout) {
+    InertialModel model(settings.earth, layout, driving(settings.imu));
+    model.loop = settings.loop;
+    model.disturbance = settings.disturbance.model;
+    const BaroSettings& baro = settings.baro;
+    model.set_process(layout.baro_bias, 1, baro.bias_time > 0.0 ? StateProcess::markov(baro.bias_std, baro.bias_time)
+                                                               : StateProcess{0.0, baro.bias_walk * baro.bias_walk});
+    model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
+    // Loggers and receivers do not keep it to the millisecond: what was learnt is forgotten, by some hundredths of a second in a minute.
+    const auto latency = [](double sigma) {
+        constexpr double wander = 0.02, time = 60.0;   // s
+        return StateProcess::markov(sigma, time * std::max(1.0, std::pow(sigma / wander, 2)));
+    };
+    if (layout.gnss_latency >= 0) model.set_process(layout.gnss_latency, 1, latency(settings.gnss.latency_std));
+    if (layout.gnss_velocity_latency >= 0) model.set_process(layout.gnss_velocity_latency, 1, latency(settings.gnss.velocity_latency_std));
+    model.gnss = settings.gnss.errors;
+    for (int i = 0; i < 3; ++i) {
+        const sensor::GnssErrorModel& g = model.gnss;
+        if (layout.gnss_position >= 0)
+            model.set_process(layout.gnss_position + i, 1, StateProcess::markov(g.correlated_position(i), g.correlated_time));
+        if (layout.gnss_velocity >= 0)
+            model.set_process(layout.gnss_velocity + i, 1, StateProcess::markov(g.correlated_velocity(i), g.correlated_velocity_time));
+    }
+    if (uses_ranges(settings.coupling)) {
+        const sensor::RangingErrorModel& e = settings.ranging.errors;
+        model.clock_psd = e.clock.phase_psd();
+        model.drift_psd = e.clock.frequency_psd();
+        model.set_process(layout.network, 1, StateProcess::markov(e.network, e.network_time));
+        // What has no states of its own: fixes are too noisy to tell, ranges at ten hertz are not.
+        const sensor::ImuErrorModel& imu = settings.imu.errors;
+        model.gyro_gain = std::hypot(layout.gyro_scale < 0 ? imu.gyro_scale : 0.0, layout.gyro_misalignment < 0 ? imu.gyro_misalignment : 0.0);
+        model.accel_gain =
+            std::hypot(layout.accel_scale < 0 ? imu.accel_scale : 0.0, layout.accel_misalignment < 0 ? imu.accel_misalignment : 0.0);
+    }
+    model.gyro_vibration = settings.imu.gyro_vibration.value_or(0.0) * settings.imu.gyro_noise_scale.value_or(1.0);
+    model.accel_vibration = settings.imu.accel_vibration.value_or(0.0) * settings.imu.accel_noise_scale.value_or(1.0);
+    const auto bound = [&model](int offset, double sigma) { model.floor.segment<3>(offset).setConstant(sigma * sigma); };
+    bound(Layout::position, settings.aids.floor_position);
+    bound(Layout::velocity, settings.aids.floor_velocity);
+    bound(Layout::attitude, settings.aids.floor_attitude);
+    bound(Layout::gyro_bias, settings.aids.floor_gyro_bias);
+    bound(Layout::accel_bias, settings.aids.floor_accel_bias);
+    return model;
+}
+
+template <class Frame>
+void start_ranging(InertialFilter<Frame>& filter, const Layout& L, const sensor::RangingErrorModel& e) {
+    filter.P(L.clock, L.clock) = e.clock.bias * e.clock.bias;
+    filter.P(L.drift, L.drift) = e.clock.drift * e.clock.drift;
+    filter.P(L.network, L.network) = e.network * e.network;
+    filter.P.diagonal().template segment<3>(L.intersystem).setConstant(e.intersystem * e.intersystem);
+}
+
+namespace {
+
+/// Puts the start covariance of a run into its filter, block by block.
+template <class Frame>
+class StartCovariance {
+public:
+    StartCovariance(InertialFilter<Frame>& filter, const InertialModel& model, const Start& start) : f_(filter), L_(model.layout) {
+        P_n_.diagonal().segment<3>(Layout::position) = start.std_position.cwiseAbs2();
+        P_n_.diagonal().segment<3>(Layout::velocity) = start.std_velocity.cwiseAbs2();
+        const Eigen::Matrix3d J = math::rpy_error_from_phi(math::rpy_from_quaternion(start.nav.q_nb)).inverse();
+        P_n_.block<3, 3>(Layout::attitude, Layout::attitude) = J * start.std_rpy.cwiseAbs2().asDiagonal() * J.transpose();
+        if constexpr (!Frame::errors_are_geographic) {
+            Eigen::Matrix<double, 9, 9> to_local_level = f_.to_local_level(model);
+            // Near a pole a heading is told of the meridian of the stated position, not of the one below the true position.
+            if (std::cos(start.nav.position.lat) < 0.01) to_local_level.template block<6, 3>(3, 0).setZero();
+            T_ = to_local_level.inverse();
+        }
+        f_.P.template topLeftCorner<9, 9>() = T_ * P_n_ * T_.transpose();
+    }
+
+    /// The fixes' latencies are off by something of a covariance (s^2), and so is what the start has of them, by its `rates` (local level,
+    /// a column a latency): z = x - rate * latency. own: the states of these latencies' errors, -1 where there are none. What else the
+    /// start is tied to has no part in this.
+    void latencies(const std::array<int, 2>& own, const Eigen::Matrix2d& covariance, const Eigen::Matrix<double, 9, 2>& rates) {
+        const Eigen::Matrix<double, 9, 2> errors = T_ * rates, shared = errors * covariance;
+        f_.P.template topLeftCorner<9, 9>().noalias() += shared * errors.transpose();
+        for (int i = 0; i < 2; ++i) {
+            if (own[i] < 0) continue;
+            f_.P.template block<9, 1>(0, own[i]) = shared.col(i);
+            f_.P.template block<1, 9>(own[i], 0) = shared.col(i).transpose();
+            for (int k = 0; k < 2; ++k)
+                if (own[k] >= 0) f_.P(own[i], own[k]) = covariance(i, k);
+        }
+    }
+
+    /// Adds a white error of this sigma to a navigation state of the local level.
+    void loosen(int state, double sigma) { f_.P.template topLeftCorner<9, 9>() += sigma * sigma * T_.col(state) * T_.col(state).transpose(); }
+
+    /// Variance of a navigation state, local level.
+    [[nodiscard]] double variance(int state) const { return P_n_(state, state); }
+
+    template <int Size>
+    void set(int offset, const Eigen::Matrix<double, Size, 1>& sigma) {
+        if (offset >= 0) f_.P.diagonal().template segment<Size>(offset) = sigma.cwiseAbs2();
+    }
+    void set(int offset, int count, double sigma) {
+        if (offset >= 0) f_.P.diagonal().segment(offset, count).setConstant(sigma * sigma);
+    }
+    /// A state of its own whose error has the covariance `shared` with the component `state` of the local level.
+    void tie(int own, int state, double shared) {
+        f_.P.template block<9, 1>(0, own) = shared * T_.col(state);
+        f_.P.template block<1, 9>(own, 0) = shared * T_.col(state).transpose();
+    }
+    /// A receiver's slow error: where the start is a fix it has that error in it, of which the state, zero, knows nothing yet: their
+    /// errors are opposite.
+    void slow_error(int offset, int state, const Vector3d& sigma, const Vector3d& of_fix) {
+        set<3>(offset, sigma);
+        for (int i = 0; offset >= 0 && i < 3; ++i)
+            if (of_fix(i) > 0.0) tie(offset + i, state + i, -std::min(sigma(i) * sigma(i), variance(state + i)));
+    }
+    /// Constant error of an instrument that shows the heading; a start by it has the error with the other sign, and an attitude error
+    /// about the vertical is the opposite of a heading error.
+    void shown_heading(int own, double sigma, bool started_by_it) {
+        constexpr int state = Layout::attitude + 2;
+        set(own, 1, sigma);
+        if (own >= 0 && started_by_it) tie(own, state, std::min(sigma * sigma, variance(state)));
+    }
+    /// A first barometric height that contradicts the stated bias speaks instead of it; its bias errs with the height it was taken from.
+    void baro(double first_height, const BaroSettings& settings, const NavState& nav) {
+        if (L_.baro_bias < 0) return;
+        const double height_variance = variance(Layout::position + 2), prior = settings.bias_std;
+        f_.P(L_.baro_bias, L_.baro_bias) = prior * prior;
+        const double offset = first_height - nav.position.h;
+        if (!(offset * offset > 9.0 * (prior * prior + height_variance))) return;
+        f_.parameters(L_.baro_bias) = offset;
+        f_.P(L_.baro_bias, L_.baro_bias) = height_variance + settings.std * settings.std;
+        tie(L_.baro_bias, Layout::position + 2, height_variance);
+    }
+
+private:
+    InertialFilter<Frame>& f_;
+    const Layout& L_;
+    Matrix9 P_n_ = Matrix9::Zero(), T_ = Matrix9::Identity();   // T: local level to the filter's own errors
+};
+
+/// Specific force at the start, in the filter's axes: of an acceleration that fixes show, else of none.
+template <class Frame>
+Vector3d start_force(const InertialModel& model, const Start& start) {
+    const Geodetic& at = start.nav.position;
+    const Vector3d force_n = start.velocity_rate - earth::terms_at(model.earth, at, start.nav.v_eb_n).g_n;
+    return Frame::errors_are_geographic ? force_n : Vector3d(earth::C_en(at.lat, at.lon) * force_n);
+}
+
+/// A start by fixes is as late as they are: what position and velocity are off by is known where the latency is. (An attitude error about
+/// the vertical is the opposite of a heading error.)
+template <class Frame>
+void start_latencies(StartCovariance<Frame>& P, const GnssSettings& gnss, const Layout& L, const Start& start) {
+    // Receivers mostly give both of one instant; that they differ little the fixes tell, which says nothing about what both are late by.
+    constexpr double alike = 0.9;
+    Eigen::Matrix<double, 9, 2> rates = Eigen::Matrix<double, 9, 2>::Zero();
+    rates.col(0).segment<3>(Layout::position) = start.position_rate;
+    const bool shared = L.gnss_velocity_latency < 0 && !gnss.velocity_latency;   // one latency for both
+    auto of_velocity = rates.col(shared ? 0 : 1);
+    of_velocity.segment<3>(Layout::velocity) = start.velocity_rate;
+    of_velocity(Layout::attitude + 2) = -start.heading_rate;
+    const double position = gnss.latency_std, velocity = gnss.velocity_latency_std, both = alike * position * velocity;
+    Eigen::Matrix2d covariance;
+    covariance << position * position, both, both, velocity * velocity;
+    P.latencies({L.gnss_latency, L.gnss_velocity_latency}, covariance, rates);
+}
+
+}  // namespace
+
+template <class Frame>
+void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& settings, const Start& start, double baro_height) {
+    const Layout& L = model.layout;
+    std::vector<Shadow<Frame>> shadows = std::move(walk.shadows);
+    std::vector<FaultHypothesis> hypotheses = std::move(walk.ranges.watch.all);
+    std::vector<Opening> openings = std::move(walk.openings);
+    AtMostOne<Rival<Frame>> rival = std::move(walk.rival);
+    shadows.clear();
+    hypotheses.clear();
+    openings.clear();
+    rival.clear();
+    walk = {};
+    walk.shadows = std::move(shadows);
+    walk.ranges.watch.all = std::move(hypotheses);
+    walk.openings = std::move(openings);
+    walk.rival = std::move(rival);
+    InertialFilter<Frame>& f = walk.filter;
+    f = InertialFilter<Frame>(model);
+    f.set_nav(Frame::from_geographic(model.earth, start.nav));
+    f.previous = start.previous;
+    f.recent_force = start_force<Frame>(model, start);
+    f.parameters.template segment<3>(Layout::gyro_bias) = start.gyro_bias;
+    f.parameters.template segment<3>(Layout::accel_bias) = start.accel_bias;
+
+    StartCovariance<Frame> P(f, model, start);
+    start_latencies(P, settings.gnss, L, start);
+    const sensor::ImuErrorModel& imu = settings.imu.errors;
+    P.template set<3>(Layout::gyro_bias, start.std_gyro_bias);
+    P.template set<3>(Layout::accel_bias, start.std_accel_bias);
+    P.set(L.gyro_scale, 3, imu.gyro_scale);
+    P.set(L.accel_scale, 3, imu.accel_scale);
+    P.set(L.gyro_misalignment, 6, imu.gyro_misalignment);
+    P.set(L.accel_misalignment, 6, imu.accel_misalignment);
+    if (settings.aids.nonholonomic) {   // otherwise known only once wheels are recognised
+        P.set(L.mounting, 2, start.std_mounting);
+        P.set(L.axle, 1, 1.5);
+    }
+    if (L.lever_arm >= 0) {
+        f.parameters.template segment<3>(L.lever_arm) = settings.gnss.lever_arm_b;
+        P.set(L.lever_arm, 3, 1.0);
+    }
+    P.baro(baro_height, settings.baro, start.nav);
+    P.shown_heading(L.mag_bias, settings.mag.bias_std, start.heading_of_mag);
+    P.set(L.odometer_scale, 1, settings.odometer.scale_std);
+    P.shown_heading(L.heading_offset, settings.heading.offset_std, start.heading_of_sensor);
+    P.set(L.gauge_level, L.gauges, settings.gauges.level_std);
+    P.set(L.log_scale, 1, settings.log.scale_std);
+    P.set(L.log_misalignment, 2, settings.log.misalignment_std);
+    if (L.gravity_constant >= 0)
+        start_disturbance(settings.disturbance, L, earth::C_en(start.nav.position.lat, start.nav.position.lon), f.P);
+    P.slow_error(L.gnss_position, Layout::position, settings.gnss.errors.correlated_position, start.position_of_fix);
+    P.slow_error(L.gnss_velocity, Layout::velocity, settings.gnss.errors.correlated_velocity, start.velocity_of_fix);
+    if (L.clock >= 0) {
+        start_ranging(f, L, settings.ranging.errors);
+        // A fix has the errors of the ranges in it, which are going to be used themselves: it only says about where to linearise.
+        constexpr double roomy = 10.0;   // sigmas
+        for (int i = 0; i < 3; ++i)
+            if (start.position_of_fix(i) > 0.0) P.loosen(Layout::position + i, roomy * start.std_position(i));
+    }
+    walk.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
+
+    // A disturbance of gravity that nobody corrects for acts like an accelerometer's error.
+    const double gravity = settings.disturbance.estimate ? settings.disturbance.prior_n.head<2>().maxCoeff() : 0.0;
+    const InertialErrorBounds bounds = three_sigma(start.std_rpy.head<2>().maxCoeff(), start.std_gyro_bias.maxCoeff(),
+                                                   std::hypot(start.std_accel_bias.maxCoeff(), gravity));
+    walk.feedback_period =
+        Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
+    walk.next_feedback = start.nav.time + walk.feedback_period;
+    if (settings.integrity.use && settings.integrity.window > 0.0 && !uses_ranges(settings.coupling)) walk.shadows.resize(2);
+    walk.undecided_heading = start.undecided_heading;
+    walk.increment = start.increment;
+    walk.next_output = start.nav.time;
+    walk.next_constraint = start.nav.time;
+}
+
+template <class Frame>
+Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start) {
+    const std::vector<BaroSample>& baro = data.recording->baro;
+    const auto first = std::ranges::find_if(baro, [&](const BaroSample& s) { return s.time >= start.nav.time; });
+    Walk<Frame> walk;
+    set_out(walk, model, settings, start, first == baro.end() ? not_given : first->height);
+    return walk;
+}
+
+template void set_out(Walk<GeographicFrame>&, const InertialModel&, const Settings&, const Start&, double);
+template void set_out(Walk<EarthFixedFrame>&, const InertialModel&, const Settings&, const Start&, double);
+
+template Walk<GeographicFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
+template Walk<EarthFixedFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
+template void start_ranging(InertialFilter<GeographicFrame>&, const Layout&, const sensor::RangingErrorModel&);
+template void start_ranging(InertialFilter<EarthFixedFrame>&, const Layout&, const sensor::RangingErrorModel&);
+
+}  // namespace schuler::filter

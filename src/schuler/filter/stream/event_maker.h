@@ -1,0 +1,121 @@
+// From samples to measurements with the time of their validity, one at a time and in order of their stamps: what the timeline of a log
+// and a stream have in common.
+#pragma once
+
+#include "schuler/core/samples.h"
+#include "schuler/filter/settings.h"
+#include "schuler/filter/update/timeline.h"
+
+#include <Eigen/Core>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace schuler::filter {
+
+/// Makes the events of the receiver and of every other instrument. The settings are kept by reference.
+class EventMaker {
+public:
+    /// origin: zero of the outages' times.
+    EventMaker(const Settings& settings, Time origin) : settings_(settings), origin_(origin), ended_(settings.outages.size(), false) {}
+
+    /// The events of a fix, none where there is no fix or it repeats the one before: `push(Event)` gets each, `index` is that of the fix.
+    /// Components with latencies of their own are events of their own.
+    template <class Push>
+    void gnss(const GnssFix& fix, std::size_t index, Push&& push);
+    /// The oldest that a part of a fix is at its stamp.
+    [[nodiscard]] Duration oldest_age(const GnssFix& fix) const;
+
+    // Loggers repeat the last value between conversions, and the errors of fast samples are not independent: one event for each new
+    // value, and at most one in some time. Whether this sample is to be one:
+    [[nodiscard]] bool is_due(const BaroSample& s);
+    [[nodiscard]] bool is_due(const MagSample& s);
+    [[nodiscard]] bool is_due(const OdometerSample& s);
+    [[nodiscard]] bool is_due(const HeadingSample& s) const { return settings_.heading.use && std::isfinite(s.heading); }
+    [[nodiscard]] bool is_due(const GaugeSample& s) const { return settings_.gauges.use && s.height.array().isFinite().any(); }
+    [[nodiscard]] bool is_due(const BodyVelocitySample& s) const { return settings_.log.use && s.velocity_b.allFinite(); }
+
+    /// What it remembers of the samples so far.
+    struct Memory {
+        bool any_fix = false;
+        Time fix{INT64_MIN};
+        Geodetic position{};
+        int satellites = -1;
+        std::size_t next_change = 0;          ///< of Settings::gnss.constellation_changes
+        Time baro{INT64_MIN / 2}, mag{INT64_MIN / 2}, odometer{INT64_MIN / 2};
+        double height = not_given;
+        std::size_t repeated = 0;             ///< fixes
+    };
+    Memory memory;
+
+private:
+    struct Ages {
+        Duration position, height, velocity, down;
+    };
+    [[nodiscard]] Ages ages(const GnssFix& fix) const;
+    void mark_outages(Event& e) const;
+
+    const Settings& settings_;
+    Time origin_;
+    std::vector<bool> ended_;   // outages
+};
+
+/// A measurement that is valid at its stamp.
+[[nodiscard]] Event event_at(Time time, AidKind kind, std::uint8_t components, std::size_t index);
+
+template <class Push>
+void EventMaker::gnss(const GnssFix& fix, std::size_t index, Push&& push) {
+    if (fix.fix == FixType::None) return;
+    const bool same_position = memory.any_fix && memory.position.lat == fix.position.lat && memory.position.lon == fix.position.lon &&
+                               memory.position.h == fix.position.h;
+    if (fix.time == memory.fix && same_position) {
+        ++memory.repeated;
+        return;
+    }
+    Event e;
+    e.constellation_change = memory.any_fix && memory.satellites >= 0 && fix.satellites >= 0 && memory.satellites != fix.satellites;
+    const std::vector<Time>& changes = settings_.gnss.constellation_changes;
+    for (; memory.next_change < changes.size() && changes[memory.next_change] <= fix.time + Duration{1'000}; ++memory.next_change)
+        e.constellation_change = true;
+    memory.any_fix = true;
+    memory.fix = fix.time;
+    memory.position = fix.position;
+    memory.satellites = fix.satellites;
+    e.stamp = fix.time;
+    e.index = index;
+    const auto part = [&](AidKind kind, std::uint8_t components, Duration age) {
+        if (components == 0) return;
+        e.kind = kind;
+        e.components = components;
+        e.valid = fix.time - age;
+        e.withheld = e.outage_end = false;
+        e.outage = -1;
+        mark_outages(e);
+        push(static_cast<const Event&>(e));
+    };
+    const bool has_horizontal = std::isfinite(fix.position.lat) && std::isfinite(fix.position.lon);
+    const bool has_height = std::isfinite(fix.position.h);
+    const Ages age = ages(fix);
+    if (has_horizontal && has_height && age.position == age.height) {
+        part(AidKind::GnssPosition, 7, age.position);
+    } else {
+        part(AidKind::GnssPosition, has_horizontal ? 3 : 0, age.position);
+        part(AidKind::GnssPosition, has_height ? 4 : 0, age.height);
+    }
+    if (settings_.gnss.use_velocity) {
+        const bool has_ne = fix.velocity_n.head<2>().allFinite(), has_d = std::isfinite(fix.velocity_n.z());
+        if (has_ne && has_d && age.velocity == age.down) {
+            part(AidKind::GnssVelocity, 7, age.velocity);
+        } else {
+            part(AidKind::GnssVelocity, has_ne ? 3 : 0, age.velocity);
+            part(AidKind::GnssVelocity, has_d ? 4 : 0, age.down);
+        }
+    }
+    const double t = (fix.time - origin_).seconds();
+    for (std::size_t k = 0; k < ended_.size(); ++k)
+        if (has_horizontal && t >= settings_.outages[k].start + settings_.outages[k].duration - 1e-6) ended_[k] = true;
+}
+
+}  // namespace schuler::filter

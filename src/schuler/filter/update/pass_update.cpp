@@ -1,0 +1,182 @@
+// Measurement updates: what a source measures, with its gate; instantiated for both frames.
+
+#include "schuler/filter/update/pass.h"
+
+#include "schuler/core/error.h"
+#include "schuler/filter/measurement/body_velocity.h"
+#include "schuler/filter/measurement/environment.h"
+#include "schuler/filter/measurement/gauge.h"
+#include "schuler/filter/measurement/gnss.h"
+#include "schuler/filter/measurement/odometer.h"
+#include "schuler/math/rotation.h"
+
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::filter {
+
+/// Variances of what a row that is linear in the latency leaves out: its error times that of the velocity (in positions) and of the
+/// acceleration, which errs with the level (in velocities). After an outage, and before the level is known, that is more than the
+/// receiver's noise, and taken for nothing it would teach a latency (Maybeck 1982, section 12.3: modified second-order filter).
+template <class Frame>
+Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>& filter, const Estimate& e, int state) const {
+    const Matrix9 P = filter.local_covariance(model_);
+    const Eigen::Vector3d f_n = e.a_n - earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).g_n;
+    const Eigen::Matrix3d by_attitude = math::skew(f_n), attitude = P.template block<3, 3>(Layout::attitude, Layout::attitude);
+    Eigen::Matrix<double, 9, 1> out = Eigen::Matrix<double, 9, 1>::Zero();
+    out.template segment<3>(Layout::position) = P.diagonal().template segment<3>(Layout::velocity);
+    out.template segment<3>(Layout::velocity) = (by_attitude * attitude * by_attitude.transpose()).diagonal();
+    return filter.P(state, state) * out;
+}
+
+template <class Frame>
+Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, const Event& event) const {
+    const Estimate e = filter.estimate(model_);
+    const Components use{(event.components & 1) != 0, (event.components & 2) != 0, (event.components & 4) != 0};
+    const sensor::GnssErrorModel& slow = settings_.gnss.errors;
+    switch (event.kind) {
+        case AidKind::GnssPosition: {
+            const FixNoise& noise = data_.fix_noise[event.index];
+            // what the layout has no states for is part of the noise
+            Eigen::Vector3d variance = (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
+            if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
+            // Where the latency had to be found it jitters from fix to fix as well, by some milliseconds.
+            const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));   // s
+            variance += jitter * jitter * e.nav.v_eb_n.cwiseAbs2();
+            if (model_.layout.gnss_latency >= 0) variance += of_latency(filter, e, model_.layout.gnss_latency).template segment<3>(Layout::position);
+            return gnss_position(e, data_.recording->gnss[event.index].position, variance, settings_.gnss.lever_arm_b, use);
+        }
+        case AidKind::GnssVelocity: {
+            const FixNoise& noise = data_.fix_noise[event.index];
+            Eigen::Vector3d variance = (model_.layout.gnss_velocity < 0 ? noise.velocity : noise.white_velocity).cwiseAbs2();
+            if (event.constellation_change) variance += slow.change_white_velocity.cwiseAbs2();
+            // A latency that had to be found jitters from fix to fix; without a state it is off by what fits of it are good for.
+            const GnssSettings& g = settings_.gnss;
+            const bool own = model_.layout.gnss_velocity_latency >= 0;
+            const double off = g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));   // s
+            variance += off * off * e.a_n.cwiseAbs2();
+            const int latency = own ? model_.layout.gnss_velocity_latency : g.velocity_latency ? -1 : model_.layout.gnss_latency;
+            if (latency >= 0) variance += of_latency(filter, e, latency).template segment<3>(Layout::velocity);
+            return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, g.lever_arm_b, latency, use);
+        }
+        case AidKind::Baro:
+            return baro_height(e, data_.recording->baro[event.index].height, settings_.baro.std * settings_.baro.std);
+        case AidKind::Mag: {
+            const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings_.imu.mounting_rpy) * settings_.imu.C_bs;
+            return magnetic_azimuth(e, C_bs * data_.recording->mag[event.index].field_b, data_.declination,
+                                    settings_.mag.heading_std * settings_.mag.heading_std);
+        }
+        case AidKind::Odometer: {
+            const OdometerSample& s = data_.recording->odometer[event.index];
+            const double std = s.std > 0.0 ? s.std : settings_.odometer.std;
+            return odometer_speed(e, s.speed, std * std);
+        }
+        case AidKind::Heading: {
+            const HeadingSample& s = data_.recording->heading[event.index];
+            const double std = s.std > 0.0 ? s.std : settings_.heading.std;
+            return heading_of_body(e, s.heading, std * std);
+        }
+        case AidKind::Gauges:
+            return gauge_heights(e, data_.recording->gauges[event.index].height, settings_.gauges.std * settings_.gauges.std,
+                                 settings_.gauges.lever_arms_b);
+        case AidKind::BodyVelocity:
+            return body_velocity(e, data_.recording->body_velocity[event.index].velocity_b, settings_.log.std * settings_.log.std,
+                                 settings_.log.lever_arm_b);
+        default: return {};
+    }
+}
+
+template <class Frame>
+void Pass<Frame>::recover(Walk<Frame>& walk, Channel channel, const Measurement& local) const {
+    // The estimate is wrong by about the innovation: say so in the covariance, isotropically, and in what may have caused it.
+    if (channel.kind == AidKind::Baro && model_.layout.baro_bias >= 0) {
+        walk.filter.P(model_.layout.baro_bias, model_.layout.baro_bias) += local.innovation.squaredNorm();
+        return;
+    }
+    const GateState& gate = walk.gates[channel.gate()];
+    Opening opening;
+    opening.span = (walk.filter.time() - gate.since).seconds();
+    if (channel.kind == AidKind::GnssPosition) {
+        opening.position = local.innovation;
+        opening.rate = gate.rate;
+    } else {
+        opening.velocity = local.innovation;
+    }
+    open(walk, opening);
+}
+
+template <class Frame>
+AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Measurement& local, Time stamp, bool withheld,
+                                  Observer& observer) const {
+    const AidKind kind = channel.kind;
+    AidRecord record;
+    record.time = walk.filter.time();
+    record.stamp = stamp;
+    record.kind = kind;
+    record.dof = local.dof;
+    record.innovation = local.innovation;
+    const Measurement m = walk.filter.to_own(model_, local);
+    const Eigen::Matrix3d S = walk.filter.innovation_covariance(m);
+    for (int i = 0; i < m.dof; ++i) {
+        record.sigma(i) = std::sqrt(S(i, i));
+        record.sigma_state(i) = std::sqrt(std::max(0.0, S(i, i) - m.variance(i)));
+    }
+    // Unused components have zero innovations and unit variance: they add nothing.
+    record.nis = m.innovation.dot(S.inverse() * m.innovation);
+    if (!std::isfinite(record.nis))
+        throw computation_error(fmt::format("the filter diverged at {:.3f} s, channel {}", record.time.seconds(), info_of(kind).name),
+                                "check the IMU's units and axes with `schuler inspect`");
+    if (withheld) {
+        record.status = AidStatus::Withheld;
+        return record;
+    }
+    const double drift = std::sqrt(walk.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
+                         (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
+    Eigen::Vector3d used = Eigen::Vector3d::Zero();
+    for (int i = 0; i < m.dof; ++i) used(i) = std::sqrt(m.variance(i));
+    if (settings_.integrity.use && is_part_of_fix(kind)) {
+        const Examined examined{kind, record.time, m.innovation, used, record.sigma.squaredNorm()};
+        record.status = examine(walk, channel, record, examined, observer);
+        if (record.status == AidStatus::Accepted && !use(walk, channel, local, m, stamp, observer)) record.status = AidStatus::Withheld;
+        return record;
+    }
+    if (contests(kind)) {
+        Measurement moved = local, own = m;
+        record.status = judge(walk, channel, record, moved, own, observer);
+        if (record.status == AidStatus::Accepted && !use(walk, channel, moved, own, stamp, observer)) record.status = AidStatus::Withheld;
+        return record;
+    }
+    const GateDecision decision = decide(walk.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
+    if (decision == GateDecision::Reject || (decision == GateDecision::Recover && !is_part_of_fix(kind) && kind != AidKind::Baro)) {
+        record.status = AidStatus::Rejected;
+        return record;
+    }
+    if (decision == GateDecision::Recover) recover(walk, channel, local);
+    record.status = use(walk, channel, local, m, stamp, observer) ? AidStatus::Accepted : AidStatus::Withheld;
+    return record;
+}
+
+template <class Frame>
+void Pass<Frame>::change_constellation(Walk<Frame>& walk, const Event& event) const {
+    const bool position = event.kind == AidKind::GnssPosition;
+    const int offset = position ? model_.layout.gnss_position : model_.layout.gnss_velocity;
+    if (offset < 0) return;
+    const Eigen::Vector3d& jump = position ? model_.gnss.change_correlated_position : model_.gnss.change_correlated_velocity;
+    for (int axis = 0; axis < 3; ++axis)
+        if ((event.components >> axis & 1) != 0) walk.filter.P(offset + axis, offset + axis) += jump(axis) * jump(axis);
+}
+
+#define SCHULER_INSTANTIATE(Frame)                                                                                                  \
+    template Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&, const Estimate&, int) const;         \
+    template Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>&, const Event&) const;                             \
+    template AidRecord Pass<Frame>::try_update(Walk<Frame>&, Channel, const Measurement&, Time, bool, Observer&) const;             \
+    template void Pass<Frame>::recover(Walk<Frame>&, Channel, const Measurement&) const;                                            \
+    template void Pass<Frame>::change_constellation(Walk<Frame>&, const Event&) const;
+SCHULER_INSTANTIATE(GeographicFrame)
+SCHULER_INSTANTIATE(EarthFixedFrame)
+#undef SCHULER_INSTANTIATE
+
+}  // namespace schuler::filter

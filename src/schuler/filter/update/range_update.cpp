@@ -1,0 +1,428 @@
+#include "schuler/filter/update/range_update.h"
+
+#include "schuler/gnss/ground_range.h"
+#include "schuler/math/chi_square.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace schuler::filter {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using gnss::speed_of_light;
+
+RangeTest::RangeTest(double probability, double recovery_time_) : recovery_time(recovery_time_) {
+    const auto limit = [&](double dof) {
+        return probability > 0.0 ? math::chi_square_quantile(1.0 - probability, dof) : std::numeric_limits<double>::infinity();
+    };
+    single = limit(1.0);
+    whole[0] = std::numeric_limits<double>::infinity();
+    for (std::size_t n = 1; n < whole.size(); ++n) whole[n] = limit(static_cast<double>(n));
+}
+
+int intersystem_of(const RangeSource& source) {
+    if (source.station || source.name.empty()) return -1;
+    switch (source.name.front()) {
+        case 'R': return 0;
+        case 'E': return 1;
+        case 'C': return 2;
+        default: return -1;
+    }
+}
+
+/// Sigma of the white part of a pseudorange or rate.
+template <class Frame>
+double RangeUpdate<Frame>::sigma_of(double stated, double model_sigma, bool station, double elevation, double cn0) const {
+    if (stated > 0.0) return stated;
+    return station || !settings_.sigma_by_elevation ? model_sigma : model_sigma * gnss::noise_factor(elevation, cn0);
+}
+
+template <class Frame>
+int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& tracking, int source, bool station, double sigma,
+                                RangeListener* listener) const {
+    const sensor::RangeErrorModel& m = errors_of(station);
+    if (!(m.correlated > 0.0)) return -1;
+    constexpr double forgotten = 5.0;   // correlation times after which a slot may go to another source
+    std::size_t free = Layout::slots;
+    for (std::size_t k = 0; k < Layout::slots; ++k) {
+        const RangeTracking::Slot& slot = tracking.slots[k];
+        if (slot.source == source) return model_.layout.source + static_cast<int>(k);
+        if (free == Layout::slots && slot.source < 0) free = k;
+    }
+    for (std::size_t k = 0; k < Layout::slots && free == Layout::slots; ++k) {
+        const RangeTracking::Slot& slot = tracking.slots[k];
+        if ((f.time() - slot.last).seconds() > forgotten * errors_of(slot.station).correlation_time) free = k;
+    }
+    if (free == Layout::slots) return -1;
+    tracking.watch.forget(tracking.slots[free].source);
+    tracking.slots[free] = {source, station, f.time(), {}};
+    const int state = model_.layout.source + static_cast<int>(free);
+    renew(f, tracking, state, sigma * sigma, listener);
+    f.set_slot_process(free, StateProcess::markov(sigma, m.correlation_time));
+    return state;
+}
+
+template <class Frame>
+Matrix9 RangeUpdate<Frame>::local_rows(const NavState& nav) const {
+    if constexpr (Frame::errors_are_geographic) return Matrix9::Identity();
+    else return ins::geographic_from_ecef_errors(model_.earth, nav).transpose();
+}
+
+template <class Frame>
+void RangeUpdate<Frame>::renew(InertialFilter<Frame>& f, RangeTracking& tracking, int state, double variance,
+                               RangeListener* listener) const {
+    for (FaultHypothesis& h : tracking.watch.all) h.response(state) = 0.0;
+    f.renew(state, variance);
+    if (listener != nullptr) listener->renewed(state);
+}
+
+template <class Frame>
+AntennaEstimate RangeUpdate<Frame>::antenna(const InertialFilter<Frame>& f, const StateVector& dx, double way) const {
+    const Layout& L = model_.layout;
+    earth::Earth turning = model_.earth;
+    turning.ellipsoid.w_ie *= way;
+    NavState nav = Frame::geographic(model_.earth, Frame::corrected(model_.earth, f.estimated(model_), dx.head<9>()));
+    nav.v_eb_n *= way;
+    const Vector3d w_ib_b = f.w_ib_b + f.error.template segment<3>(Layout::gyro_bias) + dx.segment<3>(Layout::gyro_bias);
+    const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };
+    const Vector3d lever_arm =
+        L.lever_arm < 0 ? lever_arm_b_ : Vector3d(nominal(L.lever_arm), nominal(L.lever_arm + 1), nominal(L.lever_arm + 2));
+    return antenna_of(turning, nav, nav.q_nb.toRotationMatrix(), way * w_ib_b, lever_arm);
+}
+
+template <class Frame>
+void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& tracking, const RangingLog& log,
+                                      std::span<const RangeSample> samples, const StateVector& dx, RangeListener* listener) const {
+    const Layout& L = model_.layout;
+    const earth::Earth& earth = model_.earth;
+    const double way = backward_ ? -1.0 : 1.0;   // of the filter's time in that of the ranges
+    const Time time = backward_ ? Time{-f.time().ns} : f.time();
+    const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };   // states are renewed below
+    const NavState nav = Frame::geographic(earth, Frame::corrected(earth, f.estimated(model_), dx.head<9>()));
+    const AntennaEstimate a = antenna(f, dx, way);
+    const Matrix9 from_local = local_rows(nav);
+    const auto navigation = [&](estim::Row& row, const Vector3d& position, const Vector3d& velocity, const Vector3d& attitude) {
+        row.head << position, velocity, attitude;
+        if constexpr (!Frame::errors_are_geographic) row.head = (from_local * row.head).eval();
+    };
+    RangeEpochWork& work = tracking.work;
+    const bool air = settings_.corrections.troposphere != gnss::TroposphereModel::None ||
+                     settings_.corrections.ionosphere == gnss::IonosphereModel::Broadcast;
+    work.count = 0;
+    for (const RangeSample& m : samples) {
+        const RangeSource& source = log.sources[m.source];
+        if (!m.tx.r.allFinite() || (source.station && !settings_.use_stations) || work.count + 2 > RangeEpochWork::most) continue;
+        const Vector3d velocity = m.tx_velocity.allFinite() ? m.tx_velocity : Vector3d(Vector3d::Zero());
+        const RangeRows now = range_rows(a, m.tx, velocity);
+        // u points down to the receiver: what comes from above has a positive down component
+        const bool delayed = air && !source.station;
+        const gnss::Direction direction{delayed ? std::atan2(-now.u_n.y(), -now.u_n.x()) : 0.0, std::asin(std::clamp(now.u_n.z(), -1.0, 1.0))};
+        if (!source.station && direction.elevation < settings_.corrections.elevation_mask) continue;
+        const double clock = nominal(L.clock), drift = way * nominal(L.drift);
+        gnss::AtmosphericDelay air_delay;
+        if (delayed)
+            air_delay = gnss::atmospheric_delay(time, gnss::system_from_letter(source.name.front()).value_or(gnss::System::Gps), m.frequency,
+                                                a.place, direction, settings_.ionosphere ? &*settings_.ionosphere : nullptr,
+                                                settings_.corrections);
+        const sensor::RangeErrorModel& errors = errors_of(source.station);
+        const bool by_model = settings_.slow_by_model && !source.station;
+        // reflections come and go in tens of seconds and more: a single fix has them as noise, a filter would average them away
+        const double reflections =
+            by_model ? settings_.corrections.code_sigma * m.noise * gnss::noise_factor(direction.elevation, m.cn0) : 0.0;
+        const double slow_sigma =
+            by_model ? std::sqrt(air_delay.variance + m.variance + reflections * reflections) : errors.correlated;
+        const int slot = slot_of(f, tracking, m.source, source.station, slow_sigma, listener), offset = intersystem_of(source);
+        if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
+
+        const auto next = [&](bool is_rate) -> RangeScalar& {
+            RangeScalar& s = work.scalars[work.count++];   // of another epoch
+            s.source = m.source;
+            s.station = source.station;
+            s.is_rate = is_rate;
+            s.use = true;
+            s.slot = slot;
+            s.distance = now.range;
+            s.sequential = 0.0;
+            s.s = 1.0;
+            s.row.count = 0;
+            return s;
+        };
+        if (std::isfinite(m.pseudorange)) {
+            // what the models leave is the slow error's, where that is a state
+            double delay = air_delay.delay, more = by_model && slot >= 0 ? 0.0 : m.variance;
+            if (delayed) {
+                if (slot < 0) more += air_delay.variance;
+            } else if (source.station && settings_.corrections.troposphere != gnss::TroposphereModel::None) {
+                delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, now.range);
+            }
+            RangeScalar& s = next(false);
+            // measured when the receiver's clock showed the time, which is bias/c after it was
+            const double computed = now.range - now.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
+                                    (source.station ? nominal(L.network) : offset >= 0 ? nominal(L.intersystem + offset) : 0.0) +
+                                    (slot >= 0 ? nominal(slot) : 0.0);
+            const double sigma = sigma_of(m.std, errors.white * m.noise, source.station, direction.elevation, m.cn0);
+            s.variance = sigma * sigma + more;
+            navigation(s.row, now.range_by_position, Vector3d::Zero(), now.range_by_attitude);
+            if (L.lever_arm >= 0) s.row.add3(L.lever_arm, now.range_by_lever_arm);
+            s.row.add(L.clock, 1.0 - now.rate / speed_of_light);
+            if (source.station) s.row.add(L.network, 1.0);
+            else if (offset >= 0) s.row.add(L.intersystem + offset, 1.0);
+            if (slot >= 0) s.row.add(slot, 1.0);
+            s.innovation = computed - m.pseudorange + s.row.dot(dx);
+        }
+        if (settings_.use_rates && std::isfinite(m.range_rate) && (m.tx_velocity.allFinite() || source.station)) {
+            const bool by_phase = m.phase_span > 0.0;
+            if (by_phase && !spans_phases(f, tracking, m)) continue;
+            const RangeTracking::Phase* phase = by_phase ? phase_of(f, tracking, m, listener) : nullptr;
+            RangeScalar& s = next(true);
+            const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
+            s.variance = sigma * sigma;
+            double rate = now.rate, of_phase = 0.0;
+            if (by_phase) {
+                const PhaseRate r = phase_rate(f, a, now, m, phase, dx);
+                rate = r.rate;
+                navigation(s.row, r.by_position, Vector3d::Zero(), r.by_attitude);
+                if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.by_lever_arm);
+                s.row.add3(L.antenna, r.by_clone);
+            } else {
+                // Rates tell the place too, by 0.1 to 0.2 mm/s a metre: of a receiver whose rates are off by slow millimetres a second as well
+                // (atmosphere, orbit, tracking), which white noise does not say, a hundred epochs would make a place wrong by metres.
+                const Vector3d by_position = by_model ? Vector3d(Vector3d::Zero()) : now.rate_by_position;
+                navigation(s.row, by_position, way * now.rate_by_velocity, now.rate_by_attitude);
+                if (L.lever_arm >= 0) s.row.add3(L.lever_arm, now.rate_by_lever_arm);
+                s.row.add3(Layout::gyro_bias, way * now.rate_by_gyro_bias);
+            }
+            if (phase != nullptr) {
+                const double per_span = 1.0 / m.phase_span;
+                s.row.add(phase->end, per_span);
+                s.row.add(phase->begin, -per_span);
+                of_phase = (nominal(phase->end) - nominal(phase->begin)) * per_span;
+                s.variance *= unshared;
+            }
+            s.row.add(L.drift, way);
+            if (L.rate_noise >= 0) s.row.add(L.rate_noise, way);
+            const double common = L.rate_noise >= 0 ? way * nominal(L.rate_noise) : 0.0;
+            s.innovation = rate + drift + common + of_phase - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
+        }
+    }
+}
+
+/// Uses the scalars that are in use as if one by one, anew; false where a limit is exceeded.
+template <class Frame>
+bool RangeUpdate<Frame>::use_all(const RangeTest& test, estim::EpochUpdate& update, RangeEpochWork& work, StateVector& dx,
+                                 RangeListener* listener) const {
+    update.reset();
+    for (const RangeScalar& s : work.all())
+        if (s.use) update.add(s.row, s.innovation, s.variance);
+    dx = update.solve();
+    double sum = 0.0;
+    int n = 0;
+    bool good = true;
+    for (RangeScalar& s : work.all()) {
+        if (!s.use) continue;
+        if (listener != nullptr) listener->scalar(update.result(s.row, n));
+        s.s = update.s(n);
+        s.sequential = update.innovation(n) / std::sqrt(s.s);
+        const double square = s.sequential * s.sequential;
+        sum += square;
+        ++n;
+        good = good && square <= test.single;
+    }
+    return good && sum <= test.whole[static_cast<std::size_t>(n)];
+}
+
+/// A jump that all satellites' pseudoranges share belongs to the clock: opens it. True where there was one.
+template <class Frame>
+bool RangeUpdate<Frame>::follow_clock_jump(InertialFilter<Frame>& f, const RangeEpochWork& work) const {
+    const int clock = model_.layout.clock;
+    std::array<double, RangeEpochWork::most> z;
+    std::size_t n = 0;
+    double noise = 0.0;
+    for (const RangeScalar& s : work.all()) {
+        if (s.is_rate || s.station) continue;
+        z[n++] = s.innovation;
+        noise = std::max(noise, s.variance);
+    }
+    if (n < 2) return false;
+    const auto middle = z.begin() + static_cast<std::ptrdiff_t>(n / 2), end = z.begin() + static_cast<std::ptrdiff_t>(n);
+    std::nth_element(z.begin(), middle, end);
+    const double jump = *middle;
+    const double sigma = std::sqrt(f.P(clock, clock) + f.P.diagonal().template head<3>().sum() + noise);
+    const auto near = std::count_if(z.begin(), end, [&](double x) { return std::abs(x - jump) < 0.2 * std::abs(jump); });
+    if (std::abs(jump) < 30.0 + 6.0 * sigma || 3 * static_cast<std::size_t>(near) < 2 * n) return false;
+    f.P(clock, clock) += jump * jump;
+    return true;
+}
+
+namespace {
+
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 64, 64>;
+using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 64, 1>;
+
+}  // namespace
+
+/// Leaves out the scalar that fits worst to all the others; false where none is beyond its limit.
+template <class Frame>
+bool RangeUpdate<Frame>::leave_out_worst(const InertialFilter<Frame>& f, RangeEpochWork& work) const {
+    std::array<std::size_t, RangeEpochWork::most> index;
+    Eigen::Index n = 0;
+    for (std::size_t i = 0; i < work.count; ++i)
+        if (work.scalars[i].use) index[static_cast<std::size_t>(n++)] = i;
+    if (n == 0) return false;
+    Square S(n, n);
+    Column z(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const RangeScalar& a = work.scalars[index[static_cast<std::size_t>(i)]];
+        const StateVector ph = a.row.times(f.P, f.used);
+        for (Eigen::Index j = 0; j < n; ++j) S(i, j) = work.scalars[index[static_cast<std::size_t>(j)]].row.dot(ph);
+        S(i, i) += a.variance;
+        z(i) = a.innovation;
+    }
+    const Square inverse = S.llt().solve(Square::Identity(n, n));
+    const Column w = inverse * z;
+    double worst = test_.single;
+    Eigen::Index which = -1;
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const double square = w(i) * w(i) / inverse(i, i);
+        if (square <= worst) continue;
+        worst = square;
+        which = i;
+    }
+    if (which < 0 && z.dot(w) > test_.whole[static_cast<std::size_t>(n)]) {   // together too large, none by itself
+        (w.array().square() / inverse.diagonal().array()).maxCoeff(&which);
+    }
+    if (which < 0) return false;
+    work.scalars[index[static_cast<std::size_t>(which)]].use = false;
+    ++work.excluded;
+    return true;
+}
+
+/// A station so near that the range is not linear over the uncertainty of the position (math.md 5.3).
+template <class Frame>
+bool RangeUpdate<Frame>::is_curved(const InertialFilter<Frame>& f, const RangeEpochWork& work) const {
+    const double spread = f.P.diagonal().template head<3>().sum();
+    return std::ranges::any_of(work.all(), [&](const RangeScalar& s) {
+        return !s.is_rate && spread / (2.0 * s.distance) > 0.1 * std::sqrt(s.variance);
+    });
+}
+
+/// Sources that go on disagreeing: their slow error is opened so far that they may be used again and learnt anew.
+template <class Frame>
+void RangeUpdate<Frame>::open_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const {
+    for (const RangeScalar& s : tracking.work.all()) {
+        if (s.is_rate || s.slot < 0) continue;
+        RangeTracking::Slot& slot = tracking.slots[static_cast<std::size_t>(s.slot - model_.layout.source)];
+        if (s.use) slot.doubted.reset();
+        else if (!slot.doubted) slot.doubted = f.time();   // from here: silence before does not speak against the source
+        if (!slot.doubted || (f.time() - *slot.doubted).seconds() < test_.recovery_time) continue;
+        f.P(s.slot, s.slot) += s.innovation * s.innovation;
+        slot.doubted.reset();
+    }
+}
+
+/// The scalars in use once more, for the hypotheses of faults; f.P is that before the epoch.
+template <class Frame>
+void RangeUpdate<Frame>::follow_faults(InertialFilter<Frame>& f, RangeTracking& tracking) const {
+    const RangeEpochWork& work = tracking.work;
+    for (const RangeScalar& s : work.all())
+        if (s.use && !s.is_rate) tracking.watch.begin(s.source, f.time(), f.P.rows());
+    StateMatrix P = f.P;
+    StateVector unused = StateVector::Zero(P.rows());
+    for (const RangeScalar& s : work.all()) {
+        if (!s.use) continue;
+        tracking.watch.follow(P, s.row, s.sequential * std::sqrt(s.s), s.variance, f.used, s.is_rate ? -1 : s.source);
+        (void)estim::update(unused, P, s.row, 0.0, s.variance, f.used);
+    }
+}
+
+/// A fault that the watch has found is estimated with the rest as if nothing had been known of its size [Friedland1969]: the estimate loses
+/// what it did, the covariance gains what its size is uncertain by, and the slow error of the source holds it from now on.
+template <class Frame>
+int RangeUpdate<Frame>::repair_faults(InertialFilter<Frame>& f, RangeTracking& tracking) const {
+    const RangeEpochWork& work = tracking.work;
+    const FaultHypothesis* found = tracking.watch.found(test_.watch);
+    if (found == nullptr) return -1;
+    const int source = found->source;
+    StateVector moved = found->response;
+    for (const RangeScalar& s : work.all())
+        if (s.source == source && s.slot >= 0) {
+            moved(s.slot) -= 1.0;   // what the slow error is from now on includes the fault
+            break;
+        }
+    f.P += moved * moved.transpose() / found->information;
+    f.apply(model_, moved * (found->evidence / found->information));
+    tracking.watch.all.clear();
+    return source;
+}
+
+/// Most ranges contradict the inertial prediction for long: then that is wrong by about as much.
+template <class Frame>
+void RangeUpdate<Frame>::doubt_the_estimate(InertialFilter<Frame>& f, RangeEpochWork& work) const {
+    const int ranges = static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate; }));
+    const int good = static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate && s.use; }));
+    if (2 * good >= ranges) work.disagreeing = 0;
+    else if (work.disagreeing++ == 0) work.disagreeing_since = f.time();
+    constexpr int long_run = 10;
+    constexpr double long_time = 1.0;   // s: a deep receiver's epochs come fifty a second
+    if (work.disagreeing < long_run || (f.time() - work.disagreeing_since).seconds() < long_time) return;
+    double size = 0.0;
+    for (const RangeScalar& s : work.all())
+        if (!s.is_rate) size = std::max(size, std::abs(s.innovation));
+    f.P.diagonal().template head<3>().array() += size * size;
+    f.P.diagonal().template segment<3>(Layout::velocity).array() += std::min(100.0, 0.01 * size * size);
+    f.P(model_.layout.clock, model_.layout.clock) += size * size;
+    work.disagreeing = 0;
+}
+
+template <class Frame>
+int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& tracking, const RangingLog& log,
+                                   std::span<const RangeSample> samples, RangeListener* listener) const {
+    constexpr int most_iterations = 4;
+    static const RangeTest open(0.0, 0.0);
+    RangeEpochWork& work = tracking.work;
+    StateVector dx = StateVector::Zero(f.P.rows());
+    if (const int noise = model_.layout.rate_noise; noise >= 0) {
+        renew(f, tracking, noise, settings_.errors.clock.phase_psd() / settings_.errors.rate_span, listener);
+    }
+    make_scalars(f, tracking, log, samples, dx, listener);
+    work.excluded = 0;
+    work.clock_jump = false;
+    estim::EpochUpdate update(f.P, f.used);
+    bool agreed = true;
+    while (!use_all(test_, update, work, dx, nullptr)) {
+        if (!work.clock_jump && follow_clock_jump(f, work)) work.clock_jump = true;
+        else if (!leave_out_worst(f, work)) {
+            agreed = false;   // each by itself is in order, in this order or another
+            break;
+        }
+    }
+    if (!agreed) (void)use_all(open, update, work, dx, nullptr);
+    std::array<bool, RangeEpochWork::most> use{};
+    for (std::size_t i = 0; i < work.count; ++i) use[i] = work.scalars[i].use;
+    for (int i = 1; is_curved(f, work) && i < most_iterations; ++i) {
+        const StateVector about = dx;
+        make_scalars(f, tracking, log, samples, about, nullptr);
+        for (std::size_t k = 0; k < work.count; ++k) work.scalars[k].use = use[k];
+        (void)use_all(open, update, work, dx, nullptr);
+        if ((dx - about).head<3>().norm() < 1e-3) break;
+    }
+    if (listener != nullptr) (void)use_all(open, update, work, dx, listener);
+    const int taken = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
+    if (tracking.watch.on) follow_faults(f, tracking);
+    update.apply(f.P);
+    open_sources(f, tracking);
+    doubt_the_estimate(f, work);
+    f.apply(model_, dx);
+    if (std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; })) clone_antenna(f, tracking, listener);
+    work.alarm = tracking.watch.on ? repair_faults(f, tracking) : -1;
+    return taken;
+}
+
+template class RangeUpdate<GeographicFrame>;
+template class RangeUpdate<EarthFixedFrame>;
+
+}  // namespace schuler::filter
