@@ -5,6 +5,7 @@
 #include "schuler/report/run_report.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
+#include "schuler/solution/health.h"
 #include "schuler/solution/provenance.h"
 
 #include <algorithm>
@@ -221,6 +222,8 @@ report::ReportInput report_page(const solution::ResultBundle& b) {
     data.verdict = solution::words_of(b.verdict.word);
     data.reasons = b.verdict.reasons;
     data.check = check_of(b.self_check);
+    for (const solution::HealthInterval& h : solution::health_of(b.data, b.result))
+        data.health.push_back({std::string(h.source), std::string(name_of(h.state)), b.relative(h.from), b.relative(h.to)});
     data.warnings = b.warnings;
     data.settings = b.config_toml;
     return report::run_report(data);

@@ -142,6 +142,7 @@ ReportInput run_report(const RunReportData& data) {
     };
     add(detail::track_section(data));
     add(detail::check_section(data));
+    add(detail::health_section(data));
     add(detail::error_section(data));
     add(detail::separation_section(data));
     add(detail::outage_section(data));

@@ -72,6 +72,12 @@ struct GrowthCurve {
     std::vector<double> since_s, error, sigma;
 };
 
+/// A source of measurements was in one state ("used", "refused", "silent", ...) for so long, on the report's time axis.
+struct HealthEntry {
+    std::string source, state;
+    double from_s = 0.0, to_s = 0.0;
+};
+
 /// What fixes withheld by the program itself show.
 struct CheckEntry {
     std::string intro;
@@ -111,12 +117,13 @@ struct RunReportData {
     std::string verdict;                           ///< "trustworthy", ...: the first card; empty: none
     std::vector<std::string> reasons;              ///< of it, the most severe first
     CheckEntry check;
+    std::vector<HealthEntry> health;               ///< in order of source and time
     std::vector<std::pair<std::string, std::string>> findings;  ///< what start-up found: (what, value)
     std::vector<std::string> warnings;
     std::string settings;                          ///< config.toml
 };
 
-/// The page's content in the order a reviewer reads: track, verdict and self-check, errors (or the uncertainty where there is no reference), separation
+/// The page's content in the order a reviewer reads: track, verdict and self-check, health of the sources, errors (or the uncertainty where there is no reference), separation
 /// of the filters forward and backward in time, outages, innovations, sensor errors, motion, findings. What was not given is left out.
 [[nodiscard]] ReportInput run_report(const RunReportData& data);
 

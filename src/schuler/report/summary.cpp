@@ -6,6 +6,7 @@
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/events.h"
+#include "schuler/solution/health.h"
 
 #include <algorithm>
 #include <cmath>
@@ -202,6 +203,14 @@ Json carrier_of(const solution::ResultBundle& b) {
             {"single", count(ppk::Quality::Single)}};
 }
 
+Json health_json(const solution::ResultBundle& b) {
+    Json list = Json::array();
+    for (const solution::HealthInterval& h : solution::health_of(b.data, b.result))
+        list.push_back({{"source", h.source}, {"state", name_of(h.state)}, {"from_s", json_number(b.relative(h.from))},
+                        {"to_s", json_number(b.relative(h.to))}, {"samples", h.samples}});
+    return list;
+}
+
 Json verdict_json(const solution::SolutionVerdict& verdict) { return {{"word", solution::word_of(verdict.word)}, {"reasons", verdict.reasons}}; }
 
 Json ignored_json(const std::vector<solution::Ignored>& ignored) {
@@ -240,6 +249,7 @@ std::string summary_json(const solution::ResultBundle& b) {
     out["events"] = events_of(b);
     out["findings"] = findings_of(b);
     out["integrity"] = integrity_of(b);
+    out["health"] = health_json(b);
     out["carrier"] = carrier_of(b);
     out["facts"] = facts_json(b.facts);
     out["ignored"] = ignored_json(b.ignored);

@@ -292,7 +292,7 @@ NoiseScale missing_noise(std::span<const WithheldEpoch> epochs, int axes) {
     }
     if (std::max(accel, gyro) == 1.0 && fit.coverage(1.0, 1.0) >= wanted_coverage) return {};
     const double found = fit.likelihood(accel, gyro);
-    while (std::max(accel, gyro) * step < most && fit.likelihood(accel * step, gyro * step) > found - 0.5) {
+    while (std::max(accel, gyro) * step < most && fit.likelihood(accel * step, gyro * step) > found - 2.0) {
         accel *= step;
         gyro *= step;
     }

@@ -102,7 +102,7 @@ struct NoiseScale {
 [[nodiscard]] bool covers(const Coverage& coverage);
 
 /// The noise that is missing: with it the sigmas have the size of the errors, and wanted_coverage of these epochs would have been inside.
-/// Of what the likelihood allows the upper end of one sigma is taken: few windows are a weak witness of small errors.
+/// Of what the likelihood allows the upper end of two sigma is taken: few windows are a weak witness of small errors.
 /// After loss, velocity errors driven by the accelerometers grow as t^3 in variance, tilt driven by the gyros as t^5 [Groves2013];
 /// both parts are fitted to the growth of the filter's own variance, and a factor for each to the errors, by maximum likelihood. One
 /// common factor is kept unless two explain the errors much better. The noise is larger than the growth in question: what the states

@@ -203,12 +203,17 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
         scale = larger;
     }
     out.tried = scale;
-    // Noise that makes the sigmas of the judging windows no truer, or the errors in them much larger, is not what was missing.
-    const double gain = (with.epochs.share() - without.epochs.share()) + (with.held.share() - without.held.share());
-    if (!(gain > 0.0 && with.end_rms < 1.5 * without.end_rms)) return;
+    const Coverage all = coverage_of(both(now[0], now[1]), windows.length);
+    // Noise that makes the sigmas of the judging windows no truer, or the errors in them much larger, is not what was missing. Where they
+    // had been covered already, one manoeuvre say in the other windows alone, the noise is wanted if it covers these.
+    const auto gain = [](const Coverage& before, const Coverage& after) {
+        return (after.epochs.share() - before.epochs.share()) + (after.held.share() - before.held.share());
+    };
+    const bool truer = gain(without, with) > 0.0 || (covers(without) && covers(with) && gain(out.coverage, all) > 0.0);
+    if (!(truer && with.end_rms < 1.5 * without.end_rms)) return;
     out.before = without;
     out.coverage = with;
-    out.all = coverage_of(both(now[0], now[1]), windows.length);
+    out.all = all;
     out.widened = true;
     wider = checker.with(scale);
 }

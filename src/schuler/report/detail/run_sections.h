@@ -19,6 +19,7 @@ void break_at_gaps(Band& band);
 
 [[nodiscard]] Section track_section(const RunReportData& data);
 [[nodiscard]] Section check_section(const RunReportData& data);
+[[nodiscard]] Section health_section(const RunReportData& data);
 [[nodiscard]] Section error_section(const RunReportData& data);
 [[nodiscard]] Section separation_section(const RunReportData& data);
 [[nodiscard]] Section uncertainty_section(const RunReportData& data);

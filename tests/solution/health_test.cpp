@@ -1,0 +1,100 @@
+// The state of every source over time, from records of measurements and samples as a run leaves them.
+#include "schuler/solution/health.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace schuler::solution {
+namespace {
+
+using filter::AidKind;
+using filter::AidStatus;
+
+Time at(double t) { return Time{} + Duration::from_seconds(t); }
+
+ImuSample imu_at(double t, double rate) { return {at(t), Eigen::Vector3d(rate, 0.5 * rate, 0.0), Eigen::Vector3d(0.1, rate, -9.8)}; }
+
+filter::AidRecord record(double t, AidKind kind, AidStatus status) {
+    filter::AidRecord r{};
+    r.time = r.stamp = at(t);
+    r.kind = kind;
+    r.status = status;
+    r.dof = 3;
+    return r;
+}
+
+struct Span {
+    SourceState state;
+    double from, to;
+};
+
+void expect_spans(const std::vector<HealthInterval>& all, std::string_view source, const std::vector<Span>& wanted) {
+    std::vector<HealthInterval> found;
+    std::ranges::copy_if(all, std::back_inserter(found), [&](const HealthInterval& h) { return h.source == source; });
+    ASSERT_EQ(found.size(), wanted.size()) << source;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        EXPECT_EQ(found[i].state, wanted[i].state) << source << ' ' << i;
+        EXPECT_NEAR((found[i].from - Time{}).seconds(), wanted[i].from, 1e-6) << source << ' ' << i;
+        EXPECT_NEAR((found[i].to - Time{}).seconds(), wanted[i].to, 1e-6) << source << ' ' << i;
+    }
+}
+
+TEST(Health, FixesRefusedWithheldLeftOutAndMissing) {
+    LoadedDataset data;
+    fusion::Result result;
+    const auto status = [](int t) {
+        if (t == 7) return AidStatus::Rejected;                      // one alone is not a state
+        if (t >= 20 && t < 30) return AidStatus::Rejected;
+        return t >= 40 && t < 50 ? AidStatus::Withheld : AidStatus::Accepted;
+    };
+    for (int t = 0; t <= 100; ++t) {
+        if (t > 60 && t < 75) continue;                              // neither a fix nor a record
+        data.recording.gnss.push_back({});
+        data.recording.gnss.back().time = at(t);
+        if (t > 80 && t < 90) continue;                              // a fix that the run never met
+        result.aids.push_back(record(t, AidKind::GnssPosition, status(t)));
+        result.aids.push_back(record(t, AidKind::GnssVelocity, AidStatus::Accepted));
+    }
+    const std::vector<HealthInterval> all = health_of(data, result);
+    using enum SourceState;
+    expect_spans(all, "gnss_position",
+                 {{Used, 0, 19}, {Refused, 20, 29}, {Used, 30, 39}, {Withheld, 40, 49}, {Used, 50, 60}, {Silent, 60, 75}, {Used, 75, 80},
+                  {LeftOut, 81, 89}, {Used, 90, 100}});
+    expect_spans(all, "gnss_velocity", {{Used, 0, 60}, {Silent, 60, 75}, {Used, 75, 80}, {Silent, 80, 90}, {Used, 90, 100}});
+    expect_spans(all, "baro", {});
+}
+
+TEST(Health, PartsOfAFixOfDifferentAgesAreOneSample) {
+    LoadedDataset data;
+    fusion::Result result;
+    for (int t = 0; t < 10; ++t) {
+        result.aids.push_back(record(t, AidKind::GnssPosition, AidStatus::Accepted));
+        result.aids.push_back(record(t, AidKind::GnssPosition, t < 5 ? AidStatus::Accepted : AidStatus::Rejected));
+    }
+    const std::vector<HealthInterval> all = health_of(data, result);
+    expect_spans(all, "gnss_position", {{SourceState::Used, 0, 4}, {SourceState::Refused, 5, 9}});
+    EXPECT_EQ(all.front().samples, 5U);
+}
+
+TEST(Health, InertialUnitThatHasGapsAndHangs) {
+    LoadedDataset data;
+    for (int i = 0; i < 1000; ++i) {
+        const double t = 0.01 * i;
+        if (t > 3.0 && t < 4.0) continue;
+        const double rate = i >= 600 && i < 700 ? 0.25 : 0.01 * std::sin(1.7 * i);
+        data.recording.imu.push_back(imu_at(t, rate));
+    }
+    const std::vector<HealthInterval> all = health_of(data, {});
+    using enum SourceState;
+    ASSERT_EQ(all.size(), 5U);
+    const std::array<SourceState, 5> states{Used, Silent, Used, Hanging, Used};
+    for (std::size_t i = 0; i < states.size(); ++i) EXPECT_EQ(all[i].state, states[i]) << i;
+    EXPECT_NEAR((all[1].from - Time{}).seconds(), 3.0, 0.011);
+    EXPECT_NEAR((all[1].to - Time{}).seconds(), 4.0, 0.011);
+    EXPECT_NEAR((all[3].from - Time{}).seconds(), 6.0, 0.15) << "known after a tenth of a second";
+    EXPECT_NEAR((all[3].to - Time{}).seconds(), 6.99, 0.02);
+}
+
+}  // namespace
+}  // namespace schuler::solution
