@@ -47,23 +47,6 @@ TEST(Tuning, StampsThatJitterAreFoundAndNotTakenForNoiseOfTheUnit) {
     }
 }
 
-TEST(Tuning, VelocitiesThatLagUnderAccelerationAreFoundAsSuch) {
-    const double lag = 0.15;   // s
-    Log log = log_of(town_drive(83, 5.0), 83);
-    math::Random random(83, "lag");
-    const std::vector<GnssFix> exact = log.recording.gnss;
-    for (std::size_t i = 1; i + 1 < exact.size(); ++i) {
-        const Eigen::Vector3d acceleration = (exact[i + 1].velocity_n - exact[i - 1].velocity_n) / (exact[i + 1].time - exact[i - 1].time).seconds();
-        log.recording.gnss[i].velocity_n += lag * random.normal() * acceleration;
-    }
-    const Result r = fuse(log.recording, log.settings);
-    const Settings& found = *r.findings.in_force;
-    EXPECT_NEAR(*found.gnss.velocity_jitter, lag, 0.4 * lag);
-    EXPECT_LT(*found.gnss.jitter, 0.03);
-    EXPECT_LT(found.imu.errors.accel_noise, 4.0 * log.settings.imu.errors.accel_noise);
-    EXPECT_LT(rms(errors(log.settings, r.forward.rows, log.recording), 30.0).position, 0.1);
-}
-
 // Scale errors of some percent are nothing that a trial with fifteen states knows; white noise does not explain them either.
 TEST(Tuning, NoiseOfTheUnitIsNoMoreThanItsSamplesShow) {
     sim::Scenario scenario = town_drive(82, 5.0);

@@ -68,9 +68,6 @@ struct GnssSettings {
     /// s, one sigma of the white error of the times of fixes, by which positions vary with the velocity and velocities with the
     /// acceleration. Not given: what the latency's sigma leaves to it, or fitted with the noise.
     std::optional<double> jitter;
-    /// s, one sigma of the white error of velocities under one m/s^2 of acceleration: a receiver's own filter lags behind by more or less
-    /// while it manoeuvres. Not given: the jitter, or fitted with the noise.
-    std::optional<double> velocity_jitter;
     bool estimate_latency = false;            ///< find the latencies that are not given
     HeightKind height = HeightKind::Ellipsoidal;
     Eigen::Vector3d default_std_position{2.5, 2.5, 5.0};   ///< m, where the log gives none or zero (an autonomous fix)

@@ -167,10 +167,6 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     const double least_jitter = std::log(0.003), most_jitter = std::log(0.35);   // s
     if (before.imu.estimate_noise && !g.jitter)
         knobs.push_back({"gnss.jitter_s", [](Settings& s, double x) { s.gnss.jitter = std::exp(x); }, least_jitter, std::log(0.2), false, least_jitter, most_jitter});
-    // The stamps' error shows in the positions all through a flight, what the velocities lack in its manoeuvres only: one number for both is
-    // that of the stamps, and what a manoeuvre then does to the velocities is taken for motion.
-    if (before.imu.estimate_noise && has_velocity && !g.jitter && !g.velocity_jitter)
-        knobs.push_back({"gnss.velocity_jitter_s", [](Settings& s, double x) { s.gnss.velocity_jitter = std::exp(x); }, least_jitter, std::log(0.2), false, least_jitter, most_jitter});
     if (before.imu.estimate_noise) {
         // White noise cannot be more than what successive samples differ by. Without that bound whatever the trial's states cannot explain
         // is taken for it, and what came of it is a filter that knows no heading and grows uncertain at rest.
@@ -381,7 +377,6 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
         imu.accel_noise = as_written(imu.accel_noise, units::m_s_per_sqrt_hour);
         for (std::optional<double>* share : {&settings.imu.gyro_vibration, &settings.imu.accel_vibration})
             if (*share) *share = as_written(**share, 1.0);
-        if (settings.gnss.velocity_jitter) settings.gnss.velocity_jitter = as_written(*settings.gnss.velocity_jitter, 1.0);
         if (settings.gnss.jitter) settings.gnss.jitter = as_written(*settings.gnss.jitter, 1.0);
         settings.mag.heading_std = as_written(settings.mag.heading_std, units::deg);
         settings.mag.bias_walk = as_written(settings.mag.bias_walk, units::deg);

@@ -145,7 +145,6 @@ void take_in_force(settings::Config& c, const fusion::Findings& findings) {
     f.gnss.latency_std = s.gnss.latency_std;
     f.gnss.velocity_latency_std = s.gnss.velocity_latency_std;
     f.gnss.jitter = s.gnss.jitter;
-    f.gnss.velocity_jitter = s.gnss.velocity_jitter;
     f.gnss.std_scale = s.gnss.std_scale;
     f.gnss.velocity_std_scale = s.gnss.velocity_std_scale;
     f.gnss.velocity_latency = s.gnss.velocity_latency;

@@ -49,7 +49,7 @@ std::uint64_t NavigatorEngine::fingerprint() const {
     const double numbers[] = {m.gyro_psd, m.accel_psd, m.gyro_gain, m.accel_gain, m.gyro_vibration, m.accel_vibration, m.clock_psd, m.drift_psd,
                               settings.lag, settings.imu_interval, settings.still_delay, settings.longest_hole,
                               settings.still.force_std, settings.still.rate_std,
-                              g.latency, latency(g.velocity_latency), latency(g.height_latency), latency(g.velocity_down_latency), latency(g.jitter), latency(g.velocity_jitter),
+                              g.latency, latency(g.velocity_latency), latency(g.height_latency), latency(g.velocity_down_latency), latency(g.jitter),
                               g.std_scale, g.velocity_std_scale, g.consider_errors ? 1.0 : 0.0, s.baro.std, s.mag.heading_std, s.odometer.std, s.heading.std,
                               s.aids.gate_probability, s.aids.constraint_rate, s.output_rate,
                               r.gnss, r.baro, r.mag, r.odometer, r.heading, r.gauges, r.log, r.ranges, s.gauges.std, s.log.std};

@@ -56,8 +56,7 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             // A latency that had to be found jitters from fix to fix; without a state it is off by what fits of it are good for.
             const GnssSettings& g = settings_.gnss;
             const bool own = model_.layout.gnss_velocity_latency >= 0;
-            const double unfitted = g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));   // s
-            const double off = g.velocity_jitter.value_or(unfitted);
+            const double off = g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));   // s
             variance += off * off * e.a_n.cwiseAbs2();
             const int latency = own ? model_.layout.gnss_velocity_latency : g.velocity_latency ? -1 : model_.layout.gnss_latency;
             if (latency >= 0) variance += of_latency(filter, e, latency).template segment<3>(Layout::velocity);

@@ -75,10 +75,6 @@ void add_gnss_options(OptionTable<Config>& table) {
                             "one sigma of the white error of the fixes' times: positions vary by it times the velocity, velocities times the "
                             "acceleration; default: fitted with the noise",
                             [](auto& c) -> auto& { return c.filter.gnss.jitter; }))
-        .add(number<Config>("gnss.velocity_jitter_s", 1.0, 0, 10,
-                            "one sigma of the white error of velocities under an acceleration of 1 m/s^2, where receivers lag behind; default: "
-                            "jitter_s, or fitted with the noise",
-                            [](auto& c) -> auto& { return c.filter.gnss.velocity_jitter; }))
         .add(number<Config>("gnss.velocity_latency_std_s", 1.0, 0, 10,
                             "one sigma of the velocities' latency; above 0 the filter estimates its error, separately from the positions'",
                             gnss(&GnssSettings::velocity_latency_std)))
