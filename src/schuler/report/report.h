@@ -53,7 +53,6 @@ struct Panel {
     std::optional<std::pair<double, double>> y_limits{};  ///< otherwise from the data, see data_range in detail/axis.h
     double y_step = 0.0;            ///< whole distance of the y ticks (90 deg); 0: by the range
     int height = 200;               ///< px at a width of 1100
-    std::vector<std::string> y_names{};   ///< the y axis is one of names: at 0, 1, 2, ... from its lower end
 };
 
 /// Rows of text; a column whose cells all start like numbers is aligned to the right.

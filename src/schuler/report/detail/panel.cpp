@@ -57,15 +57,9 @@ void append_axes(std::string& out, const Panel& panel, const Frame& f) {
     // A map's steps are the same on both axes.
     const double rows = panel.equal_axes ? 10.0 * h / w : std::max(2.0, std::floor(h / 34.0));
     const bool stepped = panel.y_step > 0.0 && f.y.width() / panel.y_step < 3 * rows;
-    const auto y_ticks = [&] {
-        if (panel.y_names.empty()) return panel.log_y ? log_ticks(f.y) : stepped ? ticks_every(f.y, panel.y_step, 0) : linear_ticks(f.y, rows);
-        std::vector<Tick> named;
-        for (std::size_t i = 0; i < panel.y_names.size(); ++i) named.push_back({static_cast<double>(i), escaped(panel.y_names[i])});
-        return named;
-    };
-    for (const Tick& t : y_ticks()) {
+    for (const Tick& t : panel.log_y ? log_ticks(f.y) : stepped ? ticks_every(f.y, panel.y_step, 0) : linear_ticks(f.y, rows)) {
         const double y = f.top + f.py(t.value);
-        const bool zero = !panel.log_y && panel.y_names.empty() && t.value == 0.0;
+        const bool zero = !panel.log_y && t.value == 0.0;
         fmt::format_to(Out(out),
                        "<path class=\"grid{}\" d=\"M{:g} {:.1f}h{:g}\"/><text class=\"ty\" x=\"{:g}\" y=\"{:.1f}\">{}</text>",
                        zero ? " zero" : "", Frame::left, y, w, Frame::left - 6.0, y + 4.0, t.label);

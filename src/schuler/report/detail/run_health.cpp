@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 
 namespace schuler::report::detail {
 namespace {
@@ -14,14 +13,6 @@ struct Look {
 };
 constexpr std::array looks{Look{"used", Ink::Blue},       Look{"refused", Ink::Vermillion}, Look{"distrusted", Ink::Orange}, Look{"left out", Ink::Purple},
                            Look{"withheld", Ink::Muted},  Look{"hanging", Ink::Text},       Look{"silent", Ink::Sky}};
-
-/// Short enough for the margin of a plot.
-std::string row_name(const std::string& source) {
-    static const std::map<std::string, std::string> short_names{
-        {"imu", "IMU"}, {"gnss_position", "position"}, {"gnss_velocity", "velocity"}, {"body_velocity", "log"}};
-    const auto it = short_names.find(source);
-    return it == short_names.end() ? source : it->second;
-}
 
 }  // namespace
 
@@ -35,10 +26,10 @@ Section health_section(const RunReportData& data) {
     for (const HealthEntry& h : data.health)
         if (std::ranges::find(sources, h.source) == sources.end()) sources.push_back(h.source);
     const double rows = static_cast<double>(sources.size());
-    Panel panel = time_panel(data, "Sources", "source");
-    panel.y_limits = {-0.6, rows - 0.4};
-    panel.height = static_cast<int>(70.0 + 28.0 * rows);
-    for (auto it = sources.rbegin(); it != sources.rend(); ++it) panel.y_names.push_back(row_name(*it));   // the first one on top
+    Panel panel = time_panel(data, "Sources", "");
+    panel.y_limits = {-0.5, rows - 0.2};
+    panel.height = static_cast<int>(70.0 + 36.0 * rows);
+    for (std::size_t i = 0; i < sources.size(); ++i) panel.row_names.emplace_back(rows - 1.0 - static_cast<double>(i), sources[i]);
     for (const Look& look : looks) {
         Series bars{.name = look.state, .x = {}, .y = {}, .ink = look.ink, .width = std::string(look.state) == "silent" ? 3.0 : 9.0};
         for (const HealthEntry& h : data.health) {
