@@ -182,8 +182,8 @@ void report_lacking(Study& study) {
             study.problem(Level::Info,
                           fmt::format("there is already a {}: what follows is inferred without it", file.report.path), "");
     }
-    const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("rtcm3") || any("sp3") || any("adsb");
-    if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("rtcm3") && !any("sp3")) {
+    const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("novatel") || any("rtcm3") || any("sp3") || any("adsb");
+    if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("novatel") && !any("rtcm3") && !any("sp3")) {
         study.problem(Level::Warning, "there are raw measurements, and no ephemerides",
                       "put the navigation file of the same day beside them");
     }
@@ -228,9 +228,9 @@ void load_one(const fs::path& file, const std::string& name, Study& study) {
         // load_file says what is wrong
     }
     const bool streams = format != nullptr && format->read != nullptr && !format->one_stream;
-    const bool receiver = streams && format->name == "ubx";   // raw measurements first, and what the receiver itself made of them
+    const bool receiver = streams && (format->name == "ubx" || (format->name == "novatel" && io::raw_format(file) == io::RawFormat::Novatel));   // raw measurements first, and what the receiver itself made of them
     if (!streams || receiver) study.files.push_back(detail::load_file(file, name));
-    if (!streams || (receiver && study.files.back().report.kind != "ubx")) return;
+    if (!streams || (receiver && study.files.back().report.kind != format->name)) return;
     const std::size_t whole = study.files.size() - 1;
     for (LoadedFile& stream : detail::load_streams(file, name, *format)) {
         if (receiver && !stream.table) continue;
