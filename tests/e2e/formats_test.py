@@ -156,6 +156,10 @@ def formats(program, source):
     check(all(word in listed for word in ("ulog", "dataflash", "mcap", "novatel", "sbet", "geojson")), "help formats")
     check("gyro_x_rad_s <- gyro_x_rad_s" in program("inspect", "a.bin", "--explain").stdout, "--explain")
 
+    program("inspect", "a.bin", "-o", "found")
+    page = (folder / "found/report.html").read_text()
+    check(all(text in page for text in ("a.bin#imu: imu,", "a.bin#gnss: gnss,", "track of the fixes", "when each stream has data", "gyro_x_rad_s")), "inspect as a picture")
+
     # damage
     for name in ("a.bin", "a.mcap", "set/a.ulg"):
         whole = (folder / name).read_bytes()

@@ -140,6 +140,8 @@ TEST_F(Formats, AStreamIsOpenedByItsName) {
     EXPECT_TRUE(input.content().starts_with("time_s,lat_deg,lon_deg,height_m"));
     expect_parts(message_of([&] { (void)logs.open(file.string() + "#imu", warnings); }), {"run.h5", "no stream \"imu\"", "it holds solution"});
     EXPECT_FALSE(logs.open(file, warnings).in_memory());
+    format_named("gpx")->write(folder() / "track.gpx", drive(), "track");
+    EXPECT_TRUE(logs.open(folder() / "track.gpx", warnings).content().starts_with("time_gps_s,lat_deg,lon_deg,height_m"));
     EXPECT_EQ(stream_path("no/such#file").stream, "");
 }
 

@@ -292,6 +292,21 @@ void date_facts(const Study& study, std::vector<Fact>& facts) {
     }
 }
 
+/// Times on the axis of the study's series: the GNSS log's, the IMU log's where there is none.
+Motion motion_of(const Study& study) {
+    Motion m;
+    const double origin = study.origin.seconds();
+    m.imu_shift = study.gnss_file == nullptr ? 0.0 : study.imu_shift + study.clock_shift;
+    for (const auto& interval : study.still.intervals) m.still.emplace_back(origin + interval.start, origin + interval.stop);
+    for (std::size_t i = 0; i < study.gnss.size(); ++i) {
+        m.t.push_back(origin + study.gnss.t[i]);
+        m.north.push_back(study.gnss.p[i].x());
+        m.east.push_back(study.gnss.p[i].y());
+        m.up.push_back(study.gnss.has_height ? -study.gnss.p[i].z() : not_given);
+    }
+    return m;
+}
+
 }  // namespace
 
 std::string explain(const std::filesystem::path& path) {
@@ -340,7 +355,11 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
 
     InspectReport report;
     report.path = path.string();
-    for (LoadedFile& file : study.files) report.files.push_back(std::move(file.report));
+    report.motion = motion_of(study);
+    for (LoadedFile& file : study.files) {
+        if (file.table) file.report.understood = detail::explained_columns(file);
+        report.files.push_back(std::move(file.report));
+    }
     report.findings = std::move(study.findings);
     report.problems = std::move(study.problems);
     report.contradictions = std::move(study.contradictions);
