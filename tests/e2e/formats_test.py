@@ -141,7 +141,7 @@ def formats(program, source):
     for name in ("track.gpx", "track.sbet", "track.tum", "track.euroc", "track.pos", "track.nmea", "track.mat", "track.h5", "track.mcap", "track.geojson", "track.kml", "track.csv"):
         program("convert", "out_a.mcap/run.h5", name)
         check((folder / name).stat().st_size > 1000, f"{name} is written")
-    for name in ("track.sbet", "track.tum", "track.pos", "track.mat", "track.h5", "track.mcap"):
+    for name in ("track.gpx", "track.sbet", "track.tum", "track.pos", "track.mat", "track.h5", "track.mcap"):
         program("convert", name, "again.csv")
         back, once = rows_of(folder / "again.csv"), rows_of(folder / "out_a.mcap/solution.csv")
         check(len(back) == len(once), f"{name}: {len(back)} of {len(once)} rows")
