@@ -141,7 +141,7 @@ def formats(program, source):
     for name in ("track.gpx", "track.sbet", "track.tum", "track.euroc", "track.pos", "track.nmea", "track.mat", "track.h5", "track.mcap", "track.geojson", "track.kml", "track.csv"):
         program("convert", "out_a.mcap/run.h5", name)
         check((folder / name).stat().st_size > 1000, f"{name} is written")
-    for name in ("track.sbet", "track.tum", "track.pos", "track.mat", "track.h5", "track.mcap"):
+    for name in ("track.gpx", "track.sbet", "track.tum", "track.pos", "track.mat", "track.h5", "track.mcap"):
         program("convert", name, "again.csv")
         back, once = rows_of(folder / "again.csv"), rows_of(folder / "out_a.mcap/solution.csv")
         check(len(back) == len(once), f"{name}: {len(back)} of {len(once)} rows")
@@ -155,6 +155,10 @@ def formats(program, source):
     listed = program("help", "formats").stdout
     check(all(word in listed for word in ("ulog", "dataflash", "mcap", "novatel", "sbet", "geojson")), "help formats")
     check("gyro_x_rad_s <- gyro_x_rad_s" in program("inspect", "a.bin", "--explain").stdout, "--explain")
+
+    program("inspect", "a.bin", "-o", "found")
+    page = (folder / "found/report.html").read_text()
+    check(all(text in page for text in ("a.bin#imu: imu,", "a.bin#gnss: gnss,", "track of the fixes", "when each stream has data", "gyro_x_rad_s")), "inspect as a picture")
 
     # damage
     for name in ("a.bin", "a.mcap", "set/a.ulg"):

@@ -2,7 +2,7 @@
 import struct
 import zlib
 
-NAMES = ["ulog", "dataflash", "mcap", "rosbag", "novatel", "ubx", "sbet", "tum", "euroc", "gpx", "waypoint", "ulog2csv"]
+NAMES = ["ulog", "dataflash", "mcap", "rosbag", "novatel", "ubx", "sbet", "tum", "euroc", "gpx", "waypoint", "ulog2csv", "imr"]
 
 
 def ulog():
@@ -92,6 +92,7 @@ def seeds():
         "euroc": b"#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n1403715524907143168,1,2,3,1,0,0,0\n",
         "gpx": b"<gpx><trk><trkseg><trkpt lat=\"48.1\" lon=\"11.5\"><ele>500</ele><time>2024-05-01T12:00:00.25Z</time></trkpt></trkseg></trk></gpx>",
         "waypoint": b"GPSTime Week Latitude Longitude H-Ell Heading Pitch Roll\n100.0 2200 -48 30 36.0 11 15 0.0 512.5 90 1 2\n",
+        "imr": b"$IMURAW\0\0" + struct.pack("<diidddiid", 8.8, 1, 1, 100.0, 1e-6, 1e-6, 2, 2, 0.0) + bytes(447) + struct.pack("<d6i", 1000.0, 1, 2, 3, 4, 5, 6),
         "ulog2csv": b"timestamp,gyro_rad[0],gyro_rad[1],gyro_rad[2],accelerometer_m_s2[0],accelerometer_m_s2[1],accelerometer_m_s2[2]\n1000,1,2,3,4,5,6\n",
     }
     return {name: bytes([NAMES.index(name)]) + data for name, data in content.items()}

@@ -24,8 +24,8 @@ std::vector<SolutionRow> drive() {
     for (int i = 0; i < 400; ++i) {
         SolutionRow r;
         r.time = Time::from_gps(2300, 138'000.0 + 0.05 * i);
-        r.position = {(48.1 + 1e-5 * i) * units::deg, (-11.6 + 2e-5 * i) * units::deg, 512.3456 + 0.01 * i};
-        r.v_eb_n = {1.25 + 0.001 * i, -7.5, 0.0625};
+        r.position = {(48.1 + 1e-5 * i) * units::deg, (-11.6 - 2e-5 * i) * units::deg, 512.3456 + 0.01 * i};
+        r.v_eb_n = {1.25 + 0.001 * i, -7.5, -0.0625};   // the way that the positions go: readers of SBET look
         r.rpy = {0.01 * std::sin(0.1 * i), -0.02, 4.0 + 0.001 * i};
         r.std_position = {0.021, 0.034, 0.055};
         r.std_velocity = {0.013, 0.012, 0.011};
@@ -140,6 +140,8 @@ TEST_F(Formats, AStreamIsOpenedByItsName) {
     EXPECT_TRUE(input.content().starts_with("time_s,lat_deg,lon_deg,height_m"));
     expect_parts(message_of([&] { (void)logs.open(file.string() + "#imu", warnings); }), {"run.h5", "no stream \"imu\"", "it holds solution"});
     EXPECT_FALSE(logs.open(file, warnings).in_memory());
+    format_named("gpx")->write(folder() / "track.gpx", drive(), "track");
+    EXPECT_TRUE(logs.open(folder() / "track.gpx", warnings).content().starts_with("time_gps_s,lat_deg,lon_deg,height_m"));
     EXPECT_EQ(stream_path("no/such#file").stream, "");
 }
 

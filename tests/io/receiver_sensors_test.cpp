@@ -93,7 +93,7 @@ TEST_F(ReceiverSensors, NovatelAsciiAndBinaryMixed) {
     expect_parts(warnings.summary().at(0), {"bad.gps", "damaged logs", "at byte 10"});
     WarningLog others;
     const auto unknown = write("unknown.gps", rawimusx(1.0, 1, 2, 3, 4, 5, 6, 200) + novatel_ascii("#VERSIONA,COM1,0,85.0,FINESTEERING,2200,1.0,0,0,0;1"));
-    expect_parts(message_of([&] { (void)read(unknown, "novatel", others); }), {"unknown.gps", "no position", "VERSIONA"});
+    expect_parts(message_of([&] { (void)read(unknown, "novatel", others); }), {"unknown.gps", "no position", "VERSION"});
     expect_parts(others.summary().at(0), {"IMU type 200"});
 }
 
@@ -116,6 +116,33 @@ std::string nav_pvt(std::uint32_t tow_ms, int second) {
     set(40, std::uint32_t{1500});
     set(44, std::uint32_t{2500});
     return test::ubx(0x01, 0x07, p);
+}
+
+/// Records of an SBET: travel to the north-east, falling, in a wander frame, with velocities along x, +-y and +-z.
+std::string sbet(double wander, double y_sign, double z_sign) {
+    std::string out;
+    const double north = 20.0, east = 10.0, down = 1.0, heading = 0.5;
+    for (int i = 0; i < 200; ++i) {
+        const double t = 0.01 * i, c = std::cos(wander), s = std::sin(wander);
+        for (const double v : {302'400.0 + t, 0.5 + north * t / 6'350'000.0, -1.0 + east * t / (6'383'000.0 * std::cos(0.5)), 500.0 - down * t, c * north - s * east,
+                               y_sign * (s * north + c * east), z_sign * down, 0.01, 0.02, heading + wander, wander, 0.0, 0.0, -9.8, 0.0, 0.0, 0.0})
+            put(out, v);
+    }
+    return out;
+}
+
+TEST_F(ReceiverSensors, SbetVelocitiesOfEveryFrame) {
+    for (const double wander : {0.0, 0.4, -2.0})
+        for (const double y : {-1.0, 1.0})
+            for (const double z : {-1.0, 1.0}) {   // north, west, up is Applanix's
+                WarningLog warnings;
+                const StreamLog log = read(write("a.sbet", sbet(wander, y, z)), "sbet", warnings);
+                const Stream& s = log.streams.at(0);
+                EXPECT_NEAR(at(s, "vel_n_m_s", 50), 20.0, 1e-9) << wander << y << z;
+                EXPECT_NEAR(at(s, "vel_e_m_s", 50), 10.0, 1e-9) << wander << y << z;
+                EXPECT_NEAR(at(s, "vel_d_m_s", 50), 1.0, 1e-9) << wander << y << z;
+                EXPECT_NEAR(at(s, "heading_deg", 50), 0.5 / units::deg, 1e-9);
+            }
 }
 
 TEST_F(ReceiverSensors, UbloxSensorsAreOnTheTimeOfTheFixes) {
@@ -251,7 +278,14 @@ TEST_F(ReceiverSensors, RealSamples) {
     WarningLog warnings;
     EXPECT_EQ(read(samples / "novatel/BESTPOS.GPS", "novatel", warnings).streams.at(0).kind, TableKind::Gnss);
     EXPECT_FALSE(read(samples / "novatel/ins1.gps", "novatel", warnings).streams.empty());
-    EXPECT_EQ(read(samples / "novatel/2-points.sbet", "sbet", warnings).streams.at(0).rows(), 2U);
+    const StreamLog sbet_log = read(samples / "novatel/2-points.sbet", "sbet", warnings);
+    const Stream& two = sbet_log.streams.at(0);
+    EXPECT_EQ(two.rows(), 2U);
+    // the way between the two points, in 5 ms: 0.29 m/s to the east, 0.03 m/s downwards
+    const double dt = 1e-9 * static_cast<double>(two.time_ns[1] - two.time_ns[0]), north = 6'353'000.0 * units::deg / dt, east = north * std::cos(0.568);
+    EXPECT_NEAR(at(two, "vel_n_m_s", 0), (at(two, "lat_deg", 1) - at(two, "lat_deg", 0)) * north, 0.03);
+    EXPECT_NEAR(at(two, "vel_e_m_s", 0), (at(two, "lon_deg", 1) - at(two, "lon_deg", 0)) * east, 0.03);
+    EXPECT_NEAR(at(two, "vel_d_m_s", 0), (at(two, "height_ellipsoidal_m", 0) - at(two, "height_ellipsoidal_m", 1)) / dt, 0.001);
     EXPECT_EQ(read(samples / "ubx/esf_raw.ubx", "ubx", warnings).streams.at(0).rows(), 10U);
     EXPECT_FALSE(read(samples / "ubx/pygpsdata-HNR.log", "ubx", warnings).streams.empty());
     EXPECT_EQ(read(samples / "mat/gnss.mat", "mat", warnings).find("gnss")->rows(), 2187U);

@@ -1,5 +1,6 @@
 #include "schuler/app/commands.h"
 
+#include "schuler/app/inspect_page.h"
 #include "schuler/core/error.h"
 #include "schuler/core/log.h"
 #include "schuler/dataset/raw_observations.h"
@@ -8,10 +9,13 @@
 #include "schuler/inspect/inspect.h"
 #include "schuler/io/own_files.h"
 #include "schuler/io/regular_file.h"
+#include "schuler/io/staged_folder.h"
 #include "schuler/report/evaluation_json.h"
 #include "schuler/report/facts.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/outputs.h"
+#include "schuler/report/report.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
 #include "schuler/settings/facts.h"
@@ -95,7 +99,7 @@ bool is_described(const fs::path& path) {
 
 }  // namespace
 
-report::Outcome inspect_path(const fs::path& path) {
+report::Outcome inspect_path(const fs::path& path, const fs::path& folder, const std::string& version) {
     std::error_code ec;
     if (!fs::is_directory(path, ec)) io::check_regular_file(path);
     std::vector<Fact> facts;
@@ -130,6 +134,13 @@ report::Outcome inspect_path(const fs::path& path) {
     out.tables = inspect::describe(report);
     if (described) out.tables += "\n" + report::facts_table(facts, true);
     out.json = report::text_of(document);
+    if (folder.empty()) return out;
+    io::check_overwrite(folder / "report.html");
+    io::StagedFolder stage(folder);
+    report::write_text(stage.path() / "report.html", report::render(inspect_page(report, version)));
+    out.folder = folder;
+    out.files.push_back(stage.final_path("report.html"));
+    stage.publish();
     return out;
 }
 

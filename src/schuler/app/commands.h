@@ -32,8 +32,8 @@ namespace schuler::app {
 /// @throws Error(Input) where the command was given no such place
 void allow_overwrite(const settings::SettingList& given);
 
-/// What is in a file or folder.
-[[nodiscard]] report::Outcome inspect_path(const std::filesystem::path& path);
+/// What is in a file or folder; as a page in `folder` too, where one is given.
+[[nodiscard]] report::Outcome inspect_path(const std::filesystem::path& path, const std::filesystem::path& folder = {}, const std::string& version = {});
 
 /// Solutions between formats. `format`: csv, kml or kf-gins; raw measurements (UBX, RTCM 3, RINEX) to rinex-obs or rinex-nav;
 /// empty: by the name of `out`. @throws Error(Input).

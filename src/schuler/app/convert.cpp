@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace schuler::app {
@@ -74,6 +76,9 @@ report::Outcome convert_file(const fs::path& in, const fs::path& out, const std:
     const io::Format& wanted = wanted_format(out, format);
     WarningLog warnings;
     const std::vector<SolutionRow> rows = dataset::read_trajectory(in, warnings);
+    const bool holds_anything = wanted.name == "csv" || wanted.name == "hdf5" || wanted.name == "mat";
+    if (!holds_anything && std::ranges::none_of(rows, [](const SolutionRow& r) { return std::isfinite(r.position.lat) && std::isfinite(r.position.lon); }))
+        throw input_error(fmt::format("has no positions to write as {}", wanted.title), {in.string(), 0, 0, {}}, "write csv, hdf5 or mat");
     wanted.write(out, rows, in.stem().string());
     report::Outcome outcome;
     outcome.tables =

@@ -39,14 +39,14 @@ std::optional<report::Outcome> convert_raw(const fs::path& in, const fs::path& o
     if (wanted == "rinex-obs") {
         if (raw.observations.epochs.empty())
             throw input_error("has no raw measurements", {in.string(), 0, 0, {}},
-                              "log RXM-RAWX (u-blox) or MSM4 to MSM7 (RTCM 3)");
+                              "log RXM-RAWX (u-blox), MSM4 to MSM7 (RTCM 3) or RANGE (NovAtel)");
         io::write_file(out, io::rinex_observations_text(raw.observations));
         outcome.tables =
             fmt::format("{} epochs, {} measurements\n", raw.observations.epochs.size(), raw.observations.observations.size());
     } else {
         if (raw.navigation.size() == 0)
             throw input_error("has no ephemerides", {in.string(), 0, 0, {}},
-                              "log RXM-SFRBX (u-blox) or 1019, 1020, 1045, 1046 (RTCM 3)");
+                              "log RXM-SFRBX (u-blox), 1019, 1020, 1045, 1046 (RTCM 3) or RAWEPHEM (NovAtel)");
         io::write_file(out, io::rinex_navigation_text(raw.navigation));
         outcome.tables = fmt::format("{} ephemerides\n", raw.navigation.size());
     }

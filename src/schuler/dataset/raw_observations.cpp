@@ -65,7 +65,7 @@ RawObservations raw_observations(const fs::path& path) {
         const std::string name = entry.path().filename().string();
         if (format == io::RawFormat::RinexNavigation) navigation.push_back(name);
         if (format == io::RawFormat::RinexObservations) observations.push_back(name);
-        if (format == io::RawFormat::Ubx || format == io::RawFormat::Rtcm3) logs.push_back(name);
+        if (format == io::RawFormat::Ubx || format == io::RawFormat::Rtcm3 || format == io::RawFormat::Novatel) logs.push_back(name);
     }
     for (auto* names : {&observations, &navigation, &logs}) std::ranges::sort(*names);
     const bool only_logs = observations.empty();

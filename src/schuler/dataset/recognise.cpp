@@ -40,11 +40,8 @@ namespace fs = std::filesystem;
                           : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");
 }
 
-bool recognised(const inspect::InspectReport& report, std::initializer_list<std::string_view> kinds) {
-    return std::ranges::any_of(report.files, [&](const inspect::FileReport& file) {
-        return file.chosen && std::ranges::find(kinds, std::string_view(file.kind)) != kinds.end();
-    });
-}
+/// Whether a log was found for it: "imu.file" or "gnss.file" of the settings that were inferred.
+bool recognised(const inspect::InspectReport& report, std::string_view key) { return std::ranges::find(report.facts, key, &Fact::key) != report.facts.end(); }
 
 std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
     std::vector<std::string> doubts = report.doubts;
@@ -78,7 +75,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
         r.doubts = r.report.doubts;
         return r;
     }
-    if (needs == Needs::ImuAndGnss && !recognised(r.report, {"imu", "kfgins_imu"})) {
+    if (needs == Needs::ImuAndGnss && !recognised(r.report, "imu.file")) {
         RawObservations raw = raw_observations(path);
         if (!raw.facts.empty()) {
             r.facts = std::move(raw.facts);
@@ -103,8 +100,8 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
         }
         throw input_error(why, {path.string(), 0, 0, {}}, mend);
     }
-    if (!recognised(r.report, {"imu", "kfgins_imu"})) throw_missing(path, r.report, "imu");
-    if (needs == Needs::ImuAndGnss && !recognised(r.report, {"gnss", "kfgins_gnss", "rtklib_pos", "nmea"}))
+    if (!recognised(r.report, "imu.file")) throw_missing(path, r.report, "imu");
+    if (needs == Needs::ImuAndGnss && !recognised(r.report, "gnss.file"))
         throw_missing(path, r.report, "gnss");
     r.doubts = doubts_of(r.report);
     r.facts = r.report.facts;

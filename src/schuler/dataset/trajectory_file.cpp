@@ -79,7 +79,8 @@ std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io:
 std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
     const io::StreamPath where = io::stream_path(file);
     const io::Format* format = io::format_of(where.file);
-    if (format != nullptr && format->read != nullptr && !format->one_stream) return read_stream_rows(where, *format, warnings);
+    const bool has_reader = format != nullptr && (format->name == "rtklib_pos" || format->name == "nmea");   // of its own, below
+    if (format != nullptr && format->read != nullptr && !has_reader) return read_stream_rows(where, *format, warnings);
     const io::TextInput input(file);
     if (io::is_rtklib_pos(input)) return rows_of(io::read_rtklib_pos(input, warnings).fixes);
     if (io::is_nmea(input)) return rows_of(io::read_nmea(input, warnings).fixes);

@@ -182,8 +182,8 @@ void report_lacking(Study& study) {
             study.problem(Level::Info,
                           fmt::format("there is already a {}: what follows is inferred without it", file.report.path), "");
     }
-    const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("rtcm3") || any("sp3") || any("adsb");
-    if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("rtcm3") && !any("sp3")) {
+    const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("novatel") || any("rtcm3") || any("sp3") || any("adsb");
+    if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("novatel") && !any("rtcm3") && !any("sp3")) {
         study.problem(Level::Warning, "there are raw measurements, and no ephemerides",
                       "put the navigation file of the same day beside them");
     }
@@ -228,9 +228,9 @@ void load_one(const fs::path& file, const std::string& name, Study& study) {
         // load_file says what is wrong
     }
     const bool streams = format != nullptr && format->read != nullptr && !format->one_stream;
-    const bool receiver = streams && format->name == "ubx";   // raw measurements first, and what the receiver itself made of them
+    const bool receiver = streams && (format->name == "ubx" || (format->name == "novatel" && io::raw_format(file) == io::RawFormat::Novatel));   // raw measurements first, and what the receiver itself made of them
     if (!streams || receiver) study.files.push_back(detail::load_file(file, name));
-    if (!streams || (receiver && study.files.back().report.kind != "ubx")) return;
+    if (!streams || (receiver && study.files.back().report.kind != format->name)) return;
     const std::size_t whole = study.files.size() - 1;
     for (LoadedFile& stream : detail::load_streams(file, name, *format)) {
         if (receiver && !stream.table) continue;
@@ -292,6 +292,21 @@ void date_facts(const Study& study, std::vector<Fact>& facts) {
     }
 }
 
+/// Times on the axis of the study's series: the GNSS log's, the IMU log's where there is none.
+Motion motion_of(const Study& study) {
+    Motion m;
+    const double origin = study.origin.seconds();
+    m.imu_shift = study.gnss_file == nullptr ? 0.0 : study.imu_shift + study.clock_shift;
+    for (const auto& interval : study.still.intervals) m.still.emplace_back(origin + interval.start, origin + interval.stop);
+    for (std::size_t i = 0; i < study.gnss.size(); ++i) {
+        m.t.push_back(origin + study.gnss.t[i]);
+        m.north.push_back(study.gnss.p[i].x());
+        m.east.push_back(study.gnss.p[i].y());
+        m.up.push_back(study.gnss.has_height ? -study.gnss.p[i].z() : not_given);
+    }
+    return m;
+}
+
 }  // namespace
 
 std::string explain(const std::filesystem::path& path) {
@@ -340,7 +355,11 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
 
     InspectReport report;
     report.path = path.string();
-    for (LoadedFile& file : study.files) report.files.push_back(std::move(file.report));
+    report.motion = motion_of(study);
+    for (LoadedFile& file : study.files) {
+        if (file.table) file.report.understood = detail::explained_columns(file);
+        report.files.push_back(std::move(file.report));
+    }
     report.findings = std::move(study.findings);
     report.problems = std::move(study.problems);
     report.contradictions = std::move(study.contradictions);

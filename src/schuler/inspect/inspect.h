@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace schuler::inspect {
@@ -34,6 +35,11 @@ struct FileReport {
     std::size_t gaps = 0;  ///< steps longer than 3 times the median
     std::size_t duplicates = 0;  ///< rows with the time of the row before
     double start_s = 0.0, stop_s = 0.0;
+    struct Hole {
+        double start, length;  ///< the last sample before it, on the times of the file; s
+    };
+    std::vector<Hole> holes;  ///< the gaps, in order
+    std::vector<std::string> understood;  ///< what each column was taken for, a line each
     bool chosen = false;  ///< the generated dataset.toml uses it
     std::vector<Problem> problems;
 };
@@ -70,6 +76,13 @@ struct Refusal {
     std::string text, mend;
 };
 
+/// What is drawn of a data set: when it stood still, and where it went.
+struct Motion {
+    std::vector<std::pair<double, double>> still;  ///< from, to: on the times of the GNSS log, of the IMU log where there is none
+    std::vector<double> t, north, east, up;  ///< of the fixes from the first one, m; on their own times
+    double imu_shift = 0.0;  ///< s that are added to the times of the IMU log to come to that axis
+};
+
 struct InspectReport {
     std::string path;
     std::vector<FileReport> files;  ///< in order of their names
@@ -80,6 +93,7 @@ struct InspectReport {
     std::vector<std::string> doubts;  ///< what was taken otherwise than the files say it, with the evidence
     std::vector<ClockStep> clock_steps;  ///< in order of time; who loads the logs puts them back
     std::optional<Refusal> refusal;
+    Motion motion;
     std::string dataset_toml;  ///< commented, parsable; empty where nothing usable was found
 };
 

@@ -21,6 +21,7 @@ namespace schuler::io {
     FORMAT(ros_db3_format) \
     FORMAT(mat_format) \
     FORMAT(hdf5_format) \
+    FORMAT(imr_format) \
     FORMAT(novatel_format) \
     FORMAT(ubx_format) \
     FORMAT(rtcm3_format) \

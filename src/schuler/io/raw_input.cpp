@@ -1,6 +1,7 @@
 #include "schuler/io/raw_input.h"
 
 #include "schuler/core/error.h"
+#include "schuler/io/receiver/novatel_raw.h"
 #include "schuler/io/receiver/rtcm3.h"
 #include "schuler/io/receiver/ubx.h"
 #include "schuler/io/rinex/rinex.h"
@@ -29,7 +30,7 @@ RawFormat raw_format(const std::filesystem::path& file) {
         case RinexKind::Navigation: return RawFormat::RinexNavigation;
         default: break;
     }
-    return is_ubx(input) ? RawFormat::Ubx : is_rtcm3(input) ? RawFormat::Rtcm3 : RawFormat::None;
+    return is_ubx(input) ? RawFormat::Ubx : is_novatel_raw(input) ? RawFormat::Novatel : is_rtcm3(input) ? RawFormat::Rtcm3 : RawFormat::None;
 }
 
 RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> near, WarningLog& warnings) {
@@ -45,9 +46,13 @@ RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> n
             Rtcm3Log log = read_rtcm3(input, near.value_or(last_written(file)), warnings);
             return {std::move(log.observations), std::move(log.navigation), {}};
         }
+        case RawFormat::Novatel: {
+            NovatelRaw raw = read_novatel_raw(input, warnings);
+            return {std::move(raw.observations), std::move(raw.navigation), {}};
+        }
         default: break;
     }
-    throw input_error("is no RINEX, UBX or RTCM 3 file", {file.string(), 0, 0, {}},
+    throw input_error("is no RINEX, UBX, RTCM 3 or NovAtel file", {file.string(), 0, 0, {}},
                       "choose a file of raw measurements or ephemerides");
 }
 

@@ -13,7 +13,7 @@
 
 namespace schuler::io {
 
-enum class RawFormat { None, RinexObservations, RinexNavigation, Ubx, Rtcm3 };
+enum class RawFormat { None, RinexObservations, RinexNavigation, Ubx, Rtcm3, Novatel };
 
 /// By the first bytes. Never throws on content.
 [[nodiscard]] RawFormat raw_format(const std::filesystem::path& file);
@@ -24,7 +24,7 @@ struct RawInput {
     std::vector<GnssFix> fixes;                  ///< the receiver's own (UBX)
 };
 
-/// Reads RINEX observations or navigation, UBX or RTCM 3, recognised by content. `near` is for RTCM 3 without ephemerides, whose
+/// Reads RINEX observations or navigation, UBX, RTCM 3 or NovAtel logs, recognised by content. `near` is for RTCM 3 without ephemerides, whose
 /// measurements carry no date: less than half a week from its start; not given: the time the file was last written.
 /// @throws Error(Input): none of these, or damaged beyond use.
 [[nodiscard]] RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> near, WarningLog& warnings);

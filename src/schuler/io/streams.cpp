@@ -113,8 +113,14 @@ StreamPath stream_path(const std::filesystem::path& path) {
 }
 
 TextInput LogFiles::open(const std::filesystem::path& path, WarningLog& warnings) {
-    const StreamPath where = stream_path(path);
-    if (where.stream.empty()) return {path};
+    StreamPath where = stream_path(path);
+    if (where.stream.empty()) {
+        // a track is no table; the other files of one log have readers of their own
+        std::error_code ec;
+        const Format* format = std::filesystem::is_regular_file(path, ec) ? format_of(path) : nullptr;
+        if (format == nullptr || format->name != "gpx") return {path};
+        where.stream = "gnss";
+    }
     if (const auto have = tables_.find(path); have != tables_.end()) return TextInput::memory(have->second, path.string());
     auto log = logs_.find(where.file);
     if (log == logs_.end()) {

@@ -51,6 +51,7 @@ struct Panel {
     bool log_y = false;             ///< values that are not positive are gaps, or at the lower edge where clamped
     std::optional<std::pair<double, double>> x_limits{};  ///< otherwise from the data; what is outside is cut off
     std::optional<std::pair<double, double>> y_limits{};  ///< otherwise from the data, see data_range in detail/axis.h
+    std::vector<std::pair<double, std::string>> row_names{};  ///< rows instead of a scale of y: a text at the left edge, above that y
     double y_step = 0.0;            ///< whole distance of the y ticks (90 deg); 0: by the range
     int height = 200;               ///< px at a width of 1100
 };

@@ -8,7 +8,7 @@ namespace {
 
 struct FilesRequest {
     std::filesystem::path in, out;
-    std::string format;
+    std::string format, version;
     double settle = 0.0;
     bool explain = false;
 };
@@ -34,11 +34,13 @@ void add_file_commands(std::vector<Command>& list) {
                               std::move(evaluate), "one JSON document with the fields of summary.json", false,
                               [](const R& r) { return evaluate_files(r.in, r.out, r.settle); }));
     inspect.add(first("PATH", "path", "file or folder"))
+        .add(lettered('o', written("DIR", path<R>("output", "folder for report.html: bars of time of every stream, gaps, still periods, track, tables",
+                                                  [](auto& r) -> auto& { return r.out; }))))
         .add(settings::flag<R>("explain", "what each column was taken for", [](auto& r) -> auto& { return r.explain; }));
     list.push_back(command<R>("inspect", "what is in a file or folder, what is wrong, a dataset.toml to start from",
-                              "  schuler inspect drive/\n  schuler inspect flight.ulg\n  schuler inspect imu.csv --explain\n  schuler inspect imu.csv --json", std::move(inspect), "one JSON document", false,
+                              "  schuler inspect drive/\n  schuler inspect flight.ulg\n  schuler inspect imu.csv --explain\n  schuler inspect drive/ -o out/found\n  schuler inspect imu.csv --json", std::move(inspect), "one JSON document", false,
                               [](const R& r) {
-                                  report::Outcome found = inspect_path(r.in);
+                                  report::Outcome found = inspect_path(r.in, r.out, r.version);
                                   if (r.explain) found.tables += "\n" + explained(r.in);
                                   return found;
                               }));

@@ -155,7 +155,7 @@ void describe_observations(const io::RawInput& raw, LoadedFile& file) {
 }  // namespace
 
 bool read_raw(LoadedFile& file, io::RawFormat format) {
-    static constexpr std::array<const char*, 5> kinds = {"unknown", "rinex_obs", "rinex_nav", "ubx", "rtcm3"};
+    static constexpr std::array<const char*, 6> kinds = {"unknown", "rinex_obs", "rinex_nav", "ubx", "rtcm3", "novatel"};
     WarningLog log;
     io::RawInput raw;
     try {

@@ -152,6 +152,8 @@ void report_cadence(LoadedFile& file) {
     file.report.gaps = c.gaps.size();
     file.report.duplicates = c.duplicates;
     const double origin = static_cast<double>(file.cadence_origin_ns) * 1e-9;
+    file.report.holes.clear();
+    for (const Gap& gap : c.gaps) file.report.holes.push_back({origin + gap.start, gap.length});
     file.report.start_s = origin + c.start;
     file.report.stop_s = origin + c.stop;
     const bool raw = !file.table && !file.report.contents.empty();

@@ -192,6 +192,16 @@ struct Hdf5Reader::File {
     [[nodiscard]] Error no_such(const std::string& object) const {
         return input_error("there is no such object", place_in(name, 0, 0, object), "look at the names in the file");
     }
+    [[nodiscard]] Error damaged(const std::string& object) const {
+        return input_error("cannot be read: the file is damaged there", place_in(name, 0, 0, object), "check that it was copied completely");
+    }
+    /// How many values an object says to have, where memory can hold them.
+    [[nodiscard]] std::size_t count(hid_t space, const std::string& object) const {
+        constexpr hssize_t most = hssize_t{1} << 30;
+        const hssize_t points = H5Sget_simple_extent_npoints(space);
+        if (points < 0 || points > most) throw damaged(object);
+        return static_cast<std::size_t>(points);
+    }
 };
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : file_(std::make_unique<File>()) {
@@ -217,9 +227,11 @@ Hdf5Table Hdf5Reader::read(const std::string& path, int largest_rank) const {
     if (H5Sget_simple_extent_ndims(space.id()) > largest_rank) throw file_->no_such(fmt::format("{} with {} dimensions", path, largest_rank));
     H5Sget_simple_extent_dims(space.id(), size.data(), nullptr);
     Hdf5Table result;
+    const std::size_t count = file_->count(space.id(), path);
     result.rows = size[0];
     result.columns = size[1] * size[2];
-    result.values.resize(result.rows * result.columns);
+    if (count != 0 && (result.rows > count || result.columns > count || result.rows * result.columns != count)) throw file_->damaged(path);
+    result.values.resize(count);
     if (!result.values.empty() &&
         H5Dread(data.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.values.data()) < 0) {
         throw input_error("cannot be read", place_in(file_->name, 0, 0, path), "check that it was copied completely");
@@ -231,8 +243,7 @@ std::vector<std::int64_t> Hdf5Reader::integers(const std::string& path) const {
     const Handle data(H5Dopen2(file_->file.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!data.ok()) throw file_->no_such(path);
     const Handle space(H5Dget_space(data.id()), H5Sclose);
-    const hssize_t count = H5Sget_simple_extent_npoints(space.id());
-    std::vector<std::int64_t> values(count > 0 ? static_cast<std::size_t>(count) : 0);
+    std::vector<std::int64_t> values(file_->count(space.id(), path));
     if (!values.empty() && H5Dread(data.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
         throw input_error("cannot be read", place_in(file_->name, 0, 0, path), "check that it was copied completely");
     return values;
@@ -241,7 +252,10 @@ std::vector<std::int64_t> Hdf5Reader::integers(const std::string& path) const {
 std::string Hdf5Reader::attribute(const std::string& path, const std::string& name) const {
     const Handle found(H5Aopen_by_name(file_->file.id(), path.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     if (!found.ok()) throw file_->no_such(path + "@" + name);
-    const Handle type(H5Aget_type(found.id()), H5Tclose);
+    const Handle type(H5Aget_type(found.id()), H5Tclose), space(H5Aget_space(found.id()), H5Sclose);
+    constexpr std::size_t longest = 1'000'000;
+    if (file_->count(space.id(), path) != 1 || H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) != 0 || H5Tget_size(type.id()) > longest)
+        throw file_->damaged(path + "@" + name);
     std::string value(H5Tget_size(type.id()), '\0');
     if (H5Aread(found.id(), type.id(), value.data()) < 0) throw file_->no_such(path + "@" + name);
     value.resize(value.find('\0') == std::string::npos ? value.size() : value.find('\0'));
@@ -255,6 +269,8 @@ std::vector<std::string> Hdf5Reader::names(const std::string& group) const {
     std::vector<std::string> result;
     for (hsize_t i = 0; i < info.nlinks; ++i) {
         const ssize_t length = H5Lget_name_by_idx(opened.id(), ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
+        constexpr ssize_t longest = 65'536;
+        if (length < 0 || length > longest) throw file_->damaged(group);
         std::string name(static_cast<std::size_t>(length) + 1, '\0');
         H5Lget_name_by_idx(opened.id(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size(), H5P_DEFAULT);
         name.pop_back();

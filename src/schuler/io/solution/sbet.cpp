@@ -1,6 +1,7 @@
 // Smoothed best estimates of trajectory (SBET): records of seventeen doubles without a header.
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
+#include "schuler/earth/ellipsoid.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/detail/little_endian.h"
@@ -10,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -43,6 +45,40 @@ bool is_sbet(const FileHead& head) {
     return true;
 }
 
+/// Velocities stand in the wander frame: x north, y west, z up where the wander angle is zero, as Applanix writes them; other programs write y east, or
+/// z down. The positions of the file show which: the way between records half a second apart has the direction of the velocity.
+struct Signs {
+    double east = -1.0, down = -1.0;   ///< of the velocities' y and z
+};
+Signs signs_of(std::string_view bytes) {
+    const std::size_t rows = bytes.size() / record_size;
+    std::size_t apart = 1;
+    constexpr double long_enough = 0.5;   // s
+    while (apart + 1 < rows && record_at(bytes, apart)[0] - record_at(bytes, 0)[0] < long_enough) ++apart;
+    struct Agreement {
+        double together = 0.0, way = 0.0, velocity = 0.0;
+        void add(double w, double v) { together += w * v, way += w * w, velocity += v * v; }
+        [[nodiscard]] double sign() const {
+            constexpr double clear = 0.3;   // of the correlation
+            return together > clear * std::sqrt(way * velocity) ? 1.0 : -1.0;
+        }
+    } east, down;
+    constexpr std::size_t most = 20'000;
+    for (std::size_t i = 0, step = std::max<std::size_t>(1, rows / most); i + apart < rows; i += step) {
+        const Record a = record_at(bytes, i), b = record_at(bytes, i + apart);
+        const double dt = b[0] - a[0];
+        if (!is_record(a) || !is_record(b) || !(dt > 0.0) || dt > 10.0) continue;
+        const earth::Radii radii = earth::radii(earth::wgs84, a[1]);
+        const double to_east = std::remainder(b[2] - a[2], 2.0 * std::numbers::pi) * (radii.prime_vertical + a[3]) * std::cos(a[1]) / dt;
+        const double fallen = (a[3] - b[3]) / dt;
+        const double c = std::cos(a[10]), w = std::sin(a[10]);
+        const double slope = -w * a[4];   // what the wander angle turns of the velocity's x into the east
+        east.add(to_east - slope, c * 0.5 * (a[5] + b[5]));
+        down.add(fallen, 0.5 * (a[6] + b[6]));
+    }
+    return {east.sign(), down.sign()};
+}
+
 StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
     StreamLog log;
@@ -50,6 +86,7 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
              {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"});
     std::size_t damaged = 0, first = 0;
     double latest = 0.0;
+    const Signs signs = signs_of(bytes);
     for (std::size_t i = 0; i < bytes.size() / record_size; ++i) {
         const Record r = record_at(bytes, i);
         if (!is_record(r)) {
@@ -57,8 +94,8 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
             continue;
         }
         // the wander frame is turned against north by the wander angle: heading is the platform's less it
-        const double c = std::cos(r[10]), w = std::sin(r[10]);
-        s.add(Duration::from_seconds(r[0]).ns, {r[1] / units::deg, r[2] / units::deg, r[3], c * r[4] + w * r[5], -w * r[4] + c * r[5], r[6], r[7] / units::deg,
+        const double c = std::cos(r[10]), w = std::sin(r[10]), y = signs.east * r[5];
+        s.add(Duration::from_seconds(r[0]).ns, {r[1] / units::deg, r[2] / units::deg, r[3], c * r[4] + w * y, -w * r[4] + c * y, signs.down * r[6], r[7] / units::deg,
                                                 r[8] / units::deg, math::wrap_2pi(r[9] - r[10]) / units::deg});
         latest = std::max(latest, r[0]);
     }
@@ -79,7 +116,8 @@ void write_sbet(const std::filesystem::path& path, std::span<const SolutionRow> 
     constexpr std::int64_t week = 604'800'000'000'000;
     for (const SolutionRow& r : rows) {
         const bool dated = r.time.ns > 2 * week;
-        const Record record = {Duration{dated ? r.time.ns % week : r.time.ns}.seconds(), r.position.lat, r.position.lon, r.position.h, r.v_eb_n.x(), r.v_eb_n.y(), r.v_eb_n.z(), r.rpy.x(), r.rpy.y(), r.rpy.z()};
+        const Record record = {Duration{dated ? r.time.ns % week : r.time.ns}.seconds(), r.position.lat, r.position.lon, r.position.h, r.v_eb_n.x(),
+                               -r.v_eb_n.y(), -r.v_eb_n.z(), r.rpy.x(), r.rpy.y(), r.rpy.z()};
         detail::store(out, record);
     }
     write_file(path, out);
@@ -93,7 +131,7 @@ const Format sbet_format = {
     .title = "SBET",
     .extensions = ".sbet .out",
     .holds = "position, velocity and attitude (the wander angle taken out) as reference; accelerations and rates are not an IMU's and are left; written with "
-             "seconds of the week, wander angle, accelerations and rates zero",
+             "seconds of the week, velocities north, west, up, wander angle, accelerations and rates zero",
     .time = "seconds of the GPS week",
     .recognise = is_sbet,
     .read = read_sbet,

@@ -121,7 +121,7 @@ constexpr const char* time_stems =
     "time t timestamp time_stamp stamp gps_time gpstime gpst tow gps_tow gpstow time_of_week sow gps_sow gps_seconds gps_sec "
     "sec_of_week i_tow "
     "seconds_of_week time_gps time_startup time_boot time_since_start time_imu header_stamp itow utc_time time_utc epoch elapsed "
-    "elapsed_time "
+    "elapsed_time ts unix_time time_unix unix_timestamp timestamp_unix epoch_time gps_time_of_week sample_time time_sample "
     "| sec secs second seconds s ms us ns timer millis micros";
 
 using D = Dimension;

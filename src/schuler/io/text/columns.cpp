@@ -1,5 +1,6 @@
 #include "schuler/io/text/columns.h"
 
+#include "schuler/core/samples.h"
 #include "schuler/core/units.h"
 #include "schuler/io/text/detail/column_dictionary.h"
 #include "schuler/io/text/own_frame.h"
@@ -125,17 +126,27 @@ bool column_is_empty(const TableLayout& layout, int column) {
     });
 }
 
-/// A time without a unit: seconds, unless the numbers are so large that they can only be ticks since 1970.
-TimeUnit unit_by_size(const TableLayout& layout, int column) {
-    if (layout.sample.empty() || static_cast<std::size_t>(column) >= layout.sample.front().size()) return TimeUnit::Seconds;
-    const double value = number_from(layout.sample.front()[static_cast<std::size_t>(column)]);
+/// A time without a unit: seconds, unless the numbers are too large for them. Then they are ticks since 1970, or since the start of an instrument, of
+/// which the step between two rows tells the size; it is longer between fixes than between samples.
+TimeUnit unit_by_size(const TableLayout& layout, int column, bool fixes) {
+    const auto value_of = [&](const std::vector<std::string>& row) {
+        return static_cast<std::size_t>(column) < row.size() ? number_from(row[static_cast<std::size_t>(column)]) : not_given;
+    };
+    if (layout.sample.empty()) return TimeUnit::Seconds;
+    const double value = value_of(layout.sample.front());
+    double step = not_given;
+    for (std::size_t i = 1; i < layout.sample.size() && !(step > 0.0); ++i) step = value_of(layout.sample[i]) - value_of(layout.sample[i - 1]);
+    constexpr double seconds_most = 4e9;   // 2106
+    if (!(value > seconds_most)) return TimeUnit::Seconds;
     if (value > 1e17) return TimeUnit::Nanoseconds;
-    if (value > 1e14) return TimeUnit::Microseconds;
-    if (value > 1e11) return TimeUnit::Milliseconds;
-    return TimeUnit::Seconds;
+    if (value > 3e14 && value < 4e15 && !(step > (fixes ? 3e8 : 5e6))) return TimeUnit::Microseconds;   // 1980 to 2096
+    if (value > 3e11 && value < 4e12 && !(step > 3e5)) return TimeUnit::Milliseconds;
+    if (!(step > 0.0)) return value > 1e14 ? TimeUnit::Microseconds : value > 1e11 ? TimeUnit::Milliseconds : TimeUnit::Seconds;
+    if (step >= (fixes ? 2e7 : 2.5e5)) return TimeUnit::Nanoseconds;
+    return step >= (fixes ? 2e4 : 250.0) ? TimeUnit::Microseconds : TimeUnit::Milliseconds;
 }
 
-std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& layout) {
+std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& layout, TableKind kind) {
     std::optional<Candidate> best;
     for (std::size_t i = 0; i < layout.names.size(); ++i) {
         const int column = static_cast<int>(i);
@@ -144,7 +155,7 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
         c->empty = column_is_empty(layout, column);
         if (!c->match.unit_stated && i < layout.units.size())
             apply_unit(quantity, joined(words_of_name(layout.units[i]), 0, words_of_name(layout.units[i]).size()), c->match);
-        if (quantity.dimension == Dimension::Time && !c->match.unit_stated) c->match.time_unit = unit_by_size(layout, column);
+        if (quantity.dimension == Dimension::Time && !c->match.unit_stated) c->match.time_unit = unit_by_size(layout, column, kind == TableKind::Gnss || kind == TableKind::Reference);
         c->match.factor *= quantity.sign;
         c->match.offset *= quantity.sign;
         c->match.column = column;
@@ -280,7 +291,7 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
     std::vector<Candidate> found;
     for (const Quantity& quantity : detail::quantities(kind)) {
         if (overrides.columns.contains(quantity.canonical)) continue;
-        std::optional<Candidate> best = best_for(quantity, layout);
+        std::optional<Candidate> best = best_for(quantity, layout, kind);
         if (!best) continue;
         const auto have =
             std::find_if(found.begin(), found.end(), [&](const Candidate& c) { return c.match.canonical == quantity.canonical; });

@@ -58,6 +58,7 @@ void append_axes(std::string& out, const Panel& panel, const Frame& f) {
     const double rows = panel.equal_axes ? 10.0 * h / w : std::max(2.0, std::floor(h / 34.0));
     const bool stepped = panel.y_step > 0.0 && f.y.width() / panel.y_step < 3 * rows;
     for (const Tick& t : panel.log_y ? log_ticks(f.y) : stepped ? ticks_every(f.y, panel.y_step, 0) : linear_ticks(f.y, rows)) {
+        if (!panel.row_names.empty()) break;
         const double y = f.top + f.py(t.value);
         const bool zero = !panel.log_y && t.value == 0.0;
         fmt::format_to(Out(out),
@@ -224,6 +225,8 @@ std::string figure(const Panel& panel, int number) {
         append_axes(out, panel, f);
         append_spans(out, panel, f);
         append_curves(out, panel, f, number);
+        for (const auto& [y, text] : panel.row_names)
+            fmt::format_to(Out(out), "<text class=\"lab\" x=\"{:g}\" y=\"{:.1f}\">{}</text>", Frame::left + 6.0, f.top + f.py(y) - 9.0, escaped(text));
         if (panel.equal_axes && panel.x_label.ends_with(", m")) append_scale_bar(out, panel, f);
     }
     return out + "</svg></div></figure>";

@@ -1,0 +1,13 @@
+// What `inspect` found as a page: bars of time of every stream, the track, tables.
+#pragma once
+
+#include "schuler/inspect/inspect.h"
+#include "schuler/report/report.h"
+
+#include <string>
+
+namespace schuler::app {
+
+[[nodiscard]] report::ReportInput inspect_page(const inspect::InspectReport& found, const std::string& version);
+
+}  // namespace schuler::app

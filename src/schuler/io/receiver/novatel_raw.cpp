@@ -1,0 +1,358 @@
+#include "schuler/io/receiver/novatel_raw.h"
+
+#include "schuler/core/error.h"
+#include "schuler/io/bytes.h"
+#include "schuler/io/detail/broadcast_scales.h"
+#include "schuler/io/detail/ephemeris_checks.h"
+#include "schuler/io/receiver/detail/navigation_frames.h"
+#include "schuler/io/receiver/detail/novatel_frames.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+namespace schuler::io {
+namespace {
+
+using detail::NovatelFields;
+using detail::NovatelMessage;
+using gnss::SatelliteId;
+using gnss::Signal;
+using gnss::System;
+
+enum Log : int { gps_ephemeris = 7, ionosphere_utc = 8, raw_ephemeris = 41, range = 43, glonass_ephemeris = 723, galileo_ephemeris = 1122, beidou_ephemeris = 1696 };
+
+bool is_raw(int id) {
+    return id == gps_ephemeris || id == raw_ephemeris || id == range || id == glonass_ephemeris || id == galileo_ephemeris || id == beidou_ephemeris;
+}
+
+std::optional<SatelliteId> satellite_of(unsigned system, int prn) {
+    static constexpr std::array<System, 7> systems = {System::Gps, System::Glonass, System::Sbas, System::Galileo, System::BeiDou, System::Qzss, System::Navic};
+    if (system >= systems.size()) return std::nullopt;
+    int number = prn;
+    if (systems[system] == System::Glonass) number -= 37;
+    if (systems[system] == System::Sbas) number -= 100;
+    if (systems[system] == System::Qzss) number -= 192;
+    const int most = system == 0 ? 32 : 99;
+    if (number < 1 || number > most) return std::nullopt;
+    return SatelliteId{systems[system], static_cast<std::uint8_t>(number)};
+}
+
+/// Signal types of the channel status [NovAtelOEM7:RANGE].
+std::optional<Signal> signal_of(System system, unsigned type) {
+    struct Known {
+        System system;
+        unsigned type;
+        Signal signal;
+    };
+    static constexpr std::array<Known, 33> known = {{
+        {System::Gps, 0, {'1', 'C'}},     {System::Gps, 5, {'2', 'P'}},     {System::Gps, 9, {'2', 'W'}},      {System::Gps, 14, {'5', 'Q'}},
+        {System::Gps, 16, {'1', 'L'}},    {System::Gps, 17, {'2', 'S'}},    {System::Glonass, 0, {'1', 'C'}},  {System::Glonass, 1, {'2', 'C'}},
+        {System::Glonass, 5, {'2', 'P'}}, {System::Glonass, 6, {'3', 'Q'}}, {System::Sbas, 0, {'1', 'C'}},     {System::Sbas, 6, {'5', 'I'}},
+        {System::Galileo, 2, {'1', 'C'}}, {System::Galileo, 6, {'6', 'B'}}, {System::Galileo, 7, {'6', 'C'}},  {System::Galileo, 12, {'5', 'Q'}},
+        {System::Galileo, 17, {'7', 'Q'}}, {System::Galileo, 20, {'8', 'Q'}}, {System::BeiDou, 0, {'2', 'I'}}, {System::BeiDou, 1, {'7', 'I'}},
+        {System::BeiDou, 2, {'6', 'I'}},  {System::BeiDou, 4, {'2', 'I'}},  {System::BeiDou, 5, {'7', 'I'}},   {System::BeiDou, 6, {'6', 'I'}},
+        {System::BeiDou, 7, {'1', 'P'}},  {System::BeiDou, 9, {'5', 'P'}},  {System::BeiDou, 11, {'7', 'D'}},  {System::Qzss, 0, {'1', 'C'}},
+        {System::Qzss, 14, {'5', 'Q'}},   {System::Qzss, 16, {'1', 'L'}},   {System::Qzss, 17, {'2', 'S'}},    {System::Qzss, 27, {'6', 'L'}},
+        {System::Navic, 0, {'5', 'A'}},
+    }};
+    const auto at = std::ranges::find_if(known, [&](const Known& k) { return k.system == system && k.type == type; });
+    return at == known.end() ? std::nullopt : std::optional<Signal>(at->signal);
+}
+
+class RawReader {
+public:
+    RawReader() : frames_(result.navigation) {}
+
+    NovatelRaw result;
+    std::size_t unknown_signals = 0, repeated = 0;
+
+    void take(const NovatelMessage& m) {
+        if (m.secondary || m.ns == 0) return;
+        const Time now{m.ns};
+        switch (m.id) {
+            case range: ranges(m, now); break;
+            case gps_ephemeris: gps(m, now); break;
+            case raw_ephemeris: subframes(m, now); break;
+            case glonass_ephemeris: glonass(m); break;
+            case galileo_ephemeris: galileo(m, now); break;
+            case beidou_ephemeris: beidou(m, now); break;
+            case ionosphere_utc: ionosphere(m); break;
+            default: break;
+        }
+    }
+
+private:
+    void ranges(const NovatelMessage& m, Time now) {
+        NovatelFields f(m);
+        const auto count = f.next<std::uint32_t>();
+        constexpr std::uint32_t most = 1000;
+        if (count == 0 || count > most) return;
+        gnss::ObservationLog& log = result.observations;
+        if (!log.epochs.empty() && now <= log.epochs.back().time) {
+            ++repeated;
+            return;
+        }
+        gnss::ObservationEpoch epoch;
+        epoch.time = now;
+        epoch.first = log.observations.size();
+        for (std::uint32_t i = 0; i < count && !f.is_short(); ++i) measurement(f, now);
+        epoch.count = log.observations.size() - epoch.first;
+        if (epoch.count == 0) return;
+        std::stable_sort(log.observations.begin() + static_cast<std::ptrdiff_t>(epoch.first), log.observations.end(),
+                         [](const auto& a, const auto& b) { return a.satellite < b.satellite; });
+        log.epochs.push_back(epoch);
+    }
+
+    void measurement(NovatelFields& f, Time now) {
+        const int prn = f.next<std::uint16_t>(), frequency = f.next<std::uint16_t>();
+        const double psr = f.next<double>();
+        f.skip(4, 1);   // its sigma
+        const double adr = f.next<double>();
+        f.skip(4, 1);
+        const double doppler = static_cast<double>(f.next<float>()), cn0 = static_cast<double>(f.next<float>()), locked = static_cast<double>(f.next<float>());
+        const std::uint32_t status = f.hex();
+        if (f.is_short()) return;
+        const auto satellite = satellite_of(status >> 16 & 7U, prn);
+        const auto signal = satellite ? signal_of(satellite->system, status >> 21 & 0x1FU) : std::nullopt;
+        if (!signal) {
+            ++unknown_signals;
+            return;
+        }
+        const bool phase_locked = (status & 1U << 10) != 0, parity_known = (status & 1U << 11) != 0, code_locked = (status & 1U << 12) != 0,
+                   half_added = (status & 1U << 28) != 0;
+        gnss::SignalObservation o;
+        o.satellite = *satellite;
+        o.signal = *signal;
+        if (code_locked && psr > 1e6 && psr < 1e9) o.pseudorange = psr;
+        if (phase_locked && std::isfinite(adr) && std::abs(adr) < 1e10 && adr != 0.0) o.phase = -adr;   // the log's falls as the range grows
+        if (std::isfinite(doppler) && std::abs(doppler) < 1e6) o.doppler = doppler;
+        if (cn0 > 0.0 && cn0 < 100.0) o.cn0 = cn0;
+        Held& before = held_[{o.satellite, o.signal}];
+        if (std::isfinite(o.phase)) {
+            const double since = 1e-9 * static_cast<double>((now - before.time).ns);
+            const bool lost = before.time.ns == 0 || locked + 0.05 < before.locked + std::min(since, 1e6) || half_added != before.half_added;
+            o.loss_of_lock = static_cast<std::uint8_t>((lost ? 1 : 0) | (parity_known ? 0 : 2));
+            before = {now, locked, half_added};
+        } else {
+            before = {};
+        }
+        if (satellite->system == System::Glonass && frequency <= 20) {
+            std::int8_t& channel = result.observations.channels.of_slot[satellite->number];
+            if (channel == gnss::unknown_channel) channel = static_cast<std::int8_t>(frequency - 7);
+        }
+        if (std::isfinite(o.pseudorange) || std::isfinite(o.phase)) result.observations.observations.push_back(o);
+    }
+
+    void add(const gnss::KeplerEphemeris& k) {
+        if (detail::is_sound(k)) detail::add_new(result.navigation.kepler, k);
+    }
+
+    void gps(const NovatelMessage& m, Time now) {
+        NovatelFields f(m);
+        const auto d = [&] { return f.next<double>(); };
+        const auto u = [&] { return f.next<std::uint32_t>(); };
+        gnss::KeplerEphemeris k;
+        const auto satellite = satellite_of(0, static_cast<int>(std::min<std::uint32_t>(u(), 1000)));
+        if (!satellite) return;
+        k.satellite = *satellite;
+        const double sent = d();
+        k.health = static_cast<int>(u() & 0x3FU);
+        k.iode = static_cast<int>(u() & 0xFFU);
+        const auto other_issue = static_cast<int>(u() & 0xFFU);
+        (void)u();   // the week, and the week of the reference: the header's time tells both
+        (void)u();
+        const double toe = d();
+        k.sqrt_a = std::sqrt(d());
+        k.delta_n = d(), k.m0 = d(), k.e = d(), k.omega = d();
+        k.cuc = d(), k.cus = d(), k.crc = d(), k.crs = d(), k.cic = d(), k.cis = d();
+        k.i0 = d(), k.idot = d(), k.omega0 = d(), k.omega_dot = d();
+        k.iodc = static_cast<int>(u() & 0x3FFU);
+        const double toc = d();
+        k.group_delay[0] = d();
+        k.af0 = d(), k.af1 = d(), k.af2 = d();
+        f.skip(4, 1);   // whether the code is encrypted
+        (void)d();      // the corrected mean motion
+        k.accuracy = std::sqrt(d());
+        if (f.is_short() || other_issue != k.iode || !(std::abs(toc) <= 604'800.0)) return;
+        k.toc = detail::nearest_in_week(toc, now);
+        detail::set_times(k, toe, sent);
+        add(k);
+    }
+
+    /// The three subframes of an ephemeris as they were sent, parity removed.
+    void subframes(const NovatelMessage& m, Time now) {
+        NovatelFields f(m);
+        const auto satellite = satellite_of(0, static_cast<int>(std::min<std::uint32_t>(f.next<std::uint32_t>(), 1000)));
+        constexpr std::size_t size = 30, head = 12, head_cells = 3;
+        if (!satellite || (m.name.empty() ? m.payload.size() < head + 3 * size : m.cells.size() < head_cells + 3)) return;
+        for (std::size_t s = 0; s < 3; ++s) {
+            std::string bytes(m.name.empty() ? m.payload.substr(head + s * size, size) : std::string_view{});
+            if (!m.name.empty()) {
+                const std::string_view text = m.cells[head_cells + s];
+                const auto digit = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : 0; };
+                for (std::size_t i = 0; i + 1 < text.size(); i += 2) bytes += static_cast<char>(digit(text[i]) << 4 | digit(text[i + 1]));
+            }
+            if (bytes.size() != size) return;
+            std::array<std::uint32_t, 10> words{};
+            for (std::size_t i = 0; i < size; ++i) words[i / 3] = words[i / 3] << 8 | static_cast<unsigned char>(bytes[i]);
+            (void)frames_.gps_subframe(*satellite, words, now);
+        }
+    }
+
+    void glonass(const NovatelMessage& m) {
+        NovatelFields f(m);
+        const auto vector = [&](Eigen::Vector3d& v) {
+            for (double& x : v) x = f.next<double>();
+        };
+        gnss::GlonassEphemeris g;
+        const auto satellite = satellite_of(1, f.next<std::uint16_t>());
+        if (!satellite) return;
+        g.satellite = *satellite;
+        g.channel = f.next<std::uint16_t>() - 7;
+        f.skip(2, 2);   // kind of satellite
+        const double week = f.next<std::uint16_t>();
+        const double toe = std::round(1e-3 * f.next<std::uint32_t>());
+        f.skip(4 + 2 + 1 + 1 + 4, 5);   // offset to GLONASS time, day, two reserved, issue
+        g.health = f.next<std::uint32_t>() < 4 ? 0 : 1;
+        vector(g.position), vector(g.velocity), vector(g.acceleration);
+        g.clock = -f.next<double>();
+        g.l2_delay = f.next<double>();
+        g.clock_rate = f.next<double>();
+        f.skip(4 + 4 + 4, 3);   // when it was sent, technology, accuracy
+        g.age_days = static_cast<int>(std::min<std::uint32_t>(f.next<std::uint32_t>(), 1000));
+        g.toe = g.transmission = Time{detail::novatel_time(week, toe)};
+        if (f.is_short() || g.toe.ns == 0 || g.channel < -7 || g.channel > 13 || !detail::is_sound(g)) return;
+        result.observations.channels.of_slot[g.satellite.number] = static_cast<std::int8_t>(g.channel);
+        detail::add_new(result.navigation.glonass, g);
+    }
+
+    void galileo(const NovatelMessage& m, Time now) {
+        NovatelFields f(m);
+        const auto d = [&] { return f.next<double>(); };
+        gnss::KeplerEphemeris k;
+        const auto satellite = satellite_of(3, static_cast<int>(std::min<std::uint32_t>(f.next<std::uint32_t>(), 1000)));
+        if (!satellite) return;
+        k.satellite = *satellite;
+        const bool fnav = f.flag(), inav = f.flag();
+        const auto two_bits = [&] { return f.next<std::uint8_t>() & 3; };
+        const int health_e1 = two_bits(), health_e5a = two_bits(), health_e5b = two_bits();
+        const auto one_bit = [&] { return f.next<std::uint8_t>() & 1; };
+        const int invalid_e1 = one_bit(), invalid_e5a = one_bit(), invalid_e5b = one_bit();
+        k.health = invalid_e1 | health_e1 << 1 | invalid_e5a << 3 | health_e5a << 4 | invalid_e5b << 6 | health_e5b << 7;
+        k.accuracy = detail::galileo_accuracy(f.next<std::uint8_t>());
+        f.skip(1, 1);
+        k.iode = k.iodc = static_cast<int>(f.next<std::uint32_t>() & 0x3FFU);
+        const double toe = f.next<std::uint32_t>();
+        k.sqrt_a = d();
+        k.delta_n = d(), k.m0 = d(), k.e = d(), k.omega = d();
+        k.cuc = d(), k.cus = d(), k.crc = d(), k.crs = d(), k.cic = d(), k.cis = d();
+        k.i0 = d(), k.idot = d(), k.omega0 = d(), k.omega_dot = d();
+        struct Clock {
+            double toc, af0, af1, af2;
+        };
+        std::array<Clock, 2> clocks{};
+        for (Clock& c : clocks) c = {static_cast<double>(f.next<std::uint32_t>()), d(), d(), d()};
+        k.group_delay = {d(), d()};
+        if (f.is_short()) return;
+        for (const bool is_inav : {true, false}) {
+            if (is_inav ? !inav : !fnav) continue;
+            const Clock& c = clocks[is_inav ? 1 : 0];
+            if (!(c.toc <= 604'800.0)) continue;
+            gnss::KeplerEphemeris one = k;
+            one.message = is_inav ? gnss::NavMessage::Inav : gnss::NavMessage::Fnav;
+            one.af0 = c.af0, one.af1 = c.af1, one.af2 = c.af2;
+            one.toc = detail::nearest_in_week(c.toc, now);
+            detail::set_times(one, toe, not_given);
+            add(one);
+        }
+    }
+
+    void beidou(const NovatelMessage& m, Time now) {
+        NovatelFields f(m);
+        const auto d = [&] { return f.next<double>(); };
+        const auto u = [&] { return f.next<std::uint32_t>(); };
+        gnss::KeplerEphemeris k;
+        const auto satellite = satellite_of(4, static_cast<int>(std::min<std::uint32_t>(u(), 1000)));
+        if (!satellite) return;
+        k.satellite = *satellite;
+        k.message = gnss::is_geostationary_beidou(*satellite) ? gnss::NavMessage::D2 : gnss::NavMessage::D1;
+        (void)u();   // week
+        k.accuracy = d();
+        k.health = static_cast<int>(u() & 1U);
+        k.group_delay = {d(), d()};
+        k.iodc = static_cast<int>(u() & 0xFFU);
+        const double toc = u();
+        k.af0 = d(), k.af1 = d(), k.af2 = d();
+        k.iode = static_cast<int>(u() & 0xFFU);
+        const double toe = u();
+        k.sqrt_a = d(), k.e = d(), k.omega = d(), k.delta_n = d(), k.m0 = d();
+        k.omega0 = d(), k.omega_dot = d(), k.i0 = d(), k.idot = d();
+        k.cuc = d(), k.cus = d(), k.crc = d(), k.crs = d(), k.cic = d(), k.cis = d();
+        if (f.is_short() || !(toc <= 604'800.0)) return;
+        k.toc = detail::nearest_in_week(toc, now, System::BeiDou);
+        detail::set_times(k, toe, not_given);
+        add(k);
+    }
+
+    void ionosphere(const NovatelMessage& m) {
+        NovatelFields f(m);
+        gnss::KlobucharCoefficients c;
+        for (double& a : c.alpha) a = f.next<double>();
+        for (double& b : c.beta) b = f.next<double>();
+        f.skip(4 + 4 + 8 + 8 + 4 + 4, 6);
+        const auto leap = f.next<std::int32_t>();
+        const auto sane = [](double x, double most) { return std::isfinite(x) && std::abs(x) < most; };
+        if (f.is_short() || !std::ranges::all_of(c.alpha, [&](double a) { return sane(a, 1e-3); }) ||
+            !std::ranges::all_of(c.beta, [&](double b) { return sane(b, 1e8); }))
+            return;
+        result.navigation.klobuchar[static_cast<std::size_t>(System::Gps)] = c;
+        if (leap >= 0 && leap < 100) result.navigation.leap_seconds = leap;
+    }
+
+    struct Held {
+        Time time;
+        double locked = 0.0;   ///< s
+        bool half_added = false;
+    };
+    std::map<std::pair<SatelliteId, Signal>, Held> held_;
+    detail::FrameCollector frames_;
+};
+
+}  // namespace
+
+NovatelRaw read_novatel_raw(const TextInput& input, WarningLog& log) {
+    const std::string bytes = read_bytes(input);
+    RawReader reader;
+    const detail::NovatelScan scan = detail::scan_novatel(bytes, [&](const NovatelMessage& m) {
+        reader.take(m);
+        return true;
+    });
+    if (scan.damaged > 0)
+        log.add(input.name() + " novatel.damaged", fmt::format("{}: damaged logs, the first at byte {}: skipped", input.name(), scan.first_damaged), scan.damaged);
+    if (reader.unknown_signals > 0)
+        log.add(input.name() + " novatel.signals", fmt::format("{}: measurements of unknown signals: skipped", input.name()), reader.unknown_signals);
+    if (reader.repeated > 0)
+        log.add(input.name() + " novatel.repeated", fmt::format("{}: epochs not later than the one before: skipped", input.name()), reader.repeated);
+    return std::move(reader.result);
+}
+
+bool is_novatel_raw(const TextInput& input) {
+    try {
+        constexpr std::size_t enough = 300'000;
+        const std::string bytes = read_head(input, enough);
+        bool found = false;
+        (void)detail::scan_novatel(bytes, [&](const NovatelMessage& m) {
+            found = is_raw(m.id);
+            return !found;
+        });
+        return found;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+}  // namespace schuler::io

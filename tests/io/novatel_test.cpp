@@ -1,0 +1,220 @@
+// NovAtel logs: raw measurements and ephemerides, alike in ASCII and binary; which fixes and IMU logs are taken. Waypoint IMR.
+#include "schuler/core/units.h"
+#include "schuler/io/formats.h"
+#include "schuler/io/raw_input.h"
+
+#include "io/io_fixture.h"
+#include "io/log_bytes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::io {
+namespace {
+
+using test::expect_parts;
+using test::message_of;
+using test::put;
+
+constexpr int week = 2244;
+
+std::string ascii(const std::string& name, double tow, const std::string& content) {
+    const std::string log = fmt::format("{},COM1,0,83.5,FINESTEERING,{},{:.3f},02000000,cdba,16809;{}", name, week, tow, content);
+    return fmt::format("#{}*{:08x}\r\n", log, test::novatel_crc(log));
+}
+std::string binary(std::uint16_t id, double tow, const std::string& body, char form = 0) {
+    std::string m("\xaa\x44\x12\x1c", 4);
+    put(m, id);
+    m += form;
+    m += '\x20';
+    put(m, static_cast<std::uint16_t>(body.size()));
+    m += std::string("\0\0\x64\xb4", 4);
+    put(m, std::uint16_t{week});
+    put(m, static_cast<std::uint32_t>(tow * 1000.0 + 0.5));
+    m += std::string(8, '\0');
+    const std::string all = m + body;
+    std::string out = all;
+    put(out, test::novatel_crc(all));
+    return out;
+}
+
+struct Range {
+    std::uint16_t prn, frequency;
+    double psr, adr;
+    float doppler, cn0, locked;
+    std::uint32_t status;
+};
+constexpr std::uint32_t locked_all = 1U << 10 | 1U << 11 | 1U << 12;
+const std::vector<Range> ranges = {{7, 0, 21'485'793.442, -112'908'605.801, 651.783F, 44.0F, 3.0F, locked_all},
+                                   {56, 9, 20'848'881.420, -111'486'221.5, -100.0F, 40.0F, 3.0F, locked_all | 1U << 16},
+                                   {12, 0, 29'078'098.874, -152'806'440.9, 2842.2F, 44.0F, 3.0F, locked_all | 3U << 16 | 2U << 21},
+                                   {7, 0, 21'485'795.0, -84'311'000.0, 486.0F, 39.0F, 0.0F, (locked_all & ~(1U << 11)) | 14U << 21},
+                                   {135, 0, 38'000'000.0, -199'000'000.0, 1.0F, 38.0F, 3.0F, (locked_all & ~(1U << 10)) | 2U << 16},
+                                   {9, 0, 24'000'000.0, -1.0, 1.0F, 38.0F, 3.0F, locked_all | 31U << 21}};   // a signal that does not exist
+
+std::string range_ascii(double tow) {
+    std::string text = std::to_string(ranges.size());
+    for (const Range& r : ranges)
+        text += fmt::format(",{},{},{:.3f},0.050,{:.3f},0.010,{:.3f},{:.1f},{:.3f},{:08x}", r.prn, r.frequency, r.psr, r.adr, r.doppler, r.cn0, r.locked, r.status);
+    return ascii("RANGEA", tow, text);
+}
+std::string range_binary(double tow, char form = 0) {
+    std::string body;
+    put(body, static_cast<std::uint32_t>(ranges.size()));
+    for (const Range& r : ranges) {
+        put(body, r.prn), put(body, r.frequency), put(body, r.psr), put(body, 0.05F), put(body, r.adr), put(body, 0.01F);
+        put(body, r.doppler), put(body, r.cn0), put(body, r.locked), put(body, r.status);
+    }
+    return binary(43, tow, body, form);
+}
+
+class Novatel : public test::IoTest {};
+
+TEST_F(Novatel, RangesAreAlikeInAsciiAndBinary) {
+    for (const bool text : {true, false}) {
+        const auto one = [&](double t) { return text ? range_ascii(t) : range_binary(t); };
+        const auto file = write("oem.gps", one(100.0) + one(101.0) + one(101.0) + (text ? std::string() : range_binary(102.0, '\x01')));   // the last: second antenna
+        ASSERT_EQ(raw_format(file), RawFormat::Novatel);
+        WarningLog warnings;
+        const RawInput raw = read_raw_input(file, {}, warnings);
+        ASSERT_EQ(raw.observations.epochs.size(), 2U);
+        EXPECT_EQ(raw.observations.epochs[0].time, Time::from_gps(week, 100.0));
+        const auto all = raw.observations.of(raw.observations.epochs[1]);
+        ASSERT_EQ(all.size(), 5U);
+        EXPECT_EQ(gnss::name_of(all[0].satellite), "G07");
+        EXPECT_EQ(all[0].signal, (gnss::Signal{'1', 'C'}));
+        EXPECT_NEAR(all[0].pseudorange, 21'485'793.442, 1e-6);
+        EXPECT_NEAR(all[0].phase, 112'908'605.801, 1e-6) << "grows with the range";
+        EXPECT_NEAR(all[0].doppler, 651.783, 1e-3);
+        EXPECT_EQ(all[0].loss_of_lock, 1) << "the time of lock did not grow with the time";
+        EXPECT_EQ(all[1].signal, (gnss::Signal{'5', 'Q'}));
+        EXPECT_EQ(all[1].loss_of_lock & 2, 2) << "parity not known: half a cycle is open";
+        EXPECT_EQ(gnss::name_of(all[2].satellite), "R19");
+        EXPECT_EQ(raw.observations.channels.of_slot[19], 2);
+        EXPECT_EQ(gnss::name_of(all[3].satellite), "E12");
+        EXPECT_EQ(gnss::name_of(all[4].satellite), "S35");
+        EXPECT_TRUE(std::isnan(all[4].phase)) << "not locked";
+        expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"unknown signals", "not later"});
+    }
+}
+
+TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
+    const std::vector<double> orbit = {36'000.0, 26'560'211.4, 4.83e-9, -2.3, 2.5e-3, 2.7, -3.7e-7, 8.6e-6, 209.4, -7.3, -4.5e-8, -5.4e-8, 0.95, -5.0e-10, 1.1, -8.0e-9};
+    std::string body, text = "14,35856.0,0,54,54,2244,2244";
+    put(body, std::uint32_t{14}), put(body, 35'856.0);
+    for (const std::uint32_t v : {0U, 54U, 54U, 2244U, 2244U}) put(body, v);
+    for (const double v : orbit) put(body, v), text += fmt::format(",{:.15e}", v);
+    put(body, std::uint32_t{566});
+    for (const double v : {36'000.0, -7.9e-9, -5.35e-5, 7.4e-12, 0.0}) put(body, v);
+    put(body, std::uint32_t{1}), put(body, 1.45e-4), put(body, 4.0);
+    text += ",566,36000.0,-7.9e-09,-5.35e-05,7.4e-12,0.0,TRUE,1.45e-04,4.0";
+    const std::string glonass = "43,8,1,0,2244,35118000,10782,792,0,0,87,0,9.02e+06,-6.145e+06,2.307e+07,-1.5e+03,2.3e+03,1.2e+03,2.7e-06,-2.7e-06,-1.8e-06,-2.0e-04,-5.5e-09,1.8e-12,78810,3,2,2,13";
+    for (const bool ascii_form : {true, false}) {
+        const auto file = write("eph.gps", (ascii_form ? ascii("GPSEPHEMA", 35'200.0, text) : binary(7, 35'200.0, body)) + ascii("GLOEPHEMERISA", 35'200.0, glonass));
+        WarningLog warnings;
+        const RawInput raw = read_raw_input(file, {}, warnings);
+        ASSERT_EQ(raw.navigation.kepler.size(), 1U);
+        const gnss::KeplerEphemeris& k = raw.navigation.kepler[0];
+        EXPECT_EQ(gnss::name_of(k.satellite), "G14");
+        EXPECT_EQ(k.toe, Time::from_gps(week, 36'000.0));
+        EXPECT_EQ(k.toc, k.toe);
+        EXPECT_NEAR(k.sqrt_a, std::sqrt(26'560'211.4), 1e-9);
+        EXPECT_EQ(k.omega_dot, -8.0e-9);
+        EXPECT_EQ(k.group_delay[0], -7.9e-9);
+        EXPECT_EQ(k.af0, -5.35e-5);
+        EXPECT_EQ(k.iodc, 566);
+        EXPECT_EQ(k.accuracy, 2.0);
+        ASSERT_EQ(raw.navigation.glonass.size(), 1U);
+        const gnss::GlonassEphemeris& g = raw.navigation.glonass[0];
+        EXPECT_EQ(g.satellite.number, 6);
+        EXPECT_EQ(g.channel, 1);
+        EXPECT_EQ(g.toe, Time::from_gps(week, 35'118.0));
+        EXPECT_EQ(g.clock, 2.0e-4) << "minus tau";
+        EXPECT_EQ(g.position.z(), 2.307e7);
+        EXPECT_TRUE(warnings.empty());
+    }
+}
+
+std::string best(const char* name, const char* type, double lat) {
+    return ascii(name, 100.0, fmt::format("SOL_COMPUTED,{},{},-114.0,1000.0,-16.0,WGS84,0.5,0.5,1.0,\"\",0.0,0.0,20,18,18,0,00,00,00,11", type, lat));
+}
+
+TEST_F(Novatel, FixesWithoutTheReceiversOwnIntegrationComeFirst) {
+    const auto file = write("span.gps", best("BESTPOSA", "INS_PPP", 51.0) + best("BESTGNSSPOSA", "PPP", 52.0) + best("BESTPOSA_1", "SINGLE", 50.0));
+    WarningLog warnings;
+    const StreamLog log = format_named("novatel")->read(TextInput(file), warnings);
+    ASSERT_EQ(log.streams.size(), 2U);
+    EXPECT_EQ(log.streams[0].name, "gnss");
+    EXPECT_EQ(log.streams[0].find("lat_deg")->values, std::vector<double>{52.0});
+    EXPECT_EQ(log.streams[1].rows(), 1U) << "that of the second antenna is left out";
+    EXPECT_EQ(log.streams[1].fix.at(0), FixType::Differential);
+}
+
+TEST_F(Novatel, ImuLogsThatCannotBeUsedAreNotTakenForOnes) {
+    const std::string raw = ascii("RAWIMUA", 100.0, "2244,100.005,00000077,98067,0,0,0,0,0"), sol = best("BESTPOSA", "SINGLE", 51.0);
+    const auto read = [&](const std::string& text) {
+        WarningLog warnings;
+        const StreamLog log = format_named("novatel")->read(TextInput(write("x.gps", text)), warnings);
+        return std::pair(log, fmt::format("{}", fmt::join(warnings.summary(), " ")));
+    };
+    const auto [corrected, why] = read(sol + ascii("CORRIMUDATAA", 100.0, "2244,100.0,1e-5,2e-5,3e-5,1e-4,2e-4,3e-4"));
+    EXPECT_EQ(corrected.find("imu"), nullptr) << "gravity is taken out of it";
+    expect_parts(why, {"without gravity"});
+    const auto [unknown, reason] = read(sol + raw);
+    EXPECT_EQ(unknown.find("imu"), nullptr);
+    expect_parts(reason, {"does not say of which IMU"});
+    const auto [known, nothing] = read(sol + "#RXCONFIGA,COM1,0,80.0,APPROXIMATE,2244,1.0,0,0,0;#CONNECTIMUA,COM1,0;COM3,IMU_HG4930_AN01*00000000\r\n" + raw);
+    ASSERT_NE(known.find("imu"), nullptr);
+    EXPECT_NEAR(known.find("imu")->find("dv_z_m_s")->values.at(0), -98'067.0 * 0x1p-29, 1e-15);
+    const auto [aligning, none] = read(sol + ascii("INSPVAA", 100.0, "2244,100.0,51.0,-114.0,1000.0,0.0,0.0,0.0,0.0,0.0,0.0,INS_ALIGNING"));
+    EXPECT_EQ(aligning.find("reference"), nullptr) << "an attitude that is only being found";
+}
+
+std::string imr(bool big, std::int32_t increments, double time, std::int32_t utc = 2) {
+    std::string out("$IMURAW\0", 8);
+    const auto number = [&](auto value) {
+        std::string bytes;
+        put(bytes, value);
+        if (big) std::ranges::reverse(bytes);
+        out += bytes;
+    };
+    out += big ? '\1' : '\0';
+    number(8.8), number(increments), number(increments), number(100.0), number(2.0e-6), number(1.0e-6), number(utc), number(std::int32_t{0}), number(0.0);
+    out.resize(512, '\0');
+    for (int i = 0; i < 3; ++i) {
+        number(time + 0.01 * i);
+        for (const std::int32_t v : {100, -200, 300, 4000, -5000, -98067}) number(v);
+    }
+    return out;
+}
+
+TEST_F(Novatel, WaypointImrInBothByteOrders) {
+    for (const bool big : {false, true}) {
+        WarningLog warnings;
+        const auto file = write("x.imr", imr(big, 1, 1000.0));
+        ASSERT_EQ(format_of(file)->name, "imr");
+        const StreamLog log = format_of(file)->read(TextInput(file), warnings);
+        const Stream& s = *log.find("imu");
+        EXPECT_EQ(log.clock, Clock::SecondsOfWeek);
+        EXPECT_EQ(s.rows(), 3U);
+        EXPECT_EQ(s.time_ns[1], 1'000'010'000'000);
+        EXPECT_NEAR(s.find("dtheta_y_rad")->values[0], -200.0 * 2e-6 * units::deg, 1e-18);
+        EXPECT_NEAR(s.find("dv_z_m_s")->values[0], -0.098067, 1e-12);
+        EXPECT_TRUE(warnings.empty());
+    }
+    WarningLog warnings;
+    const auto rates = write("r.imr", imr(false, 0, 1000.0, 1) + "abc");
+    const StreamLog log = format_of(rates)->read(TextInput(rates), warnings);
+    EXPECT_NEAR(log.find("imu")->find("gyro_x_rad_s")->values[0], 2e-4 * units::deg, 1e-18);
+    EXPECT_EQ(log.find("imu")->time_ns[0], 1'018'000'000'000) << "UTC";
+    expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"cut at byte 608", "18 leap seconds added"});
+    std::string broken = imr(false, 1, 1000.0);
+    broken.replace(33, 8, std::string(8, '\xff'));
+    expect_parts(message_of([&] { (void)format_named("imr")->read(TextInput(write("b.imr", broken)), warnings); }), {"b.imr", "byte 25", "cannot be"});
+    expect_parts(message_of([&] { (void)format_named("imr")->read(TextInput(write("c.imr", broken.substr(0, 500))), warnings); }), {"c.imr", "cut", "500 bytes"});
+}
+
+}  // namespace
+}  // namespace schuler::io
