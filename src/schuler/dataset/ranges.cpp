@@ -117,6 +117,7 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningL
         logs.push_back(std::move(input.observations));
     }
     const gnss::BroadcastSource orbits(navigation);
+    warn_of_contradictions(navigation, orbits.navigation(), warnings);
     for (const gnss::ObservationLog& raw : logs) {
         for (const gnss::ObservationEpoch& e : raw.epochs) {
             gnss::prepare_ranges(raw.of(e), e.time, orbits, raw.channels, d.raw.solver.ranges, ranges);

@@ -8,6 +8,7 @@
 #include "schuler/io/rinex/sp3.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -30,8 +31,29 @@ void use_phase_velocity(GnssFix& fix, const gnss::PhaseVelocity& v) {
 
 std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const RawGnssConfig& raw,
                                                   const gnss::Navigation& navigation, WarningLog& warnings) {
-    if (raw.precise.empty()) return std::make_unique<gnss::BroadcastSource>(navigation);
+    if (raw.precise.empty()) {
+        auto source = std::make_unique<gnss::BroadcastSource>(navigation);
+        warn_of_contradictions(navigation, source->navigation(), warnings);
+        return source;
+    }
     return std::make_unique<gnss::PreciseSource>(io::read_sp3(resolved(folder, raw.precise, "gnss.precise"), warnings).nodes);
+}
+
+void warn_of_contradictions(const gnss::Navigation& all, const gnss::Navigation& used, WarningLog& warnings) {
+    std::map<gnss::SatelliteId, int> missing;
+    const auto count = [&missing](const auto& ephemerides, int by) {
+        for (const auto& e : ephemerides) missing[e.satellite] += by;
+    };
+    count(all.kepler, 1);
+    count(used.kepler, -1);
+    count(all.glonass, 1);
+    count(used.glonass, -1);
+    std::vector<std::string> names;
+    for (const auto& [satellite, n] : missing)
+        if (n > 0) names.push_back(gnss::name_of(satellite));
+    if (names.empty()) return;
+    warnings.add("gnss.contradicting_ephemerides",
+                 fmt::format("ephemerides that contradict each other are not used: {}", fmt::join(names, " ")));
 }
 
 void warn_of_missing_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings) {

@@ -32,6 +32,9 @@ struct RawLogs {
 [[nodiscard]] std::vector<GnssFix> fixes_from_raw(const std::filesystem::path& folder, const RawGnssConfig& raw,
                                                   WarningLog& warnings);
 
+/// Warns of satellites some of whose ephemerides a source does not use: they contradict each other.
+void warn_of_contradictions(const gnss::Navigation& all, const gnss::Navigation& used, WarningLog& warnings);
+
 /// Warns where broadcast coefficients are needed and there are none.
 void warn_of_missing_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <type_traits>
 
 namespace schuler::gnss {
 namespace {
@@ -43,6 +44,42 @@ const Ephemeris* nearest(const std::vector<Ephemeris>& all, std::size_t first, s
     return best;
 }
 
+/// Farther apart half-way than their accuracies explain (one pair in a thousand), orbits of two messages are not of one satellite. A satellite
+/// that was moved between them calls itself unhealthy meanwhile.
+template <class Ephemeris>
+bool contradict(const Ephemeris& a, const Ephemeris& b) {
+    constexpr double sphere = 4.03;       // of a normal distribution in three dimensions: one in a thousand is outside
+    constexpr double least_sigma = 4.0;   // m, at half of the longest age
+    const Time middle = a.toe + Duration{(b.toe - a.toe).ns / 2};
+    const SatelliteState one = satellite_state(a, middle), other = satellite_state(b, middle);
+    const double variance = std::max(one.variance, least_sigma * least_sigma) + std::max(other.variance, least_sigma * least_sigma);
+    return (one.position.r - other.position.r).norm() > sphere * std::sqrt(variance);
+}
+
+/// Leaves out of all, sorted by satellite and time, what contradicts one beside it that is no older than half of what either may be used for,
+/// and every one of a satellite where most do: no single epoch shows it where several satellites have such.
+template <class Ephemeris>
+void leave_out_contradictions(std::vector<Ephemeris>& all) {
+    std::size_t kept = 0;
+    for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
+        while (last < all.size() && all[last].satellite == all[first].satellite) ++last;
+        std::vector<bool> wrong(last - first, false);
+        std::size_t pairs = 0, contradictions = 0;
+        for (std::size_t i = first + 1; i < last; ++i) {
+            const Ephemeris &a = all[i - 1], &b = all[i];
+            if (a.health != 0 || b.health != 0 || a.toe == b.toe || (b.toe - a.toe).ns > std::min(longest_age(a), longest_age(b))) continue;
+            ++pairs;
+            if (!contradict(a, b)) continue;
+            ++contradictions;
+            wrong[i - 1 - first] = wrong[i - first] = true;
+        }
+        const bool none = 2 * contradictions > pairs;
+        for (std::size_t i = first; i < last; ++i)
+            if (!none && !wrong[i - first]) all[kept++] = all[i];
+    }
+    all.resize(kept);
+}
+
 bool is_healthy(const KeplerEphemeris& k) {
     // bit 0 of QZSS health is about signals not used here
     return (k.satellite.system == System::Qzss ? k.health & ~1 : k.health) == 0;
@@ -53,6 +90,7 @@ bool is_healthy(const KeplerEphemeris& k) {
 BroadcastSource::BroadcastSource(Navigation navigation) : navigation_(std::move(navigation)) {
     const auto index = [&](auto& all) {
         sort(all);
+        if constexpr (!std::is_same_v<std::decay_t<decltype(all)>, std::vector<SbasEphemeris>>) leave_out_contradictions(all);
         for (std::size_t i = 0; i < all.size(); ++i) {
             Range& r = ranges_[index_of(all[i].satellite)];
             if (r.last == 0) r.first = i;

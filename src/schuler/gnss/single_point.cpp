@@ -82,6 +82,38 @@ public:
         return inverse_ * NormalEquations::row_of(models_[k].line_of_sight, clock_of(ranges_[k].satellite.system)) / models_[k].variance;
     }
     [[nodiscard]] double pdop() const { return pdop_; }
+    /// Of the position's error from what the models of the air miss in all directions alike, in proportion to what they say: the white part
+    /// of a range's variance averages out over the satellites, this does not.
+    [[nodiscard]] Eigen::Matrix3d air_covariance() const {
+        RangeSettings ionosphere = settings_->ranges, troposphere = settings_->ranges;
+        ionosphere.troposphere = TroposphereModel::None;
+        troposphere.ionosphere = IonosphereModel::None;
+        const Geodetic here = earth::geodetic_from_ecef(earth::wgs84, {position_});
+        Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+        for (const RangeSettings& part : {ionosphere, troposphere}) {
+            Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+            for (std::size_t k = 0; k < ranges_.size(); ++k) {
+                const Range& r = ranges_[k];
+                if (!in_use(k) || r.slow > 0.0) continue;   // what the models leave is in a given slow error
+                const AtmosphericDelay air =
+                    atmospheric_delay(r.transmit, r.satellite.system, r.frequency, here, models_[k].direction, ionosphere_, part);
+                moved += std::sqrt(air.variance) * gain(k);
+            }
+            sum += moved * moved.transpose();
+        }
+        return sum;
+    }
+    /// Of the position's error from satellites that are wrong like those left out, but by less than the test sees.
+    [[nodiscard]] Eigen::Matrix3d unseen_covariance(std::size_t left_out) const {
+        Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+        const double in = used(), redundancy = in - unknowns();
+        if (left_out == 0 || redundancy < 1.0) return sum;
+        const double share = static_cast<double>(left_out) / (static_cast<double>(left_out) + in);
+        const double seen = math::chi_square_quantile(1.0 - settings_->false_alarm, 1.0) * in / redundancy;   // squared, in sigmas of a range
+        for (std::size_t k = 0; k < ranges_.size(); ++k)
+            if (in_use(k)) sum += share * seen * models_[k].variance * gain(k) * gain(k).transpose();
+        return sum;
+    }
     [[nodiscard]] const ModelledRange& model(std::size_t k) const { return models_[k]; }
     [[nodiscard]] double residual(std::size_t k) const {
         return ranges_[k].pseudorange - models_[k].range - clock_[clock_of(ranges_[k].satellite.system)];
@@ -174,22 +206,33 @@ bool is_consistent(const Epoch& e, double false_alarm) {
     return redundancy <= 0 || e.statistic() <= math::chi_square_quantile(1.0 - false_alarm, redundancy);
 }
 
-/// Leaves out satellites until the residuals fit. False where that cannot be reached.
-bool excluded_until_consistent(Epoch& epoch, std::size_t count, double false_alarm) {
+/// Leaves out satellites until the residuals fit. False where that cannot be reached. `undecided`: where leaving out another one instead would
+/// have made the rest fit as well, what those positions are apart from the one chosen.
+bool excluded_until_consistent(Epoch& epoch, std::size_t count, double false_alarm, Eigen::Matrix3d& undecided) {
     while (!is_consistent(epoch, false_alarm)) {
         // with one satellite more than unknowns a fault is seen but not whose it is
         if (epoch.used() - epoch.unknowns() < 2) return false;
         std::optional<Epoch> best;
+        std::vector<Eigen::Vector3d> others;   // positions that fit
         for (std::size_t k = 0; k < count; ++k) {
             if (!epoch.in_use(k)) continue;
             Epoch trial = epoch;
             trial.exclude(k);
             if (!trial.refine()) continue;
+            if (is_consistent(trial, false_alarm)) others.push_back(trial.position());
             if (!best || trial.statistic() < best->statistic()) best.emplace(trial);
         }
         if (!best) return false;
         epoch = *best;
+        undecided.setZero();
+        for (const Eigen::Vector3d& other : others) {
+            const Eigen::Vector3d apart = other - epoch.position();
+            undecided += apart * apart.transpose();
+        }
     }
+    std::size_t left_out = 0;
+    for (std::size_t k = 0; k < count; ++k) left_out += epoch.excluded(k) ? 1U : 0U;
+    undecided += epoch.unseen_covariance(left_out);
     return is_outvoted(epoch, count);
 }
 
@@ -282,9 +325,12 @@ SinglePointSolution SinglePoint::solve_prepared(Time tag) {
         out.status = epoch.used() < epoch.unknowns() ? SinglePointStatus::TooFew : SinglePointStatus::WeakGeometry;
         return out;
     }
-    const bool consistent = !settings_.raim || excluded_until_consistent(epoch, ranges_.size(), settings_.false_alarm);
+    Eigen::Matrix3d undecided = Eigen::Matrix3d::Zero();
+    const bool consistent = !settings_.raim || excluded_until_consistent(epoch, ranges_.size(), settings_.false_alarm, undecided);
     out.position.r = epoch.position();
-    out.covariance = epoch.covariance();
+    const Eigen::Matrix3d air = epoch.air_covariance();
+    out.covariance = epoch.covariance() + air + undecided;
+    out.slow_covariance = air + undecided;
     out.statistic = epoch.statistic();
     out.redundancy = epoch.used() - epoch.unknowns();
     out.pdop = epoch.pdop();

@@ -119,7 +119,8 @@ Command protection() {
     using R = study::ProtectionRequest;
     OptionTable<R> t;
     t.add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "faults, each in a flight of its own", [](auto& r) -> auto& { return r.runs; }))))
-        .add(settings::flag<R>("double", "two satellites wrong at once", [](auto& r) -> auto& { return r.double_fault; }))
+        .add(settings::flag<R>("double", "two satellites wrong at once", [](auto& r) -> auto& { return r.kind.twice; }))
+        .add(settings::flag<R>("ramp", "faults that grow by 0.1 to 5 m/s instead of constant ones", [](auto& r) -> auto& { return r.kind.ramp; }))
         .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.1, "stated risk of a missed detection in an epoch",
                                  [](auto& r) -> auto& { return r.settings.missed_detection; }))
         .add(settings::number<R>("false-alarm", 1.0, 1e-15, 0.1, "stated risk of a false alarm in one test",
@@ -129,7 +130,8 @@ Command protection() {
         .add(output_option<R>("folder of trials.csv", "none", [](auto& r) -> auto& { return r.output; }));
     return command<R>("analyze protection", "wrong pseudoranges in the tight filter: missed detections, false alarms, protection levels",
                       "  schuler analyze protection -n 10000                       single faults on the flights of paper D\n"
-                      "  schuler analyze protection -n 2000 --double --json",
+                      "  schuler analyze protection -n 2000 --double --json\n"
+                      "  schuler analyze protection -n 500 --ramp                 faults that grow slowly",
                       std::move(t), json_document, true, study::analyze_protection);
 }
 

@@ -22,23 +22,31 @@ namespace {
 
 constexpr double earliest = 90.0, scatter = 20.0, followed = 40.0, at_once = 3.0;   // s
 constexpr double least_size = 2.0, most_size = 60.0;                // m
+constexpr double ramp_followed = 100.0, least_ramp = 0.1, most_ramp = 5.0;   // s, m/s
+
+double followed_for(FaultKind kind) { return kind.ramp ? ramp_followed : followed; }
 
 /// Draws the faults and puts them into the ranges.
-void inject(ProtectionTrial& trial, RangingLog& log, Time origin, math::Random& random, int faults) {
+void inject(ProtectionTrial& trial, RangingLog& log, Time origin, math::Random& random, FaultKind kind) {
     trial.start = std::floor(earliest + scatter * random.uniform());
     const auto first =
         std::ranges::find_if(log.epochs, [&](const RangeEpoch& e) { return (e.time - origin).seconds() >= trial.start - 1e-6; });
     if (first == log.epochs.end()) throw computation_error("a flight has no ranges", "look at its settings");
+    const int faults = kind.twice ? 2 : 1;
     for (int i = 0; i < faults; ++i) {
         const auto at = static_cast<std::size_t>(i);
         do {
             const auto which = static_cast<std::size_t>(random.uniform() * static_cast<double>(first->count));
             trial.satellite[at] = log.samples[first->first + std::min(which, first->count - 1)].source;
         } while (at == 1 && trial.satellite[1] == trial.satellite[0]);
-        const double size = least_size + (most_size - least_size) * random.uniform();
+        const bool ramp = kind.ramp;
+        const double drawn = random.uniform();
+        const double size = ramp ? least_ramp * std::pow(most_ramp / least_ramp, drawn) : least_size + (most_size - least_size) * drawn;
         trial.size[at] = random.uniform() < 0.5 ? -size : size;
-        for (std::size_t k = first->first; k < log.samples.size(); ++k)
-            if (log.samples[k].source == trial.satellite[at]) log.samples[k].pseudorange += trial.size[at];
+        for (auto e = first; e != log.epochs.end(); ++e)
+            for (std::size_t k = e->first; k < e->first + e->count; ++k)
+                if (log.samples[k].source == trial.satellite[at])
+                    log.samples[k].pseudorange += trial.size[at] * (ramp ? (e->time - first->time).seconds() : 1.0);
     }
 }
 
@@ -93,15 +101,15 @@ std::string csv_of(const std::vector<ProtectionTrial>& trials) {
 
 }  // namespace
 
-ProtectionTrial run_protection_trial(std::size_t j, std::uint64_t seed, bool double_fault,
+ProtectionTrial run_protection_trial(std::size_t j, std::uint64_t seed, FaultKind kind,
                                      const fusion::ProtectionSettings& settings) {
     TriadCase all;
     all.satellites = 99;
     const std::uint64_t own = 1'000'000 * seed + j;
-    TriadFlight flight = triad_flight(all, j % triad_geometries, own, earliest + scatter + followed);
+    TriadFlight flight = triad_flight(all, j % triad_geometries, own, earliest + scatter + followed_for(kind));
     math::Random random(own, "protection");
     ProtectionTrial trial;
-    inject(trial, flight.recording.ranges, flight.origin, random, double_fault ? 2 : 1);
+    inject(trial, flight.recording.ranges, flight.origin, random, kind);
     flight.settings.ranging.protection = settings;
     flight.settings.ranging.protection.use = true;
     WarningLog unheard;
@@ -112,7 +120,7 @@ ProtectionTrial run_protection_trial(std::size_t j, std::uint64_t seed, bool dou
         const double t = (row.time - flight.origin).seconds();
         const auto at = static_cast<std::size_t>(std::llround(t));
         const auto state = states.find(row.time);
-        if (state == states.end() || at >= flight.recording.reference.size() || t >= trial.start + followed) continue;
+        if (state == states.end() || at >= flight.recording.reference.size() || t >= trial.start + followed_for(kind)) continue;
         const Eigen::Vector3d error =
             earth::ned_difference(flight.settings.earth, state->second->nav.position, flight.recording.reference[at].position);
         judge(trial, t, {error.head<2>().norm(), std::abs(error.z())}, row);
@@ -127,7 +135,7 @@ report::Outcome analyze_protection(const ProtectionRequest& request) {
     std::vector<ProtectionTrial> trials(request.runs);
     for_each_run(
         request.runs, request.jobs,
-        [&](std::size_t j) { trials[j] = run_protection_trial(j, request.seed, request.double_fault, request.settings); },
+        [&](std::size_t j) { trials[j] = run_protection_trial(j, request.seed, request.kind, request.settings); },
         request.progress);
     Share false_alarms, alarms, right, excluded, neither, misleading, misleading_epochs, horizontal, vertical, late;
     double level_horizontal = 0.0, level_vertical = 0.0, worst_horizontal = 0.0, worst_vertical = 0.0;
@@ -152,9 +160,10 @@ report::Outcome analyze_protection(const ProtectionRequest& request) {
         worst_vertical = std::max(worst_vertical, t.worst[1]);
     }
     report::Outcome out;
-    out.tables = fmt::format(
-        "{} {} faults of {:g} to {:g} m, navigation grade, all satellites in view; stated risk {:g} an epoch\n", request.runs,
-        request.double_fault ? "double" : "single", least_size, most_size, request.settings.missed_detection);
+    const auto [twice, ramp] = request.kind;
+    out.tables = fmt::format("{} {} of {:g} to {:g} {}, navigation grade, all satellites in view; stated risk {:g} an epoch\n", request.runs,
+                             twice ? (ramp ? "double ramps" : "double faults") : ramp ? "ramps" : "single faults", ramp ? least_ramp : least_size,
+                             ramp ? most_ramp : most_size, ramp ? "m/s" : "m", request.settings.missed_detection);
     const std::pair<const char*, const Share*> lines[] = {
         {"misleading epochs (error above its level, no alarm)", &misleading_epochs},
         {"faults with a misleading epoch", &misleading},
@@ -167,7 +176,8 @@ report::Outcome analyze_protection(const ProtectionRequest& request) {
         {"faults neither left out nor alarmed", &neither},
         {"flights with a false alarm before the fault", &false_alarms}};
     report::Json json{{"runs", request.runs},
-              {"double", request.double_fault},
+              {"double", twice},
+              {"ramp", ramp},
               {"missed_detection", request.settings.missed_detection},
               {"false_alarm", request.settings.false_alarm}};
     for (const auto& [title, share] : lines) out.tables += fmt::format("  {:<54}{}\n", title, share->text());

@@ -14,9 +14,14 @@
 
 namespace schuler::study {
 
-/// One flight with a fault of constant size in one or two satellites' pseudoranges from a random moment on.
+/// What is drawn: a fault in one satellite or in two, constant from a moment on or growing steadily from it on.
+struct FaultKind {
+    bool twice = false, ramp = false;
+};
+
+/// One flight with a fault in one or two satellites' pseudoranges from a random moment on.
 struct ProtectionTrial {
-    std::array<double, 2> size{0.0, 0.0};        ///< m; 0: no fault there
+    std::array<double, 2> size{0.0, 0.0};        ///< m, of a ramp m/s; 0: no fault there
     std::array<int, 2> satellite{-1, -1};        ///< places in the list of sources
     double start = 0.0;                          ///< s of the flight, of the fault
     bool alarm_before = false;                   ///< without a fault: a false alarm
@@ -31,15 +36,15 @@ struct ProtectionTrial {
 };
 
 /// Trial j: geometry j mod 48 of paper D's scenario with all satellites in view (math.md 5.4), its own noise, a fault of random sign and of a
-/// size uniform over 2 to 60 m (`double_fault`: two of them) after 90 to 110 s, followed for 40 s.
-[[nodiscard]] ProtectionTrial run_protection_trial(std::size_t j, std::uint64_t seed, bool double_fault,
+/// size uniform over 2 to 60 m (or two of them) after 90 to 110 s, followed for 40 s; of a ramp 0.1 to 5 m/s, uniform in the logarithm, 100 s.
+[[nodiscard]] ProtectionTrial run_protection_trial(std::size_t j, std::uint64_t seed, FaultKind kind,
                                                    const fusion::ProtectionSettings& settings);
 
 /// `analyze protection`.
 struct ProtectionRequest {
     std::size_t runs = 1000;
     std::uint64_t seed = 1;
-    bool double_fault = false;
+    FaultKind kind;
     int jobs = 0;
     fusion::ProtectionSettings settings;
     std::filesystem::path output;                ///< folder of trials.csv; empty: none
