@@ -76,7 +76,7 @@ struct Dipole {
     Vector3d position, moment;                   // m and A m^2
     [[nodiscard]] Vector3d field(const Vector3d& at) const {
         const Vector3d r = at - position;
-        const double d = std::max(0.05, r.norm());
+        const double d = std::max(0.25, r.norm());      // nothing comes nearer than that
         return 1e-7 * (3.0 * r * moment.dot(r) / std::pow(d, 5) - moment / std::pow(d, 3));
     }
 };
@@ -121,10 +121,10 @@ inline Log simulated(Kind kind, std::uint64_t seed, double seconds = 150.0) {
         for (int i = 0; i < 5; ++i) iron.push_back(dipole(r, Vector3d::Zero(), between(r, 0.8, 3.0), between(r, 0.3e-6, 1.5e-6)));
         if (r.uniform() < 0.5) iron.push_back(dipole(r, Vector3d::Zero(), 0.4, between(r, 0.5e-6, 2e-6)));
         if (any({Kind::Office})) {
-            for (int i = 0; i < 6; ++i) iron.push_back(dipole(r, Vector3d::Zero(), between(r, 0.5, 1.5), between(r, 1e-6, 5e-6)));
+            for (int i = 0; i < 6; ++i) iron.push_back(dipole(r, Vector3d::Zero(), between(r, 0.5, 1.5), between(r, 0.5e-6, 2e-6)));
         }
         if (any({Kind::StationaryMagnet, Kind::Mixed}))
-            iron.push_back(dipole(r, Vector3d(0.0, 0.0, 0.0), between(r, 0.4, 0.7), between(r, 4e-6, 15e-6)));
+            iron.push_back(dipole(r, Vector3d(0.0, 0.0, 0.0), between(r, 0.35, 0.6), between(r, 1e-6, 6e-6)));
     }
     const Vector3d table = Vector3d(0.3, 0.0, 0.2) + 0.1 * r.normal3();
 

@@ -18,6 +18,7 @@ Mekf::Mekf(const MekfSettings& settings)
     : settings_(settings),
       tilt_(settings.tilt, settings.rest),
       heading_(settings.heading, settings.tilt, settings.six_axis),
+      magnet_(settings.heading, settings.tilt, settings.six_axis),
       gyro_guard_(settings.guard.gyro_range, settings.guard.stuck_after),
       accel_guard_(settings.guard.accel_range, settings.guard.stuck_after),
       field_guard_(settings.guard.field_range, settings.guard.stuck_after) {
@@ -47,7 +48,9 @@ bool Mekf::step(double dt, const Eigen::Vector3d& gyro_b, const Eigen::Vector3d&
     if (tilt_.pending() < settings_.block - 0.5 * dt) return false;
     const Block block = tilt_.close(tilt);
     if (block.rest_time > 0.0) ++counters_.rest_blocks;
+    if (!heading) magnet_.share(heading_);
     heading_.close(block, tilt_.gyro_bias(), counters_, heading);
+    if (!heading) magnet_.close(heading_, block, tilt_.gyro_bias(), counters_);
     return true;
 }
 

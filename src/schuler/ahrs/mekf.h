@@ -5,6 +5,7 @@
 
 #include "schuler/ahrs/guard.h"
 #include "schuler/ahrs/heading_channel.h"
+#include "schuler/ahrs/magnet_watch.h"
 #include "schuler/ahrs/settings.h"
 #include "schuler/ahrs/tilt_channel.h"
 
@@ -43,6 +44,7 @@ private:
     MekfSettings settings_;
     TiltChannel tilt_;
     HeadingChannel heading_;
+    MagnetWatch magnet_;
     InstrumentGuard gyro_guard_, accel_guard_, field_guard_;
     Counters counters_;
     Eigen::Vector3d last_rate_ = Eigen::Vector3d::Zero();

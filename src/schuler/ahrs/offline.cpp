@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace schuler::ahrs {
 namespace {
@@ -84,7 +85,7 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
 
 /// A forward pass of the heading channel over the smoothed tilt: where it stood at the end of each block, and its updates.
 struct HeadingPass {
-    std::vector<double> path;                    ///< rad
+    std::vector<Eigen::Vector2d> path;           ///< T, the level field
     std::vector<HeadingRecord> updates;
 };
 
@@ -93,10 +94,22 @@ double left_of(const estim::ScalarUpdate<heading_states>& u, const HeadingVector
     return u.s * (1.0 - u.h.dot(u.k)) * (u.k.dot(lambda) + u.innovation / u.s);
 }
 
+/// Error of the heading of `estimate` where the error of its components is `error`; rad.
+double heading_error(const Eigen::Vector2d& estimate, const Eigen::Vector2d& error) {
+    return math::wrap_pi(heading_of(estimate) - heading_of(estimate - error));
+}
+
+/// One sigma of the heading of `level_field` with covariance P, rad; no more than that of an unknown one.
+double heading_std(const Eigen::Vector2d& level_field, const Eigen::Matrix2d& P) {
+    const double size2 = level_field.squaredNorm(), unknown = std::numbers::pi / std::sqrt(3.0);
+    const Eigen::Vector2d across(-level_field.y(), level_field.x());
+    return size2 > 0.0 ? std::min(unknown, std::sqrt(std::max(0.0, across.dot(P * across))) / size2) : unknown;
+}
+
 /// Smoothed heading at the end of each block; the error runs linearly from update to update. `left`: mean square of what is left of the
 /// field at each update, in units of the expected; NaN where there was none.
-std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, double field_noise, std::vector<double>& left) {
-    const std::vector<double>& path = pass.path;
+std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSettings& settings, std::vector<double>& left) {
+    const std::vector<Eigen::Vector2d>& path = pass.path;
     std::vector<Smoothed1> out(path.size());
     left.assign(pass.updates.size(), std::numeric_limits<double>::quiet_NaN());
     estim::Adjoint<heading_states> adjoint;
@@ -104,32 +117,38 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, double field_nois
     double next_before = 0.0;
     // of the blocks from `from` until that update: the error goes from `after` to `next_before`
     const auto between = [&](std::size_t from, double after, double std) {
+        const double change = math::wrap_pi(next_before - after);
         for (std::size_t b = from; b < next; ++b) {
             const double along = next < path.size() ? static_cast<double>(b + 1 - from) / static_cast<double>(next - from + 1) : 0.0;
-            out[b] = {path[b] - (after + along * (next_before - after)), std};
+            out[b] = {heading_of(path[b]) + settings.declination - (after + along * change), std};
         }
     };
     for (std::size_t k = pass.updates.size(); k-- > 0;) {
         const HeadingRecord& r = pass.updates[k];
-        const double after = -r.P_heading.dot(adjoint.lambda), before = after + r.correction;
-        const double std = std::sqrt(std::max(0.0, r.P_heading(0) - r.P_heading.dot(adjoint.Lambda * r.P_heading)));
+        const Eigen::Vector2d error_after = -(r.P_level.transpose() * adjoint.lambda), error_before = error_after + r.correction;
+        const Eigen::Vector2d smoothed = r.path - error_before;
+        const double after = heading_error(r.path - r.correction, error_after), before = heading_error(r.path, error_before);
+        const double std = heading_std(smoothed, r.P_level.topRows<2>() - r.P_level.transpose() * adjoint.Lambda * r.P_level);
         if (next == path.size()) next_before = after;
         between(r.block + 1, after, std);
-        out[r.block] = {path[r.block] - before, std};
+        out[r.block] = {heading_of(smoothed) + settings.declination, std};
         next = r.block;
         next_before = before;
         double square = 0.0;
         for (int u = r.count; u-- > 0;) {
             const auto& update = r.updates[static_cast<std::size_t>(u)];
-            if (r.field && u >= r.count - 3) square += std::pow(left_of(update, adjoint.lambda) / field_noise, 2) / 3.0;
+            if (r.field && u >= r.count - 3) square += std::pow(left_of(update, adjoint.lambda) / settings.field_noise, 2) / 3.0;
             adjoint.undo(update);
         }
         if (r.field) left[k] = square;
-        // F = I + e0 a'
-        const HeadingVector row = adjoint.Lambda.col(0);
-        adjoint.Lambda += r.transition * row.transpose() + row * r.transition.transpose() +
-                          row(0) * r.transition * r.transition.transpose();
-        adjoint.lambda += r.transition * adjoint.lambda(0);
+        // F = I + E A, E the first two columns of the identity
+        const auto& A = r.transition;
+        const Eigen::Matrix<double, 2, heading_states> rows = adjoint.Lambda.topRows<2>();
+        const Eigen::Matrix2d corner = rows.leftCols<2>();
+        adjoint.Lambda.noalias() += A.transpose() * (rows + corner * A);
+        adjoint.Lambda.noalias() += rows.transpose() * A;
+        const Eigen::Vector2d lambda = adjoint.lambda.head<2>();
+        adjoint.lambda.noalias() += A.transpose() * lambda;
     }
     between(0, next_before, next < path.size() ? out[next].std : 0.0);
     return out;
@@ -177,11 +196,15 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
     HeadingPass pass;
     std::vector<Smoothed1> turn;
     std::vector<double> disturbed;
-    HeadingChannel heading(settings.heading, settings.tilt, settings.six_axis);
+    // a magnet may be on the sensor: the first pass expects one, the others as much of it as has shown
+    HeadingSettings expected = settings.heading;
+    expected.hard_iron_std = std::max(expected.hard_iron_std, expected.magnet_std);
+    HeadingChannel heading(expected, settings.tilt, settings.six_axis);
     for (int i = 0; i < passes; ++i) {
         out.counters = f.counters;
         InstrumentGuard guard(settings.guard.field_range, settings.guard.stuck_after);
-        heading = HeadingChannel(settings.heading, settings.tilt, settings.six_axis);
+        heading = HeadingChannel(expected, settings.tilt, settings.six_axis);
+        double shown = 0.0;
         pass.path.clear();
         pass.updates.clear();
         std::size_t m = 0;
@@ -193,7 +216,10 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
                 if (pass.updates.size() < disturbed.size()) record.disturbance = disturbed[pass.updates.size()];
                 heading.close(f.tilt[s.block].block, f.bias[s.block], out.counters, &record);
                 pass.path.push_back(record.path);
-                if (record.active) pass.updates.push_back(record);
+                if (record.active) {
+                    pass.updates.push_back(record);
+                    shown = std::max(shown, heading.hard_iron().cwiseAbs().maxCoeff() - 2.0 * heading.hard_iron_std());
+                }
             }
             for (; m < mag.size() && mag[m].time <= imu[s.sample].time; ++m) {
                 if (guard.usable(mag[m].field_b, out.counters.field) && !settings.six_axis)
@@ -201,9 +227,10 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
             }
         }
         std::vector<double> left;
-        turn = smooth_heading(pass, settings.heading.field_noise, left);
+        turn = smooth_heading(pass, settings.heading, left);
         if (pass.updates.empty()) break;
         disturbed = disturbances(left, settings.heading);
+        expected.hard_iron_std = std::max(settings.heading.hard_iron_std, shown);
     }
     out.field = {heading.hard_iron(), heading.horizontal_field(), heading.vertical_field(), heading.delay()};
 

@@ -54,6 +54,7 @@ struct HeadingSettings {
     double field_noise = 2e-6;                    ///< T, of the field from place to place
     double field_time = 1.2;                      ///< s, correlation time of that while moving
     double hard_iron_std = 2e-6;                  ///< T, initial
+    double magnet_std = 30e-6;                    ///< T, of a magnet on the sensor, should there be one
     double hard_iron_walk = 1e-8;                 ///< T/sqrt(s)
     double field_std = 5e-6;                      ///< T, of the horizontal and vertical field, initial
     double field_walk = 5e-8;                     ///< T/sqrt(s)
