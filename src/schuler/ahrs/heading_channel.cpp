@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>  // TEMP
 #include <cmath>
 #include <numbers>
 
@@ -17,12 +16,9 @@ constexpr double squared(double x) { return x * x; }
 
 constexpr double strongest_field = 70e-6;        // T, of the Earth; what a reading has beyond it is iron
 constexpr double unknown_heading_variance = squared(std::numbers::pi) / 3.0;  // rad^2, uniform, until the field is seen
-constexpr double anew_heading_std = 0.1;         // rad, how far a disturbance may have drawn the heading before recovery
 constexpr double tail = 4.0;                     // degrees of freedom of the field's disturbances
 constexpr double shortest_memory = 1e-3;
 constexpr double disturbed_level = 3.0;
-constexpr double steady_time = 10.0;             // s over which a field is to be steady before it is learnt
-constexpr double steady_field = 4e-6;            // T; a magnet fixed to a sensor that turns moves the field by far more
 
 Eigen::Quaterniond about_vertical(double angle) { return {std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle)}; }
 
@@ -30,9 +26,6 @@ Eigen::Quaterniond about_vertical(double angle) { return {std::cos(0.5 * angle),
 
 HeadingChannel::HeadingChannel(const HeadingSettings& settings, const TiltSettings& tilt, bool six_axis)
     : settings_(settings), tilt_(tilt), six_axis_(six_axis), q_nw_(about_vertical(settings.declination)) {
-    const auto env = [](const char* n, double& v) { if (const char* e = std::getenv(n)) v = std::atof(e); };  // TEMP
-    env("HI", settings_.hard_iron_std); env("FN", settings_.field_noise); env("FS", settings_.field_std); env("SI", settings_.soft_iron_std);  // TEMP
-    env("RB", settings_.robustness); env("FW", settings_.field_walk); env("FT", settings_.field_time); env("RF", settings_.rest_factor);  // TEMP
     if (!six_axis) free_variance_ = unknown_heading_variance;
 }
 
@@ -51,7 +44,7 @@ double HeadingChannel::variance() const {
 }
 
 /// The first reading is the field and the irons: what the irons are not known to be, the field is not either.
-void HeadingChannel::start(const Eigen::Vector3d& bias) {
+void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
     if (six_axis_ || samples_ == 0) return;
     FieldMeans means = means_;
     means.scale(1.0 / samples_);
@@ -81,8 +74,12 @@ void HeadingChannel::start(const Eigen::Vector3d& bias) {
     }
     for (int i = 0; i < 3; ++i) {
         for (int k = 0; k < 3; ++k) P_(place[i], place[k]) = field(i, k);
-        P_(place[i], place[i]) += squared(settings_.field_std);
+        // the one place where it is
+        P_(place[i], place[i]) += squared(settings_.field_noise) + squared(settings_.place_std);
     }
+    // levelled by a force that was not gravity alone, the vertical field has a horizontal part
+    P_(S::level_field, S::level_field) += squared(estimate_.vertical) * block.P_tilt(1, 1);
+    P_(S::level_field + 1, S::level_field + 1) += squared(estimate_.vertical) * block.P_tilt(0, 0);
     if (settings_.known_field_n.allFinite()) {
         HeadingVector dx = HeadingVector::Zero(), h = HeadingVector::Zero();
         const double r = squared(settings_.known_field_std), horizontal = estimate_.horizontal();
@@ -93,7 +90,7 @@ void HeadingChannel::start(const Eigen::Vector3d& bias) {
         estim::update_scalar<heading_states>(dx, P_, HeadingVector::Unit(S::vertical), estimate_.vertical - settings_.known_field_n.z(), r);
         estimate_.correct(dx);
     }
-    lately_ = {estimate_.horizontal(), estimate_.vertical};
+    P_(S::place, S::place) = P_(S::place + 1, S::place + 1) = squared(settings_.place_std);
     started_ = true;
 }
 
@@ -108,16 +105,23 @@ void HeadingChannel::pass(const Block& block) {
     duration_ += dt;
 }
 
-/// Transition I + E A, where A are the rows of the level field: its error turns with it, and errs with what it was turned by.
-void HeadingChannel::propagate(Eigen::Matrix<double, 2, heading_states>& A) {
-    const Eigen::Vector2d across(estimate_.level_field.y(), -estimate_.level_field.x());  // d(level field)/d(turn)
+/// Transition I + E A, where A are the rows of the states in w axes: their errors turn with them, and err with what they were turned by.
+void HeadingChannel::propagate(TurningRows& A) {
+    constexpr int n = S::turning;
+    const double keep = std::exp(-duration_ / settings_.place_time);
+    Eigen::Matrix<double, n, 1> across;                        // d(states)/d(turn)
+    across << estimate_.level_field.y(), -estimate_.level_field.x(), estimate_.place.y(), -estimate_.place.x();
+    estimate_.place *= keep;
+    const Eigen::Matrix2d R = Eigen::Rotation2Dd(-turned_).toRotationMatrix();
     A = across * turn_row_.transpose();
-    A.topLeftCorner<2, 2>() += Eigen::Rotation2Dd(-turned_).toRotationMatrix() - Eigen::Matrix2d::Identity();
-    const Eigen::Matrix<double, 2, heading_states> rows = A * P_;
-    const Eigen::Matrix2d corner = rows * A.transpose();
-    P_.topRows<2>() += rows;
-    P_.leftCols<2>() += rows.transpose();
-    P_.topLeftCorner<2, 2>() += corner + noise_ * across * across.transpose();
+    A.middleCols<2>(S::level_field).topRows<2>() += R - Eigen::Matrix2d::Identity();
+    A.middleCols<2>(S::place).bottomRows<2>() += keep * R - Eigen::Matrix2d::Identity();
+    const TurningRows rows = A * P_;
+    const Eigen::Matrix<double, n, n> corner = rows * A.transpose();
+    P_.topRows<n>() += rows;
+    P_.leftCols<n>() += rows.transpose();
+    P_.topLeftCorner<n, n>() += corner + noise_ * across * across.transpose();
+    P_.diagonal().segment<2>(S::place).array() += (1.0 - keep * keep) * squared(settings_.place_std);
     const double dt = duration_;
     P_.diagonal().segment<3>(S::bias).array() += squared(tilt_.bias_walk) * dt;
     P_.diagonal().segment<3>(S::hard_iron).array() += squared(settings_.hard_iron_walk) * dt;
@@ -126,40 +130,11 @@ void HeadingChannel::propagate(Eigen::Matrix<double, 2, heading_states>& A) {
     P_(S::delay, S::delay) += squared(settings_.delay_walk) * dt;
 }
 
-void HeadingChannel::watch_steadiness(const Eigen::Vector3d& field_w, double dt) {
-    const Eigen::Vector2d now(field_w.head<2>().norm(), field_w.z());
-    const double gain = dt / (steady_time + dt);
-    const Eigen::Vector2d change = now - lately_;
-    lately_ += gain * change;
-    unsteadiness_ += gain * (change.squaredNorm() - unsteadiness_);
-}
-
-/// Whether the field, disturbed or not, belongs to the place: horizontal and vertical part stay the same while the sensor moves.
-bool HeadingChannel::steady() const { return unsteadiness_ < squared(steady_field); }
-
-/// The field of the last readings, in the direction that the gyro says; irons as unknown as in the beginning.
-void HeadingChannel::learn_anew() {
-    const double heading_variance = variance() + squared(anew_heading_std);
-    const Eigen::Vector2d north = estimate_.level_field.normalized(), across(-north.y(), north.x());
-    const Eigen::Vector3d field_w = means_.field_w() - means_.C_wb * estimate_.hard_iron;
-    estimate_.level_field = field_w.head<2>().norm() * north;
-    estimate_.vertical = field_w.z();
-    for (const int i : {0, 1, S::hard_iron, S::hard_iron + 1, S::hard_iron + 2, S::vertical}) {
-        P_.row(i).setZero();
-        P_.col(i).setZero();
-        P_(i, i) = squared(i < S::soft_iron ? settings_.hard_iron_std : settings_.field_std);
-    }
-    P_.topLeftCorner<2, 2>() = squared(settings_.field_std) * north * north.transpose() +
-                               heading_variance * field_w.head<2>().squaredNorm() * across * across.transpose();
-    level_ = 1.0;
-    disturbed_for_ = 0.0;
-}
-
 void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Counters& counters, HeadingRecord* record) {
     if (!started_) {
         // without a magnetometer the heading is the tilt channel's own, from zero
         if (six_axis_) free_variance_ += squared(tilt_.gyro_noise) * block.duration + squared(settings_.turn_noise) * block.turned;
-        start(bias);
+        start(block, bias);
     } else {
         pass(block);
     }
@@ -171,7 +146,7 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
 }
 
 void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecord* record) {
-    Eigen::Matrix<double, 2, heading_states> transition;
+    TurningRows transition;
     propagate(transition);
     HeadingVector dx = HeadingVector::Zero();
     int count = 0;
@@ -187,8 +162,7 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
     }
     if (samples_ > 0) {
         means_.scale(1.0 / samples_);
-        const FieldMeasurement m = field_measurement(estimate_, means_);
-        watch_steadiness(m.field_w, duration_);
+        const FieldMeasurement m = field_measurement(estimate_, means_, rest);
         // how improbable norm, dip and direction are together, now and lately
         double nis = 0.0, spread = 0.0;
         for (int i = 0; i < 3; ++i) {
@@ -219,10 +193,6 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
         disturbed_for_ = disturbed ? disturbed_for_ + duration_ : 0.0;
     }
     estimate_.correct(dx);
-    if (disturbed_for_ >= settings_.recovery_time && steady() && !rest && samples_ > 0 && !record) {
-        learn_anew();
-        ++counters.recoveries;
-    }
     if (record) {
         record->active = true;
         record->transition = transition;
@@ -246,6 +216,13 @@ void HeadingChannel::share_samples(const HeadingChannel& other) {
 
 void HeadingChannel::doubt_iron(double std) {
     P_.diagonal().segment<3>(S::hard_iron).array() += squared(std);
+    level_ = 1.0;
+    disturbed_for_ = evidence_ = 0.0;
+}
+
+void HeadingChannel::doubt_place(double std) {
+    P_.diagonal().segment<2>(S::place).array() += squared(std);
+    P_(S::vertical, S::vertical) += squared(std);
     level_ = 1.0;
     disturbed_for_ = evidence_ = 0.0;
 }

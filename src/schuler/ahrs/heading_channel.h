@@ -20,11 +20,13 @@
 
 namespace schuler::ahrs {
 
+using TurningRows = Eigen::Matrix<double, HeadingState::turning, heading_states>;
+
 /// What the smoother needs of one update: the transition since the update before and the scalars.
 struct HeadingRecord {
     bool active = false;                         ///< there was an update; otherwise the block was only passed through
     std::size_t block = 0;                       ///< of the tilt channel, at the end of which it was
-    Eigen::Matrix<double, 2, heading_states> transition = Eigen::Matrix<double, 2, heading_states>::Zero();  ///< rows of the level field, less the identity
+    TurningRows transition = TurningRows::Zero();  ///< rows of the states in w axes, less the identity
     Eigen::Matrix<double, heading_states, 2> P_level = Eigen::Matrix<double, heading_states, 2>::Zero();  ///< columns of the covariance after the updates
     Eigen::Vector2d path = Eigen::Vector2d::Zero();  ///< T, level field at the end of the block before the updates
     Eigen::Vector2d correction = Eigen::Vector2d::Zero();  ///< T, which the updates took off
@@ -63,22 +65,21 @@ public:
     /// How probable the field's samples so far have been to this channel: logarithm, to a constant common to all channels.
     [[nodiscard]] double evidence() const { return evidence_; }
 
-    // another opinion of the same samples: see magnet_watch.h
+    // another opinion of the same samples: see field_watch.h
     /// Takes the samples that wait for an update from another channel.
     void share_samples(const HeadingChannel& other);
     /// A magnet of this size (T) may just have been put on the sensor, or taken off.
     void doubt_iron(double std);
+    /// The field of the place may just have changed by so much (T).
+    void doubt_place(double std);
     /// Takes over what another channel believes.
     void adopt(const HeadingChannel& other);
 
 private:
-    void start(const Eigen::Vector3d& bias);
+    void start(const Block& block, const Eigen::Vector3d& bias);
     void pass(const Block& block);
-    void propagate(Eigen::Matrix<double, 2, heading_states>& A);
+    void propagate(TurningRows& A);
     void update(const Block& block, Counters& counters, HeadingRecord* record);
-    void watch_steadiness(const Eigen::Vector3d& field_w, double dt);
-    [[nodiscard]] bool steady() const;
-    void learn_anew();
 
     HeadingSettings settings_;
     TiltSettings tilt_;
@@ -92,8 +93,6 @@ private:
     double turned_ = 0.0, duration_ = 0.0, noise_ = 0.0;  ///< rad, s and rad^2, since then
     double free_variance_ = 0.0;                        ///< rad^2, before a field was seen, or without one
     double level_ = 1.0, disturbed_for_ = 0.0, evidence_ = 0.0, unexplained_ = 0.0;
-    Eigen::Vector2d lately_ = Eigen::Vector2d::Zero();  ///< T, running means of the horizontal and vertical field
-    double unsteadiness_ = 0.0;                         ///< T^2, and of the squared departure from them
     Eigen::Quaterniond q_nw_ = Eigen::Quaterniond::Identity();
 };
 

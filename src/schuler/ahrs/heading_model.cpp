@@ -10,6 +10,7 @@ using S = HeadingState;
 
 void HeadingEstimate::correct(const HeadingVector& dx) {
     level_field -= dx.segment<2>(S::level_field);
+    place -= dx.segment<2>(S::place);
     bias -= dx.segment<3>(S::bias);
     gyro_matrix -= Eigen::Map<const Eigen::Matrix3d>(dx.data() + S::gyro_matrix);
     hard_iron -= dx.segment<3>(S::hard_iron);
@@ -22,7 +23,11 @@ double heading_of(const Eigen::Vector2d& level_field) { return -std::atan2(level
 
 double HeadingEstimate::heading() const { return heading_of(level_field); }
 
-void HeadingEstimate::turn(double angle) { level_field = Eigen::Rotation2Dd(-angle) * level_field; }
+void HeadingEstimate::turn(double angle) {
+    const Eigen::Rotation2Dd R(-angle);
+    level_field = R * level_field;
+    place = R * place;
+}
 
 void FieldMeans::add(const Eigen::Matrix3d& C, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b) {
     C_wb += C;
@@ -41,7 +46,7 @@ void FieldMeans::scale(double factor) {
     by_component *= factor;
 }
 
-FieldMeasurement field_measurement(const HeadingEstimate& e, const FieldMeans& means) {
+FieldMeasurement field_measurement(const HeadingEstimate& e, const FieldMeans& means, bool rest) {
     const Eigen::Vector3d sweep = means.sweep_w - means.C_rate * e.hard_iron;
     FieldMeasurement m;
     m.H.setZero();
@@ -54,6 +59,10 @@ FieldMeasurement field_measurement(const HeadingEstimate& e, const FieldMeans& m
         m.H.block<3, 3>(0, S::soft_iron + 3 * k) = -by_component;
     }
     m.innovation = m.field_w - Eigen::Vector3d(e.level_field.x(), e.level_field.y(), e.vertical);
+    if (!rest) {
+        m.innovation.head<2>() -= e.place;
+        m.H(0, S::place) = m.H(1, S::place + 1) = -1.0;
+    }
     m.H(0, S::level_field) = m.H(1, S::level_field + 1) = m.H(2, S::vertical) = -1.0;
     m.H.block<3, 3>(0, S::hard_iron) = -means.C_wb + means.C_wb * e.soft_iron + e.delay * means.C_rate;
     m.H.col(S::delay) = -sweep;

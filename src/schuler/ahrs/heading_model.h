@@ -1,6 +1,7 @@
 // What the heading channel believes and how a magnetometer shows it: the model that forward filter and smoother share.
 //
-// States: the horizontal field in the level frame w, whose direction is the heading; the gyro's bias as this channel sees it, its scale
+// States: the horizontal field of the Earth in the level frame w, whose direction is the heading; what the place adds to it, which does not
+// average out where the sensor stays in one room; the gyro's bias as this channel sees it, its scale
 // factors and misalignments; the constant field that travels with the sensor (hard iron) and what turns and stretches the field (soft
 // iron, and a magnetometer that is mounted askew); the vertical field; the age of the magnetometer's samples.
 //
@@ -14,17 +15,19 @@
 
 namespace schuler::ahrs {
 
-inline constexpr int heading_states = 28;
+inline constexpr int heading_states = 30;
 using HeadingVector = Eigen::Matrix<double, heading_states, 1>;
 using HeadingMatrix = Eigen::Matrix<double, heading_states, heading_states>;
 
 /// Where a state stands. The matrices are stored by columns: element (r, c) at 3 c + r.
 struct HeadingState {
-    static constexpr int level_field = 0, bias = 2, gyro_matrix = 5, hard_iron = 14, soft_iron = 17, vertical = 26, delay = 27;
+    static constexpr int level_field = 0, place = 2, bias = 4, gyro_matrix = 7, hard_iron = 16, soft_iron = 19, vertical = 28, delay = 29;
+    static constexpr int turning = 4;            ///< the first, those in w axes, which turn with it
 };
 
 struct HeadingEstimate {
     Eigen::Vector2d level_field = Eigen::Vector2d::Zero();      ///< T, w axes
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();            ///< T, likewise
     Eigen::Vector3d bias = Eigen::Vector3d::Zero();             ///< rad/s
     Eigen::Matrix3d gyro_matrix = Eigen::Matrix3d::Zero();      ///< measured rate = (I + matrix) rate + bias
     Eigen::Vector3d hard_iron = Eigen::Vector3d::Zero();        ///< T
@@ -60,7 +63,8 @@ struct FieldMeasurement {
     Eigen::Vector3d field_w, innovation;
     Eigen::Matrix<double, 3, heading_states> H;
 };
-[[nodiscard]] FieldMeasurement field_measurement(const HeadingEstimate& estimate, const FieldMeans& means);
+/// `rest`: the sensor rests somewhere, so what the place adds is not what it adds where the sensor moves.
+[[nodiscard]] FieldMeasurement field_measurement(const HeadingEstimate& estimate, const FieldMeans& means, bool rest = false);
 
 /// Heading (rad) of a frame in which the field's horizontal part is this.
 [[nodiscard]] double heading_of(const Eigen::Vector2d& level_field);

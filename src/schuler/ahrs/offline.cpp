@@ -141,13 +141,14 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
             adjoint.undo(update);
         }
         if (r.field) left[k] = square;
-        // F = I + E A, E the first two columns of the identity
-        const auto& A = r.transition;
-        const Eigen::Matrix<double, 2, heading_states> rows = adjoint.Lambda.topRows<2>();
-        const Eigen::Matrix2d corner = rows.leftCols<2>();
+        // F = I + E A, E the first columns of the identity
+        constexpr int n = HeadingState::turning;
+        const TurningRows& A = r.transition;
+        const TurningRows rows = adjoint.Lambda.topRows<n>();
+        const Eigen::Matrix<double, n, n> corner = rows.leftCols<n>();
         adjoint.Lambda.noalias() += A.transpose() * (rows + corner * A);
         adjoint.Lambda.noalias() += rows.transpose() * A;
-        const Eigen::Vector2d lambda = adjoint.lambda.head<2>();
+        const Eigen::Matrix<double, n, 1> lambda = adjoint.lambda.head<n>();
         adjoint.lambda.noalias() += A.transpose() * lambda;
     }
     between(0, next_before, next < path.size() ? out[next].std : 0.0);

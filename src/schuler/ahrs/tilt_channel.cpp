@@ -9,6 +9,7 @@ namespace schuler::ahrs {
 namespace {
 
 constexpr double start_tilt_std = 0.03;          // rad
+constexpr double moving_tilt_std = 0.15;          // rad, of a log that begins in motion: accelerations of 1.5 m/s^2
 constexpr double unknown_rate = 0.3;             // of the last known rate: how far a missing sample's rate may lie from it
 constexpr double unknown_force = 3.0;            // m/s^2, acceleration while the accelerometer is unusable
 constexpr double least_doubt = 1e-3;             // rad, less may have been missed at rest
@@ -18,13 +19,14 @@ constexpr double largest_tilt_variance = 1.0;    // rad^2
 
 TiltChannel::TiltChannel(const TiltSettings& settings, const RestSettings& rest) : settings_(settings), rest_(rest) {}
 
-void TiltChannel::start(const Eigen::Vector3d& force_b) {
+void TiltChannel::start(const Eigen::Vector3d& force_b, bool moving) {
     q_wb_ = Eigen::Quaterniond::FromTwoVectors(force_b, Eigen::Vector3d(0.0, 0.0, -1.0)).normalized();
     // FromTwoVectors leaves the heading to chance: take the one that points b's x axis north-like
     const Eigen::Vector3d x_w = q_wb_ * Eigen::Vector3d::UnitX();
     const double azimuth = x_w.head<2>().norm() > 1e-6 ? std::atan2(x_w.y(), x_w.x()) : 0.0;
     q_wb_ = Eigen::AngleAxisd(-azimuth, Eigen::Vector3d::UnitZ()) * q_wb_;
-    const double tilt = start_tilt_std * start_tilt_std, bias = settings_.bias_std * settings_.bias_std;
+    const double tilt_std = moving ? moving_tilt_std : start_tilt_std;
+    const double tilt = tilt_std * tilt_std, bias = settings_.bias_std * settings_.bias_std;
     const double velocity = settings_.velocity_std * settings_.velocity_std;
     P_ = (TiltVector() << tilt, tilt, bias, bias, bias, velocity, velocity).finished().asDiagonal();
     started_ = true;

@@ -34,8 +34,8 @@ class TiltChannel {
 public:
     TiltChannel(const TiltSettings& settings, const RestSettings& rest);
 
-    /// Level attitude from a mean specific force (b), heading zero.
-    void start(const Eigen::Vector3d& force_b);
+    /// Level attitude from a mean specific force (b), heading zero; `moving`: the force is not gravity alone.
+    void start(const Eigen::Vector3d& force_b, bool moving);
     [[nodiscard]] bool started() const { return started_; }
 
     /// Strapdown over dt (s) with the gyro's rate; `force_b` null where unusable; `rate_known` false for an old rate.
