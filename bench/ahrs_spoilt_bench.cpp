@@ -96,7 +96,6 @@ Spoil distorted(double matrix, double iron) {
     };
 }
 
-bool argv_verbose = false;
 struct Case {
     const char* name;
     Spoil spoil;
@@ -133,7 +132,6 @@ void calibration_and_magnets(const std::vector<Trial>& trials, std::uint64_t see
                 mended += calibrated.removed / n;
                 largest = std::max(largest, plain.removed);
                 largest_raw = std::max(largest_raw, plain.raw);
-                if (argv_verbose && calibrated.removed - plain.removed > 0.1) fmt::print("{} {} {}: {:.2f} {:.2f}\n", c.name, t.name, offline, plain.removed, calibrated.removed);
                 worse = std::max(worse, calibrated.removed - plain.removed);
                 applied += calibrated.applied ? 1 : 0;
             }
@@ -177,8 +175,7 @@ int main(int argc, char** argv) {
         fmt::print("no broad_* folders: name the folder that holds them\n");
         return 0;
     }
-    argv_verbose = argc > 3;
     calibration_and_magnets(trials, argc > 2 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : 1);
-    if (argc <= 3) axes(trials);
+    axes(trials);
     return 0;
 }

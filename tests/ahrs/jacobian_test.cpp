@@ -67,9 +67,12 @@ TEST(TiltTransition, AdjointIsTheTranspose) {
     Block block;
     block.duration = duration;
     block.C_wb = math::quaternion_from_rpy({0.3, -0.5, 1.0}).toRotationMatrix();
-    const TiltTransition phi(block, gravity);
     const TiltVector lambda = (TiltVector() << 1.0, -2.0, 0.5, 3.0, -1.0, 0.7, -0.4).finished();
-    EXPECT_LT((phi.transpose_times(lambda) - phi.matrix().transpose() * lambda).norm(), 1e-14);
+    for (const bool levelled : {false, true}) {
+        block.levelled = levelled;
+        const TiltTransition phi(block, gravity);
+        EXPECT_LT((phi.transpose_times(lambda) - phi.matrix().transpose() * lambda).norm(), 1e-14);
+    }
 }
 
 HeadingEstimate some_estimate() {

@@ -119,6 +119,25 @@ TEST(AhrsOffline, TheFieldDoesNotTiltItEither) {
     }
 }
 
+TEST(AhrsSamples, AfterAGapInWhichItWasTurnedOverTheHorizonIsFoundAgain) {
+    const auto attitude = [](double t) { return math::quaternion_from_rpy({t < 60.0 ? 0.2 * std::sin(t) : 2.3 + 0.2 * std::sin(t), 0.3 * std::sin(0.7 * t), 0.5 * t}); };
+    math::Random noise(19, "gap");
+    Log l;
+    for (double t = 0.01; t < 120.0; t += 0.01) {
+        if (t > 58.5 && t < 61.5) continue;
+        const Eigen::Quaterniond q = attitude(t);
+        const Vector3d rate = math::rotation_vector_from_quaternion(attitude(t - 0.01).conjugate() * q) / 0.01;
+        l.imu.push_back({Time::from_seconds(t), rate + 1e-3 * noise.normal3(), q.conjugate() * Vector3d(0.0, 0.0, -9.81) + 0.05 * noise.normal3()});
+        l.mag.push_back({Time::from_seconds(t), q.conjugate() * Vector3d(19e-6, 0.0, 46e-6) + 3e-7 * noise.normal3()});
+        l.truth.push_back({t, {}, {}, {}, q});
+    }
+    for (const bool offline : {false, true}) {
+        RunSettings s;
+        s.offline = offline;
+        EXPECT_LT(errors_of(run(l.imu, l.mag, {}, s), l, 75.0).first, 3.0) << (offline ? "offline" : "online");
+    }
+}
+
 TEST(AhrsCentripetal, ASteadyTurnDoesNotBankTheHorizon) {
     // 20 m/s in a level circle at 0.2 rad/s: 4 m/s^2 to the right, for two minutes
     const double dt = 0.01, speed = 20.0, rate = 0.2;

@@ -116,12 +116,20 @@ void HeadingChannel::propagate(TurningRows& A) {
     A = across * turn_row_.transpose();
     A.middleCols<2>(S::level_field).topRows<2>() += R - Eigen::Matrix2d::Identity();
     A.middleCols<2>(S::place).bottomRows<2>() += keep * R - Eigen::Matrix2d::Identity();
+    if (forget_) {                               // levelled anew, w points anywhere
+        A.setZero();
+        A.leftCols<n>().diagonal().setConstant(-1.0);
+        estimate_.place.setZero();
+        noise_ = 0.0;
+    }
     const TurningRows rows = A * P_;
     const Eigen::Matrix<double, n, n> corner = rows * A.transpose();
     P_.topRows<n>() += rows;
     P_.leftCols<n>() += rows.transpose();
     P_.topLeftCorner<n, n>() += corner + noise_ * across * across.transpose();
-    P_.diagonal().segment<2>(S::place).array() += (1.0 - keep * keep) * squared(settings_.place_std);
+    P_.diagonal().segment<2>(S::place).array() += (forget_ ? 1.0 : 1.0 - keep * keep) * squared(settings_.place_std);
+    if (forget_) P_.diagonal().head<2>().array() += squared(2.0 * estimate_.horizontal());
+    forget_ = false;
     const double dt = duration_;
     P_.diagonal().segment<3>(S::bias).array() += squared(tilt_.bias_walk) * dt;
     P_.diagonal().segment<3>(S::hard_iron).array() += squared(settings_.hard_iron_walk) * dt;
@@ -131,6 +139,11 @@ void HeadingChannel::propagate(TurningRows& A) {
 }
 
 void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Counters& counters, HeadingRecord* record) {
+    if (block.levelled) {                        // the samples gathered so far belong to a horizon that was none
+        means_ = FieldMeans{};
+        samples_ = 0;
+        forget_ = true;
+    }
     if (!started_) {
         // without a magnetometer the heading is the tilt channel's own, from zero
         if (six_axis_) free_variance_ += squared(tilt_.gyro_noise) * block.duration + squared(settings_.turn_noise) * block.turned;

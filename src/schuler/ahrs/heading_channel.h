@@ -84,7 +84,7 @@ private:
     HeadingSettings settings_;
     TiltSettings tilt_;
     bool six_axis_;
-    bool started_ = false;
+    bool started_ = false, forget_ = false;
     HeadingEstimate estimate_;
     HeadingMatrix P_ = HeadingMatrix::Zero();
     FieldMeans means_;                                  ///< sums, until the update

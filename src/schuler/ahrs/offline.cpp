@@ -23,6 +23,7 @@ struct Strapdown {
 struct Smoothed2 {
     Eigen::Vector2d before, after;
     Eigen::Vector2d std;
+    bool levelled = false;                       ///< has nothing to do with the block before
 };
 struct Smoothed1 {
     double heading = 0.0, std = 0.0;
@@ -46,6 +47,14 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
     TiltRecord record;
     for (std::size_t i = 1; i < imu.size(); ++i) {
         for (; v < speed.size() && speed[v].time <= imu[i].time; ++v) filter.forward_speed(speed[v].speed, speed[v].std);
+        if ((imu[i].time - imu[i - 1].time).seconds() > settings.guard.longest_step && !f.tilt.empty()) {
+            // a gap: what was begun before it belongs to the block before
+            constexpr float nearly_the_end = 0.999F;
+            for (; first < f.strapdown.size(); ++first) {
+                f.strapdown[first].block = f.tilt.size() - 1;
+                f.strapdown[first].along = nearly_the_end;
+            }
+        }
         // the strapdown of this sample is wanted as it is before the block's updates
         const bool closed = filter.step((imu[i].time - imu[i - 1].time).seconds(), imu[i].gyro, imu[i].accel, &record);
         if (!filter.started()) continue;
@@ -54,6 +63,10 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
         if (!closed) continue;
         const auto n = static_cast<float>(f.strapdown.size() - first);
         for (std::size_t k = first; k < f.strapdown.size(); ++k) f.strapdown[k].along = static_cast<float>(k - first + 1) / n;
+        if (record.block.levelled) {
+            // what was recorded of the block before it was levelled
+            for (std::size_t k = first; k + 1 < f.strapdown.size(); ++k) f.strapdown[k].q_wb = record.block.level * f.strapdown[k].q_wb;
+        }
         first = f.strapdown.size();
         f.tilt.push_back(record);
         f.tilt_correction.push_back(filter.tilt().tilt_correction());
@@ -69,6 +82,7 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
     for (std::size_t k = f.tilt.size(); k-- > 0;) {
         const TiltRecord& r = f.tilt[k];
         out[k].after = -(r.P_tilt * adjoint.lambda);
+        out[k].levelled = r.block.levelled;
         out[k].before = out[k].after + f.tilt_correction[k];
         for (int i = 0; i < 2; ++i) {
             const TiltVector p = r.P_tilt.row(i).transpose();
@@ -86,6 +100,7 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
 /// A forward pass of the heading channel over the smoothed tilt: where it stood at the end of each block, and its updates.
 struct HeadingPass {
     std::vector<Eigen::Vector2d> path;           ///< T, the level field
+    std::vector<double> free_std;                ///< rad, of the heading of the filter
     std::vector<HeadingRecord> updates;
 };
 
@@ -152,6 +167,9 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
         adjoint.lambda.noalias() += A.transpose() * lambda;
     }
     between(0, next_before, next < path.size() ? out[next].std : 0.0);
+    if (pass.updates.empty()) {                  // six axes: the heading is the gyro's own
+        for (std::size_t b = 0; b < out.size(); ++b) out[b].std = pass.free_std[b];
+    }
     return out;
 }
 
@@ -179,7 +197,7 @@ Eigen::Quaterniond smoothed_q_wb(const Strapdown& s, const std::vector<Smoothed2
         const Eigen::Vector2d e = tilt.empty() ? Eigen::Vector2d::Zero() : tilt.back().after;
         return math::quaternion_from_rotation_vector({e.x(), e.y(), 0.0}) * s.q_wb;
     }
-    const Eigen::Vector2d begin = s.block > 0 ? tilt[s.block - 1].after : tilt[0].before;
+    const Eigen::Vector2d begin = s.block > 0 && !tilt[s.block].levelled ? tilt[s.block - 1].after : tilt[s.block].before;
     const Eigen::Vector2d e = begin + static_cast<double>(s.along) * (tilt[s.block].before - begin);
     return math::quaternion_from_rotation_vector({e.x(), e.y(), 0.0}) * s.q_wb;
 }
@@ -207,6 +225,7 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
         heading = HeadingChannel(expected, settings.tilt, settings.six_axis);
         double shown = 0.0;
         pass.path.clear();
+        pass.free_std.clear();
         pass.updates.clear();
         std::size_t m = 0;
         for (const Strapdown& s : f.strapdown) {
@@ -217,6 +236,7 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
                 if (pass.updates.size() < disturbed.size()) record.disturbance = disturbed[pass.updates.size()];
                 heading.close(f.tilt[s.block].block, f.bias[s.block], out.counters, &record);
                 pass.path.push_back(record.path);
+                pass.free_std.push_back(std::sqrt(heading.variance()));
                 if (record.active) {
                     pass.updates.push_back(record);
                     shown = std::max(shown, heading.hard_iron().cwiseAbs().maxCoeff() - 2.0 * heading.hard_iron_std());
