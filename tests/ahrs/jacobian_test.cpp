@@ -67,19 +67,22 @@ TEST(TiltTransition, AdjointIsTheTranspose) {
     Block block;
     block.duration = duration;
     block.C_wb = math::quaternion_from_rpy({0.3, -0.5, 1.0}).toRotationMatrix();
-    const TiltTransition phi(block, gravity);
     const TiltVector lambda = (TiltVector() << 1.0, -2.0, 0.5, 3.0, -1.0, 0.7, -0.4).finished();
-    EXPECT_LT((phi.transpose_times(lambda) - phi.matrix().transpose() * lambda).norm(), 1e-14);
+    for (const bool levelled : {false, true}) {
+        block.levelled = levelled;
+        const TiltTransition phi(block, gravity);
+        EXPECT_LT((phi.transpose_times(lambda) - phi.matrix().transpose() * lambda).norm(), 1e-14);
+    }
 }
 
 HeadingEstimate some_estimate() {
     HeadingEstimate e;
-    e.heading = 0.7;
+    e.level_field = 18e-6 * Eigen::Vector2d(std::cos(0.7), -std::sin(0.7));
+    e.place = Eigen::Vector2d(1.5e-6, -1e-6);
     e.bias = Vector3d(0.01, -0.02, 0.015);
     e.gyro_matrix << 4e-3, 1e-3, -2e-3, 3e-3, -5e-3, 1e-3, -1e-3, 2e-3, 6e-3;
     e.hard_iron = Vector3d(3e-6, -4e-6, 2e-6);
     e.soft_iron << 0.02, 0.01, -0.01, -0.02, 0.03, 0.01, 0.005, -0.01, -0.02;
-    e.horizontal = 18e-6;
     e.vertical = 42e-6;
     e.delay = 0.012;
     return e;
@@ -97,8 +100,8 @@ Block some_block() {
 /// What a magnetometer and a gyro with these errors measure over some attitudes, in means.
 FieldMeans measured_with(const HeadingEstimate& truth) {
     FieldMeans means;
-    const Eigen::Matrix3d C_nw = math::dcm_from_rpy({0.0, 0.0, truth.heading});
-    const Vector3d field_n(truth.horizontal, 0.0, truth.vertical);
+    const Eigen::Matrix3d C_nw = math::dcm_from_rpy({0.0, 0.0, truth.heading()});
+    const Vector3d field_n = C_nw * Vector3d(truth.level_field.x() + truth.place.x(), truth.level_field.y() + truth.place.y(), truth.vertical);
     constexpr int samples = 5;
     for (int i = 0; i < samples; ++i) {
         const Eigen::Matrix3d C_wb = math::quaternion_from_rpy({0.3 + 0.02 * i, -0.5 - 0.03 * i, 1.0 + 0.05 * i}).toRotationMatrix();
@@ -113,8 +116,8 @@ FieldMeans measured_with(const HeadingEstimate& truth) {
 /// Steps of the errors' own size.
 Eigen::VectorXd heading_steps() {
     Eigen::VectorXd sizes(heading_states);
-    sizes << 1e-3, Eigen::VectorXd::Constant(3, 1e-3), Eigen::VectorXd::Constant(9, 1e-3), Eigen::VectorXd::Constant(3, 1e-6),
-        Eigen::VectorXd::Constant(9, 1e-3), 1e-6, 1e-6, 1e-3;
+    sizes << 1e-6, 1e-6, 1e-6, 1e-6, Eigen::VectorXd::Constant(3, 1e-3), Eigen::VectorXd::Constant(9, 1e-3), Eigen::VectorXd::Constant(3, 1e-6),
+        Eigen::VectorXd::Constant(9, 1e-3), 1e-6, 1e-3;
     return sizes;
 }
 

@@ -119,6 +119,25 @@ TEST(AhrsOffline, TheFieldDoesNotTiltItEither) {
     }
 }
 
+TEST(AhrsSamples, AfterAGapInWhichItWasTurnedOverTheHorizonIsFoundAgain) {
+    const auto attitude = [](double t) { return math::quaternion_from_rpy({t < 60.0 ? 0.2 * std::sin(t) : 2.3 + 0.2 * std::sin(t), 0.3 * std::sin(0.7 * t), 0.5 * t}); };
+    math::Random noise(19, "gap");
+    Log l;
+    for (double t = 0.01; t < 120.0; t += 0.01) {
+        if (t > 58.5 && t < 61.5) continue;
+        const Eigen::Quaterniond q = attitude(t);
+        const Vector3d rate = math::rotation_vector_from_quaternion(attitude(t - 0.01).conjugate() * q) / 0.01;
+        l.imu.push_back({Time::from_seconds(t), rate + 1e-3 * noise.normal3(), q.conjugate() * Vector3d(0.0, 0.0, -9.81) + 0.05 * noise.normal3()});
+        l.mag.push_back({Time::from_seconds(t), q.conjugate() * Vector3d(19e-6, 0.0, 46e-6) + 3e-7 * noise.normal3()});
+        l.truth.push_back({t, {}, {}, {}, q});
+    }
+    for (const bool offline : {false, true}) {
+        RunSettings s;
+        s.offline = offline;
+        EXPECT_LT(errors_of(run(l.imu, l.mag, {}, s), l, 75.0).first, 3.0) << (offline ? "offline" : "online");
+    }
+}
+
 TEST(AhrsCentripetal, ASteadyTurnDoesNotBankTheHorizon) {
     // 20 m/s in a level circle at 0.2 rad/s: 4 m/s^2 to the right, for two minutes
     const double dt = 0.01, speed = 20.0, rate = 0.2;
@@ -139,8 +158,8 @@ TEST(AhrsCentripetal, ASteadyTurnDoesNotBankTheHorizon) {
     EXPECT_GT(largest_roll(false), 1.5 * largest_roll(true));
 }
 
-/// Final difference of heading between a run with a field that changed at 20 s for good and one without; and recoveries.
-std::pair<double, std::size_t> after_a_lasting_change(const Vector3d& iron, bool place) {
+/// Final difference of heading between a run with a field that changed at 20 s for good and one without; and magnets found.
+std::pair<double, std::size_t> after_a_lasting_change(const Vector3d& iron, bool place, double place_std) {
     Motion m;
     const Log clean = log_of(m, 11);
     if (place) {
@@ -149,16 +168,34 @@ std::pair<double, std::size_t> after_a_lasting_change(const Vector3d& iron, bool
     }
     Log changed = log_of(m, 11);
     for (std::size_t i = 2000; i < changed.mag.size(); ++i) changed.mag[i].field_b += iron;
-    const RunResult a = run(clean.imu, clean.mag, {}, {}), b = run(changed.imu, changed.mag, {}, {});
-    return {a.rows.back().q_nb.angularDistance(b.rows.back().q_nb) / units::deg, b.counters.recoveries};
+    RunSettings s;
+    s.mekf.heading.place_std = place_std;
+    const RunResult a = run(clean.imu, clean.mag, {}, s), b = run(changed.imu, changed.mag, {}, s);
+    return {a.rows.back().q_nb.angularDistance(b.rows.back().q_nb) / units::deg, b.counters.magnets};
 }
 
-TEST(AhrsRecovery, ANewPlaceIsLearntAMagnetOnTheSensorIsNot) {
-    const auto place = after_a_lasting_change(Vector3d::Zero(), true);
-    EXPECT_EQ(place.second, 1u) << "the field of another place is steady";
-    const auto magnet = after_a_lasting_change(Vector3d(60e-6, -50e-6, 80e-6), false);
-    EXPECT_EQ(magnet.second, 0u) << "this one turns with the sensor";
+TEST(AhrsRecovery, ANewPlaceDoesNotTurnTheHeadingAMagnetIsFound) {
+    // the horizontal field turned by 20 deg for good: a place that adds to the field, not a sensor that has turned
+    const double usual = MekfSettings{}.heading.place_std;
+    EXPECT_LT(after_a_lasting_change(Vector3d::Zero(), true, usual).first, 3.0);
+    const auto magnet = after_a_lasting_change(Vector3d(60e-6, -50e-6, 80e-6), false, usual);
+    EXPECT_EQ(magnet.second, 1u);
     EXPECT_LT(magnet.first, 3.0);
+}
+
+TEST(AhrsRecovery, AMagnetFromTheFirstSampleIsFoundAsSoonAsTheSensorTurns) {
+    for (const bool offline : {false, true}) {
+        for (const double size : {10e-6, 40e-6, 160e-6}) {
+            math::Random random(21, "magnet");
+            Motion m;
+            m.hard_iron = size * random.normal3().normalized();
+            const Log l = log_of(m, 17);
+            RunSettings s;
+            s.offline = offline;
+            const RunResult r = run(l.imu, l.mag, {}, s);
+            EXPECT_LT(errors_of(r, l, 40.0).first, 4.0) << size << (offline ? " offline" : "");
+        }
+    }
 }
 
 TEST(AhrsHeading, TheGyrosScaleIsLearntAndHoldsTheHeadingThroughADisturbance) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace schuler::ahrs {
 
@@ -15,6 +16,8 @@ struct Block {
     Eigen::Vector3d force_w = Eigen::Vector3d::Zero();        ///< m/s^2, mean
     double turned = 0.0;                                      ///< rad, length of the path of rotation
     double doubt = 0.0;                                       ///< rad, by which samples that were left out may have turned it
+    bool levelled = false;                                    ///< after a gap: the tilt was taken from the force anew
+    Eigen::Quaterniond level = Eigen::Quaterniond::Identity();  ///< by this rotation of w
     bool force_known = false;                                 ///< at least half of the accelerometer samples were usable
     double rest_time = 0.0;                                   ///< s of rest so far; 0 in motion
     Eigen::Matrix2d P_tilt = Eigen::Matrix2d::Zero();          ///< rad^2, tilt covariance after the update, w axes

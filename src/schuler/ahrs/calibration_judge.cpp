@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 namespace schuler::ahrs {
 namespace {
@@ -19,6 +20,9 @@ using Eigen::Vector3d;
 
 constexpr int parts = 4;                         // the log in turns: stretches 0, 4, 8, ... are part 0
 constexpr double stretch = 8.0;                  // s
+constexpr std::size_t pieces = 8;                // and one after the other, in each of which a calibration has to hold
+constexpr double worse_piece = 1.2;              // of the mean square there
+constexpr double least_turning = 0.1e-6;         // T, by which it does not matter
 constexpr double clear_gain = 0.9;               // a quantity has improved where its mean square has fallen to this share
 constexpr double largest_offset_std = 1e-6;      // T; the filters find a hard iron of some 2 uT by themselves
 constexpr double tolerated = 1.02;               // and it is no worse below this
@@ -98,6 +102,22 @@ void add(Disagreement& d, const std::vector<Reading>& readings, int part, Calibr
     if (dipped > 0.0) d.dip += sum.dip / dipped;
 }
 
+/// Turning of the field against the gyro's, mean square (T^2), in each of some pieces of the log, one after the other; NaN where there are
+/// few readings.
+template <class Calibrated>
+std::array<double, pieces> turning_by_pieces(const std::vector<Reading>& readings, Calibrated calibrated) {
+    constexpr double enough = 10.0;
+    std::array<double, pieces> sum{}, n{};
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const std::size_t piece = i * pieces / readings.size();
+        const Vector3d f = calibrated(readings[i].field);
+        sum[piece] += (calibrated(readings[i].next) - readings[i].turn * f).squaredNorm();
+        n[piece] += 1.0;
+    }
+    for (std::size_t k = 0; k < pieces; ++k) sum[k] = n[k] < enough ? std::nan("") : sum[k] / n[k];
+    return sum;
+}
+
 std::vector<Vector3d> fields_without(const std::vector<Reading>& readings, int part) {
     std::vector<Vector3d> out;
     for (const Reading& r : readings) {
@@ -171,6 +191,16 @@ JudgedCalibration judge_magnetometer(std::span<const ImuSample> imu, std::span<c
     if (fit && fit->offset_std() > largest_offset_std) {
         out.reason += fmt::format("; but the readings show the hard iron only to {:.1f} uT, {:.1f} are needed",
                                   fit->offset_std() / units::microtesla, largest_offset_std / units::microtesla);
+        return out;
+    }
+    if (!fit) return out;
+    // a magnet that was there for a while only is in one piece of the log and not in the others
+    const auto as_given = turning_by_pieces(readings, [](const Vector3d& f) { return f; });
+    const auto calibrated = turning_by_pieces(readings, [&](const Vector3d& f) { return fit->apply(f); });
+    for (std::size_t k = 0; k < pieces; ++k) {
+        if (!(calibrated[k] > worse_piece * as_given[k] + least_turning * least_turning)) continue;
+        out.reason += fmt::format("; but in piece {} of {} of the log the turning got worse, {:.2f} to {:.2f} uT: did a magnet come or go?", k + 1,
+                                  pieces, std::sqrt(as_given[k]) / units::microtesla, std::sqrt(calibrated[k]) / units::microtesla);
         return out;
     }
     out.fit = fit;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -13,13 +14,11 @@ using S = HeadingState;
 
 constexpr double squared(double x) { return x * x; }
 
-constexpr double start_heading_std = 0.2;        // rad
+constexpr double strongest_field = 70e-6;        // T, of the Earth; what a reading has beyond it is iron
 constexpr double unknown_heading_variance = squared(std::numbers::pi) / 3.0;  // rad^2, uniform, until the field is seen
-constexpr double anew_heading_std = 0.1;         // rad, how far a disturbance may have drawn the heading before recovery
+constexpr double tail = 4.0;                     // degrees of freedom of the field's disturbances
 constexpr double shortest_memory = 1e-3;
 constexpr double disturbed_level = 3.0;
-constexpr double steady_time = 10.0;             // s over which a field is to be steady before it is learnt
-constexpr double steady_field = 4e-6;            // T; a magnet fixed to a sensor that turns moves the field by far more
 
 Eigen::Quaterniond about_vertical(double angle) { return {std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle)}; }
 
@@ -27,7 +26,7 @@ Eigen::Quaterniond about_vertical(double angle) { return {std::cos(0.5 * angle),
 
 HeadingChannel::HeadingChannel(const HeadingSettings& settings, const TiltSettings& tilt, bool six_axis)
     : settings_(settings), tilt_(tilt), six_axis_(six_axis), q_nw_(about_vertical(settings.declination)) {
-    if (!six_axis) P_(0, 0) = unknown_heading_variance;
+    if (!six_axis) free_variance_ = unknown_heading_variance;
 }
 
 void HeadingChannel::gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b) {
@@ -35,29 +34,63 @@ void HeadingChannel::gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& 
     ++samples_;
 }
 
-void HeadingChannel::start(const Eigen::Vector3d& bias) {
+/// Variance of the direction of the level field, which for a field that is hardly known is that of an unknown heading.
+double HeadingChannel::variance() const {
+    if (!started_) return free_variance_;
+    const double size2 = estimate_.level_field.squaredNorm();
+    const Eigen::Vector2d across(-estimate_.level_field.y(), estimate_.level_field.x());
+    const double square = across.dot(P_.topLeftCorner<2, 2>() * across);
+    return size2 > 0.0 ? std::min(unknown_heading_variance, square / (size2 * size2)) : unknown_heading_variance;
+}
+
+/// The first reading is the field and the irons: what the irons are not known to be, the field is not either.
+void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
     if (six_axis_ || samples_ == 0) return;
-    const Eigen::Vector3d field_w = means_.field_w() / samples_;
-    estimate_.heading = -std::atan2(field_w.y(), field_w.x());
-    estimate_.horizontal = field_w.head<2>().norm();
+    FieldMeans means = means_;
+    means.scale(1.0 / samples_);
+    const Eigen::Vector3d field_w = means.field_w();
+    estimate_.level_field = field_w.head<2>();
     estimate_.vertical = field_w.z();
-    double field_variance = squared(settings_.field_std);
-    if (settings_.known_field_n.allFinite()) {
-        estimate_.horizontal = settings_.known_field_n.head<2>().norm();
-        estimate_.vertical = settings_.known_field_n.z();
-        field_variance = squared(settings_.known_field_std);
-    }
-    lately_ = {estimate_.horizontal, estimate_.vertical};
     estimate_.bias = bias;
-    HeadingVector variance;
-    variance(S::heading) = squared(start_heading_std);
+    const double surplus = std::max(0.0, field_w.norm() - strongest_field);
+    HeadingVector variance = HeadingVector::Zero();
     variance.segment<3>(S::bias).setConstant(squared(tilt_.bias_std));
     variance.segment<9>(S::gyro_matrix).setConstant(squared(settings_.gyro_matrix_std));
-    variance.segment<3>(S::hard_iron).setConstant(squared(settings_.hard_iron_std));
+    variance.segment<3>(S::hard_iron).setConstant(squared(settings_.hard_iron_std) + squared(surplus));
     variance.segment<9>(S::soft_iron).setConstant(squared(settings_.soft_iron_std));
-    variance(S::horizontal) = variance(S::vertical) = field_variance;
     variance(S::delay) = squared(settings_.delay_std);
     P_ = variance.asDiagonal();
+    // the field is the reading less the irons
+    Eigen::Matrix<double, 3, heading_states> H = field_measurement(estimate_, means).H;
+    H.col(0).setZero();
+    H.col(1).setZero();
+    H.col(S::vertical).setZero();
+    const Eigen::Matrix<double, 3, heading_states> rows = H * P_;
+    const Eigen::Matrix3d field = rows * H.transpose();
+    constexpr std::array place{S::level_field, S::level_field + 1, S::vertical};
+    for (int i = 0; i < 3; ++i) {
+        P_.row(place[i]) = rows.row(i);
+        P_.col(place[i]) = rows.row(i).transpose();
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) P_(place[i], place[k]) = field(i, k);
+        // the one place where it is
+        P_(place[i], place[i]) += squared(settings_.field_noise) + squared(settings_.place_std);
+    }
+    // levelled by a force that was not gravity alone, the vertical field has a horizontal part
+    P_(S::level_field, S::level_field) += squared(estimate_.vertical) * block.P_tilt(1, 1);
+    P_(S::level_field + 1, S::level_field + 1) += squared(estimate_.vertical) * block.P_tilt(0, 0);
+    if (settings_.known_field_n.allFinite()) {
+        HeadingVector dx = HeadingVector::Zero(), h = HeadingVector::Zero();
+        const double r = squared(settings_.known_field_std), horizontal = estimate_.horizontal();
+        if (horizontal > 0.0) {
+            h.head<2>() = estimate_.level_field / horizontal;
+            estim::update_scalar<heading_states>(dx, P_, h, horizontal - settings_.known_field_n.head<2>().norm(), r);
+        }
+        estim::update_scalar<heading_states>(dx, P_, HeadingVector::Unit(S::vertical), estimate_.vertical - settings_.known_field_n.z(), r);
+        estimate_.correct(dx);
+    }
+    P_(S::place, S::place) = P_(S::place + 1, S::place + 1) = squared(settings_.place_std);
     started_ = true;
 }
 
@@ -65,59 +98,60 @@ void HeadingChannel::start(const Eigen::Vector3d& bias) {
 void HeadingChannel::pass(const Block& block) {
     const double dt = block.duration;
     const HeadingTurn turn = heading_turn(estimate_, block);
-    estimate_.heading += turn.angle;
-    transition_ += turn.row;
+    estimate_.turn(turn.angle);
+    turned_ += turn.angle;
+    turn_row_ += turn.row;
     noise_ += (squared(settings_.walk) + squared(tilt_.gyro_noise)) * dt + squared(settings_.turn_noise) * block.turned + squared(block.doubt);
     duration_ += dt;
 }
 
-void HeadingChannel::propagate() {
-    const HeadingVector column = P_ * transition_;
-    P_.col(0) += column;
-    P_.row(0) += column.transpose();
-    P_(0, 0) += transition_.dot(column) + noise_;
+/// Transition I + E A, where A are the rows of the states in w axes: their errors turn with them, and err with what they were turned by.
+void HeadingChannel::propagate(TurningRows& A) {
+    constexpr int n = S::turning;
+    const double keep = std::exp(-duration_ / settings_.place_time);
+    Eigen::Matrix<double, n, 1> across;                        // d(states)/d(turn)
+    across << estimate_.level_field.y(), -estimate_.level_field.x(), estimate_.place.y(), -estimate_.place.x();
+    estimate_.place *= keep;
+    const Eigen::Matrix2d R = Eigen::Rotation2Dd(-turned_).toRotationMatrix();
+    A = across * turn_row_.transpose();
+    A.middleCols<2>(S::level_field).topRows<2>() += R - Eigen::Matrix2d::Identity();
+    A.middleCols<2>(S::place).bottomRows<2>() += keep * R - Eigen::Matrix2d::Identity();
+    if (forget_) {                               // levelled anew, w points anywhere
+        A.setZero();
+        A.leftCols<n>().diagonal().setConstant(-1.0);
+        estimate_.place.setZero();
+        noise_ = 0.0;
+    }
+    const TurningRows rows = A * P_;
+    const Eigen::Matrix<double, n, n> corner = rows * A.transpose();
+    P_.topRows<n>() += rows;
+    P_.leftCols<n>() += rows.transpose();
+    P_.topLeftCorner<n, n>() += corner + noise_ * across * across.transpose();
+    P_.diagonal().segment<2>(S::place).array() += (forget_ ? 1.0 : 1.0 - keep * keep) * squared(settings_.place_std);
+    if (forget_) P_.diagonal().head<2>().array() += squared(2.0 * estimate_.horizontal());
+    forget_ = false;
     const double dt = duration_;
     P_.diagonal().segment<3>(S::bias).array() += squared(tilt_.bias_walk) * dt;
     P_.diagonal().segment<3>(S::hard_iron).array() += squared(settings_.hard_iron_walk) * dt;
-    P_(S::horizontal, S::horizontal) += squared(settings_.field_walk) * dt;
+    P_.diagonal().head<2>().array() += squared(settings_.field_walk) * dt;
     P_(S::vertical, S::vertical) += squared(settings_.field_walk) * dt;
     P_(S::delay, S::delay) += squared(settings_.delay_walk) * dt;
 }
 
-void HeadingChannel::watch_steadiness(const Eigen::Vector3d& field_n, double dt) {
-    const Eigen::Vector2d now(field_n.head<2>().norm(), field_n.z());
-    const double gain = dt / (steady_time + dt);
-    const Eigen::Vector2d change = now - lately_;
-    lately_ += gain * change;
-    unsteadiness_ += gain * (change.squaredNorm() - unsteadiness_);
-}
-
-/// Whether the field, disturbed or not, belongs to the place: horizontal and vertical part stay the same while the sensor moves.
-bool HeadingChannel::steady() const { return unsteadiness_ < squared(steady_field); }
-
-void HeadingChannel::learn_anew() {
-    for (const int i : {S::hard_iron, S::hard_iron + 1, S::hard_iron + 2, S::horizontal, S::vertical}) {
-        P_.row(i).setZero();
-        P_.col(i).setZero();
-        P_(i, i) = squared(i < S::soft_iron ? settings_.hard_iron_std : settings_.field_std);
-    }
-    P_(0, 0) += squared(anew_heading_std);
-    const Eigen::Vector3d field_w = means_.field_w() - means_.C_wb * estimate_.hard_iron;
-    estimate_.horizontal = field_w.head<2>().norm();
-    estimate_.vertical = field_w.z();
-    level_ = 1.0;
-    disturbed_for_ = 0.0;
-}
-
 void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Counters& counters, HeadingRecord* record) {
+    if (block.levelled) {                        // the samples gathered so far belong to a horizon that was none
+        means_ = FieldMeans{};
+        samples_ = 0;
+        forget_ = true;
+    }
     if (!started_) {
         // without a magnetometer the heading is the tilt channel's own, from zero
-        if (six_axis_) P_(0, 0) += squared(tilt_.gyro_noise) * block.duration + squared(settings_.turn_noise) * block.turned;
-        start(bias);
+        if (six_axis_) free_variance_ += squared(tilt_.gyro_noise) * block.duration + squared(settings_.turn_noise) * block.turned;
+        start(block, bias);
     } else {
         pass(block);
     }
-    if (record) record->path = heading();
+    if (record) record->path = estimate_.level_field;
     if (!started_) return;
     // half a block early rather than one late
     if (duration_ >= settings_.block - 0.5 * block.duration) update(block, counters, record);
@@ -125,8 +159,8 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
 }
 
 void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecord* record) {
-    if (record) record->transition = transition_;
-    propagate();
+    TurningRows transition;
+    propagate(transition);
     HeadingVector dx = HeadingVector::Zero();
     int count = 0;
     const auto measure = [&](const HeadingVector& h, double computed_minus_measured, double variance) {
@@ -141,14 +175,19 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
     }
     if (samples_ > 0) {
         means_.scale(1.0 / samples_);
-        const FieldMeasurement m = field_measurement(estimate_, means_);
-        watch_steadiness(m.field_n, duration_);
+        const FieldMeasurement m = field_measurement(estimate_, means_, rest);
         // how improbable norm, dip and direction are together, now and lately
-        double nis = 0.0;
+        double nis = 0.0, spread = 0.0;
         for (int i = 0; i < 3; ++i) {
             const HeadingVector h = m.H.row(i).transpose();
-            nis += squared(m.innovation(i)) / (h.dot(P_ * h) + squared(settings_.field_noise)) / 3.0;
+            const double share = h.dot(P_ * h) / squared(settings_.field_noise) + 1.0;
+            nis += squared(m.innovation(i) / settings_.field_noise) / share / 3.0;
+            spread += std::log(share);
         }
+        // Student's distribution, since places disturb by more than a normal one says; samples that tell the same count once
+        const double fresh = std::min(1.0, duration_ / (2.0 * settings_.field_time)) / (rest ? settings_.rest_factor : 1.0);
+        evidence_ -= fresh * 0.5 * (spread + (tail + 3.0) * std::log1p(3.0 * nis / tail));
+        unexplained_ = m.innovation.norm();
         level_ += duration_ / (settings_.adaptation_time + duration_) * (nis - level_);
         const bool known = record != nullptr && std::isfinite(record->disturbance);
         const double disturbance = known ? std::max(1.0, record->disturbance) : std::max({1.0, level_, nis});
@@ -156,33 +195,55 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
         double factor = std::pow(disturbance, settings_.robustness) * std::max(1.0, disturbed_for_ / settings_.field_time);
         if (rest) factor *= settings_.rest_factor * std::max(1.0, block.rest_time / 5.0);
         const double r = squared(settings_.field_noise) * 2.0 * settings_.field_time / duration_ * factor;
-        // the tilt error about north, with its memory, as white noise of the same effect on what is slower than it
-        const Eigen::Vector2d north_w(std::cos(estimate_.heading), -std::sin(estimate_.heading));
-        const double tilt = north_w.dot(block.P_tilt * north_w);
+        // the tilt error, with its memory, as white noise of the same effect on what is slower than it
         const double memory = (1.0 + block.tilt_kept) / std::max(1.0 - block.tilt_kept, shortest_memory) * block.duration / duration_;
-        measure(m.H.row(0).transpose(), m.innovation(0), r);
-        measure(m.H.row(1).transpose(), m.innovation(1), r + squared(estimate_.vertical) * tilt * memory);
+        const double tilt = squared(estimate_.vertical) * memory;
+        measure(m.H.row(0).transpose(), m.innovation(0), r + tilt * block.P_tilt(1, 1));
+        measure(m.H.row(1).transpose(), m.innovation(1), r + tilt * block.P_tilt(0, 0));
         measure(m.H.row(2).transpose(), m.innovation(2), r);
         const bool disturbed = disturbance > disturbed_level;
         if (disturbed) ++counters.disturbed_blocks;
         disturbed_for_ = disturbed ? disturbed_for_ + duration_ : 0.0;
     }
     estimate_.correct(dx);
-    if (disturbed_for_ >= settings_.recovery_time && steady() && !rest && samples_ > 0 && !record) {
-        learn_anew();
-        ++counters.recoveries;
-    }
     if (record) {
         record->active = true;
-        record->P_heading = P_.col(0);
-        record->correction = dx(0);
+        record->transition = transition;
+        record->P_level = P_.leftCols<2>();
+        record->correction = dx.head<2>();
         record->count = count;
         record->field = samples_ > 0;
     }
     means_ = FieldMeans{};
-    transition_.setZero();
-    duration_ = noise_ = 0.0;
+    turn_row_.setZero();
+    turned_ = duration_ = noise_ = 0.0;
     samples_ = 0;
+}
+
+double HeadingChannel::hard_iron_std() const { return std::sqrt(P_.diagonal().segment<3>(S::hard_iron).maxCoeff()); }
+
+void HeadingChannel::share_samples(const HeadingChannel& other) {
+    means_ = other.means_;
+    samples_ = other.samples_;
+}
+
+void HeadingChannel::doubt_iron(double std) {
+    P_.diagonal().segment<3>(S::hard_iron).array() += squared(std);
+    level_ = 1.0;
+    disturbed_for_ = evidence_ = 0.0;
+}
+
+void HeadingChannel::doubt_place(double std) {
+    P_.diagonal().segment<2>(S::place).array() += squared(std);
+    P_(S::vertical, S::vertical) += squared(std);
+    level_ = 1.0;
+    disturbed_for_ = evidence_ = 0.0;
+}
+
+void HeadingChannel::adopt(const HeadingChannel& other) {
+    const HeadingSettings settings = settings_;
+    *this = other;
+    settings_ = settings;
 }
 
 }  // namespace schuler::ahrs

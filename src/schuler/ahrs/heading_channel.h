@@ -20,14 +20,16 @@
 
 namespace schuler::ahrs {
 
+using TurningRows = Eigen::Matrix<double, HeadingState::turning, heading_states>;
+
 /// What the smoother needs of one update: the transition since the update before and the scalars.
 struct HeadingRecord {
     bool active = false;                         ///< there was an update; otherwise the block was only passed through
     std::size_t block = 0;                       ///< of the tilt channel, at the end of which it was
-    HeadingVector transition = HeadingVector::Zero();  ///< row of the heading of the transition, less the identity
-    HeadingVector P_heading = HeadingVector::Zero();  ///< row of the covariance after the updates
-    double path = 0.0;                           ///< rad, heading at the end of the block before the updates
-    double correction = 0.0;                     ///< by which the updates changed it
+    TurningRows transition = TurningRows::Zero();  ///< rows of the states in w axes, less the identity
+    Eigen::Matrix<double, heading_states, 2> P_level = Eigen::Matrix<double, heading_states, 2>::Zero();  ///< columns of the covariance after the updates
+    Eigen::Vector2d path = Eigen::Vector2d::Zero();  ///< T, level field at the end of the block before the updates
+    Eigen::Vector2d correction = Eigen::Vector2d::Zero();  ///< T, which the updates took off
     std::array<estim::ScalarUpdate<heading_states>, 6> updates;
     int count = 0;
     bool field = false;                          ///< the last three of them are the magnetometer's
@@ -46,39 +48,51 @@ public:
 
     [[nodiscard]] bool started() const { return started_; }
     /// Rotation of w about the vertical from north-east-down, rad; with the declination where one was given.
-    [[nodiscard]] double heading() const { return estimate_.heading + settings_.declination; }
+    [[nodiscard]] double heading() const { return estimate_.heading() + settings_.declination; }
     /// The same as a rotation; kept, since it is wanted at every sample and changes once a block.
     [[nodiscard]] const Eigen::Quaterniond& q_nw() const { return q_nw_; }
-    [[nodiscard]] double variance() const { return P_(0, 0); }  ///< rad^2
+    [[nodiscard]] double variance() const;       ///< rad^2
     [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return estimate_.hard_iron; }
-    [[nodiscard]] double horizontal_field() const { return estimate_.horizontal; }
+    [[nodiscard]] double horizontal_field() const { return estimate_.horizontal(); }
     [[nodiscard]] double vertical_field() const { return estimate_.vertical; }
     [[nodiscard]] double delay() const { return estimate_.delay; }
     [[nodiscard]] const HeadingEstimate& estimate() const { return estimate_; }
     [[nodiscard]] double disturbance() const { return level_; }  ///< about 1 in an undisturbed field
+    [[nodiscard]] double disturbed_for() const { return disturbed_for_; }  ///< s
+    /// T, one sigma of the hard iron in its worst known direction; and of what the last field left, unexplained.
+    [[nodiscard]] double hard_iron_std() const;
+    [[nodiscard]] double unexplained() const { return unexplained_; }
+    /// How probable the field's samples so far have been to this channel: logarithm, to a constant common to all channels.
+    [[nodiscard]] double evidence() const { return evidence_; }
+
+    // another opinion of the same samples: see field_watch.h
+    /// Takes the samples that wait for an update from another channel.
+    void share_samples(const HeadingChannel& other);
+    /// A magnet of this size (T) may just have been put on the sensor, or taken off.
+    void doubt_iron(double std);
+    /// The field of the place may just have changed by so much (T).
+    void doubt_place(double std);
+    /// Takes over what another channel believes.
+    void adopt(const HeadingChannel& other);
 
 private:
-    void start(const Eigen::Vector3d& bias);
+    void start(const Block& block, const Eigen::Vector3d& bias);
     void pass(const Block& block);
-    void propagate();
+    void propagate(TurningRows& A);
     void update(const Block& block, Counters& counters, HeadingRecord* record);
-    void watch_steadiness(const Eigen::Vector3d& field_n, double dt);
-    [[nodiscard]] bool steady() const;
-    void learn_anew();
 
     HeadingSettings settings_;
     TiltSettings tilt_;
     bool six_axis_;
-    bool started_ = false;
+    bool started_ = false, forget_ = false;
     HeadingEstimate estimate_;
     HeadingMatrix P_ = HeadingMatrix::Zero();
     FieldMeans means_;                                  ///< sums, until the update
     int samples_ = 0;
-    HeadingVector transition_ = HeadingVector::Zero();  ///< since the last update
-    double duration_ = 0.0, noise_ = 0.0;               ///< s and rad^2, since then
-    double level_ = 1.0, disturbed_for_ = 0.0;
-    Eigen::Vector2d lately_ = Eigen::Vector2d::Zero();  ///< T, running means of the horizontal and vertical field
-    double unsteadiness_ = 0.0;                         ///< T^2, and of the squared departure from them
+    HeadingVector turn_row_ = HeadingVector::Zero();    ///< derivative of the turn since the last update
+    double turned_ = 0.0, duration_ = 0.0, noise_ = 0.0;  ///< rad, s and rad^2, since then
+    double free_variance_ = 0.0;                        ///< rad^2, before a field was seen, or without one
+    double level_ = 1.0, disturbed_for_ = 0.0, evidence_ = 0.0, unexplained_ = 0.0;
     Eigen::Quaterniond q_nw_ = Eigen::Quaterniond::Identity();
 };
 

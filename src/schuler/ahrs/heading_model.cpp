@@ -9,46 +9,62 @@ namespace schuler::ahrs {
 using S = HeadingState;
 
 void HeadingEstimate::correct(const HeadingVector& dx) {
-    heading -= dx(S::heading);
+    level_field -= dx.segment<2>(S::level_field);
+    place -= dx.segment<2>(S::place);
     bias -= dx.segment<3>(S::bias);
     gyro_matrix -= Eigen::Map<const Eigen::Matrix3d>(dx.data() + S::gyro_matrix);
     hard_iron -= dx.segment<3>(S::hard_iron);
     soft_iron -= Eigen::Map<const Eigen::Matrix3d>(dx.data() + S::soft_iron);
-    horizontal -= dx(S::horizontal);
     vertical -= dx(S::vertical);
     delay -= dx(S::delay);
 }
 
+double heading_of(const Eigen::Vector2d& level_field) { return -std::atan2(level_field.y(), level_field.x()); }
+
+double HeadingEstimate::heading() const { return heading_of(level_field); }
+
+void HeadingEstimate::turn(double angle) {
+    const Eigen::Rotation2Dd R(-angle);
+    level_field = R * level_field;
+    place = R * place;
+}
+
 void FieldMeans::add(const Eigen::Matrix3d& C, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b) {
     C_wb += C;
-    sweep_w.noalias() += C * rate_b.cross(field_b);
+    Eigen::Matrix3d rate;
+    rate << 0.0, -rate_b.z(), rate_b.y(), rate_b.z(), 0.0, -rate_b.x(), -rate_b.y(), rate_b.x(), 0.0;
+    const Eigen::Matrix3d swept = C * rate;
+    C_rate += swept;
+    sweep_w.noalias() += swept * field_b;
     for (int c = 0; c < 3; ++c) by_component.middleCols<3>(3 * c) += C * field_b(c);
 }
 
 void FieldMeans::scale(double factor) {
     C_wb *= factor;
     sweep_w *= factor;
+    C_rate *= factor;
     by_component *= factor;
 }
 
-FieldMeasurement field_measurement(const HeadingEstimate& e, const FieldMeans& means) {
-    const double c = std::cos(e.heading), s = std::sin(e.heading);
-    Eigen::Matrix3d C_nw;
-    C_nw << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
-    const Eigen::Matrix3d C_nb = C_nw * means.C_wb;
-    const Eigen::Vector3d sweep = C_nw * means.sweep_w;
-    const Eigen::Matrix<double, 3, 9> by_component = C_nw * means.by_component;
+FieldMeasurement field_measurement(const HeadingEstimate& e, const FieldMeans& means, bool rest) {
+    const Eigen::Vector3d sweep = means.sweep_w - means.C_rate * e.hard_iron;
     FieldMeasurement m;
-    // (I + soft iron)^-1 to the first order of the irons; the field turns past by the rate, so it is now what it was less the sweep
-    m.field_n = C_nw * means.field_w() - C_nb * e.hard_iron - e.delay * sweep;
-    for (int k = 0; k < 3; ++k) m.field_n -= by_component.middleCols<3>(3 * k) * e.soft_iron.col(k);
-    m.innovation = m.field_n - Eigen::Vector3d(e.horizontal, 0.0, e.vertical);
     m.H.setZero();
-    m.H(0, S::heading) = -m.field_n.y();
-    m.H(1, S::heading) = m.field_n.x();
-    m.H.block<3, 3>(0, S::hard_iron) = -C_nb;
-    m.H.block<3, 9>(0, S::soft_iron) = -by_component;
-    m.H(0, S::horizontal) = m.H(2, S::vertical) = -1.0;
+    // (I + soft iron)^-1 (reading - hard iron) to the first order of the soft iron; the field turns past by the rate, so it is now what
+    // it was less the sweep
+    m.field_w = means.field_w() - means.C_wb * e.hard_iron - e.delay * sweep;
+    for (int k = 0; k < 3; ++k) {
+        const Eigen::Matrix3d by_component = means.by_component.middleCols<3>(3 * k) - means.C_wb * e.hard_iron(k);
+        m.field_w -= by_component * e.soft_iron.col(k);
+        m.H.block<3, 3>(0, S::soft_iron + 3 * k) = -by_component;
+    }
+    m.innovation = m.field_w - Eigen::Vector3d(e.level_field.x(), e.level_field.y(), e.vertical);
+    if (!rest) {
+        m.innovation.head<2>() -= e.place;
+        m.H(0, S::place) = m.H(1, S::place + 1) = -1.0;
+    }
+    m.H(0, S::level_field) = m.H(1, S::level_field + 1) = m.H(2, S::vertical) = -1.0;
+    m.H.block<3, 3>(0, S::hard_iron) = -means.C_wb + means.C_wb * e.soft_iron + e.delay * means.C_rate;
     m.H.col(S::delay) = -sweep;
     return m;
 }

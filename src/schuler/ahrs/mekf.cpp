@@ -10,6 +10,7 @@ namespace schuler::ahrs {
 namespace {
 
 constexpr double levelling = 0.1;                // s of specific force from which the first tilt is taken
+constexpr double not_gravity = 0.5;              // m/s^2, beyond what accelerometers are off by: the log begins in motion
 constexpr double turn_in_gap = 0.5;              // rad/s, by which the attitude may turn unseen
 
 }  // namespace
@@ -18,6 +19,7 @@ Mekf::Mekf(const MekfSettings& settings)
     : settings_(settings),
       tilt_(settings.tilt, settings.rest),
       heading_(settings.heading, settings.tilt, settings.six_axis),
+      watch_(settings.heading, settings.tilt, settings.six_axis),
       gyro_guard_(settings.guard.gyro_range, settings.guard.stuck_after),
       accel_guard_(settings.guard.accel_range, settings.guard.stuck_after),
       field_guard_(settings.guard.field_range, settings.guard.stuck_after) {
@@ -31,9 +33,14 @@ bool Mekf::step(double dt, const Eigen::Vector3d& gyro_b, const Eigen::Vector3d&
     if (!(dt > 0.0)) return false;
     if (!tilt_.started()) {
         if (!force_known) return false;
-        start_force_ += accel_b;
+        start_force_ += accel_b * dt;
+        if (rate_known) start_turn_ += gyro_b.norm() * dt;
         start_time_ += dt;
-        if (start_time_ >= levelling && start_force_.norm() > 0.0) tilt_.start(start_force_);
+        if (start_time_ >= levelling && start_force_.norm() > 0.0) {
+            const bool moving = start_turn_ > settings_.rest.largest_rate * start_time_ ||
+                                std::abs(start_force_.norm() / start_time_ - settings_.tilt.gravity) > not_gravity;
+            tilt_.start(start_force_, moving);
+        }
         return false;
     }
     if (dt > settings_.guard.longest_step) {
@@ -47,7 +54,9 @@ bool Mekf::step(double dt, const Eigen::Vector3d& gyro_b, const Eigen::Vector3d&
     if (tilt_.pending() < settings_.block - 0.5 * dt) return false;
     const Block block = tilt_.close(tilt);
     if (block.rest_time > 0.0) ++counters_.rest_blocks;
+    if (!heading) watch_.share(heading_);
     heading_.close(block, tilt_.gyro_bias(), counters_, heading);
+    if (!heading) watch_.close(heading_, block, tilt_.gyro_bias(), counters_);
     return true;
 }
 

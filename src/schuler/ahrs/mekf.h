@@ -5,6 +5,7 @@
 
 #include "schuler/ahrs/guard.h"
 #include "schuler/ahrs/heading_channel.h"
+#include "schuler/ahrs/field_watch.h"
 #include "schuler/ahrs/settings.h"
 #include "schuler/ahrs/tilt_channel.h"
 
@@ -43,11 +44,12 @@ private:
     MekfSettings settings_;
     TiltChannel tilt_;
     HeadingChannel heading_;
+    FieldWatch watch_;
     InstrumentGuard gyro_guard_, accel_guard_, field_guard_;
     Counters counters_;
     Eigen::Vector3d last_rate_ = Eigen::Vector3d::Zero();
     Eigen::Vector3d start_force_ = Eigen::Vector3d::Zero();
-    double start_time_ = 0.0;
+    double start_time_ = 0.0, start_turn_ = 0.0;   ///< s, rad
 };
 
 }  // namespace schuler::ahrs

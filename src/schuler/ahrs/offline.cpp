@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace schuler::ahrs {
 namespace {
@@ -22,6 +23,7 @@ struct Strapdown {
 struct Smoothed2 {
     Eigen::Vector2d before, after;
     Eigen::Vector2d std;
+    bool levelled = false;                       ///< has nothing to do with the block before
 };
 struct Smoothed1 {
     double heading = 0.0, std = 0.0;
@@ -45,6 +47,14 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
     TiltRecord record;
     for (std::size_t i = 1; i < imu.size(); ++i) {
         for (; v < speed.size() && speed[v].time <= imu[i].time; ++v) filter.forward_speed(speed[v].speed, speed[v].std);
+        if ((imu[i].time - imu[i - 1].time).seconds() > settings.guard.longest_step && !f.tilt.empty()) {
+            // a gap: what was begun before it belongs to the block before
+            constexpr float nearly_the_end = 0.999F;
+            for (; first < f.strapdown.size(); ++first) {
+                f.strapdown[first].block = f.tilt.size() - 1;
+                f.strapdown[first].along = nearly_the_end;
+            }
+        }
         // the strapdown of this sample is wanted as it is before the block's updates
         const bool closed = filter.step((imu[i].time - imu[i - 1].time).seconds(), imu[i].gyro, imu[i].accel, &record);
         if (!filter.started()) continue;
@@ -53,6 +63,10 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
         if (!closed) continue;
         const auto n = static_cast<float>(f.strapdown.size() - first);
         for (std::size_t k = first; k < f.strapdown.size(); ++k) f.strapdown[k].along = static_cast<float>(k - first + 1) / n;
+        if (record.block.levelled) {
+            // what was recorded of the block before it was levelled
+            for (std::size_t k = first; k + 1 < f.strapdown.size(); ++k) f.strapdown[k].q_wb = record.block.level * f.strapdown[k].q_wb;
+        }
         first = f.strapdown.size();
         f.tilt.push_back(record);
         f.tilt_correction.push_back(filter.tilt().tilt_correction());
@@ -68,6 +82,7 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
     for (std::size_t k = f.tilt.size(); k-- > 0;) {
         const TiltRecord& r = f.tilt[k];
         out[k].after = -(r.P_tilt * adjoint.lambda);
+        out[k].levelled = r.block.levelled;
         out[k].before = out[k].after + f.tilt_correction[k];
         for (int i = 0; i < 2; ++i) {
             const TiltVector p = r.P_tilt.row(i).transpose();
@@ -84,7 +99,8 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
 
 /// A forward pass of the heading channel over the smoothed tilt: where it stood at the end of each block, and its updates.
 struct HeadingPass {
-    std::vector<double> path;                    ///< rad
+    std::vector<Eigen::Vector2d> path;           ///< T, the level field
+    std::vector<double> free_std;                ///< rad, of the heading of the filter
     std::vector<HeadingRecord> updates;
 };
 
@@ -93,10 +109,22 @@ double left_of(const estim::ScalarUpdate<heading_states>& u, const HeadingVector
     return u.s * (1.0 - u.h.dot(u.k)) * (u.k.dot(lambda) + u.innovation / u.s);
 }
 
+/// Error of the heading of `estimate` where the error of its components is `error`; rad.
+double heading_error(const Eigen::Vector2d& estimate, const Eigen::Vector2d& error) {
+    return math::wrap_pi(heading_of(estimate) - heading_of(estimate - error));
+}
+
+/// One sigma of the heading of `level_field` with covariance P, rad; no more than that of an unknown one.
+double heading_std(const Eigen::Vector2d& level_field, const Eigen::Matrix2d& P) {
+    const double size2 = level_field.squaredNorm(), unknown = std::numbers::pi / std::sqrt(3.0);
+    const Eigen::Vector2d across(-level_field.y(), level_field.x());
+    return size2 > 0.0 ? std::min(unknown, std::sqrt(std::max(0.0, across.dot(P * across))) / size2) : unknown;
+}
+
 /// Smoothed heading at the end of each block; the error runs linearly from update to update. `left`: mean square of what is left of the
 /// field at each update, in units of the expected; NaN where there was none.
-std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, double field_noise, std::vector<double>& left) {
-    const std::vector<double>& path = pass.path;
+std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSettings& settings, std::vector<double>& left) {
+    const std::vector<Eigen::Vector2d>& path = pass.path;
     std::vector<Smoothed1> out(path.size());
     left.assign(pass.updates.size(), std::numeric_limits<double>::quiet_NaN());
     estim::Adjoint<heading_states> adjoint;
@@ -104,34 +132,44 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, double field_nois
     double next_before = 0.0;
     // of the blocks from `from` until that update: the error goes from `after` to `next_before`
     const auto between = [&](std::size_t from, double after, double std) {
+        const double change = math::wrap_pi(next_before - after);
         for (std::size_t b = from; b < next; ++b) {
             const double along = next < path.size() ? static_cast<double>(b + 1 - from) / static_cast<double>(next - from + 1) : 0.0;
-            out[b] = {path[b] - (after + along * (next_before - after)), std};
+            out[b] = {heading_of(path[b]) + settings.declination - (after + along * change), std};
         }
     };
     for (std::size_t k = pass.updates.size(); k-- > 0;) {
         const HeadingRecord& r = pass.updates[k];
-        const double after = -r.P_heading.dot(adjoint.lambda), before = after + r.correction;
-        const double std = std::sqrt(std::max(0.0, r.P_heading(0) - r.P_heading.dot(adjoint.Lambda * r.P_heading)));
+        const Eigen::Vector2d error_after = -(r.P_level.transpose() * adjoint.lambda), error_before = error_after + r.correction;
+        const Eigen::Vector2d smoothed = r.path - error_before;
+        const double after = heading_error(r.path - r.correction, error_after), before = heading_error(r.path, error_before);
+        const double std = heading_std(smoothed, r.P_level.topRows<2>() - r.P_level.transpose() * adjoint.Lambda * r.P_level);
         if (next == path.size()) next_before = after;
         between(r.block + 1, after, std);
-        out[r.block] = {path[r.block] - before, std};
+        out[r.block] = {heading_of(smoothed) + settings.declination, std};
         next = r.block;
         next_before = before;
         double square = 0.0;
         for (int u = r.count; u-- > 0;) {
             const auto& update = r.updates[static_cast<std::size_t>(u)];
-            if (r.field && u >= r.count - 3) square += std::pow(left_of(update, adjoint.lambda) / field_noise, 2) / 3.0;
+            if (r.field && u >= r.count - 3) square += std::pow(left_of(update, adjoint.lambda) / settings.field_noise, 2) / 3.0;
             adjoint.undo(update);
         }
         if (r.field) left[k] = square;
-        // F = I + e0 a'
-        const HeadingVector row = adjoint.Lambda.col(0);
-        adjoint.Lambda += r.transition * row.transpose() + row * r.transition.transpose() +
-                          row(0) * r.transition * r.transition.transpose();
-        adjoint.lambda += r.transition * adjoint.lambda(0);
+        // F = I + E A, E the first columns of the identity
+        constexpr int n = HeadingState::turning;
+        const TurningRows& A = r.transition;
+        const TurningRows rows = adjoint.Lambda.topRows<n>();
+        const Eigen::Matrix<double, n, n> corner = rows.leftCols<n>();
+        adjoint.Lambda.noalias() += A.transpose() * (rows + corner * A);
+        adjoint.Lambda.noalias() += rows.transpose() * A;
+        const Eigen::Matrix<double, n, 1> lambda = adjoint.lambda.head<n>();
+        adjoint.lambda.noalias() += A.transpose() * lambda;
     }
     between(0, next_before, next < path.size() ? out[next].std : 0.0);
+    if (pass.updates.empty()) {                  // six axes: the heading is the gyro's own
+        for (std::size_t b = 0; b < out.size(); ++b) out[b].std = pass.free_std[b];
+    }
     return out;
 }
 
@@ -159,7 +197,7 @@ Eigen::Quaterniond smoothed_q_wb(const Strapdown& s, const std::vector<Smoothed2
         const Eigen::Vector2d e = tilt.empty() ? Eigen::Vector2d::Zero() : tilt.back().after;
         return math::quaternion_from_rotation_vector({e.x(), e.y(), 0.0}) * s.q_wb;
     }
-    const Eigen::Vector2d begin = s.block > 0 ? tilt[s.block - 1].after : tilt[0].before;
+    const Eigen::Vector2d begin = s.block > 0 && !tilt[s.block].levelled ? tilt[s.block - 1].after : tilt[s.block].before;
     const Eigen::Vector2d e = begin + static_cast<double>(s.along) * (tilt[s.block].before - begin);
     return math::quaternion_from_rotation_vector({e.x(), e.y(), 0.0}) * s.q_wb;
 }
@@ -177,12 +215,17 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
     HeadingPass pass;
     std::vector<Smoothed1> turn;
     std::vector<double> disturbed;
-    HeadingChannel heading(settings.heading, settings.tilt, settings.six_axis);
+    // a magnet may be on the sensor: the first pass expects one, the others as much of it as has shown
+    HeadingSettings expected = settings.heading;
+    expected.hard_iron_std = std::max(expected.hard_iron_std, expected.magnet_std);
+    HeadingChannel heading(expected, settings.tilt, settings.six_axis);
     for (int i = 0; i < passes; ++i) {
         out.counters = f.counters;
         InstrumentGuard guard(settings.guard.field_range, settings.guard.stuck_after);
-        heading = HeadingChannel(settings.heading, settings.tilt, settings.six_axis);
+        heading = HeadingChannel(expected, settings.tilt, settings.six_axis);
+        double shown = 0.0;
         pass.path.clear();
+        pass.free_std.clear();
         pass.updates.clear();
         std::size_t m = 0;
         for (const Strapdown& s : f.strapdown) {
@@ -193,7 +236,11 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
                 if (pass.updates.size() < disturbed.size()) record.disturbance = disturbed[pass.updates.size()];
                 heading.close(f.tilt[s.block].block, f.bias[s.block], out.counters, &record);
                 pass.path.push_back(record.path);
-                if (record.active) pass.updates.push_back(record);
+                pass.free_std.push_back(std::sqrt(heading.variance()));
+                if (record.active) {
+                    pass.updates.push_back(record);
+                    shown = std::max(shown, heading.hard_iron().cwiseAbs().maxCoeff() - 2.0 * heading.hard_iron_std());
+                }
             }
             for (; m < mag.size() && mag[m].time <= imu[s.sample].time; ++m) {
                 if (guard.usable(mag[m].field_b, out.counters.field) && !settings.six_axis)
@@ -201,9 +248,10 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
             }
         }
         std::vector<double> left;
-        turn = smooth_heading(pass, settings.heading.field_noise, left);
+        turn = smooth_heading(pass, settings.heading, left);
         if (pass.updates.empty()) break;
         disturbed = disturbances(left, settings.heading);
+        expected.hard_iron_std = std::max(settings.heading.hard_iron_std, shown);
     }
     out.field = {heading.hard_iron(), heading.horizontal_field(), heading.vertical_field(), heading.delay()};
 

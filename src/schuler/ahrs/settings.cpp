@@ -26,7 +26,7 @@ void MekfSettings::check() const {
                     {"tilt.gravity", tilt.gravity},
                     {"heading.field_noise", heading.field_noise},
                     {"heading.field_time", heading.field_time},
-                    {"heading.recovery_time", heading.recovery_time},
+                    {"heading.place_time", heading.place_time},
                     {"rest.after", rest.after},
                     {"guard.longest_step", guard.longest_step}});
 }

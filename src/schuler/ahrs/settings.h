@@ -54,15 +54,16 @@ struct HeadingSettings {
     double field_noise = 2e-6;                    ///< T, of the field from place to place
     double field_time = 1.2;                      ///< s, correlation time of that while moving
     double hard_iron_std = 2e-6;                  ///< T, initial
+    double magnet_std = 30e-6;                    ///< T, of a magnet on the sensor, should there be one
     double hard_iron_walk = 1e-8;                 ///< T/sqrt(s)
-    double field_std = 5e-6;                      ///< T, of the horizontal and vertical field, initial
     double field_walk = 5e-8;                     ///< T/sqrt(s)
     double delay_std = 0.015;                     ///< s, age of the magnetometer samples, initial
     double delay_walk = 1e-5;                     ///< s/sqrt(s)
     double adaptation_time = 1.0;                 ///< s, memory of the level of disturbance
     double robustness = 2.0;                      ///< the variance grows with this power of the normalised disturbance
     double rest_factor = 30.0;                    ///< standing still repeats one place's field: variance times this
-    double recovery_time = 60.0;                  ///< s of uninterrupted disturbance after which the field is learnt anew
+    double place_std = 2e-6;                      ///< T, of what a room adds to the field, and does not average out in it
+    double place_time = 3600.0;                   ///< s, how long one stays in a room
     double declination = 0.0;                     ///< rad, east positive
     Eigen::Vector3d known_field_n =
         Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< T, NED, from a model

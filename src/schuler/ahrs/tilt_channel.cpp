@@ -9,22 +9,25 @@ namespace schuler::ahrs {
 namespace {
 
 constexpr double start_tilt_std = 0.03;          // rad
+constexpr double moving_tilt_std = 0.15;          // rad, of a log that begins in motion: accelerations of 1.5 m/s^2
 constexpr double unknown_rate = 0.3;             // of the last known rate: how far a missing sample's rate may lie from it
 constexpr double unknown_force = 3.0;            // m/s^2, acceleration while the accelerometer is unusable
 constexpr double least_doubt = 1e-3;             // rad, less may have been missed at rest
+constexpr double linear_tilt = 0.3;              // rad; a tilt that is off by more is not an error but unknown
 constexpr double largest_tilt_variance = 1.0;    // rad^2
 
 }  // namespace
 
 TiltChannel::TiltChannel(const TiltSettings& settings, const RestSettings& rest) : settings_(settings), rest_(rest) {}
 
-void TiltChannel::start(const Eigen::Vector3d& force_b) {
+void TiltChannel::start(const Eigen::Vector3d& force_b, bool moving) {
     q_wb_ = Eigen::Quaterniond::FromTwoVectors(force_b, Eigen::Vector3d(0.0, 0.0, -1.0)).normalized();
     // FromTwoVectors leaves the heading to chance: take the one that points b's x axis north-like
     const Eigen::Vector3d x_w = q_wb_ * Eigen::Vector3d::UnitX();
     const double azimuth = x_w.head<2>().norm() > 1e-6 ? std::atan2(x_w.y(), x_w.x()) : 0.0;
     q_wb_ = Eigen::AngleAxisd(-azimuth, Eigen::Vector3d::UnitZ()) * q_wb_;
-    const double tilt = start_tilt_std * start_tilt_std, bias = settings_.bias_std * settings_.bias_std;
+    const double tilt_std = moving ? moving_tilt_std : start_tilt_std;
+    const double tilt = tilt_std * tilt_std, bias = settings_.bias_std * settings_.bias_std;
     const double velocity = settings_.velocity_std * settings_.velocity_std;
     P_ = (TiltVector() << tilt, tilt, bias, bias, bias, velocity, velocity).finished().asDiagonal();
     started_ = true;
@@ -51,6 +54,13 @@ void TiltChannel::integrate(double dt, const Eigen::Vector3d& rate_b, bool rate_
 
 void TiltChannel::doubt(double angle) {
     block_.doubt += angle;
+    if (angle > linear_tilt) {
+        level_wanted_ = true;
+        const double doubt = block_.doubt;       // forces from before say nothing of the tilt after
+        block_ = Block{};
+        block_.doubt = doubt;
+        samples_ = forces_ = 0;
+    }
     velocity_.setZero();
     P_.row(5).setZero();
     P_.row(6).setZero();
@@ -83,7 +93,7 @@ void TiltChannel::watch_rest() {
 }
 
 TiltTransition::TiltTransition(const Block& block, double gravity)
-    : from_bias(block.C_wb.topRows<2>() * block.duration), g_dt(gravity * block.duration), dt(block.duration) {}
+    : from_bias(block.C_wb.topRows<2>() * block.duration), levelled(block.levelled), g_dt(gravity * block.duration), dt(block.duration) {}
 
 TiltMatrix TiltTransition::matrix() const {
     TiltMatrix F = TiltMatrix::Identity();
@@ -92,16 +102,37 @@ TiltMatrix TiltTransition::matrix() const {
     F(6, 0) = -g_dt;
     F.block<1, 3>(5, 2) = 0.5 * g_dt * from_bias.row(1);
     F.block<1, 3>(6, 2) = -0.5 * g_dt * from_bias.row(0);
+    if (levelled) {
+        F.topRows<2>().setZero();
+        F.bottomRows<2>().setZero();
+    }
     return F;
 }
 
 TiltVector TiltTransition::transpose_times(const TiltVector& lambda) const {
     TiltVector out = lambda;
+    if (levelled) {
+        out.head<2>().setZero();
+        out.tail<2>().setZero();
+        return out;
+    }
     out(0) -= g_dt * lambda(6);
     out(1) += g_dt * lambda(5);
     const Eigen::Vector2d tilt(lambda(0) - 0.5 * g_dt * lambda(6), lambda(1) + 0.5 * g_dt * lambda(5));
     out.segment<3>(2) += from_bias.transpose() * tilt;
     return out;
+}
+
+/// After a gap in which the sensor may have turned by any angle: the mean force of the block is gravity, as at the start.
+void TiltChannel::level_anew() {
+    if (!block_.force_known || !(block_.force_w.norm() > 0.0)) return;
+    level_wanted_ = false;
+    block_.levelled = true;
+    block_.level = Eigen::Quaterniond::FromTwoVectors(block_.force_w, Eigen::Vector3d(0.0, 0.0, -1.0)).normalized();
+    q_wb_ = (block_.level * q_wb_).normalized();
+    block_.C_wb = (block_.level.toRotationMatrix() * block_.C_wb).eval();
+    block_.force_w = (block_.level * block_.force_w).eval();
+    velocity_.setZero();
 }
 
 void TiltChannel::propagate() {
@@ -117,6 +148,11 @@ void TiltChannel::propagate() {
         velocity += unknown_force * unknown_force * dt * dt;
     }
     P_.diagonal() += (TiltVector() << tilt, tilt, bias, bias, bias, velocity, velocity).finished();
+    if (block_.levelled) {
+        P_(0, 0) = P_(1, 1) = moving_tilt_std * moving_tilt_std;
+        P_(5, 5) = P_(6, 6) = settings_.velocity_std * settings_.velocity_std;
+        velocity_.setZero();
+    }
     for (int i = 0; i < 2; ++i) P_(i, i) = std::min(P_(i, i), largest_tilt_variance + P_(i, i) * 1e-9);
 }
 
@@ -138,6 +174,7 @@ Block TiltChannel::close(TiltRecord* record) {
     }
     block_.bias_used = bias_;
     watch_rest();
+    if (level_wanted_) level_anew();
     propagate();
 
     const double dt = block_.duration;

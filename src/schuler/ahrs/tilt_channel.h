@@ -34,8 +34,8 @@ class TiltChannel {
 public:
     TiltChannel(const TiltSettings& settings, const RestSettings& rest);
 
-    /// Level attitude from a mean specific force (b), heading zero.
-    void start(const Eigen::Vector3d& force_b);
+    /// Level attitude from a mean specific force (b), heading zero; `moving`: the force is not gravity alone.
+    void start(const Eigen::Vector3d& force_b, bool moving);
     [[nodiscard]] bool started() const { return started_; }
 
     /// Strapdown over dt (s) with the gyro's rate; `force_b` null where unusable; `rate_known` false for an old rate.
@@ -58,6 +58,7 @@ public:
 
 private:
     void watch_rest();
+    void level_anew();
     void propagate();
     void correct(const TiltVector& dx);
 
@@ -77,13 +78,14 @@ private:
     bool watching_ = false;
     double quiet_ = 0.0;
     double speed_ = 0.0, speed_std_ = 0.0, speed_valid_ = 0.0;
-    bool speed_known_ = false;
+    bool speed_known_ = false, level_wanted_ = false;
 };
 
 /// Error transition of the tilt channel over a block: phi' = C_wb db, dv' = f x phi with f = (0, 0, -g). Of the row products only
 /// the entries that differ from the identity are kept.
 struct TiltTransition {
     Eigen::Matrix<double, 2, 3> from_bias;  ///< d(tilt)/d(bias)
+    bool levelled;  ///< tilt and velocity begin anew
     double g_dt;  ///< d(vx)/d(phi_y) = -d(vy)/d(phi_x)
     double dt;
 

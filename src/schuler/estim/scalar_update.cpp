@@ -51,7 +51,7 @@ void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
                                               const Eigen::Matrix<double, N, 1>&, double, double);                       \
     template struct Adjoint<N>;
 SCHULER_INSTANTIATE(7)
-SCHULER_INSTANTIATE(28)
+SCHULER_INSTANTIATE(30)
 SCHULER_INSTANTIATE(36)
 #undef SCHULER_INSTANTIATE
 

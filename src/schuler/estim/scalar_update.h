@@ -33,6 +33,6 @@ struct Adjoint {
 };
 
 extern template struct Adjoint<7>;
-extern template struct Adjoint<28>;
+extern template struct Adjoint<30>;
 
 }  // namespace schuler::estim

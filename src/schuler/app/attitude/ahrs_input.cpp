@@ -33,18 +33,19 @@ ahrs::FilterKind filter_from_name(const std::string& name) {
 
 /// Largest magnitude of a component where the instrument was at its stop: the same extreme value several times in a row.
 template <class Samples, class Get>
-double range_of(const Samples& samples, Get get, double least) {
+double range_of(const Samples& samples, Get get, double least, double unusual) {
     double range = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
         double extreme = 0.0;
         for (const auto& s : samples) extreme = std::max(extreme, std::abs(get(s)(axis)));
-        if (extreme < least) continue;
+        if (extreme < unusual) continue;
         int run = 0, longest = 0;
         for (const auto& s : samples) {
             run = std::abs(get(s)(axis)) >= extreme ? run + 1 : 0;
             longest = std::max(longest, run);
         }
-        constexpr int at_the_stop = 3;
+        // an instrument of a small range shows by how long it stays there
+        const int at_the_stop = extreme < least ? 20 : 3;
         if (longest >= at_the_stop) range = std::min(range, extreme);
     }
     return range;
@@ -182,11 +183,11 @@ AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& req
     ahrs::GuardSettings& guard = out.settings.mekf.guard;
     constexpr double least_rate = 100.0 * units::deg, least_force = 15.0, least_field = 80e-6;
     guard.gyro_range = range_of(
-        out.imu, [](const ImuSample& s) { return s.gyro; }, least_rate);
+        out.imu, [](const ImuSample& s) { return s.gyro; }, least_rate, 0.2 * least_rate);
     guard.accel_range = range_of(
-        out.imu, [](const ImuSample& s) { return s.accel; }, least_force);
+        out.imu, [](const ImuSample& s) { return s.accel; }, least_force, least_force);
     guard.field_range = range_of(
-        out.mag, [](const MagSample& s) { return s.field_b; }, least_field);
+        out.mag, [](const MagSample& s) { return s.field_b; }, least_field, least_field);
     field_from_model(data, out, warnings);
     straighten(out, warnings);
     check_ahrs_input(out, warnings);

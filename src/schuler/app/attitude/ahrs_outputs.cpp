@@ -122,7 +122,8 @@ std::string ahrs_summary_json(const AhrsBundle& b) {
                       {"magnetometer", count_of(r.counters.field)},
                       {"blocks_at_rest", r.counters.rest_blocks},
                       {"blocks_disturbed", r.counters.disturbed_blocks},
-                      {"field_learnt_anew", r.counters.recoveries}};
+                      {"field_learnt_anew", r.counters.recoveries},
+                      {"magnets_found", r.counters.magnets}};
     out["calibration"] = b.calibration;
     out["gravity"] = nullptr;
     out["montecarlo"] = nullptr;

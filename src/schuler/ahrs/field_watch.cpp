@@ -1,0 +1,67 @@
+#include "schuler/ahrs/field_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace schuler::ahrs {
+namespace {
+
+constexpr double clearly = 3.0;                  // logarithm of the odds: 20 to 1
+constexpr double better = 1.0;                   // the same, of one explanation against the other
+constexpr double disturbed_long = 10.0;          // s, after which a magnet may have come or gone
+constexpr double longest = 120.0;                // s after which a magnet that came later would have shown
+
+HeadingSettings with_magnet(HeadingSettings settings) {
+    settings.hard_iron_std = std::max(settings.hard_iron_std, settings.magnet_std);
+    return settings;
+}
+
+}  // namespace
+
+FieldWatch::FieldWatch(const HeadingSettings& settings, const TiltSettings& tilt, bool six_axis) : settings_(settings) {
+    if (!six_axis) magnet_.emplace(with_magnet(settings), tilt, six_axis);
+}
+
+void FieldWatch::share(const HeadingChannel& heading) {
+    if (magnet_) magnet_->share_samples(heading);
+    if (place_) place_->share_samples(heading);
+}
+
+void FieldWatch::close(HeadingChannel& heading, const Block& block, const Eigen::Vector3d& bias, Counters& counters) {
+    if (!heading.started()) {
+        if (magnet_) magnet_->close(block, bias, counters);
+        return;
+    }
+    age_ += block.duration;
+    if (!magnet_) {
+        if (heading.disturbed_for() < disturbed_long || age_ < disturbed_long) return;
+        magnet_ = place_ = heading;
+        magnet_->doubt_iron(std::max(settings_.magnet_std, heading.unexplained()));
+        place_->doubt_place(heading.unexplained());
+        begin_ = heading.evidence();
+        age_ = 0.0;
+        return;
+    }
+    Counters unheard;
+    const double own = heading.evidence() - begin_;
+    magnet_->close(block, bias, unheard);
+    const double magnet = magnet_->evidence() - own;
+    double place = -std::numeric_limits<double>::infinity();
+    if (place_) {
+        place_->close(block, bias, unheard);
+        place = place_->evidence() - own;
+    }
+    if (std::max(magnet, place) > clearly) {
+        if (std::abs(magnet - place) < better) return;
+        heading.adopt(magnet > place ? *magnet_ : *place_);
+        ++(magnet > place ? counters.magnets : counters.recoveries);
+    } else if (magnet_->hard_iron_std() > settings_.hard_iron_std && age_ < longest) {
+        return;                                  // undecided: it has not turned enough
+    }
+    place_.reset();
+    magnet_.reset();
+    age_ = 0.0;
+}
+
+}  // namespace schuler::ahrs
