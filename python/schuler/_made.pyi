@@ -180,6 +180,7 @@ def evaluate(
 def inspect(
     path: str | PathLike[str],
     *,
+    output: str | PathLike[str] | None = ...,
     explain: bool | None = ...,
     progress: Callable[[float], object] | None = ...,
     threads: int | None = ...,

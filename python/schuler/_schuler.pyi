@@ -78,7 +78,7 @@ class HeadingSettings:
     field_noise: float
     hard_iron_std: float
     hard_iron_walk: float
-    field_std: float
+    place_std: float
     declination: float
 
 class MekfSettings:

@@ -162,6 +162,7 @@ def protection(
     *,
     runs: int | None = ...,
     double: bool | None = ...,
+    ramp: bool | None = ...,
     missed_detection: float | None = ...,
     false_alarm: float | None = ...,
     jobs: int | None = ...,

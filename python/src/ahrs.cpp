@@ -114,7 +114,7 @@ void bind_settings(py::module_& m) {
         .def(py::init<>())
         .def_readwrite("walk", &ahrs::HeadingSettings::walk).def_readwrite("field_noise", &ahrs::HeadingSettings::field_noise)
         .def_readwrite("hard_iron_std", &ahrs::HeadingSettings::hard_iron_std).def_readwrite("hard_iron_walk", &ahrs::HeadingSettings::hard_iron_walk)
-        .def_readwrite("field_std", &ahrs::HeadingSettings::field_std).def_readwrite("declination", &ahrs::HeadingSettings::declination);
+        .def_readwrite("place_std", &ahrs::HeadingSettings::place_std).def_readwrite("declination", &ahrs::HeadingSettings::declination);
     py::class_<MekfSettings>(m, "MekfSettings", "Settings of Mekf; SI units.")
         .def(py::init<>())
         .def_readwrite("block", &MekfSettings::block).def_readwrite("six_axis", &MekfSettings::six_axis)
