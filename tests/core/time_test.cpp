@@ -41,6 +41,9 @@ TEST(Time, WeeksAndTheirRollovers) {
     EXPECT_EQ(Time::from_gps(2048, 0.0), gps_from_calendar({2019, 4, 7, 0, 0, 0.0}));
     EXPECT_EQ(Time::from_gps(2000, 604'800.5), Time::from_gps(2001, 0.5));
     EXPECT_EQ(Time::from_gps(2001, -0.25), Time::from_gps(2000, 604'799.75));
+    // beyond what 64 bits hold it ends where it ends
+    EXPECT_GT(Time::from_gps(1'101'100, 4e9), Time::from_gps(7'000, 0.0));
+    EXPECT_LT(Time::from_gps(-2'000'000'000, -1e300), Time::from_gps(0, 0.0));
     // 2017-01-01 00:00:00 UTC as receivers print it
     EXPECT_EQ(gps_from_utc({2017, 1, 1, 0, 0, 0.0}).ns, 1'167'264'018 * s);
     EXPECT_EQ(gps_from_utc({1970, 1, 1, 0, 0, 0.0}).ns, -unix_time_of_gps_epoch * s);

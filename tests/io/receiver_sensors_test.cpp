@@ -227,6 +227,11 @@ TEST_F(ReceiverSensors, InertialExplorerExportsInBothAngleForms) {
     EXPECT_EQ(at(s, "vel_d_m_s", 1), -0.5);
     EXPECT_EQ(at(s, "roll_deg", 1), -0.5);
     EXPECT_EQ(s.time_ns[1], Time::from_gps(2200, 101.0).ns);
+    EXPECT_EQ(warnings.summary().size(), 0U);
+    const auto damaged = write("damaged.txt", "GPSTime Week Latitude Longitude H-Ell Heading Pitch Roll\n100.0 1101100 -48.5 11.2 512.5 90.0 1.5 -0.5\n"
+                                              "101.0 2200 -48.5 11.2 512.5 90.0 1.5 -0.5\n");
+    EXPECT_EQ(read(damaged, "waypoint", warnings).streams.at(0).rows(), 1U) << "no such week";
+    EXPECT_EQ(warnings.summary().size(), 1U);
 }
 
 TEST_F(ReceiverSensors, KittiFoldersAreOneLog) {

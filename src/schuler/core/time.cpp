@@ -1,5 +1,6 @@
 #include "schuler/core/time.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -62,7 +63,8 @@ Duration Duration::from_seconds(double s) { return {to_ns(s)}; }
 Time Time::from_seconds(double s) { return {to_ns(s)}; }
 
 Time Time::from_gps(int week, double seconds_of_week) {
-    return {static_cast<std::int64_t>(week) * s_per_week * ns_per_s + to_ns(seconds_of_week)};
+    constexpr std::int64_t last = INT64_MAX / ns_per_s, most_weeks = (last - 4'600'000'001) / s_per_week;   // what to_ns adds at most
+    return {std::clamp<std::int64_t>(week, -most_weeks, most_weeks) * s_per_week * ns_per_s + to_ns(seconds_of_week)};
 }
 
 int gps_minus_utc(std::int64_t utc_seconds_since_1980) {

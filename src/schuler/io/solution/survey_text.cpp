@@ -100,11 +100,12 @@ StreamLog read_waypoint(const TextInput& input, WarningLog& warnings) {
             else if (e->name == "Week") week = value;
             else row.emplace_back(e, value * e->factor);
         }
-        if (!std::isfinite(time) || std::abs(time) > 4e9) {
+        const bool is_week = week >= 0.0 && week < 7'500.0;
+        if (!std::isfinite(time) || std::abs(time) > 4e9 || (std::isfinite(week) && !is_week)) {
             if (bad++ == 0) first_bad = lines.number();
             continue;
         }
-        weeks = weeks || (week > 0.0 && week < 10'000.0);
+        weeks = weeks || (is_week && week > 0.0);
         s.time_ns.push_back(weeks && std::isfinite(week) ? Time::from_gps(static_cast<int>(week), time).ns : Time::from_seconds(time).ns);
         for (Stream::Column& c : s.columns) {
             const auto it = std::ranges::find_if(row, [&](const auto& entry) { return entry.first->column == c.name; });
