@@ -63,6 +63,13 @@ TEST_F(Accidents, APauseIsNoAccident) {
     EXPECT_EQ(times, before);
 }
 
+TEST_F(Accidents, StepsOfDecadesOverflowNothing) {
+    std::vector<std::int64_t> times{0, 1'156'780'994'000'000'000, 2'300'000'000'000'000'000, 4'600'000'000'000'000'000};
+    const std::vector<std::int64_t> before = times;
+    EXPECT_FALSE(repair_times(times).any());
+    EXPECT_EQ(times, before);
+}
+
 TEST_F(Accidents, TheWeekBeginsAnew) {
     const ImuTable t = imu(imu_log(604799.0, [](int i) {
         return i < 100 ? std::string() : fmt::format("{:.2f},0.01,0.02,0.03,0.1,0.2,-9.8\n", 0.01 * (i - 100));

@@ -26,7 +26,8 @@ std::int64_t median_step(const std::vector<std::int64_t>& times) {
 TimeRepair repair_times(std::vector<std::int64_t>& times) {
     TimeRepair repair;
     if (times.size() < 3) return repair;
-    const std::int64_t limit = std::max(second, 20 * median_step(times));
+    constexpr std::int64_t steps = 20;
+    const std::int64_t limit = std::max(second, steps * std::min(median_step(times), INT64_MAX / steps));
     const auto near = [&](std::int64_t from, std::int64_t to) { return std::abs(to - from) <= limit; };
     // a first row far from the second and the third, which are near each other and before it
     std::size_t i = 1;
