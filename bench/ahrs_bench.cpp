@@ -44,11 +44,13 @@ constexpr std::array variants{Variant{"mekf", "mekf", false, false},
                               Variant{"coupled", "quaternion-coupled", false, false}};
 
 /// VQF, nine axes: total, deg, online and offline with the heading offset removed, then raw.
+// clang-format off
 const std::map<std::string, std::array<double, 4>> vqf{
     {"01", {1.17, 0.85, 1.99, 3.37}}, {"02", {0.83, 0.44, 1.38, 1.01}}, {"04", {1.05, 0.72, 1.07, 1.85}}, {"07", {1.75, 1.61, 1.75, 1.71}},
     {"08", {2.67, 1.63, 3.34, 2.27}}, {"10", {0.70, 0.44, 1.80, 2.09}}, {"11", {0.67, 0.47, 0.90, 0.61}}, {"18", {0.80, 0.65, 0.81, 0.68}},
     {"24", {1.23, 0.88, 1.55, 1.16}}, {"25", {0.79, 0.49, 1.62, 1.24}}, {"29", {2.23, 1.38, 2.38, 1.81}}, {"31", {2.26, 1.72, 3.21, 3.98}},
     {"35", {1.08, 1.41, 1.09, 1.41}}, {"36", {2.03, 1.32, 2.39, 3.26}}};
+// clang-format on
 
 struct Trial {
     std::string name;
@@ -65,8 +67,8 @@ std::vector<Trial> trials_in(const fs::path& folder) {
     for (const fs::path& path : found) {
         WarningLog unheard;
         const settings::Dataset dataset = settings::open_dataset(path, dataset::Needs::Attitude);
-        out.push_back(
-            {path.filename().string().substr(6), solution::load_dataset(dataset, settings::config_from(dataset.settings), unheard)});
+        out.push_back({path.filename().string().substr(6),
+                       solution::load_dataset(dataset, settings::config_from(dataset.settings), unheard)});
     }
     return out;
 }
@@ -159,7 +161,8 @@ void speed(const Trial& trial) {
     both_ways.offline = true;
     const auto offline = rates_of([&] { sink += ahrs::run(input.imu, input.mag, input.speed, both_ways).rows.back().q_nb.w(); });
     for (const auto& [name, rates] : {std::pair{"mekf", &online}, std::pair{"mekf offline", &offline}})
-        fmt::print("{}: {:.2f} million samples/s on one core (median of {}, best {:.2f})\n", name, (*rates)[runs / 2], runs, rates->back());
+        fmt::print("{}: {:.2f} million samples/s on one core (median of {}, best {:.2f})\n", name, (*rates)[runs / 2], runs,
+                   rates->back());
     fmt::print("checksum {:.6g}\n", sink / runs);
 }
 

@@ -52,9 +52,11 @@ int main(int argc, char** argv) {
     const int logs = argc > 1 ? std::atoi(argv[1]) : 20;
     const std::uint64_t first = argc > 2 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : 1;
     const double share = 1.0 / logs;
-    fmt::print("{} logs of each kind from seed {}: mean total error, deg, offset removed and raw, inclination; largest removed (its seed), raw; "
-               "% of epochs beyond 3 sigma, heading, tilt\n{:<22}{:>62}{:>62}\n",
-               logs, first, "", "online", "offline");
+    fmt::print(
+        "{} logs of each kind from seed {}: mean total error, deg, offset removed and raw, inclination; largest removed (its "
+        "seed), raw; "
+        "% of epochs beyond 3 sigma, heading, tilt\n{:<22}{:>62}{:>62}\n",
+        logs, first, "", "online", "offline");
     std::array<Score, 2> all{};
     for (const auto& [kind, name] : ahrs_logs::kinds) {
         std::array<Score, 2> score{};
@@ -70,8 +72,8 @@ int main(int argc, char** argv) {
         fmt::print("{:<22}", name);
         for (std::size_t j = 0; j < 2; ++j) {
             const Score& s = score[j];
-            fmt::print("{:>10.2f}{:>6.2f}{:>6.2f}  {:>6.2f} ({:>3}){:>7.2f}{:>8.1f}{:>6.1f}", s.removed, s.raw, s.inclination, s.largest, s.worst,
-                       s.largest_raw, s.heading_out, s.tilt_out);
+            fmt::print("{:>10.2f}{:>6.2f}{:>6.2f}  {:>6.2f} ({:>3}){:>7.2f}{:>8.1f}{:>6.1f}", s.removed, s.raw, s.inclination,
+                       s.largest, s.worst, s.largest_raw, s.heading_out, s.tilt_out);
             all[j].removed += s.removed / ahrs_logs::kinds.size();
             all[j].raw += s.raw / ahrs_logs::kinds.size();
         }

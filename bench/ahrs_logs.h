@@ -21,8 +21,21 @@ namespace schuler::ahrs_logs {
 using Eigen::Vector3d;
 
 enum class Kind {
-    SlowRotation, FastRotation, SlowTranslation, FastTranslation, Combined, Vibrating, StationaryMagnet, AttachedMagnet, Office, Mixed,
-    MagnetFromTheStart, FieldOfAMinute, BeginsInMotion, BadMagnetometer, Undisturbed
+    SlowRotation,
+    FastRotation,
+    SlowTranslation,
+    FastTranslation,
+    Combined,
+    Vibrating,
+    StationaryMagnet,
+    AttachedMagnet,
+    Office,
+    Mixed,
+    MagnetFromTheStart,
+    FieldOfAMinute,
+    BeginsInMotion,
+    BadMagnetometer,
+    Undisturbed
 };
 struct KindName {
     Kind kind;
@@ -47,7 +60,7 @@ inline constexpr std::array kinds{KindName{Kind::SlowRotation, "slow rotation"},
 struct Log {
     std::vector<ImuSample> imu;
     std::vector<MagSample> mag;
-    std::vector<Eigen::Quaterniond> truth;       ///< q_nb at each IMU sample, north of the Earth's field
+    std::vector<Eigen::Quaterniond> truth;  ///< q_nb at each IMU sample, north of the Earth's field
     std::vector<bool> moving;
 };
 
@@ -73,10 +86,10 @@ struct Sway {
 };
 
 struct Dipole {
-    Vector3d position, moment;                   // m and A m^2
+    Vector3d position, moment;  // m and A m^2
     [[nodiscard]] Vector3d field(const Vector3d& at) const {
         const Vector3d r = at - position;
-        const double d = std::max(0.25, r.norm());      // nothing comes nearer than that
+        const double d = std::max(0.25, r.norm());  // nothing comes nearer than that
         return 1e-7 * (3.0 * r * moment.dot(r) / std::pow(d, 5) - moment / std::pow(d, 3));
     }
 };
@@ -103,7 +116,8 @@ inline Log simulated(Kind kind, std::uint64_t seed, double seconds = 150.0) {
     const double travel = any({Kind::SlowRotation, Kind::FastRotation}) ? 0.03 : 0.25;
     const bool breaks = any({Kind::Combined, Kind::Mixed}) || r.uniform() < 0.3;
     const double break_every = 8.0 + 8.0 * r.uniform();
-    const std::array<Sway, 3> turn{Sway(r, 1.2 * turning, 2.0, 20.0), Sway(r, 1.2 * turning, 2.0, 20.0), Sway(r, 1.8 * turning, 2.0, 30.0)};
+    const std::array<Sway, 3> turn{Sway(r, 1.2 * turning, 2.0, 20.0), Sway(r, 1.2 * turning, 2.0, 20.0),
+                                   Sway(r, 1.8 * turning, 2.0, 30.0)};
     const std::array<Sway, 3> way{Sway(r, travel, 1.5, 8.0), Sway(r, travel, 1.5, 8.0), Sway(r, 0.6 * travel, 1.5, 8.0)};
     const Vector3d spin = turning < 1.0 || r.uniform() < 0.5 ? Vector3d::Zero().eval() : (0.4 * r.normal3()).eval();
     const Eigen::Quaterniond q0 = math::quaternion_from_rpy({0.1 * r.normal(), 0.1 * r.normal(), 6.28 * r.uniform()});
@@ -121,7 +135,8 @@ inline Log simulated(Kind kind, std::uint64_t seed, double seconds = 150.0) {
         for (int i = 0; i < 5; ++i) iron.push_back(dipole(r, Vector3d::Zero(), between(r, 0.8, 3.0), between(r, 0.3e-6, 1.5e-6)));
         if (r.uniform() < 0.5) iron.push_back(dipole(r, Vector3d::Zero(), 0.4, between(r, 0.5e-6, 2e-6)));
         if (any({Kind::Office})) {
-            for (int i = 0; i < 6; ++i) iron.push_back(dipole(r, Vector3d::Zero(), between(r, 0.5, 1.5), between(r, 0.5e-6, 2e-6)));
+            for (int i = 0; i < 6; ++i)
+                iron.push_back(dipole(r, Vector3d::Zero(), between(r, 0.5, 1.5), between(r, 0.5e-6, 2e-6)));
         }
         if (any({Kind::StationaryMagnet, Kind::Mixed}))
             iron.push_back(dipole(r, Vector3d(0.0, 0.0, 0.0), between(r, 0.35, 0.6), between(r, 1e-6, 6e-6)));
@@ -150,8 +165,8 @@ inline Log simulated(Kind kind, std::uint64_t seed, double seconds = 150.0) {
     const bool bad = kind == Kind::BadMagnetometer;
     const Eigen::Matrix3d mag_error = Eigen::Matrix3d::Identity() + small_matrix(r, bad ? 0.05 : 0.01);
     const Vector3d hard_iron = bad ? (20e-6 * r.normal3()).eval() : (0.7e-6 * r.normal3()).eval();
-    const double late = 0.015 * r.uniform(), gyro_noise = between(r, 0.03, 0.15) * units::deg_per_s, accel_noise = between(r, 0.02, 0.08),
-                 mag_noise = between(r, 0.2e-6, 0.8e-6);
+    const double late = 0.015 * r.uniform(), gyro_noise = between(r, 0.03, 0.15) * units::deg_per_s,
+                 accel_noise = between(r, 0.02, 0.08), mag_noise = between(r, 0.2e-6, 0.8e-6);
 
     Log log;
     const int n = static_cast<int>(seconds / dt);
@@ -177,7 +192,8 @@ inline Log simulated(Kind kind, std::uint64_t seed, double seconds = 150.0) {
         double out = rest == 0.0 ? 1.0 : std::clamp(std::min(t - rest, end - t) / 4.0, 0.0, 1.0);
         out = out * out * out * (10.0 - 15.0 * out + 6.0 * out * out);
         track = {track[1], track[2], place(s) + (1.0 - out) * table};
-        const Vector3d acceleration = i > 2 ? ((track[2] - 2.0 * track[1] + track[0]) / (dt * dt)).eval() : Vector3d::Zero().eval();
+        const Vector3d acceleration =
+            i > 2 ? ((track[2] - 2.0 * track[1] + track[0]) / (dt * dt)).eval() : Vector3d::Zero().eval();
         Vector3d force = q.conjugate() * (acceleration - Vector3d(0.0, 0.0, 9.81));
         Vector3d rate = math::rotation_vector_from_quaternion(before.conjugate() * q) / dt;
         Vector3d field_n = earth;

@@ -11,8 +11,8 @@
 #include "schuler/settings/dataset.h"
 #include "schuler/solution/loaded_dataset.h"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -44,13 +44,14 @@ std::vector<Trial> trials_in(const fs::path& folder) {
     for (const fs::path& path : found) {
         WarningLog unheard;
         const settings::Dataset dataset = settings::open_dataset(path, dataset::Needs::Attitude);
-        out.push_back({path.filename().string().substr(6, 2), solution::load_dataset(dataset, settings::config_from(dataset.settings), unheard)});
+        out.push_back({path.filename().string().substr(6, 2),
+                       solution::load_dataset(dataset, settings::config_from(dataset.settings), unheard)});
     }
     return out;
 }
 
 struct Errors {
-    double removed, raw;                         // deg
+    double removed, raw;  // deg
     bool applied = false;
 };
 
@@ -62,8 +63,9 @@ Errors errors_of(const solution::LoadedDataset& data, bool offline, bool calibra
     const app::AhrsInput input = app::ahrs_input(data, request, unheard);
     const ahrs::RunResult result = ahrs::run(input.imu, input.mag, input.speed, input.settings);
     const auto e = analysis::broad_errors(app::attitude_pairs(result.rows, data.recording.reference));
-    return {e.total / units::deg, e.raw_total / units::deg,
-            std::ranges::any_of(input.calibration, [](const std::string& c) { return c.find(": applied:") != std::string::npos; })};
+    return {e.total / units::deg, e.raw_total / units::deg, std::ranges::any_of(input.calibration, [](const std::string& c) {
+                return c.find(": applied:") != std::string::npos;
+            })};
 }
 
 using Spoil = std::function<void(std::vector<MagSample>&, math::Random&)>;
@@ -115,9 +117,11 @@ void calibration_and_magnets(const std::vector<Trial>& trials, std::uint64_t see
                                   {"600 uT, middle third", magnet(600e-6, 0.33, 0.67)},
                                   {"gains off by 4 %", distorted(0.04, 0.0)},
                                   {"gains and 15 uT", distorted(0.05, 15e-6)}};
-    fmt::print("total error, deg RMS, mean over {} trials (largest); then with --calibrate: mean, trials in which it was applied, by how much it is "
-               "worse in the worst\n{:<22}{:>54}{:>58}\n{:<22}{:>16}{:>16}  {:>18}{:>16}{:>16}  {:>18}\n",
-               trials.size(), "", "online", "offline", "", "removed", "raw", "calibrated", "removed", "raw", "calibrated");
+    fmt::print(
+        "total error, deg RMS, mean over {} trials (largest); then with --calibrate: mean, trials in which it was applied, by "
+        "how much it is "
+        "worse in the worst\n{:<22}{:>54}{:>58}\n{:<22}{:>16}{:>16}  {:>18}{:>16}{:>16}  {:>18}\n",
+        trials.size(), "", "online", "offline", "", "removed", "raw", "calibrated", "removed", "raw", "calibrated");
     for (const Case& c : cases) {
         fmt::print("{:<22}", c.name);
         for (const bool offline : {false, true}) {
@@ -135,7 +139,8 @@ void calibration_and_magnets(const std::vector<Trial>& trials, std::uint64_t see
                 worse = std::max(worse, calibrated.removed - plain.removed);
                 applied += calibrated.applied ? 1 : 0;
             }
-            fmt::print("{:>16}{:>16}  {:>18}", fmt::format("{:.2f} ({:.2f})", removed, largest), fmt::format("{:.2f} ({:.2f})", raw, largest_raw),
+            fmt::print("{:>16}{:>16}  {:>18}", fmt::format("{:.2f} ({:.2f})", removed, largest),
+                       fmt::format("{:.2f} ({:.2f})", raw, largest_raw),
                        fmt::format("{:.2f}, {}, {:+.2f}", mended, applied, worse));
         }
         fmt::print("\n");
@@ -143,7 +148,8 @@ void calibration_and_magnets(const std::vector<Trial>& trials, std::uint64_t see
 }
 
 void axes(const std::vector<Trial>& trials) {
-    fmt::print("\naxes of the magnetometer in all orders and signs: recognised and undone, of 24 rotations and 24 mirrored ones\n");
+    fmt::print(
+        "\naxes of the magnetometer in all orders and signs: recognised and undone, of 24 rotations and 24 mirrored ones\n");
     for (const Trial& t : trials) {
         std::array<int, 2> undone{};
         WarningLog unheard;
@@ -158,7 +164,8 @@ void axes(const std::vector<Trial>& trials) {
                 WarningLog warnings;
                 const app::AhrsInput input = app::ahrs_input(data, {}, warnings);
                 double worst = 0.0;
-                for (std::size_t i = 0; i < input.mag.size(); ++i) worst = std::max(worst, (input.mag[i].field_b - straight.mag[i].field_b).norm());
+                for (std::size_t i = 0; i < input.mag.size(); ++i)
+                    worst = std::max(worst, (input.mag[i].field_b - straight.mag[i].field_b).norm());
                 undone[C.determinant() > 0.0 ? 0 : 1] += worst < 1e-12 ? 1 : 0;
             }
         } while (std::next_permutation(order.begin(), order.end()));

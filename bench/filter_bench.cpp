@@ -51,8 +51,12 @@ void forward(benchmark::State& state, bool scale_factors, fusion::Mechanization 
         static_cast<double>(data.recording.imu.size()) * static_cast<double>(state.iterations()) / seconds;
 }
 
-BENCHMARK_CAPTURE(forward, states_15_geographic, false, fusion::Mechanization::Geographic)->UseManualTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(forward, states_21_geographic, true, fusion::Mechanization::Geographic)->UseManualTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(forward, states_15_geographic, false, fusion::Mechanization::Geographic)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(forward, states_21_geographic, true, fusion::Mechanization::Geographic)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(forward, states_21_ecef, true, fusion::Mechanization::Ecef)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -30,7 +30,7 @@ double processor_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_
 struct Drive {
     Recording recording;
     fusion::Settings settings;
-    double interval = 0.0;   // s
+    double interval = 0.0;  // s
     filter::Start start;
 };
 
@@ -109,7 +109,7 @@ void batch_and_stream(benchmark::State& state, bool scale_factors) {
     const fusion::Settings settings = settings_with(scale_factors);
     double batch_time = 0.0, walk_time = 0.0, stream = 0.0;
     std::vector<double> over_batch, over_walk;
-    for (auto _ : state) {   // in pairs, for the machine's mood changes
+    for (auto _ : state) {  // in pairs, for the machine's mood changes
         double walk = 0.0;
         const double b = batch(d, settings, walk);
         filter::Navigator n = navigator(d, settings);

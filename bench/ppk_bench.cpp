@@ -52,12 +52,15 @@ gnss::ObservationLog measured(const gnss::Navigation& navigation, const std::fun
                 line = ppk::line_to(s, at, geodetic);
             }
             if (line.direction.elevation < 0.1) continue;
-            for (const gnss::Signal signal : {gnss::Signal{'1', 'C'}, gnss::Signal{id.system == gnss::System::Gps ? '2' : '5', 'X'}}) {
+            for (const gnss::Signal signal :
+                 {gnss::Signal{'1', 'C'}, gnss::Signal{id.system == gnss::System::Gps ? '2' : '5', 'X'}}) {
                 gnss::SignalObservation o;
                 o.satellite = id;
                 o.signal = signal;
                 o.pseudorange = line.range + 0.5 * random.normal();
-                o.phase = (line.range + 0.003 * random.normal()) * gnss::frequency_of(id.system, signal.band) / gnss::speed_of_light + 1000.0 * id.number;
+                o.phase =
+                    (line.range + 0.003 * random.normal()) * gnss::frequency_of(id.system, signal.band) / gnss::speed_of_light +
+                    1000.0 * id.number;
                 log.observations.push_back(o);
             }
         }
@@ -72,10 +75,14 @@ void hour(benchmark::State& state) {
     const gnss::BroadcastSource source(navigation);
     const Ecef o = earth::ecef_from_geodetic(earth::wgs84, origin);
     const Eigen::Matrix3d C_en = earth::C_en(origin.lat, origin.lon);
-    const gnss::ObservationLog base = measured(navigation, [&](double) { return o; }, 1);
+    const gnss::ObservationLog base = measured(
+        navigation, [&](double) { return o; }, 1);
     const gnss::ObservationLog rover = measured(
         navigation,
-        [&](double t) { return Ecef{o.r + C_en * Eigen::Vector3d(900.0 + 40.0 * std::cos(t / 8.0), 1200.0 + 40.0 * std::sin(t / 8.0), -15.0)}; }, 2);
+        [&](double t) {
+            return Ecef{o.r + C_en * Eigen::Vector3d(900.0 + 40.0 * std::cos(t / 8.0), 1200.0 + 40.0 * std::sin(t / 8.0), -15.0)};
+        },
+        2);
     ppk::Input input;
     input.rover = &rover;
     input.base = &base;

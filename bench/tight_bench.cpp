@@ -33,7 +33,8 @@ const Recording& flight() {
         ranging.navigation.add(gnss::nominal_glonass(gps, end));
         ranging.masks.elevation = -1.5;
         ranging.limits.push_back({0.0, 24, 0});
-        r.ranges = sim::simulate_ranges({1, s.duration, {}, gps, s.earth}, *sim::make_path(s.path, s.earth.ellipsoid), ranging).log;
+        r.ranges =
+            sim::simulate_ranges({1, s.duration, {}, gps, s.earth}, *sim::make_path(s.path, s.earth.ellipsoid), ranging).log;
         return r;
     }();
     return recording;

@@ -13,7 +13,9 @@ struct Command {
     std::string words;
 };
 
-std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands([](const CLI::App*) { return true; }); }
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App*) { return true; });
+}
 
 /// The command of that name; null where there is none.
 const CLI::App* command_of(const CLI::App& app, const std::string& name) {
@@ -80,8 +82,10 @@ std::string command_so_far(const std::vector<Command>& all, const std::string& t
         const std::string before = space == std::string::npos ? "" : c.words.substr(0, space);
         patterns += fmt::format("{}\"{} {}\"", patterns.empty() ? "" : " | ", before, c.app->get_name());
     }
-    return fmt::format("    {}; do\n        case \"$command $typed\" in\n            {}) command=\"${{command:+$command }}$typed\" ;;\n"
-                       "        esac\n    done\n", typed, patterns);
+    return fmt::format(
+        "    {}; do\n        case \"$command $typed\" in\n            {}) command=\"${{command:+$command }}$typed\" ;;\n"
+        "        esac\n    done\n",
+        typed, patterns);
 }
 
 /// `case` branches for the values of options: "process --progress" | ... ) TEMPLATE with {} for the words.
@@ -94,7 +98,8 @@ std::string value_branches(const std::vector<Command>& all, const Print& print) 
             const auto names = names_of(*option);
             if (choices.empty() || names.empty()) continue;
             std::string patterns;
-            for (const std::string& name : names) patterns += fmt::format("{}\"{} {}\"", patterns.empty() ? "" : " | ", c.words, name);
+            for (const std::string& name : names)
+                patterns += fmt::format("{}\"{} {}\"", patterns.empty() ? "" : " | ", c.words, name);
             out += fmt::format("        {}) {} ;;\n", patterns, print(joined(choices)));
         }
     }
@@ -113,8 +118,9 @@ std::vector<std::string> positional_words(const CLI::App& app) {
 }
 
 std::string bash_completion(const std::vector<Command>& all) {
-    std::string out = "# bash completion of schuler; made by `schuler completion bash`\n_schuler() {\n"
-                      "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command= typed words=\n";
+    std::string out =
+        "# bash completion of schuler; made by `schuler completion bash`\n_schuler() {\n"
+        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command= typed words=\n";
     out += command_so_far(all, "for typed in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"");
     out += "    case \"$command $before\" in\n";
     out += value_branches(all, [](const std::string& words) { return fmt::format("words=\"{}\"", words); });
@@ -126,8 +132,9 @@ std::string bash_completion(const std::vector<Command>& all) {
         if (const auto words = positional_words(*c.app); !words.empty())
             out += fmt::format("            \"{}:\"*) words=\"{}\" ;;\n", c.words, joined(words));
     }
-    out += "        esac\n    fi\n    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n}\n"
-           "complete -o default -F _schuler schuler\n";
+    out +=
+        "        esac\n    fi\n    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n}\n"
+        "complete -o default -F _schuler schuler\n";
     return out;
 }
 
@@ -136,8 +143,9 @@ std::string described(const std::string& word, const std::string& description) {
 }
 
 std::string zsh_completion(const std::vector<Command>& all) {
-    std::string out = "#compdef schuler\n# zsh completion of schuler; made by `schuler completion zsh`\n_schuler() {\n"
-                      "    local command= typed before=${words[CURRENT-1]}\n    local -a found\n";
+    std::string out =
+        "#compdef schuler\n# zsh completion of schuler; made by `schuler completion zsh`\n_schuler() {\n"
+        "    local command= typed before=${words[CURRENT-1]}\n    local -a found\n";
     out += command_so_far(all, "for typed in \"${(@)words[2,CURRENT-1]}\"");
     out += "    case \"$command $before\" in\n";
     out += value_branches(all, [](const std::string& words) { return fmt::format("compadd -- {}; return", words); });
@@ -153,12 +161,14 @@ std::string zsh_completion(const std::vector<Command>& all) {
         out += fmt::format("        \"{}:\"*)\n            found=(\n", c.words);
         for (const std::string& word : words) {
             const CLI::App* child = command_of(*c.app, word);
-            out += fmt::format("                {}\n", child != nullptr ? described(word, child->get_description()) : shell_quoted(word));
+            out += fmt::format("                {}\n",
+                               child != nullptr ? described(word, child->get_description()) : shell_quoted(word));
         }
         out += "            )\n            _describe command found ;;\n";
     }
-    out += "        *) _files ;;\n    esac\n}\n"
-           "if [ \"$funcstack[1]\" = _schuler ]; then _schuler \"$@\"; else compdef _schuler schuler; fi\n";
+    out +=
+        "        *) _files ;;\n    esac\n}\n"
+        "if [ \"$funcstack[1]\" = _schuler ]; then _schuler \"$@\"; else compdef _schuler schuler; fi\n";
     return out;
 }
 
@@ -206,9 +216,10 @@ std::string completion_script(const CLI::App& parser, const std::string& shell) 
 }
 
 std::string manual_page(const CLI::App& parser, const std::string& version) {
-    std::string out = fmt::format(".TH SCHULER 1 \"\" \"schuler {}\"\n.SH NAME\nschuler \\- integrated inertial\\-satellite navigation\n"
-                                  ".SH SYNOPSIS\n.B schuler\n.I COMMAND\n[\n.I OPTIONS\n]\n.SH DESCRIPTION\n{}\n", version,
-                                  roff(parser.get_description()));
+    std::string out = fmt::format(
+        ".TH SCHULER 1 \"\" \"schuler {}\"\n.SH NAME\nschuler \\- integrated inertial\\-satellite navigation\n"
+        ".SH SYNOPSIS\n.B schuler\n.I COMMAND\n[\n.I OPTIONS\n]\n.SH DESCRIPTION\n{}\n",
+        version, roff(parser.get_description()));
     for (const Command& c : all_commands(parser)) {
         if (c.words.empty()) {
             out += ".SH OPTIONS\n" + manual_of_options(*c.app) + ".SH COMMANDS\n";
@@ -218,8 +229,9 @@ std::string manual_page(const CLI::App& parser, const std::string& version) {
         out += manual_of_options(*c.app);
         out += fmt::format(".PP\n.nf\n{}\n.fi\n", roff(c.app->get_footer()));
     }
-    out += ".SH KEYS OF SETTINGS\n.B schuler help settings\nand\n.B schuler help scenario\nlist them with unit, range and default.\n"
-           ".SH EXIT STATUS\n0 done, 1 the computation failed, 2 the input or the command line is unusable.\n";
+    out +=
+        ".SH KEYS OF SETTINGS\n.B schuler help settings\nand\n.B schuler help scenario\nlist them with unit, range and default.\n"
+        ".SH EXIT STATUS\n0 done, 1 the computation failed, 2 the input or the command line is unusable.\n";
     return out;
 }
 

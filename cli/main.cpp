@@ -44,7 +44,8 @@ void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one
 /// Shows what a command has done: the result on standard output, everything else on standard error.
 void show(const report::Outcome& out, const cli::CommandLine& line) {
     if (!line.quiet) {
-        if (!out.notice.empty()) fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", cli::printable(out.notice));
+        if (!out.notice.empty())
+            fmt::print(stderr, "no dataset.toml: this one was inferred and used\n\n{}\n", cli::printable(out.notice));
         for (const std::string& w : out.warnings) fmt::print(stderr, "warning: {}\n", one_line(w));
     }
     if (!out.usable && (line.json || line.quiet)) complain(out.verdict);
@@ -71,11 +72,14 @@ void show(const report::Outcome& out, const cli::CommandLine& line) {
 report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser, const std::shared_ptr<Team>& team) {
     if (const app::Command* command = app::command_named(line.command)) {
         cli::ProgressBar bar(!line.quiet && (!team || team->rank() == 0), line.progress == "lines");
-        const app::CommandContext context{.version = SCHULER_VERSION, .progress = [&bar](double done_part) { bar.show(done_part); },
-                                          .threads = line.threads, .team = team};
+        const app::CommandContext context{.version = SCHULER_VERSION,
+                                          .progress = [&bar](double done_part) { bar.show(done_part); },
+                                          .threads = line.threads,
+                                          .team = team};
         const auto given = cli::settings_of(*command, line, parser);
         if (line.force) app::allow_overwrite(given);
-        if (const std::string size = line.quiet ? "" : app::notice_of_size(given); !size.empty()) fmt::print(stderr, "schuler: {}\n", size);
+        if (const std::string size = line.quiet ? "" : app::notice_of_size(given); !size.empty())
+            fmt::print(stderr, "schuler: {}\n", size);
         return command->perform(given, context);
     }
     report::Outcome help;
@@ -101,7 +105,7 @@ int flushed(int status) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc > 1 && argv[1] == serve::aside_word) return serve::aside(argc - 2, argv + 2);   // a child of `schuler ui`
+    if (argc > 1 && argv[1] == serve::aside_word) return serve::aside(argc - 2, argv + 2);  // a child of `schuler ui`
     cli::CommandLine line;
     CLI::App parser("Integrated inertial-satellite navigation: from IMU and GNSS logs to a trajectory with honest uncertainty.",
                     "schuler");
@@ -148,7 +152,7 @@ int main(int argc, char** argv) {
         }
         if (line.command == "help" && line.topic.empty()) {
             fmt::print("{}", line.manual ? cli::manual_page(parser, SCHULER_VERSION)
-                                            : parser.get_formatter()->make_help(&parser, "schuler", CLI::AppFormatMode::Normal));
+                                         : parser.get_formatter()->make_help(&parser, "schuler", CLI::AppFormatMode::Normal));
             return flushed(done);
         }
         const report::Outcome out = perform(line, parser, team);

@@ -27,15 +27,18 @@ void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingLi
         app.add_flag(names, given.flag[spec.key], help);
         return;
     }
-    CLI::Option* option = is_list(spec) ? app.add_option(names, given.words[spec.key], help) : app.add_option(names, given.word[spec.key], help);
+    CLI::Option* option =
+        is_list(spec) ? app.add_option(names, given.words[spec.key], help) : app.add_option(names, given.word[spec.key], help);
     if (!spec.line.positional) option->type_name(settings::placeholder_of(spec));
     if (is_list(spec) && spec.length > 0) {
         option->expected(static_cast<int>(spec.length));
     } else if (spec.line.repeated && !spec.line.positional) {
         option->allow_extra_args(false);
     }
-    if (spec.shape == Shape::Text && !spec.choices.empty())   // for help and completion; the table itself refuses what is none of them
-        option->check(CLI::Validator([](std::string&) { return std::string(); }, fmt::format("{{{}}}", fmt::join(spec.choices, ","))));
+    if (spec.shape == Shape::Text &&
+        !spec.choices.empty())  // for help and completion; the table itself refuses what is none of them
+        option->check(
+            CLI::Validator([](std::string&) { return std::string(); }, fmt::format("{{{}}}", fmt::join(spec.choices, ","))));
     if (spec.line.required) option->required();
     if (spec.line.hidden) option->group("");
 }
@@ -43,8 +46,8 @@ void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingLi
 void add_listed(CLI::App& parser, CommandLine& line, const app::Command& command) {
     const auto space = command.name.rfind(' ');
     CLI::App* parent = space == std::string::npos ? &parser : parser.get_subcommand(command.name.substr(0, space));
-    CLI::App* app = add_command(*parent, line, space == std::string::npos ? command.name : command.name.substr(space + 1), command.purpose,
-                                command.examples);
+    CLI::App* app = add_command(*parent, line, space == std::string::npos ? command.name : command.name.substr(space + 1),
+                                command.purpose, command.examples);
     if (!command.perform) {
         app->require_subcommand(1);
         return;
@@ -66,10 +69,12 @@ void add_own(CLI::App& parser, CommandLine& line) {
     CLI::App* help = add_command(parser, line, "help", "a command, or the keys of settings and scenario files",
                                  "  schuler help process\n  schuler help settings\n  schuler help settings imu.\n"
                                  "  schuler help scenario trajectory.\n  schuler help --man >schuler.1");
-    help->add_option("TOPIC", line.topic, "settings, scenario or formats, or a command")->check(CLI::IsMember({"settings", "scenario", "formats"}));
+    help->add_option("TOPIC", line.topic, "settings, scenario or formats, or a command")
+        ->check(CLI::IsMember({"settings", "scenario", "formats"}));
     help->add_option("PREFIX", line.prefix, "only keys that begin so");
     help->add_flag("--man", line.manual, "all commands as a manual page");
-    help->add_flag("--reference", line.reference, "all options of commands, settings and scenarios as a document (docs/options.md)");
+    help->add_flag("--reference", line.reference,
+                   "all options of commands, settings and scenarios as a document (docs/options.md)");
 
     CLI::App* completion = add_command(parser, line, "completion", "a script that completes commands and options in a shell",
                                        "  source <(schuler completion bash)\n"
@@ -77,18 +82,24 @@ void add_own(CLI::App& parser, CommandLine& line) {
     completion->add_option("SHELL", line.topic, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
 }
 
-std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands([](const CLI::App*) { return true; }); }
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App*) { return true; });
+}
 
 void add_everywhere(CLI::App& app, CommandLine& line) {
     app.add_flag("-q,--quiet", line.quiet, "no table, no progress bar, no warnings; errors only");
-    app.add_flag("--force", line.force, "overwrite files at the place of the results even if another program wrote or changed them");
-    app.add_option("--threads", line.threads, "number of threads; results do not depend on it")->check(CLI::Range(0, 1024))->type_name("N");
+    app.add_flag("--force", line.force,
+                 "overwrite files at the place of the results even if another program wrote or changed them");
+    app.add_option("--threads", line.threads, "number of threads; results do not depend on it")
+        ->check(CLI::Range(0, 1024))
+        ->type_name("N");
     app.set_version_flag("--version", version_line(), "print the version and the commit");
 }
 
 }  // namespace
 
-CLI::App* add_command(CLI::App& parent, CommandLine& line, const std::string& name, const std::string& purpose, const std::string& examples) {
+CLI::App* add_command(CLI::App& parent, CommandLine& line, const std::string& name, const std::string& purpose,
+                      const std::string& examples) {
     CLI::App* app = parent.add_subcommand(name, purpose);
     const std::string command = parent.get_parent() == nullptr ? name : parent.get_name() + " " + name;
     app->callback([&line, command] {
@@ -129,14 +140,16 @@ settings::SettingList settings_of(const app::Command& command, const CommandLine
             if (given.flag.at(spec.key)) out.push_back({spec.key, {true}, place});
             continue;
         }
-        std::vector<std::string> words = is_list(spec) ? given.words.at(spec.key) : std::vector<std::string>{given.word.at(spec.key)};
+        std::vector<std::string> words =
+            is_list(spec) ? given.words.at(spec.key) : std::vector<std::string>{given.word.at(spec.key)};
         if (spec.key == "set") words.insert(words.end(), given.loose.begin(), given.loose.end());
         out.push_back({spec.key, settings::value_from_words(spec, words), place});
     }
     const bool settings_given = std::ranges::any_of(out, [](const settings::Setting& s) { return s.key == "set"; });
     for (const std::string& text : given.loose)
         if (!settings_given || text.find('=') == std::string::npos)
-            throw input_error(fmt::format("unexpected argument \"{}\"", text), {}, fmt::format("see `schuler {} --help`", command.name));
+            throw input_error(fmt::format("unexpected argument \"{}\"", text), {},
+                              fmt::format("see `schuler {} --help`", command.name));
     return out;
 }
 
@@ -158,7 +171,8 @@ std::string unknown_command(int argc, char** argv, const CLI::App& parser) {
     std::vector<std::string> known;
     for (const CLI::App* command : commands_of(parser)) known.push_back(command->get_name());
     const std::string near = settings::nearest_key(argv[1], known);
-    return fmt::format("\"{}\" is not a command{}", argv[1], near.empty() ? std::string{} : fmt::format("; did you mean {}?", near));
+    return fmt::format("\"{}\" is not a command{}", argv[1],
+                       near.empty() ? std::string{} : fmt::format("; did you mean {}?", near));
 }
 
 }  // namespace schuler::cli

@@ -14,19 +14,19 @@ namespace schuler::cli {
 
 /// What was said of one command's options.
 struct Given {
-    std::map<std::string, std::string> word;                 ///< by key
+    std::map<std::string, std::string> word;  ///< by key
     std::map<std::string, std::vector<std::string>> words;
     std::map<std::string, bool> flag;
-    std::vector<std::string> loose;                          ///< arguments of no option
+    std::vector<std::string> loose;  ///< arguments of no option
 };
 
 /// What the command line says.
 struct CommandLine {
-    std::string command;                                     ///< "analyze equator"
-    std::map<std::string, Given> given;                      ///< by command
+    std::string command;                 ///< "analyze equator"
+    std::map<std::string, Given> given;  ///< by command
     bool json = false, quiet = false, force = false;
-    int threads = 0;                                         ///< accepted everywhere; the results do not depend on it
-    std::string progress;                                    ///< "lines": for programs that read standard error
+    int threads = 0;       ///< accepted everywhere; the results do not depend on it
+    std::string progress;  ///< "lines": for programs that read standard error
     // of help, completion and ui
     std::string topic, prefix;
     bool manual = false, reference = false;
@@ -42,7 +42,8 @@ void add_commands(CLI::App& parser, CommandLine& line);
 void add_ui_command(CLI::App& parser, CommandLine& line);
 
 /// A command below `parent` as all are declared: with examples and with the options of every command.
-CLI::App* add_command(CLI::App& parent, CommandLine& line, const std::string& name, const std::string& purpose, const std::string& examples);
+CLI::App* add_command(CLI::App& parent, CommandLine& line, const std::string& name, const std::string& purpose,
+                      const std::string& examples);
 
 /// Serves the page of `ui` until the process is told to end.
 void serve_page(const CommandLine& line);

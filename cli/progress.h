@@ -10,7 +10,8 @@ namespace schuler::cli {
 /// Draws while it lives, leaves an empty line behind.
 class ProgressBar {
 public:
-    explicit ProgressBar(bool wanted, bool lines = false) : active_(lines || (wanted && isatty(STDERR_FILENO) != 0)), lines_(lines) {}
+    explicit ProgressBar(bool wanted, bool lines = false)
+        : active_(lines || (wanted && isatty(STDERR_FILENO) != 0)), lines_(lines) {}
     ~ProgressBar() {
         if (drawn_ >= 0 && !lines_) std::fputs("\r\033[K", stderr);
     }

@@ -43,7 +43,7 @@ void let_the_first_tell(const Team* team) {
 namespace {
 
 constexpr int ask_tag = 1, span_tag = 2, size_tag = 3, bytes_tag = 4;
-constexpr std::uint64_t piece = std::uint64_t{1} << 28U;   ///< bytes of one message, at most
+constexpr std::uint64_t piece = std::uint64_t{1} << 28U;  ///< bytes of one message, at most
 
 /// Spans are asked for and answered in messages of 8 and 16 bytes.
 class MpiTeam : public Team {
@@ -53,7 +53,9 @@ public:
         MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level);
         MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
         MPI_Comm_size(MPI_COMM_WORLD, &size_);
-        if (level < MPI_THREAD_SERIALIZED) throw input_error("this MPI cannot be used by a program with threads", {}, "use OpenMPI or MPICH as Debian builds them");
+        if (level < MPI_THREAD_SERIALIZED)
+            throw input_error("this MPI cannot be used by a program with threads", {},
+                              "use OpenMPI or MPICH as Debian builds them");
     }
     ~MpiTeam() override { MPI_Finalize(); }
     [[nodiscard]] int rank() const override { return rank_; }
@@ -64,7 +66,7 @@ public:
             int there = 0;
             MPI_Status status;
             MPI_Iprobe(MPI_ANY_SOURCE, ask_tag, MPI_COMM_WORLD, &there, &status);
-            if (there == 0) {   // the processor belongs to the runs
+            if (there == 0) {  // the processor belongs to the runs
                 std::this_thread::sleep_for(std::chrono::microseconds(200));
                 continue;
             }
@@ -109,7 +111,8 @@ private:
         MPI_Recv(&size, 1, MPI_UINT64_T, from, size_tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
         std::string bytes(size, '\0');
         for (std::uint64_t at = 0; at < size; at += piece)
-            MPI_Recv(bytes.data() + at, static_cast<int>(std::min(piece, size - at)), MPI_CHAR, from, bytes_tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+            MPI_Recv(bytes.data() + at, static_cast<int>(std::min(piece, size - at)), MPI_CHAR, from, bytes_tag, MPI_COMM_WORLD,
+                     MPI_STATUS_IGNORE);
         return bytes;
     }
 
@@ -128,7 +131,8 @@ void end_team(const Team& /*team*/, int status) { MPI_Abort(MPI_COMM_WORLD, stat
 #else
 std::shared_ptr<Team> team_of_processes() {
     if (processes_told() < 2) return nullptr;
-    throw input_error("was started as several processes, and is built without MPI", {}, "configure with -DSCHULER_MPI=ON, or start it without mpirun");
+    throw input_error("was started as several processes, and is built without MPI", {},
+                      "configure with -DSCHULER_MPI=ON, or start it without mpirun");
 }
 
 void end_team(const Team& /*team*/, int /*status*/) {}

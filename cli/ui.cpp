@@ -73,7 +73,7 @@ void serve_page(const CommandLine& o) {
         server.stop();
     });
     const bool served = server.serve();
-    kill(getpid(), SIGTERM);   // the waiter, where serving ended by itself; blocked, and lost with the process, otherwise
+    kill(getpid(), SIGTERM);  // the waiter, where serving ended by itself; blocked, and lost with the process, otherwise
     waiter.join();
     if (!served) throw computation_error("the server could not listen");
 }

@@ -30,15 +30,17 @@ Json refusal_json(const Refusal& r) {
 Json understand(const std::string& form_name, const fs::path& file) {
     std::stringstream text;
     text << std::ifstream(file, std::ios::binary).rdbuf();
-    fs::current_path(file.parent_path());   // files that the settings name are looked for beside them
+    fs::current_path(file.parent_path());  // files that the settings name are looked for beside them
     const Form form = form_name == name_of(Form::Dataset) ? Form::Dataset : Form::Scenario;
     try {
         const Json body = Json::parse(text.str());
-        return {{"answer", understood(body.contains("toml") ? settings_from_toml(body["toml"], form) : settings_from_json(body.at("settings"), form), form)}};
+        return {{"answer", understood(body.contains("toml") ? settings_from_toml(body["toml"], form)
+                                                            : settings_from_json(body.at("settings"), form),
+                                      form)}};
     } catch (const Refusal& r) {
         return refusal_json(r);
     } catch (const Error& e) {
-        return refusal_json({422, e.reason(), e.mend(), e.place().key, e.place().line});
+        return refusal_json({422, e.reason(), e.hint(), e.place().key, e.place().line});
     } catch (const nlohmann::json::exception&) {
         return refusal_json({400, "the body is not the JSON that is expected here", "see /api/openapi.json"});
     }
@@ -66,14 +68,16 @@ Json raw_columns(const fs::path& file) {
     for (int c = 0; c < layout.columns && fields.size() < most_columns; ++c) {
         io::FieldRequest field;
         field.column = c;
-        field.name = static_cast<std::size_t>(c) < layout.names.size() ? layout.names[static_cast<std::size_t>(c)] : fmt::format("column {}", c + 1);
+        field.name = static_cast<std::size_t>(c) < layout.names.size() ? layout.names[static_cast<std::size_t>(c)]
+                                                                       : fmt::format("column {}", c + 1);
         fields.push_back(field);
     }
     std::vector<std::vector<double>> values(fields.size());
     io::TableReader reader(input, layout, fields);
     while (reader.next())
         for (std::size_t c = 0; c < fields.size(); ++c) values[c].push_back(reader.number(c));
-    const auto time = std::ranges::find_if(fields, [](const io::FieldRequest& f) { return f.name.find("time") != std::string::npos; });
+    const auto time =
+        std::ranges::find_if(fields, [](const io::FieldRequest& f) { return f.name.find("time") != std::string::npos; });
     const std::size_t t = time == fields.end() ? 0 : static_cast<std::size_t>(time - fields.begin());
     const std::size_t rows = values.empty() ? 0 : values.front().size();
     const double zero = rows > 0 && std::isfinite(values[t].front()) ? values[t].front() : 0.0;
@@ -83,9 +87,12 @@ Json raw_columns(const fs::path& file) {
     std::vector<std::size_t> chosen;
     if (channels.empty() || rows <= most_points)
         for (std::size_t r = 0; r < rows; r += std::max<std::size_t>(1, rows / most_points)) chosen.push_back(r);
-    else
-        chosen = report::decimate(channels, most_points * 2);
-    Json out{{"rows", rows}, {"zero", zero}, {"time", rows > 0 ? fields[t].name : ""}, {"time_s", Json::array()}, {"columns", Json::object()}};
+    else chosen = report::decimate(channels, most_points * 2);
+    Json out{{"rows", rows},
+             {"zero", zero},
+             {"time", rows > 0 ? fields[t].name : ""},
+             {"time_s", Json::array()},
+             {"columns", Json::object()}};
     for (const std::size_t r : chosen) out["time_s"].push_back(values[t][r] - zero);
     for (std::size_t c = 0; c < fields.size(); ++c) {
         if (c == t) continue;
@@ -123,7 +130,8 @@ int aside(int count, const char* const* arguments) noexcept {
 Json understanding_of(const Json& printed) {
     if (!printed.contains("refusal")) return printed.at("answer");
     const Json& r = printed["refusal"];
-    throw Refusal{r["status"].get<int>(), r["text"].get<std::string>(), r["mend"].get<std::string>(), r["key"].get<std::string>(), r["line"].get<long>()};
+    throw Refusal{r["status"].get<int>(), r["text"].get<std::string>(), r["mend"].get<std::string>(), r["key"].get<std::string>(),
+                  r["line"].get<long>()};
 }
 
 }  // namespace schuler::serve

@@ -7,7 +7,7 @@
 namespace schuler::serve {
 
 struct Asset {
-    std::string_view path;     ///< "/index.html", "/assets/index.js", "/examples/demo.toml"
+    std::string_view path;  ///< "/index.html", "/assets/index.js", "/examples/demo.toml"
     std::string_view bytes;
 };
 

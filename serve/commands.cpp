@@ -36,8 +36,10 @@ std::vector<OptionSpec> fields_of(const app::Command& command) {
 /// Also inside lists and tables: fields of gravity are tables.
 bool mentions(const settings::Value& value, const std::string& name) {
     if (value.text() != nullptr) return *value.text() == name;
-    if (const auto* list = value.list()) return std::ranges::any_of(*list, [&](const settings::Value& v) { return mentions(v, name); });
-    if (const auto* table = value.table()) return std::ranges::any_of(*table, [&](const auto& entry) { return mentions(entry.second, name); });
+    if (const auto* list = value.list())
+        return std::ranges::any_of(*list, [&](const settings::Value& v) { return mentions(v, name); });
+    if (const auto* table = value.table())
+        return std::ranges::any_of(*table, [&](const auto& entry) { return mentions(entry.second, name); });
     return false;
 }
 
@@ -61,9 +63,7 @@ void add_example_files(const settings::SettingList& settings, const std::filesys
     for (const Asset& a : assets()) {
         if (!a.path.starts_with("/examples/") || a.path.ends_with(".toml")) continue;
         const std::string name(a.path.substr(a.path.rfind('/') + 1));
-        const bool named = std::ranges::any_of(settings, [&](const settings::Setting& s) {
-            return mentions(s.value, name);
-        });
+        const bool named = std::ranges::any_of(settings, [&](const settings::Setting& s) { return mentions(s.value, name); });
         if (named) report::write_text(folder / name, std::string(a.bytes));
     }
 }
@@ -74,8 +74,13 @@ void Service::add_kept_routes() {
         reply.body = j.dump(-1, ' ', false, Json::error_handler_t::replace);
         return reply;
     };
-    routes_.push_back({"GET", "/api/commands", "what can be done with a scenario or a data set, each with the form of its options", {}, "",
-                       "[{command, purpose, examples, options: as /api/options}]", [=](const Request&) {
+    routes_.push_back({"GET",
+                       "/api/commands",
+                       "what can be done with a scenario or a data set, each with the form of its options",
+                       {},
+                       "",
+                       "[{command, purpose, examples, options: as /api/options}]",
+                       [=](const Request&) {
                            Json out = Json::array();
                            for (const char* name : run_commands) {
                                const app::Command* command = app::command_named(name);
@@ -87,20 +92,35 @@ void Service::add_kept_routes() {
                            }
                            return json(out);
                        }});
-    routes_.push_back({"GET", "/api/datasets/{dataset}/raw", "the columns of one of its logs before anything is processed, thinned",
-                       {{"file", "string", "its path as in inspect, also of one instrument of a log: log.ulg#imu"}}, "",
-                       "{rows, zero, time, time_s, columns: {name: []}}", [=, this](const Request& r) {
-                           const fs::path folder = workspace_.dataset_folder(r.parts[0]);
-                           const std::string given = r.asked("file");
-                           const std::size_t mark = given.find('#');
-                           fs::path file = folder;
-                           for (const std::string& part : split(given.substr(0, mark), '/')) file = inside(file, part);
-                           if (mark != std::string::npos) file += given.substr(mark);
-                           return json(asked_of_program("log", {std::string(aside_word), "raw", file.string()}, folder, {}, 60.0));
-                       }});
-    routes_.push_back({"GET", "/api/layouts", "the layouts of plots that are kept in the workspace", {}, "", "{name: layout}, or null",
+    routes_.push_back(
+        {"GET",
+         "/api/datasets/{dataset}/raw",
+         "the columns of one of its logs before anything is processed, thinned",
+         {{"file", "string", "its path as in inspect, also of one instrument of a log: log.ulg#imu"}},
+         "",
+         "{rows, zero, time, time_s, columns: {name: []}}",
+         [=, this](const Request& r) {
+             const fs::path folder = workspace_.dataset_folder(r.parts[0]);
+             const std::string given = r.asked("file");
+             const std::size_t mark = given.find('#');
+             fs::path file = folder;
+             for (const std::string& part : split(given.substr(0, mark), '/')) file = inside(file, part);
+             if (mark != std::string::npos) file += given.substr(mark);
+             return json(asked_of_program("log", {std::string(aside_word), "raw", file.string()}, folder, {}, 60.0));
+         }});
+    routes_.push_back({"GET",
+                       "/api/layouts",
+                       "the layouts of plots that are kept in the workspace",
+                       {},
+                       "",
+                       "{name: layout}, or null",
                        [=, this](const Request&) { return json(workspace_.kept()); }});
-    routes_.push_back({"PUT", "/api/layouts", "keeps layouts of plots in the workspace", {}, "{name: layout}, at most 1 MB", "{}",
+    routes_.push_back({"PUT",
+                       "/api/layouts",
+                       "keeps layouts of plots in the workspace",
+                       {},
+                       "{name: layout}, at most 1 MB",
+                       "{}",
                        [=, this](const Request& r) {
                            const Json given = Json::parse(r.body);
                            if (!given.is_object()) throw Refusal{422, "layouts are an object of names and layouts"};

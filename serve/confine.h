@@ -7,7 +7,7 @@
 namespace schuler::serve {
 
 struct Confinement {
-    std::vector<std::filesystem::path> readable;   ///< beside the system's own folders and the program
+    std::vector<std::filesystem::path> readable;  ///< beside the system's own folders and the program
     std::vector<std::filesystem::path> writable;
 };
 

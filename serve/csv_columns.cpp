@@ -7,12 +7,15 @@
 namespace schuler::serve {
 namespace {
 
-constexpr std::array groups{CsvGroup{"gravity.csv", "/gravity"}, CsvGroup{"epochs.csv", "/ensemble"}, CsvGroup{"solution.csv", "/attitude", true}};
+constexpr std::array groups{CsvGroup{"gravity.csv", "/gravity"}, CsvGroup{"epochs.csv", "/ensemble"},
+                            CsvGroup{"solution.csv", "/attitude", true}};
 
 /// What the parts of a name say; longer ones first.
+// clang-format off
 constexpr std::pair<const char*, const char*> unit_marks[] = {{"_deg_h", "deg/h"}, {"_m_s", "m/s"}, {"_mgal", "mGal"},
                                                               {"_deg", "deg"},     {"_ppm", "ppm"}, {"_ug", "ug"},
                                                               {"_mg", "mg"},       {"_m", "m"}};
+// clang-format on
 
 std::string unit_of(const std::string& name) {
     for (const auto& [mark, unit] : unit_marks) {

@@ -13,7 +13,7 @@ namespace schuler::serve {
 /// GROUP/table.
 struct CsvGroup {
     const char *file, *group;
-    bool alone = false;                        ///< only where there is no run.h5, which would hold the same
+    bool alone = false;  ///< only where there is no run.h5, which would hold the same
 };
 [[nodiscard]] std::span<const CsvGroup> csv_groups();
 

@@ -85,7 +85,8 @@ settings::SettingList in_table_order(settings::SettingList settings, Form form) 
 }
 
 settings::SettingList defaults_of(Form form) {
-    return form == Form::Scenario ? settings::scenario_table().used(settings::ScenarioConfig{}) : settings::config_table().used(settings::Config{});
+    return form == Form::Scenario ? settings::scenario_table().used(settings::ScenarioConfig{})
+                                  : settings::config_table().used(settings::Config{});
 }
 
 /// Where the vehicle goes, and at what speed and attitude: degrees and metres for drawing.
@@ -117,7 +118,7 @@ Json track_of(const settings::ScenarioConfig& s, bool cut) {
 }
 
 Json problem_json(const Error& e) {
-    return {{"text", e.reason()}, {"mend", e.mend()}, {"key", e.place().key}, {"line", e.place().line}};
+    return {{"text", e.reason()}, {"mend", e.hint()}, {"key", e.place().key}, {"line", e.place().line}};
 }
 
 /// Those that this version knows: the table names planned ones too, so that they are told from misspelt ones.
@@ -173,8 +174,8 @@ settings::SettingList settings_from_json(const Json& object, Form form) {
 
 settings::SettingList settings_from_toml(const std::string& text, Form form) {
     const settings::ValueTable root = settings::parse_toml(text, "");
-    return in_table_order(form == Form::Scenario ? settings::scenario_table().read(root, "") : settings::config_table().read(root, ""),
-                          form);
+    return in_table_order(
+        form == Form::Scenario ? settings::scenario_table().read(root, "") : settings::config_table().read(root, ""), form);
 }
 
 Json settings_json(const settings::SettingList& settings) {
@@ -183,7 +184,9 @@ Json settings_json(const settings::SettingList& settings) {
     return out;
 }
 
-std::string toml_of(const settings::SettingList& settings, Form form) { return settings::to_toml(settings, specs_of(form), false); }
+std::string toml_of(const settings::SettingList& settings, Form form) {
+    return settings::to_toml(settings, specs_of(form), false);
+}
 
 Json understood(const settings::SettingList& settings, Form form) {
     Json out{

@@ -11,13 +11,13 @@ struct Refusal;
 
 /// What a request says about where it comes from.
 struct Provenance {
-    std::string host, origin, fetch_site;      ///< headers Host, Origin, Sec-Fetch-Site; empty where absent
+    std::string host, origin, fetch_site;  ///< headers Host, Origin, Sec-Fetch-Site; empty where absent
     std::string authorization, cookie;
     bool several_hosts = false;
 };
 
 struct GuardSettings {
-    std::string address = "127.0.0.1";         ///< that the server is bound to
+    std::string address = "127.0.0.1";  ///< that the server is bound to
     int port = 0;
     std::string token;
 };

@@ -80,7 +80,7 @@ std::string type_of_asset(std::string_view path) {
 struct Server::Http {
     explicit Http(ServerSettings s) : settings(std::move(s)), service(settings.service) {
         guard.address = settings.address;
-        guard.token = random_token();   // on this machine too: other users of it are not welcome
+        guard.token = random_token();  // on this machine too: other users of it are not welcome
         http.new_task_queue = [] { return new httplib::ThreadPool(threads); };
         // One request a connection: what a refused request leaves unread is never taken for the next one.
         http.set_keep_alive_max_count(1);
@@ -165,7 +165,7 @@ struct Server::Http {
                 if (stopping || !sink.is_writable()) return false;
                 quiet = events.empty() ? quiet + 1 : 0;
                 if (!events.empty()) return sink.write(events.data(), events.size());
-                return quiet % 10 != 1 || sink.write(":\n\n", 3);   // tells whether somebody is still there
+                return quiet % 10 != 1 || sink.write(":\n\n", 3);  // tells whether somebody is still there
             },
             [this](bool) { --listeners; });
     }
@@ -192,7 +192,8 @@ struct Server::Http {
             on.status = 303;
             give(res, on);
             res.set_header("Location", "/");
-            res.set_header("Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(guard.port), guard.token));
+            res.set_header("Set-Cookie",
+                           fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/", cookie_name(guard.port), guard.token));
             return;
         }
         if (req.path.starts_with("/api/")) return give(res, service.answer(request_of(req, {})));
@@ -227,10 +228,8 @@ struct Server::Http {
         std::uintmax_t size = 0;
         const Clock::time_point begin = Clock::now();
         const auto nothing = [&](const char*, std::size_t n) { return (size += n) <= most_drained && !too_slow(begin, size); };
-        if (req.is_multipart_form_data())
-            read([](const httplib::MultipartFormData&) { return true; }, nothing);
-        else
-            read(nothing);
+        if (req.is_multipart_form_data()) read([](const httplib::MultipartFormData&) { return true; }, nothing);
+        else read(nothing);
     }
 
     void take(const httplib::Request& req, httplib::Response& res, const httplib::ContentReader& read) {
@@ -253,10 +252,8 @@ struct Server::Http {
                     if (!too_long) body.append(data, n);
                     return true;
                 });
-                if (too_long)
-                    no = Refusal{413, "the body is too long", "at most 4 MB"};
-                else if (!whole)
-                    no = Refusal{400, "the body does not arrive as announced"};
+                if (too_long) no = Refusal{413, "the body is too long", "at most 4 MB"};
+                else if (!whole) no = Refusal{400, "the body does not arrive as announced"};
             }
         } catch (const Refusal& r) {
             no = r;

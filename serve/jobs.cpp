@@ -22,7 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t largest_log = 1u << 20, largest_output = 64u << 20;
 constexpr int cannot_start = 126;
-constexpr std::size_t most_aside = 4;   // at once; the others wait for them
+constexpr std::size_t most_aside = 4;  // at once; the others wait for them
 
 // Sanitizers reserve terabytes of addresses.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -62,7 +62,7 @@ struct Jobs::Child {
     JobReport report;
     pid_t pid = -1;
     int out = -1, err = -1;
-    std::string partial[2];                    ///< of lines of standard output and standard error
+    std::string partial[2];  ///< of lines of standard output and standard error
     bool cancelled = false, too_late = false;
     Clock::time_point begin{};
 };
@@ -86,7 +86,7 @@ Jobs::~Jobs() {
 
 void Jobs::wake() const {
     const char byte = 0;
-    [[maybe_unused]] const auto written = write(wake_[1], &byte, 1);   // full: it is awake already
+    [[maybe_unused]] const auto written = write(wake_[1], &byte, 1);  // full: it is awake already
 }
 
 bool Jobs::start(JobOrder order) {
@@ -182,7 +182,7 @@ void Jobs::launch(Child& child) {
     arguments.push_back(nullptr);
     if (pipe2(out, O_CLOEXEC) == 0 && pipe2(err, O_CLOEXEC) == 0) child.pid = fork();
     if (child.pid == 0) {
-        prctl(PR_SET_PDEATHSIG, SIGKILL);      // the supervising thread lives as long as the server
+        prctl(PR_SET_PDEATHSIG, SIGKILL);  // the supervising thread lives as long as the server
         setpgid(0, 0);
         const int nothing = open("/dev/null", O_RDONLY);
         const rlimit none{0, 0};
@@ -251,18 +251,14 @@ void Jobs::read_from(Child& child, int which) {
 void Jobs::reap(Child& child) {
     int status = 0;
     while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {}
-    JobReport r = child.report;                // both streams are closed: nobody writes there any more
+    JobReport r = child.report;  // both streams are closed: nobody writes there any more
     if (WIFEXITED(status)) r.exit_status = WEXITSTATUS(status);
     r.state = child.cancelled ? JobState::Cancelled : r.exit_status == 0 ? JobState::Done : JobState::Failed;
     if (r.state == JobState::Done) r.progress = 1.0;
-    if (child.cancelled)
-        r.message = "cancelled";
-    else if (child.too_late)
-        r.message = "took too long and was ended";
-    else if (WIFSIGNALED(status))
-        r.message = std::string("ended by the signal ") + strsignal(WTERMSIG(status));
-    else if (r.exit_status == cannot_start)
-        r.message = "the program could not be started";
+    if (child.cancelled) r.message = "cancelled";
+    else if (child.too_late) r.message = "took too long and was ended";
+    else if (WIFSIGNALED(status)) r.message = std::string("ended by the signal ") + strsignal(WTERMSIG(status));
+    else if (r.exit_status == cannot_start) r.message = "the program could not be started";
     if (finished_ && !child.order.aside) finished_(r);
     const std::lock_guard lock(mutex_);
     child.pid = -1;

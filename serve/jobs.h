@@ -22,31 +22,31 @@ enum class JobState { Waiting, Running, Done, Failed, Cancelled };
 [[nodiscard]] std::string_view name_of(JobState state);
 
 struct JobOrder {
-    std::string id;                            ///< unique among the jobs known
+    std::string id;  ///< unique among the jobs known
     std::filesystem::path program;
     std::vector<std::string> arguments;
     Confinement confinement;
-    bool keep_output = false;                  ///< standard output is the result and not part of the log
-    bool aside = false;                        ///< does not wait for runs and is not told to watchers
-    double limit_s = 0.0;                      ///< killed after this time; 0: never
-    std::size_t limit_bytes = 0;               ///< of memory; 0: none
+    bool keep_output = false;     ///< standard output is the result and not part of the log
+    bool aside = false;           ///< does not wait for runs and is not told to watchers
+    double limit_s = 0.0;         ///< killed after this time; 0: never
+    std::size_t limit_bytes = 0;  ///< of memory; 0: none
 };
 
 struct JobReport {
     std::string id;
     JobState state = JobState::Waiting;
-    double progress = 0.0;                     ///< 0 to 1, from lines "progress 0.5" on the child's standard error
-    int exit_status = -1;                      ///< of the program; -1: it has none
-    std::string message;                       ///< the last line of what it complained of, or how it ended
+    double progress = 0.0;  ///< 0 to 1, from lines "progress 0.5" on the child's standard error
+    int exit_status = -1;   ///< of the program; -1: it has none
+    std::string message;    ///< the last line of what it complained of, or how it ended
     std::string output, log;
-    std::uint64_t version = 0;                 ///< grows with every change of any job
+    std::uint64_t version = 0;  ///< grows with every change of any job
 };
 
 class Jobs {
 public:
     /// `finished` is called from the supervising thread when a job has ended.
     explicit Jobs(std::size_t at_once, std::function<void(const JobReport&)> finished = {});
-    ~Jobs();                                   ///< ends every child
+    ~Jobs();  ///< ends every child
     Jobs(const Jobs&) = delete;
     Jobs& operator=(const Jobs&) = delete;
 

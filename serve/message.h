@@ -12,7 +12,7 @@ namespace schuler::serve {
 
 struct Request {
     std::string method, path;
-    std::vector<std::string> parts;            ///< what the braces of the route's path matched, in order
+    std::vector<std::string> parts;  ///< what the braces of the route's path matched, in order
     std::map<std::string, std::string> query;
     std::string body;
 
@@ -25,9 +25,9 @@ struct Request {
 struct Reply {
     int status = 200;
     std::string type = "application/json", body;
-    std::filesystem::path file;                ///< not empty: this file is sent instead of `body`
-    std::string download;                      ///< not empty: the name under which a browser saves it
-    bool page_of_its_own = false;              ///< a report: it may run its own script and nothing else
+    std::filesystem::path file;           ///< not empty: this file is sent instead of `body`
+    std::string download;                 ///< not empty: the name under which a browser saves it
+    bool page_of_its_own = false;         ///< a report: it may run its own script and nothing else
     std::function<std::string()> events;  ///< not empty: server-sent events; waits a second at most, "" where nothing happened
 };
 

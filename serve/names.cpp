@@ -63,10 +63,8 @@ bool is_file_name(std::string_view name) {
 std::string folder_name(std::string_view title) {
     std::string out;
     for (const unsigned char c : title) {
-        if (std::isalnum(c) != 0 && c < 0x80)
-            out += static_cast<char>(std::tolower(c));
-        else if (!out.empty() && out.back() != '-')
-            out += '-';
+        if (std::isalnum(c) != 0 && c < 0x80) out += static_cast<char>(std::tolower(c));
+        else if (!out.empty() && out.back() != '-') out += '-';
         if (out.size() >= 40) break;
     }
     while (!out.empty() && out.back() == '-') out.pop_back();

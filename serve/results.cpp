@@ -22,7 +22,7 @@ namespace schuler::serve {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t most_kept_values = 100'000'000;   // 800 MB
+constexpr std::size_t most_kept_values = 100'000'000;  // 800 MB
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string group_of(const std::string& path) { return path.substr(0, path.rfind('/')); }
@@ -79,7 +79,7 @@ std::vector<std::string> groups_of(const io::Hdf5Reader& file) {
         try {
             inner = file.names("/" + name);
         } catch (const Error&) {
-            continue;   // a table, not a group
+            continue;  // a table, not a group
         }
         if (std::ranges::find(inner, "time_s") != inner.end()) {
             out.push_back("/" + name);
@@ -95,10 +95,8 @@ void append(std::string& out, const std::vector<double>& values, const std::vect
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (i > 0) out += ',';
         const double x = values[rows[i]];
-        if (std::isfinite(x))
-            fmt::format_to(std::back_inserter(out), "{}", x);
-        else
-            out += "null";
+        if (std::isfinite(x)) fmt::format_to(std::back_inserter(out), "{}", x);
+        else out += "null";
     }
     out += ']';
 }
@@ -304,7 +302,7 @@ Results::Table Results::subtracted(const fs::path& folder, const fs::path& other
         while (j + 2 < tb.size() && tb[j + 1] <= t) ++j;
         if (tb.size() < 2 || t < tb.front() - 1e-6 || t > tb.back() + 1e-6) continue;
         const double part = std::clamp((t - tb[j]) / (tb[j + 1] - tb[j]), 0.0, 1.0);
-        if (tb[j + 1] - tb[j] > 1.5) continue;   // nothing of the other run there
+        if (tb[j + 1] - tb[j] > 1.5) continue;  // nothing of the other run there
         const Eigen::Vector3d from = earth::ned_difference(earth, position(*b[1], j), position(*a[1], i));
         const Eigen::Vector3d to = earth::ned_difference(earth, position(*b[1], j + 1), position(*a[1], i));
         const Eigen::Vector3d away = -(from + part * (to - from));

@@ -25,8 +25,8 @@ struct ColumnTable {
 /// What a page asks for. Columns are "PATH:NAME" of channels_of, all of one group.
 struct SeriesRequest {
     std::vector<std::string> columns;
-    double from = 0.0, to = 0.0;               ///< s on the run's axis; the same: all
-    std::size_t points = 2000;                 ///< about so many rows come back; 0: every row, up to `most_rows`
+    double from = 0.0, to = 0.0;  ///< s on the run's axis; the same: all
+    std::size_t points = 2000;    ///< about so many rows come back; 0: every row, up to `most_rows`
 };
 
 inline constexpr std::size_t most_rows = 20'000;

@@ -12,8 +12,8 @@ namespace schuler::serve {
 struct ServerSettings {
     ServiceSettings service;
     std::string address = "127.0.0.1";
-    int port = 8080;                           ///< 0: any that is free
-    bool port_is_wish = false;                 ///< where it is taken, any other one will do
+    int port = 8080;            ///< 0: any that is free
+    bool port_is_wish = false;  ///< where it is taken, any other one will do
 };
 
 class Server {

@@ -25,10 +25,8 @@ bool matches(std::string_view pattern, std::string_view path, std::vector<std::s
     parts.clear();
     if (wanted.size() != given.size()) return false;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-        if (wanted[i].starts_with('{'))
-            parts.push_back(given[i]);
-        else if (wanted[i] != given[i])
-            return false;
+        if (wanted[i].starts_with('{')) parts.push_back(given[i]);
+        else if (wanted[i] != given[i]) return false;
     }
     return true;
 }
@@ -37,8 +35,10 @@ constexpr std::size_t deepest_folder = 4;
 
 /// Data set, folders inside it and file of an upload's path; nothing where it is another path.
 std::vector<std::string> upload_parts(std::string_view path) {
-    std::vector<std::string> parts = split(path, '/');   // "", "api", "datasets", NAME, "files", ...
-    if (parts.size() < 6 || parts.size() > 6 + deepest_folder || parts[1] != "api" || parts[2] != "datasets" || parts[4] != "files") return {};
+    std::vector<std::string> parts = split(path, '/');  // "", "api", "datasets", NAME, "files", ...
+    if (parts.size() < 6 || parts.size() > 6 + deepest_folder || parts[1] != "api" || parts[2] != "datasets" ||
+        parts[4] != "files")
+        return {};
     parts.erase(parts.begin() + 4);
     parts.erase(parts.begin(), parts.begin() + 3);
     return parts;
@@ -50,7 +50,7 @@ std::string about_of(const std::string& toml) {
     for (const std::string& line : split(toml, '\n')) {
         if (!line.starts_with("# ")) break;
         const std::string text = line.substr(2);
-        if (text.starts_with(" ")) break;      // an indented command line
+        if (text.starts_with(" ")) break;  // an indented command line
         out += (out.empty() ? "" : " ") + text;
     }
     return out;
@@ -69,7 +69,9 @@ Reply refused(const Refusal& r) {
 Service::Service(ServiceSettings settings)
     : settings_(std::move(settings)),
       workspace_(settings_.workspace, settings_.opened),
-      jobs_(settings_.runs_at_once > 0 ? settings_.runs_at_once : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 4), [this](const JobReport& report) { finished(report); }) {
+      jobs_(settings_.runs_at_once > 0 ? settings_.runs_at_once
+                                       : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 4),
+            [this](const JobReport& report) { finished(report); }) {
     add_settings_routes();
     add_dataset_routes();
     add_run_routes();
@@ -77,7 +79,7 @@ Service::Service(ServiceSettings settings)
     add_result_routes();
     add_noise_routes();
     add_kept_routes();
-    if (!workspace_.alone()) return;           // another server is at work here: what runs is its own
+    if (!workspace_.alone()) return;  // another server is at work here: what runs is its own
     for (const Json& run : workspace_.runs()) {
         if (run["state"] != "running" && run["state"] != "waiting") continue;
         workspace_.note(run["id"], {{"state", "failed"}, {"message", "the server ended before the run did"}});
@@ -102,7 +104,7 @@ Reply Service::answer(Request request) noexcept {
         } catch (const Refusal& r) {
             return refused(r);
         } catch (const Error& e) {
-            return refused({422, e.reason(), e.mend(), e.place().key, e.place().line});
+            return refused({422, e.reason(), e.hint(), e.place().key, e.place().line});
         } catch (const nlohmann::json::exception&) {
             return refused({400, "the body is not the JSON that is expected here", "/api/openapi.json tells what is"});
         } catch (const std::bad_alloc&) {
@@ -132,8 +134,9 @@ std::unique_ptr<Upload> Service::upload(const std::string& path, std::uintmax_t 
     fs::path folder = workspace_.dataset_folder(parts[0]);
     const std::uintmax_t all = settings_.max_upload * 8, used = workspace_.uploaded_bytes();
     if (used + length >= all) throw Refusal{413, "the workspace is full", "remove data sets that are not needed"};
-    for (const std::string& part : parts)      // before the first folder is made
-        if (!is_file_name(part)) throw Refusal{400, "the name cannot be that of a file here", "letters, digits, dots and dashes are always possible"};
+    for (const std::string& part : parts)  // before the first folder is made
+        if (!is_file_name(part))
+            throw Refusal{400, "the name cannot be that of a file here", "letters, digits, dots and dashes are always possible"};
     for (std::size_t i = 1; i + 1 < parts.size(); ++i) {
         folder = inside(folder, parts[i]);
         std::error_code ec;
@@ -159,7 +162,7 @@ void Service::finished(const JobReport& report) {
         std::ofstream(folder / "log.txt", std::ios::binary) << report.log;
         std::error_code ec;
         if (report.state == JobState::Done && !report.output.empty() && !fs::exists(summary, ec))
-            std::ofstream(summary, std::ios::binary) << report.output;   // a study prints it
+            std::ofstream(summary, std::ios::binary) << report.output;  // a study prints it
         workspace_.note(report.id,
                         {{"state", name_of(report.state)}, {"message", report.message}, {"exit_status", report.exit_status}});
     } catch (const std::exception&) {  // the folder is gone: nothing to note

@@ -20,11 +20,11 @@ namespace schuler::serve {
 
 struct ServiceSettings {
     std::filesystem::path workspace = "out";
-    std::filesystem::path opened;              ///< a data set of the user's own; may be empty
-    std::filesystem::path program;             ///< that runs are made with
+    std::filesystem::path opened;   ///< a data set of the user's own; may be empty
+    std::filesystem::path program;  ///< that runs are made with
     std::string version;
-    std::uintmax_t max_upload = std::uintmax_t{2048} << 20;   ///< bytes of one file; all together eight times as many
-    std::size_t runs_at_once = 0;              ///< 0: as many as there are cores, four at most
+    std::uintmax_t max_upload = std::uintmax_t{2048} << 20;  ///< bytes of one file; all together eight times as many
+    std::size_t runs_at_once = 0;                            ///< 0: as many as there are cores, four at most
 };
 
 struct Parameter {
@@ -34,9 +34,9 @@ struct Parameter {
 struct Route {
     std::string method, path, summary;
     std::vector<Parameter> query;
-    std::string body;                          ///< what the JSON body holds; empty: there is none
+    std::string body;  ///< what the JSON body holds; empty: there is none
     std::string answer;
-    std::function<Reply(const Request&)> handle;   ///< empty: the route of uploads, whose body is streamed
+    std::function<Reply(const Request&)> handle;  ///< empty: the route of uploads, whose body is streamed
 };
 
 class Service {
@@ -74,8 +74,8 @@ private:
     [[nodiscard]] Json inspected(const std::string& dataset);
     /// What the program prints as JSON, asked of a child that may read only `readable`. @throws Refusal 422
     [[nodiscard]] Json asked_of_program(const std::string& what, std::vector<std::string> arguments,
-                                        const std::filesystem::path& readable, const std::filesystem::path& writable, double limit_s = 120.0,
-                                        std::size_t limit_bytes = std::size_t{4} << 30);
+                                        const std::filesystem::path& readable, const std::filesystem::path& writable,
+                                        double limit_s = 120.0, std::size_t limit_bytes = std::size_t{4} << 30);
     /// What settings come to (serve/forms.h), worked out by a child: a scenario may take for ever, and all the memory there is. `body`: as for
     /// POST /api/settings. @throws Refusal
     [[nodiscard]] Json understood_aside(const Json& body, Form form);
@@ -92,9 +92,9 @@ private:
     Workspace workspace_;
     Results results_;
     std::mutex read_mutex_;
-    std::set<std::string> read_before_;        ///< files that a child has read, with size and time
+    std::set<std::string> read_before_;  ///< files that a child has read, with size and time
     std::vector<Route> routes_;
-    Jobs jobs_;                                ///< last: its thread uses what stands above
+    Jobs jobs_;  ///< last: its thread uses what stands above
 };
 
 }  // namespace schuler::serve

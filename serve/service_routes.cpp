@@ -126,7 +126,7 @@ Json Service::understood_aside(const Json& body, Form form) {
     static std::atomic<unsigned> number{0};
     const settings::SettingList settings =
         body.contains("toml") ? settings_from_toml(body["toml"], form) : settings_from_json(body.at("settings"), form);
-    if (form == Form::Dataset) return understood(settings, form);   // no file is read, nothing is worked out
+    if (form == Form::Dataset) return understood(settings, form);  // no file is read, nothing is worked out
     try {
         check_file_settings(settings);
     } catch (const Refusal& r) {
@@ -141,8 +141,9 @@ Json Service::understood_aside(const Json& body, Form form) {
     try {
         add_example_files(settings, folder);
         report::write_text(folder / "body.json", body.dump(-1, ' ', false, Json::error_handler_t::replace));
-        const Json printed = asked_of_program("scenario", {std::string(aside_word), "understand", std::string(name_of(form)), (folder / "body.json").string()},
-                                              folder, {}, limit_s, limit_bytes);
+        const Json printed = asked_of_program(
+            "scenario", {std::string(aside_word), "understand", std::string(name_of(form)), (folder / "body.json").string()},
+            folder, {}, limit_s, limit_bytes);
         workspace_.remove_temporary(folder);
         return understanding_of(printed);
     } catch (...) {
@@ -155,7 +156,8 @@ fs::path Service::readable_run(const std::string& id) {
     const fs::path folder = workspace_.run_folder(id), file = folder / "run.h5";
     std::error_code ec;
     if (!fs::is_regular_file(file, ec)) return folder;
-    const std::string key = fmt::format("{}|{}|{}", file.string(), fs::last_write_time(file, ec).time_since_epoch().count(), fs::file_size(file, ec));
+    const std::string key =
+        fmt::format("{}|{}|{}", file.string(), fs::last_write_time(file, ec).time_since_epoch().count(), fs::file_size(file, ec));
     {
         const std::lock_guard lock(read_mutex_);
         if (read_before_.contains(key)) return folder;
@@ -184,7 +186,7 @@ Json Service::inspected(const std::string& dataset) {
         out["form"] = {{"settings", Json::object()},
                        {"used", Json::object()},
                        {"toml", own},
-                       {"problem", {{"text", e.reason()}, {"mend", e.mend()}, {"key", e.place().key}, {"line", e.place().line}}}};
+                       {"problem", {{"text", e.reason()}, {"mend", e.hint()}, {"key", e.place().key}, {"line", e.place().line}}}};
     }
     return out;
 }
@@ -224,14 +226,15 @@ Reply Service::start_run(const Json& order) {
         throw Refusal{422, fmt::format("\"{}\" is nothing to be done with a {}", command, kind),
                       "run and gravity, of a scenario montecarlo and of a data set ahrs are", "command"};
     settings::SettingList settings = order.contains("toml") ? settings_from_toml(order["toml"], form)
-                                                       : settings_from_json(order.value("settings", Json::object()), form);
+                                                            : settings_from_json(order.value("settings", Json::object()), form);
     check_file_settings(settings);
     Json body;
     if (order.contains("toml")) body["toml"] = order["toml"];
     else body["settings"] = order.value("settings", Json::object());
     if (const Json problem = understood_aside(body, form)["problem"]; !problem.is_null())
         throw Refusal{422, problem["text"], problem["mend"], problem["key"], problem["line"]};
-    const std::vector<std::string> words = argument_words(words_of(order, form, {}).front(), order.value("arguments", Json::object()));
+    const std::vector<std::string> words =
+        argument_words(words_of(order, form, {}).front(), order.value("arguments", Json::object()));
     const std::string dataset = order.value("dataset", "");
     fs::path input;
     if (form == Form::Dataset) {
@@ -246,8 +249,10 @@ Reply Service::start_run(const Json& order) {
         {{"kind", command == "run" ? kind : command},
          {"state", "waiting"},
          {"message", ""},
+         // clang-format off
          {"order", {{"command", command}, {"runs", order.value("runs", 0)}, {"arguments", order.value("arguments", Json::object())}}},
          {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
+    // clang-format on
     const fs::path folder = workspace_.run_folder(id);
     const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
     report::write_text(file, toml_of(settings, form));
@@ -299,23 +304,26 @@ void Service::add_run_routes() {
                            reply.events = [this, version = std::uint64_t{0}]() mutable { return events_after(version); };
                            return reply;
                        }});
-    routes_.push_back({"GET",
-                       "/api/runs",
-                       "all runs of the workspace, newest first",
-                       {},
-                       "",
-                       "[{id, title, kind, state, message, created, dataset, command, order, scheme, duration_s, error_m, reference}]",
-                       [this](const Request&) {
-                           Json all = workspace_.runs();
-                           for (Json& run : all) run = run_now(run["id"]);
-                           return json(all);
-                       }});
+    routes_.push_back(
+        {"GET",
+         "/api/runs",
+         "all runs of the workspace, newest first",
+         {},
+         "",
+         "[{id, title, kind, state, message, created, dataset, command, order, scheme, duration_s, error_m, reference}]",
+         [this](const Request&) {
+             Json all = workspace_.runs();
+             for (Json& run : all) run = run_now(run["id"]);
+             return json(all);
+         }});
     routes_.push_back({"POST",
                        "/api/runs",
                        "starts a run",
                        {},
-                       "{kind: scenario or dataset, command: run (default), gravity, ahrs (of a data set) or montecarlo (of a scenario, with runs: how many "
-                       "seeds), arguments: {option: value} as /api/commands, title, settings: {key: value} or toml: text, dataset: name, output_rate_hz}",
+                       "{kind: scenario or dataset, command: run (default), gravity, ahrs (of a data set) or montecarlo (of a "
+                       "scenario, with runs: how many "
+                       "seeds), arguments: {option: value} as /api/commands, title, settings: {key: value} or toml: text, "
+                       "dataset: name, output_rate_hz}",
                        "201 and the run",
                        [this](const Request& r) { return start_run(Json::parse(r.body)); }});
     routes_.push_back({"GET",
@@ -388,8 +396,8 @@ Json Service::noise_of_run(const std::string& run) {
     const fs::path input = workspace_.dataset_folder(dataset);
     check_dataset(input);
     // the settings lie in the run's folder, the logs in that of the data set; neither is written
-    return asked_of_program("run", {"analyze", "allan", input.string(), "--config", (folder / "settings.toml").string(), "--json"},
-                            input, folder);
+    return asked_of_program(
+        "run", {"analyze", "allan", input.string(), "--config", (folder / "settings.toml").string(), "--json"}, input, folder);
 }
 
 void Service::add_noise_routes() {
@@ -397,14 +405,19 @@ void Service::add_noise_routes() {
         "as `schuler analyze allan --json`: {name, rate_hz, duration_s, gaps, axes: [{sensor, axis, unit, density_unit, white, "
         "bias_instability, random_walk, ramp, quantization: {value, unit}, allan: {tau_s, deviation, relative_sigma}, spectrum: "
         "{frequency_hz, density}}]}";
-    routes_.push_back({"GET", "/api/runs/{run}/noise", "Allan deviations and spectra of the IMU of a run that was started here", {},
-                       "", answer, [this](const Request& r) { return json(noise_of_run(r.parts[0])); }});
-    routes_.push_back({"GET", "/api/datasets/{dataset}/noise", "the same of a data set's IMU log", {}, "", answer,
-                       [this](const Request& r) {
-                           const fs::path folder = workspace_.dataset_folder(r.parts[0]);
-                           check_dataset(folder);
-                           return json(asked_of_program("data set", {"analyze", "allan", folder.string(), "--json"}, folder, {}));
-                       }});
+    routes_.push_back({"GET",
+                       "/api/runs/{run}/noise",
+                       "Allan deviations and spectra of the IMU of a run that was started here",
+                       {},
+                       "",
+                       answer,
+                       [this](const Request& r) { return json(noise_of_run(r.parts[0])); }});
+    routes_.push_back(
+        {"GET", "/api/datasets/{dataset}/noise", "the same of a data set's IMU log", {}, "", answer, [this](const Request& r) {
+             const fs::path folder = workspace_.dataset_folder(r.parts[0]);
+             check_dataset(folder);
+             return json(asked_of_program("data set", {"analyze", "allan", folder.string(), "--json"}, folder, {}));
+         }});
 }
 
 void Service::add_result_routes() {
@@ -412,13 +425,14 @@ void Service::add_result_routes() {
         {"from", "number", "start of the range, s"},
         {"to", "number", "end of the range, s; left out: everything"},
         {"points", "integer", "about so many rows, extremes kept (default 2000); 0: every row, at most 20000"}};
-    routes_.push_back({"GET",
-                       "/api/runs/{run}/channels",
-                       "which columns the run has",
-                       {},
-                       "",
-                       "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: the meaning of its numbers, where it is a list}]}]",
-                       [this](const Request& r) { return json(results_.channels(readable_run(r.parts[0]))); }});
+    routes_.push_back(
+        {"GET",
+         "/api/runs/{run}/channels",
+         "which columns the run has",
+         {},
+         "",
+         "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: the meaning of its numbers, where it is a list}]}]",
+         [this](const Request& r) { return json(results_.channels(readable_run(r.parts[0]))); }});
     std::vector<Parameter> query{
         {"columns", "string", "ids of /channels with commas, all of one group"},
         {"origin", "string", "run whose first position is the origin of local columns; default: this one"}};
@@ -433,8 +447,9 @@ void Service::add_result_routes() {
     query.insert(query.end(), range.begin(), range.end());
     routes_.push_back({"GET", "/api/runs/{run}/difference", "this run's solution minus another one's", query, "",
                        "as series: north, east, down in m, velocities in m/s, angles in deg", [this](const Request& r) {
-                           return text(results_.difference(readable_run(r.parts[0]), readable_run(r.asked("with")), series_request(r)),
-                                       "application/json");
+                           return text(
+                               results_.difference(readable_run(r.parts[0]), readable_run(r.asked("with")), series_request(r)),
+                               "application/json");
                        }});
     routes_.push_back({"GET",
                        "/api/runs/{run}/files/{file}",

@@ -23,7 +23,8 @@ bool is_study(const app::Command& command) { return command.perform && command.n
 /// Fields of its form: files come from the workspace alone.
 std::vector<OptionSpec> fields_of(const app::Command& command) {
     std::vector<OptionSpec> out;
-    std::ranges::copy_if(command.options, std::back_inserter(out), [](const OptionSpec& s) { return !s.line.file && !s.line.hidden; });
+    std::ranges::copy_if(command.options, std::back_inserter(out),
+                         [](const OptionSpec& s) { return !s.line.file && !s.line.hidden; });
     return out;
 }
 
@@ -68,7 +69,8 @@ Reply Service::start_study(const Json& order) {
     const std::string dataset = order.value("dataset", "");
     settings::SettingList scenario;
     if (input != nullptr && dataset.empty()) {
-        if (!order.contains("scenario")) throw Refusal{422, "the study needs a scenario", "send {\"scenario\": {\"toml\": text}}", "scenario"};
+        if (!order.contains("scenario"))
+            throw Refusal{422, "the study needs a scenario", "send {\"scenario\": {\"toml\": text}}", "scenario"};
         const Json& of = order["scenario"];
         scenario = of.contains("toml") ? settings_from_toml(of["toml"], Form::Scenario)
                                        : settings_from_json(of.value("settings", Json::object()), Form::Scenario);
@@ -102,7 +104,7 @@ Reply Service::start_study(const Json& order) {
     job.id = id;
     job.program = settings_.program;
     job.arguments = std::move(words);
-    job.keep_output = true;   // becomes summary.json
+    job.keep_output = true;  // becomes summary.json
     job.confinement = confinement(readable, folder);
     jobs_.start(std::move(job));
     Reply reply;

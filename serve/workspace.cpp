@@ -59,7 +59,8 @@ Json files_of(const fs::path& folder) {
     Json files = Json::array();
     std::error_code ec;
     constexpr std::size_t most_files = 2000;
-    for (auto it = fs::recursive_directory_iterator(folder, ec); !ec && it != fs::recursive_directory_iterator(); it.increment(ec)) {
+    for (auto it = fs::recursive_directory_iterator(folder, ec); !ec && it != fs::recursive_directory_iterator();
+         it.increment(ec)) {
         const fs::path& path = it->path();
         if (!it->is_regular_file(ec) || it->is_symlink(ec) || !is_file_name(path.filename().string())) continue;
         if (files.size() >= most_files) break;
@@ -73,7 +74,8 @@ Json files_of(const fs::path& folder) {
 
 std::string text_of(const fs::path& file, std::uintmax_t limit) {
     std::error_code ec;
-    if (fs::is_symlink(file, ec) || !fs::is_regular_file(file, ec) || fs::file_size(file, ec) > limit) return {};   // no way out of the folder
+    if (fs::is_symlink(file, ec) || !fs::is_regular_file(file, ec) || fs::file_size(file, ec) > limit)
+        return {};  // no way out of the folder
     std::ostringstream text;
     text << std::ifstream(file, std::ios::binary).rdbuf();
     return text.str();
@@ -178,7 +180,7 @@ std::string Workspace::new_run(const std::string& title, const Json& fields) {
 void Workspace::note(const std::string& id, const Json& fields) {
     Json state = json_of(run_folder(id) / state_file);
     state.update(fields);
-    io::allow_overwrite(root_ / id / state_file);   // whoever touched it: the state is the server's
+    io::allow_overwrite(root_ / id / state_file);  // whoever touched it: the state is the server's
     report::write_text(root_ / id / state_file, state.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

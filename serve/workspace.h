@@ -34,7 +34,7 @@ public:
     /// Newest first: {id, title, kind, state, message, created, dataset, scheme, error_m}.
     [[nodiscard]] Json runs() const;
     [[nodiscard]] Json run(const std::string& id) const;
-    [[nodiscard]] std::filesystem::path run_folder(const std::string& id) const;       ///< @throws Refusal 400, 404
+    [[nodiscard]] std::filesystem::path run_folder(const std::string& id) const;  ///< @throws Refusal 400, 404
     /// A folder for a new run with that title and a run.json with `fields`; returns its id.
     [[nodiscard]] std::string new_run(const std::string& title, const Json& fields);
     /// Adds members to run.json.
@@ -46,8 +46,8 @@ public:
     /// Leaves of a run that did not end well what was put in, not what it began to write.
     void clear_results(const std::string& id);
 
-    [[nodiscard]] Json datasets() const;       ///< {name, opened, files: [{name, bytes}]}
-    [[nodiscard]] std::filesystem::path dataset_folder(const std::string& name) const; ///< @throws Refusal 400, 404
+    [[nodiscard]] Json datasets() const;  ///< {name, opened, files: [{name, bytes}]}
+    [[nodiscard]] std::filesystem::path dataset_folder(const std::string& name) const;  ///< @throws Refusal 400, 404
     [[nodiscard]] std::string new_dataset(const std::string& title);
     void remove_dataset(const std::string& name);
     [[nodiscard]] bool is_opened(const std::string& name) const { return !opened_.empty() && name == opened_name; }
@@ -58,7 +58,7 @@ public:
 private:
     [[nodiscard]] std::string new_folder(const std::filesystem::path& parent, const std::string& title) const;
     std::filesystem::path root_, opened_;
-    int lock_ = -1;                            ///< held as long as the server lives
+    int lock_ = -1;  ///< held as long as the server lives
 };
 
 /// A file that arrives piece by piece: under its name only when complete.

@@ -9,7 +9,7 @@
 
 int main() {
     using namespace schuler;
-    sim::Scenario drive;   // in place of the drivers of real instruments
+    sim::Scenario drive;  // in place of the drivers of real instruments
     drive.duration = 90.0;
     drive.path = sim::town_route({55.0 * units::deg, 37.0 * units::deg, 150.0}, drive.duration, 7);
     drive.imu.errors = sensor::imu_grade("mems");
@@ -28,7 +28,7 @@ int main() {
     std::size_t k = 0;
     for (const ImuSample& imu : data.recording.imu) {
         for (; k < data.recording.gnss.size() && data.recording.gnss[k].time <= imu.time; ++k)
-            (void)navigator.feed(data.recording.gnss[k]);   // in any order within settings.lag; the answer says what became of it
+            (void)navigator.feed(data.recording.gnss[k]);  // in any order within settings.lag; the answer says what became of it
         (void)navigator.feed(imu);
         while (const auto event = navigator.poll())
             if (event->kind == filter::NavigatorEvent::Kind::Phase)

@@ -20,14 +20,16 @@ py::array_t<double> wxyz(const Eigen::Quaterniond& q) { return array_of(Eigen::V
 void append(std::vector<double>& out, const Eigen::Quaterniond& q) { out.insert(out.end(), {q.w(), q.x(), q.y(), q.z()}); }
 
 /// Steps through a block: the attitude after each of them. `dt`: one number, or one a row.
-py::array_t<double> feed(Mekf& filter, const py::object& dt, const py::object& gyro, const py::object& accel, const py::object& mag) {
+py::array_t<double> feed(Mekf& filter, const py::object& dt, const py::object& gyro, const py::object& accel,
+                         const py::object& mag) {
     Input step("dt", dt, 1), w("gyro", gyro, 3), f("accel", accel, 3), b("mag", mag, 3);
     const py::ssize_t n = w.rows();
     f.expect_rows(n);
     b.expect_rows(n);
     step.expect_rows(n, true);
     for (py::ssize_t i = 0; i < (step.one() ? 1 : n); ++i)
-        if (!(step.at(i) > 0.0 && step.at(i) < 1e9)) throw input_error(fmt::format("number {} is not positive", i), {{}, 0, 0, "dt"}, "give seconds");
+        if (!(step.at(i) > 0.0 && step.at(i) < 1e9))
+            throw input_error(fmt::format("number {} is not positive", i), {{}, 0, 0, "dt"}, "give seconds");
     std::vector<double> out;
     out.reserve(static_cast<std::size_t>(4 * n));
     {
@@ -50,11 +52,13 @@ ahrs::FilterKind filter_from(const std::string& name) {
     if (name == "quaternion") return Quaternion;
     if (name == "quaternion-printed") return QuaternionPrinted;
     if (name == "quaternion-coupled") return QuaternionCoupled;
-    throw input_error(fmt::format("\"{}\" is no filter", name), {{}, 0, 0, "filter"}, "mekf, dcm, quaternion, quaternion-printed or quaternion-coupled");
+    throw input_error(fmt::format("\"{}\" is no filter", name), {{}, 0, 0, "filter"},
+                      "mekf, dcm, quaternion, quaternion-printed or quaternion-coupled");
 }
 
-py::dict attitude(const py::object& time, const py::object& gyro, const py::object& accel, const py::object& mag_time, const py::object& mag,
-                  const py::object& speed_time, const py::object& speed, const std::string& filter, bool offline, const MekfSettings& settings) {
+py::dict attitude(const py::object& time, const py::object& gyro, const py::object& accel, const py::object& mag_time,
+                  const py::object& mag, const py::object& speed_time, const py::object& speed, const std::string& filter,
+                  bool offline, const MekfSettings& settings) {
     const Times t("time", time);
     Input w("gyro", gyro, 3), f("accel", accel, 3), b("mag", mag, 3), v("speed", speed, 1);
     for (Input* in : {&w, &f}) in->expect_rows(t.rows());
@@ -105,20 +109,29 @@ void bind_settings(py::module_& m) {
     using namespace ahrs;
     py::class_<TiltSettings>(m, "TiltSettings", "Gyro and accelerometer; SI units.")
         .def(py::init<>())
-        .def_readwrite("gyro_noise", &TiltSettings::gyro_noise).def_readwrite("turn_noise", &TiltSettings::turn_noise)
-        .def_readwrite("bias_std", &TiltSettings::bias_std).def_readwrite("bias_walk", &TiltSettings::bias_walk)
-        .def_readwrite("velocity_std", &TiltSettings::velocity_std).def_readwrite("velocity_time", &TiltSettings::velocity_time)
-        .def_readwrite("force_noise", &TiltSettings::force_noise).def_readwrite("adaptation_time", &TiltSettings::adaptation_time)
+        .def_readwrite("gyro_noise", &TiltSettings::gyro_noise)
+        .def_readwrite("turn_noise", &TiltSettings::turn_noise)
+        .def_readwrite("bias_std", &TiltSettings::bias_std)
+        .def_readwrite("bias_walk", &TiltSettings::bias_walk)
+        .def_readwrite("velocity_std", &TiltSettings::velocity_std)
+        .def_readwrite("velocity_time", &TiltSettings::velocity_time)
+        .def_readwrite("force_noise", &TiltSettings::force_noise)
+        .def_readwrite("adaptation_time", &TiltSettings::adaptation_time)
         .def_readwrite("gravity", &TiltSettings::gravity);
     py::class_<ahrs::HeadingSettings>(m, "HeadingSettings", "Magnetometer; SI units.")
         .def(py::init<>())
-        .def_readwrite("walk", &ahrs::HeadingSettings::walk).def_readwrite("field_noise", &ahrs::HeadingSettings::field_noise)
-        .def_readwrite("hard_iron_std", &ahrs::HeadingSettings::hard_iron_std).def_readwrite("hard_iron_walk", &ahrs::HeadingSettings::hard_iron_walk)
-        .def_readwrite("place_std", &ahrs::HeadingSettings::place_std).def_readwrite("declination", &ahrs::HeadingSettings::declination);
+        .def_readwrite("walk", &ahrs::HeadingSettings::walk)
+        .def_readwrite("field_noise", &ahrs::HeadingSettings::field_noise)
+        .def_readwrite("hard_iron_std", &ahrs::HeadingSettings::hard_iron_std)
+        .def_readwrite("hard_iron_walk", &ahrs::HeadingSettings::hard_iron_walk)
+        .def_readwrite("place_std", &ahrs::HeadingSettings::place_std)
+        .def_readwrite("declination", &ahrs::HeadingSettings::declination);
     py::class_<MekfSettings>(m, "MekfSettings", "Settings of Mekf; SI units.")
         .def(py::init<>())
-        .def_readwrite("block", &MekfSettings::block).def_readwrite("six_axis", &MekfSettings::six_axis)
-        .def_readwrite("tilt", &MekfSettings::tilt).def_readwrite("heading", &MekfSettings::heading)
+        .def_readwrite("block", &MekfSettings::block)
+        .def_readwrite("six_axis", &MekfSettings::six_axis)
+        .def_readwrite("tilt", &MekfSettings::tilt)
+        .def_readwrite("heading", &MekfSettings::heading)
         .def("check", &MekfSettings::check, "Raises for a setting that cannot be.");
 }
 
@@ -127,24 +140,37 @@ void bind_settings(py::module_& m) {
 void bind_ahrs(py::module_& m) {
     bind_settings(m);
     const py::none none;
-    py::class_<Mekf>(m, "Mekf", "Attitude and heading from gyro, accelerometer and magnetometer: tilt and heading in channels of their own.")
-        .def(py::init([](const std::optional<MekfSettings>& settings) { return Mekf(settings.value_or(MekfSettings{})); }), py::arg("settings") = none)
+    py::class_<Mekf>(m, "Mekf",
+                     "Attitude and heading from gyro, accelerometer and magnetometer: tilt and heading in channels of their own.")
+        .def(py::init([](const std::optional<MekfSettings>& settings) { return Mekf(settings.value_or(MekfSettings{})); }),
+             py::arg("settings") = none)
         .def("feed", &feed, py::arg("dt"), py::arg("gyro"), py::arg("accel"), py::arg("mag") = none,
-             "q_nb after each sample (n, 4), or (4,) of one. dt: s, one number or (n,); gyro: rad/s, accel: m/s^2, mag: T, body axes "
+             "q_nb after each sample (n, 4), or (4,) of one. dt: s, one number or (n,); gyro: rad/s, accel: m/s^2, mag: T, body "
+             "axes "
              "forward-right-down, (n, 3) or (3,); rows of mag with NaN are no samples.")
-        .def("forward_speed", [](Mekf& f, double speed, double std) {
-            if (!std::isfinite(speed) || !(std > 0.0)) throw input_error("is not a speed with a positive sigma", {{}, 0, 0, "speed"});
-            f.forward_speed(speed, std);
-        }, py::arg("speed"), py::arg("std") = 0.5, "Speed over ground along the body's x axis and its sigma, m/s.")
+        .def(
+            "forward_speed",
+            [](Mekf& f, double speed, double std) {
+                if (!std::isfinite(speed) || !(std > 0.0))
+                    throw input_error("is not a speed with a positive sigma", {{}, 0, 0, "speed"});
+                f.forward_speed(speed, std);
+            },
+            py::arg("speed"), py::arg("std") = 0.5, "Speed over ground along the body's x axis and its sigma, m/s.")
         .def_property_readonly("started", &Mekf::started)
-        .def_property_readonly("q_nb", [](const Mekf& f) { return wxyz(f.q_nb()); }, "Body to local level (4,), scalar first.")
-        .def_property_readonly("rpy", [](const Mekf& f) { return array_of(math::rpy_from_quaternion(f.q_nb())); }, "Roll, pitch, heading (3,), rad.")
-        .def_property_readonly("std_phi", [](const Mekf& f) { return array_of(f.std_phi()); }, "One sigma of the small rotation about north, east, down (3,), rad.")
-        .def_property_readonly("covariance", [](const Mekf& f) { return array_of(f.covariance_phi()); }, "Of that rotation (3, 3), rad^2.")
-        .def_property_readonly("gyro_bias", [](const Mekf& f) { return array_of(f.gyro_bias()); }, "(3,), rad/s.");
-    m.def("attitude", &attitude, py::arg("time"), py::arg("gyro"), py::arg("accel"), py::arg("mag_time") = none, py::arg("mag") = none,
-          py::arg("speed_time") = none, py::arg("speed") = none, py::arg("filter") = "mekf", py::arg("offline") = false,
-          py::arg("settings") = MekfSettings{});
+        .def_property_readonly(
+            "q_nb", [](const Mekf& f) { return wxyz(f.q_nb()); }, "Body to local level (4,), scalar first.")
+        .def_property_readonly(
+            "rpy", [](const Mekf& f) { return array_of(math::rpy_from_quaternion(f.q_nb())); }, "Roll, pitch, heading (3,), rad.")
+        .def_property_readonly(
+            "std_phi", [](const Mekf& f) { return array_of(f.std_phi()); },
+            "One sigma of the small rotation about north, east, down (3,), rad.")
+        .def_property_readonly(
+            "covariance", [](const Mekf& f) { return array_of(f.covariance_phi()); }, "Of that rotation (3, 3), rad^2.")
+        .def_property_readonly(
+            "gyro_bias", [](const Mekf& f) { return array_of(f.gyro_bias()); }, "(3,), rad/s.");
+    m.def("attitude", &attitude, py::arg("time"), py::arg("gyro"), py::arg("accel"), py::arg("mag_time") = none,
+          py::arg("mag") = none, py::arg("speed_time") = none, py::arg("speed") = none, py::arg("filter") = "mekf",
+          py::arg("offline") = false, py::arg("settings") = MekfSettings{});
 }
 
 }  // namespace schuler::python

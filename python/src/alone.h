@@ -15,7 +15,7 @@ inline std::mutex& one_at_a_time() {
 /// f() without the interpreter's lock, while no other thread is in here.
 template <class F>
 auto alone(F f) {
-    const pybind11::gil_scoped_release release;   // before the other: who has that one takes this one now and then
+    const pybind11::gil_scoped_release release;  // before the other: who has that one takes this one now and then
     const std::lock_guard lock(one_at_a_time());
     return f();
 }

@@ -25,7 +25,8 @@ Input::Input(const char* name, const py::object& values, py::ssize_t width) : na
     const py::ssize_t rank = held_.ndim(), of_one = width == 1 ? 0 : 1;
     one_ = rank == of_one;
     if ((!one_ && rank != of_one + 1) || (width > 1 && held_.shape(rank - 1) != width))
-        throw input_error(fmt::format("has the shape {}", shape_text(held_)), {{}, 0, 0, name}, "give an array of " + expected_shape(width));
+        throw input_error(fmt::format("has the shape {}", shape_text(held_)), {{}, 0, 0, name},
+                          "give an array of " + expected_shape(width));
     data_ = reinterpret_cast<const char*>(held_.data());
     rows_ = one_ ? 1 : held_.shape(0);
     row_stride_ = one_ ? 0 : held_.strides(0);
@@ -34,7 +35,8 @@ Input::Input(const char* name, const py::object& values, py::ssize_t width) : na
 
 void Input::expect_rows(py::ssize_t n, bool broadcast) {
     if (!given() || rows_ == n || (broadcast && one_)) return;
-    throw input_error(fmt::format("has {} rows, and there are {} times", rows_, n), {{}, 0, 0, name_}, "give one row for each time");
+    throw input_error(fmt::format("has {} rows, and there are {} times", rows_, n), {{}, 0, 0, name_},
+                      "give one row for each time");
 }
 
 Times::Times(const char* name, const py::object& values) : held_(py::array::ensure(values)) {
@@ -53,7 +55,8 @@ Times::Times(const char* name, const py::object& values) : held_(py::array::ensu
     } else {
         throw input_error("holds no numbers", place, hint);
     }
-    if (held_.ndim() > 1) throw input_error(fmt::format("has the shape {}", shape_text(held_)), place, "give an array of (n,), or one number");
+    if (held_.ndim() > 1)
+        throw input_error(fmt::format("has the shape {}", shape_text(held_)), place, "give an array of (n,), or one number");
     one_ = held_.ndim() == 0;
     data_ = static_cast<const char*>(held_.data());
     rows_ = one_ ? 1 : held_.shape(0);

@@ -7,8 +7,8 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include <Eigen/Core>
 #include <fmt/format.h>
+#include <Eigen/Core>
 
 #include <cmath>
 #include <memory>
@@ -33,7 +33,7 @@ public:
     Input(const char* name, const py::object& values, py::ssize_t width);
 
     [[nodiscard]] bool given() const { return data_ != nullptr; }
-    [[nodiscard]] bool one() const { return one_; }          ///< a single sample
+    [[nodiscard]] bool one() const { return one_; }  ///< a single sample
     [[nodiscard]] py::ssize_t rows() const { return rows_; }
     /// @throws Error(Input) where it has other rows than n; a single sample stands for all of them where `broadcast`
     void expect_rows(py::ssize_t n, bool broadcast = false);
@@ -105,7 +105,8 @@ py::array view_of(const std::vector<Row>& rows, const T* first, py::ssize_t coun
         shape.push_back(count);
         strides.push_back(static_cast<py::ssize_t>(sizeof(T)));
     }
-    py::array out = rows.empty() ? py::array(py::dtype::of<T>(), shape) : py::array(py::dtype::of<T>(), shape, strides, first, owner);
+    py::array out =
+        rows.empty() ? py::array(py::dtype::of<T>(), shape) : py::array(py::dtype::of<T>(), shape, strides, first, owner);
     out.attr("setflags")(py::arg("write") = false);
     return out;
 }

@@ -165,17 +165,27 @@ void bind_commands(py::module_& m) {
         .def_readonly("folder", &Outcome::folder)
         .def_readonly("files", &Outcome::files);
     m.def("commands", &commands, "Commands of the program with their options.");
-    m.def("setting_options", [] { return described(settings::config_table().specs(), settings::config_table().used(settings::Config{})); },
-          "Settings of dataset.toml.");
-    m.def("setting_text", [](const std::string& key, const py::object& value) { return key + "=" + settings::to_toml(value_from(value, key)); },
-          "key=value as --set takes it.");
-    m.def("check_settings", [](const py::dict& given) { (void)settings::config_from(settings_from(given)); }, "Raises for a setting that cannot be.");
-    m.def("setting_keys", [](const py::dict& given) {
-        std::vector<std::pair<std::string, py::object>> out;
-        for (const settings::Setting& s : settings_from(given)) out.emplace_back(s.key, object_of(s.value));
-        return out;
-    }, "Settings with their keys in full. Raises for an unknown key.");
-    m.def("nearest_key", &settings::nearest_key, py::arg("key"), py::arg("known"), "The known key nearest to a misspelt one, or an empty text.");
+    m.def(
+        "setting_options",
+        [] { return described(settings::config_table().specs(), settings::config_table().used(settings::Config{})); },
+        "Settings of dataset.toml.");
+    m.def(
+        "setting_text",
+        [](const std::string& key, const py::object& value) { return key + "=" + settings::to_toml(value_from(value, key)); },
+        "key=value as --set takes it.");
+    m.def(
+        "check_settings", [](const py::dict& given) { (void)settings::config_from(settings_from(given)); },
+        "Raises for a setting that cannot be.");
+    m.def(
+        "setting_keys",
+        [](const py::dict& given) {
+            std::vector<std::pair<std::string, py::object>> out;
+            for (const settings::Setting& s : settings_from(given)) out.emplace_back(s.key, object_of(s.value));
+            return out;
+        },
+        "Settings with their keys in full. Raises for an unknown key.");
+    m.def("nearest_key", &settings::nearest_key, py::arg("key"), py::arg("known"),
+          "The known key nearest to a misspelt one, or an empty text.");
     m.def("perform", &perform, py::arg("command"), py::arg("given"), py::arg("threads") = 0, py::arg("force") = false,
           py::arg("progress") = py::none(), "Performs a command.");
 }

@@ -15,14 +15,15 @@ void raise(const Error& e, const py::object& type) {
     error.attr("line") = place_or_none(e.place().line);
     error.attr("column") = place_or_none(e.place().column);
     error.attr("key") = text_or_none(e.place().key);
-    error.attr("hint") = text_or_none(e.mend());
+    error.attr("hint") = text_or_none(e.hint());
     PyErr_SetObject(type.ptr(), error.ptr());
 }
 
 }  // namespace
 
 void bind_errors(py::module_& m) {
-    static py::object& type = *new py::object(py::module_::import("schuler._error").attr("Error"));   // never destroyed: the interpreter may be gone
+    static py::object& type =
+        *new py::object(py::module_::import("schuler._error").attr("Error"));  // never destroyed: the interpreter may be gone
     m.attr("Error") = type;
     py::register_exception_translator([](std::exception_ptr thrown) {
         try {

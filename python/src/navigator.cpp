@@ -15,17 +15,22 @@ using filter::FeedStatus;
 
 /// Settings of a stream: what a batch run finds by looking at the whole log is off unless the user asks for it, which is refused then.
 settings::Config config_of_stream(const py::dict& given) {
-    const auto usual = [](const char* key, settings::Value value) { return settings::Setting{key, std::move(value), {"settings", 0, 0, key}}; };
-    settings::SettingList list{usual("imu.estimate_noise", {false}), usual("gnss.estimate_std", {false}), usual("gnss.latency_s", {0.0})};
+    const auto usual = [](const char* key, settings::Value value) {
+        return settings::Setting{key, std::move(value), {"settings", 0, 0, key}};
+    };
+    settings::SettingList list{usual("imu.estimate_noise", {false}), usual("gnss.estimate_std", {false}),
+                               usual("gnss.latency_s", {0.0})};
     for (settings::Setting& s : settings_from(given)) list.push_back(std::move(s));
     return settings::config_from(list);
 }
 
 void set_rates(filter::FeedRates& rates, const py::dict& given) {
+    // clang-format off
     const std::array<std::pair<const char*, double filter::FeedRates::*>, 8> known{{
         {"gnss", &filter::FeedRates::gnss}, {"baro", &filter::FeedRates::baro}, {"mag", &filter::FeedRates::mag},
         {"odometer", &filter::FeedRates::odometer}, {"heading", &filter::FeedRates::heading}, {"gauges", &filter::FeedRates::gauges},
         {"body_velocity", &filter::FeedRates::log}, {"ranges", &filter::FeedRates::ranges}}};
+    // clang-format on
     std::vector<std::string> names{"gauge_count", "range_sources"};
     for (const auto& k : known) names.emplace_back(k.first);
     for (const auto& [name, value] : given) {
@@ -41,13 +46,15 @@ void set_rates(filter::FeedRates& rates, const py::dict& given) {
             rates.range_sources = static_cast<std::size_t>(std::clamp(v.number(), 0.0, 1e6));
         } else {
             const std::string near = settings::nearest_key(key, names);
-            throw input_error("is no instrument", {{}, 0, 0, "rates." + key},
-                              near.empty() ? fmt::format("known are {}", fmt::join(names, ", ")) : fmt::format("did you mean {}?", near));
+            throw input_error(
+                "is no instrument", {{}, 0, 0, "rates." + key},
+                near.empty() ? fmt::format("known are {}", fmt::join(names, ", ")) : fmt::format("did you mean {}?", near));
         }
     }
 }
 
-filter::Navigator made(const py::dict& settings, double imu_interval, const py::dict& rates, double lag, double still_delay, double longest_hole) {
+filter::Navigator made(const py::dict& settings, double imu_interval, const py::dict& rates, double lag, double still_delay,
+                       double longest_hole) {
     filter::NavigatorSettings n;
     n.filter = config_of_stream(settings).filter;
     n.imu_interval = imu_interval;
@@ -62,8 +69,8 @@ filter::Navigator made(const py::dict& settings, double imu_interval, const py::
 
 }  // namespace
 
-StreamNavigator::StreamNavigator(const py::dict& settings, double imu_interval, const py::dict& rates, double lag, double still_delay,
-                                 double longest_hole)
+StreamNavigator::StreamNavigator(const py::dict& settings, double imu_interval, const py::dict& rates, double lag,
+                                 double still_delay, double longest_hole)
     : navigator_(made(settings, imu_interval, rates, lag, still_delay, longest_hole)) {}
 
 py::object statuses(std::vector<std::uint8_t> list, bool one) {
@@ -101,14 +108,18 @@ py::object StreamNavigator::feed_imu(const py::object& time, const py::object& g
     return feed_all(t.rows(), t.one(), [&](py::ssize_t i) { return ImuSample{t.at(i), w.vector(i), f.vector(i)}; });
 }
 
-py::object StreamNavigator::feed_gnss(const py::object& time, const py::object& position, const py::object& velocity, const py::object& std_position,
-                                      const py::object& std_velocity, const std::string& fix, int satellites) {
+py::object StreamNavigator::feed_gnss(const py::object& time, const py::object& position, const py::object& velocity,
+                                      const py::object& std_position, const py::object& std_velocity, const std::string& fix,
+                                      int satellites) {
     const Times t("time", time);
-    Input p("position", position, 3), v("velocity", velocity, 3), sp("std_position", std_position, 3), sv("std_velocity", std_velocity, 3);
+    Input p("position", position, 3), v("velocity", velocity, 3), sp("std_position", std_position, 3),
+        sv("std_velocity", std_velocity, 3);
     for (Input* in : {&p, &v}) in->expect_rows(t.rows());
     for (Input* in : {&sp, &sv}) in->expect_rows(t.rows(), true);
     const std::optional<FixType> type = fix == "unknown" ? FixType::Unknown : io::fix_from_word(fix);
-    if (!type) throw input_error(fmt::format("\"{}\" is no kind of fix", fix), {{}, 0, 0, "fix"}, "none, autonomous, differential, rtk_fixed, rtk_float or unknown");
+    if (!type)
+        throw input_error(fmt::format("\"{}\" is no kind of fix", fix), {{}, 0, 0, "fix"},
+                          "none, autonomous, differential, rtk_fixed, rtk_float or unknown");
     return feed_all(t.rows(), t.one(), [&](py::ssize_t i) {
         GnssFix f;
         f.time = t.at(i);
@@ -166,8 +177,8 @@ py::object StreamNavigator::feed_body_velocity(const py::object& time, const py:
     return feed_all(t.rows(), t.one(), [&](py::ssize_t i) { return BodyVelocitySample{t.at(i), v.vector(i)}; });
 }
 
-py::object StreamNavigator::feed_ranges(const py::object& time, const std::vector<std::string>& names, const std::vector<bool>& station,
-                                        const py::dict& columns) {
+py::object StreamNavigator::feed_ranges(const py::object& time, const std::vector<std::string>& names,
+                                        const std::vector<bool>& station, const py::dict& columns) {
     const Times t("time", time);
     if (!t.one()) throw input_error("is an array", {{}, 0, 0, "time"}, "give one epoch of ranges at a time");
     const auto n = static_cast<py::ssize_t>(names.size());
@@ -177,15 +188,18 @@ py::object StreamNavigator::feed_ranges(const py::object& time, const std::vecto
         in.expect_rows(n, true);
         return in;
     };
-    const Input pseudorange = column("pseudorange", 1), rate = column("range_rate", 1), std = column("std", 1), std_rate = column("std_rate", 1),
-                cn0 = column("cn0", 1), tx = column("tx", 3), tx_velocity = column("tx_velocity", 3), tx_clock = column("tx_clock", 1),
+    const Input pseudorange = column("pseudorange", 1), rate = column("range_rate", 1), std = column("std", 1),
+                std_rate = column("std_rate", 1), cn0 = column("cn0", 1), tx = column("tx", 3),
+                tx_velocity = column("tx_velocity", 3), tx_clock = column("tx_clock", 1),
                 tx_clock_rate = column("tx_clock_rate", 1), frequency = column("frequency", 1), variance = column("variance", 1);
     const auto or_zero = [](const Input& in, py::ssize_t i) { return in.given() ? in.at(i) : 0.0; };
     std::vector<RangeSample> samples;
     for (py::ssize_t i = 0; i < n; ++i) {
         const auto k = static_cast<std::size_t>(i);
         const std::optional<std::uint16_t> source = navigator_.range_source(names[k], station[k]);
-        if (!source) throw input_error(fmt::format("{} is one more than the stated number of sources", names[k]), {{}, 0, 0, "rates.range_sources"});
+        if (!source)
+            throw input_error(fmt::format("{} is one more than the stated number of sources", names[k]),
+                              {{}, 0, 0, "rates.range_sources"});
         RangeSample& s = samples.emplace_back();
         s.source = *source;
         s.pseudorange = pseudorange.at(i);
@@ -208,7 +222,7 @@ py::object StreamNavigator::feed_ranges(const py::object& time, const std::vecto
 py::dict StreamNavigator::feed(const SharedRecording& shared) {
     const Recording& r = *shared.recording;
     std::array<std::size_t, 9> next{};
-    std::vector<std::uint16_t> source;   // of the navigator, by that of the log
+    std::vector<std::uint16_t> source;  // of the navigator, by that of the log
     for (const RangeSource& s : r.ranges.sources) source.push_back(navigator_.range_source(s.name, s.station).value_or(0xffff));
     const filter::FeedCounters before = navigator_.counters();
     {

@@ -19,18 +19,20 @@ namespace schuler::python {
 class StreamNavigator {
 public:
     /// @throws Error(Input) for settings that cannot be
-    StreamNavigator(const py::dict& settings, double imu_interval, const py::dict& rates, double lag, double still_delay, double longest_hole);
+    StreamNavigator(const py::dict& settings, double imu_interval, const py::dict& rates, double lag, double still_delay,
+                    double longest_hole);
 
     py::object feed_imu(const py::object& time, const py::object& gyro, const py::object& accel);
-    py::object feed_gnss(const py::object& time, const py::object& position, const py::object& velocity, const py::object& std_position,
-                         const py::object& std_velocity, const std::string& fix, int satellites);
+    py::object feed_gnss(const py::object& time, const py::object& position, const py::object& velocity,
+                         const py::object& std_position, const py::object& std_velocity, const std::string& fix, int satellites);
     py::object feed_baro(const py::object& time, const py::object& height, const py::object& pressure);
     py::object feed_mag(const py::object& time, const py::object& field);
     py::object feed_odometer(const py::object& time, const py::object& speed, const py::object& std);
     py::object feed_heading(const py::object& time, const py::object& heading, const py::object& std);
     py::object feed_gauges(const py::object& time, const py::object& height);
     py::object feed_body_velocity(const py::object& time, const py::object& velocity);
-    py::object feed_ranges(const py::object& time, const std::vector<std::string>& names, const std::vector<bool>& station, const py::dict& columns);
+    py::object feed_ranges(const py::object& time, const std::vector<std::string>& names, const std::vector<bool>& station,
+                           const py::dict& columns);
     /// All instruments of a recording in the order of their times.
     py::dict feed(const SharedRecording& shared);
 

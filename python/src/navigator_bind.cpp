@@ -30,7 +30,8 @@ py::dict columns(const std::vector<SolutionRow>& rows) {
     for (const SolutionRow& r : rows) times.push_back(r.time.ns);
     py::dict out;
     out["time_ns"] = array_of(std::move(times));
-    out["position"] = gathered(rows, [](const SolutionRow& r) { return Eigen::Vector3d(r.position.lat, r.position.lon, r.position.h); });
+    out["position"] =
+        gathered(rows, [](const SolutionRow& r) { return Eigen::Vector3d(r.position.lat, r.position.lon, r.position.h); });
     out["velocity"] = gathered(rows, [](const SolutionRow& r) { return r.v_eb_n; });
     out["rpy"] = gathered(rows, [](const SolutionRow& r) { return r.rpy; });
     out["std_position"] = gathered(rows, [](const SolutionRow& r) { return r.std_position; });
@@ -82,42 +83,69 @@ py::bytes saved(StreamNavigator& n) {
 void restore(StreamNavigator& n, const py::bytes& saved) {
     const std::string_view view(saved);
     const auto status = n.navigator().restore(std::as_bytes(std::span(view.data(), view.size())));
-    constexpr std::array reasons{"", "is too short", "is nothing that a navigator has saved", "was saved by another version", "is damaged",
+    constexpr std::array reasons{"",
+                                 "is too short",
+                                 "is nothing that a navigator has saved",
+                                 "was saved by another version",
+                                 "is damaged",
                                  "was saved by a navigator of other settings"};
-    if (status != filter::RestoreStatus::Restored) throw input_error(reasons.at(static_cast<std::size_t>(status)), {{}, 0, 0, "saved"});
+    if (status != filter::RestoreStatus::Restored)
+        throw input_error(reasons.at(static_cast<std::size_t>(status)), {{}, 0, 0, "saved"});
     n.forget();
 }
 
 void bind_words(py::module_& m) {
     using namespace filter;
     py::enum_<FeedStatus>(m, "FeedStatus", "What became of a sample. In blocks: their numbers, uint8.")
-        .value("TAKEN", FeedStatus::Taken).value("LATE", FeedStatus::Late).value("DUPLICATE", FeedStatus::Duplicate)
-        .value("BAD_VALUE", FeedStatus::BadValue).value("TOO_FAR_AHEAD", FeedStatus::TooFarAhead).value("FULL", FeedStatus::Full)
+        .value("TAKEN", FeedStatus::Taken)
+        .value("LATE", FeedStatus::Late)
+        .value("DUPLICATE", FeedStatus::Duplicate)
+        .value("BAD_VALUE", FeedStatus::BadValue)
+        .value("TOO_FAR_AHEAD", FeedStatus::TooFarAhead)
+        .value("FULL", FeedStatus::Full)
         .value("NOT_USED", FeedStatus::NotUsed);
     py::enum_<Phase>(m, "Phase", "What a navigator is doing.")
-        .value("WAITING_FOR_IMU", Phase::WaitingForImu).value("WAITING_FOR_START", Phase::WaitingForStart)
-        .value("WAITING_FOR_POSITION", Phase::WaitingForPosition).value("LEVELLING", Phase::Levelling)
-        .value("GYROCOMPASSING", Phase::Gyrocompassing).value("FINDING_HEADING", Phase::FindingHeading).value("NAVIGATING", Phase::Navigating);
+        .value("WAITING_FOR_IMU", Phase::WaitingForImu)
+        .value("WAITING_FOR_START", Phase::WaitingForStart)
+        .value("WAITING_FOR_POSITION", Phase::WaitingForPosition)
+        .value("LEVELLING", Phase::Levelling)
+        .value("GYROCOMPASSING", Phase::Gyrocompassing)
+        .value("FINDING_HEADING", Phase::FindingHeading)
+        .value("NAVIGATING", Phase::Navigating);
     py::enum_<Source>(m, "Source", "The instruments of a navigator.")
-        .value("IMU", Source::Imu).value("GNSS", Source::Gnss).value("BARO", Source::Baro).value("MAG", Source::Mag)
-        .value("ODOMETER", Source::Odometer).value("HEADING", Source::Heading).value("GAUGES", Source::Gauges)
-        .value("BODY_VELOCITY", Source::Log).value("RANGES", Source::Ranges);
+        .value("IMU", Source::Imu)
+        .value("GNSS", Source::Gnss)
+        .value("BARO", Source::Baro)
+        .value("MAG", Source::Mag)
+        .value("ODOMETER", Source::Odometer)
+        .value("HEADING", Source::Heading)
+        .value("GAUGES", Source::Gauges)
+        .value("BODY_VELOCITY", Source::Log)
+        .value("RANGES", Source::Ranges);
     using Kind = NavigatorEvent::Kind;
     py::enum_<Kind>(m, "EventKind", "What has happened in a navigator.")
-        .value("PHASE", Kind::Phase).value("REFUSED", Kind::Refused).value("HOLE", Kind::Hole).value("HANG", Kind::Hang)
-        .value("AID", Kind::Aid).value("ALERT", Kind::Alert).value("RECONSIDERED", Kind::Reconsidered).value("DIVERGED", Kind::Diverged)
+        .value("PHASE", Kind::Phase)
+        .value("REFUSED", Kind::Refused)
+        .value("HOLE", Kind::Hole)
+        .value("HANG", Kind::Hang)
+        .value("AID", Kind::Aid)
+        .value("ALERT", Kind::Alert)
+        .value("RECONSIDERED", Kind::Reconsidered)
+        .value("DIVERGED", Kind::Diverged)
         .value("RESTARTED", Kind::Restarted);
     py::class_<NavigatorState>(m, "NavigatorState", "Where the body is, with the covariance of its errors. SI units, rad.")
         .def_property_readonly("time", [](const NavigatorState& s) { return s.nav.time.seconds(); })
         .def_property_readonly("time_ns", [](const NavigatorState& s) { return s.nav.time.ns; })
-        .def_property_readonly("position", [](const NavigatorState& s) {
-            return array_of(Eigen::Vector3d(s.nav.position.lat, s.nav.position.lon, s.nav.position.h));
-        })
+        .def_property_readonly("position",
+                               [](const NavigatorState& s) {
+                                   return array_of(Eigen::Vector3d(s.nav.position.lat, s.nav.position.lon, s.nav.position.h));
+                               })
         .def_property_readonly("velocity", [](const NavigatorState& s) { return array_of(s.nav.v_eb_n); })
-        .def_property_readonly("q_nb", [](const NavigatorState& s) {
-            const Eigen::Quaterniond& q = s.nav.q_nb;
-            return array_of(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()));
-        })
+        .def_property_readonly("q_nb",
+                               [](const NavigatorState& s) {
+                                   const Eigen::Quaterniond& q = s.nav.q_nb;
+                                   return array_of(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()));
+                               })
         .def_property_readonly("rpy", [](const NavigatorState& s) { return array_of(math::rpy_from_quaternion(s.nav.q_nb)); })
         .def_property_readonly("covariance", [](const NavigatorState& s) { return array_of(s.covariance); });
 }
@@ -129,12 +157,13 @@ void bind_navigator(py::module_& m) {
     using N = StreamNavigator;
     const py::none none;
     py::class_<N>(m, "Navigator", "The navigation filter fed sample by sample or in blocks.")
-        .def(py::init<const py::dict&, double, const py::dict&, double, double, double>(), py::arg("settings") = py::dict(), py::kw_only(),
-             py::arg("imu_interval") = 0.01, py::arg("rates") = py::dict(), py::arg("lag") = 0.5, py::arg("still_delay") = 0.0,
-             py::arg("longest_hole") = 10.0)
+        .def(py::init<const py::dict&, double, const py::dict&, double, double, double>(), py::arg("settings") = py::dict(),
+             py::kw_only(), py::arg("imu_interval") = 0.01, py::arg("rates") = py::dict(), py::arg("lag") = 0.5,
+             py::arg("still_delay") = 0.0, py::arg("longest_hole") = 10.0)
         .def("feed_imu", &N::feed_imu, py::arg("time"), py::arg("gyro"), py::arg("accel"))
-        .def("feed_gnss", &N::feed_gnss, py::arg("time"), py::arg("position"), py::arg("velocity") = none, py::arg("std_position") = none,
-             py::arg("std_velocity") = none, py::arg("fix") = "unknown", py::arg("satellites") = -1)
+        .def("feed_gnss", &N::feed_gnss, py::arg("time"), py::arg("position"), py::arg("velocity") = none,
+             py::arg("std_position") = none, py::arg("std_velocity") = none, py::arg("fix") = "unknown",
+             py::arg("satellites") = -1)
         .def("feed_baro", &N::feed_baro, py::arg("time"), py::arg("height") = none, py::arg("pressure") = none)
         .def("feed_mag", &N::feed_mag, py::arg("time"), py::arg("field"))
         .def("feed_odometer", &N::feed_odometer, py::arg("time"), py::arg("speed"), py::arg("std") = none)

@@ -15,9 +15,9 @@ struct SharedRecording {
     std::string name;
     std::shared_ptr<const Recording> recording;
     ImuKind imu_kind = ImuKind::Rates;
-    double origin = 0.0;                         ///< s, zero of the command line's times
-    std::string config_toml;                     ///< settings of the data set as loading has settled them
-    std::string inferred_toml;                   ///< the dataset.toml that was inferred; empty where there is one
+    double origin = 0.0;        ///< s, zero of the command line's times
+    std::string config_toml;    ///< settings of the data set as loading has settled them
+    std::string inferred_toml;  ///< the dataset.toml that was inferred; empty where there is one
     std::vector<std::string> warnings;
 };
 

@@ -30,13 +30,14 @@ Value value_from(const py::handle& object, const std::string& key) {
         }
         return {std::move(table)};
     }
-    if (py::hasattr(object, "tolist")) return value_from(py::object(object.attr("tolist")()), key);   // of NumPy
+    if (py::hasattr(object, "tolist")) return value_from(py::object(object.attr("tolist")()), key);  // of NumPy
     if (py::isinstance<py::list>(object) || py::isinstance<py::tuple>(object)) {
         ValueList list;
         for (const py::handle item : object) list.push_back(value_from(item, key));
         return {std::move(list)};
     }
-    throw input_error(fmt::format("is a {}, which no setting can be", py::str(py::type::handle_of(object).attr("__name__")).cast<std::string>()),
+    throw input_error(fmt::format("is a {}, which no setting can be",
+                                  py::str(py::type::handle_of(object).attr("__name__")).cast<std::string>()),
                       {{}, 0, 0, key}, "give a number, text, true or false, a list or a dict of them");
 }
 

@@ -53,8 +53,10 @@ Log rested(int attitudes, const Matrix3d& distortion, const Vector3d& bias) {
     for (int a = 0; a < attitudes; ++a) {
         const Vector3d down = noise.normal3().normalized();
         for (int i = 0; i < 400; ++i, t += 0.01)
-            l.imu.push_back({Time::from_seconds(t), 1e-4 * noise.normal3(), distortion * (-9.81 * down) + bias + 0.02 * noise.normal3()});
-        for (int i = 0; i < 100; ++i, t += 0.01) l.imu.push_back({Time::from_seconds(t), noise.normal3(), 9.81 * noise.normal3()});
+            l.imu.push_back(
+                {Time::from_seconds(t), 1e-4 * noise.normal3(), distortion * (-9.81 * down) + bias + 0.02 * noise.normal3()});
+        for (int i = 0; i < 100; ++i, t += 0.01)
+            l.imu.push_back({Time::from_seconds(t), noise.normal3(), 9.81 * noise.normal3()});
     }
     return l;
 }
@@ -96,7 +98,8 @@ TEST(AhrsCalibration, EllipsoidIsUndoneAndItsCovarianceIsTrue) {
     constexpr int runs = 30;
     for (int run = 0; run < runs; ++run) {
         std::vector<Vector3d> readings;
-        for (int i = 0; i < 500; ++i) readings.push_back(distortion * (48e-6 * random.normal3().normalized()) + iron + 1e-7 * random.normal3());
+        for (int i = 0; i < 500; ++i)
+            readings.push_back(distortion * (48e-6 * random.normal3().normalized()) + iron + 1e-7 * random.normal3());
         readings[5] = Vector3d(9e-5, 9e-5, 9e-5);
         const auto fit = fit_ellipsoid(readings, 48e-6, prior);
         ASSERT_TRUE(fit.has_value());

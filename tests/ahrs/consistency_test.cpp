@@ -110,7 +110,7 @@ TEST(AhrsConsistency, MekfWithBiasSwayAndHardIronSlow) {
         s.heading.walk = 0.0;
         s.heading.hard_iron_walk = 1e-11;
         s.heading.field_walk = 1e-11;
-        s.heading.place_std = 1e-9;              // the simulated field is the same everywhere
+        s.heading.place_std = 1e-9;  // the simulated field is the same everywhere
         s.heading.field_noise = 1e-6;
         m.field_std = s.heading.field_noise;
         s.heading.field_time = 0.5 * m.dt;

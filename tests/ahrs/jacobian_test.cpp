@@ -101,10 +101,12 @@ Block some_block() {
 FieldMeans measured_with(const HeadingEstimate& truth) {
     FieldMeans means;
     const Eigen::Matrix3d C_nw = math::dcm_from_rpy({0.0, 0.0, truth.heading()});
-    const Vector3d field_n = C_nw * Vector3d(truth.level_field.x() + truth.place.x(), truth.level_field.y() + truth.place.y(), truth.vertical);
+    const Vector3d field_n =
+        C_nw * Vector3d(truth.level_field.x() + truth.place.x(), truth.level_field.y() + truth.place.y(), truth.vertical);
     constexpr int samples = 5;
     for (int i = 0; i < samples; ++i) {
-        const Eigen::Matrix3d C_wb = math::quaternion_from_rpy({0.3 + 0.02 * i, -0.5 - 0.03 * i, 1.0 + 0.05 * i}).toRotationMatrix();
+        const Eigen::Matrix3d C_wb =
+            math::quaternion_from_rpy({0.3 + 0.02 * i, -0.5 - 0.03 * i, 1.0 + 0.05 * i}).toRotationMatrix();
         const Vector3d rate(0.8, -1.1 + 0.1 * i, 0.5), field_b = (C_nw * C_wb).transpose() * field_n;
         const Vector3d older = field_b + truth.delay * rate.cross(field_b);  // a field fixed in space turns by -rate x field in b
         means.add(C_wb, rate, older + truth.soft_iron * older + truth.hard_iron);
@@ -116,8 +118,10 @@ FieldMeans measured_with(const HeadingEstimate& truth) {
 /// Steps of the errors' own size.
 Eigen::VectorXd heading_steps() {
     Eigen::VectorXd sizes(heading_states);
+    // clang-format off
     sizes << 1e-6, 1e-6, 1e-6, 1e-6, Eigen::VectorXd::Constant(3, 1e-3), Eigen::VectorXd::Constant(9, 1e-3), Eigen::VectorXd::Constant(3, 1e-6),
         Eigen::VectorXd::Constant(9, 1e-3), 1e-6, 1e-3;
+    // clang-format on
     return sizes;
 }
 

@@ -71,7 +71,7 @@ TEST(AhrsSamples, BadOnesAreBridgedAndCounted) {
 TEST(AhrsSamples, AGapIsDoubtedNotIntegrated) {
     Motion m;
     Log l = log_of(m, 4);
-    l.imu.erase(l.imu.begin() + 6000, l.imu.begin() + 6300);   // 3 s, in which the sensor turned
+    l.imu.erase(l.imu.begin() + 6000, l.imu.begin() + 6300);  // 3 s, in which the sensor turned
     const RunResult r = run(l.imu, l.mag, {}, {});
     EXPECT_EQ(r.counters.gaps, 1u);
     const auto at = [&](double t) {
@@ -120,14 +120,18 @@ TEST(AhrsOffline, TheFieldDoesNotTiltItEither) {
 }
 
 TEST(AhrsSamples, AfterAGapInWhichItWasTurnedOverTheHorizonIsFoundAgain) {
-    const auto attitude = [](double t) { return math::quaternion_from_rpy({t < 60.0 ? 0.2 * std::sin(t) : 2.3 + 0.2 * std::sin(t), 0.3 * std::sin(0.7 * t), 0.5 * t}); };
+    const auto attitude = [](double t) {
+        return math::quaternion_from_rpy(
+            {t < 60.0 ? 0.2 * std::sin(t) : 2.3 + 0.2 * std::sin(t), 0.3 * std::sin(0.7 * t), 0.5 * t});
+    };
     math::Random noise(19, "gap");
     Log l;
     for (double t = 0.01; t < 120.0; t += 0.01) {
         if (t > 58.5 && t < 61.5) continue;
         const Eigen::Quaterniond q = attitude(t);
         const Vector3d rate = math::rotation_vector_from_quaternion(attitude(t - 0.01).conjugate() * q) / 0.01;
-        l.imu.push_back({Time::from_seconds(t), rate + 1e-3 * noise.normal3(), q.conjugate() * Vector3d(0.0, 0.0, -9.81) + 0.05 * noise.normal3()});
+        l.imu.push_back({Time::from_seconds(t), rate + 1e-3 * noise.normal3(),
+                         q.conjugate() * Vector3d(0.0, 0.0, -9.81) + 0.05 * noise.normal3()});
         l.mag.push_back({Time::from_seconds(t), q.conjugate() * Vector3d(19e-6, 0.0, 46e-6) + 3e-7 * noise.normal3()});
         l.truth.push_back({t, {}, {}, {}, q});
     }
@@ -213,7 +217,8 @@ TEST(AhrsHeading, TheGyrosScaleIsLearntAndHoldsTheHeadingThroughADisturbance) {
         const Eigen::Quaterniond q = attitude(t);
         const Vector3d rate = math::rotation_vector_from_quaternion(attitude(t - dt).conjugate() * q) / dt;
         const bool magnet = t > 90.0 && t < 150.0;
-        const Vector3d field = q.conjugate() * Vector3d(19e-6, 0.0, 46e-6) + (magnet ? Vector3d(90e-6, -70e-6, 60e-6) : Vector3d::Zero());
+        const Vector3d field =
+            q.conjugate() * Vector3d(19e-6, 0.0, 46e-6) + (magnet ? Vector3d(90e-6, -70e-6, 60e-6) : Vector3d::Zero());
         l.imu.push_back({Time::from_seconds(t), rate + wrong * rate + 1e-3 * noise.normal3(),
                          q.conjugate() * Vector3d(0.0, 0.0, -9.81) + 0.05 * noise.normal3()});
         l.mag.push_back({Time::from_seconds(t), field + 3e-7 * noise.normal3()});
@@ -223,7 +228,7 @@ TEST(AhrsHeading, TheGyrosScaleIsLearntAndHoldsTheHeadingThroughADisturbance) {
         RunSettings s;
         s.offline = offline;
         s.mekf.heading.gyro_matrix_std = gyro_matrix_std;
-        s.mekf.heading.field_noise = 1e-6;       // the simulated field has no places
+        s.mekf.heading.field_noise = 1e-6;  // the simulated field has no places
         s.mekf.heading.field_time = 0.1;
         return errors_of(run(l.imu, l.mag, {}, s), l, 30.0).second;
     };
@@ -244,7 +249,8 @@ TEST(AhrsOffline, SamplesWeighByWhatTheSmoothedStatesLeaveOfThem) {
     s.offline = true;
     const RunResult a = run(clean.imu, clean.mag, {}, s), b = run(magnet.imu, magnet.mag, {}, s);
     double largest = 0.0;
-    for (std::size_t i = 0; i < a.rows.size(); ++i) largest = std::max(largest, a.rows[i].q_nb.angularDistance(b.rows[i].q_nb) / units::deg);
+    for (std::size_t i = 0; i < a.rows.size(); ++i)
+        largest = std::max(largest, a.rows[i].q_nb.angularDistance(b.rows[i].q_nb) / units::deg);
     EXPECT_LT(largest, 1.0);
 }
 
@@ -261,7 +267,8 @@ TEST(AhrsRun, ThePrintedQuaternionFilterIsAFilterOfItsOwn) {
         const RunResult a = run(clean.imu, clean.mag, {}, s), b = run(disturbed.imu, disturbed.mag, {}, s);
         double largest = 0.0;
         for (std::size_t i = 0; i < a.rows.size(); ++i) {
-            const Vector3d up_a = a.rows[i].q_nb.conjugate() * Vector3d::UnitZ(), up_b = b.rows[i].q_nb.conjugate() * Vector3d::UnitZ();
+            const Vector3d up_a = a.rows[i].q_nb.conjugate() * Vector3d::UnitZ(),
+                           up_b = b.rows[i].q_nb.conjugate() * Vector3d::UnitZ();
             largest = std::max(largest, (up_a - up_b).norm() / units::deg);
         }
         return largest;

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using namespace testing;
 
 struct Change {
-    double tilt = 0.0, heading = 0.0;            ///< largest difference between the two runs, deg
+    double tilt = 0.0, heading = 0.0;  ///< largest difference between the two runs, deg
 };
 
 template <class Filter>

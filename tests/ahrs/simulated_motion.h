@@ -18,17 +18,17 @@ namespace schuler::ahrs::testing {
 struct Motion {
     double dt = 0.01, duration = 120.0;
     bool moving = true;
-    double rest = 5.0;                           ///< s, at the start
-    double gyro_std = 0.1 * units::deg_per_s;    ///< rad/s a sample
+    double rest = 5.0;                         ///< s, at the start
+    double gyro_std = 0.1 * units::deg_per_s;  ///< rad/s a sample
     Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
-    double accel_std = 0.05;                     ///< m/s^2 a sample
-    double sway_std = 0.0, sway_time = 0.3;      ///< m/s and s, first-order Markov velocity, horizontal and vertical
-    double field_std = 200e-9;                   ///< T a sample
+    double accel_std = 0.05;                 ///< m/s^2 a sample
+    double sway_std = 0.0, sway_time = 0.3;  ///< m/s and s, first-order Markov velocity, horizontal and vertical
+    double field_std = 200e-9;               ///< T a sample
     Eigen::Vector3d hard_iron = Eigen::Vector3d::Zero();
-    double horizontal = 18964e-9, vertical = 46962e-9;         ///< T
+    double horizontal = 18964e-9, vertical = 46962e-9;  ///< T
     double gravity = 9.81;
-    double disturbed_from = 1e9, disturbed_to = 1e9;           ///< s
-    double turn = 20.0 * units::deg, lift = -10000e-9;         ///< of the field then: horizontally, and added downwards
+    double disturbed_from = 1e9, disturbed_to = 1e9;    ///< s
+    double turn = 20.0 * units::deg, lift = -10000e-9;  ///< of the field then: horizontally, and added downwards
 };
 
 struct Instant {

@@ -51,7 +51,7 @@ TEST(Allan, CoefficientsOfKnownNoise) {
     double slow = 0.0, before = 0.0;
     for (int i = 0; i < 1'000'000; ++i) {
         slow += walk * std::sqrt(dt) * random.normal();
-        const double angle = quantization * random.normal();   // error of the counted angle; the rate carries its difference
+        const double angle = quantization * random.normal();  // error of the counted angle; the rate carries its difference
         allan.add(slow + white / std::sqrt(dt) * random.normal() + (angle - before) / dt);
         before = angle;
     }

@@ -66,9 +66,11 @@ TEST(Nees, CorrelatedSamplesWidenTheBounds) {
 
 TEST(Consistency, BlocksAreTheirOwnErrorsOverTheirOwnSigmas) {
     std::vector<ErrorRow> rows;
+    // clang-format off
     for (int k = 0; k < 10; ++k) {
         rows.push_back({Time::from_seconds(k), {2.0, 0.0, 0.0}, {0.0, 0.3, 0.4}, {0.0, 0.0, 0.03}, {1.0, 9.0, 9.0},
                         {9.0, 0.1, 0.2}, {9.0, 9.0, 0.01}});
+        // clang-format on
     }
     rows[0].position.x() = 1000.0;
     const ConsistencySummary c = consistency(rows, Time::from_seconds(1.0));

@@ -12,13 +12,13 @@ namespace {
 
 TEST(Ensemble, QuantilesOfKnownValues) {
     std::vector<double> values;
-    for (int i = 0; i <= 100; ++i) values.push_back(static_cast<double>((37 * i) % 101));   // 0 to 100 in disorder
+    for (int i = 0; i <= 100; ++i) values.push_back(static_cast<double>((37 * i) % 101));  // 0 to 100 in disorder
     values.push_back(std::numeric_limits<double>::quiet_NaN());
     const Quantiles q = quantiles_of(values);
     EXPECT_DOUBLE_EQ(q.q05, 5.0);
     EXPECT_DOUBLE_EQ(q.median, 50.0);
     EXPECT_DOUBLE_EQ(q.q95, 95.0);
-    EXPECT_NEAR(q.rms, std::sqrt(100.0 * 201.0 / 6.0), 1e-12);   // sum of squares n (n + 1) (2 n + 1) / 6 over 101
+    EXPECT_NEAR(q.rms, std::sqrt(100.0 * 201.0 / 6.0), 1e-12);  // sum of squares n (n + 1) (2 n + 1) / 6 over 101
     EXPECT_TRUE(std::isnan(quantiles_of({}).median));
 }
 
@@ -49,7 +49,7 @@ TEST(Ensemble, BoundsHoldTheTruthAndNothingElse) {
         const EnsembleConsistency wrong = ensemble_consistency(squared_errors(1.2, 0.95, seed), 3.0);
         EXPECT_TRUE(wrong.mean > wrong.high95) << seed;
     }
-    EXPECT_GE(inside, 34);   // of 40, at 95 %: fewer once in 500
+    EXPECT_GE(inside, 34);  // of 40, at 95 %: fewer once in 500
 }
 
 TEST(Ensemble, ConstantErrorsOfARunCountOnce) {

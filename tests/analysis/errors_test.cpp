@@ -54,11 +54,12 @@ TEST(ErrorBetween, IsEstimateMinusReferenceInEastNorthUp) {
 /// Near the vertical, where roll and heading differ by anything for a small turn, errors stay as small as the turn.
 TEST(ErrorBetween, OfASteepAttitudeIsThatOfTheRotation) {
     const Vector3d rpy(0.3, 89.99 * deg, 1.0), other(0.3 + 0.8, 89.98 * deg, 1.0 + 0.8);
-    const ErrorRow e = error_between(wgs, row(0.0, home, Vector3d::Zero(), other), truth(0.0, home, Vector3d::Zero(), rpy), Vector3d::Zero());
+    const ErrorRow e =
+        error_between(wgs, row(0.0, home, Vector3d::Zero(), other), truth(0.0, home, Vector3d::Zero(), rpy), Vector3d::Zero());
     EXPECT_LT(e.rpy.norm(), 0.002);
     EXPECT_GT(e.rpy.norm(), 1e-5);
-    const ErrorRow turned = error_between(wgs, row(0.0, home, Vector3d::Zero(), rpy + Vector3d(0.01, 0, 0)), truth(0.0, home, Vector3d::Zero(), rpy),
-                                          Vector3d::Zero());
+    const ErrorRow turned = error_between(wgs, row(0.0, home, Vector3d::Zero(), rpy + Vector3d(0.01, 0, 0)),
+                                          truth(0.0, home, Vector3d::Zero(), rpy), Vector3d::Zero());
     EXPECT_NEAR(turned.rpy.x(), 0.01, 1e-6);
 }
 

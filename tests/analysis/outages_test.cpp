@@ -22,9 +22,13 @@ std::vector<SolutionRow> drifting(bool twice) {
         const bool mended = t > 19.95;
         const bool right = t > 20.05 || (mended && !twice);
         const Vector3d off = right ? Vector3d(0, 0.01, 0) : Vector3d(0, 0.5 * since * since, 2.0 * since);
-        SolutionRow row{at(t), earth::moved_by_ned(wgs, home, Vector3d(30.0 * t, 0, 0) + off),
-                        {30.0, t > 20.05 ? 0.0 : since, 0}, Vector3d::Zero(), {5.0, 1.0 + since * since / 6.0, 1.0},
-                        Vector3d::Ones(), Vector3d::Ones()};
+        SolutionRow row{at(t),
+                        earth::moved_by_ned(wgs, home, Vector3d(30.0 * t, 0, 0) + off),
+                        {30.0, t > 20.05 ? 0.0 : since, 0},
+                        Vector3d::Zero(),
+                        {5.0, 1.0 + since * since / 6.0, 1.0},
+                        Vector3d::Ones(),
+                        Vector3d::Ones()};
         rows.push_back(row);
         if (twice && k == 200) {
             row.position = earth::moved_by_ned(wgs, home, {600.0, 0.01, 0});

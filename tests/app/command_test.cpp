@@ -35,11 +35,13 @@ TEST(Commands, EveryOptionHasAMeaningAndAFormOfItsOwn) {
         for (const OptionSpec& s : c.options) {
             EXPECT_TRUE(keys.insert(s.key).second) << c.name << " has --" << s.key << " twice";
             EXPECT_FALSE(s.help.empty()) << c.name << " --" << s.key;
-            EXPECT_TRUE(s.line.letter == 0 || letters.insert(s.line.letter).second) << c.name << " has -" << s.line.letter << " twice";
+            EXPECT_TRUE(s.line.letter == 0 || letters.insert(s.line.letter).second)
+                << c.name << " has -" << s.line.letter << " twice";
             const bool number = s.shape == settings::Shape::Number || s.shape == settings::Shape::Integer;
-            EXPECT_TRUE(!number || (std::isfinite(s.low) && std::isfinite(s.high))) << c.name << " --" << s.key << " has no range";
+            EXPECT_TRUE(!number || (std::isfinite(s.low) && std::isfinite(s.high)))
+                << c.name << " --" << s.key << " has no range";
         }
-        for (const Setting& usual : c.defaults)   // what help calls the default is accepted
+        for (const Setting& usual : c.defaults)  // what help calls the default is accepted
             EXPECT_NO_THROW(settings::check_value(option(c, usual.key), usual.value, {})) << c.name << " --" << usual.key;
     }
     EXPECT_EQ(command_named("no command"), nullptr);
@@ -70,7 +72,8 @@ TEST(Commands, ValuesBecomeTheWordsThatTheyCameFrom) {
             std::vector<std::string> words = settings::words_from_value(s, *usual);
             ASSERT_EQ(words.front(), "--" + s.key);
             words.erase(words.begin());
-            EXPECT_EQ(settings::to_toml(settings::value_from_words(s, words)), settings::to_toml(*usual)) << c.name << " --" << s.key;
+            EXPECT_EQ(settings::to_toml(settings::value_from_words(s, words)), settings::to_toml(*usual))
+                << c.name << " --" << s.key;
         }
     }
 }

@@ -13,7 +13,7 @@ TEST(Error, OneLineWithPlaceAndRemedy) {
     EXPECT_EQ(e.kind(), ErrorKind::Input);
     EXPECT_STREQ(e.what(), "imu.csv:7: gyro_x: not a number: \"x\"; remove the row");
     EXPECT_EQ(e.reason(), "not a number: \"x\"");
-    EXPECT_EQ(e.mend(), "remove the row");
+    EXPECT_EQ(e.hint(), "remove the row");
     EXPECT_EQ(e.place().line, 7);
 }
 

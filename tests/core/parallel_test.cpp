@@ -15,7 +15,8 @@ TEST(CampaignThreads, EveryPieceOnceAndProgressGrows) {
     for (const int jobs : {0, 1, 3, 64}) {
         std::vector<int> times(50, 0);
         std::vector<double> shares;
-        for_each_run(times.size(), jobs, [&](std::size_t k) { ++times[k]; }, [&](double share) { shares.push_back(share); });
+        for_each_run(
+            times.size(), jobs, [&](std::size_t k) { ++times[k]; }, [&](double share) { shares.push_back(share); });
         EXPECT_EQ(times, std::vector<int>(50, 1)) << jobs;
         ASSERT_EQ(shares.size(), 50u);
         EXPECT_TRUE(std::ranges::is_sorted(shares));

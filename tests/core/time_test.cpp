@@ -50,9 +50,11 @@ TEST(Time, WeeksAndTheirRollovers) {
 }
 
 // Every leap second since 1980 (IERS Bulletin C): 23:59:60 lies between 23:59:59 and 00:00:00, two seconds apart.
+// clang-format off
 TEST(Time, LeapSeconds) {
     const int dates[][2] = {{1981, 7}, {1982, 7}, {1983, 7}, {1985, 7}, {1988, 1}, {1990, 1}, {1991, 1}, {1992, 7}, {1993, 7},
                             {1994, 7}, {1996, 1}, {1997, 7}, {1999, 1}, {2006, 1}, {2009, 1}, {2012, 7}, {2015, 7}, {2017, 1}};
+    // clang-format on
     int offset = 0;
     for (const auto& [year, month] : dates) {
         const Time after = gps_from_utc({year, month, 1, 0, 0, 0.0});

@@ -28,8 +28,8 @@ TEST(ClockSteps, GoWithTheLogsThatShareTheClock) {
         Recording r;
         put(r.imu, 50.0, 40.0, step);
         put(r.gnss, 5.0, 200.0, 0.0);
-        put(r.baro, 20.0, 40.0, step);   // of the same logger
-        put(r.mag, 20.0, 200.0, 0.0);    // of another one
+        put(r.baro, 20.0, 40.0, step);  // of the same logger
+        put(r.mag, 20.0, 200.0, 0.0);   // of another one
         const Recording before = r;
         put_clock_steps_back(r, {{.imu = true, .after = 39.98, .hole = step + 0.02, .seconds = step, .evidence = {}}});
         EXPECT_NEAR(last(r.imu), 99.98, 1e-6);

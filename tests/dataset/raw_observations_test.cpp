@@ -25,7 +25,8 @@ protected:
                   (std::string("schuler_raw_") + testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::remove_all(folder_);
         fs::create_directories(folder_);
-        std::ofstream(folder_ / "day.nav") << header_line("     3.04           N: GNSS NAV DATA    G: GPS", "RINEX VERSION / TYPE");
+        std::ofstream(folder_ / "day.nav") << header_line("     3.04           N: GNSS NAV DATA    G: GPS",
+                                                          "RINEX VERSION / TYPE");
     }
     void TearDown() override { fs::remove_all(folder_); }
 

@@ -1,6 +1,6 @@
 // Standard atmosphere against the values of ICAO Doc 7488 and the hydrostatic equation.
-#include "schuler/core/error.h"
 #include "schuler/earth/atmosphere.h"
+#include "schuler/core/error.h"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ TEST(Atmosphere, TabulatedValues) {
         double height, temperature, pressure, relative;
     };
     for (const Row& row : {Row{0, 288.15, 101325.0, 1e-12}, Row{5000, 255.65, 54019.9, 1e-6}, Row{11000, 216.65, 22632.1, 3e-6},
-                           Row{20000, 216.65, 5474.88, 2e-6}, Row{32000, 228.65, 868.019, 5e-6}, Row{47000, 270.65, 110.906, 5e-6},
-                           Row{-1000, 294.65, 113929.0, 5e-6}}) {
+                           Row{20000, 216.65, 5474.88, 2e-6}, Row{32000, 228.65, 868.019, 5e-6},
+                           Row{47000, 270.65, 110.906, 5e-6}, Row{-1000, 294.65, 113929.0, 5e-6}}) {
         const StandardAir air = standard_air(row.height);
         EXPECT_NEAR(air.temperature, row.temperature, 1e-9);
         EXPECT_NEAR(air.pressure / row.pressure, 1.0, row.relative) << row.height;
@@ -45,7 +45,8 @@ TEST(Atmosphere, HeightOfPressureIsTheInverse) {
     // With another sea level pressure, sea level itself reads zero.
     EXPECT_NEAR(geopotential_height_from_pressure(99000.0, 99000.0), 0.0, 1e-9);
     EXPECT_GT(geopotential_height_from_pressure(99000.0), 190.0);
-    for (const double h : {-500.0, 0.0, 1234.5, 20000.0}) EXPECT_NEAR(geopotential_from_geometric(geometric_from_geopotential(h)), h, 1e-10);
+    for (const double h : {-500.0, 0.0, 1234.5, 20000.0})
+        EXPECT_NEAR(geopotential_from_geometric(geometric_from_geopotential(h)), h, 1e-10);
     EXPECT_NEAR(geometric_from_geopotential(11000.0), 11019.07, 0.01);
 }
 
@@ -55,7 +56,7 @@ TEST(Atmosphere, PressureOfTheDayIsHydrostaticAndStandardWhereTheDayIs) {
     // dp/dH = -g0 p / (R (T + dT)), integrated from sea level by Simpson's rule in ln p.
     for (const double offset : {-30.0, 20.0}) {
         for (const double top : {8000.0, 11000.0, 18000.0}) {
-            const int n = 1800;   // the tropopause is a point of the grid
+            const int n = 1800;  // the tropopause is a point of the grid
             double sum = 0.0;
             for (int i = 0; i <= n; ++i)
                 sum += (i == 0 || i == n ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) / (standard_air(top * i / n).temperature + offset);

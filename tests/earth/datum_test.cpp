@@ -1,7 +1,7 @@
 // Datum transformations against hand-worked sums and published parameter sets of other editions.
+#include "schuler/earth/datum.h"
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
-#include "schuler/earth/datum.h"
 
 #include <gtest/gtest.h>
 
@@ -74,10 +74,9 @@ TEST(Datum, AgreesWithOtherEditionsOfTheStandard) {
 TEST(Datum, WgsToPz9011HasThePublishedMatrix) {
     // The reference document prints the matrix itself: -0.02041e-6, -0.01716e-6, -0.01115e-6, (1 - 0.008e-6).
     const Eigen::Vector3d r = moscow.r;
-    const Eigen::Vector3d printed(
-        (1 - 0.008e-6) * (r.x() - 0.02041e-6 * r.y() - 0.01716e-6 * r.z()) - 0.013,
-        (1 - 0.008e-6) * (0.02041e-6 * r.x() + r.y() - 0.01115e-6 * r.z()) + 0.106,
-        (1 - 0.008e-6) * (0.01716e-6 * r.x() + 0.01115e-6 * r.y() + r.z()) + 0.022);
+    const Eigen::Vector3d printed((1 - 0.008e-6) * (r.x() - 0.02041e-6 * r.y() - 0.01716e-6 * r.z()) - 0.013,
+                                  (1 - 0.008e-6) * (0.02041e-6 * r.x() + r.y() - 0.01115e-6 * r.z()) + 0.106,
+                                  (1 - 0.008e-6) * (0.01716e-6 * r.x() + 0.01115e-6 * r.y() + r.z()) + 0.022);
     EXPECT_LT((datum_changed(Datum::Wgs84, Datum::Pz90_11, moscow).r - printed).norm(), 1e-4);
 }
 

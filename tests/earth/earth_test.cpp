@@ -1,9 +1,9 @@
 // Shared Earth terms, gravity in Earth-fixed axes, and small displacements.
-#include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
+#include "schuler/core/units.h"
 
-#include <GeographicLib/NormalGravity.hpp>
 #include <gtest/gtest.h>
+#include <GeographicLib/NormalGravity.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -109,8 +109,8 @@ TEST(Displacement, AgreesWithCartesianNearby) {
         const Eigen::Vector3d ned(50.0, -60.0, 7.0);
         for (const double sign : {1.0, -1.0}) {
             const Geodetic to = moved_by_ned(earth, from, sign * ned);
-            const Eigen::Vector3d chord = C_en(from.lat, from.lon).transpose() *
-                                          (ecef_from_geodetic(wgs84, to).r - ecef_from_geodetic(wgs84, from).r);
+            const Eigen::Vector3d chord =
+                C_en(from.lat, from.lon).transpose() * (ecef_from_geodetic(wgs84, to).r - ecef_from_geodetic(wgs84, from).r);
             EXPECT_LT((chord - sign * ned).norm(), 1e-3);
         }
     }

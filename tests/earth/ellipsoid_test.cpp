@@ -1,9 +1,9 @@
 // Coordinates against GeographicLib and against 80-bit arithmetic; radii against hand formulas.
-#include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
+#include "schuler/core/units.h"
 
-#include <GeographicLib/Geocentric.hpp>
 #include <gtest/gtest.h>
+#include <GeographicLib/Geocentric.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -131,7 +131,9 @@ TEST(Ellipsoid, LocalLevelAxesAreTheDerivativesOfPosition) {
             const Geodetic g{lat * deg, lon * deg, 250.0};
             const Eigen::Matrix3d C = C_en(g.lat, g.lon);
             const double d = 1e-6;
-            const auto at = [&](double a, double b, double c) { return ecef_from_geodetic(wgs84, {g.lat + a, g.lon + b, g.h + c}).r; };
+            const auto at = [&](double a, double b, double c) {
+                return ecef_from_geodetic(wgs84, {g.lat + a, g.lon + b, g.h + c}).r;
+            };
             const Eigen::Vector3d north = (at(d, 0, 0) - at(-d, 0, 0)).normalized();
             const Eigen::Vector3d east = (at(0, d, 0) - at(0, -d, 0)).normalized();
             const Eigen::Vector3d down = (at(0, 0, -10) - at(0, 0, 10)).normalized();

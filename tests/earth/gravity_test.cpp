@@ -1,11 +1,11 @@
 // Gravity against the closed form of normal gravity, tabulated values and numerical derivatives.
+#include "schuler/earth/gravity.h"
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
-#include "schuler/earth/gravity.h"
 
-#include <GeographicLib/NormalGravity.hpp>
 #include <gtest/gtest.h>
+#include <GeographicLib/NormalGravity.hpp>
 
 #include <cmath>
 #include <numbers>
@@ -113,7 +113,8 @@ TEST(Gravity, SomiglianaFieldHasNoCurlInTheMeridian) {
         for (const double h : {0.0, 5000.0, 20000.0}) {
             const double m = radii(wgs84, lat).meridian, dh = 50.0;
             const double turned = ((m + h + dh) * at(GravityModel::Somigliana, lat, h + dh).north -
-                                   (m + h - dh) * at(GravityModel::Somigliana, lat, h - dh).north) / (2 * dh);
+                                   (m + h - dh) * at(GravityModel::Somigliana, lat, h - dh).north) /
+                                  (2 * dh);
             EXPECT_NEAR(turned, -gravity_gradient(GravityModel::Somigliana, lat, h).by_lat, 1e-9);
         }
 }

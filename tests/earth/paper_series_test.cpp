@@ -1,7 +1,7 @@
 // Paper A's series: the stated error bounds hold and are not generous.
+#include "schuler/earth/paper_series.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
-#include "schuler/earth/paper_series.h"
 
 #include <gtest/gtest.h>
 
@@ -63,8 +63,9 @@ TEST(PaperSeries, GravityErrorsAreTheStatedOnes) {
             l1 = std::max(l1, std::abs(paper_a_gravity_l1(paper, s2, h).down - truth));
             l3 = std::max(l3, std::abs(paper_a_gravity_l3(paper, s2, h) - truth));
         }
-        l1_surface_with_corrected_e2 = std::max(l1_surface_with_corrected_e2,
-            std::abs(paper_a_gravity_l1(paper_a_gravity_international, s2, 0).down - gravity_1930(lat * deg, 0)));
+        l1_surface_with_corrected_e2 =
+            std::max(l1_surface_with_corrected_e2,
+                     std::abs(paper_a_gravity_l1(paper_a_gravity_international, s2, 0).down - gravity_1930(lat * deg, 0)));
     }
     EXPECT_NEAR(l1, 4.12556e-5, 3e-7);
     EXPECT_NEAR(l3, 2.09018e-4, 3e-7);

@@ -23,7 +23,7 @@ struct System {
     struct Step {
         Transition phi;
         Vector q;
-        std::vector<Scalar> scalars;   ///< measured after the step
+        std::vector<Scalar> scalars;  ///< measured after the step
     };
     Vector mean;
     Matrix P = Matrix::Zero(N, N);

@@ -2,8 +2,8 @@
 #include "schuler/estim/block_update.h"
 #include "schuler/math/random.h"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 namespace schuler::estim {
 namespace {

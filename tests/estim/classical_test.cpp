@@ -1,9 +1,9 @@
 // The estimators of paper A's chapter 2 against closed forms and against each other.
-#include "schuler/core/error.h"
 #include "schuler/estim/classical.h"
+#include "schuler/core/error.h"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include <cmath>
 #include <random>
@@ -18,10 +18,10 @@ TEST(Classical, LineThroughPointsByHand) {
     MatrixXd A(4, 2);
     A << 1, 0, 1, 1, 1, 2, 1, 3;
     const VectorXd y = (VectorXd(4) << 1.0, 3.0, 4.0, 4.0).finished();
-    const Estimate e = least_squares(A, y);   // mean 3, slope 5/5 = 1: 1.5 + t; residuals -0.5, 0.5, 0.5, -0.5
+    const Estimate e = least_squares(A, y);  // mean 3, slope 5/5 = 1: 1.5 + t; residuals -0.5, 0.5, 0.5, -0.5
     EXPECT_NEAR(e.x(0), 1.5, 1e-14);
     EXPECT_NEAR(e.x(1), 1.0, 1e-14);
-    EXPECT_NEAR(e.P(1, 1), 0.5 / 5.0, 1e-14);              // s^2 / sum (t - mean)^2, s^2 = 1/2
+    EXPECT_NEAR(e.P(1, 1), 0.5 / 5.0, 1e-14);  // s^2 / sum (t - mean)^2, s^2 = 1/2
     EXPECT_NEAR(e.P(0, 0), 0.5 * (0.25 + 2.25 / 5.0), 1e-14);
 }
 
@@ -92,8 +92,8 @@ TEST(Classical, WalkingBiasNeedsTheFilter) {
     }
     const double prior = 0.5 * (q + std::sqrt(q * q + 4.0 * q * r));
     EXPECT_NEAR(predicted, prior * r / (prior + r), 1e-9);
-    EXPECT_NEAR(filter / predicted, 1.0, 0.35);              // 200 runs: one sigma 0.1
-    EXPECT_NEAR(average / (q * n / 3.0), 1.0, 0.4);          // the mean of a walk: q n / 3
+    EXPECT_NEAR(filter / predicted, 1.0, 0.35);      // 200 runs: one sigma 0.1
+    EXPECT_NEAR(average / (q * n / 3.0), 1.0, 0.4);  // the mean of a walk: q n / 3
 }
 
 TEST(Classical, WhatCannotBeEstimatedIsSaid) {

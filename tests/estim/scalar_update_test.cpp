@@ -1,8 +1,8 @@
 // Sequential updates against the batch information form.
 #include "random_systems.h"
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <vector>
@@ -47,7 +47,7 @@ TEST(ScalarUpdate, StaysPositiveOverTwelveOrdersOfMagnitude) {
     Numbers numbers(12);
     for (int trial = 0; trial < 10; ++trial) {
         Vector sigma(N);
-        for (int i = 0; i < N; ++i) sigma(i) = std::pow(10.0, 3.0 - 6.0 * i / (N - 1));   // variances 1e6 to 1e-6
+        for (int i = 0; i < N; ++i) sigma(i) = std::pow(10.0, 3.0 - 6.0 * i / (N - 1));  // variances 1e6 to 1e-6
         Matrix P = numbers.covariance(sigma);
         double least = 1.0;
         for (int m = 0; m < 300; ++m) {
@@ -67,7 +67,8 @@ TEST(ScalarUpdate, StaysPositiveOverTwelveOrdersOfMagnitude) {
             P.diagonal() += 1e-4 * sigma.cwiseAbs2();
             const Vector scale = P.diagonal().cwiseSqrt().cwiseInverse();
             const Matrix correlation = scale.asDiagonal() * P * scale.asDiagonal();
-            least = std::min(least, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly).eigenvalues()(0));
+            least = std::min(
+                least, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly).eigenvalues()(0));
         }
         EXPECT_GT(least, 0.0);
     }

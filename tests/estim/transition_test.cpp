@@ -62,7 +62,8 @@ void expect_equal(const Actual& actual, const LongMatrix& expected, const LongMa
 
 TEST(Transition, PropagatesAsTheDenseProducts) {
     std::mt19937_64 generator(20240700);
-    for (const auto& [n, used, driven] : {std::array{16, 16, 15}, std::array{24, 24, 21}, std::array{52, 32, 15}, std::array{104, 104, 33}}) {
+    for (const auto& [n, used, driven] :
+         {std::array{16, 16, 15}, std::array{24, 24, 21}, std::array{52, 32, 15}, std::array{104, 104, 33}}) {
         for (int trial = 0; trial < 10; ++trial) {
             SCOPED_TRACE("n = " + std::to_string(n) + ", trial " + std::to_string(trial));
             const Case c(generator, n, used, driven);
@@ -138,7 +139,8 @@ TEST(Update, IsTheTextbooks) {
         if (!optimal) k.head(24) *= 0.6;
         const Eigen::VectorXd expected = dx + k * (z - h.dot(dx));
         const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(28, 28);
-        const Eigen::MatrixXd joseph = (I - k * h.transpose()) * c.P * (I - k * h.transpose()).transpose() + r * k * k.transpose();
+        const Eigen::MatrixXd joseph =
+            (I - k * h.transpose()) * c.P * (I - k * h.transpose()).transpose() + r * k * k.transpose();
         StateMatrix P = c.P;
         const StateVector gain = k;
         const RowUpdate u = optimal ? update(dx, P, row, z, r, 24) : update_with_gain(dx, P, row, z, r, gain, 24);
@@ -158,7 +160,7 @@ TEST(Update, OfAWholeEpochIsThatOfItsScalars) {
         StateMatrix one_by_one = c.P, at_once = c.P;
         StateVector dx = StateVector::Zero(32), dx_at_once = dx;
         EpochUpdate epoch(at_once, 28);
-        epoch.add(some_row(generator), 5.0, 1.0);   // taken back
+        epoch.add(some_row(generator), 5.0, 1.0);  // taken back
         epoch.reset();
         std::vector<RowUpdate> expected;
         for (int i = 0; i < scalars; ++i) {

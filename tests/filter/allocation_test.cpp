@@ -41,7 +41,9 @@ SCHULER_APART void* operator new(std::size_t size) { return counted_or_throw(siz
 SCHULER_APART void* operator new(std::size_t size, std::align_val_t alignment) {
     return counted_or_throw(size, static_cast<std::size_t>(alignment));
 }
-SCHULER_APART void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted(size, alignof(std::max_align_t)); }
+SCHULER_APART void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    return counted(size, alignof(std::max_align_t));
+}
 SCHULER_APART void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
     return counted(size, static_cast<std::size_t>(alignment));
 }
@@ -77,7 +79,7 @@ long allocations_of_a_walk() {
     f.scale_factors = f.estimate_lever_arm = f.aids.nonholonomic = true;
     f.gnss.errors.correlated_position.setOnes();
     f.gnss.errors.correlated_distance = 1e4;
-    f.gnss.latency = 0.003;   // epochs fall inside increments, which are split
+    f.gnss.latency = 0.003;  // epochs fall inside increments, which are split
 
     WarningLog warnings;
     RunData data;
@@ -96,11 +98,12 @@ long allocations_of_a_walk() {
     const ReferenceSample& truth = recording.reference.front();
     Start start;
     start.nav = {truth.time, truth.position, truth.velocity_n, math::quaternion_from_rpy(truth.rpy)};
-    start.std_position = start.std_velocity = start.std_rpy = start.std_gyro_bias = start.std_accel_bias = Vector3d::Constant(0.01);
+    start.std_position = start.std_velocity = start.std_rpy = start.std_gyro_bias = start.std_accel_bias =
+        Vector3d::Constant(0.01);
     Walk<Frame> walk = first_step<Frame>(model, data, f, start);
     PassObserver<Frame> nobody;
     const long before = allocations.load();
-    pass.advance(walk, 3999, nobody);   // stands, then drives: every kind of aid has its turn
+    pass.advance(walk, 3999, nobody);  // stands, then drives: every kind of aid has its turn
     const long made = allocations.load() - before;
     EXPECT_EQ(walk.increment, 4000u);
     EXPECT_GT(walk.event, 400u);
@@ -161,7 +164,8 @@ TEST(Allocation, NoneInAnyPresetFedSampleBySample) {
         {"ins21", [](Settings& s) { s.aids.nonholonomic = false; }},
         {"aggressive", [](Settings& s) { s.loose_kind = LooseKind::Aggressive; }},
         {"separate", [](Settings& s) { s.coupling = Coupling::Separate; }},
-        {"complex22", [](Settings& s) {
+        {"complex22",
+         [](Settings& s) {
              s.gnss.errors.correlated_position.setOnes();
              s.gnss.errors.correlated_velocity.setConstant(0.05);
              s.integrity.use = true;
@@ -169,13 +173,19 @@ TEST(Allocation, NoneInAnyPresetFedSampleBySample) {
              s.loop = Loop::Mixed;
          }},
         {"open", [](Settings& s) { s.loop = Loop::Open; }},
-        {"everything", [](Settings& s) {
+        {"everything",
+         [](Settings& s) {
              s.misalignments = s.estimate_lever_arm = s.aids.nonholonomic_auto = true;
              s.gnss.latency_std = 0.02;
          }},
         {"tight", [](Settings&) {}, true},
         {"tight with protection", [](Settings& s) { s.ranging.protection.use = true; }, true},
-        {"tight, open", [](Settings& s) { s.loop = Loop::Open; s.scale_factors = s.misalignments = true; }, true},
+        {"tight, open",
+         [](Settings& s) {
+             s.loop = Loop::Open;
+             s.scale_factors = s.misalignments = true;
+         },
+         true},
     };
     for (const Preset& preset : presets) {
         for (const Mechanization frame : {Mechanization::Geographic, Mechanization::Ecef}) {
@@ -201,7 +211,8 @@ TEST(Allocation, NoneInTheRareWays) {
     StreamLog car = car_log(61);
     std::erase_if(car.recording.imu, [](const ImuSample& s) { return s.time.seconds() > 1035.0 && s.time.seconds() < 1037.0; });
     for (ImuSample& s : car.recording.imu)
-        if (s.time.seconds() > 1040.0 && s.time.seconds() < 1040.5) s.gyro = Vector3d::Constant(0.01), s.accel = Vector3d(0, 0, -9.8);
+        if (s.time.seconds() > 1040.0 && s.time.seconds() < 1040.5)
+            s.gyro = Vector3d::Constant(0.01), s.accel = Vector3d(0, 0, -9.8);
     for (std::size_t i = 0; i < car.recording.gnss.size(); i += 7) car.recording.gnss[i].position.lat += 1e-4;
     EXPECT_EQ(allocations_of_a_stream(car.recording, car.settings), 0);
     // disputes between the receiver and the navigation, with and without integrity control

@@ -20,9 +20,9 @@ using Eigen::Vector3d;
 using estim::StateMatrix;
 using estim::StateVector;
 
-constexpr DisturbanceKind kinds[] = {DisturbanceKind::Constant, DisturbanceKind::FirstOrder, DisturbanceKind::RampAndFirstOrder,
-                                     DisturbanceKind::QuadraticAndFirstOrder, DisturbanceKind::SecondOrder,
-                                     DisturbanceKind::ThirdOrder};
+constexpr DisturbanceKind kinds[] = {DisturbanceKind::Constant,          DisturbanceKind::FirstOrder,
+                                     DisturbanceKind::RampAndFirstOrder, DisturbanceKind::QuadraticAndFirstOrder,
+                                     DisturbanceKind::SecondOrder,       DisturbanceKind::ThirdOrder};
 const Matrix3d C_en = earth::C_en(0.9, 0.4);
 
 DisturbanceModel model_of(DisturbanceKind kind, DisturbanceAxes axes = DisturbanceAxes::LocalLevel) {
@@ -60,7 +60,7 @@ TEST(Disturbance, ProcessesStayInTheirStationaryStateAndForgetAsTheyShould) {
         const StateMatrix before = P;
         MatrixXd way = MatrixXd::Identity(P.rows(), P.cols());
         double distance = 0.0;
-        for (int second = 0; second < 200; ++second) {   // a hundred at 20 m/s and a hundred at 60
+        for (int second = 0; second < 200; ++second) {  // a hundred at 20 m/s and a hundred at 60
             const double d = second < 100 ? 20.0 : 60.0;
             const estim::Transition phi = span(model, layout, 1.0, d);
             estim::propagate(P, phi, static_cast<int>(P.rows()));
@@ -84,7 +84,7 @@ TEST(Disturbance, ALongSpanIsTheProductOfItsParts) {
     // Value, slope, curvature exactly; velocity and position, and the noise, to the order of the quadrature.
     for (const DisturbanceKind kind : kinds) {
         DisturbanceModel model = model_of(kind, DisturbanceAxes::EarthFixed);
-        model.length = 2000.0;   // an eightieth of it in the span
+        model.length = 2000.0;  // an eightieth of it in the span
         const Layout layout = layout_of(model);
         const int n = estim::padded(layout.size);
         constexpr int parts = 64;
@@ -97,16 +97,19 @@ TEST(Disturbance, ALongSpanIsTheProductOfItsParts) {
             MatrixXd one = dense(span(model, layout, time / parts, distance / parts));
             product = (one * flight * product).eval();
             sum = (one * flight * sum * flight.transpose() * one.transpose()).eval();
-            add_disturbance_noise(model, layout, time / parts, distance / parts, model.from_local_level(C_en), Matrix3d::Identity(), sum);
+            add_disturbance_noise(model, layout, time / parts, distance / parts, model.from_local_level(C_en),
+                                  Matrix3d::Identity(), sum);
         }
         MatrixXd expected = dense(span(model, layout, time, distance));
         expected.block<3, 3>(Layout::position, Layout::velocity) += time * Matrix3d::Identity();
         add_disturbance_noise(model, layout, time, distance, model.from_local_level(C_en), Matrix3d::Identity(), whole);
         const int first = layout.gravity_constant, states = layout.size - first;
-        EXPECT_LT((product - expected).bottomRightCorner(n - first, n - first).norm(), 1e-14 * distance * distance) << static_cast<int>(kind);
+        EXPECT_LT((product - expected).bottomRightCorner(n - first, n - first).norm(), 1e-14 * distance * distance)
+            << static_cast<int>(kind);
         for (int state = first; state < layout.size; ++state)
             for (int row = 0; row < 6; ++row)
-                EXPECT_NEAR(product(row, state), expected(row, state), 2e-3 * expected.col(state).segment<3>(row / 3 * 3).norm() + 1e-18)
+                EXPECT_NEAR(product(row, state), expected(row, state),
+                            2e-3 * expected.col(state).segment<3>(row / 3 * 3).norm() + 1e-18)
                     << static_cast<int>(kind) << " " << row << " " << state;
         if (!model.has_random_part()) continue;
         for (const int r : {Layout::velocity, layout.gravity_random}) {

@@ -6,8 +6,8 @@
 #include "schuler/sensor/grades.h"
 #include "schuler/sim/simulate.h"
 
-#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 #include <cmath>
 #include <cstdlib>
@@ -29,7 +29,7 @@ struct Flight {
 
 constexpr double deg = units::deg;
 
-constexpr double duration = 120.0;   // s
+constexpr double duration = 120.0;  // s
 const Time origin = Time::from_seconds(1000.0);
 
 /// At rest, poles included: what the instruments feel follows from the Earth's rotation and gravity alone.
@@ -48,7 +48,9 @@ sim::SimulatedData at_rest(const Flight& flight) {
     };
     for (int k = 0; k <= 100 * static_cast<int>(duration); ++k) {
         const Time time = origin + Duration{k * std::int64_t{10'000'000}};
-        if (k > 0) data.recording.imu.push_back({time, rate + noise(10.0 * errors.gyro_noise), force + noise(10.0 * errors.accel_noise)});
+        if (k > 0)
+            data.recording.imu.push_back(
+                {time, rate + noise(10.0 * errors.gyro_noise), force + noise(10.0 * errors.accel_noise)});
         if (k % 100 == 0) {
             GnssFix fix{.time = time, .position = flight.start};
             const Ecef at{earth::ecef_from_geodetic(earth::wgs84, flight.start).r + noise(1.5)};
@@ -101,15 +103,16 @@ NavigatorState flown(const sim::SimulatedData& data, const NavigatorSettings& se
     if (!made) throw std::runtime_error(made.key + ": " + made.reason);
     std::size_t k = 0;
     for (const ImuSample& imu : data.recording.imu) {
-        for (; k < data.recording.gnss.size() && data.recording.gnss[k].time <= imu.time; ++k) (void)made.navigator->feed(data.recording.gnss[k]);
+        for (; k < data.recording.gnss.size() && data.recording.gnss[k].time <= imu.time; ++k)
+            (void)made.navigator->feed(data.recording.gnss[k]);
         (void)made.navigator->feed(imu);
     }
     const auto state = made.navigator->state();
     if (!state) {
         std::string events;
         while (const auto event = made.navigator->poll())
-            events += " " + std::to_string(static_cast<int>(event->kind)) + "/" + std::to_string(static_cast<int>(event->phase)) + "/"
-                      + std::to_string(static_cast<int>(event->status));
+            events += " " + std::to_string(static_cast<int>(event->kind)) + "/" + std::to_string(static_cast<int>(event->phase)) +
+                      "/" + std::to_string(static_cast<int>(event->status));
         throw std::runtime_error("does not navigate:" + events.substr(0, 300));
     }
     return *state;
@@ -143,7 +146,8 @@ TEST(Extremes, ConsistentWhereverItFlies) {
             // Near a pole north turns with the position: all is compared in Earth-fixed axes.
             const Eigen::Matrix3d C_en = earth::C_en(truth.position.lat, truth.position.lon);
             const Eigen::Matrix3d estimated = earth::C_en(state.nav.position.lat, state.nav.position.lon);
-            e.head<3>() = C_en.transpose() * (earth::ecef_from_geodetic(earth::wgs84, state.nav.position).r - earth::ecef_from_geodetic(earth::wgs84, truth.position).r);
+            e.head<3>() = C_en.transpose() * (earth::ecef_from_geodetic(earth::wgs84, state.nav.position).r -
+                                              earth::ecef_from_geodetic(earth::wgs84, truth.position).r);
             e.segment<3>(3) = C_en.transpose() * estimated * state.nav.v_eb_n - truth.velocity_n;
             const Eigen::Quaterniond turn(estimated * state.nav.q_nb * (C_en * math::dcm_from_rpy(truth.rpy)).transpose());
             e.segment<3>(6) = C_en.transpose() * math::rotation_vector_from_quaternion(turn);
@@ -182,7 +186,7 @@ TEST(Extremes, AbsurdNoiseLeavesTheCovariancePositive) {
                 (void)made.navigator->feed(data.recording.imu[i]);
             }
             const auto state = made.navigator->state();
-            if (!state) continue;   // began anew and waits: that is told by an event
+            if (!state) continue;  // began anew and waits: that is told by an event
             EXPECT_TRUE(state->covariance.allFinite());
             EXPECT_GT(state->covariance.diagonal().minCoeff(), 0.0);
             EXPECT_LT(earth::ned_difference({}, state->nav.position, data.recording.reference.front().position).norm(), 100.0);
@@ -192,7 +196,8 @@ TEST(Extremes, AbsurdNoiseLeavesTheCovariancePositive) {
 
 /// A month at rest by ten samples and a fix a second: 26 million steps, 2.6 million fixes.
 TEST(Extremes, AMonthWithoutEnd) {
-    if (std::getenv("SCHULER_LONG_TESTS") == nullptr) GTEST_SKIP() << "takes more than a minute: set SCHULER_LONG_TESTS, or run scripts/trust month";
+    if (std::getenv("SCHULER_LONG_TESTS") == nullptr)
+        GTEST_SKIP() << "takes more than a minute: set SCHULER_LONG_TESTS, or run scripts/trust month";
     NavigatorSettings settings;
     settings.filter.imu.errors = sensor::imu_grade("tactical");
     settings.imu_interval = 0.1;
@@ -210,7 +215,7 @@ TEST(Extremes, AMonthWithoutEnd) {
     const std::int64_t samples = 30LL * 86400 * 10;
     for (std::int64_t i = 1; i <= samples; ++i) {
         const Time time{i * 100'000'000};
-        const double wave = std::sin(0.37 * static_cast<double>(i));   // noise without a generator: no two samples alike
+        const double wave = std::sin(0.37 * static_cast<double>(i));  // noise without a generator: no two samples alike
         if (i % 10 == 0) {
             GnssFix fix{.time = time, .position = start.nav.position};
             fix.position.lat += 1e-7 * std::sin(1.7 * static_cast<double>(i));
@@ -218,13 +223,15 @@ TEST(Extremes, AMonthWithoutEnd) {
             fix.std_position.setConstant(3.0);
             (void)made.navigator->feed(fix);
         }
-        (void)made.navigator->feed(ImuSample{time, terms.w_ie_n + Vector3d::Constant(1e-5 * wave), Vector3d(0.003 * wave, -0.002 * wave, 0.0) - terms.g_n});
-        if (i % 864'000 == 0) {   // each day
+        (void)made.navigator->feed(ImuSample{time, terms.w_ie_n + Vector3d::Constant(1e-5 * wave),
+                                             Vector3d(0.003 * wave, -0.002 * wave, 0.0) - terms.g_n});
+        if (i % 864'000 == 0) {  // each day
             const auto state = made.navigator->state();
             ASSERT_TRUE(state) << i / 864'000 << " days";
             ASSERT_EQ(state->covariance.llt().info(), Eigen::Success) << i / 864'000 << " days";
             ASSERT_LT(earth::ned_difference({}, state->nav.position, start.nav.position).norm(),
-                      5.0 * std::sqrt(state->covariance.diagonal().head<3>().sum())) << i / 864'000 << " days";
+                      5.0 * std::sqrt(state->covariance.diagonal().head<3>().sum()))
+                << i / 864'000 << " days";
         }
     }
 }

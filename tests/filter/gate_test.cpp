@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double sigma = 1.0;   // m, of the measurements here
+constexpr double sigma = 1.0;  // m, of the measurements here
 
 GateLimits limits() {
     GateLimits l;
@@ -63,9 +63,9 @@ TEST(Gate, ConsistentRunWinsAfterTheTimeAndTheCount) {
     const auto shifted = [&](double) {
         return Vector3d(50.0 + sigma * noise(generator), sigma * noise(generator), sigma * noise(generator));
     };
-    EXPECT_DOUBLE_EQ(first_recovery(100.0, 1.0, 100, shifted), 110.0);    // the time decides
+    EXPECT_DOUBLE_EQ(first_recovery(100.0, 1.0, 100, shifted), 110.0);  // the time decides
     EXPECT_DOUBLE_EQ(first_recovery(100.0, 0.125, 800, shifted), 110.0);
-    EXPECT_DOUBLE_EQ(first_recovery(100.0, 5.0, 100, shifted), 145.0);    // the count decides: the tenth
+    EXPECT_DOUBLE_EQ(first_recovery(100.0, 5.0, 100, shifted), 145.0);  // the count decides: the tenth
     // After a recovery the memory is empty.
     GateState state;
     int recoveries = 0;
@@ -97,9 +97,12 @@ TEST(Gate, WanderingFixesNeverRecover) {
 
 // An estimate that an outlier captured runs away with a velocity that its covariance does not know.
 TEST(Gate, ASteadyDriftAgreesWithItself) {
-    EXPECT_DOUBLE_EQ(first_recovery(0.0, 1.0, 300, [](double t) { return Vector3d(50.0 + 15.0 * t, 20.0 - 9.0 * t, 0.0); }), 10.0);
+    EXPECT_DOUBLE_EQ(first_recovery(0.0, 1.0, 300, [](double t) { return Vector3d(50.0 + 15.0 * t, 20.0 - 9.0 * t, 0.0); }),
+                     10.0);
     // ... but not one that changes its mind.
-    EXPECT_LT(first_recovery(0.0, 1.0, 300, [](double t) { return Vector3d(400.0 * std::sin(t), 400.0 * std::cos(2.2 * t), 0.0); }), 0.0);
+    EXPECT_LT(
+        first_recovery(0.0, 1.0, 300, [](double t) { return Vector3d(400.0 * std::sin(t), 400.0 * std::cos(2.2 * t), 0.0); }),
+        0.0);
 }
 
 TEST(Gate, DriftOfTheEstimateExcusesAChange) {

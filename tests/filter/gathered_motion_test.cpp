@@ -80,7 +80,8 @@ void compare(bool gains) {
         const double sigma = std::sqrt(fine(i, i));
         EXPECT_NEAR(std::sqrt(gathered(i, i)) / sigma, 1.0, 1e-6) << "state " << i;
         for (int j = 0; j < i; ++j)
-            EXPECT_NEAR((gathered(i, j) - fine(i, j)) / (sigma * std::sqrt(fine(j, j))), 0.0, 3e-6) << "states " << i << ", " << j;
+            EXPECT_NEAR((gathered(i, j) - fine(i, j)) / (sigma * std::sqrt(fine(j, j))), 0.0, 3e-6)
+                << "states " << i << ", " << j;
     }
 }
 

@@ -82,7 +82,7 @@ VectorXd sizes(double position, double velocity, double attitude) {
 
 struct Point {
     Estimate truth;
-    Vector3d f_b;        ///< m/s^2, while propagating
+    Vector3d f_b;  ///< m/s^2, while propagating
     std::string name;
 };
 
@@ -158,7 +158,7 @@ std::vector<LinearModel> models_of(Aid aid, double attitude_floor = 1e-9) {
     return models;
 }
 
-const Vector3d unused_arm = Vector3d::Constant(777.0);   // the lever arm is a state here
+const Vector3d unused_arm = Vector3d::Constant(777.0);  // the lever arm is a state here
 const Vector3d variance(0.1, 0.2, 0.3);
 
 Geodetic near_to(const Estimate& e) { return earth::moved_by_ned(e.earth, e.nav.position, Vector3d(3.0, -2.0, 1.0)); }
@@ -171,8 +171,8 @@ SCHULER_JACOBIAN(gnss_position, "filter.gnss_position") {
         std::size_t k = 0;
         for (const Point& p : random_points(12)) {
             const Geodetic fix = measured[k];
-            std::vector<LinearModel> all = models_of(
-                [fix, use](const Estimate& e) { return gnss_position(e, fix, variance, unused_arm, use); });
+            std::vector<LinearModel> all =
+                models_of([fix, use](const Estimate& e) { return gnss_position(e, fix, variance, unused_arm, use); });
             models.push_back(all[k]);
             models.back().where = p.name;
             ++k;
@@ -209,7 +209,7 @@ SCHULER_JACOBIAN(zero_rate, "filter.zero_rate") {
     return models_of([](const Estimate& e) { return zero_rate(e, Vector3d(1e-3, 2e-3, 3e-3), 1e-6); }, 1e-10);
 }
 
-SCHULER_JACOBIAN(nonholonomic, "filter.nonholonomic") {   // the Earth's rate as in gnss_velocity, at the axle (below 2 m)
+SCHULER_JACOBIAN(nonholonomic, "filter.nonholonomic") {  // the Earth's rate as in gnss_velocity, at the axle (below 2 m)
     return models_of([](const Estimate& e) { return nonholonomic(e, 0.1, 0.2); }, 7.3e-5 * 2.0);
 }
 
@@ -223,7 +223,7 @@ SCHULER_JACOBIAN(heading_of_body, "filter.heading_of_body") {
 
 const std::array<Vector3d, 3> gauge_arms{Vector3d(0.0, 0.0, 1.0), Vector3d(40.0, 1.0, 2.0), Vector3d(-10.0, 8.0, 2.0)};
 
-SCHULER_JACOBIAN(gauge_heights, "filter.gauge_heights") {   // the turn of the vertical over a lever arm is left out
+SCHULER_JACOBIAN(gauge_heights, "filter.gauge_heights") {  // the turn of the vertical over a lever arm is left out
     return models_of([](const Estimate& e) { return gauge_heights(e, {100.0, 120.0, 90.0}, 0.01, gauge_arms); });
 }
 
@@ -269,7 +269,7 @@ TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
         const Vector3d w_ie_b = C_eb.transpose() * w_ie_e, gyro_bias = e.parameters.segment<3>(Layout::gyro_bias);
         EXPECT_LT(zero_rate(e, w_ie_b + gyro_bias, 1.0).innovation.norm(), 1e-12);
         EXPECT_NEAR(baro_height(e, e.nav.position.h + e.parameters(e.layout.baro_bias), 1.0).innovation(0), 0.0, 1e-12);
-        const double azimuth = 0.3 - e.parameters(e.layout.mag_bias);   // declination less the magnetometer's offset
+        const double azimuth = 0.3 - e.parameters(e.layout.mag_bias);  // declination less the magnetometer's offset
         const Vector3d field(std::cos(azimuth), std::sin(azimuth), 1.5);
         EXPECT_NEAR(magnetic_azimuth(e, e.C_nb.transpose() * field, 0.3, 1.0).innovation(0), 0.0, 1e-12);
 
@@ -301,15 +301,16 @@ TEST(Aids, GaugesAndLogShowWhatTheyShould) {
     e.C_nb.setIdentity();
     e.nav.v_eb_n = {10.0, 0.0, 0.0};
     e.parameters.segment<3>(L.log_scale) = Vector3d(0.01, 0.0, 0.02);
-    e.w_ib_b = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;   // no turn against the Earth: the arm does not matter
+    e.w_ib_b =
+        earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;  // no turn against the Earth: the arm does not matter
     EXPECT_LT(body_velocity(e, {10.1, 0.202, 0.0}, 0.01, {12.0, -1.0, 3.0}).innovation.norm(), 1e-9);
 }
 
 InertialModel model_of(const Estimate& e) {
     sensor::ImuErrorModel errors;
     errors.gyro_noise = 1e-3, errors.accel_noise = 2e-3;
-    errors.gyro_bias = 1e-4, errors.gyro_bias_time = 300.0;      // first-order process
-    errors.accel_bias = 1e-2, errors.accel_bias_time = 100.0;    // with a turn-on part: a random walk
+    errors.gyro_bias = 1e-4, errors.gyro_bias_time = 300.0;    // first-order process
+    errors.accel_bias = 1e-2, errors.accel_bias_time = 100.0;  // with a turn-on part: a random walk
     errors.accel_turn_on_bias = 0.1;
     return {e.earth, e.layout, errors};
 }
@@ -435,7 +436,10 @@ SCHULER_JACOBIAN(ecef_position, "filter.gnss_position_ecef") {
 }
 SCHULER_JACOBIAN(ecef_velocity, "filter.gnss_velocity_ecef") {
     return mapped_models<EarthFixedFrame>(
-        [](const Estimate&, const Estimate& e) { return gnss_velocity(e, {1.0, 2.0, 3.0}, variance, unused_arm, e.layout.gnss_velocity_latency, {}); }, 3e-4);
+        [](const Estimate&, const Estimate& e) {
+            return gnss_velocity(e, {1.0, 2.0, 3.0}, variance, unused_arm, e.layout.gnss_velocity_latency, {});
+        },
+        3e-4);
 }
 SCHULER_JACOBIAN(ecef_nonholonomic, "filter.nonholonomic_ecef") {
     return mapped_models<EarthFixedFrame>([](const Estimate&, const Estimate& e) { return nonholonomic(e, 0.1, 0.2); }, 3e-4);
@@ -456,7 +460,7 @@ TEST(Propagation, NoiseOfTheStates) {
     const double gyro_walk = 2e-8 / 300.0 * dt * dt * dt / 3.0, accel_walk = 2e-4 / 100.0 * dt * dt * dt / 3.0;
     const double decay = std::exp(-2.0 * dt / 300.0);
     for (int i = 0; i < 3; ++i) {
-        EXPECT_NEAR(f.P(3 + i, 3 + i), (4e-6 + 5e-6) * dt + accel_walk, 1e-13);   // and what tilt makes of the bias
+        EXPECT_NEAR(f.P(3 + i, 3 + i), (4e-6 + 5e-6) * dt + accel_walk, 1e-13);  // and what tilt makes of the bias
         EXPECT_NEAR(f.P(6 + i, 6 + i), (1e-6 + 3e-6) * dt + gyro_walk, 1e-20);
         EXPECT_NEAR(f.P(9 + i, 9 + i), 1e-8 * (1.0 - decay), 1e-18);
         EXPECT_NEAR(f.P(12 + i, 12 + i), 2.0 * 1e-4 / 100.0 * dt, 1e-18);

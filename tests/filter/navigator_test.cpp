@@ -86,7 +86,8 @@ TEST(Navigator, DisputesAreThoseOfTheBatch) {
     const std::vector<SolutionRow> rows = stream(whole, samples, {});
     EXPECT_EQ(same_bits(rows, batch.rows), rows.size());
     std::size_t reconsidered = 0;
-    while (const std::optional<NavigatorEvent> e = whole.poll()) reconsidered += e->kind == NavigatorEvent::Kind::Reconsidered ? 1u : 0u;
+    while (const std::optional<NavigatorEvent> e = whole.poll())
+        reconsidered += e->kind == NavigatorEvent::Kind::Reconsidered ? 1u : 0u;
     EXPECT_GT(reconsidered, 0u);
     // saved before, while and after two hypotheses go side by side
     auto fed = samples.begin();
@@ -166,14 +167,16 @@ TEST(Navigator, NoSampleThrows) {
     math::Random random(15, "garbage");
     const auto any = [&] {
         constexpr double inf = std::numeric_limits<double>::infinity(), huge = std::numeric_limits<double>::max();
-        const double values[] = {nan, inf, -inf, huge, -huge, 0.0, 1e-310, 1.0, -1.0, 1e6, random.normal(), 100.0 * random.normal()};
+        const double values[] = {nan,    inf, -inf, huge, -huge,           0.0,
+                                 1e-310, 1.0, -1.0, 1e6,  random.normal(), 100.0 * random.normal()};
         return values[static_cast<std::size_t>(random.uniform() * 12.0) % 12];
     };
     const auto any3 = [&] { return Vector3d(any(), any(), any()); };
     std::size_t k = 0, taken = 0, rows = 0;
     for (const Sample& s : samples_of(log.recording)) {
         (void)feed(navigator, s, {});
-        const std::int64_t times[] = {s.arrival.ns, s.arrival.ns + 1'000'000, s.arrival.ns - 300'000'000, INT64_MIN, INT64_MAX, 0};
+        const std::int64_t times[] = {
+            s.arrival.ns, s.arrival.ns + 1'000'000, s.arrival.ns - 300'000'000, INT64_MIN, INT64_MAX, 0};
         const Time time{times[static_cast<std::size_t>(random.uniform() * 6.0) % 6]};
         GnssFix fix{time, {any(), any(), any()}, any3(), any3(), any3()};
         fix.position_age = any();
@@ -206,12 +209,13 @@ TEST(Navigator, LateAndRepeatedSamplesAreCounted) {
     Navigator navigator = made(stream_settings(log.recording, log.settings, batch));
     std::vector<Sample> samples = samples_of(log.recording);
     std::size_t late = 0, n = 0;
-    for (Sample& s : samples)   // every tenth fix comes 0.6 s after its stamp, too late by its latency too
+    for (Sample& s : samples)  // every tenth fix comes 0.6 s after its stamp, too late by its latency too
         if (std::holds_alternative<GnssFix>(s.what) && ++n % 10 == 0) s.arrival = s.arrival + Duration{600'000'000}, ++late;
     std::ranges::stable_sort(samples, {}, &Sample::arrival);
     (void)stream(navigator, samples, {});
     EXPECT_NEAR(static_cast<double>(navigator.counters().of(Source::Gnss, FeedStatus::Late)), static_cast<double>(late), 1.0);
-    EXPECT_EQ(navigator.counters().of(Source::Gnss, FeedStatus::Taken) + navigator.counters().of(Source::Gnss, FeedStatus::Late), n);
+    EXPECT_EQ(navigator.counters().of(Source::Gnss, FeedStatus::Taken) + navigator.counters().of(Source::Gnss, FeedStatus::Late),
+              n);
     EXPECT_EQ(navigator.feed(log.recording.imu.back()), FeedStatus::Duplicate);
     std::size_t told = 0;
     while (const std::optional<NavigatorEvent> e = navigator.poll())
@@ -270,14 +274,14 @@ TEST(Navigator, RefusesForeignAndDamagedBytes) {
     EXPECT_EQ(spoiled(bytes.size() - 1), RestoreStatus::Damaged);
     EXPECT_EQ(navigator.restore(std::span(bytes).first(bytes.size() - 1)), RestoreStatus::TooShort);
     EXPECT_EQ(navigator.restore({}), RestoreStatus::TooShort);
-    EXPECT_EQ(navigator.save(), bytes);   // as it was
+    EXPECT_EQ(navigator.save(), bytes);  // as it was
     n.filter.imu.errors.gyro_noise *= 2.0;
     EXPECT_EQ(made(n).restore(bytes), RestoreStatus::OtherSettings);
 }
 
 TEST(Navigator, PredictsToTheNewestSample) {
     StreamLog log = car_log(10);
-    log.settings.loose_kind = LooseKind::Aggressive;   // which corrects between measurements too
+    log.settings.loose_kind = LooseKind::Aggressive;  // which corrects between measurements too
     const Batch batch = run_batch(log.recording, log.settings);
     NavigatorSettings n = stream_settings(log.recording, log.settings, batch);
     n.still_delay = 0.0;
@@ -315,7 +319,7 @@ TEST(Navigator, BridgesHolesAndBeginsAnewOnAnotherAxis) {
     Navigator navigator = made(n);
     std::vector<Sample> samples = samples_of(log.recording);
     const Time origin = samples.front().arrival;
-    std::erase_if(samples, [&](const Sample& s) {   // two seconds without the IMU
+    std::erase_if(samples, [&](const Sample& s) {  // two seconds without the IMU
         const double t = (s.arrival - origin).seconds();
         return std::holds_alternative<ImuSample>(s.what) && t > 30.0 && t < 32.0;
     });
@@ -382,7 +386,11 @@ TEST(Navigator, SaysWhatItCannotBeTold) {
     EXPECT_EQ(status([](NavigatorSettings& n) { n.lag = -1.0; }), MakeStatus::BadSettings);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.gnss.velocity_latency = 0.6; }), MakeStatus::BadSettings);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.coupling = Coupling::Tight; }), MakeStatus::BadSettings);
-    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.coupling = Coupling::Medium; n.rates.ranges = 1.0; }), MakeStatus::NotForStreams);
+    EXPECT_EQ(status([](NavigatorSettings& n) {
+                  n.filter.coupling = Coupling::Medium;
+                  n.rates.ranges = 1.0;
+              }),
+              MakeStatus::NotForStreams);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.smooth = true; }), MakeStatus::NotForStreams);
 }
 

@@ -34,7 +34,8 @@ VectorXd computed(const Point& p, const VectorXd& dx) {
     const NavState nav = ins::perturbed(wgs84, p.nav, dx.head<9>());
     // a gyro bias estimated too large makes the rate too small
     const Vector3d w = p.w_ib_b - dx.segment<3>(9);
-    const RangeRows m = range_rows(antenna_of(wgs84, nav, nav.q_nb.toRotationMatrix(), w, p.lever_b + dx.tail<3>()), p.transmitter, p.velocity);
+    const RangeRows m =
+        range_rows(antenna_of(wgs84, nav, nav.q_nb.toRotationMatrix(), w, p.lever_b + dx.tail<3>()), p.transmitter, p.velocity);
     return Eigen::Vector2d(m.range, m.rate);
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double sigma = 0.5;   // m, of one fix
+constexpr double sigma = 0.5;  // m, of one fix
 
 /// The shape of a run of fixes at a rate whose innovations are of a function of time, with noise.
 template <class Innovation>
@@ -33,13 +33,14 @@ void expect_shape(RunShape expected, Innovation innovation) {
     for (const double rate : {1.0, 4.0, 20.0})
         for (const double seconds : {6.0, 12.0, 40.0})
             for (unsigned seed = 0; seed < 20; ++seed)
-                ASSERT_EQ(shape_of(innovation, seconds, rate, seed), expected) << rate << " Hz, " << seconds << " s, seed " << seed;
+                ASSERT_EQ(shape_of(innovation, seconds, rate, seed), expected)
+                    << rate << " Hz, " << seconds << " s, seed " << seed;
 }
 
 TEST(RefusedRun, TellsAJumpFromWhatIsDraggedAwayAndWhatRunsAway) {
     expect_shape(RunShape::Constant, [](double) { return Vector3d(12.0, -9.0, 1.0); });
     expect_shape(RunShape::Uniform, [](double t) { return Vector3d(6.0 + 4.0 * t, -3.0 * t, 0.0); });
-    expect_shape(RunShape::Growing, [](double t) { return Vector3d(6.0 + 1.5 * t * t, -2.0 * t * t, 0.0); });   // a tilt
+    expect_shape(RunShape::Growing, [](double t) { return Vector3d(6.0 + 1.5 * t * t, -2.0 * t * t, 0.0); });  // a tilt
     expect_shape(RunShape::Erratic, [](double t) { return Vector3d(80.0 * std::sin(3.0 * t), 90.0 * std::cos(2.3 * t), 0.0); });
 }
 
@@ -50,7 +51,7 @@ TEST(RefusedRun, SaysNothingBeforeThereIsEnough) {
     EXPECT_EQ(run.shape(0.0), RunShape::Short);
     run.add(Time::from_seconds(3.0), Vector3d(10.0, 0.0, 0.0), sigma);
     EXPECT_EQ(run.shape(0.0), RunShape::Constant);
-    RefusedRun quick;   // many, in half a second
+    RefusedRun quick;  // many, in half a second
     for (int k = 0; k < 20; ++k) quick.add(Time::from_seconds(0.025 * k), Vector3d(10.0, 0.0, 0.0), sigma);
     EXPECT_EQ(quick.shape(0.0), RunShape::Short);
 }
@@ -72,7 +73,7 @@ TEST(FixLevels, AJumpThatComesBackIsForgotten) {
     FixLevels levels;
     for (int k = 0; k < 100; ++k) levels.confirm(false, 1.0);
     levels.jumped({100.0, 0.0, 0.0}, 3.0, true);
-    EXPECT_GE(3.0 * levels.spread().x(), 100.0);   // both are covered
+    EXPECT_GE(3.0 * levels.spread().x(), 100.0);  // both are covered
     for (int k = 0; k < 20; ++k) levels.confirm(true, 1.0);
     EXPECT_FALSE(levels.prefers_other());
     EXPECT_GE(3.0 * levels.spread().x(), 100.0);

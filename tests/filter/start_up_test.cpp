@@ -18,11 +18,11 @@ using Eigen::Vector3d;
 /// What the first state and the last say against the truth.
 struct Alignment {
     std::vector<Phase> phases;
-    double began = -1.0;                       ///< s after the first sample
-    double heading = 0.0, std_heading = 0.0;   ///< rad, error and sigma of the first state
-    double tilt = 0.0, std_tilt = 0.0;         ///< rad, of the vertical; sigma about north
-    double position = 0.0, std_position = 0.0; ///< horizontal
-    double last_heading = 0.0, most = 0.0;     ///< error at the end, rad; largest heading error over its sigma
+    double began = -1.0;                        ///< s after the first sample
+    double heading = 0.0, std_heading = 0.0;    ///< rad, error and sigma of the first state
+    double tilt = 0.0, std_tilt = 0.0;          ///< rad, of the vertical; sigma about north
+    double position = 0.0, std_position = 0.0;  ///< horizontal
+    double last_heading = 0.0, most = 0.0;      ///< error at the end, rad; largest heading error over its sigma
 };
 
 Alignment align(const Recording& recording, const NavigatorSettings& settings) {
@@ -42,7 +42,8 @@ Alignment align(const Recording& recording, const NavigatorSettings& settings) {
         const ReferenceSample& truth = recording.reference[k];
         if (truth.time != state->nav.time) continue;
         const Eigen::Matrix3d turn = state->nav.q_nb.toRotationMatrix() * math::dcm_from_rpy(truth.rpy).transpose();
-        const double heading = std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1)), std = std::sqrt(state->covariance(8, 8));
+        const double heading = std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1)),
+                     std = std::sqrt(state->covariance(8, 8));
         if (a.began < 0.0) {
             a.began = (state->nav.time - recording.imu.front().time).seconds();
             a.heading = heading;
@@ -80,7 +81,8 @@ TEST(StartUp, StandsThenDrives) {
         Car c = car(seed, 12.0, mems());
         std::erase_if(c.recording.gnss, [](const GnssFix& f) { return f.time.seconds() < 1002.0; });
         const Alignment a = align(c.recording, c.settings);
-        EXPECT_EQ(a.phases, (std::vector{Phase::WaitingForPosition, Phase::Levelling, Phase::FindingHeading, Phase::Navigating})) << seed;
+        EXPECT_EQ(a.phases, (std::vector{Phase::WaitingForPosition, Phase::Levelling, Phase::FindingHeading, Phase::Navigating}))
+            << seed;
         EXPECT_GT(a.began, 12.0);
         EXPECT_LT(a.began, 30.0);
         EXPECT_LT(std::abs(a.heading), 3.0 * a.std_heading);
@@ -105,7 +107,7 @@ TEST(StartUp, BeginsInMotion) {
         EXPECT_LT(a.most, 4.0);
         EXPECT_LT(std::abs(a.last_heading), 0.4 * deg);
     }
-    EXPECT_LT(std::sqrt(tilt2), 0.8 * deg);   // moving, it levels by what the fit says of the vertical
+    EXPECT_LT(std::sqrt(tilt2), 0.8 * deg);  // moving, it levels by what the fit says of the vertical
 }
 
 TEST(StartUp, GyrocompassesWhereTheGradePermits) {

@@ -39,7 +39,8 @@ inline StreamLog car_log(std::uint64_t seed, double duration = 50.0) {
         log.recording.heading.push_back({t.time + Duration{3'000'000}, t.rpy.z() + 0.01 * random.normal(), 0.01});
         log.recording.mag.push_back({t.time, C_nb.transpose() * Eigen::Vector3d(2e-5, 0.0, 4e-5)});
         log.recording.gauges.push_back({t.time, Eigen::Vector3d(t.position.h + 0.1 * random.normal(), t.position.h - 0.3, NAN)});
-        log.recording.body_velocity.push_back({t.time, C_nb.transpose() * t.velocity_n + 0.05 * Eigen::Vector3d(random.normal(), 0.0, 0.0)});
+        log.recording.body_velocity.push_back(
+            {t.time, C_nb.transpose() * t.velocity_n + 0.05 * Eigen::Vector3d(random.normal(), 0.0, 0.0)});
     }
     // a receiver whose fixes are told a tenth of a second late, and are valid inside of increments
     for (GnssFix& fix : log.recording.gnss) fix.time = fix.time + Duration{103'000'000};
@@ -83,11 +84,13 @@ inline Start true_start(const RunData& data, const Recording& recording, double 
     });
     Start start;
     start.increment = static_cast<std::size_t>(
-        std::ranges::find_if(data.imu.increments, [&](const ImuIncrement& i) { return i.time > truth.time + Duration{100'000}; }) -
+        std::ranges::find_if(data.imu.increments,
+                             [&](const ImuIncrement& i) { return i.time > truth.time + Duration{100'000}; }) -
         data.imu.increments.begin());
     if (start.increment > 0) start.previous = data.imu.increments[start.increment - 1];
     const ImuIncrement& first = data.imu.increments[start.increment];
-    start.nav = {first.time - Duration::from_seconds(first.dt), truth.position, truth.velocity_n, math::quaternion_from_rpy(truth.rpy)};
+    start.nav = {first.time - Duration::from_seconds(first.dt), truth.position, truth.velocity_n,
+                 math::quaternion_from_rpy(truth.rpy)};
     start.std_position = Eigen::Vector3d::Constant(2.0);
     start.std_velocity = Eigen::Vector3d::Constant(0.2);
     start.std_rpy = Eigen::Vector3d::Constant(0.02);
@@ -102,7 +105,7 @@ inline Batch run_batch(const Recording& recording, const Settings& settings, dou
     RunData& data = batch.data;
     data.recording = &recording;
     data.imu = make_imu_timeline(recording.imu, settings.imu, unheard);
-    if (data.imu.gaps == 0) data.imu.bridges.clear();   // what only a whole log makes doubtful
+    if (data.imu.gaps == 0) data.imu.bridges.clear();  // what only a whole log makes doubtful
     set_limits(data, settings);
     data.events = make_events(recording, settings, Time{}, unheard);
     data.fix_noise = fix_noise(recording, settings.gnss, unheard);
@@ -115,7 +118,9 @@ inline Batch run_batch(const Recording& recording, const Settings& settings, dou
 /// One sample of any instrument; a range epoch by its index.
 struct Sample {
     Time arrival;
-    std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample, GaugeSample, BodyVelocitySample, std::size_t> what;
+    std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample, GaugeSample, BodyVelocitySample,
+                 std::size_t>
+        what;
 };
 
 /// All samples in the order of their stamps.
@@ -142,7 +147,8 @@ inline NavigatorSettings stream_settings(const Recording& r, const Settings& set
     n.filter = settings;
     n.imu_interval = batch.data.imu.median_dt;
     const auto rate = [](const auto& list) { return list.empty() ? 0.0 : 20.0; };
-    n.rates = {10.0, rate(r.baro), rate(r.mag), rate(r.odometer), rate(r.heading), rate(r.gauges), rate(r.body_velocity), rate(r.ranges)};
+    n.rates = {10.0,           rate(r.baro),          rate(r.mag),   rate(r.odometer), rate(r.heading),
+               rate(r.gauges), rate(r.body_velocity), rate(r.ranges)};
     n.rates.gauge_count = r.gauges.empty() ? 0 : 2;
     n.still = batch.data.still.thresholds;
     n.still_delay = 0.65;
@@ -153,7 +159,8 @@ inline NavigatorSettings stream_settings(const Recording& r, const Settings& set
 inline FeedStatus feed(Navigator& navigator, const Sample& sample, const RangingLog& ranges) {
     return std::visit(
         [&]<class T>(const T& what) {
-            if constexpr (std::is_same_v<T, std::size_t>) return navigator.feed(ranges.epochs[what].time, ranges.of(ranges.epochs[what]));
+            if constexpr (std::is_same_v<T, std::size_t>)
+                return navigator.feed(ranges.epochs[what].time, ranges.of(ranges.epochs[what]));
             else return navigator.feed(what);
         },
         sample.what);

@@ -20,7 +20,8 @@ InertialFilter<Frame> filter_at(const InertialModel& model, math::Random& random
     InertialFilter<Frame> f(model);
     NavState nav;
     nav.time = Time::from_seconds(100.0);
-    nav.position = {1.2 * (2.0 * random.uniform() - 1.0), std::numbers::pi * (2.0 * random.uniform() - 1.0), 3000.0 * random.uniform()};
+    nav.position = {1.2 * (2.0 * random.uniform() - 1.0), std::numbers::pi * (2.0 * random.uniform() - 1.0),
+                    3000.0 * random.uniform()};
     nav.v_eb_n = 60.0 * random.normal3();
     nav.q_nb = math::quaternion_from_rpy(Vector3d(0.4, 0.4, 2.0).cwiseProduct(random.normal3()));
     f.set_nav(Frame::from_geographic(model.earth, nav));
@@ -61,7 +62,7 @@ Settings sensors_and_arms() {
 Settings with_gravity(DisturbanceKind kind, DisturbanceAxes axes) {
     Settings settings;
     settings.disturbance.estimate = true;
-    settings.disturbance.model = {kind, 0.5, Vector3d::Constant(1e-3), true, axes};   // by time: the pace is constant
+    settings.disturbance.model = {kind, 0.5, Vector3d::Constant(1e-3), true, axes};  // by time: the pace is constant
     return settings;
 }
 
@@ -74,7 +75,7 @@ void check(const Settings& settings, int states) {
     ASSERT_EQ(layout.size, states);
     const int N = estim::padded(states);
     sensor::ImuErrorModel errors = sensor::imu_grade("mems");
-    errors.gyro_turn_on_bias = errors.accel_turn_on_bias = 0.0;   // biases decay
+    errors.gyro_turn_on_bias = errors.accel_turn_on_bias = 0.0;  // biases decay
     errors.gyro_bias_time = errors.accel_bias_time = 50.0;
     InertialModel model(settings.earth, layout, errors);
     model.disturbance = settings.disturbance.model;
@@ -96,19 +97,20 @@ void check(const Settings& settings, int states) {
                 InertialFilter<Frame> f = start;
                 StateVector dx = StateVector::Zero(N);
                 dx(i) = side == 0 ? -step : step;
-                f.apply(model, dx);   // subtracts: an error of -dx
+                f.apply(model, dx);  // subtracts: an error of -dx
                 f.propagate(model, inc, {});
                 (void)f.propagate_covariance(model, unused);
                 moved[side] = difference(model, f, nominal);
             }
             const Vector numeric = (moved[0] - moved[1]) / (2.0 * step);
             const Vector analytic = phi.times(StateVector::Unit(N, i));
-            const StateVector row = phi.transpose_times(StateVector::Unit(N, i));   // and its transpose agrees with it
+            const StateVector row = phi.transpose_times(StateVector::Unit(N, i));  // and its transpose agrees with it
             for (int r = 0; r < N; ++r) EXPECT_NEAR(row(r), phi.times(StateVector::Unit(N, r))(i), 1e-15) << r << " " << i;
             // The filter's Phi is of first order in the step; what it leaves out is of second.
             for (int r = 0; r < N; ++r) {
-                const double size = (r < 6 ? 20.0 : 1.0) / (i < 3 ? 1e5 : 1.0);   // of an element of F^2 or of its turn in a step
-                EXPECT_NEAR(numeric(r), analytic(r), 2.0 * dt * dt * size + 1e-3 * std::abs(analytic(r) - (r == i ? 1.0 : 0.0)) + 1e-12)
+                const double size = (r < 6 ? 20.0 : 1.0) / (i < 3 ? 1e5 : 1.0);  // of an element of F^2 or of its turn in a step
+                EXPECT_NEAR(numeric(r), analytic(r),
+                            2.0 * dt * dt * size + 1e-3 * std::abs(analytic(r) - (r == i ? 1.0 : 0.0)) + 1e-12)
                     << "row " << r << " column " << i << " trial " << trial;
             }
         }

@@ -12,13 +12,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double dt = 0.01;   // s
+constexpr double dt = 0.01;  // s
 
-ImuIncrement increment(int k, const Vector3d& rate, const Vector3d& force) { return {Time::from_seconds(dt * k), dt, rate * dt, force * dt}; }
+ImuIncrement increment(int k, const Vector3d& rate, const Vector3d& force) {
+    return {Time::from_seconds(dt * k), dt, rate * dt, force * dt};
+}
 
 TEST(Vibration, WhiteNoiseIsSeenInFullAndForgottenInSeconds) {
     math::Random random(1, "vibration");
-    constexpr double gyro = 1e-3, accel = 0.02;   // rad/sqrt(s), m/s/sqrt(s)
+    constexpr double gyro = 1e-3, accel = 0.02;  // rad/sqrt(s), m/s/sqrt(s)
     Vibration v;
     double mean_gyro = 0.0, mean_accel = 0.0;
     constexpr int n = 20'000;
@@ -37,7 +39,7 @@ TEST(Vibration, SmoothMotionIsNone) {
     Vibration v;
     constexpr double pi = 3.14159265358979;
     double largest = 0.0;
-    for (int k = 1; k <= 2000; ++k) {   // swings by two rad/s, once a second
+    for (int k = 1; k <= 2000; ++k) {  // swings by two rad/s, once a second
         const double s = std::sin(2.0 * pi * dt * k);
         v.add(increment(k, Vector3d(2.0 * s, 0.0, 1.0), Vector3d(0.0, 5.0 * s, -9.8)));
         largest = std::max(largest, std::sqrt(v.gyro_psd));

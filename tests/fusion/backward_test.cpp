@@ -28,8 +28,10 @@ Eigen::Matrix<double, 7, Eigen::Dynamic> standardised(const earth::Earth& earth,
         const double t = b.time.seconds();
         if (f.time != b.time || t < from || t > to) continue;
         Eigen::Matrix<double, 7, 1> z;
-        z.head<3>() = earth::ned_difference(earth, f.position, b.position).cwiseQuotient((f.std_position.cwiseAbs2() + b.std_position.cwiseAbs2()).cwiseSqrt());
-        z.segment<3>(3) = (f.v_eb_n - b.v_eb_n).cwiseQuotient((f.std_velocity.cwiseAbs2() + b.std_velocity.cwiseAbs2()).cwiseSqrt());
+        z.head<3>() = earth::ned_difference(earth, f.position, b.position)
+                          .cwiseQuotient((f.std_position.cwiseAbs2() + b.std_position.cwiseAbs2()).cwiseSqrt());
+        z.segment<3>(3) =
+            (f.v_eb_n - b.v_eb_n).cwiseQuotient((f.std_velocity.cwiseAbs2() + b.std_velocity.cwiseAbs2()).cwiseSqrt());
         z(6) = math::wrap_pi(f.rpy.z() - b.rpy.z()) / std::hypot(f.std_rpy.z(), b.std_rpy.z());
         all.push_back(z);
     }
@@ -39,12 +41,13 @@ Eigen::Matrix<double, 7, Eigen::Dynamic> standardised(const earth::Earth& earth,
 }
 
 /// A drive with shaking off, filtered both ways; `recording` is what was filtered.
-Result both_ways(std::uint64_t seed, Settings& settings, Recording& recording, const std::function<void(Recording&)>& change = {}) {
+Result both_ways(std::uint64_t seed, Settings& settings, Recording& recording,
+                 const std::function<void(Recording&)>& change = {}) {
     const sim::Scenario scenario = town_drive(seed);
     recording = sim::simulate(scenario).recording;
     settings = settings_of(scenario);
     give_start(settings, recording, seed);
-    settings.aids.zero_velocity = false;   // its pseudo-measurements have no noise of their own to be judged by
+    settings.aids.zero_velocity = false;  // its pseudo-measurements have no noise of their own to be judged by
     settings.backward = true;
     if (change) change(recording);
     return fuse(recording, settings);
@@ -58,8 +61,15 @@ TEST(Backward, InertialNavigationComesBackTheWayItWent) {
     Settings f = settings_of(scenario);
     f.imu.errors = sensor::imu_grade("tactical");
     const ReferenceSample& truth = recording.reference.front();
-    f.initial = {truth.time, truth.position, truth.velocity_n, truth.rpy, Vector3d::Ones(), Vector3d::Constant(0.1),
-                 Vector3d::Constant(0.1 * deg), Vector3d::Zero(), Vector3d::Zero()};
+    f.initial = {truth.time,
+                 truth.position,
+                 truth.velocity_n,
+                 truth.rpy,
+                 Vector3d::Ones(),
+                 Vector3d::Constant(0.1),
+                 Vector3d::Constant(0.1 * deg),
+                 Vector3d::Zero(),
+                 Vector3d::Zero()};
     f.aids.zero_velocity = false;
     f.outages = {{-100.0, 1000.0}};
     f.backward = true;
@@ -98,7 +108,8 @@ TEST(Backward, SeparationHasTheSigmaThatBothStateAndTheErrorsAreIndependent) {
         for (const analysis::ErrorRow& e : backward) {
             while (i < forward.size() && forward[i].time < e.time) ++i;
             if (i == forward.size() || forward[i].time != e.time) continue;
-            const Vector3d ahead = forward[i].position.cwiseQuotient(forward[i].std_position), back = e.position.cwiseQuotient(e.std_position);
+            const Vector3d ahead = forward[i].position.cwiseQuotient(forward[i].std_position),
+                           back = e.position.cwiseQuotient(e.std_position);
             product += ahead.dot(back);
             square += 0.5 * (ahead.squaredNorm() + back.squaredNorm());
         }
@@ -113,9 +124,11 @@ TEST(Backward, ARowIsOfBeforeTheFixOfItsTime) {
     Settings f;
     Recording recording;
     const Result r = both_ways(1, f, recording);
-    const auto sigma_at = [&](double t) { return std::ranges::find(r.backward, Time::from_seconds(t), &SolutionRow::time)->std_position.norm(); };
+    const auto sigma_at = [&](double t) {
+        return std::ranges::find(r.backward, Time::from_seconds(t), &SolutionRow::time)->std_position.norm();
+    };
     for (const double fix : {1050.0, 1100.0, 1150.0}) {
-        EXPECT_GT(sigma_at(fix), 1.02 * sigma_at(fix - 0.1));   // which has used it
+        EXPECT_GT(sigma_at(fix), 1.02 * sigma_at(fix - 0.1));  // which has used it
         EXPECT_GT(sigma_at(fix), sigma_at(fix + 0.1));
     }
 }
@@ -131,9 +144,9 @@ TEST(Backward, FaultsShow) {
         for (GnssFix& s : r.gnss)
             if (const double since = s.time.seconds() - 1080.0; since > 0.0 && since <= 40.0) s.position.h += 0.3 * since;
     });
-    EXPECT_GT(outside(ramp)(2), 0.15);   // the height, of which a fifth of the time is wrong
+    EXPECT_GT(outside(ramp)(2), 0.15);  // the height, of which a fifth of the time is wrong
     EXPECT_LT(outside(ramp)(0), 0.02);
-    const Result turning = both_ways(3, f, recording, [](Recording& r) {   // 0.2 deg/s for ten seconds; the log has increments
+    const Result turning = both_ways(3, f, recording, [](Recording& r) {  // 0.2 deg/s for ten seconds; the log has increments
         for (ImuSample& s : r.imu)
             if (s.time.seconds() > 1100.0 && s.time.seconds() <= 1110.0) s.gyro.z() += 0.2 * deg * 0.01;
     });
@@ -156,7 +169,7 @@ TEST(Backward, GaugesAndLogAreUsedInTheirOwnTime) {
     ASSERT_GT(z.cols(), 1500);
     EXPECT_LT(z.rowwise().norm().maxCoeff() / std::sqrt(static_cast<double>(z.cols())), 1.8);
     const SolutionRow& inside = *std::ranges::find(r.backward, Time::from_seconds(1100.0), &SolutionRow::time);
-    EXPECT_LT(inside.std_velocity.norm(), 0.1);      // with the unit alone 0.5 m/s after 40 s
+    EXPECT_LT(inside.std_velocity.norm(), 0.1);  // with the unit alone 0.5 m/s after 40 s
     EXPECT_LT(inside.std_position.z(), 0.3);
 }
 

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using namespace testing;
 
 constexpr int seeds = 16;
-constexpr double from = 20.0, to = 195.0;   // s of the scenario
+constexpr double from = 20.0, to = 195.0;  // s of the scenario
 
 /// Mean over seeds and epochs of the squared standardised errors of three components each.
 struct Nees {
@@ -57,7 +57,7 @@ const Campaign& campaign() {
             Settings f = settings_of(scenario);
             give_start(f, recording, seed);
             f.smooth = true;
-            f.aids.zero_velocity = false;    // a pseudo-measurement has no noise of its own to be judged by
+            f.aids.zero_velocity = false;  // a pseudo-measurement has no noise of its own to be judged by
             const Result r = fuse(recording, f);
             const auto forward = errors(f, r.forward.rows, recording), smoothed = errors(f, r.smoothed.rows, recording);
             add(c.forward, forward);
@@ -117,7 +117,7 @@ TEST(Consistency, ScaleErrorsAndMisalignmentsAreStatesOrWouldLie) {
     const double with = attitude_nees(true), without = attitude_nees(false);
     EXPECT_GT(with, 1.7);
     EXPECT_LT(with, 4.8);
-    EXPECT_GT(without, 6.0);   // not more, for fixes that are refused open the covariance
+    EXPECT_GT(without, 6.0);  // not more, for fixes that are refused open the covariance
 }
 
 }  // namespace

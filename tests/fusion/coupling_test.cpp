@@ -8,8 +8,8 @@
 #include "schuler/filter/update/separate.h"
 #include "schuler/sim/inverse_imu.h"
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -25,9 +25,10 @@ TEST(SeparateScheme, BarometerLoopHasThreeEqualRoots) {
     for (const double tau : {20.0, 100.0, 300.0}) {
         const VerticalGains g = vertical_gains(tau);
         const double c = 2.0 * 9.80665 / 6371000.0;
-        Matrix3d A;   // height, velocity, correction of the acceleration
+        Matrix3d A;  // height, velocity, correction of the acceleration
         A << -g.height, 1.0, 0.0, c - g.velocity, 0.0, -1.0, g.acceleration, 0.0, 0.0;
-        for (const auto& root : A.eigenvalues()) EXPECT_NEAR(std::abs(root * tau + 1.0), 0.0, 2e-4);   // a triple root is badly conditioned
+        for (const auto& root : A.eigenvalues())
+            EXPECT_NEAR(std::abs(root * tau + 1.0), 0.0, 2e-4);  // a triple root is badly conditioned
     }
 }
 
@@ -37,12 +38,12 @@ TEST(SeparateScheme, BarometerGainsCloseTheLoopInTheRightSense) {
     const double dt = 0.1, tau = 50.0, c = 2.0 * 9.80665 / 6371000.0;
     const Matrix3d C = math::quaternion_from_rpy({0.2, -0.1, 1.0}).toRotationMatrix();
     const estim::StateVector K = barometer_gains(16, C, dt, tau).col(0);
-    double d = 5.0, v = 0.2;                       // errors down
+    double d = 5.0, v = 0.2;  // errors down
     Vector3d bias = C.transpose() * Vector3d(0.0, 0.0, 0.01);
     for (int k = 0; k < 20000; ++k) {
         d += dt * v;
-        v += dt * (c * d - (C * bias).z());         // v' = -C db
-        const double innovation = -d;               // height against height, row -1
+        v += dt * (c * d - (C * bias).z());  // v' = -C db
+        const double innovation = -d;        // height against height, row -1
         d -= K(Layout::position + 2) * innovation;
         v -= K(Layout::velocity + 2) * innovation;
         bias -= K.segment<3>(Layout::accel_bias) * innovation;
@@ -62,7 +63,8 @@ TEST(SeparateScheme, ShareOfAContinuousCorrection) {
 TEST(CorrectionPeriod, InvertsTheGrowth) {
     const InertialErrorBounds b{1e-3, 5e-6, 1e-2};
     for (const double t : {2.0, 30.0, 300.0}) EXPECT_NEAR(correction_period(b, attitude_growth(b, t)), t, 1e-4);
-    EXPECT_NEAR(attitude_growth(b, 10.0), 5e-5 + ((1e-3 * 9.80665 + 1e-2) * 50.0 + 9.80665 * 5e-6 * 1000.0 / 6.0) / 6371000.0, 1e-12);
+    EXPECT_NEAR(attitude_growth(b, 10.0), 5e-5 + ((1e-3 * 9.80665 + 1e-2) * 50.0 + 9.80665 * 5e-6 * 1000.0 / 6.0) / 6371000.0,
+                1e-12);
     EXPECT_NEAR(correction_period({}, 1e-3), 0.5 * M_PI * std::sqrt(6371000.0 / 9.80665), 1e-6);
     EXPECT_NEAR(correction_period({1.0, 1.0, 100.0}, 1e-9), 1.0, 1e-4);
 }
@@ -79,7 +81,9 @@ TEST(ReceiverAiding, RatesAreTheDerivativesOfTheRange) {
         return Vector3d(earth::ecef_from_geodetic(earth.ellipsoid, n.position).r +
                         earth::C_en(n.position.lat, n.position.lon) * (n.q_nb.toRotationMatrix() * lever));
     };
-    const auto satellite = [](double t) { return Vector3d(2.0e7 + 900.0 * t - 0.2 * t * t, 1.2e7 - 2500.0 * t + 0.1 * t * t, 1.0e7 + 1500.0 * t); };
+    const auto satellite = [](double t) {
+        return Vector3d(2.0e7 + 900.0 * t - 0.2 * t * t, 1.2e7 - 2500.0 * t + 0.1 * t * t, 1.0e7 + 1500.0 * t);
+    };
     const auto range = [&](double t) { return (antenna(t) - satellite(t)).norm(); };
     for (const double t : {7.0, 22.0, 41.0}) {
         const sim::InertialInput felt = sim::inertial_input(earth, path->at(t));
@@ -103,14 +107,14 @@ TEST(Integrity, TestsOfOneFix) {
     IntegritySettings s;
     ChannelHealth health;
     Examined e{AidKind::GnssPosition, Time::from_seconds(12.0), {60.0, 0.0, 0.0}, Vector3d::Ones(), 1e4};
-    EXPECT_TRUE(within_tolerance(e, health, s));                 // nothing to extrapolate from yet
+    EXPECT_TRUE(within_tolerance(e, health, s));  // nothing to extrapolate from yet
     health.used = Time::from_seconds(10.0);
-    EXPECT_TRUE(within_tolerance(e, health, s));                 // 30 m/s^2 for 2 s: 60 m
+    EXPECT_TRUE(within_tolerance(e, health, s));  // 30 m/s^2 for 2 s: 60 m
     e.innovation.x() = 60.0 + 5.0 * std::sqrt(3.0) + 0.1;
     EXPECT_FALSE(within_tolerance(e, health, s));
     EXPECT_EQ(failed_test(e, health, s), IntegrityTest::Tolerance);
     e.kind = AidKind::GnssVelocity;
-    e.innovation.x() = 68.0;                                      // 30 m/s^2 for 2 s and 8.7 m/s
+    e.innovation.x() = 68.0;  // 30 m/s^2 for 2 s and 8.7 m/s
     EXPECT_TRUE(within_tolerance(e, health, s));
     e.trace = 68.0 * 68.0 / 10.0 * 0.999;
     EXPECT_EQ(failed_test(e, health, s), IntegrityTest::Innovation);
@@ -228,10 +232,10 @@ TEST(LooseKind, PartsOfASparseFixSpeakOfItsTime) {
     flight.scenario.gnss.rate = 0.1;
     sensor::ImuErrorModel& errors = flight.settings.imu.errors;
     errors.gyro_noise = errors.accel_noise = 1e-9;
-    errors.gyro_bias_time = errors.accel_bias_time = 1e9;   // constants
+    errors.gyro_bias_time = errors.accel_bias_time = 1e9;  // constants
     flight.scenario.imu.errors = errors;
     flight.scenario.baro.rate = 0.0;
-    flight.settings.aids.gate_probability = 0.0;   // integrating at 20 Hz has errors too, which no noise stands for here
+    flight.settings.aids.gate_probability = 0.0;  // integrating at 20 Hz has errors too, which no noise stands for here
     Recording recording;
     const Result standard = flight.run(recording);
     flight.settings.loose_kind = LooseKind::Aggressive;
@@ -241,7 +245,7 @@ TEST(LooseKind, PartsOfASparseFixSpeakOfItsTime) {
     for (std::size_t i = 0; i < standard.forward.rows.size(); ++i) {
         const SolutionRow &a = standard.forward.rows[i], &b = aggressive.forward.rows[i];
         const double t = a.time.seconds() - 1000.0;
-        if (t < 30.0 || std::abs(std::fmod(t, 10.0) - 9.5) > 0.4) continue;   // all parts of a fix are used, the next is not there
+        if (t < 30.0 || std::abs(std::fmod(t, 10.0) - 9.5) > 0.4) continue;  // all parts of a fix are used, the next is not there
         ++compared;
         for (int k = 0; k < 3; ++k) {
             EXPECT_NEAR(b.std_position(k) / a.std_position(k), 1.0, 0.01) << t;
@@ -255,7 +259,7 @@ TEST(LooseKind, PartsOfASparseFixSpeakOfItsTime) {
 // A position that ramps away by 1 m/s: the filter alone follows it, the monitor excludes the receiver and takes it back afterwards.
 TEST(Integrity, SlowRampIsFoundExcludedAndTheReceiverReadmitted) {
     Flight flight(5);
-    flight.settings.gnss.use_velocity = false;   // a velocity without the fault would tell at once
+    flight.settings.gnss.use_velocity = false;  // a velocity without the fault would tell at once
     Recording recording;
     flight.settings.integrity.use = true;
     const Result healthy = flight.run(recording);
@@ -283,7 +287,7 @@ TEST(Integrity, StepsAreRefusedAtOnceAndSmootherIsRefusedToo) {
     const Result guarded = flight.run(recording);
     EXPECT_LT(horizontal(guarded, recording, 60.0).largest, 20.0);
     ASSERT_FALSE(guarded.alerts.empty());
-    EXPECT_NEAR(guarded.alerts.front().time.seconds() - 1200.0, 2.0, 1.01);   // three in a row
+    EXPECT_NEAR(guarded.alerts.front().time.seconds() - 1200.0, 2.0, 1.01);  // three in a row
     flight.settings.smooth = true;
     EXPECT_THROW((void)flight.run(recording), Error);
 }

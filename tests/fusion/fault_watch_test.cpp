@@ -1,6 +1,6 @@
 // What a wrong pseudorange does to the tight filter, foretold by the fault watch, against running the filter twice; repair; levels.
-#include "fusion/range_flight.h"
 #include "schuler/filter/integrity/fault_watch.h"
+#include "fusion/range_flight.h"
 #include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/timeline.h"
 
@@ -113,7 +113,7 @@ TEST(FaultWatch, LevelsOfOneScalar) {
     settings.false_alarm = 1e-7;
     settings.fault_free = 1e-7;
     const ProtectionLimits limits(settings);
-    EXPECT_NEAR(limits.test, 5.326724, 1e-5);    // quantiles of the normal distribution
+    EXPECT_NEAR(limits.test, 5.326724, 1e-5);  // quantiles of the normal distribution
     EXPECT_NEAR(limits.bias, 3.090232, 1e-5);
     EXPECT_NEAR(limits.vertical, 3.290527, 1e-5);
     Eigen::Matrix<double, 3, 9> T = Eigen::Matrix<double, 3, 9>::Zero();

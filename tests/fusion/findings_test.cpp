@@ -81,10 +81,10 @@ TEST(Start, GivenStateIsTaken) {
 
 TEST(Mounting, UpsideDownAndBackwardIsFound) {
     sim::Scenario scenario = town_drive(41, 5.0);
-    scenario.imu.mounting = Vector3d(174.0, 5.0, 187.0) * deg;   // over and about, then tilted
+    scenario.imu.mounting = Vector3d(174.0, 5.0, 187.0) * deg;  // over and about, then tilted
     const Recording recording = sim::simulate(scenario).recording;
     Settings f = settings_of(scenario);
-    f.imu.mounting_rpy = Vector3d(180.0, 0.0, 180.0) * deg;      // as roughly known: the tilt is to be found
+    f.imu.mounting_rpy = Vector3d(180.0, 0.0, 180.0) * deg;  // as roughly known: the tilt is to be found
     f.gnss.lever_arm_b.setZero();
     for (const bool roughly_known : {true, false}) {
         if (!roughly_known) f.imu.mounting_rpy.setZero();

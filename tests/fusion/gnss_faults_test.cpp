@@ -54,11 +54,12 @@ TEST(FrozenFixes, ReceiverThatStandsOrHasCoarseDigitsIsNotAccused) {
     const earth::Earth earth;
     EXPECT_FALSE(frozen_fixes(drive(1.0, 0.0), earth).any());
     for (const double digit : {0.01, 1.0, 11.0})
-        for (const bool velocities : {true, false}) EXPECT_FALSE(frozen_fixes(drive(0.0, digit, velocities), earth).any()) << digit;
-    auto held = drive(1.0, 0.0);   // static hold: position and velocity stay while it stands, and drift is let go at the end
+        for (const bool velocities : {true, false})
+            EXPECT_FALSE(frozen_fixes(drive(0.0, digit, velocities), earth).any()) << digit;
+    auto held = drive(1.0, 0.0);  // static hold: position and velocity stay while it stands, and drift is let go at the end
     hang(held, 10, 149, true, true);
     EXPECT_FALSE(frozen_fixes(held, earth).any());
-    auto logger = drive(1.0, 0.0);   // a receiver of 0.25 Hz in a table of 5 Hz
+    auto logger = drive(1.0, 0.0);  // a receiver of 0.25 Hz in a table of 5 Hz
     for (std::size_t i = 0; i + 20 <= logger.size(); i += 20) hang(logger, i, i + 19, true, true);
     EXPECT_FALSE(frozen_fixes(logger, earth).any());
 }
@@ -89,7 +90,7 @@ TEST(FrozenFixes, OneThatHangsFromRestOnShowsItByTheLeapAtItsEnd) {
     const earth::Earth earth;
     for (const bool velocities : {true, false}) {
         auto fixes = drive(1.0, 0.0, velocities);
-        hang(fixes, 100, 240, true, true);   // it drove off at the 150th
+        hang(fixes, 100, 240, true, true);  // it drove off at the 150th
         const FrozenFixes found = frozen_fixes(fixes, earth);
         EXPECT_EQ(found.positions, 140u);
         EXPECT_EQ(found.velocities, velocities ? 140u : 0u);
@@ -99,7 +100,8 @@ TEST(FrozenFixes, OneThatHangsFromRestOnShowsItByTheLeapAtItsEnd) {
 /// Metres east for the fixes of [first, end): at once, and growing by the second.
 void stray(std::vector<GnssFix>& fixes, std::size_t first, std::size_t end, double at_once, double rate) {
     for (std::size_t i = first; i < end; ++i)
-        fixes[i].position = earth::moved_by_ned({}, fixes[i].position, {0.0, at_once + rate * 0.2 * static_cast<double>(i - first), 0.0});
+        fixes[i].position =
+            earth::moved_by_ned({}, fixes[i].position, {0.0, at_once + rate * 0.2 * static_cast<double>(i - first), 0.0});
 }
 
 std::size_t count(const std::vector<bool>& marked) { return static_cast<std::size_t>(std::ranges::count(marked, true)); }
@@ -107,7 +109,7 @@ std::size_t count(const std::vector<bool>& marked) { return static_cast<std::siz
 TEST(StrayedPositions, OnesThatComeBackToTheWayOfTheVelocitiesAreNamed) {
     const earth::Earth earth;
     auto ramp = drive(0.5, 0.0);
-    stray(ramp, 200, 300, 0.0, 2.0);   // 40 m in the end
+    stray(ramp, 200, 300, 0.0, 2.0);  // 40 m in the end
     const auto ramped = strayed_positions(ramp, earth);
     for (std::size_t i = 225; i < 300; ++i) EXPECT_TRUE(ramped[i]) << i;
     for (std::size_t i = 300; i < ramp.size(); ++i) EXPECT_FALSE(ramped[i]) << i;
@@ -121,10 +123,10 @@ TEST(StrayedPositions, NobodyIsNamedWhereTheWayDoesNotClose) {
     auto stays = drive(0.5, 0.0);
     stray(stays, 200, stays.size(), 40.0, 0.0);
     EXPECT_EQ(count(strayed_positions(stays, earth)), 0u);
-    auto level = drive(0.5, 0.0);   // a jump and a jump back
+    auto level = drive(0.5, 0.0);  // a jump and a jump back
     stray(level, 200, 300, 40.0, 0.0);
     EXPECT_EQ(count(strayed_positions(level, earth)), 0u);
-    auto velocities = drive(0.5, 0.0);   // wrong ones
+    auto velocities = drive(0.5, 0.0);  // wrong ones
     for (std::size_t i = 200; i < 300; ++i) velocities[i].velocity_n.y() += 3.0;
     EXPECT_EQ(count(strayed_positions(velocities, earth)), 0u);
 }

@@ -38,7 +38,8 @@ Flight hover(const std::function<double(double)>& of_receiver, const std::functi
             fix.fix = FixType::Autonomous;
             f.recording.gnss.push_back(fix);
         }
-        if (i % 5 == 0) f.recording.baro.push_back({Time::from_seconds(t), height(t) + 0.4 * normal(random) + of_barometer(t), not_given});
+        if (i % 5 == 0)
+            f.recording.baro.push_back({Time::from_seconds(t), height(t) + 0.4 * normal(random) + of_barometer(t), not_given});
     }
     return f;
 }
@@ -66,8 +67,8 @@ TEST(HeightFaults, AGlitchOfTheReceiverIsLeftOutAndNothingElse) {
 TEST(HeightFaults, ABarometersOwnFaultsAccuseNobody) {
     EXPECT_EQ(left_out(hover(none, none)), 0u);
     EXPECT_EQ(left_out(hover(none, glitch)), 0u);
-    EXPECT_EQ(left_out(hover(none, [](double t) { return 0.03 * t; })), 0u);   // weather
-    EXPECT_EQ(left_out(hover([](double t) { return 0.08 * t; }, none)), 0u);   // nothing tells which of the two it is
+    EXPECT_EQ(left_out(hover(none, [](double t) { return 0.03 * t; })), 0u);  // weather
+    EXPECT_EQ(left_out(hover([](double t) { return 0.08 * t; }, none)), 0u);  // nothing tells which of the two it is
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 using namespace testing;
 
-constexpr double fault_at = 100.0;   // s after the start
+constexpr double fault_at = 100.0;  // s after the start
 
 /// A consumer unit with a precise receiver once a second, shaking; the start is given.
 Drive drive(std::uint64_t seed) {
@@ -36,9 +36,9 @@ double age(const Drive& d, Time t) { return (t - d.scenario.origin).seconds() - 
 
 /// What became of a fault.
 struct Outcome {
-    double denied = 0.0;      ///< share of the epochs that are wrong by more than 5 sigma and a metre, from 20 s before the fault on
-    double at_end = 0.0;      ///< m, largest error of the last 20 s
-    double after = 0.0;       ///< m, largest error from 45 s after the fault on
+    double denied = 0.0;  ///< share of the epochs that are wrong by more than 5 sigma and a metre, from 20 s before the fault on
+    double at_end = 0.0;  ///< m, largest error of the last 20 s
+    double after = 0.0;   ///< m, largest error from 45 s after the fault on
     Result result;
 };
 Outcome outcome(const Drive& d) {
@@ -101,7 +101,7 @@ TEST(Hypotheses, AReceiverThatJumpsAndStaysLeavesBothLevelsCovered) {
     const Outcome o = outcome(d);
     EXPECT_TRUE(alerted(o, IntegrityTest::Jump));
     EXPECT_LT(o.denied, 0.02);
-    EXPECT_NEAR(o.at_end, 50.0, 1.0);   // it has been there for longer than it was here
+    EXPECT_NEAR(o.at_end, 50.0, 1.0);  // it has been there for longer than it was here
 }
 
 TEST(Hypotheses, AReceiverThatLeavesSlowlyWhileItsVelocitiesFitIsNotFollowed) {
@@ -146,7 +146,8 @@ TEST(Hypotheses, TheSmootherKnowsWhoWasRight) {
     const Result r = fuse(d.recording, d.settings);
     const auto alert = std::ranges::find(r.alerts, IntegrityTest::Navigation, &Alert::test);
     ASSERT_NE(alert, r.alerts.end());
-    const auto forward = errors(d.settings, r.forward.rows, d.recording), smoothed = errors(d.settings, r.smoothed.rows, d.recording);
+    const auto forward = errors(d.settings, r.forward.rows, d.recording),
+               smoothed = errors(d.settings, r.smoothed.rows, d.recording);
     const auto worst = [&](const auto& list) {
         double w = 0.0;
         for (const auto& e : list)
@@ -154,7 +155,7 @@ TEST(Hypotheses, TheSmootherKnowsWhoWasRight) {
         return w;
     };
     EXPECT_GT(worst(forward), 1.0);
-    EXPECT_LT(worst(smoothed), 0.4 * worst(forward));   // not less: from the fault to the first refused fix nobody knew
+    EXPECT_LT(worst(smoothed), 0.4 * worst(forward));  // not less: from the fault to the first refused fix nobody knew
 }
 
 /// A challenger that takes every other fix does not explain them either: it is begun anew. The rows are written as they come, so the run is

@@ -22,7 +22,8 @@ filter::ImuTimeline swinging(double range, double digit = 0.0) {
         ImuIncrement increment;
         increment.time = Time::from_seconds(t);
         increment.dt = 0.02;
-        increment.dtheta = 0.02 * Eigen::Vector3d(shown(noise(random)), shown(noise(random)), shown(0.5 * std::sin(0.3 * t) + noise(random)));
+        increment.dtheta =
+            0.02 * Eigen::Vector3d(shown(noise(random)), shown(noise(random)), shown(0.5 * std::sin(0.3 * t) + noise(random)));
         increment.dv = 0.02 * Eigen::Vector3d(noise(random), noise(random), -9.8 + noise(random));
         timeline.increments.push_back(increment);
     }

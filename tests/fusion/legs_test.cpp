@@ -23,7 +23,8 @@ Recording paused(Recording r, double at, double pause) {
 /// The drive, with nothing logged for some time.
 Recording without(Recording r, double at, double seconds) {
     const auto lose = [&](auto& log) {
-        std::erase_if(log, [&](const auto& s) { return s.time.seconds() >= 1000.0 + at && s.time.seconds() < 1000.0 + at + seconds; });
+        std::erase_if(log,
+                      [&](const auto& s) { return s.time.seconds() >= 1000.0 + at && s.time.seconds() < 1000.0 + at + seconds; });
     };
     lose(r.imu);
     lose(r.gnss);
@@ -79,7 +80,8 @@ TEST_F(Legs, AnHoursPauseIsNotBridged) {
 TEST_F(Legs, AClockThatIsSetBeginsOneWithTheAttitudeOfTheLast) {
     settings.smooth = false;
     const double usual = rms(errors(settings, fuse(whole, settings).forward.rows, whole), 15.0).position;
-    const auto fastest = std::ranges::max_element(whole.reference, {}, [](const ReferenceSample& s) { return s.velocity_n.norm(); });
+    const auto fastest =
+        std::ranges::max_element(whole.reference, {}, [](const ReferenceSample& s) { return s.velocity_n.norm(); });
     for (const double step : {1.0, 20.0}) {
         const Recording r = paused(whole, fastest->time.seconds() - 1000.0, step);
         const Result result = fuse(r, settings);
@@ -96,7 +98,7 @@ TEST_F(Legs, OutagesKeepTheirTimes) {
     settings.smooth = false;
     settings.outages = {{3600.0 + 150.0, 10.0}};
     const Result result = fuse(r, settings);
-    EXPECT_EQ(result.counters.gnss_withheld, 19u);   // the ends of an outage are used
+    EXPECT_EQ(result.counters.gnss_withheld, 19u);  // the ends of an outage are used
     ASSERT_FALSE(result.forward.outage_epochs.empty());
     EXPECT_NEAR((result.forward.outage_epochs.front().time - r.gnss.front().time).seconds(), 3750.0, 0.6);
 }

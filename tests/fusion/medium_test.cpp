@@ -48,7 +48,7 @@ TEST(MediumCoupling, TheReceiverIsIndependentAndConsistent) {
                                math::dcm_from_rpy(truth.rpy) * f.settings.gnss.lever_arm_b;
         if (i >= 20) squares += error.cwiseQuotient(row.std_position).squaredNorm() / 3.0 / 100.0;
     }
-    EXPECT_GT(squares, 0.05);   // one flight: its slow errors are the same throughout
+    EXPECT_GT(squares, 0.05);  // one flight: its slow errors are the same throughout
     EXPECT_LT(squares, 3.0);
     for (const CrossCheck& c : one.cross_checks) EXPECT_TRUE(c.agrees) << c.time.seconds();
 }
@@ -80,7 +80,8 @@ TEST(MediumCoupling, SurvivesTheLossOfTheSatellites) {
     f.settings.coupling = Coupling::Tight;
     const Result tight = run(f);
     ASSERT_EQ(both.forward.rows.size(), tight.forward.rows.size());
-    for (std::size_t i = 0; i < tight.forward.rows.size(); ++i) EXPECT_EQ(both.forward.rows[i].position.lat, tight.forward.rows[i].position.lat);
+    for (std::size_t i = 0; i < tight.forward.rows.size(); ++i)
+        EXPECT_EQ(both.forward.rows[i].position.lat, tight.forward.rows[i].position.lat);
     EXPECT_LT(error_within(f, both, 60.0, 99.0), 15.0);
 }
 

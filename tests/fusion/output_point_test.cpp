@@ -50,7 +50,7 @@ TEST(OutputPoint, LiesAtTheEndOfTheLeverArmAndMovesWithIt) {
         fastest_turn = std::max(fastest_turn, std::abs(about));
         EXPECT_LT((mean - 0.5 * (a.v_eb_n + b.v_eb_n)).norm(), 0.03) << a.time.seconds();
     }
-    EXPECT_GT(fastest_turn, 0.08);   // 0.12 m/s at this arm
+    EXPECT_GT(fastest_turn, 0.08);  // 0.12 m/s at this arm
 }
 
 // A covariance asked for at every epoch ends the spans that transitions are gathered over. The acceleration that a late fix is judged with
@@ -76,7 +76,9 @@ TEST(OutputPoint, StatesDoNotDependOnWhatIsAskedFor) {
         const SolutionRow& b = always.forward.rows[i];
         if (b.time != a.time) continue;
         ++compared;
-        EXPECT_LT(earth::ned_difference(f.earth, a.position, b.position).cwiseQuotient(a.std_position).cwiseAbs().maxCoeff(), 0.01) << compared;
+        EXPECT_LT(earth::ned_difference(f.earth, a.position, b.position).cwiseQuotient(a.std_position).cwiseAbs().maxCoeff(),
+                  0.01)
+            << compared;
         EXPECT_LT((a.v_eb_n - b.v_eb_n).cwiseQuotient(a.std_velocity).cwiseAbs().maxCoeff(), 0.01) << compared;
         EXPECT_LT(std::abs(math::wrap_pi(a.rpy.z() - b.rpy.z())) / a.std_rpy.z(), 0.01) << compared;
     }
@@ -106,7 +108,7 @@ TEST(OutputPoint, SigmasHaveTheShareOfAttitudeAndRate) {
         for (int k = 0; k < 2; ++k) {
             filter::Estimate moved = e;
             const double by = k == 0 ? step : -step;
-            if (i < 9) moved.nav = ins::corrected(e.earth, e.nav, -by * filter::Vector9::Unit(i));   // an estimate with this error
+            if (i < 9) moved.nav = ins::corrected(e.earth, e.nav, -by * filter::Vector9::Unit(i));  // an estimate with this error
             else moved.w_ib_b(i - 9) += by;
             moved.C_nb = moved.nav.q_nb.toRotationMatrix();
             side[k] = solution_row_at(moved, P, arm, rate_variance);
@@ -131,7 +133,8 @@ TEST(OutputInstants, AreRowsAtTheirOwnTimesAndChangeNothing) {
     const Result with = fuse(d.recording, d.settings);
     ASSERT_EQ(with.forward.rows.size(), without.forward.rows.size());
     for (std::size_t i = 0; i < with.forward.rows.size(); i += 10)
-        EXPECT_LT(earth::ned_difference(d.settings.earth, with.forward.rows[i].position, without.forward.rows[i].position).norm(), 1e-6);
+        EXPECT_LT(earth::ned_difference(d.settings.earth, with.forward.rows[i].position, without.forward.rows[i].position).norm(),
+                  1e-6);
     for (const auto& [t, plain] : {std::pair{&with.forward, &without.forward}, {&with.smoothed, &without.smoothed}}) {
         ASSERT_EQ(t->instants.size(), 6u);
         for (std::size_t k = 0; k < 6; ++k) {
@@ -150,7 +153,8 @@ TEST(OutputInstants, AreRowsAtTheirOwnTimesAndChangeNothing) {
     d.settings.output_lever_arm_b = arm;
     d.settings.mechanization = Mechanization::Ecef;
     for (const InstantRow& r : fuse(d.recording, d.settings).forward.instants) {
-        const Vector3d apart = earth::ned_difference(d.settings.earth, r.row.position, with.forward.instants[r.index - 1].row.position);
+        const Vector3d apart =
+            earth::ned_difference(d.settings.earth, r.row.position, with.forward.instants[r.index - 1].row.position);
         EXPECT_LT((apart - math::dcm_from_rpy(r.row.rpy) * arm).norm(), 0.02) << r.index;
     }
 }

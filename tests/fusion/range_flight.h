@@ -56,8 +56,15 @@ inline Flight flight(const std::vector<sim::GroundStation>& stations = {}, std::
     t.ranging.corrections.ionosphere = gnss::IonosphereModel::None;
     t.output_rate = 1.0;
     const ReferenceSample& truth = f.recording.reference.front();
-    t.initial = {truth.time, truth.position, truth.velocity_n, truth.rpy, Eigen::Vector3d::Constant(10.0), Eigen::Vector3d::Constant(0.1),
-                 Eigen::Vector3d(1e-4, 1e-4, 1e-3), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    t.initial = {truth.time,
+                 truth.position,
+                 truth.velocity_n,
+                 truth.rpy,
+                 Eigen::Vector3d::Constant(10.0),
+                 Eigen::Vector3d::Constant(0.1),
+                 Eigen::Vector3d(1e-4, 1e-4, 1e-3),
+                 Eigen::Vector3d::Zero(),
+                 Eigen::Vector3d::Zero()};
     return f;
 }
 

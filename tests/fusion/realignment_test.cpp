@@ -42,7 +42,8 @@ TEST(Realignment, AWrongHeadingThatIsGivenIsReplaced) {
                 const auto e = errors(d.settings, result.forward.rows, d.recording);
                 EXPECT_LT(worst_horizontal(e, 60.0), 2.5) << seed << " " << wrong << " " << noise;
                 EXPECT_LT(rms(e, 100.0).heading, 2.0 * deg) << seed << " " << wrong << " " << noise;
-                EXPECT_TRUE(std::ranges::is_sorted(result.forward.rows, std::ranges::less_equal{}, &SolutionRow::time));   // no time twice
+                EXPECT_TRUE(
+                    std::ranges::is_sorted(result.forward.rows, std::ranges::less_equal{}, &SolutionRow::time));  // no time twice
             }
 }
 

@@ -32,7 +32,7 @@ Drive drive(std::uint64_t seed, double gnss_rate = 1.0, bool shaking = true) {
 
 /// Rows of two solutions compared, equal times asked for.
 struct Difference {
-    double position = 0.0, velocity = 0.0, attitude = 0.0, sigma = 0.0;   ///< largest, m, m/s, rad, relative
+    double position = 0.0, velocity = 0.0, attitude = 0.0, sigma = 0.0;  ///< largest, m, m/s, rad, relative
 };
 Difference difference(const earth::Earth& earth, const std::vector<SolutionRow>& a, const std::vector<SolutionRow>& b) {
     Difference d;
@@ -43,7 +43,8 @@ Difference difference(const earth::Earth& earth, const std::vector<SolutionRow>&
         d.velocity = std::max(d.velocity, (a[i].v_eb_n - b[i].v_eb_n).norm());
         const Eigen::Matrix3d turn = math::dcm_from_rpy(a[i].rpy) * math::dcm_from_rpy(b[i].rpy).transpose();
         d.attitude = std::max(d.attitude, Eigen::AngleAxisd(turn).angle());
-        for (const auto& [x, y] : {std::pair{a[i].std_position, b[i].std_position}, {a[i].std_velocity, b[i].std_velocity},
+        for (const auto& [x, y] : {std::pair{a[i].std_position, b[i].std_position},
+                                   {a[i].std_velocity, b[i].std_velocity},
                                    {a[i].std_rpy, b[i].std_rpy}})
             d.sigma = std::max(d.sigma, (x - y).cwiseQuotient(x).cwiseAbs().maxCoeff());
     }
@@ -83,8 +84,8 @@ TEST(Run, FramesAgree) {
     }
     std::array<int, 7> kinds{};
     for (const AidRecord& a : n.aids) kinds[static_cast<std::size_t>(a.kind)] += a.status == AidStatus::Accepted ? 1 : 0;
-    for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::ZeroVelocity, AidKind::ZeroRate,
-                               AidKind::Nonholonomic})
+    for (const AidKind kind :
+         {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::ZeroVelocity, AidKind::ZeroRate, AidKind::Nonholonomic})
         EXPECT_GT(kinds[static_cast<std::size_t>(kind)], 20) << static_cast<int>(kind);
     EXPECT_EQ(n.counters.gnss_accepted, e.counters.gnss_accepted);
     EXPECT_EQ(n.forward.rows.size(), n.smoothed.rows.size());
@@ -167,7 +168,7 @@ TEST(Run, OutliersAreRejected) {
 // Five seconds of fixes 60 m beside the road, right when the filter is least certain: with true velocities and with false ones.
 TEST(Run, ClusterAfterAnOutageDoesNotCaptureTheFilter) {
     for (const bool false_velocity : {false, true}) {
-        Drive d = drive(6, 1.0, false);   // without zero-velocity updates
+        Drive d = drive(6, 1.0, false);  // without zero-velocity updates
         d.settings.outages = {{70.0, 60.0}};
         const Result clean = fuse(d.recording, d.settings);
         const auto clean_errors = errors(d.settings, clean.forward.rows, d.recording);
@@ -199,7 +200,7 @@ TEST(Run, AGoodHeightDoesNotExcuseABadPosition) {
     }
     const Result r = fuse(d.recording, d.settings);
     const auto e = errors(d.settings, r.forward.rows, d.recording);
-    EXPECT_NEAR(e.back().position.head<2>().norm(), std::hypot(30.0, 20.0), 1.0);   // the shift is the receiver's truth
+    EXPECT_NEAR(e.back().position.head<2>().norm(), std::hypot(30.0, 20.0), 1.0);  // the shift is the receiver's truth
     EXPECT_LT(r.counters.gnss_rejected, 15u);
 }
 
@@ -218,8 +219,8 @@ TEST(Run, OutageTableIsAtTheAntenna) {
         EXPECT_EQ(r.smoothed.outage_epochs[i].time, e.time);
         // The same from the solution's row of that time, turned and moved to the antenna. An end row is after its update.
         if (e.end) continue;
-        for (const auto& [rows, epoch, tolerance] : {std::tuple{&r.forward.rows, e, 1e-5},
-                                                     {&r.smoothed.rows, r.smoothed.outage_epochs[i], 1e-2}}) {
+        for (const auto& [rows, epoch, tolerance] :
+             {std::tuple{&r.forward.rows, e, 1e-5}, {&r.smoothed.rows, r.smoothed.outage_epochs[i], 1e-2}}) {
             const auto row = std::find_if(rows->begin(), rows->end(), [&](const SolutionRow& x) { return x.time == e.time; });
             ASSERT_NE(row, rows->end());
             const Vector3d arm = math::dcm_from_rpy(row->rpy) * d.settings.gnss.lever_arm_b;

@@ -35,11 +35,13 @@ Start start_of(const Recording& recording, const Settings& settings) {
 }
 
 const ReferenceSample& truth_at(const Recording& recording, Time t) {
-    return *std::ranges::min_element(recording.reference, {}, [t](const ReferenceSample& r) { return std::abs((r.time - t).seconds()); });
+    return *std::ranges::min_element(recording.reference, {},
+                                     [t](const ReferenceSample& r) { return std::abs((r.time - t).seconds()); });
 }
 
 void without_velocities(Recording& recording) {
-    for (GnssFix& fix : recording.gnss) fix.velocity_n = fix.std_velocity = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    for (GnssFix& fix : recording.gnss)
+        fix.velocity_n = fix.std_velocity = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 }
 
 /// At a steady speed from the first instant on.
@@ -49,7 +51,8 @@ sim::Scenario steady(double north, double east) {
     s.origin = Time::from_seconds(1000.0);
     sim::RecordedPath path;
     for (int k = 0; k <= 70; ++k)
-        path.points.push_back({1.0 * k, {0.5 + north * k / 6.36e6, 1.0 + east * k / 5.6e6, 500.0}, {0.0, 0.0, std::atan2(east, north)}});
+        path.points.push_back(
+            {1.0 * k, {0.5 + north * k / 6.36e6, 1.0 + east * k / 5.6e6, 500.0}, {0.0, 0.0, std::atan2(east, north)}});
     s.path = path;
     s.imu.errors = mems();
     s.gnss.rate = 4.0;
@@ -67,7 +70,8 @@ TEST(Start, HeadingIsFoundBesideLatenciesThatNobodyKnows) {
         Settings f = settings_of(s);
         f.gnss.latency_std = f.gnss.velocity_latency_std = 0.15;
         const Start start = start_of(recording, f);
-        const double off = math::wrap_pi(math::rpy_from_quaternion(start.nav.q_nb).z() - truth_at(recording, start.nav.time).rpy.z());
+        const double off =
+            math::wrap_pi(math::rpy_from_quaternion(start.nav.q_nb).z() - truth_at(recording, start.nav.time).rpy.z());
         EXPECT_LT(std::abs(off), 3.0 * start.std_rpy.z()) << seed;
         EXPECT_LT(start.std_rpy.z(), 10.0 * deg) << seed;
         EXPECT_EQ(start.undecided_heading, 0.0) << seed;
@@ -162,16 +166,17 @@ TEST(Start, WhatTheMagnetometerShowedIsNotUsedTwice) {
     scenario.path = sim::StaticPath{{0.9, 0.5, 100.0}, {0.0, 0.0, 1.0}};
     scenario.imu.errors = mems();
     Recording recording = sim::simulate(scenario).recording;
-    constexpr double wrong = 0.3;   // rad
+    constexpr double wrong = 0.3;  // rad
     for (std::size_t i = 0; i < recording.imu.size(); i += 10)
-        recording.mag.push_back({recording.imu[i].time, math::dcm_from_rpy({0.0, 0.0, 1.0 + wrong}).transpose() * Vector3d(2e-5, 0.0, 4e-5)});
+        recording.mag.push_back(
+            {recording.imu[i].time, math::dcm_from_rpy({0.0, 0.0, 1.0 + wrong}).transpose() * Vector3d(2e-5, 0.0, 4e-5)});
     Settings f = settings_of(scenario);
     f.vehicle = VehicleKind::Static;
     f.mag.declination = 0.0;
     const Result r = fuse(recording, f);
     const SolutionRow &first = r.forward.rows.front(), &last = r.forward.rows.back();
     EXPECT_NEAR(first.std_rpy.z(), f.mag.bias_std, 0.05);
-    EXPECT_GT(last.std_rpy.z(), 0.9 * f.mag.bias_std);   // 0.7 of it where two sources seem to agree
+    EXPECT_GT(last.std_rpy.z(), 0.9 * f.mag.bias_std);  // 0.7 of it where two sources seem to agree
     EXPECT_NEAR(math::wrap_pi(last.rpy.z() - 1.0), wrong, 0.05);
 
     // A sensor of the heading is asked as well, and is believed by its sigma.
@@ -193,9 +198,8 @@ TEST(Still, IsFoundFromTheMeansOfTheRangesOwnVelocities) {
     recording.ranges.samples.emplace_back();
     recording.ranges.epochs.push_back({recording.gnss.front().time, 0, 1});
     const std::vector<StillWindow> windows = data_of(recording, f).still.windows;
-    EXPECT_GT(windows.size(), 100u);   // of 200 in 40 s
-    for (const StillWindow& w : windows)
-        EXPECT_LT(truth_at(recording, w.end).velocity_n.norm(), 0.01) << w.end.seconds();
+    EXPECT_GT(windows.size(), 100u);  // of 200 in 40 s
+    for (const StillWindow& w : windows) EXPECT_LT(truth_at(recording, w.end).velocity_n.norm(), 0.01) << w.end.seconds();
 }
 
 }  // namespace

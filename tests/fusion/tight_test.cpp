@@ -5,8 +5,8 @@
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
 
-#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@
 #include <map>
 #include <set>
 #include <string>
-#include <vector>
 #include <utility>
+#include <vector>
 
 namespace schuler::fusion {
 namespace {
@@ -27,7 +27,8 @@ using Eigen::Vector3d;
 std::map<int, int> rejected_pseudoranges(const Result& result, double from, double to) {
     std::map<int, int> out;
     for (const AidRecord& r : result.aids)
-        if (r.kind == AidKind::Pseudorange && r.status == AidStatus::Rejected && r.time.seconds() >= from && r.time.seconds() < to)
+        if (r.kind == AidKind::Pseudorange && r.status == AidStatus::Rejected && r.time.seconds() >= from &&
+            r.time.seconds() < to)
             ++out[static_cast<int>(std::lround(r.time.seconds()))];
     return out;
 }
@@ -46,7 +47,7 @@ TEST(TightFilter, ClockCoastsAsItsDensitiesSay) {
         f.set_nav(nav);
         for (int k = 1; k <= 6000; ++k) {
             f.propagate(model, {Time::from_seconds(0.1 * k), 0.1, Vector3d::Zero(), Vector3d(0, 0, -0.98)}, {});
-            if (k % 7 == 0) (void)f.propagate_covariance(model, phi);   // whenever it is wanted
+            if (k % 7 == 0) (void)f.propagate_covariance(model, phi);  // whenever it is wanted
         }
         (void)f.propagate_covariance(model, phi);
         EXPECT_NEAR(std::sqrt(f.P(model.layout.clock, model.layout.clock)), expected, 0.01 * expected);
@@ -69,7 +70,7 @@ TEST(TightFilter, BothMechanizationsAgree) {
 /// A gain error of the accelerometers under a force beyond that of rest is an error of velocity that grows with time, and one of
 /// the gyros in a turn one of attitude: what they are after ten seconds.
 TEST(TightFilter, GainErrorsGrowInManoeuvresOnly) {
-    constexpr double gain = 2e-3, force = 30.0, rate = 0.5;   // m/s^2 beyond 1 g, rad/s
+    constexpr double gain = 2e-3, force = 30.0, rate = 0.5;  // m/s^2 beyond 1 g, rad/s
     const auto sigmas = [&](double turn, const Vector3d& f_b) {
         Settings settings;
         settings.coupling = Coupling::Tight;
@@ -126,7 +127,7 @@ TEST(TightFilter, AReceiverInTheLoopHearsWhereItIs) {
     for (std::size_t k = 600; k + 1 < guides.size(); ++k) {
         const Guide &a = guides[k], &b = guides[k + 1];
         const double t = a.time.seconds(), dt = (b.time - a.time).seconds();
-        if (std::abs(t - std::round(t)) < 0.15) continue;   // the epochs of ranges move the solution
+        if (std::abs(t - std::round(t)) < 0.15) continue;  // the epochs of ranges move the solution
         EXPECT_LT(((b.antenna.r_e - a.antenna.r_e) / dt - 0.5 * (a.antenna.v_e + b.antenna.v_e)).norm(), 0.01) << t;
         EXPECT_LT(((b.antenna.v_e - a.antenna.v_e) / dt - 0.5 * (a.antenna.a_e + b.antenna.a_e)).norm(), 0.1) << t;
         const Vector3d change = (b.antenna.a_e - a.antenna.a_e) / dt;
@@ -134,7 +135,7 @@ TEST(TightFilter, AReceiverInTheLoopHearsWhereItIs) {
         told += change.dot(a.jerk_e);
     }
     EXPECT_NEAR(told / changed, 1.0, 0.2);
-    const Guide& last = guides.back();   // 0.1 s before the end
+    const Guide& last = guides.back();  // 0.1 s before the end
     const SolutionRow& end = result.forward.rows.back();
     const Vector3d ahead = last.antenna.v_e * (end.time - last.time).seconds();
     const Vector3d arm = last.antenna.r_e + ahead - earth::ecef_from_geodetic(f.earth.ellipsoid, end.position).r;
@@ -188,7 +189,7 @@ TEST(TightFilter, SilenceDoesNotSpeakAgainstASource) {
 TEST(TightFilter, FollowsAJumpOfTheClock) {
     Flight f = flight();
     for (std::uint16_t source = 0; source < f.recording.ranges.sources.size(); ++source)
-        spoil(f.recording.ranges, source, 60.0, 299'792.458);   // a millisecond
+        spoil(f.recording.ranges, source, 60.0, 299'792.458);  // a millisecond
     const Result result = run(f);
     EXPECT_LT(largest_error(f, result, 20.0), 8.0);
     EXPECT_LE(rejected_pseudoranges(result, 60.0, 121.0).size(), 1U);
@@ -301,7 +302,7 @@ TEST(RangeUpdate, NoiseIsNoJumpOfTheClock) {
 /// Rates by phase share the phases between them: what they tell of a constant velocity is what generalised least squares finds with the
 /// covariance of such differences. A phase that was lost for a span begins another chain.
 TEST(RangeUpdate, RatesByPhaseShareThePhasesBetweenThem) {
-    constexpr double span = 0.2, sigma = 5e-3, velocity = 0.7;   // s, m, m/s downwards
+    constexpr double span = 0.2, sigma = 5e-3, velocity = 0.7;  // s, m, m/s downwards
     constexpr int spans = 20;
     for (const int lost : {0, 11}) {
         Overhead o({0.0}, 1.0);
@@ -310,7 +311,7 @@ TEST(RangeUpdate, RatesByPhaseShareThePhasesBetweenThem) {
         o.model.process = {};
         o.model.clock_psd = o.model.drift_psd = 0.0;
         const NavState nav = o.f.geographic(o.model);
-        const Vector3d rest = -span * earth::terms_at(o.earth, nav.position, nav.v_eb_n).g_n;   // velocity increment
+        const Vector3d rest = -span * earth::terms_at(o.earth, nav.position, nav.v_eb_n).g_n;  // velocity increment
         o.f = InertialFilter<GeographicFrame>(o.model);
         o.f.set_nav(nav);
         o.f.P(Layout::velocity + 2, Layout::velocity + 2) = 100.0;
@@ -323,12 +324,14 @@ TEST(RangeUpdate, RatesByPhaseShareThePhasesBetweenThem) {
         const double radius = m.tx.r.norm(), turn = std::sqrt(o.earth.ellipsoid.gm / std::pow(radius, 3));
         const Vector3d first = m.tx.r / radius, second = first.cross(Vector3d::UnitX()).normalized();
         const auto earth_at = [&](double t) { return Eigen::AngleAxisd(o.earth.ellipsoid.w_ie * t, Vector3d::UnitZ()); };
-        const auto orbit = [&](double t) -> Vector3d { return radius * (std::cos(turn * t) * first + std::sin(turn * t) * second); };
+        const auto orbit = [&](double t) -> Vector3d {
+            return radius * (std::cos(turn * t) * first + std::sin(turn * t) * second);
+        };
         const Vector3d down = earth::C_en(nav.position.lat, nav.position.lon).col(2);
         const Vector3d begin = earth::ecef_from_geodetic(o.earth.ellipsoid, nav.position).r;
         const auto range = [&](double t, double v) {
             const Vector3d antenna = earth_at(t) * (begin + v * t * down);
-            double light = 0.07;   // s
+            double light = 0.07;  // s
             for (int i = 0; i < 5; ++i) light = (antenna - orbit(t - light)).norm() / gnss::speed_of_light;
             return gnss::speed_of_light * light;
         };
@@ -351,14 +354,14 @@ TEST(RangeUpdate, RatesByPhaseShareThePhasesBetweenThem) {
             phase = next;
             if (k == lost) continue;
             o.update();
-            if (k == 1 || k == lost + 1) continue;   // how the velocity changed since the begin of its span nobody has followed
+            if (k == 1 || k == lost + 1) continue;  // how the velocity changed since the begin of its span nobody has followed
             rates.push_back(m.range_rate - rate(k, 0.0));
             by_velocity.push_back((rate(k, velocity) - rate(k, 0.0)) / velocity);
             when.push_back(k);
         }
         const auto n = static_cast<Eigen::Index>(rates.size());
         Eigen::MatrixXd R = Eigen::MatrixXd::Zero(n, n);
-        const double one = std::pow(sigma / span, 2);   // of one end
+        const double one = std::pow(sigma / span, 2);  // of one end
         for (Eigen::Index i = 0; i < n; ++i) {
             R(i, i) = 2.0 * one * (1.0 + RangeUpdate<GeographicFrame>::unshared);
             const bool goes_on = i + 1 < n && when[static_cast<std::size_t>(i + 1)] == when[static_cast<std::size_t>(i)] + 1;
@@ -369,7 +372,9 @@ TEST(RangeUpdate, RatesByPhaseShareThePhasesBetweenThem) {
         const double information = h.dot(weights);
         const double estimate = o.f.geographic(o.model).v_eb_n.z(), variance = o.f.P(Layout::velocity + 2, Layout::velocity + 2);
         EXPECT_NEAR(variance * information, 1.0, 5e-3) << lost;
-        EXPECT_NEAR(estimate, weights.dot(Eigen::Map<const Eigen::VectorXd>(rates.data(), n)) / information, 0.1 * std::sqrt(variance)) << lost;
+        EXPECT_NEAR(estimate, weights.dot(Eigen::Map<const Eigen::VectorXd>(rates.data(), n)) / information,
+                    0.1 * std::sqrt(variance))
+            << lost;
         EXPECT_LT(std::abs(estimate - velocity), 4.0 * std::sqrt(variance)) << lost;
     }
 }

@@ -1,7 +1,7 @@
 // IMU increments without holes, and measurements in order of validity.
+#include "schuler/fusion/timeline.h"
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
-#include "schuler/fusion/timeline.h"
 #include "schuler/math/rotation.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double dt = 0.01;   // s, nominal
+constexpr double dt = 0.01;  // s, nominal
 
 /// Motion whose rates are polynomials, so that their integrals are known.
 Vector3d angle_at(double t) { return {0.1 * t, 0.02 * t * t, -0.3 * t}; }
@@ -80,7 +80,7 @@ TEST(ImuTimeline, KindsAndStampsOfTheSameMotionGiveTheSameIncrements) {
 
 TEST(ImuTimeline, AxesComeBeforeTheMounting) {
     ImuSettings s = settings_of(ImuKind::Rates, ImuStamp::End);
-    s.C_bs << 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0;   // right-forward-up sensor
+    s.C_bs << 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0;  // right-forward-up sensor
     s.mounting_rpy = Vector3d(0.0, 0.0, 90.0 * units::deg);
     WarningLog warnings;
     std::vector<ImuSample> list;
@@ -94,8 +94,8 @@ TEST(ImuTimeline, AxesComeBeforeTheMounting) {
 TEST(ImuTimeline, RepeatedAndBackwardRowsAreLeftOut) {
     std::vector<ImuSample> list = samples(300, ImuKind::Increments, ImuStamp::End);
     const ImuSample bad{list[100].time, Vector3d::Constant(99.0), Vector3d::Constant(99.0)};
-    list.insert(list.begin() + 101, bad);                   // same time again
-    list.insert(list.begin() + 200, {list[150].time, bad.gyro, bad.accel});   // back in time
+    list.insert(list.begin() + 101, bad);                                    // same time again
+    list.insert(list.begin() + 200, {list[150].time, bad.gyro, bad.accel});  // back in time
     WarningLog warnings;
     const ImuTimeline timeline = make_imu_timeline(list, settings_of(ImuKind::Increments, ImuStamp::End), warnings);
     EXPECT_EQ(timeline.duplicates, 2u);
@@ -210,8 +210,7 @@ TEST(ImuTimeline, JitterOfStampsDoesNotChangeIncrements) {
     WarningLog warnings;
     const ImuTimeline timeline = make_imu_timeline(list, settings_of(ImuKind::Increments, ImuStamp::End), warnings);
     expect_gapless(timeline);
-    for (std::size_t i = 1; i < list.size(); ++i)
-        ASSERT_LT((timeline.increments[i].dtheta - list[i].gyro).norm(), 1e-15) << i;
+    for (std::size_t i = 1; i < list.size(); ++i) ASSERT_LT((timeline.increments[i].dtheta - list[i].gyro).norm(), 1e-15) << i;
 }
 
 // 400 Hz with stamps of whole milliseconds: steps of 2, 3, 2, 3 ms, and no increment is lost.
@@ -273,12 +272,14 @@ TEST(Events, EveryChannelHasItsAge) {
             continue;
         }
         EXPECT_EQ(e.stamp, recording.gnss[e.index].time);
-        const double expected = e.kind == AidKind::GnssPosition ? (e.components == 3 ? 0.12 : 1.32)
-                                                                : (e.components == 3 ? 0.28 : -0.02);
+        const double expected =
+            e.kind == AidKind::GnssPosition ? (e.components == 3 ? 0.12 : 1.32) : (e.components == 3 ? 0.28 : -0.02);
         EXPECT_NEAR(age, expected, 1e-9);
     }
-    const std::map<std::pair<AidKind, int>, int> all{{{AidKind::GnssPosition, 3}, 20}, {{AidKind::GnssPosition, 4}, 20},
-                                                     {{AidKind::GnssVelocity, 3}, 20}, {{AidKind::GnssVelocity, 4}, 20},
+    const std::map<std::pair<AidKind, int>, int> all{{{AidKind::GnssPosition, 3}, 20},
+                                                     {{AidKind::GnssPosition, 4}, 20},
+                                                     {{AidKind::GnssVelocity, 3}, 20},
+                                                     {{AidKind::GnssVelocity, 4}, 20},
                                                      {{AidKind::Baro, 4}, 40}};
     EXPECT_EQ(count, all);
 }
@@ -291,9 +292,11 @@ TEST(Events, EqualAgesAreOneEventAndAbsentComponentsNone) {
     Settings settings;
     std::vector<std::tuple<AidKind, int, std::size_t>> got;
     for (const Event& e : events_of(recording, settings)) got.emplace_back(e.kind, e.components, e.index);
+    // clang-format off
     const std::vector<std::tuple<AidKind, int, std::size_t>> expected{
         {AidKind::GnssPosition, 7, 0}, {AidKind::GnssVelocity, 7, 0}, {AidKind::GnssPosition, 3, 1},
         {AidKind::GnssVelocity, 7, 1}, {AidKind::GnssPosition, 7, 2}};
+    // clang-format on
     EXPECT_EQ(got, expected);
     settings.gnss.use_velocity = false;
     for (const Event& e : events_of(recording, settings)) EXPECT_EQ(e.kind, AidKind::GnssPosition);
@@ -301,11 +304,11 @@ TEST(Events, EqualAgesAreOneEventAndAbsentComponentsNone) {
 
 TEST(Events, OutagesExcludeTheirEndsAndTellTheFirstFixAfter) {
     Recording recording = fixes(60);
-    recording.gnss.erase(recording.gnss.begin() + 45);   // the second outage ends at 45: its end epoch is the fix at 46
+    recording.gnss.erase(recording.gnss.begin() + 45);  // the second outage ends at 45: its end epoch is the fix at 46
     Settings settings;
-    settings.gnss.latency = 0.4;                         // outages go by stamps
+    settings.gnss.latency = 0.4;  // outages go by stamps
     settings.outages = {{10.0, 5.0}, {40.0, 5.0}};
-    std::map<int, int> table;                            // stamp: outage, + 10 for an end epoch
+    std::map<int, int> table;  // stamp: outage, + 10 for an end epoch
     for (const Event& e : events_of(recording, settings)) {
         const int t = static_cast<int>(std::lround((e.stamp - recording.gnss.front().time).seconds()));
         const bool inside = (t > 10 && t < 15) || (t > 40 && t < 45);
@@ -325,7 +328,7 @@ TEST(Events, RepeatedValuesAreDropped) {
     Recording recording = fixes(10);
     recording.gnss.insert(recording.gnss.begin() + 5, recording.gnss[5]);
     for (int k = 0; k < 20; ++k)
-        recording.baro.push_back({Time::from_seconds(5000.0 + 0.2 * k), 50.0 + k / 4, not_given});   // each value four times
+        recording.baro.push_back({Time::from_seconds(5000.0 + 0.2 * k), 50.0 + k / 4, not_given});  // each value four times
     WarningLog warnings;
     const std::vector<Event> events = make_events(recording, {}, recording.gnss.front().time, warnings);
     int gnss = 0, baro = 0;

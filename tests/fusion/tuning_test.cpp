@@ -58,7 +58,8 @@ TEST(Tuning, NoiseOfTheUnitIsNoMoreThanItsSamplesShow) {
     const std::vector<ImuSample>& imu = log.recording.imu;
     const double per_rate = log.settings.imu.kind == ImuKind::Increments ? 1.0 / dt : 1.0;
     for (std::size_t i = 1; i + 1 < imu.size(); ++i)
-        gyro2 += (imu[i - 1].gyro - 2.0 * imu[i].gyro + imu[i + 1].gyro).squaredNorm() * per_rate * per_rate * dt / (18.0 * static_cast<double>(imu.size()));
+        gyro2 += (imu[i - 1].gyro - 2.0 * imu[i].gyro + imu[i + 1].gyro).squaredNorm() * per_rate * per_rate * dt /
+                 (18.0 * static_cast<double>(imu.size()));
     const Result solution = fuse(log.recording, log.settings);
     const Settings& found = *solution.findings.in_force;
     EXPECT_LT(found.imu.errors.gyro_noise, 1.55 * std::sqrt(gyro2));
@@ -86,13 +87,13 @@ TEST(Tuning, ALatencyIsLookedForWithinWhatWasMeasuredOfIt) {
     log.settings.gnss.estimate_latency = true;
     constexpr double late = 0.3;
     for (GnssFix& f : log.recording.gnss) f.time = f.time + Duration::from_seconds(late);
-    for (const double measured : {0.02, 0.15}) {   // the latter: not at all
+    for (const double measured : {0.02, 0.15}) {  // the latter: not at all
         log.settings.gnss.latency_std = log.settings.gnss.velocity_latency_std = measured;
         const Result r = fuse(log.recording, log.settings);
         const Settings& found = *r.findings.in_force;
         if (measured < 0.1) {
             EXPECT_LE(std::abs(found.gnss.latency), 0.08);
-            EXPECT_GE(found.gnss.latency_std, 0.05);   // torn between the two
+            EXPECT_GE(found.gnss.latency_std, 0.05);  // torn between the two
         } else {
             EXPECT_NEAR(found.gnss.latency, late, 0.05);
         }

@@ -52,12 +52,13 @@ void require(bool holds) {
 }
 
 void check(const filter::NavigatorState& state) {
-    require(state.nav.v_eb_n.allFinite() && std::isfinite(state.nav.position.lat) && std::isfinite(state.nav.position.lon)
-            && std::isfinite(state.nav.position.h));
+    require(state.nav.v_eb_n.allFinite() && std::isfinite(state.nav.position.lat) && std::isfinite(state.nav.position.lon) &&
+            std::isfinite(state.nav.position.h));
     require(state.covariance.allFinite());
     const Eigen::Matrix<double, 9, 1> sigma = state.covariance.diagonal().cwiseSqrt();
     require((sigma.array() > 0.0).all());
-    const Eigen::Matrix<double, 9, 9> correlation = sigma.cwiseInverse().asDiagonal() * state.covariance * sigma.cwiseInverse().asDiagonal();
+    const Eigen::Matrix<double, 9, 9> correlation =
+        sigma.cwiseInverse().asDiagonal() * state.covariance * sigma.cwiseInverse().asDiagonal();
     // 1e-9 for rounding: a correlation of nearly one is an eigenvalue of nearly zero.
     require((correlation + 1e-9 * Eigen::Matrix<double, 9, 9>::Identity()).llt().info() == Eigen::Success);
 }
@@ -96,7 +97,9 @@ public:
             case 0: inertial(1 + what / 16 * 16); break;
             case 1: (void)navigator_.feed(ImuSample{advance(), bytes_.any3(), bytes_.any3()}); break;
             case 2: {
-                GnssFix fix{.time = late, .position = {0.9 + 1e-4 * bytes_.fraction(), 0.5 + 1e-4 * bytes_.fraction(), 100.0 + 300.0 * bytes_.fraction()}};
+                GnssFix fix{.time = late,
+                            .position = {0.9 + 1e-4 * bytes_.fraction(), 0.5 + 1e-4 * bytes_.fraction(),
+                                         100.0 + 300.0 * bytes_.fraction()}};
                 fix.velocity_n = bytes_.fractions(30.0);
                 fix.std_position.setConstant(0.01 + std::abs(bytes_.fraction()));
                 (void)navigator_.feed(fix);
@@ -122,7 +125,9 @@ public:
             case 12: time_ = Time{static_cast<std::int64_t>(1e9 * 30.0 * bytes_.fraction()) + time_.ns}; break;
             case 13: repeat(); break;
             case 14: inertial(1 + what / 16); break;
-            default: if (what == 0xff) navigator_.restart(); else inertial(2);
+            default:
+                if (what == 0xff) navigator_.restart();
+                else inertial(2);
         }
         look();
     }

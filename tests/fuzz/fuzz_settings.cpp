@@ -17,10 +17,8 @@ namespace settings = schuler::settings;
 void flatten(const settings::ValueTable& table, const std::string& above, settings::SettingList& list) {
     for (const auto& [name, value] : table) {
         const std::string key = above.empty() ? name : above + "." + name;
-        if (const settings::ValueTable* inner = value.table())
-            flatten(*inner, key, list);
-        else
-            list.push_back({key, value, {}});
+        if (const settings::ValueTable* inner = value.table()) flatten(*inner, key, list);
+        else list.push_back({key, value, {}});
     }
 }
 

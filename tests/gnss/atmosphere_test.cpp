@@ -33,7 +33,7 @@ TEST(Atmosphere, BeiDousKlobucharByGeographicLatitudeAndAShell) {
     const KlobucharCoefficients c{{1.1180e-8, 1.4900e-8, -5.9600e-8, -5.9600e-8}, {8.8060e4, 1.6380e4, -1.9660e5, -1.3110e5}};
     const Geodetic place{-40.0 * deg, -100.0 * deg, 0.0};
     const Direction zenith{0.0, 90.0 * deg};
-    const double behind = 2400.0 + 14.0;   // GPS time is 14 s before BeiDou's, in which the local time counts
+    const double behind = 2400.0 + 14.0;  // GPS time is 14 s before BeiDou's, in which the local time counts
     EXPECT_NEAR(beidou_klobuchar_delay(c, Time::from_gps(2000, 8.0 * 3600 + behind), place, zenith), 5e-9 * speed_of_light, 1e-6);
     const double latitude = 40.0 / 180.0;  // semicircles, south like north
     const double amplitude = c.alpha[0] + latitude * (c.alpha[1] + latitude * (c.alpha[2] + latitude * c.alpha[3]));

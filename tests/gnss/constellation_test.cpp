@@ -1,7 +1,7 @@
 // Nominal constellations against their definition, the choice of satellites, and ranges to ground stations against traced rays.
+#include "schuler/gnss/constellation.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
-#include "schuler/gnss/constellation.h"
 #include "schuler/gnss/ground_range.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,8 @@ TEST(Constellation, GpsSlotsMoveOnCircles) {
         const double node = (332.847 - 277.85) * deg - 7.2921151467e-5 * since, i = 55.0 * deg;
         const Eigen::Vector3d expected =
             a * Eigen::Vector3d(std::cos(node) * std::cos(u) - std::sin(node) * std::cos(i) * std::sin(u),
-                                std::sin(node) * std::cos(u) + std::cos(node) * std::cos(i) * std::sin(u), std::sin(i) * std::sin(u));
+                                std::sin(node) * std::cos(u) + std::cos(node) * std::cos(i) * std::sin(u),
+                                std::sin(i) * std::sin(u));
         const auto found = source.at({System::Gps, 6}, {}, start + Duration::from_seconds(t));
         ASSERT_TRUE(found);
         EXPECT_LT((found->state.position.r - expected).norm(), 1e-3) << t;
@@ -70,8 +71,10 @@ TEST(Constellation, BestFourHasTheLeastPdop) {
 TEST(GroundRange, AgreesWithTracedRays) {
     const struct {
         double ground, h1, h2, traced;
+        // clang-format off
     } rows[] = {{20e3, 200, 1e3, 5.8178},   {20e3, 200, 10e3, 3.7756},   {50e3, 200, 3e3, 12.8193},   {100e3, 200, 1e3, 29.5034},
                 {100e3, 200, 10e3, 17.3002}, {150e3, 200, 3e3, 39.6343}, {200e3, 200, 3e3, 54.3149}, {200e3, 200, 10e3, 36.1767}};
+    // clang-format on
     constexpr double radius = 6'371'000.0;
     for (const auto& row : rows) {
         const double a = radius + row.h1, b = radius + row.h2, angle = row.ground / radius;

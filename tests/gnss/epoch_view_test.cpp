@@ -13,7 +13,9 @@ namespace schuler::gnss {
 namespace {
 
 UsedRange in_direction(double azimuth, double elevation, double variance = 1.0) {
-    return {-Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), -std::sin(elevation)), 0, variance};
+    return {
+        -Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), -std::sin(elevation)),
+        0, variance};
 }
 
 TEST(EpochView, DilutionOfARegularTetrahedron) {
@@ -35,7 +37,7 @@ TEST(EpochView, DilutionOfARegularTetrahedron) {
 TEST(EpochView, AFaultThatJustPassesTheTestIsWithinTheProtectionLevel) {
     std::vector<UsedRange> ranges;
     for (int k = 0; k < 7; ++k) ranges.push_back(in_direction(0.9 * k, 0.25 + 0.17 * k, 0.5 + 0.4 * k));
-    ranges[2].clock = ranges[5].clock = 2;   // of another system
+    ranges[2].clock = ranges[5].clock = 2;  // of another system
     constexpr double false_alarm = 1e-4, missed = 0.05;
     const ProtectionLevels levels = protection_of(ranges, false_alarm, missed);
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(7, 5);
@@ -51,12 +53,12 @@ TEST(EpochView, AFaultThatJustPassesTheTestIsWithinTheProtectionLevel) {
     for (int i = 0; i < 7; ++i) {
         Eigen::VectorXd fault = Eigen::VectorXd::Unit(7, i);
         const Eigen::VectorXd rest = fault - G * (K * fault);
-        fault *= std::sqrt(threshold / rest.dot(W * rest));   // the statistic of this fault alone is the threshold
+        fault *= std::sqrt(threshold / rest.dot(W * rest));  // the statistic of this fault alone is the threshold
         const Eigen::VectorXd error = K * fault;
         horizontal = std::max(horizontal, error.head<2>().norm());
         vertical = std::max(vertical, std::abs(error[2]));
     }
-    constexpr double one_sided = 1.6448536269514722;   // normal, 5 %
+    constexpr double one_sided = 1.6448536269514722;  // normal, 5 %
     EXPECT_NEAR(levels.vertical, vertical + one_sided * std::sqrt(covariance(2, 2)), 1e-9);
     const Eigen::Matrix2d level = covariance.topLeftCorner<2, 2>();
     const double axis = std::sqrt(level.eigenvalues().real().maxCoeff());

@@ -52,7 +52,7 @@ protected:
     }
     struct Comparison {
         std::size_t common = 0;
-        double horizontal = 0, down = 0;   ///< medians of the distances, m
+        double horizontal = 0, down = 0;  ///< medians of the distances, m
     };
     static Comparison compare(const std::vector<Fix>& a, const std::vector<Fix>& b) {
         std::vector<double> horizontal, down;

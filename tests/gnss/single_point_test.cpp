@@ -1,6 +1,6 @@
 // Single-point position and velocity on the signal generator's noise-free data, with faults put in.
-#include "schuler/gnss/phase_velocity.h"
 #include "schuler/gnss/single_point.h"
+#include "schuler/gnss/phase_velocity.h"
 
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/io/rinex/rinex.h"
@@ -41,7 +41,8 @@ struct MovingFiles : Files {
 
     MovingFiles() : Files("spirent_rose_noatm", "rover.obs", {"gps.nav", "galileo.nav"}) {
         WarningLog warnings;
-        reference = io::read_reference_csv(io::test::data_folder() / "spirent_rose_noatm" / "reference.csv", {}, warnings).samples;
+        reference =
+            io::read_reference_csv(io::test::data_folder() / "spirent_rose_noatm" / "reference.csv", {}, warnings).samples;
     }
 };
 
@@ -75,7 +76,8 @@ std::vector<Range> made_up_ranges(const Geodetic& at) {
     std::vector<Range> ranges;
     for (int k = 0; k < 8; ++k) {
         const double azimuth = 0.7 * k, elevation = (15.0 + 8.0 * k) * deg;
-        const Eigen::Vector3d u(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), -std::sin(elevation));
+        const Eigen::Vector3d u(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                                -std::sin(elevation));
         Range r;
         r.satellite = {System::Gps, static_cast<std::uint8_t>(k + 1)};
         r.position.r = receiver.r + 2.2e7 * (C_en * u);
@@ -114,9 +116,9 @@ TEST(SinglePoint, AgreementOfFewIsNoFixWhereAsManyWereLeftOut) {
     std::vector<Range> ranges = made_up_ranges(static_truth);
     ranges[1].pseudorange += 90.0;
     ranges[6].pseudorange -= 150.0;
-    EXPECT_EQ(solver.solve(ranges, Time{}).status, SinglePointStatus::Solved);   // six agree, two against them
+    EXPECT_EQ(solver.solve(ranges, Time{}).status, SinglePointStatus::Solved);  // six agree, two against them
     ranges[3].pseudorange += 200.0;
-    EXPECT_NE(solver.solve(ranges, Time{}).status, SinglePointStatus::Solved);   // of five one more than determine a fix
+    EXPECT_NE(solver.solve(ranges, Time{}).status, SinglePointStatus::Solved);  // of five one more than determine a fix
 }
 
 TEST(SinglePoint, TheSigmaOfTheHeightHasWhatTheModelOfTheIonosphereMissesEverywhereAlike) {
@@ -126,7 +128,7 @@ TEST(SinglePoint, TheSigmaOfTheHeightHasWhatTheModelOfTheIonosphereMissesEverywh
     const BroadcastIonosphere ionosphere{KlobucharCoefficients{{3e-8, 0, 0, 0}, {1.2e5, 0, 0, 0}}, std::nullopt};
     const Ecef receiver = earth::ecef_from_geodetic(earth::wgs84, static_truth);
     std::vector<Range> ranges = made_up_ranges(static_truth);
-    const Time noon = Time::from_gps(2244, 8.0 * 3600.0);   // at 95 degrees east
+    const Time noon = Time::from_gps(2244, 8.0 * 3600.0);  // at 95 degrees east
     std::vector<double> delays;
     for (Range& r : ranges) {
         r.slow = 0.0;
@@ -154,8 +156,9 @@ TEST(SinglePoint, TheCovarianceCoversWhomElseTheFaultMayBelongTo) {
     const BroadcastSource nobody{Navigation{}};
     SinglePoint solver(nobody, std::nullopt, without_atmosphere());
     std::vector<Range> ranges = made_up_ranges(static_truth);
-    ranges.resize(6);   // two more than unknowns: a fault is found, not always whose
-    for (std::size_t k = 0; k < ranges.size(); ++k) ranges[k].pseudorange += k % 2 == 0 ? 1.5 : -1.5;   // noise that pulls at the decision
+    ranges.resize(6);  // two more than unknowns: a fault is found, not always whose
+    for (std::size_t k = 0; k < ranges.size(); ++k)
+        ranges[k].pseudorange += k % 2 == 0 ? 1.5 : -1.5;  // noise that pulls at the decision
     int decided = 0;
     const SinglePointSolution right = solver.solve(ranges, Time{});
     ASSERT_EQ(right.status, SinglePointStatus::Solved);
@@ -164,7 +167,8 @@ TEST(SinglePoint, TheCovarianceCoversWhomElseTheFaultMayBelongTo) {
             std::vector<Range> wrong = ranges;
             wrong[k].pseudorange += fault;
             const SinglePointSolution s = solver.solve(wrong, Time{});
-            if (s.status != SinglePointStatus::Solved || s.excluded() == 0) continue;   // unseen: the business of protection levels
+            if (s.status != SinglePointStatus::Solved || s.excluded() == 0)
+                continue;  // unseen: the business of protection levels
             ++decided;
             const Eigen::Vector3d error = s.position.r - right.position.r;
             EXPECT_LT(error.dot(s.covariance.ldlt().solve(error)), 16.0) << k << " " << fault;
@@ -186,7 +190,7 @@ TEST(SinglePoint, EphemeridesThatContradictEachOtherAreNotUsed) {
         const double a = k.sqrt_a * k.sqrt_a, n = std::sqrt(3.986005e14 / (a * a * a));
         k.toe = k.toc = first + Duration::from_seconds(3600.0 * hour);
         k.m0 = n * 3600.0 * hour + displaced_m / a;
-        k.omega0 = 0.0;   // of the beginning of the week: the same plane in each message
+        k.omega0 = 0.0;  // of the beginning of the week: the same plane in each message
         navigation.kepler.push_back(k);
     };
     for (int hour = 0; hour < 4; ++hour) {
@@ -201,7 +205,8 @@ TEST(SinglePoint, EphemeridesThatContradictEachOtherAreNotUsed) {
     };
     EXPECT_TRUE(at(1, 0.1) && at(1, 3.1));
     EXPECT_TRUE(at(2, 0.1) && at(2, 1.1));
-    EXPECT_EQ(source.kepler({System::Gps, 2}, first + Duration::from_seconds(3 * 3600.0))->toe, first + Duration::from_seconds(3600.0));
+    EXPECT_EQ(source.kepler({System::Gps, 2}, first + Duration::from_seconds(3 * 3600.0))->toe,
+              first + Duration::from_seconds(3600.0));
     EXPECT_FALSE(at(3, 0.1) || at(3, 3.1));
 }
 

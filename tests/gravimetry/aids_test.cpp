@@ -93,7 +93,7 @@ AidLog sampled(const sim::AidErrors& errors, const sim::Scenario& s) {
 }
 
 void expect_consistent(const End& end) {
-    EXPECT_GT(end.nis / end.measured, 0.85);   // 1500 and more degrees of freedom: four sigma is 0.15
+    EXPECT_GT(end.nis / end.measured, 0.85);  // 1500 and more degrees of freedom: four sigma is 0.15
     EXPECT_LT(end.nis / end.measured, 1.15);
 }
 
@@ -101,7 +101,8 @@ TEST(SurveyAids, TheLogsScaleAndMisalignmentAreFound) {
     const sim::Scenario scenario = voyage(3);
     Beliefs beliefs = believed();
     const sim::AidErrors errors = ones();
-    beliefs.settings.log = {.std = errors.log.white, .scale_std = 0.01, .misalignment_std = 0.01, .lever_arm_b = errors.log.lever_arm_b};
+    beliefs.settings.log = {
+        .std = errors.log.white, .scale_std = 0.01, .misalignment_std = 0.01, .lever_arm_b = errors.log.lever_arm_b};
     const End end = sail(scenario, beliefs, {{}, sampled(errors, scenario).velocities, {}});
     // The truth from samples without noise: what the log makes of a steady speed straight ahead.
     sim::AidErrors bare = errors;
@@ -110,9 +111,9 @@ TEST(SurveyAids, TheLogsScaleAndMisalignmentAreFound) {
     sim::Scenario calm = scenario;
     calm.path = sim::GreatCirclePath{{0.9, 0.4, 20.0}, 0.8, 6.0};
     const Vector3d shown = sampled(bare, calm).velocities.front().velocity_b / 6.0;
-    const Vector3d truth(shown.x() - 1.0, -shown.z() / shown.x(), shown.y() / shown.x());   // scale, about right, about down
+    const Vector3d truth(shown.x() - 1.0, -shown.z() / shown.x(), shown.y() / shown.x());  // scale, about right, about down
     for (int i = 0; i < 3; ++i) {
-        const int state = end.model.layout.log_scale + i;   // the misalignments follow
+        const int state = end.model.layout.log_scale + i;  // the misalignments follow
         EXPECT_LT(std::abs(end.value(state) - truth(i)), 3.5 * end.sigma(state)) << i;
         EXPECT_LT(end.sigma(state), 0.2 * 0.01) << i << ": found, not left alone";
     }

@@ -22,17 +22,17 @@
 namespace schuler::gravimetry {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::Matrix3d;
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using schuler::test::LinearModel;
 using schuler::test::tolerance_of;
 using Filter = filter::InertialFilter<filter::EarthFixedFrame>;
 
-constexpr DisturbanceKind kinds[] = {DisturbanceKind::Constant, DisturbanceKind::FirstOrder, DisturbanceKind::RampAndFirstOrder,
-                                     DisturbanceKind::QuadraticAndFirstOrder, DisturbanceKind::SecondOrder,
-                                     DisturbanceKind::ThirdOrder};
+constexpr DisturbanceKind kinds[] = {DisturbanceKind::Constant,          DisturbanceKind::FirstOrder,
+                                     DisturbanceKind::RampAndFirstOrder, DisturbanceKind::QuadraticAndFirstOrder,
+                                     DisturbanceKind::SecondOrder,       DisturbanceKind::ThirdOrder};
 
 /// Estimate; parameters by the indices of the gravi-inertial model.
 struct State {
@@ -77,7 +77,7 @@ struct Point {
         const Vector3d gyro = w_b + state.parameters.segment<3>(gyro_bias) + n.head<3>();
         const Vector3d accel = f_b + state.parameters.segment<3>(accel_bias) + n.tail<3>();
         const ImuIncrement raw{start.nav.time + Duration::from_seconds(dt), dt, dt * gyro, dt * accel};
-        f.previous = f.corrected(model, raw);   // the motion was the same before
+        f.previous = f.corrected(model, raw);  // the motion was the same before
         f.propagate(model, raw, {});
         State out{f.nav, start.parameters};
         for (const auto& [here, there] : blocks_of(layout)) out.parameters.segment<3>(here) = f.parameters.segment<3>(there);
@@ -96,7 +96,7 @@ std::vector<Point> points() {
             p.name = "kind " + std::to_string(static_cast<int>(kind)) + ", point " + std::to_string(k);
             p.disturbance = {kind, 40.0 + 30.0 * k, Vector3d(2e-4, 3e-4, 5e-4), true,
                              k == 0 ? DisturbanceAxes::LocalLevel
-                                    : DisturbanceAxes::EarthFixed};   // by time: the pace is constant; along the track below
+                                    : DisturbanceAxes::EarthFixed};  // by time: the pace is constant; along the track below
             NavState nav;
             nav.position = {1.3 * unit(generator), 3.0 * unit(generator), 2000.0};
             nav.v_eb_n = vector(80.0);
@@ -109,7 +109,7 @@ std::vector<Point> points() {
             p.f_b = nav.q_nb.conjugate() * (Vector3d(0.0, 0.0, -9.8) + vector(3.0));
             p.w_b = vector(0.02);
             p.lever_arm_b = vector(3.0);
-            if (kind != DisturbanceKind::Constant) out.push_back(p);   // the model has a random part there too, the filter none
+            if (kind != DisturbanceKind::Constant) out.push_back(p);  // the model has a random part there too, the filter none
         }
     }
     return out;
@@ -124,7 +124,7 @@ StateVector error_between(const State& estimate, const State& truth) {
 }
 
 VectorXd three(std::initializer_list<double> sizes) {
-    VectorXd x = VectorXd::Constant(max_states, std::data(sizes)[sizes.size() - 1]);   // the last one goes on
+    VectorXd x = VectorXd::Constant(max_states, std::data(sizes)[sizes.size() - 1]);  // the last one goes on
     Eigen::Index i = 0;
     for (const double size : sizes) x.segment<3>(3 * i++).setConstant(size);
     return x;
@@ -183,8 +183,10 @@ SCHULER_JACOBIAN(gravity_gnss, "gravimetry.gravity_gnss_rows") {
             const Matrix3d C = estimate.nav.q_eb.toRotationMatrix();
             const Vector3d w_eb_b = p.w_b - dx.segment<3>(gyro_bias) - C.transpose() * Vector3d(0.0, 0.0, p.earth.ellipsoid.w_ie);
             Eigen::Matrix<double, 6, 1> z;
+            // clang-format off
             z << estimate.nav.position.r - p.state.nav.position.r + C * p.lever_arm_b + estimate.parameters.segment<3>(gnss_position),
                 estimate.nav.v_eb_e - p.state.nav.v_eb_e + C * w_eb_b.cross(p.lever_arm_b) + estimate.parameters.segment<3>(gnss_velocity);
+            // clang-format on
             return z;
         };
         // The Earth's rate seen from a wrong attitude is left out of H: u |l| per radian.

@@ -74,7 +74,7 @@ TEST(ObservabilitySlow, APolynomialsDerivativesAreSeenInMotionOnly) {
         EXPECT_EQ(seen.rank, 22 + 3 * degree);
         EXPECT_EQ(seen.states, 27 + 3 * degree);
         EXPECT_LT(seen.next, 1e-40);
-        EXPECT_LT(seen.pivots.back(), 1e-15);   // a matter of principle only: 9e-17 and 4e-21
+        EXPECT_LT(seen.pivots.back(), 1e-15);  // a matter of principle only: 9e-17 and 4e-21
     }
 }
 

@@ -21,9 +21,9 @@ using Frame = filter::EarthFixedFrame;
 struct Beliefs {
     filter::Settings settings;
     filter::DisturbanceSettings disturbance;
-    Eigen::Vector3d attitude_n = Eigen::Vector3d::Constant(1e-4);   ///< rad
-    double velocity = 0.01, position = 10.0;                        ///< m/s, m
-    double accel_bias = 1e-6, gyro_bias = 4.8e-8;                   ///< m/s^2, rad/s
+    Eigen::Vector3d attitude_n = Eigen::Vector3d::Constant(1e-4);  ///< rad
+    double velocity = 0.01, position = 10.0;                       ///< m/s, m
+    double accel_bias = 1e-6, gyro_bias = 4.8e-8;                  ///< m/s^2, rad/s
 };
 
 struct Prepared {
@@ -53,7 +53,7 @@ struct Prepared {
         start.nav = nav;
         start.std_position.setConstant(beliefs.position);
         start.std_velocity.setConstant(beliefs.velocity);
-        start.std_rpy = beliefs.attitude_n;   // level, or level enough
+        start.std_rpy = beliefs.attitude_n;  // level, or level enough
         start.std_gyro_bias.setConstant(beliefs.gyro_bias);
         start.std_accel_bias.setConstant(beliefs.accel_bias);
     }

@@ -38,8 +38,10 @@ std::vector<TrackPoint> zigzag(const std::vector<Vector2d>& corners, const std::
 
 TEST(SurveyLines, LevellingFindsTheOffsetsOfCrossingLines) {
     // Three lines north, two tie lines east over them: six crossovers; the corners between them are lines too where they are long.
+    // clang-format off
     const std::vector<Vector2d> corners{{0, 0},      {10000, 0},    {10000, 500},   {0, 500},       {0, 1000},
                                         {10000, 1000}, {7000, 3000}, {7000, -2000}, {3000, -2000}, {3000, 3000}};
+    // clang-format on
     const std::vector<double> offsets{1.0, 0, -2.0, 0, 0.5, 0, 0.25, 0, -0.75};
     const std::vector<TrackPoint> track = zigzag(corners, offsets);
     std::vector<SurveyLine> lines = survey_lines(track, 4500.0, 5.0 * units::deg);
@@ -48,7 +50,7 @@ TEST(SurveyLines, LevellingFindsTheOffsetsOfCrossingLines) {
     ASSERT_EQ(crossings.size(), 6U);
     EXPECT_GT(crossover_rms(lines, crossings), 1.0);
     level(lines, crossings);
-    EXPECT_LT(crossover_rms(lines, crossings), 2e-3);   // of the straight lines between points
+    EXPECT_LT(crossover_rms(lines, crossings), 2e-3);  // of the straight lines between points
     const double truth[5] = {1.0, -2.0, 0.5, 0.25, -0.75};
     double sum = 0.0;
     for (int i = 0; i < 5; ++i) sum += truth[i] / 5.0;
@@ -62,7 +64,7 @@ TEST(SurveyLines, RepeatedLinesAreComparedWhicheverWayTheyWereFlown) {
     ASSERT_EQ(lines.size(), 2U);
     const std::vector<RepeatedLine> repeats = repeated_lines(track, lines, 200.0, 5000.0);
     ASSERT_EQ(repeats.size(), 1U);
-    EXPECT_NEAR(repeats.front().mean, -1.5 - 0.1, 1e-3);   // and 100 m further east
+    EXPECT_NEAR(repeats.front().mean, -1.5 - 0.1, 1e-3);  // and 100 m further east
     EXPECT_LT(repeats.front().deviation, 1e-3);
     EXPECT_NEAR(repeats.front().length, 7000.0, 150.0);
 }
@@ -123,7 +125,8 @@ TEST(Resolution, QuieterInstrumentsResolveShorterWaves) {
     const double period = resolved_period(s, {0.015, 0.01, 2.0, 60.0});
     EXPECT_GT(period, 40.0);
     EXPECT_LT(period, 150.0);
-    EXPECT_NEAR(disturbance_density(s.disturbance, 60.0, 1.0 / period), noise_density(s.noise, {0.015, 0.01, 2.0, 60.0}, 1.0 / period),
+    EXPECT_NEAR(disturbance_density(s.disturbance, 60.0, 1.0 / period),
+                noise_density(s.noise, {0.015, 0.01, 2.0, 60.0}, 1.0 / period),
                 0.1 * noise_density(s.noise, {0.015, 0.01, 2.0, 60.0}, 1.0 / period));
     EXPECT_GT(resolved_period(s, {0.15, 0.1, 2.0, 60.0}), 1.5 * period);
     s.disturbance = {};

@@ -87,11 +87,11 @@ TEST(SurveySlow, ConstantDisturbanceOfThePapersScenario) {
         errors.push_back(std::abs(error));
         nees += std::pow(error / last.sigma_disturbance_n.z(), 2) / seeds;
         nees_smoothed += std::pow(smoothed_error / middle.sigma_disturbance_n.z(), 2) / seeds;
-        EXPECT_LT(middle.sigma_disturbance_n.z(), 1.02e-6);   // the whole hour's knowledge, ten minutes in
+        EXPECT_LT(middle.sigma_disturbance_n.z(), 1.02e-6);  // the whole hour's knowledge, ten minutes in
         EXPECT_LT(last.sigma_attitude_n.x(), 2.2 * units::arcsec);
     }
     EXPECT_LT(median(errors), 0.1 * units::mgal);
-    EXPECT_GT(nees, 0.55);            // chi-square of 48, 99 %
+    EXPECT_GT(nees, 0.55);  // chi-square of 48, 99 %
     EXPECT_LT(nees, 1.60);
     EXPECT_GT(nees_smoothed, 0.55);
     EXPECT_LT(nees_smoothed, 1.60);
@@ -229,7 +229,7 @@ TEST(SurveySlow, TheOpenLoopOutrunsItsLinearModel) {
     const auto refused = [](const Flown& flown) {
         return std::ranges::count_if(flown.result.aids, [](const auto& r) { return r.status != filter::AidStatus::Accepted; });
     };
-    EXPECT_LE(refused(closed), 4);   // of 10800, with a probability of 1e-4
+    EXPECT_LE(refused(closed), 4);  // of 10800, with a probability of 1e-4
     EXPECT_LE(refused(mixed), 4);
     EXPECT_GT(refused(open), 100);
 }
@@ -267,11 +267,13 @@ TEST(Survey, AnOpenLoopCountsWithWhatItKnowsOfItsReference) {
     // specific force are the vehicle's.
     Beliefs beliefs = perfect_beliefs();
     beliefs.settings.loop = estim::Loop::Open;
-    beliefs.disturbance = {true, {filter::DisturbanceKind::RampAndFirstOrder, 5000.0, Vector3d::Zero()}, Vector3d::Constant(1e-9), 1e-6};
+    beliefs.disturbance = {
+        true, {filter::DisturbanceKind::RampAndFirstOrder, 5000.0, Vector3d::Zero()}, Vector3d::Constant(1e-9), 1e-6};
     beliefs.velocity = 2.0;
     beliefs.accel_bias = 1e-3;
     beliefs.gyro_bias = 2e-5;
-    beliefs.settings.imu.errors.accel_turn_on_bias = beliefs.settings.imu.errors.gyro_turn_on_bias = 1e-9;   // constant, not forgotten
+    beliefs.settings.imu.errors.accel_turn_on_bias = beliefs.settings.imu.errors.gyro_turn_on_bias =
+        1e-9;  // constant, not forgotten
     beliefs.settings.gnss.lever_arm_b = {0.0, 30.0, 0.0};
     const double by_metre = 2e-7, gyro_x = 2e-5, accel_x = 1e-3;
     sim::Scenario scenario = perfect_scenario({sim::AnomalyPart::Kind::Ramp, {0.0, 0.0, 1e3 * by_metre}, 0.0, 1e3}, 20.0);
@@ -279,7 +281,7 @@ TEST(Survey, AnOpenLoopCountsWithWhatItKnowsOfItsReference) {
     scenario.imu.rate = 50.0;
     sim::SimulatedData data = sim::simulate(scenario);
     for (ImuSample& s : data.recording.imu) {
-        s.gyro.x() += gyro_x / scenario.imu.rate;   // as if the antenna, out to the right, went down
+        s.gyro.x() += gyro_x / scenario.imu.rate;  // as if the antenna, out to the right, went down
         s.accel.x() += accel_x / scenario.imu.rate;
     }
     const Prepared survey(scenario, data, beliefs, erring_start(scenario, data, beliefs));
@@ -297,10 +299,10 @@ TEST(Survey, AnOpenLoopCountsWithWhatItKnowsOfItsReference) {
 
 TEST(Survey, StretchesOfTheSmootherAreThoseOfTheWhole) {
     Beliefs beliefs = papers_beliefs();
-    beliefs.settings.loop = estim::Loop::Mixed;   // what is kept beside the reference must survive a checkpoint
+    beliefs.settings.loop = estim::Loop::Mixed;  // what is kept beside the reference must survive a checkpoint
     beliefs.settings.feedback_period = 60.0;
     sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 10.0}, 200.0, 2);
-    scenario.imu.rate = 1.0;              // a fix at every increment: none is lost or taken twice where stretches meet
+    scenario.imu.rate = 1.0;  // a fix at every increment: none is lost or taken twice where stretches meet
     const sim::SimulatedData data = sim::simulate(scenario);
     const Prepared survey(scenario, data, beliefs, erring_start(scenario, data, beliefs));
     const SurveyResult whole = survey.run(), parts = survey.run({.stretch = 37});
@@ -325,8 +327,8 @@ TEST(Survey, AStepIsLookedForWhereItIsAnnounced) {
     const auto after = std::ranges::find_if(told.forward, [&](const SurveyEpoch& e) { return e.time > at; });
     ASSERT_NE(after, told.forward.end());
     EXPECT_GT(after->sigma_disturbance_n.z(), 5.0 * (after - 2)->sigma_disturbance_n.z());
-    for (const auto& [epochs, i] : {std::pair{&told.forward, told.forward.size() - 1}, std::pair{&told.smoothed, std::size_t{100}},
-                                    std::pair{&told.smoothed, std::size_t{500}}}) {
+    for (const auto& [epochs, i] : {std::pair{&told.forward, told.forward.size() - 1},
+                                    std::pair{&told.smoothed, std::size_t{100}}, std::pair{&told.smoothed, std::size_t{500}}}) {
         const SurveyEpoch& e = (*epochs)[i];
         const double truth = e.time > at ? step.size_n.z() : 0.0;
         EXPECT_LT(std::abs(e.disturbance_n.z() - truth), 4.0 * e.sigma_disturbance_n.z()) << i;
@@ -349,7 +351,7 @@ TEST(Survey, ABlunderIsRefusedAndAnOutageBridged) {
     EXPECT_EQ(found.smoothed.size(), found.forward.size());
     const auto blunder = std::ranges::find(found.forward, std::size_t{400}, &SurveyEpoch::fix);
     ASSERT_NE(blunder, found.forward.end());
-    EXPECT_EQ(blunder->measured, 3);   // the velocity of it
+    EXPECT_EQ(blunder->measured, 3);  // the velocity of it
     const SurveyEpoch &a = clean.forward.back(), &b = found.forward.back();
     EXPECT_LT(std::abs(a.disturbance_n.z() - b.disturbance_n.z()), a.sigma_disturbance_n.z());
 }

@@ -6,6 +6,7 @@ A rule is a function from the repository root to its findings; selftest.py shows
 """
 import json
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -196,6 +197,19 @@ def length(root):
     return found
 
 
+def layout(root):
+    """C++ sources are laid out as .clang-format says; rows of matrices and tables stand between `clang-format off` and `on`."""
+    sources = [str(path) for path in files(root, "src", "cli", "serve", "python", "tests", "bench", "examples")]
+    done = subprocess.run(["clang-format-16", f"--style=file:{root / '.clang-format'}", "--dry-run", *sources],
+                          stderr=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        return [f".clang-format:1: {done.stderr.strip()}"]
+    found = {}
+    for path, line in re.findall(r"^(\S+?):(\d+):\d+: warning: code should be clang-formatted", done.stderr, flags=re.M):
+        found.setdefault(path, line)
+    return [finding(root, Path(path), line, "another layout than clang-format-16 -i gives") for path, line in found.items()]
+
+
 def jacobian_names(root):
     """Functions of tests/house/jacobians.txt: named there, or declared in a header with a result type named there."""
     names, types, exceptions = {}, [], set()
@@ -286,8 +300,8 @@ def messages(root):
     return found
 
 
-RULES = {rule.__name__: rule for rule in (rooms, third_party, silence, citations, documents, frames, length, jacobians, error_models,
-                                        messages)}
+RULES = {rule.__name__: rule for rule in (rooms, third_party, silence, citations, documents, frames, length, layout, jacobians,
+                                        error_models, messages)}
 
 if __name__ == "__main__":
     if len(sys.argv) != 3 or sys.argv[1] not in RULES:

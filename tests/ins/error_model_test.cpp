@@ -112,9 +112,7 @@ VectorXd growth(const VectorXd& dx, After after) {
 }
 
 /// Floors a row and column: sizes below which nothing is asked, m/s, m/s^2, rad/s for a full perturbation.
-MatrixXd floors(const MatrixXd& F) {
-    return tolerance_of(F, 2e-6, stacked(1e-7, 3e-8, 1e-12), perturbation().cwiseInverse());
-}
+MatrixXd floors(const MatrixXd& F) { return tolerance_of(F, 2e-6, stacked(1e-7, 3e-8, 1e-12), perturbation().cwiseInverse()); }
 
 SCHULER_JACOBIAN(error_n, "ins.error_n") {
     std::vector<LinearModel> models;
@@ -193,6 +191,7 @@ TEST(ErrorModel, PrintedExampleOfTheTriadPaper) {
     const Geodetic position{52.3 * units::deg, 104.3 * units::deg, 10000.0};
     const Vector3d v(180.0, -140.0, 3.0);
     const Eigen::Matrix3d C = math::dcm_from_rpy(Vector3d(12.0, 2.5, 322.1) * units::deg);
+    // clang-format off
     const std::vector<std::tuple<int, int, double>> nonzero{
         {0, 0, -4.69816195472e-07}, {0, 2, 2.81889717283e-05}, {0, 3, 1.0}, {1, 0, -2.82961150859e-05},
         {1, 1, -3.68493563179e-05}, {1, 2, -2.18697230129e-05}, {1, 4, 1.0}, {2, 5, 1.0}, {3, 0, 6.75104955519e-10},
@@ -205,6 +204,7 @@ TEST(ErrorModel, PrintedExampleOfTheTriadPaper) {
         {7, 0, 4.30106189954e-14}, {7, 2, -4.41454515055e-12}, {7, 3, -1.56605398491e-07}, {7, 6, 2.94008148451e-05},
         {7, 8, 2.27235320136e-05}, {8, 0, 2.16044456358e-12}, {8, 2, 4.42020142335e-12}, {8, 4, -2.02115107757e-07},
         {8, 6, -2.81889717283e-05}, {8, 7, -2.27235320136e-05}};
+    // clang-format on
     const Vector3d f_n = C * Vector3d(0.6, -0.3, -10.02);
     Matrix9 F = matrix(error_n(earth, position, v, f_n));
     // The example's gravity points straight down; the program's has the north component that belongs to it, and its slope.

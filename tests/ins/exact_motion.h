@@ -67,8 +67,8 @@ inline Sensed sensed(const earth::Earth& earth, const Motion& motion, double t) 
     out.state.v_eb_e = {x.d, y.d, z.d};
     out.state.q_eb = Eigen::Quaterniond(C);
     out.w_ib_b = Eigen::Vector3d(W(2, 1), W(0, 2), W(1, 0)) + C.transpose() * w_ie;
-    const Eigen::Vector3d f_e = Eigen::Vector3d(x.dd, y.dd, z.dd) + 2.0 * w_ie.cross(out.state.v_eb_e) -
-                                earth::gravity_ecef(earth, out.state.position);
+    const Eigen::Vector3d f_e =
+        Eigen::Vector3d(x.dd, y.dd, z.dd) + 2.0 * w_ie.cross(out.state.v_eb_e) - earth::gravity_ecef(earth, out.state.position);
     out.f_b = C.transpose() * f_e;
     return out;
 }

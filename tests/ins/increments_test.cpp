@@ -82,19 +82,19 @@ TEST_P(Vibration, ConingDriftIsTheTheoreticalOne) {
     const double phase = GetParam().lambda;
     const auto sample = [&](int k) {
         const double a = k * phase, b = (k + 1) * phase, s = std::sin(0.5 * cone);
-        return ImuIncrement{Time::from_seconds((k + 1) * h()), h(),
-                            {std::sin(cone) * (std::cos(b) - std::cos(a)), std::sin(cone) * (std::sin(b) - std::sin(a)),
-                             -2.0 * s * s * phase},
-                            Vector3d::Zero()};
+        return ImuIncrement{
+            Time::from_seconds((k + 1) * h()),
+            h(),
+            {std::sin(cone) * (std::cos(b) - std::cos(a)), std::sin(cone) * (std::sin(b) - std::sin(a)), -2.0 * s * s * phase},
+            Vector3d::Zero()};
     };
     const auto attitude = [&](double angle) {
         const double s = std::sin(0.5 * cone);
         return Quaterniond(std::cos(0.5 * cone), s * std::cos(angle), s * std::sin(angle), 0.0);
     };
     Quaterniond q = attitude(0.0);
-    run(sample, [&](const CompensatedIncrement& step) {
-        q = (q * math::quaternion_from_rotation_vector(step.theta)).normalized();
-    });
+    run(sample,
+        [&](const CompensatedIncrement& step) { q = (q * math::quaternion_from_rotation_vector(step.theta)).normalized(); });
     const Vector3d error = math::rotation_vector_from_quaternion(q * attitude(steps * per_step() * phase).conjugate());
     const double drift = error.z() / duration();
     const double theory = std::pow(std::sin(cone), 2) * residual(algorithm(), phase) / (per_step() * h());
@@ -110,7 +110,9 @@ TEST_P(Vibration, ScullingErrorIsTheTheoreticalOne) {
     const double phase = GetParam().lambda;
     const auto sample = [&](int k) {
         const double a = k * phase, b = (k + 1) * phase;
-        return ImuIncrement{Time::from_seconds((k + 1) * h()), h(), {roll * (std::sin(b) - std::sin(a)), 0.0, 0.0},
+        return ImuIncrement{Time::from_seconds((k + 1) * h()),
+                            h(),
+                            {roll * (std::sin(b) - std::sin(a)), 0.0, 0.0},
                             {0.0, force / frequency * (std::cos(a) - std::cos(b)), 0.0}};
     };
     Vector3d v = Vector3d::Zero();
@@ -200,11 +202,10 @@ std::pair<double, double> step_error(IncrementAlgorithm algorithm, double span) 
 TEST(Increments, LocalOrderInAManoeuvre) {
     // Doubling the step multiplies the error of a step by 2^order: 3 without correction, 4 with the previous sample, and 5 for
     // the symmetric multi-sample ones (linear rates are exact in them, errors even in time vanish).
-    for (const auto& [algorithm, order] : {std::pair{IncrementAlgorithm::OneSample, 3.0},
-                                           std::pair{IncrementAlgorithm::OneSamplePlusPrevious, 4.0},
-                                           std::pair{IncrementAlgorithm::TwoSample, 5.0},
-                                           std::pair{IncrementAlgorithm::ThreeSample, 5.0},
-                                           std::pair{IncrementAlgorithm::FourSample, 5.0}}) {
+    for (const auto& [algorithm, order] :
+         {std::pair{IncrementAlgorithm::OneSample, 3.0}, std::pair{IncrementAlgorithm::OneSamplePlusPrevious, 4.0},
+          std::pair{IncrementAlgorithm::TwoSample, 5.0}, std::pair{IncrementAlgorithm::ThreeSample, 5.0},
+          std::pair{IncrementAlgorithm::FourSample, 5.0}}) {
         const auto [theta, dv] = step_error(algorithm, 0.005);
         const auto [theta2, dv2] = step_error(algorithm, 0.01);
         EXPECT_GT(std::log2(theta2 / theta), order - 0.35) << samples_per_step(algorithm);

@@ -27,8 +27,8 @@ double distance(const Quaterniond& a, const Quaterniond& b) { return (a.coeffs()
 TEST(PaperAIntegrators, MatrixAndInitialQuaternionAreTheSameRotation) {
     // B as three turns: psi about up (y), pitch about the turned right axis (z), roll about forward (x).
     const auto turn = [](double angle, const Vector3d& axis) { return Eigen::AngleAxisd(angle, axis).toRotationMatrix(); };
-    const Matrix3d B = turn(attitude.psi, Vector3d::UnitY()) * turn(attitude.pitch, Vector3d::UnitZ()) *
-                       turn(attitude.roll, Vector3d::UnitX());
+    const Matrix3d B =
+        turn(attitude.psi, Vector3d::UnitY()) * turn(attitude.pitch, Vector3d::UnitZ()) * turn(attitude.roll, Vector3d::UnitX());
     EXPECT_LT(largest(matrix_from(attitude) - B), 1e-15);
     EXPECT_LT(largest(quaternion_from(attitude).toRotationMatrix() - B), 1e-15);
     // In the program's axes: heading is -psi, the other two are the same.
@@ -41,7 +41,8 @@ TEST(PaperAIntegrators, PrintedStep) {
     const Vector3d beta(0.01, -0.02, 0.015);
     EXPECT_LT(distance(step_quaternion(q, beta), {-0.256085542237, -0.221228486956, -0.100404107885, -0.935626617159}), 2e-12);
     EXPECT_LT(distance(step_picard_second(q, beta, Normalise::No),
-                       {-0.256085328238, -0.221228831911, -0.100404122134, -0.935626597027}), 2e-12);
+                       {-0.256085328238, -0.221228831911, -0.100404122134, -0.935626597027}),
+              2e-12);
 }
 
 TEST(PaperAIntegrators, LocalErrorsAndGrowthOfTheNorm) {
@@ -110,8 +111,8 @@ TEST(PaperARateSplit, ApproachesTheMechanization) {
     // Ten minutes of a gentle flight, against the exact end. Three rates cost accuracy in proportion to the slow period.
     const earth::Earth earth;
     const test::Motion motion = [](const test::Jet& t) {
-        return test::Pose{0.88 + 3e-3 * sin(0.01 * t), 0.5 + 3e-5 * t, 2000.0 + 50.0 * sin(0.02 * t),
-                          0.1 * sin(0.1 * t), 0.05 * sin(0.07 * t), 1.2 + 0.3 * sin(0.03 * t)};
+        return test::Pose{0.88 + 3e-3 * sin(0.01 * t), 0.5 + 3e-5 * t,       2000.0 + 50.0 * sin(0.02 * t),
+                          0.1 * sin(0.1 * t),          0.05 * sin(0.07 * t), 1.2 + 0.3 * sin(0.03 * t)};
     };
     const auto increments = test::ideal_increments(earth, motion, 0.0, 0.01, 60000);
     const NavState start = to_geographic(earth, test::sensed(earth, motion, 0.0).state);

@@ -120,8 +120,8 @@ TEST(Mechanization, LivelyFlightForAnHour) {
     // Order of convergence: the compensation's third order prevails over the mechanization's second here.
     const Runs half = mechanize(earth, flight, test::summed(at200, 2));
     const Runs quarter = mechanize(earth, flight, test::summed(at200, 4));
-    for (const auto& [fine, coarse] : {std::pair{fast.n, half.n}, std::pair{half.n, quarter.n}, std::pair{fast.e, half.e},
-                                       std::pair{half.e, quarter.e}}) {
+    for (const auto& [fine, coarse] :
+         {std::pair{fast.n, half.n}, std::pair{half.n, quarter.n}, std::pair{fast.e, half.e}, std::pair{half.e, quarter.e}}) {
         EXPECT_GT(coarse.horizontal() / fine.horizontal(), 7.0);
         EXPECT_LT(coarse.horizontal() / fine.horizontal(), 9.0);
         EXPECT_GT(coarse.attitude.norm() / fine.attitude.norm(), 7.0);

@@ -122,7 +122,7 @@ TEST(Clock, AStepWithinALogIsToldFromAHole) {
 TEST(Clock, AnOffsetThatIsGivenAndContradictedIsRefusedWithTheBestOne) {
     Given given;
     given.keys = {"imu.time_offset_s"};
-    given.imu.time_offset = 18.0;   // of the folder's log, which is not named
+    given.imu.time_offset = 18.0;  // of the folder's log, which is not named
     EXPECT_FALSE(report_with(18.0, CarLog{}, given).refusal);
     given.imu.time_offset = 3.0;
     const InspectReport r = report_with(18.0, CarLog{}, given);
@@ -153,7 +153,8 @@ TEST(Clock, DriftIsTheSlopeOfTheLags) {
         for (int w = 0; w < 60; ++w) {
             detail::LagCurve c{15.0 * w, {}};
             const double lag = 0.2 - ppm * 1e-6 * (c.t - 450.0) + noise(random);
-            for (int i = 0; i < detail::lag_count; ++i) c.horizontal.push_back(10.0 + 400.0 * std::pow(detail::first_lag + detail::lag_step * i - lag, 2));
+            for (int i = 0; i < detail::lag_count; ++i)
+                c.horizontal.push_back(10.0 + 400.0 * std::pow(detail::first_lag + detail::lag_step * i - lag, 2));
             curves.push_back(std::move(c));
         }
         const detail::ClockDrift drift = detail::drift_of(curves);

@@ -94,11 +94,11 @@ TEST(Given, AWholeMountingWithoutAxesCountsFromForwardRightDown) {
     const fs::path folder = turned_car("given_mounting");
     Given given = named(folder);
     given.keys.insert("imu.mounting_deg");
-    given.mounting_rpy = Eigen::Vector3d(180.0, 0.0, 180.0) * deg;   // the same as the axes
+    given.mounting_rpy = Eigen::Vector3d(180.0, 0.0, 180.0) * deg;  // the same as the axes
     const InspectReport whole = inspect(folder, given);
     EXPECT_EQ(text_of(whole, "imu.axes"), "\"frd\"");
     EXPECT_TRUE(whole.contradictions.empty());
-    given.mounting_rpy = Eigen::Vector3d::Zero();                   // nothing beside the axes, which are to be found
+    given.mounting_rpy = Eigen::Vector3d::Zero();  // nothing beside the axes, which are to be found
     const InspectReport rest = inspect(folder, given);
     EXPECT_EQ(text_of(rest, "imu.axes"), "\"x=backward, y=right, z=up\"");
     EXPECT_TRUE(rest.contradictions.empty());
@@ -108,7 +108,7 @@ TEST(Given, DataThatContradictAxesSaySo) {
     const fs::path folder = turned_car("given_wrong_axes");
     Given given = named(folder);
     given.keys.insert("imu.axes");
-    for (const char* axes : {"frd", "flu"}) {   // upside down; upright and backwards
+    for (const char* axes : {"frd", "flu"}) {  // upside down; upright and backwards
         given.axes = axes;
         given.C_bs = sensor::C_bs_from_axes(axes);
         EXPECT_TRUE(contradicted(inspect(folder, given), "imu.axes")) << axes;
@@ -127,9 +127,9 @@ TEST(Given, DataThatContradictALatencySaySoWithBothValues) {
     EXPECT_EQ(r.contradictions[0].key, "gnss.velocity_latency_s");
     EXPECT_NE(r.contradictions[0].text.find("0.400 s is given"), std::string::npos) << r.contradictions[0].text;
     EXPECT_NE(r.contradictions[0].text.find("the data show 0.2"), std::string::npos) << r.contradictions[0].text;
-    ASSERT_TRUE(r.contradictions[0].better);   // refuted: what the data show is used
+    ASSERT_TRUE(r.contradictions[0].better);  // refuted: what the data show is used
     EXPECT_NEAR(std::get<double>(*r.contradictions[0].better), 0.2, 0.03);
-    given.velocity_latency = 0.28;   // doubted: the filter has the difference for its sigma
+    given.velocity_latency = 0.28;  // doubted: the filter has the difference for its sigma
     const InspectReport doubted = inspect(folder, given);
     ASSERT_EQ(doubted.contradictions.size(), 1u);
     EXPECT_FALSE(doubted.contradictions[0].refuted);
@@ -159,8 +159,10 @@ TEST(Given, ColumnsAndScalesAreReadAsSaid) {
     car.imu_header = "clock,p,q,r,u,v,w";
     write_car(folder, car);
     Given given = named(folder);
+    // clang-format off
     given.imu.columns = {{"time_s", "clock"},     {"gyro_x_rad_s", "p"}, {"gyro_y_rad_s", "q"}, {"gyro_z_rad_s", "r"},
                          {"accel_x_m_s2", "u"}, {"accel_y_m_s2", "v"}, {"accel_z_m_s2", "w"}};
+    // clang-format on
     given.imu.scale = {{"gyro_rad_s", deg}};
     given.keys.insert({"imu.columns", "imu.scale"});
     const InspectReport right = inspect(folder, given);

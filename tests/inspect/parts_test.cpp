@@ -13,11 +13,11 @@ namespace {
 TEST(Cadence, CountsGapsDuplicatesAndStepsBackwards) {
     std::vector<double> t;
     for (int i = 0; i < 100; ++i) t.push_back(0.1 * i);
-    t.push_back(9.9);                      // duplicate
-    t.push_back(10.7);                     // gap of 0.8 s
-    t.push_back(10.65);                    // backwards
+    t.push_back(9.9);    // duplicate
+    t.push_back(10.7);   // gap of 0.8 s
+    t.push_back(10.65);  // backwards
     t.push_back(10.75);
-    t.push_back(10.95);                    // one sample missing, no gap
+    t.push_back(10.95);  // one sample missing, no gap
     const Cadence c = cadence_of(t);
     EXPECT_NEAR(c.rate_hz, 10.0, 1e-9);
     ASSERT_EQ(c.gaps.size(), 1U);

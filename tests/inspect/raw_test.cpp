@@ -21,12 +21,14 @@ protected:
         std::ofstream(to, std::ios::binary) << test::content_of(from).substr(1);
         const InspectReport r = inspect(to);
         for (const Problem& p : r.problems) EXPECT_NE(p.level, Level::Error) << p.text;
-        for (const FileReport& f : r.files) EXPECT_TRUE(f.path.ends_with(name) || f.path.find(name + "#") != std::string::npos) << f.path;   // its instruments follow
+        for (const FileReport& f : r.files)
+            EXPECT_TRUE(f.path.ends_with(name) || f.path.find(name + "#") != std::string::npos)
+                << f.path;  // its instruments follow
         return r.files.at(0);
     }
     static void expect_line(const FileReport& report, const std::string& line) {
-        EXPECT_EQ(std::ranges::count(report.contents, line), 1)
-            << line << "\n is not among\n" << testing::PrintToString(report.contents);
+        EXPECT_EQ(std::ranges::count(report.contents, line), 1) << line << "\n is not among\n"
+                                                                << testing::PrintToString(report.contents);
     }
 
     test::TemporaryFolder folder_{"inspect_raw"};
@@ -41,8 +43,9 @@ TEST_F(RawFiles, RinexObservations) {
     expect_line(r, "marker SEED");
     expect_line(r, "GPS: 2 satellites, on average 2.0 an epoch; signals 1C (CLDS)");
     expect_line(r, "BeiDou: 1 satellite, on average 1.0 an epoch; signals 2I (CLDS)");
-    expect_line(r, "approximate position of the header: 0.000000 deg latitude, 0.000000 deg longitude, "
-                   "0.0 m above the ellipsoid");
+    expect_line(r,
+                "approximate position of the header: 0.000000 deg latitude, 0.000000 deg longitude, "
+                "0.0 m above the ellipsoid");
 }
 
 TEST_F(RawFiles, MissingEpochsAndEphemerides) {

@@ -56,7 +56,7 @@ TEST(RealData, DriveMountingIsBackRightUpAndTilted) {
     EXPECT_GE(finding(r, "imu.axes")->confidence, 0.95);
     EXPECT_EQ(value_of(r, "vehicle.kind"), "car");
     EXPECT_TRUE(sets(r, "imu.mounting_deg = \"estimate\""));
-    double roll = 0, pitch = 0, yaw = 0;   // README: about -1, -6.2, +5.6; the author's configuration -6.79, +5.35
+    double roll = 0, pitch = 0, yaw = 0;  // README: about -1, -6.2, +5.6; the author's configuration -6.79, +5.35
     ASSERT_EQ(std::sscanf(value_of(r, "imu.mounting_deg").c_str(), "roll %lf, pitch %lf, yaw %lf", &roll, &pitch, &yaw), 3);
     EXPECT_NEAR(roll, -1.0, 1.5);
     EXPECT_NEAR(pitch, -6.4, 0.8);
@@ -123,7 +123,7 @@ TEST(RealData, QuadcopterIsForwardRightDownAndLate) {
     EXPECT_EQ(value_of(r, "imu.axes"), "frd");
     EXPECT_EQ(value_of(r, "vehicle.kind"), "air");
     EXPECT_NEAR(number_of(r, "gnss.velocity_latency_s"), 0.2, 0.07);
-    EXPECT_NEAR(number_of(r, "gnss.velocity_behind_position_s"), 0.12, 0.06);   // README: 0.08 to 0.16 s
+    EXPECT_NEAR(number_of(r, "gnss.velocity_behind_position_s"), 0.12, 0.06);  // README: 0.08 to 0.16 s
     EXPECT_TRUE(sets(r, "gnss.height = \"relative\""));
     EXPECT_TRUE(has_problem(r, Level::Warning, "not a height of GNSS"));
     EXPECT_TRUE(has_problem(r, Level::Warning, "onboard or AHRS estimate"));
@@ -187,7 +187,7 @@ TEST(RealData, TwoImusAndNoRestInNavegoSynth) {
     EXPECT_EQ(value_of(r, "imu.axes"), "frd");
     EXPECT_EQ(value_of(r, "still"), "none");
     EXPECT_NEAR(number_of(r, "gnss.velocity_latency_s"), 0.0, 0.03);
-    double x = 0, y = 0, z = 0;   // README: static bias 3 deg/s
+    double x = 0, y = 0, z = 0;  // README: static bias 3 deg/s
     ASSERT_EQ(std::sscanf(value_of(r, "imu.gyro_bias").c_str(), "[%lf, %lf, %lf]", &x, &y, &z), 3);
     EXPECT_NEAR(x, 3.0, 0.6);
     EXPECT_NEAR(y, 3.0, 0.6);
@@ -215,9 +215,9 @@ TEST(RealData, RtklibSolutionIsDatedAndTheReferenceIsMovedByWholeWeeks) {
     WITH_DATA(folder, "spirent_rose_noatm");
     const InspectReport& r = report_of(folder);
     EXPECT_EQ(file_named(r, "rtklib_rtk_fixandhold.pos")->kind, "rtklib_pos");
-    EXPECT_EQ(value_of(r, "gnss.fix"), "561 rtk_fixed, 40 rtk_float");   // README: the first 40 epochs are float
+    EXPECT_EQ(value_of(r, "gnss.fix"), "561 rtk_fixed, 40 rtk_float");  // README: the first 40 epochs are float
     EXPECT_NEAR(number_of(r, "gnss.velocity_behind_position_s"), 0.0, 0.03);
-    EXPECT_TRUE(sets(r, "reference.time_offset_s = 1357171200"));      // week 2244
+    EXPECT_TRUE(sets(r, "reference.time_offset_s = 1357171200"));  // week 2244
     EXPECT_EQ(finding(r, "time.scale")->confidence, 1.0);
 }
 

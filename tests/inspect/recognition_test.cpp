@@ -26,17 +26,20 @@ protected:
     }
     void expect_kind(const std::string& kind, const std::string& name, const std::string& content) {
         const FileReport report = of(name, content);
-        EXPECT_EQ(report.kind, kind) << name << ":\n" << content.substr(0, 300) << (report.problems.empty() ? "" : report.problems.front().text);
+        EXPECT_EQ(report.kind, kind) << name << ":\n"
+                                     << content.substr(0, 300) << (report.problems.empty() ? "" : report.problems.front().text);
     }
     int tables_ = 0;
 };
 
 /// A table: header, and rows made of a time and values.
-std::string table(const std::string& header, const std::string& delimiter, double step, double start, int rows, const std::vector<double>& values, const char* time_format = "{:.6f}") {
+std::string table(const std::string& header, const std::string& delimiter, double step, double start, int rows,
+                  const std::vector<double>& values, const char* time_format = "{:.6f}") {
     std::string out = header.empty() ? "" : header + "\n";
     for (int i = 0; i < rows; ++i) {
         out += fmt::format(fmt::runtime(time_format), start + step * i);
-        for (std::size_t k = 0; k < values.size(); ++k) out += fmt::format("{}{:.9g}", delimiter, values[k] + 1e-3 * std::sin(0.7 * i + static_cast<double>(k)));
+        for (std::size_t k = 0; k < values.size(); ++k)
+            out += fmt::format("{}{:.9g}", delimiter, values[k] + 1e-3 * std::sin(0.7 * i + static_cast<double>(k)));
         out += "\n";
     }
     return out;
@@ -56,38 +59,55 @@ std::vector<std::string> with_time(const std::string& time, std::vector<std::str
 TEST_F(Recognition, ImusByTheirNames) {
     const std::vector<std::vector<std::string>> styles = {
         {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"},
-        {"w_RS_S_x [rad s^-1]", "w_RS_S_y [rad s^-1]", "w_RS_S_z [rad s^-1]", "a_RS_S_x [m s^-2]", "a_RS_S_y [m s^-2]", "a_RS_S_z [m s^-2]"},
+        {"w_RS_S_x [rad s^-1]", "w_RS_S_y [rad s^-1]", "w_RS_S_z [rad s^-1]", "a_RS_S_x [m s^-2]", "a_RS_S_y [m s^-2]",
+         "a_RS_S_z [m s^-2]"},
         {"gyro_rad[0]", "gyro_rad[1]", "gyro_rad[2]", "accelerometer_m_s2[0]", "accelerometer_m_s2[1]", "accelerometer_m_s2[2]"},
         {"IMU.GyrX", "IMU.GyrY", "IMU.GyrZ", "IMU.AccX", "IMU.AccY", "IMU.AccZ"},
         {"GyroX", "GyroY", "GyroZ", "AccelX", "AccelY", "AccelZ"},
-        {"angular_velocity.x", "angular_velocity.y", "angular_velocity.z", "linear_acceleration.x", "linear_acceleration.y", "linear_acceleration.z"},
-        {"IMU::UncompGyro::X [rad/s]", "IMU::UncompGyro::Y [rad/s]", "IMU::UncompGyro::Z [rad/s]", "IMU::UncompAccel::X [m/s^2]", "IMU::UncompAccel::Y [m/s^2]", "IMU::UncompAccel::Z [m/s^2]"},
+        {"angular_velocity.x", "angular_velocity.y", "angular_velocity.z", "linear_acceleration.x", "linear_acceleration.y",
+         "linear_acceleration.z"},
+        {"IMU::UncompGyro::X [rad/s]", "IMU::UncompGyro::Y [rad/s]", "IMU::UncompGyro::Z [rad/s]", "IMU::UncompAccel::X [m/s^2]",
+         "IMU::UncompAccel::Y [m/s^2]", "IMU::UncompAccel::Z [m/s^2]"},
         {"wx", "wy", "wz", "ax", "ay", "az"},
         {"gyr_x", "gyr_y", "gyr_z", "acc_x", "acc_y", "acc_z"},
         {"omega_x (rad/s)", "omega_y (rad/s)", "omega_z (rad/s)", "f_x (m/s2)", "f_y (m/s2)", "f_z (m/s2)"},
     };
     for (const auto& style : styles)
         for (const char* time : {"time_s", "timestamp", "Time (s)", "t"})
-            for (const char* delimiter : {",", ";"}) expect_kind("imu", "imu.csv", table(joined(with_time(time, style), delimiter), delimiter, 0.01, 0.0, 60, {0.01, -0.02, 0.03, 0.1, 0.2, -9.8}));
+            for (const char* delimiter : {",", ";"})
+                expect_kind("imu", "imu.csv",
+                            table(joined(with_time(time, style), delimiter), delimiter, 0.01, 0.0, 60,
+                                  {0.01, -0.02, 0.03, 0.1, 0.2, -9.8}));
     EXPECT_EQ(tables_, 80);
 }
 
+// clang-format off
 TEST_F(Recognition, FixesByTheirNames) {
     const std::vector<std::vector<std::string>> styles = {{"lat_deg", "lon_deg", "height_m"}, {"latitude", "longitude", "altitude"}, {"Lat", "Lng", "Alt"},
                                                           {"gps.lat", "gps.lon", "gps.alt"},  {"Latitude(deg)", "Longitude(deg)", "Height(m)"}, {"GPS.Lat", "GPS.Lng", "GPS.Alt"}};
+    // clang-format on
     for (const auto& style : styles)
         for (const char* time : {"time_s", "timestamp", "gps_time"})
-            for (const char* delimiter : {",", "\t"}) expect_kind("gnss", "gps.csv", table(joined(with_time(time, style), delimiter), delimiter, 1.0, 1000.0, 30, {48.1, 11.5, 512.0}));
+            for (const char* delimiter : {",", "\t"})
+                expect_kind("gnss", "gps.csv",
+                            table(joined(with_time(time, style), delimiter), delimiter, 1.0, 1000.0, 30, {48.1, 11.5, 512.0}));
     EXPECT_EQ(tables_, 36);
 }
 
 TEST_F(Recognition, OtherInstruments) {
-    for (const auto& names : {std::vector<std::string>{"mag_x_ut", "mag_y_ut", "mag_z_ut"}, {"MagX", "MagY", "MagZ"}, {"magnetometer_ga[0]", "magnetometer_ga[1]", "magnetometer_ga[2]"},
+    for (const auto& names : {std::vector<std::string>{"mag_x_ut", "mag_y_ut", "mag_z_ut"},
+                              {"MagX", "MagY", "MagZ"},
+                              {"magnetometer_ga[0]", "magnetometer_ga[1]", "magnetometer_ga[2]"},
                               {"magnetic_field.x", "magnetic_field.y", "magnetic_field.z"}})
-        for (const char* time : {"time_s", "timestamp"}) expect_kind("mag", "m.csv", table(joined(with_time(time, names), ","), ",", 0.02, 0.0, 40, {20.0, 5.0, 40.0}));
+        for (const char* time : {"time_s", "timestamp"})
+            expect_kind("mag", "m.csv", table(joined(with_time(time, names), ","), ",", 0.02, 0.0, 40, {20.0, 5.0, 40.0}));
     for (const char* name : {"pressure_pa", "baro_alt_meter", "pressure_hpa", "fluid_pressure"})
-        expect_kind("baro", "b.csv", table(std::string("time_s,") + name, ",", 0.1, 0.0, 40, {std::string(name).find("alt") != std::string::npos ? 500.0 : 950.0}));
-    for (const auto& names : {std::vector<std::string>{"roll_deg", "pitch_deg", "heading_deg"}, {"Roll", "Pitch", "Yaw"}, {"roll (deg)", "pitch (deg)", "yaw (deg)"}})
+        expect_kind("baro", "b.csv",
+                    table(std::string("time_s,") + name, ",", 0.1, 0.0, 40,
+                          {std::string(name).find("alt") != std::string::npos ? 500.0 : 950.0}));
+    for (const auto& names : {std::vector<std::string>{"roll_deg", "pitch_deg", "heading_deg"},
+                              {"Roll", "Pitch", "Yaw"},
+                              {"roll (deg)", "pitch (deg)", "yaw (deg)"}})
         expect_kind("reference", "a.csv", table(joined(with_time("time_s", names), ","), ",", 0.02, 0.0, 40, {1.0, 2.0, 90.0}));
 }
 
@@ -100,42 +120,62 @@ TEST_F(Recognition, RotationsAndTrajectoriesAreNeverImus) {
     };
     // the norm of three components is gravity times a step of 5 ms: 0.049
     const double a = 0.049 / std::sqrt(3.0), rest = std::sqrt(1.0 - 0.049 * 0.049);
-    for (const auto& q : {std::array{a, a, a, rest}, std::array{0.0, 0.0, 0.0, 1.0}, std::array{rest, a, a, a}, std::array{0.5, 0.5, 0.5, 0.5}}) {
+    for (const auto& q :
+         {std::array{a, a, a, rest}, std::array{0.0, 0.0, 0.0, 1.0}, std::array{rest, a, a, a}, std::array{0.5, 0.5, 0.5, 0.5}}) {
         for (const char* delimiter : {" ", ","}) {
             std::string tum;
             for (int i = 0; i < 60; ++i) tum += row(i, delimiter, q, true);
             expect_kind("trajectory", "pose.txt", "# time x y z qx qy qz qw\n" + tum);
             expect_kind("trajectory", "pose.txt", tum);
             std::string seven;
-            for (int i = 0; i < 60; ++i) seven += row(i, delimiter, q, true).substr(0, row(i, delimiter, q, true).rfind(delimiter)) + "\n";
+            for (int i = 0; i < 60; ++i)
+                seven += row(i, delimiter, q, true).substr(0, row(i, delimiter, q, true).rfind(delimiter)) + "\n";
             const std::string kind = of("short.txt", seven).kind;
             EXPECT_TRUE(kind == "unknown" || kind == "trajectory") << kind;
         }
     }
-    for (const auto& names : {std::vector<std::string>{"tx", "ty", "tz", "qx", "qy", "qz", "qw"}, {"x", "y", "z", "qx", "qy", "qz", "qw"}, {"pose.position.x", "pose.position.y", "pose.position.z", "orientation_x", "orientation_y", "orientation_z", "orientation_w"}}) {
+    for (const auto& names : {std::vector<std::string>{"tx", "ty", "tz", "qx", "qy", "qz", "qw"},
+                              {"x", "y", "z", "qx", "qy", "qz", "qw"},
+                              {"pose.position.x", "pose.position.y", "pose.position.z", "orientation_x", "orientation_y",
+                               "orientation_z", "orientation_w"}}) {
         std::string rows;
         for (int i = 0; i < 60; ++i) rows += row(i, ",", {0.0, 0.0, 0.6, 0.8}, true);
         expect_kind("trajectory", "odometry.csv", joined(with_time("timestamp", names), ",") + "\n" + rows);
     }
     std::string rows;
     for (int i = 0; i < 60; ++i) rows += row(i, ",", {0.3, 0.4, 0.5, 0.6}, false);
-    expect_kind("unknown", "q.csv", "time_s,qw,qx,qy,qz\n" + rows);   // not of unit length: no rotation
+    expect_kind("unknown", "q.csv", "time_s,qw,qx,qy,qz\n" + rows);  // not of unit length: no rotation
 }
 
 TEST_F(Recognition, SetpointsAreNeverMeasurements) {
     const std::string rows = table("", ",", 4000.0, 5e6, 50, {0.1, 0.2, 0.3, 0.4}, "{:.0f}");
-    for (const char* name : {"flight_vehicle_rates_setpoint_0.csv", "vehicle_attitude_setpoint.csv", "trajectory_setpoint_0.csv", "attitude_target.csv", "cmd_attitude.csv", "desired_attitude.csv",
-                             "log_vehicle_rates_setpoint_1.csv", "command.csv"})
+    for (const char* name :
+         {"flight_vehicle_rates_setpoint_0.csv", "vehicle_attitude_setpoint.csv", "trajectory_setpoint_0.csv",
+          "attitude_target.csv", "cmd_attitude.csv", "desired_attitude.csv", "log_vehicle_rates_setpoint_1.csv", "command.csv"})
         expect_kind("unknown", name, "timestamp,roll,pitch,yaw,thrust\n" + rows);
-    for (const char* names : {"timestamp,roll_sp,pitch_sp,yaw_sp,thrust", "timestamp,desired_roll,desired_pitch,desired_yaw,thrust", "timestamp,roll_setpoint,pitch_setpoint,yaw_setpoint,thrust"})
+    for (const char* names :
+         {"timestamp,roll_sp,pitch_sp,yaw_sp,thrust", "timestamp,desired_roll,desired_pitch,desired_yaw,thrust",
+          "timestamp,roll_setpoint,pitch_setpoint,yaw_setpoint,thrust"})
         expect_kind("unknown", "control.csv", std::string(names) + "\n" + rows);
 }
 
 TEST_F(Recognition, WhatIsNoLogIsUnknown) {
-    const std::vector<std::string> headers = {"time_s,motor_1,motor_2,motor_3,motor_4", "timestamp,voltage_v,current_a,remaining",   "time,open,high,low,close",       "t,u,v,w",
-                                              "timestamp,cpu_load,ram_usage,temp_a",    "time_s,ch1,ch2,ch3,ch4,ch5,ch6",            "time,servo1,servo2",             "frame,exposure_ms,gain",
-                                              "time_s,thrust,torque",                   "time_s,satellite_count,hdop,vdop,pdop",     "id,name,price,quantity,stock",   "time_s,wind_x,wind_y,wind_z",
-                                              "timestamp,rpm_left,rpm_right",           "time_s,range_cm,quality",                   "t,fuel,load,rpm",                "timestamp,flow_dx,flow_dy,quality"};
+    const std::vector<std::string> headers = {"time_s,motor_1,motor_2,motor_3,motor_4",
+                                              "timestamp,voltage_v,current_a,remaining",
+                                              "time,open,high,low,close",
+                                              "t,u,v,w",
+                                              "timestamp,cpu_load,ram_usage,temp_a",
+                                              "time_s,ch1,ch2,ch3,ch4,ch5,ch6",
+                                              "time,servo1,servo2",
+                                              "frame,exposure_ms,gain",
+                                              "time_s,thrust,torque",
+                                              "time_s,satellite_count,hdop,vdop,pdop",
+                                              "id,name,price,quantity,stock",
+                                              "time_s,wind_x,wind_y,wind_z",
+                                              "timestamp,rpm_left,rpm_right",
+                                              "time_s,range_cm,quality",
+                                              "t,fuel,load,rpm",
+                                              "timestamp,flow_dx,flow_dy,quality"};
     for (const std::string& header : headers) {
         const auto columns = static_cast<std::size_t>(std::count(header.begin(), header.end(), ','));
         std::vector<double> values;
@@ -143,10 +183,16 @@ TEST_F(Recognition, WhatIsNoLogIsUnknown) {
         expect_kind("unknown", "other.csv", table(header, ",", 0.1, 0.0, 40, values));
     }
     // numbers without names
-    for (const std::size_t columns : {2U, 3U, 5U, 6U, 11U, 12U, 16U}) expect_kind("unknown", "n.txt", table("", " ", 0.1, 0.0, 40, std::vector<double>(columns - 1, 5.0)));
-    for (const double size : {95.0, 300.0, 2000.0}) expect_kind("unknown", "n.txt", table("", " ", 0.1, 0.0, 40, std::vector<double>(6, size)));
+    for (const std::size_t columns : {2U, 3U, 5U, 6U, 11U, 12U, 16U})
+        expect_kind("unknown", "n.txt", table("", " ", 0.1, 0.0, 40, std::vector<double>(columns - 1, 5.0)));
+    for (const double size : {95.0, 300.0, 2000.0})
+        expect_kind("unknown", "n.txt", table("", " ", 0.1, 0.0, 40, std::vector<double>(6, size)));
     expect_kind("unknown", "a.txt", "This is a text about a flight.\nIt went well.\n");
-    expect_kind("unknown", "b.bin", std::string("\x7f" "ELF\0\1\2\3\0\0\0\0", 12) + std::string(500, '\3'));
+    expect_kind("unknown", "b.bin",
+                std::string("\x7f"
+                            "ELF\0\1\2\3\0\0\0\0",
+                            12) +
+                    std::string(500, '\3'));
     expect_kind("unknown", "c.csv", "a,b\n");
 }
 
@@ -163,7 +209,8 @@ TEST_F(Recognition, TablesOfKfGinsByTheirValues) {
         expect_kind("kfgins_imu", "imu.txt", out);
     }
     expect_kind("kfgins_gnss", "gnss.txt", table("", " ", 1.0, 1000.0, 40, {30.0, 114.0, 20.0, 0.01, 0.01, 0.03}));
-    expect_kind("kfgins_reference", "truth.nav", table("", " ", 0.005, 1000.0, 40, {30.0, 114.0, 20.0, 1.0, 2.0, 0.0, 0.5, 0.6, 90.0}));
+    expect_kind("kfgins_reference", "truth.nav",
+                table("", " ", 0.005, 1000.0, 40, {30.0, 114.0, 20.0, 1.0, 2.0, 0.0, 0.5, 0.6, 90.0}));
     expect_kind("imu", "rates.txt", table("", " ", 0.01, 0.0, 60, {0.01, -0.02, 0.03, 0.1, 0.2, -9.8}));
 }
 
@@ -171,8 +218,9 @@ TEST_F(Recognition, UnitsOfTimeByTheSteps) {
     const std::string header = "t,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2";
     for (const double rate : {50.0, 100.0, 250.0, 400.0, 1000.0, 2000.0}) {
         for (const double unit : {1e3, 1e6, 1e9}) {
-            if (unit / rate < 2.5 || std::fmod(unit, rate) != 0.0) continue;   // a step of one or two may be seconds as well
-            const FileReport report = of("imu.csv", table(header, ",", unit / rate, 5e6, 200, {0.01, -0.02, 0.03, 0.1, 0.2, -9.8}, "{:.0f}"));
+            if (unit / rate < 2.5 || std::fmod(unit, rate) != 0.0) continue;  // a step of one or two may be seconds as well
+            const FileReport report =
+                of("imu.csv", table(header, ",", unit / rate, 5e6, 200, {0.01, -0.02, 0.03, 0.1, 0.2, -9.8}, "{:.0f}"));
             EXPECT_NEAR(report.rate_hz, rate, 0.01 * rate) << rate << " Hz in units of 1/" << unit << " s";
         }
     }

@@ -60,10 +60,8 @@ inline std::set<std::string> settings_of(const std::string& toml) {
         }
         while (!bare.empty() && bare.back() == ' ') bare.pop_back();
         if (bare.empty()) continue;
-        if (bare.front() == '[')
-            section = bare.substr(1, bare.size() - 2) + ".";
-        else
-            all.insert(section + bare);
+        if (bare.front() == '[') section = bare.substr(1, bare.size() - 2) + ".";
+        else all.insert(section + bare);
     }
     return all;
 }

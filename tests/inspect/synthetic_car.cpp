@@ -3,9 +3,9 @@
 
 #include <Eigen/Geometry>
 
+#include <unistd.h>
 #include <algorithm>
 #include <cmath>
-#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -16,10 +16,10 @@
 namespace schuler::inspect::test {
 namespace {
 
-constexpr double gravity = 9.806;     // at 45 deg of latitude, near enough
+constexpr double gravity = 9.806;  // at 45 deg of latitude, near enough
 constexpr double deg = 0.017453292519943295;
 
-double gate(double t) {               // 0 to 20 s still, then away within 5 s
+double gate(double t) {  // 0 to 20 s still, then away within 5 s
     const double x = std::clamp((t - 20.0) / 5.0, 0.0, 1.0);
     return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
 }
@@ -64,9 +64,7 @@ void write_car(const std::filesystem::path& folder, const CarLog& car) {
     std::filesystem::create_directories(folder);
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
-    const auto noise = [&](double sigma) {
-        return Eigen::Vector3d(sigma * schuler::test::draw3(normal, random));
-    };
+    const auto noise = [&](double sigma) { return Eigen::Vector3d(sigma * schuler::test::draw3(normal, random)); };
     char line[512];
     const char* s = car.separator.c_str();
 
@@ -96,15 +94,15 @@ void write_car(const std::filesystem::path& folder, const CarLog& car) {
         if (car.write_velocity)
             n += std::snprintf(line + n, sizeof line - static_cast<std::size_t>(n), "%s%.4f%s%.4f%s%.4f", s, v.x(), s, v.y(), s,
                                v.z());
-        else
-            n += std::snprintf(line + n, sizeof line - static_cast<std::size_t>(n), "%s0.01%s0.01%s0.02", s, s, s);
+        else n += std::snprintf(line + n, sizeof line - static_cast<std::size_t>(n), "%s0.01%s0.01%s0.02", s, s, s);
         gnss << line << "\n";
     }
 }
 
 std::filesystem::path fresh_folder(const std::string& name) {
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / 
-        ("schuler_inspect_" + std::to_string(::getpid()) + "_" + name);   // test programs run side by side
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() /
+        ("schuler_inspect_" + std::to_string(::getpid()) + "_" + name);  // test programs run side by side
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
     static struct Folders {
@@ -113,7 +111,7 @@ std::filesystem::path fresh_folder(const std::string& name) {
             std::error_code ec;
             for (const auto& path : all) std::filesystem::remove_all(path, ec);
         }
-    } made;   // gone with the program
+    } made;  // gone with the program
     made.all.push_back(folder);
     return folder;
 }

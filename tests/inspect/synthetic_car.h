@@ -10,22 +10,22 @@
 namespace schuler::inspect::test {
 
 struct CarLog {
-    double duration = 120.0;              // s, still for the first 20
+    double duration = 120.0;  // s, still for the first 20
     double imu_rate = 100.0, gnss_rate = 5.0;
-    Eigen::Matrix3d C_sb = Eigen::Matrix3d::Identity();   // body (forward-right-down) to sensor
+    Eigen::Matrix3d C_sb = Eigen::Matrix3d::Identity();     // body (forward-right-down) to sensor
     double position_latency = 0.0, velocity_latency = 0.0;  // s, older than the stamp
-    double imu_start = 1000.0, gnss_start = 1000.0;       // s, the numbers of the files' first epochs (same instant)
-    double time_factor = 1.0;             // written time = seconds * factor
-    double gyro_factor = 1.0, accel_factor = 1.0;         // written = SI * factor
+    double imu_start = 1000.0, gnss_start = 1000.0;         // s, the numbers of the files' first epochs (same instant)
+    double time_factor = 1.0;                               // written time = seconds * factor
+    double gyro_factor = 1.0, accel_factor = 1.0;           // written = SI * factor
     std::string imu_header = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2";
     std::string gnss_header = "time_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s";
-    double angle_factor = 1.0;            // of latitude and longitude, from degrees
+    double angle_factor = 1.0;  // of latitude and longitude, from degrees
     bool write_velocity = true;
-    bool increments = false;              // per-sample increments instead of rates
+    bool increments = false;  // per-sample increments instead of rates
     std::string separator = ",";
     std::string imu_name = "imu.csv", gnss_name = "gnss.csv";
-    Eigen::Vector3d gyro_bias{0.002, -0.001, 0.0015};     // rad/s, sensor axes
-    Eigen::Vector3d accel_bias{0.05, -0.04, 0.06};        // m/s^2
+    Eigen::Vector3d gyro_bias{0.002, -0.001, 0.0015};  // rad/s, sensor axes
+    Eigen::Vector3d accel_bias{0.05, -0.04, 0.06};     // m/s^2
 };
 
 /// Writes the logs of `car` into the folder (created where absent).

@@ -35,7 +35,8 @@ TEST(SyntheticCar, InOrderEverythingIsFound) {
     EXPECT_TRUE(sets(r, "imu.axes = \"frd\""));
     EXPECT_TRUE(sets(r, "imu.mounting_deg = [0, 0, 0]"));
     EXPECT_TRUE(sets(r, "vehicle.kind = \"car\""));
-    EXPECT_TRUE(r.dataset_toml.find("\nlatency_s = \"estimate\"") != std::string::npos) << "a latency of nothing must not be written as one";
+    EXPECT_TRUE(r.dataset_toml.find("\nlatency_s = \"estimate\"") != std::string::npos)
+        << "a latency of nothing must not be written as one";
     const FileReport* imu = file_named(r, "imu.csv");
     ASSERT_NE(imu, nullptr);
     EXPECT_EQ(imu->kind, "imu");
@@ -122,20 +123,23 @@ TEST(SyntheticCar, TiltedMountingIsMeasured) {
 TEST(Units, OfGyrosAtRestByTheNoiseOfTheirAccelerometers) {
     std::mt19937_64 generator(5);
     std::normal_distribution<double> normal;
-    constexpr double rate = 100.0, gyro = 0.2 * deg / 60.0, accel = 0.05 / 60.0;   // mems: rad/sqrt(s), m/s/sqrt(s)
+    constexpr double rate = 100.0, gyro = 0.2 * deg / 60.0, accel = 0.05 / 60.0;  // mems: rad/sqrt(s), m/s/sqrt(s)
     for (const double factor : {1.0, 1.0 / deg}) {
         const auto folder = fresh_folder("resting");
         std::string imu = "time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z\n";
         for (int i = 0; i < 6000; ++i) {
             imu += std::to_string(1000.0 + i / rate);
-            for (int k = 0; k < 3; ++k) imu += "," + std::to_string(factor * (0.012 * (k + 1) + gyro * std::sqrt(rate) * normal(generator)));
-            for (int k = 0; k < 3; ++k) imu += "," + std::to_string((k == 2 ? -9.8 : 0.0) + accel * std::sqrt(rate) * normal(generator));
+            for (int k = 0; k < 3; ++k)
+                imu += "," + std::to_string(factor * (0.012 * (k + 1) + gyro * std::sqrt(rate) * normal(generator)));
+            for (int k = 0; k < 3; ++k)
+                imu += "," + std::to_string((k == 2 ? -9.8 : 0.0) + accel * std::sqrt(rate) * normal(generator));
             imu += "\n";
         }
         write_file(folder / "imu.csv", imu);
         const InspectReport r = inspect(folder);
         const double scale = factor == 1.0 ? 1.0 : deg;
-        EXPECT_NE(r.dataset_toml.find(scale == 1.0 ? "gyro_rad_s = 1" : "gyro_rad_s = 0.0174"), std::string::npos) << r.dataset_toml;
+        EXPECT_NE(r.dataset_toml.find(scale == 1.0 ? "gyro_rad_s = 1" : "gyro_rad_s = 0.0174"), std::string::npos)
+            << r.dataset_toml;
     }
 }
 
@@ -156,7 +160,7 @@ TEST(SyntheticCar, LatenciesOfPositionAndVelocityAreSeparate) {
 TEST(SyntheticCar, EarlyImuClockGivesANegativeLatency) {
     const auto folder = fresh_folder("early");
     CarLog car;
-    car.imu_start = 1000.2;   // IMU stamps 0.2 s late: the GNSS looks early
+    car.imu_start = 1000.2;  // IMU stamps 0.2 s late: the GNSS looks early
     write_car(folder, car);
     EXPECT_NEAR(number_of(inspect(folder), "gnss.latency_s"), -0.2, 0.02);
 }
@@ -216,8 +220,8 @@ TEST(SyntheticCar, UnitsByNameNeedNoScale) {
 TEST(SyntheticCar, AWrongNameOfTheUnitIsAnErrorWithTheFactor) {
     const auto folder = fresh_folder("wrong");
     CarLog car;
-    car.accel_factor = 1.0 / 9.80665;   // g under the name of m/s2
-    car.gyro_factor = 1.0 / deg;        // deg/s under the name of rad/s
+    car.accel_factor = 1.0 / 9.80665;  // g under the name of m/s2
+    car.gyro_factor = 1.0 / deg;       // deg/s under the name of rad/s
     write_car(folder, car);
     const InspectReport r = inspect(folder);
     EXPECT_TRUE(has_problem(r, Level::Error, "accelerometer columns state a unit that cannot be"));
@@ -379,7 +383,7 @@ TEST(OddContent, OnlyAMissingPathThrows) {
         FAIL() << "no error";
     } catch (const Error& e) {
         EXPECT_EQ(e.kind(), ErrorKind::Input);
-        EXPECT_FALSE(e.mend().empty());
+        EXPECT_FALSE(e.hint().empty());
     }
 }
 

@@ -40,17 +40,15 @@ protected:
 };
 
 TEST_F(Accidents, AStampAnHourAheadCostsItsRow) {
-    const ImuTable t = imu(imu_log(1000.0, [](int i) {
-        return i == 90 ? std::string("4600.90,0.01,0.02,0.03,0.1,0.2,-9.8\n") : std::string();
-    }));
+    const ImuTable t = imu(
+        imu_log(1000.0, [](int i) { return i == 90 ? std::string("4600.90,0.01,0.02,0.03,0.1,0.2,-9.8\n") : std::string(); }));
     EXPECT_EQ(t.samples.size(), 199u);
     EXPECT_EQ(t.rows.strays, 1u);
     EXPECT_EQ(t.rows.out_of_order, 0u);
     EXPECT_NEAR(t.samples.back().time.seconds(), 1001.99, 1e-9);
     EXPECT_EQ(log.count("imu.stray"), 1u);
-    const ImuTable behind = imu(imu_log(1000.0, [](int i) {
-        return i == 90 ? std::string("10.90,0.01,0.02,0.03,0.1,0.2,-9.8\n") : std::string();
-    }));
+    const ImuTable behind =
+        imu(imu_log(1000.0, [](int i) { return i == 90 ? std::string("10.90,0.01,0.02,0.03,0.1,0.2,-9.8\n") : std::string(); }));
     EXPECT_EQ(behind.samples.size(), 199u);
     EXPECT_NEAR(behind.samples.front().time.seconds(), 1000.0, 1e-9);
 }
@@ -83,15 +81,15 @@ TEST_F(Accidents, TheWeekBeginsAnew) {
 
 TEST_F(Accidents, AbsurdNumbersCostTheirRow) {
     for (const char* cell : {"1e300", "nan", "-1e18"}) {
-        const ImuTable t = imu(imu_log(1000.0, [&](int i) {
-            return i == 70 ? fmt::format("1000.70,0.01,{},0.03,0.1,0.2,-9.8\n", cell) : std::string();
-        }));
+        const ImuTable t = imu(imu_log(
+            1000.0, [&](int i) { return i == 70 ? fmt::format("1000.70,0.01,{},0.03,0.1,0.2,-9.8\n", cell) : std::string(); }));
         EXPECT_EQ(t.samples.size(), 199u) << cell;
         EXPECT_EQ(t.rows.bad, 1u) << cell;
         EXPECT_EQ(log.count("imu.bad_rows"), 1u) << cell;
     }
     // many of them are another unit
-    const std::string counts = imu_log(1000.0, [](int i) { return fmt::format("{:.2f},0.01,0.02,0.03,1,2,-98000\n", 1000.0 + 0.01 * i); });
+    const std::string counts =
+        imu_log(1000.0, [](int i) { return fmt::format("{:.2f},0.01,0.02,0.03,1,2,-98000\n", 1000.0 + 0.01 * i); });
     EXPECT_THROW((void)imu(counts), Error);
 }
 
@@ -123,7 +121,8 @@ TEST_F(Accidents, TheSourceOfAStatusColumnDecides) {
         std::size_t used;
         FixType last;
     } cases[] = {
-        {"status", some({{"1", 20}, {"3", 30}}), 30, FixType::Autonomous},          // ArduPilot: 1 is no fix
+        {"status", some({{"1", 20}, {"3", 30}}), 30, FixType::Autonomous},  // ArduPilot: 1 is no fix
+        // clang-format off
         {"gps_status", some({{"0", 5}, {"2", 5}, {"6", 30}}), 35, FixType::RtkFixed},
         {"fix", some({{"1", 20}, {"3", 30}}), 30, FixType::Autonomous},             // 3 is not NMEA's
         {"fix", some({{"0", 5}, {"1", 30}}), 30, FixType::Autonomous},              // NMEA
@@ -131,6 +130,7 @@ TEST_F(Accidents, TheSourceOfAStatusColumnDecides) {
         {"status", some({{"-1", 5}, {"0", 10}, {"1", 30}}), 40, FixType::Differential},   // ROS
         {"Q", some({{"5", 5}, {"1", 30}}), 35, FixType::RtkFixed},                  // RTKLIB
         {"fixType,carrSoln", some({{"3,0", 5}, {"1,0", 5}, {"3,2", 30}}), 35, FixType::RtkFixed},   // u-blox
+        // clang-format on
     };
     for (const auto& c : cases) {
         const GnssTable t = gnss(fixes(c.column, c.codes));

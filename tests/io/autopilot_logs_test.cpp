@@ -36,10 +36,15 @@ constexpr float gyro_of(int i) { return 0.01F * static_cast<float>(i); }
 
 test::Ulog sample_ulog() {
     test::Ulog log;
-    log.define("sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t accelerometer_timestamp_relative;float[3] accelerometer_m_s2;");
+    log.define(
+        "sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t "
+        "accelerometer_timestamp_relative;float[3] accelerometer_m_s2;");
     log.define("inner_s:float a;float b;");
-    log.define("vehicle_gps_position:uint64_t timestamp;inner_s[2] nested;int32_t lat;int32_t lon;int32_t alt;int32_t alt_ellipsoid;float s_variance_m_s;float eph;float epv;"
-               "float vel_n_m_s;float vel_e_m_s;float vel_d_m_s;bool vel_ned_valid;uint8_t fix_type;uint8_t satellites_used;uint8_t[5] _padding0;");
+    log.define(
+        "vehicle_gps_position:uint64_t timestamp;inner_s[2] nested;int32_t lat;int32_t lon;int32_t alt;int32_t "
+        "alt_ellipsoid;float s_variance_m_s;float eph;float epv;"
+        "float vel_n_m_s;float vel_e_m_s;float vel_d_m_s;bool vel_ned_valid;uint8_t fix_type;uint8_t satellites_used;uint8_t[5] "
+        "_padding0;");
     log.define("vehicle_air_data:uint64_t timestamp;float baro_alt_meter;float baro_pressure_pa;");
     log.define("vehicle_rates_setpoint:uint64_t timestamp;float roll;float pitch;float yaw;");
     log.define("vehicle_attitude:uint64_t timestamp;float[4] q;");
@@ -55,8 +60,9 @@ test::Ulog sample_ulog() {
         log.data(4, t, 1.0F, 2.0F, 3.0F);
         if (i % 20 == 0) {
             for (const std::uint16_t receiver : {1, 2})
-                log.data(receiver, t, 1.0F, 2.0F, 3.0F, 4.0F, std::int32_t{473'977'420}, std::int32_t{85'455'940}, std::int32_t{488'000}, std::int32_t{536'000}, 0.3F, 0.9F, 1.5F, 1.0F,
-                         -2.0F, 0.5F, std::uint8_t{1}, static_cast<std::uint8_t>(receiver == 1 ? 6 : 3), std::uint8_t{14}, std::uint32_t{0}, std::uint8_t{0});
+                log.data(receiver, t, 1.0F, 2.0F, 3.0F, 4.0F, std::int32_t{473'977'420}, std::int32_t{85'455'940},
+                         std::int32_t{488'000}, std::int32_t{536'000}, 0.3F, 0.9F, 1.5F, 1.0F, -2.0F, 0.5F, std::uint8_t{1},
+                         static_cast<std::uint8_t>(receiver == 1 ? 6 : 3), std::uint8_t{14}, std::uint32_t{0}, std::uint8_t{0});
             log.data(3, t, 490.25F, 95'500.0F);
             log.data(5, t, 1.0F, 0.0F, 0.0F, 0.0F);
         }
@@ -106,7 +112,11 @@ TEST_F(AutopilotLogs, DamageCostsItselfAndIsTold) {
     expect_parts(damage_warnings.summary().at(0), {"damaged.ulg", "at byte"});
     EXPECT_EQ(rest.find("imu")->time_ns.back(), read("whole.ulg", whole, damage_warnings).find("imu")->time_ns.back());
     const auto empty = write("empty.ulg", whole.substr(0, 70));
-    expect_parts(message_of([&] { WarningLog w; (void)format_of(empty)->read(TextInput(empty), w); }), {"empty.ulg", "holds no instrument"});
+    expect_parts(message_of([&] {
+                     WarningLog w;
+                     (void)format_of(empty)->read(TextInput(empty), w);
+                 }),
+                 {"empty.ulg", "holds no instrument"});
 }
 
 TEST_F(AutopilotLogs, SingleSensorsAreOneImuAtTheGyroscopesTimes) {
@@ -138,8 +148,9 @@ std::string sample_dataflash() {
         const std::uint64_t t = 1'000'000 + 20'000 * i;
         for (std::uint8_t unit = 0; unit < 2; ++unit) log.data(1, t, unit, 0.1F, 0.2F, 0.3F, 1.0F, 2.0F, -9.8F);
         if (i % 10 != 0) continue;
-        log.data(2, t, std::uint8_t{0}, std::uint8_t{6}, std::uint32_t{123'456}, std::uint16_t{2200}, std::uint8_t{17}, std::int16_t{70}, std::int32_t{-353'632'610},
-                 std::int32_t{1'491'652'300}, std::int32_t{58'412}, 10.0F, 90.0F, -1.5F, 0.0F);
+        log.data(2, t, std::uint8_t{0}, std::uint8_t{6}, std::uint32_t{123'456}, std::uint16_t{2200}, std::uint8_t{17},
+                 std::int16_t{70}, std::int32_t{-353'632'610}, std::int32_t{1'491'652'300}, std::int32_t{58'412}, 10.0F, 90.0F,
+                 -1.5F, 0.0F);
         log.data(3, t, std::uint8_t{0}, std::uint16_t{120}, std::uint16_t{80}, std::uint16_t{150}, std::uint16_t{30});
         log.data(4, t, std::uint8_t{0}, std::int16_t{250}, std::int16_t{-30}, std::int16_t{400});
         log.data(5, t, std::uint8_t{0}, 12.5F, 94'500.0F);
@@ -169,8 +180,10 @@ TEST_F(AutopilotLogs, DataflashGivesEveryInstrumentWithItsUnits) {
 TEST_F(AutopilotLogs, DataflashAsTextIsTheSameLog) {
     WarningLog warnings;
     const StreamLog log = read("flight.log",
-                               "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 1, 35, IMU, Qffffff, TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ\n"
-                               "FMT, 2, 35, IMU2, Qffffff, TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ\nIMU, 1000000, 0.1, 0.2, 0.3, 1, 2, -9.8\nIMU2, 1000000, 0.5, 0.2, 0.3, 1, 2, -9.8\n"
+                               "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 1, 35, IMU, Qffffff, "
+                               "TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ\n"
+                               "FMT, 2, 35, IMU2, Qffffff, TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ\nIMU, 1000000, 0.1, 0.2, 0.3, 1, "
+                               "2, -9.8\nIMU2, 1000000, 0.5, 0.2, 0.3, 1, 2, -9.8\n"
                                "IMU, 1020000, 0.1, 0.2\nIMU, 1040000, 0.4, 0.2, 0.3, 1, 2, -9.8\n",
                                warnings);
     ASSERT_TRUE(log.find("imu") != nullptr && log.find("imu1") != nullptr);
@@ -192,7 +205,9 @@ TEST_F(AutopilotLogs, RealSamples) {
         for (const Stream& s : log->streams) {
             if (s.kind != TableKind::Imu) continue;
             double norm = 0.0;
-            for (std::size_t i = 0; i < s.rows(); ++i) norm += std::hypot(at(s, "accel_x_m_s2", i), at(s, "accel_y_m_s2", i), at(s, "accel_z_m_s2", i)) / static_cast<double>(s.rows());
+            for (std::size_t i = 0; i < s.rows(); ++i)
+                norm += std::hypot(at(s, "accel_x_m_s2", i), at(s, "accel_y_m_s2", i), at(s, "accel_z_m_s2", i)) /
+                        static_cast<double>(s.rows());
             EXPECT_NEAR(norm, units::g0, 2.0) << s.source << ": gravity is in it";
         }
     }

@@ -107,13 +107,18 @@ TEST(Columns, TicksAreToldApartBySizeAndStep) {
         const char *first, *second;
         TimeUnit unit;
     };
-    for (const Case& c : {Case{K, "1734523200.5", "1734523200.51", TimeUnit::Seconds}, Case{K, "1734523200000", "1734523200010", TimeUnit::Milliseconds},
-                          Case{K, "1734523200000000", "1734523200010000", TimeUnit::Microseconds}, Case{K, "1734523200000000000", "1734523200010000000", TimeUnit::Nanoseconds},
+    for (const Case& c : {Case{K, "1734523200.5", "1734523200.51", TimeUnit::Seconds},
+                          Case{K, "1734523200000", "1734523200010", TimeUnit::Milliseconds},
+                          Case{K, "1734523200000000", "1734523200010000", TimeUnit::Microseconds},
+                          Case{K, "1734523200000000000", "1734523200010000000", TimeUnit::Nanoseconds},
                           Case{G, "1734523200000", "1734523230000", TimeUnit::Milliseconds},
                           // the clock of an instrument: a minute, two minutes, ten minutes, two days
-                          Case{K, "50000000000", "50010000000", TimeUnit::Nanoseconds}, Case{K, "113005000000", "113015000000", TimeUnit::Nanoseconds},
-                          Case{K, "700000000000", "700005000000", TimeUnit::Nanoseconds}, Case{K, "200000000000", "200000010000", TimeUnit::Microseconds},
-                          Case{K, "200000000000000", "200000010000000", TimeUnit::Nanoseconds}, Case{G, "200000000000", "200001000000", TimeUnit::Microseconds},
+                          Case{K, "50000000000", "50010000000", TimeUnit::Nanoseconds},
+                          Case{K, "113005000000", "113015000000", TimeUnit::Nanoseconds},
+                          Case{K, "700000000000", "700005000000", TimeUnit::Nanoseconds},
+                          Case{K, "200000000000", "200000010000", TimeUnit::Microseconds},
+                          Case{K, "200000000000000", "200000010000000", TimeUnit::Nanoseconds},
+                          Case{G, "200000000000", "200001000000", TimeUnit::Microseconds},
                           Case{G, "113005000000", "113205000000", TimeUnit::Nanoseconds}}) {
         TableLayout layout = layout_of({"timestamp"});
         layout.sample = {{c.first}, {c.second}};

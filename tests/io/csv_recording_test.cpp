@@ -129,7 +129,7 @@ TEST_F(Csv, ManyBadRowsOrABadFirstRowAreAnError) {
 
 TEST_F(Csv, AbsurdValuesSuggestTheUnit) {
     const auto with = [](const std::string& bad) {
-        return imu_text(20, [&](int i, std::string row) { return i == 10 || i == 11 ? bad : row; });   // one alone is an accident
+        return imu_text(20, [&](int i, std::string row) { return i == 10 || i == 11 ? bad : row; });  // one alone is an accident
     };
     expect_parts(message_of([&] { (void)imu(with("100.1,1,2,20000,1,2,3")); }),
                  {"imu.csv:12", "column 4", "gyro_z_rad_s", "deg/s", "[imu] scale = { gyro_rad_s"});

@@ -17,7 +17,8 @@ TEST(FormatsDocument, IsInStepWithTheProgram) {
         EXPECT_NE(now.find("| `" + std::string(f->name) + "` |"), std::string::npos) << f->name;
         EXPECT_NE(formats_text().find("  " + std::string(f->name) + " "), std::string::npos) << f->name;
     }
-    for (const char* column : {"gyro_x_rad_s", "height_m", "std_vel_m_s", "pressure_pa", "mag_z_ut", "heading_deg", "pseudorange_m"})
+    for (const char* column :
+         {"gyro_x_rad_s", "height_m", "std_vel_m_s", "pressure_pa", "mag_z_ut", "heading_deg", "pseudorange_m"})
         EXPECT_NE(now.find("| `" + std::string(column)), std::string::npos) << column;
 }
 

@@ -25,7 +25,7 @@ std::vector<SolutionRow> drive() {
         SolutionRow r;
         r.time = Time::from_gps(2300, 138'000.0 + 0.05 * i);
         r.position = {(48.1 + 1e-5 * i) * units::deg, (-11.6 - 2e-5 * i) * units::deg, 512.3456 + 0.01 * i};
-        r.v_eb_n = {1.25 + 0.001 * i, -7.5, -0.0625};   // the way that the positions go: readers of SBET look
+        r.v_eb_n = {1.25 + 0.001 * i, -7.5, -0.0625};  // the way that the positions go: readers of SBET look
         r.rpy = {0.01 * std::sin(0.1 * i), -0.02, 4.0 + 0.001 * i};
         r.std_position = {0.021, 0.034, 0.055};
         r.std_velocity = {0.013, 0.012, 0.011};
@@ -39,7 +39,7 @@ std::vector<SolutionRow> drive() {
 struct Kept {
     const char* format;
     const char* file;
-    double angle_m, height_m, velocity_m_s, attitude_rad, sigma_m;   ///< NaN: not kept
+    double angle_m, height_m, velocity_m_s, attitude_rad, sigma_m;  ///< NaN: not kept
     std::int64_t time_ns;
 };
 constexpr double no = std::numeric_limits<double>::quiet_NaN();
@@ -71,7 +71,8 @@ std::vector<SolutionRow> read_back(const std::filesystem::path& file) {
     const std::string text = table_text(s, Clock::Boot);
     const TextInput table = TextInput::memory(text, file.string());
     if (s.kind == TableKind::Gnss) {
-        for (const GnssFix& f : read_gnss_csv(table, {}, warnings).fixes) rows.push_back({f.time, f.position, f.velocity_n, not_given3(), f.std_position, f.std_velocity, not_given3()});
+        for (const GnssFix& f : read_gnss_csv(table, {}, warnings).fixes)
+            rows.push_back({f.time, f.position, f.velocity_n, not_given3(), f.std_position, f.std_velocity, not_given3()});
     } else {
         const bool sigmas = s.find("std_roll_deg") != nullptr;
         if (sigmas) return read_solution_csv(table, warnings);
@@ -88,7 +89,7 @@ TEST_F(Formats, RoundTripsAreExactToTheResolutionOfTheFormat) {
     const std::int64_t weeks = -Time::from_gps(2300, 0.0).ns;
     const Kept kept[] = {
         {"sbet", "a.sbet", 1e-8, 1e-12, 1e-12, 1e-14, no, weeks},
-        {"mat", "a.mat", 1e-8, 1e-12, 1e-12, 1e-14, 1e-15, 500},   // doubles of 1.4e9 s are 0.24 us apart
+        {"mat", "a.mat", 1e-8, 1e-12, 1e-12, 1e-14, 1e-15, 500},  // doubles of 1.4e9 s are 0.24 us apart
         {"hdf5", "a.h5", 1e-8, 1e-12, 1e-12, 1e-14, 1e-15, 250},
         {"gpx", "a.gpx", 6e-6, 5.1e-5, no, no, no, 0},
         {"tum", "a.tum", 1.5e-6, 1.5e-6, no, 3e-9, no, 0},
@@ -105,16 +106,20 @@ TEST_F(Formats, RoundTripsAreExactToTheResolutionOfTheFormat) {
         ASSERT_EQ(back.size(), rows.size()) << k.format;
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const SolutionRow &a = rows[i], &b = back[i];
-            const std::int64_t shift = k.time_ns == since_1970 || k.time_ns == weeks ? k.time_ns : 0, slack = shift != 0 ? 0 : k.time_ns;
+            const std::int64_t shift = k.time_ns == since_1970 || k.time_ns == weeks ? k.time_ns : 0,
+                               slack = shift != 0 ? 0 : k.time_ns;
             ASSERT_LE(std::abs(b.time.ns - a.time.ns - shift), slack) << k.format << " row " << i;
             ASSERT_NEAR((b.position.lat - a.position.lat) * 6.4e6, 0.0, k.angle_m) << k.format << " row " << i;
             ASSERT_NEAR((b.position.lon - a.position.lon) * 4.3e6, 0.0, k.angle_m) << k.format;
             ASSERT_NEAR(b.position.h, a.position.h, k.height_m) << k.format;
             // NMEA has the horizontal velocity alone
             const int axes = std::string_view(k.format) == "nmea" ? 2 : 3;
-            for (int j = 0; j < axes && !std::isnan(k.velocity_m_s); ++j) ASSERT_NEAR(b.v_eb_n(j), a.v_eb_n(j), k.velocity_m_s) << k.format << " " << j;
-            for (int j = 0; j < 3 && !std::isnan(k.attitude_rad); ++j) ASSERT_NEAR(b.rpy(j), a.rpy(j), k.attitude_rad) << k.format << " " << j;
-            for (int j = 0; j < 3 && !std::isnan(k.sigma_m); ++j) ASSERT_NEAR(b.std_position(j), a.std_position(j), k.sigma_m) << k.format << " " << j;
+            for (int j = 0; j < axes && !std::isnan(k.velocity_m_s); ++j)
+                ASSERT_NEAR(b.v_eb_n(j), a.v_eb_n(j), k.velocity_m_s) << k.format << " " << j;
+            for (int j = 0; j < 3 && !std::isnan(k.attitude_rad); ++j)
+                ASSERT_NEAR(b.rpy(j), a.rpy(j), k.attitude_rad) << k.format << " " << j;
+            for (int j = 0; j < 3 && !std::isnan(k.sigma_m); ++j)
+                ASSERT_NEAR(b.std_position(j), a.std_position(j), k.sigma_m) << k.format << " " << j;
         }
     }
 }
@@ -138,7 +143,8 @@ TEST_F(Formats, AStreamIsOpenedByItsName) {
     const TextInput input = logs.open(file.string() + "#solution", warnings);
     EXPECT_TRUE(input.in_memory());
     EXPECT_TRUE(input.content().starts_with("time_s,lat_deg,lon_deg,height_m"));
-    expect_parts(message_of([&] { (void)logs.open(file.string() + "#imu", warnings); }), {"run.h5", "no stream \"imu\"", "it holds solution"});
+    expect_parts(message_of([&] { (void)logs.open(file.string() + "#imu", warnings); }),
+                 {"run.h5", "no stream \"imu\"", "it holds solution"});
     EXPECT_FALSE(logs.open(file, warnings).in_memory());
     format_named("gpx")->write(folder() / "track.gpx", drive(), "track");
     EXPECT_TRUE(logs.open(folder() / "track.gpx", warnings).content().starts_with("time_gps_s,lat_deg,lon_deg,height_m"));
@@ -160,7 +166,7 @@ TEST_F(Formats, ForeignAndCutFilesAreRefusedWithFileAndReason) {
             } catch (const Error& e) {
                 EXPECT_EQ(e.kind(), ErrorKind::Input) << name;
                 EXPECT_NE(std::string(e.what()).find("cut"), std::string::npos) << name << ": " << e.what();
-                EXPECT_FALSE(e.mend().empty()) << name << ": " << e.what();
+                EXPECT_FALSE(e.hint().empty()) << name << ": " << e.what();
             }
         }
         const auto foreign = write("foreign", "This is no log of any kind.\nIt has two lines.\n");

@@ -108,8 +108,10 @@ TEST_F(Pos, EarthFixedSigmasAreTurned) {
     const Eigen::Vector3d v = C.transpose() * Eigen::Vector3d(-0.5, 0.25, 1.0);
     EXPECT_LT((f.velocity_n - Eigen::Vector3d(v.y(), v.x(), -v.z())).norm(), 1e-12);
     Eigen::Matrix3d P;
+    // clang-format off
     P << 2.25 * 2.25, 0.45 * 0.45, -0.35 * 0.35, 0.45 * 0.45, 6.75 * 6.75, 3.95 * 3.95, -0.35 * 0.35,
         3.95 * 3.95, 3.5 * 3.5;
+    // clang-format on
     const Eigen::Matrix3d enu = C.transpose() * P * C;
     EXPECT_NEAR(f.std_position.x(), std::sqrt(enu(1, 1)), 1e-12);
     EXPECT_NEAR(f.std_position.y(), std::sqrt(enu(0, 0)), 1e-12);

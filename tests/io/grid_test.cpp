@@ -23,13 +23,13 @@ protected:
 
 TEST_F(GridFile, BetweenThePointsItIsTheFieldUpToItsCurvature) {
     // Waves of 10 km in latitude and 12 km in longitude, points each 0.005 and 0.01 degrees, in shuffled order.
-    const double a = 2.0 * std::numbers::pi / 0.09, o = 2.0 * std::numbers::pi / 0.16;   // per degree
+    const double a = 2.0 * std::numbers::pi / 0.09, o = 2.0 * std::numbers::pi / 0.16;  // per degree
     const auto field = [&](double lat, double lon) {
         return Eigen::Vector3d(20.0 * std::sin(a * lat), 10.0 * std::cos(o * lon), 30.0 * std::sin(a * lat) * std::sin(o * lon));
     };
     std::string text = "# east, north, up\nlon_deg;extra;lat_deg;up_mgal;east_mgal;north_mgal\n";
     for (int k = 0; k < 41 * 31; ++k) {
-        const int point = k * 500 % (41 * 31);   // prime to their number: every point once
+        const int point = k * 500 % (41 * 31);  // prime to their number: every point once
         const double lat = 55.0 + 0.005 * (point / 31), lon = -0.1 + 0.01 * (point % 31);
         const Eigen::Vector3d v = field(lat, lon);
         text += fmt::format("{:.2f};x;{:.3f};{:.9f};{:.9f};{:.9f}\n", lon, lat, v.z(), v.x(), v.y());
@@ -44,7 +44,7 @@ TEST_F(GridFile, BetweenThePointsItIsTheFieldUpToItsCurvature) {
             worst = std::max(worst, error.cwiseAbs().maxCoeff());
         }
     EXPECT_LT(worst, 1.001 * bound);
-    EXPECT_GT(worst, 0.5 * bound);   // the bound is near: what lies between is not the nearest point
+    EXPECT_GT(worst, 0.5 * bound);  // the bound is near: what lies between is not the nearest point
     EXPECT_TRUE(grid.covers(55.1 * units::deg, 0.0));
     EXPECT_FALSE(grid.covers(55.21 * units::deg, 0.0));
     EXPECT_EQ(grid.at(1.5, 0.0), grid.at(55.2 * units::deg, 0.0));

@@ -35,11 +35,10 @@ protected:
         std::vector<T> out(8000);
         for (T& x : out) {
             const double value = middle + std * random.normal();
-            if constexpr (std::is_integral_v<T>)   // a converter saturates
-                x = static_cast<T>(std::clamp<double>(std::floor(value + 0.5), std::numeric_limits<T>::min(),
-                                                      std::numeric_limits<T>::max()));
-            else
-                x = static_cast<T>(value);
+            if constexpr (std::is_integral_v<T>)  // a converter saturates
+                x = static_cast<T>(
+                    std::clamp<double>(std::floor(value + 0.5), std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
+            else x = static_cast<T>(value);
         }
         return written(out);
     }
@@ -49,8 +48,8 @@ protected:
         } catch (const Error& e) {
             EXPECT_EQ(e.kind(), ErrorKind::Input);
             EXPECT_TRUE(e.place().key == "format" || e.place().file.ends_with("recording"));
-            EXPECT_FALSE(e.mend().empty());
-            return e.reason() + "; " + e.mend();
+            EXPECT_FALSE(e.hint().empty());
+            return e.reason() + "; " + e.hint();
         }
         return "";
     }

@@ -70,7 +70,7 @@ TEST_F(KfGins, SettingsInSi) {
     EXPECT_DOUBLE_EQ(p.noise.accel_bias.x(), 4e-3);
     EXPECT_DOUBLE_EQ(p.noise.gyro_scale.x(), 1e-3);
     EXPECT_EQ(p.noise.correlation_time, 3600.0);
-    EXPECT_EQ(p.std_gyro_bias, p.noise.gyro_bias);      // not given: the noise model's
+    EXPECT_EQ(p.std_gyro_bias, p.noise.gyro_bias);  // not given: the noise model's
     EXPECT_EQ(p.std_accel_scale, p.noise.accel_scale);
     EXPECT_EQ(p.lever_arm_b, Eigen::Vector3d(0.136, -0.301, -0.184));
     EXPECT_FALSE(project(replaced("endtime: 101799.99", "endtime: -1")).end.has_value());

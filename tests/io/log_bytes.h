@@ -59,7 +59,11 @@ public:
         std::string body;
         body += static_cast<char>(type);
         std::size_t length = 3;
-        for (const char c : format) length += c == 'Q' || c == 'd' ? 8U : c == 'L' || c == 'I' || c == 'f' || c == 'i' || c == 'e' ? 4U : c == 'B' ? 1U : 2U;
+        for (const char c : format)
+            length += c == 'Q' || c == 'd'                                       ? 8U
+                      : c == 'L' || c == 'I' || c == 'f' || c == 'i' || c == 'e' ? 4U
+                      : c == 'B'                                                 ? 1U
+                                                                                 : 2U;
         body += static_cast<char>(length);
         const auto padded = [&](std::string_view text, std::size_t size) { body.append(text).append(size - text.size(), '\0'); };
         padded(name, 4);

@@ -47,17 +47,19 @@ struct Range {
     std::uint32_t status;
 };
 constexpr std::uint32_t locked_all = 1U << 10 | 1U << 11 | 1U << 12;
-const std::vector<Range> ranges = {{7, 0, 21'485'793.442, -112'908'605.801, 651.783F, 44.0F, 3.0F, locked_all},
-                                   {56, 9, 20'848'881.420, -111'486'221.5, -100.0F, 40.0F, 3.0F, locked_all | 1U << 16},
-                                   {12, 0, 29'078'098.874, -152'806'440.9, 2842.2F, 44.0F, 3.0F, locked_all | 3U << 16 | 2U << 21},
-                                   {7, 0, 21'485'795.0, -84'311'000.0, 486.0F, 39.0F, 0.0F, (locked_all & ~(1U << 11)) | 14U << 21},
-                                   {135, 0, 38'000'000.0, -199'000'000.0, 1.0F, 38.0F, 3.0F, (locked_all & ~(1U << 10)) | 2U << 16},
-                                   {9, 0, 24'000'000.0, -1.0, 1.0F, 38.0F, 3.0F, locked_all | 31U << 21}};   // a signal that does not exist
+const std::vector<Range> ranges = {
+    {7, 0, 21'485'793.442, -112'908'605.801, 651.783F, 44.0F, 3.0F, locked_all},
+    {56, 9, 20'848'881.420, -111'486'221.5, -100.0F, 40.0F, 3.0F, locked_all | 1U << 16},
+    {12, 0, 29'078'098.874, -152'806'440.9, 2842.2F, 44.0F, 3.0F, locked_all | 3U << 16 | 2U << 21},
+    {7, 0, 21'485'795.0, -84'311'000.0, 486.0F, 39.0F, 0.0F, (locked_all & ~(1U << 11)) | 14U << 21},
+    {135, 0, 38'000'000.0, -199'000'000.0, 1.0F, 38.0F, 3.0F, (locked_all & ~(1U << 10)) | 2U << 16},
+    {9, 0, 24'000'000.0, -1.0, 1.0F, 38.0F, 3.0F, locked_all | 31U << 21}};  // a signal that does not exist
 
 std::string range_ascii(double tow) {
     std::string text = std::to_string(ranges.size());
     for (const Range& r : ranges)
-        text += fmt::format(",{},{},{:.3f},0.050,{:.3f},0.010,{:.3f},{:.1f},{:.3f},{:08x}", r.prn, r.frequency, r.psr, r.adr, r.doppler, r.cn0, r.locked, r.status);
+        text += fmt::format(",{},{},{:.3f},0.050,{:.3f},0.010,{:.3f},{:.1f},{:.3f},{:08x}", r.prn, r.frequency, r.psr, r.adr,
+                            r.doppler, r.cn0, r.locked, r.status);
     return ascii("RANGEA", tow, text);
 }
 std::string range_binary(double tow, char form = 0) {
@@ -75,7 +77,8 @@ class Novatel : public test::IoTest {};
 TEST_F(Novatel, RangesAreAlikeInAsciiAndBinary) {
     for (const bool text : {true, false}) {
         const auto one = [&](double t) { return text ? range_ascii(t) : range_binary(t); };
-        const auto file = write("oem.gps", one(100.0) + one(101.0) + one(101.0) + (text ? std::string() : range_binary(102.0, '\x01')));   // the last: second antenna
+        const auto file = write("oem.gps", one(100.0) + one(101.0) + one(101.0) +
+                                               (text ? std::string() : range_binary(102.0, '\x01')));  // the last: second antenna
         ASSERT_EQ(raw_format(file), RawFormat::Novatel);
         WarningLog warnings;
         const RawInput raw = read_raw_input(file, {}, warnings);
@@ -101,7 +104,8 @@ TEST_F(Novatel, RangesAreAlikeInAsciiAndBinary) {
 }
 
 TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
-    const std::vector<double> orbit = {36'000.0, 26'560'211.4, 4.83e-9, -2.3, 2.5e-3, 2.7, -3.7e-7, 8.6e-6, 209.4, -7.3, -4.5e-8, -5.4e-8, 0.95, -5.0e-10, 1.1, -8.0e-9};
+    const std::vector<double> orbit = {36'000.0, 26'560'211.4, 4.83e-9, -2.3,    2.5e-3, 2.7,      -3.7e-7, 8.6e-6,
+                                       209.4,    -7.3,         -4.5e-8, -5.4e-8, 0.95,   -5.0e-10, 1.1,     -8.0e-9};
     std::string body, text = "14,35856.0,0,54,54,2244,2244";
     put(body, std::uint32_t{14}), put(body, 35'856.0);
     for (const std::uint32_t v : {0U, 54U, 54U, 2244U, 2244U}) put(body, v);
@@ -110,9 +114,12 @@ TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
     for (const double v : {36'000.0, -7.9e-9, -5.35e-5, 7.4e-12, 0.0}) put(body, v);
     put(body, std::uint32_t{1}), put(body, 1.45e-4), put(body, 4.0);
     text += ",566,36000.0,-7.9e-09,-5.35e-05,7.4e-12,0.0,TRUE,1.45e-04,4.0";
-    const std::string glonass = "43,8,1,0,2244,35118000,10782,792,0,0,87,0,9.02e+06,-6.145e+06,2.307e+07,-1.5e+03,2.3e+03,1.2e+03,2.7e-06,-2.7e-06,-1.8e-06,-2.0e-04,-5.5e-09,1.8e-12,78810,3,2,2,13";
+    const std::string glonass =
+        "43,8,1,0,2244,35118000,10782,792,0,0,87,0,9.02e+06,-6.145e+06,2.307e+07,-1.5e+03,2.3e+03,1.2e+03,2.7e-06,-2.7e-06,-1.8e-"
+        "06,-2.0e-04,-5.5e-09,1.8e-12,78810,3,2,2,13";
     for (const bool ascii_form : {true, false}) {
-        const auto file = write("eph.gps", (ascii_form ? ascii("GPSEPHEMA", 35'200.0, text) : binary(7, 35'200.0, body)) + ascii("GLOEPHEMERISA", 35'200.0, glonass));
+        const auto file = write("eph.gps", (ascii_form ? ascii("GPSEPHEMA", 35'200.0, text) : binary(7, 35'200.0, body)) +
+                                               ascii("GLOEPHEMERISA", 35'200.0, glonass));
         WarningLog warnings;
         const RawInput raw = read_raw_input(file, {}, warnings);
         ASSERT_EQ(raw.navigation.kepler.size(), 1U);
@@ -138,11 +145,14 @@ TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
 }
 
 std::string best(const char* name, const char* type, double lat) {
-    return ascii(name, 100.0, fmt::format("SOL_COMPUTED,{},{},-114.0,1000.0,-16.0,WGS84,0.5,0.5,1.0,\"\",0.0,0.0,20,18,18,0,00,00,00,11", type, lat));
+    return ascii(
+        name, 100.0,
+        fmt::format("SOL_COMPUTED,{},{},-114.0,1000.0,-16.0,WGS84,0.5,0.5,1.0,\"\",0.0,0.0,20,18,18,0,00,00,00,11", type, lat));
 }
 
 TEST_F(Novatel, FixesWithoutTheReceiversOwnIntegrationComeFirst) {
-    const auto file = write("span.gps", best("BESTPOSA", "INS_PPP", 51.0) + best("BESTGNSSPOSA", "PPP", 52.0) + best("BESTPOSA_1", "SINGLE", 50.0));
+    const auto file = write(
+        "span.gps", best("BESTPOSA", "INS_PPP", 51.0) + best("BESTGNSSPOSA", "PPP", 52.0) + best("BESTPOSA_1", "SINGLE", 50.0));
     WarningLog warnings;
     const StreamLog log = format_named("novatel")->read(TextInput(file), warnings);
     ASSERT_EQ(log.streams.size(), 2U);
@@ -153,7 +163,8 @@ TEST_F(Novatel, FixesWithoutTheReceiversOwnIntegrationComeFirst) {
 }
 
 TEST_F(Novatel, ImuLogsThatCannotBeUsedAreNotTakenForOnes) {
-    const std::string raw = ascii("RAWIMUA", 100.0, "2244,100.005,00000077,98067,0,0,0,0,0"), sol = best("BESTPOSA", "SINGLE", 51.0);
+    const std::string raw = ascii("RAWIMUA", 100.0, "2244,100.005,00000077,98067,0,0,0,0,0"),
+                      sol = best("BESTPOSA", "SINGLE", 51.0);
     const auto read = [&](const std::string& text) {
         WarningLog warnings;
         const StreamLog log = format_named("novatel")->read(TextInput(write("x.gps", text)), warnings);
@@ -165,10 +176,12 @@ TEST_F(Novatel, ImuLogsThatCannotBeUsedAreNotTakenForOnes) {
     const auto [unknown, reason] = read(sol + raw);
     EXPECT_EQ(unknown.find("imu"), nullptr);
     expect_parts(reason, {"does not say of which IMU"});
-    const auto [known, nothing] = read(sol + "#RXCONFIGA,COM1,0,80.0,APPROXIMATE,2244,1.0,0,0,0;#CONNECTIMUA,COM1,0;COM3,IMU_HG4930_AN01*00000000\r\n" + raw);
+    const auto [known, nothing] = read(
+        sol + "#RXCONFIGA,COM1,0,80.0,APPROXIMATE,2244,1.0,0,0,0;#CONNECTIMUA,COM1,0;COM3,IMU_HG4930_AN01*00000000\r\n" + raw);
     ASSERT_NE(known.find("imu"), nullptr);
     EXPECT_NEAR(known.find("imu")->find("dv_z_m_s")->values.at(0), -98'067.0 * 0x1p-29, 1e-15);
-    const auto [aligning, none] = read(sol + ascii("INSPVAA", 100.0, "2244,100.0,51.0,-114.0,1000.0,0.0,0.0,0.0,0.0,0.0,0.0,INS_ALIGNING"));
+    const auto [aligning, none] =
+        read(sol + ascii("INSPVAA", 100.0, "2244,100.0,51.0,-114.0,1000.0,0.0,0.0,0.0,0.0,0.0,0.0,INS_ALIGNING"));
     EXPECT_EQ(aligning.find("reference"), nullptr) << "an attitude that is only being found";
 }
 
@@ -181,7 +194,8 @@ std::string imr(bool big, std::int32_t increments, double time, std::int32_t utc
         out += bytes;
     };
     out += big ? '\1' : '\0';
-    number(8.8), number(increments), number(increments), number(100.0), number(2.0e-6), number(1.0e-6), number(utc), number(std::int32_t{0}), number(0.0);
+    number(8.8), number(increments), number(increments), number(100.0), number(2.0e-6), number(1.0e-6), number(utc),
+        number(std::int32_t{0}), number(0.0);
     out.resize(512, '\0');
     for (int i = 0; i < 3; ++i) {
         number(time + 0.01 * i);
@@ -212,8 +226,10 @@ TEST_F(Novatel, WaypointImrInBothByteOrders) {
     expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"cut at byte 608", "18 leap seconds added"});
     std::string broken = imr(false, 1, 1000.0);
     broken.replace(33, 8, std::string(8, '\xff'));
-    expect_parts(message_of([&] { (void)format_named("imr")->read(TextInput(write("b.imr", broken)), warnings); }), {"b.imr", "byte 25", "cannot be"});
-    expect_parts(message_of([&] { (void)format_named("imr")->read(TextInput(write("c.imr", broken.substr(0, 500))), warnings); }), {"c.imr", "cut", "500 bytes"});
+    expect_parts(message_of([&] { (void)format_named("imr")->read(TextInput(write("b.imr", broken)), warnings); }),
+                 {"b.imr", "byte 25", "cannot be"});
+    expect_parts(message_of([&] { (void)format_named("imr")->read(TextInput(write("c.imr", broken.substr(0, 500))), warnings); }),
+                 {"c.imr", "cut", "500 bytes"});
 }
 
 }  // namespace

@@ -55,9 +55,11 @@ TEST_F(Events, KeepTheirOrderNamesAndLines) {
     test::expect_parts(text, {std::string(solution_csv_header()) + ",name\n", "\n12.500,0.0000000000,", ",B\n", "\n7.000,,,,"});
 
     std::ofstream(folder() / "bad.csv") << "time_s,name\n1,x\nsoon,y\n";
-    test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bad.csv")); }), {"bad.csv:3", "time_s"});
+    test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bad.csv")); }),
+                       {"bad.csv:3", "time_s"});
     std::ofstream(folder() / "bare.csv") << "t,name\n1,x\n";
-    test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bare.csv")); }), {"bare.csv", "time_s"});
+    test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bare.csv")); }),
+                       {"bare.csv", "time_s"});
 }
 
 TEST_F(Hdf5, RoundTripAndSameBytes) {
@@ -78,7 +80,8 @@ TEST_F(Hdf5, RoundTripAndSameBytes) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // time stamps of HDF5 have whole seconds
     write_one("b.h5");
     EXPECT_EQ(content_of(folder() / "a.h5"), content_of(folder() / "b.h5"));
-    for (const auto& entry : std::filesystem::directory_iterator(folder()))   // nothing is left of the writing but the list of own files
+    for (const auto& entry :
+         std::filesystem::directory_iterator(folder()))  // nothing is left of the writing but the list of own files
         EXPECT_TRUE(entry.path().extension() == ".h5" || entry.path().filename() == own_files_list) << entry.path();
     const Hdf5Reader reader(folder() / "a.h5");
     const Hdf5Table t = reader.table("/solution/position");

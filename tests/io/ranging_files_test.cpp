@@ -56,8 +56,9 @@ TEST(RangesCsv, ReadsWhatItWrites) {
 }
 
 TEST(RangesCsv, SkipsRepeatedAndAbsurdRows) {
-    const std::string text = "time_s,source,pseudorange_m\n1,G05,2e7\n1,G05,2.1e7\n1,R03,-5\n2,G05,2e7\n1.5,E01,2.2e7\n"
-                             "3,G05,2e7\n4,G05,2e7\n5,G05,2e7\n6,G05,2e7\n7,G05,2e7\n8,G05,2e7\n9,G05,2e7\n";
+    const std::string text =
+        "time_s,source,pseudorange_m\n1,G05,2e7\n1,G05,2.1e7\n1,R03,-5\n2,G05,2e7\n1.5,E01,2.2e7\n"
+        "3,G05,2e7\n4,G05,2e7\n5,G05,2e7\n6,G05,2e7\n7,G05,2e7\n8,G05,2e7\n9,G05,2e7\n";
     WarningLog warnings;
     const RangingLog log = read_ranges_csv(TextInput::memory(text, "ranges.csv"), {}, warnings).log;
     ASSERT_EQ(log.epochs.size(), 10U);
@@ -70,7 +71,9 @@ TEST(RangesCsv, SkipsRepeatedAndAbsurdRows) {
 
 TEST(StationsCsv, RefusesTwinsAndNoPlaces) {
     WarningLog warnings;
-    const auto read = [&](const std::string& text) { return read_stations_csv(TextInput::memory(text, "stations.csv"), {}, warnings); };
+    const auto read = [&](const std::string& text) {
+        return read_stations_csv(TextInput::memory(text, "stations.csv"), {}, warnings);
+    };
     const auto rows = read("id,lat_deg,lon_deg,height_m\nURKK,53.1,103.4,450\n");
     ASSERT_EQ(rows.size(), 1U);
     EXPECT_NEAR(rows[0].position.lat, 53.1 * deg, 1e-12);
@@ -120,7 +123,7 @@ TEST(Adsb, DecodesWhatIsEncodedAnywhere) {
         };
         for (const bool later : {false, true}) {
             const auto g = global_position(even, odd, later);
-            if (!g) continue;   // zones of latitude differ
+            if (!g) continue;  // zones of latitude differ
             ++solved;
             near(*g, 3e-5 * deg);
         }
@@ -134,7 +137,7 @@ TEST(Adsb, DecodesWhatIsEncodedAnywhere) {
 TEST(Adsb, CountsDamageAndNeverInventsPositions) {
     WarningLog warnings;
     std::string text;
-    for (int k = 0; k < 112; ++k) {   // each bit wrong once
+    for (int k = 0; k < 112; ++k) {  // each bit wrong once
         unsigned char m[14] = {0x8D, 0x40, 0x62, 0x1D, 0x58, 0xC3, 0x82, 0xD6, 0x90, 0xC8, 0xAC, 0x28, 0x63, 0xA7};
         m[k / 8] ^= static_cast<unsigned char>(0x80 >> k % 8);
         text += '*';

@@ -156,9 +156,9 @@ TEST_F(ReceiverLogs, UbxFramesOfGlonassAndBeiDouAgainstConvbin) {
         ++compared;
         EXPECT_TRUE(k->toe == t.toe && k->toc == t.toc && k->iode == t.iode && k->iodc == t.iodc && k->health == t.health);
         const auto numbers = [](const gnss::KeplerEphemeris& e) {
-            return std::array{e.af0,  e.af1, e.m0,  e.delta_n,   e.e,    e.sqrt_a, e.omega0, e.i0,  e.omega,
-                              e.cuc,  e.cus, e.cic, e.cis,       e.crc,  e.crs,    e.idot,   e.omega_dot, e.accuracy,
-                              e.group_delay[0], e.group_delay[1]};
+            return std::array{
+                e.af0, e.af1, e.m0,  e.delta_n, e.e,   e.sqrt_a, e.omega0,    e.i0,       e.omega,          e.cuc,
+                e.cus, e.cic, e.cis, e.crc,     e.crs, e.idot,   e.omega_dot, e.accuracy, e.group_delay[0], e.group_delay[1]};
         };
         const auto a = numbers(*k), b = numbers(t);
         for (std::size_t i = 0; i < a.size(); ++i)

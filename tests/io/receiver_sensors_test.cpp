@@ -37,10 +37,13 @@ double at(const Stream& s, std::string_view column, std::size_t row) {
     return c == nullptr ? std::nan("") : c->values.at(row);
 }
 
-std::string novatel_ascii(const std::string& content) { return fmt::format("{}*{:08x}\r\n", content, test::novatel_crc(std::string_view(content).substr(1))); }
+std::string novatel_ascii(const std::string& content) {
+    return fmt::format("{}*{:08x}\r\n", content, test::novatel_crc(std::string_view(content).substr(1)));
+}
 
 /// RAWIMUSX with its short header.
-std::string rawimusx(double seconds, std::int32_t az, std::int32_t minus_ay, std::int32_t ax, std::int32_t gz, std::int32_t minus_gy, std::int32_t gx, unsigned char type) {
+std::string rawimusx(double seconds, std::int32_t az, std::int32_t minus_ay, std::int32_t ax, std::int32_t gz,
+                     std::int32_t minus_gy, std::int32_t gx, unsigned char type) {
     std::string body(1, '\0');
     body += static_cast<char>(type);
     put(body, std::uint16_t{2200});
@@ -62,10 +65,17 @@ TEST_F(ReceiverSensors, NovatelAsciiAndBinaryMixed) {
     std::string log = "[COM1]OK\r\n";
     for (int i = 0; i < 20; ++i) {
         const double t = 1000.0 + i;
-        log += novatel_ascii(fmt::format("#BESTPOSA,COM1,0,85.0,FINESTEERING,2200,{:.3f},02040008,b1f6,32768;SOL_COMPUTED,NARROW_INT,51.116,-114.038,1059.7,-16.9,WGS84,0.018,0.015,0.028,"
-                                         "\"\",0.0,0.0,20,18,18,0,00,00,00,11", t));
-        log += novatel_ascii(fmt::format("#BESTVELA,COM1,0,85.0,FINESTEERING,2200,{:.3f},02040008,b1f6,32768;SOL_COMPUTED,DOPPLER_VELOCITY,0.15,0.0,5.0,90.0,0.25,0.0", t));
-        log += novatel_ascii(fmt::format("%INSPVASA,2200,{:.3f};2200,{:.3f},51.116,-114.038,1042.8,1.0,2.0,0.5,1.5,-2.5,90.0,INS_SOLUTION_GOOD", t, t));
+        log +=
+            novatel_ascii(fmt::format("#BESTPOSA,COM1,0,85.0,FINESTEERING,2200,{:.3f},02040008,b1f6,32768;SOL_COMPUTED,NARROW_"
+                                      "INT,51.116,-114.038,1059.7,-16.9,WGS84,0.018,0.015,0.028,"
+                                      "\"\",0.0,0.0,20,18,18,0,00,00,00,11",
+                                      t));
+        log +=
+            novatel_ascii(fmt::format("#BESTVELA,COM1,0,85.0,FINESTEERING,2200,{:.3f},02040008,b1f6,32768;SOL_COMPUTED,DOPPLER_"
+                                      "VELOCITY,0.15,0.0,5.0,90.0,0.25,0.0",
+                                      t));
+        log += novatel_ascii(fmt::format(
+            "%INSPVASA,2200,{:.3f};2200,{:.3f},51.116,-114.038,1042.8,1.0,2.0,0.5,1.5,-2.5,90.0,INS_SOLUTION_GOOD", t, t));
         for (int k = 0; k < 10; ++k) log += rawimusx(t + 0.1 * k, 1000, -200, 300, 50, -60, 70, 31);
     }
     WarningLog warnings;
@@ -92,7 +102,8 @@ TEST_F(ReceiverSensors, NovatelAsciiAndBinaryMixed) {
     EXPECT_EQ(read(write("bad.gps", damaged), "novatel", warnings).find("gnss")->rows(), 19U);
     expect_parts(warnings.summary().at(0), {"bad.gps", "damaged logs", "at byte 10"});
     WarningLog others;
-    const auto unknown = write("unknown.gps", rawimusx(1.0, 1, 2, 3, 4, 5, 6, 200) + novatel_ascii("#VERSIONA,COM1,0,85.0,FINESTEERING,2200,1.0,0,0,0;1"));
+    const auto unknown = write("unknown.gps", rawimusx(1.0, 1, 2, 3, 4, 5, 6, 200) +
+                                                  novatel_ascii("#VERSIONA,COM1,0,85.0,FINESTEERING,2200,1.0,0,0,0;1"));
     expect_parts(message_of([&] { (void)read(unknown, "novatel", others); }), {"unknown.gps", "no position", "VERSION"});
     expect_parts(others.summary().at(0), {"IMU type 200"});
 }
@@ -124,8 +135,9 @@ std::string sbet(double wander, double y_sign, double z_sign) {
     const double north = 20.0, east = 10.0, down = 1.0, heading = 0.5;
     for (int i = 0; i < 200; ++i) {
         const double t = 0.01 * i, c = std::cos(wander), s = std::sin(wander);
-        for (const double v : {302'400.0 + t, 0.5 + north * t / 6'350'000.0, -1.0 + east * t / (6'383'000.0 * std::cos(0.5)), 500.0 - down * t, c * north - s * east,
-                               y_sign * (s * north + c * east), z_sign * down, 0.01, 0.02, heading + wander, wander, 0.0, 0.0, -9.8, 0.0, 0.0, 0.0})
+        for (const double v : {302'400.0 + t, 0.5 + north * t / 6'350'000.0, -1.0 + east * t / (6'383'000.0 * std::cos(0.5)),
+                               500.0 - down * t, c * north - s * east, y_sign * (s * north + c * east), z_sign * down, 0.01, 0.02,
+                               heading + wander, wander, 0.0, 0.0, -9.8, 0.0, 0.0, 0.0})
             put(out, v);
     }
     return out;
@@ -134,7 +146,7 @@ std::string sbet(double wander, double y_sign, double z_sign) {
 TEST_F(ReceiverSensors, SbetVelocitiesOfEveryFrame) {
     for (const double wander : {0.0, 0.4, -2.0})
         for (const double y : {-1.0, 1.0})
-            for (const double z : {-1.0, 1.0}) {   // north, west, up is Applanix's
+            for (const double z : {-1.0, 1.0}) {  // north, west, up is Applanix's
                 WarningLog warnings;
                 const StreamLog log = read(write("a.sbet", sbet(wander, y, z)), "sbet", warnings);
                 const Stream& s = log.streams.at(0);
@@ -147,7 +159,7 @@ TEST_F(ReceiverSensors, SbetVelocitiesOfEveryFrame) {
 
 TEST_F(ReceiverSensors, UbloxSensorsAreOnTheTimeOfTheFixes) {
     std::string log;
-    std::uint32_t ticks = 0xFFFFF000U;   // the counter begins anew in between
+    std::uint32_t ticks = 0xFFFFF000U;  // the counter begins anew in between
     for (int i = 0; i < 30; ++i) {
         log += nav_pvt(302'400'000U + 1000U * static_cast<std::uint32_t>(i), i);
         log += "$GNTXT,01,01,02,between*00\r\n";
@@ -179,7 +191,8 @@ TEST_F(ReceiverSensors, UbloxSensorsAreOnTheTimeOfTheFixes) {
     EXPECT_NEAR(at(imu, "gyro_x_rad_s", 5), units::deg, 1e-12);
     EXPECT_NEAR(at(imu, "gyro_z_rad_s", 5), 2.0 * units::deg, 1e-12);
     EXPECT_NEAR(at(imu, "accel_z_m_s2", 5), 10'045.0 / 1024.0, 1e-12);
-    for (std::size_t i = 1; i < imu.rows(); ++i) ASSERT_NEAR(static_cast<double>(imu.time_ns[i] - imu.time_ns[i - 1]), 1e7, 10.0) << i;
+    for (std::size_t i = 1; i < imu.rows(); ++i)
+        ASSERT_NEAR(static_cast<double>(imu.time_ns[i] - imu.time_ns[i - 1]), 1e7, 10.0) << i;
     // the first message behind an epoch ends 0.09 s behind it, and is taken to be of it
     EXPECT_NEAR(static_cast<double>(imu.time_ns[9] - gnss.time_ns[0]) * 1e-9, 0.0, 0.001);
 }
@@ -192,7 +205,8 @@ TEST_F(ReceiverSensors, MeasurementsOfMessagesComeWithTheirSigns) {
             put(p, 5000 + 10 * i);
             put(p, static_cast<std::uint16_t>(3U << 11));
             put(p, std::uint16_t{0});
-            for (const unsigned type : gyro ? std::array{14U, 13U, 5U} : std::array{16U, 17U, 18U}) put(p, type << 24 | 0xFFF000U);
+            for (const unsigned type : gyro ? std::array{14U, 13U, 5U} : std::array{16U, 17U, 18U})
+                put(p, type << 24 | 0xFFF000U);
             put(p, 5000 + 10 * i);
             log += test::ubx(0x10, 0x02, p);
         }
@@ -206,8 +220,11 @@ TEST_F(ReceiverSensors, MeasurementsOfMessagesComeWithTheirSigns) {
 
 TEST_F(ReceiverSensors, GpxTracksHaveTheirTimes) {
     WarningLog warnings;
-    const auto file = write("walk.gpx", "<?xml version=\"1.0\"?>\n<gpx version=\"1.1\"><trk><trkseg>\n<trkpt lon='11.5' lat='48.1'><ele>512.5</ele><time>2024-05-01T12:00:00.25Z</time></trkpt>\n"
-                                        "<trkpt lat=\"48.2\" lon=\"11.6\"><time>2024-05-01T14:00:01+02:00</time></trkpt><trkpt lat=\"48.2\" lon=\"11.6\"/></trkseg></trk></gpx>");
+    const auto file = write("walk.gpx",
+                            "<?xml version=\"1.0\"?>\n<gpx version=\"1.1\"><trk><trkseg>\n<trkpt lon='11.5' "
+                            "lat='48.1'><ele>512.5</ele><time>2024-05-01T12:00:00.25Z</time></trkpt>\n"
+                            "<trkpt lat=\"48.2\" lon=\"11.6\"><time>2024-05-01T14:00:01+02:00</time></trkpt><trkpt lat=\"48.2\" "
+                            "lon=\"11.6\"/></trkseg></trk></gpx>");
     const Stream gnss = read(file, "gpx", warnings).streams.at(0);
     ASSERT_EQ(gnss.rows(), 2U);
     EXPECT_EQ(gnss.time_ns[1] - gnss.time_ns[0], 750'000'000);
@@ -218,8 +235,11 @@ TEST_F(ReceiverSensors, GpxTracksHaveTheirTimes) {
 
 TEST_F(ReceiverSensors, InertialExplorerExportsInBothAngleForms) {
     WarningLog warnings;
-    const auto file = write("export.txt", "Project: test\n\nGPSTime Week Latitude Longitude H-Ell VNorth VEast VUp Heading Pitch Roll\n(sec) (wks) (+/-D M S) (+/-D M S) (m) (m/s) (m/s) (m/s) (deg) (deg) (deg)\n"
-                                          "100.000 2200 -48 30 36.0 11 15 0.0 512.5 1.0 2.0 0.5 90.0 1.5 -0.5\n101.000 2200 -48.51 11.25 512.5 1.0 2.0 0.5 90.0 1.5 -0.5\n");
+    const auto file = write("export.txt",
+                            "Project: test\n\nGPSTime Week Latitude Longitude H-Ell VNorth VEast VUp Heading Pitch Roll\n(sec) "
+                            "(wks) (+/-D M S) (+/-D M S) (m) (m/s) (m/s) (m/s) (deg) (deg) (deg)\n"
+                            "100.000 2200 -48 30 36.0 11 15 0.0 512.5 1.0 2.0 0.5 90.0 1.5 -0.5\n101.000 2200 -48.51 11.25 512.5 "
+                            "1.0 2.0 0.5 90.0 1.5 -0.5\n");
     const Stream s = read(file, "waypoint", warnings).streams.at(0);
     ASSERT_EQ(s.rows(), 2U);
     EXPECT_NEAR(at(s, "lat_deg", 0), -48.51, 1e-12);
@@ -228,8 +248,10 @@ TEST_F(ReceiverSensors, InertialExplorerExportsInBothAngleForms) {
     EXPECT_EQ(at(s, "roll_deg", 1), -0.5);
     EXPECT_EQ(s.time_ns[1], Time::from_gps(2200, 101.0).ns);
     EXPECT_EQ(warnings.summary().size(), 0U);
-    const auto damaged = write("damaged.txt", "GPSTime Week Latitude Longitude H-Ell Heading Pitch Roll\n100.0 1101100 -48.5 11.2 512.5 90.0 1.5 -0.5\n"
-                                              "101.0 2200 -48.5 11.2 512.5 90.0 1.5 -0.5\n");
+    const auto damaged =
+        write("damaged.txt",
+              "GPSTime Week Latitude Longitude H-Ell Heading Pitch Roll\n100.0 1101100 -48.5 11.2 512.5 90.0 1.5 -0.5\n"
+              "101.0 2200 -48.5 11.2 512.5 90.0 1.5 -0.5\n");
     EXPECT_EQ(read(damaged, "waypoint", warnings).streams.at(0).rows(), 1U) << "no such week";
     EXPECT_EQ(warnings.summary().size(), 1U);
 }
@@ -254,10 +276,15 @@ TEST_F(ReceiverSensors, KittiFoldersAreOneLog) {
 }
 
 TEST_F(ReceiverSensors, ObGinsProjectsAreReadAsKfGinsProjects) {
-    (void)write("gnss.pos", "99.0 30.0 114.0 20.0 0.01 0.01 0.03\n100.0 30.5 114.5 23.0 0.008 0.011 0.036\n101.0 30.6 114.6 23.0 0.008 0.011 0.036\n");
-    const auto file = write("ob.yaml", "imufile: \"x/imu.txt\"\ngnssfile: \"dataset/gnss.pos\"\noutputpath: \"x/\"\nwindows: 30\nstarttime: 100\nendtime: 200\ninitvel: [ 0, 0, 0 ]\ninitatt: [ 0, 0, 276 ]\n"
-                                       "imudatalen: 8\nimudatarate: 200\nantlever: [ -0.1, 0.3, 0.1 ]\nodometer:\n    std: [ 1, 1, 1 ]\nimumodel:\n    arw: 0.1\n    vrw: 0.1\n    gbstd: 25.0\n    abstd: 200.0\n"
-                                       "    corrtime: 1.0\nisuseoutage: true\n");
+    (void)write("gnss.pos",
+                "99.0 30.0 114.0 20.0 0.01 0.01 0.03\n100.0 30.5 114.5 23.0 0.008 0.011 0.036\n101.0 30.6 114.6 23.0 0.008 0.011 "
+                "0.036\n");
+    const auto file = write("ob.yaml",
+                            "imufile: \"x/imu.txt\"\ngnssfile: \"dataset/gnss.pos\"\noutputpath: \"x/\"\nwindows: 30\nstarttime: "
+                            "100\nendtime: 200\ninitvel: [ 0, 0, 0 ]\ninitatt: [ 0, 0, 276 ]\n"
+                            "imudatalen: 8\nimudatarate: 200\nantlever: [ -0.1, 0.3, 0.1 ]\nodometer:\n    std: [ 1, 1, 1 "
+                            "]\nimumodel:\n    arw: 0.1\n    vrw: 0.1\n    gbstd: 25.0\n    abstd: 200.0\n"
+                            "    corrtime: 1.0\nisuseoutage: true\n");
     ASSERT_TRUE(is_kfgins_project(TextInput(file)));
     const KfGinsProject p = read_kfgins_project(TextInput(file));
     EXPECT_EQ(p.gnss_path, folder() / "gnss.pos") << "beside the project where its own path is not there";
@@ -268,8 +295,10 @@ TEST_F(ReceiverSensors, ObGinsProjectsAreReadAsKfGinsProjects) {
 
 TEST_F(ReceiverSensors, QualitiesWrittenAsDoublesAreNumbers) {
     WarningLog warnings;
-    const auto file = write("a.pos", "%  GPST latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m)\n2200 100.000 48.1 11.5 512.0 1.0000000 12.000 0.01 0.01 0.02\n"
-                                     "2200 101.000 48.1 11.5 512.0 2.0000000 12.000 0.01 0.01 0.02\n");
+    const auto file = write("a.pos",
+                            "%  GPST latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m)\n2200 100.000 48.1 11.5 "
+                            "512.0 1.0000000 12.000 0.01 0.01 0.02\n"
+                            "2200 101.000 48.1 11.5 512.0 2.0000000 12.000 0.01 0.01 0.02\n");
     const RtklibPos pos = read_rtklib_pos(TextInput(file), warnings);
     ASSERT_EQ(pos.fixes.size(), 2U);
     EXPECT_EQ(pos.fixes[0].fix, FixType::RtkFixed);
@@ -287,7 +316,8 @@ TEST_F(ReceiverSensors, RealSamples) {
     const Stream& two = sbet_log.streams.at(0);
     EXPECT_EQ(two.rows(), 2U);
     // the way between the two points, in 5 ms: 0.29 m/s to the east, 0.03 m/s downwards
-    const double dt = 1e-9 * static_cast<double>(two.time_ns[1] - two.time_ns[0]), north = 6'353'000.0 * units::deg / dt, east = north * std::cos(0.568);
+    const double dt = 1e-9 * static_cast<double>(two.time_ns[1] - two.time_ns[0]), north = 6'353'000.0 * units::deg / dt,
+                 east = north * std::cos(0.568);
     EXPECT_NEAR(at(two, "vel_n_m_s", 0), (at(two, "lat_deg", 1) - at(two, "lat_deg", 0)) * north, 0.03);
     EXPECT_NEAR(at(two, "vel_e_m_s", 0), (at(two, "lon_deg", 1) - at(two, "lon_deg", 0)) * east, 0.03);
     EXPECT_NEAR(at(two, "vel_d_m_s", 0), (at(two, "height_ellipsoidal_m", 0) - at(two, "height_ellipsoidal_m", 1)) / dt, 0.001);

@@ -113,7 +113,8 @@ TEST_F(RobotLogs, McapPlainAndCompressedIsTheSameLog) {
     const std::string records = mcap_records(40);
     for (const char* method : {"", "zstd", "lz4"}) {
         WarningLog warnings;
-        const auto file = write("log.mcap", mcap_magic + mcap_record(1, text("ros2") + text("test")) + mcap_chunk(records, method) + mcap_record(15, std::string(4, '\0')));
+        const auto file = write("log.mcap", mcap_magic + mcap_record(1, text("ros2") + text("test")) +
+                                                mcap_chunk(records, method) + mcap_record(15, std::string(4, '\0')));
         const StreamLog log = read(file, warnings);
         EXPECT_TRUE(warnings.empty()) << method;
         EXPECT_EQ(log.clock, Clock::Unix);
@@ -139,9 +140,13 @@ TEST_F(RobotLogs, DatabaseOfRos2) {
     const auto file = folder() / "log.db3";
     sqlite3* db = nullptr;
     ASSERT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
-    sqlite3_exec(db, "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,serialization_format TEXT NOT NULL);"
-                     "CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
-                     "INSERT INTO topics VALUES(5,'/imu','sensor_msgs/msg/Imu','cdr');INSERT INTO topics VALUES(6,'/rosout','rcl_interfaces/msg/Log','cdr');", nullptr, nullptr, nullptr);
+    sqlite3_exec(
+        db,
+        "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,serialization_format TEXT NOT NULL);"
+        "CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
+        "INSERT INTO topics VALUES(5,'/imu','sensor_msgs/msg/Imu','cdr');INSERT INTO topics "
+        "VALUES(6,'/rosout','rcl_interfaces/msg/Log','cdr');",
+        nullptr, nullptr, nullptr);
     sqlite3_stmt* insert = nullptr;
     sqlite3_prepare_v2(db, "INSERT INTO messages(topic_id,timestamp,data) VALUES(?,?,?)", -1, &insert, nullptr);
     for (int i = 0; i < 10; ++i) {
@@ -171,11 +176,13 @@ TEST_F(RobotLogs, BagOfRos1) {
     std::string inner = text("topic=/imu") + text("type=sensor_msgs/Imu");
     std::string records = record({{"op", "\x07"}, {"conn", number}, {"topic", "/imu"}}, inner);
     for (int i = 0; i < 5; ++i)
-        records += record({{"op", "\x02"}, {"conn", number}, {"time", std::string(8, '\1')}}, imu_message(RosLayout::Packed, 1'600'000'000, i));
+        records += record({{"op", "\x02"}, {"conn", number}, {"time", std::string(8, '\1')}},
+                          imu_message(RosLayout::Packed, 1'600'000'000, i));
     std::string packed(LZ4F_compressFrameBound(records.size(), nullptr), '\0'), size;
     packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), records.data(), records.size(), nullptr));
     put(size, static_cast<std::uint32_t>(records.size()));
-    const auto file = write("log.bag", "#ROSBAG V2.0\n" + record({{"op", "\x03"}}, "") + record({{"op", "\x05"}, {"compression", "lz4"}, {"size", size}}, packed));
+    const auto file = write("log.bag", "#ROSBAG V2.0\n" + record({{"op", "\x03"}}, "") +
+                                           record({{"op", "\x05"}, {"compression", "lz4"}, {"size", size}}, packed));
     WarningLog warnings;
     const StreamLog log = read(file, warnings);
     ASSERT_NE(log.find("imu"), nullptr);
@@ -197,8 +204,10 @@ TEST_F(RobotLogs, ATrajectoryIsNeverAnImu) {
     for (int i = 0; i < 100; ++i) {
         // the last three columns have the norm of gravity over one step: what once was taken for increments
         const double a = 0.049;
-        tum += fmt::format("{}.{:02} {} {} {} {} {} {} {}\n", 1700000000 + i / 100, i % 100, 0.1 * i, 2.0, 3.0, std::sqrt(1.0 - 3.0 * a * a), a, a, a);
-        euroc += fmt::format("{},{},{},{},{},{},{},{}\n", 1403715524907143168LL + 5'000'000LL * i, 0.1 * i, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0);
+        tum += fmt::format("{}.{:02} {} {} {} {} {} {} {}\n", 1700000000 + i / 100, i % 100, 0.1 * i, 2.0, 3.0,
+                           std::sqrt(1.0 - 3.0 * a * a), a, a, a);
+        euroc += fmt::format("{},{},{},{},{},{},{},{}\n", 1403715524907143168LL + 5'000'000LL * i, 0.1 * i, 2.0, 3.0, 1.0, 0.0,
+                             0.0, 0.0);
     }
     WarningLog warnings;
     for (const auto& [name, content, format] : {std::tuple("a.txt", tum, "tum"), std::tuple("b.csv", euroc, "euroc")}) {

@@ -1,5 +1,5 @@
-#include "schuler/io/own_files.h"
 #include "schuler/io/solution/solution_csv.h"
+#include "schuler/io/own_files.h"
 #include "schuler/io/text/fixed_point.h"
 
 #include "schuler/core/samples.h"
@@ -111,10 +111,8 @@ TEST_F(Solution, RoundTrip) {
         EXPECT_LT((back[i].rpy - rows[i].rpy).cwiseAbs().maxCoeff(), 0.51e-6 * std::numbers::pi / 180.0);
         EXPECT_LT((back[i].std_position - rows[i].std_position).cwiseAbs().maxCoeff(), 0.51e-5);
         EXPECT_LT((back[i].std_velocity - rows[i].std_velocity).cwiseAbs().maxCoeff(), 0.51e-5);
-        if (i == 7)
-            EXPECT_TRUE(back[i].std_rpy.array().isNaN().all());
-        else
-            EXPECT_LT((back[i].std_rpy - rows[i].std_rpy).cwiseAbs().maxCoeff(), 0.51e-6 * std::numbers::pi / 180.0);
+        if (i == 7) EXPECT_TRUE(back[i].std_rpy.array().isNaN().all());
+        else EXPECT_LT((back[i].std_rpy - rows[i].std_rpy).cwiseAbs().maxCoeff(), 0.51e-6 * std::numbers::pi / 180.0);
     }
     EXPECT_TRUE(log.empty());
 }

@@ -1,5 +1,5 @@
-#include "schuler/io/text/number.h"
 #include "schuler/io/text/table.h"
+#include "schuler/io/text/number.h"
 
 #include "io/io_fixture.h"
 
@@ -52,10 +52,10 @@ TEST(Number, RandomNumbersAgreeWithTheCLibrary) {
 
 TEST(TimeParsing, IsExact) {
     EXPECT_EQ(ns_of("243258.499"), 243258499000000);
-    EXPECT_EQ(ns_of("1751990400.123456789"), 1751990400123456789);       // a double has 240 ns here
+    EXPECT_EQ(ns_of("1751990400.123456789"), 1751990400123456789);  // a double has 240 ns here
     EXPECT_EQ(ns_of("1.751990400123456789e9"), 1751990400123456789);
-    EXPECT_EQ(ns_of("2.432584990000000000e+05"), 243258499000000);       // numpy's savetxt
-    EXPECT_EQ(ns_of("-0.0000000005"), -1);                               // halves away from zero
+    EXPECT_EQ(ns_of("2.432584990000000000e+05"), 243258499000000);  // numpy's savetxt
+    EXPECT_EQ(ns_of("-0.0000000005"), -1);                          // halves away from zero
     EXPECT_EQ(ns_of("0.0000000004999999999999999999999"), 0);
     EXPECT_EQ(ns_of("0.00000000050000000000000000000"), 1);
     EXPECT_EQ(ns_of("1234.5", TimeUnit::Milliseconds), 1234500000);
@@ -63,7 +63,7 @@ TEST(TimeParsing, IsExact) {
     EXPECT_EQ(ns_of("200632654226542", TimeUnit::Nanoseconds), 200632654226542);
     EXPECT_EQ(ns_of("1e-40"), 0);
     std::int64_t ns = 0;
-    EXPECT_FALSE(nanoseconds_from("5e9", TimeUnit::Seconds, ns));        // 158 years do not fit
+    EXPECT_FALSE(nanoseconds_from("5e9", TimeUnit::Seconds, ns));  // 158 years do not fit
     EXPECT_FALSE(nanoseconds_from("1e300", TimeUnit::Nanoseconds, ns));
     EXPECT_FALSE(nanoseconds_from("12:30", TimeUnit::Seconds, ns));
 }
@@ -202,8 +202,8 @@ TEST_F(Table, CutLastLine) {
     expect_parts(message_of([&] { (void)rows(write("cut.csv", head + "3.500,6.0"), 3); }),
                  {"cut.csv:4", "column 2", "2 of 3 columns", "delete line 4"});
     EXPECT_EQ(rows(write("whole.csv", head + "3.500,6.000,7.000"), 3).size(), 3U);
-    EXPECT_EQ(rows(write("short.csv", head + "3.500,6.000,7.0"), 3).size(), 2U);     // the last number may be cut: left out
-    EXPECT_EQ(rows(write("ended.csv", head + "3.500,6.0\n"), 3).size(), 3U);         // ended: a short row, not a cut file
+    EXPECT_EQ(rows(write("short.csv", head + "3.500,6.000,7.0"), 3).size(), 2U);  // the last number may be cut: left out
+    EXPECT_EQ(rows(write("ended.csv", head + "3.500,6.0\n"), 3).size(), 3U);      // ended: a short row, not a cut file
 }
 
 TEST_F(Table, ProblemsHavePlaceAndName) {

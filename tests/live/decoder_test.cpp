@@ -1,7 +1,7 @@
 // Streams cut anywhere and with garbage between the messages give the samples that whole files give.
+#include "schuler/live/decoder.h"
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
-#include "schuler/live/decoder.h"
 #include "schuler/live/endpoint.h"
 #include "schuler/live/message.h"
 
@@ -34,7 +34,8 @@ std::string sentence(const std::string& body) {
 std::string nav_pvt(int second) {
     std::string payload(92, '\0');
     const auto put = [&payload](std::size_t at, std::int64_t value, std::size_t bytes) {
-        for (std::size_t i = 0; i < bytes; ++i) payload[at + i] = static_cast<char>((static_cast<std::uint64_t>(value) >> (8 * i)) & 0xffU);
+        for (std::size_t i = 0; i < bytes; ++i)
+            payload[at + i] = static_cast<char>((static_cast<std::uint64_t>(value) >> (8 * i)) & 0xffU);
     };
     put(0, 302'418'000 + 1000 * second, 4);
     put(4, 2024, 2);
@@ -43,7 +44,7 @@ std::string nav_pvt(int second) {
     put(8, 12, 1);
     put(9, 0, 1);
     put(10, second, 1);
-    put(11, 0x37, 1);   // date and time are valid and settled
+    put(11, 0x37, 1);  // date and time are valid and settled
     put(12, 20, 4);
     put(20, 3, 1);
     put(21, 1, 1);
@@ -66,7 +67,8 @@ std::string nav_pvt(int second) {
 TEST(LiveDecoder, UbxInPiecesWithGarbageBetween) {
     std::string damaged = nav_pvt(3);
     damaged[40] ^= 1;
-    const std::string stream = nav_pvt(1) + "\x01\xb5\x00garbage" + sentence("GNTXT,01,01,02,hello") + nav_pvt(2) + damaged + nav_pvt(4);
+    const std::string stream =
+        nav_pvt(1) + "\x01\xb5\x00garbage" + sentence("GNTXT,01,01,02,hello") + nav_pvt(2) + damaged + nav_pvt(4);
     for (const std::size_t size : {std::size_t{1}, std::size_t{7}, stream.size()}) {
         const auto decoder = make_decoder(StreamFormat::Ubx, Instrument::Gnss, {});
         const std::vector<Sample> samples = decoded(*decoder, stream, size);
@@ -101,8 +103,9 @@ TEST(LiveDecoder, NmeaEpochsAreCompleteAtThePauseAndAtTheNext) {
 }
 
 TEST(LiveDecoder, RowsOfTablesAndLinesOfJson) {
-    const std::string table = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n"
-                              "1440437439.7495429,1,2,3,4,5,6\nnonsense\n1440437439.7595429,1,2,3,4,x,6\n1440437439.7695429,0.1,0.2,0.3,0,0,-9.81\n";
+    const std::string table =
+        "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n"
+        "1440437439.7495429,1,2,3,4,5,6\nnonsense\n1440437439.7595429,1,2,3,4,x,6\n1440437439.7695429,0.1,0.2,0.3,0,0,-9.81\n";
     const auto csv = make_decoder(StreamFormat::Csv, Instrument::Imu, {});
     const std::vector<Sample> rows = decoded(*csv, table, 5);
     ASSERT_EQ(rows.size(), 2u);
@@ -111,7 +114,8 @@ TEST(LiveDecoder, RowsOfTablesAndLinesOfJson) {
     EXPECT_EQ(csv->counters().garbage, 2u);
     const auto json = make_decoder(StreamFormat::Json, Instrument::Imu, {});
     const std::vector<Sample> lines = decoded(*json,
-                                              "{\"type\":\"imu\",\"time_ns\":123456789012345678,\"gyro_rad_s\":[1,2,3],\"accel_m_s2\":[4,5,null]}\r\n[1]\n{\"type\":\"x\"}\n"
+                                              "{\"type\":\"imu\",\"time_ns\":123456789012345678,\"gyro_rad_s\":[1,2,3],\"accel_m_"
+                                              "s2\":[4,5,null]}\r\n[1]\n{\"type\":\"x\"}\n"
                                               "{\"type\":\"heading\",\"time_s\":2,\"heading_deg\":90}\n",
                                               3);
     ASSERT_EQ(lines.size(), 2u);
@@ -127,13 +131,20 @@ TEST(LiveEndpoint, WhatAUserWrites) {
     EXPECT_EQ(serial.baud, 460800);
     EXPECT_EQ(endpoint_from("tcp://[::1]:5000", Direction::In, "x").host, "::1");
     EXPECT_EQ(endpoint_from("gpsd://localhost", Direction::In, "x").port, "2947");
-    for (const char* wrong : {"", "tcp://host", "tcp://:5000", "tcp://host:0", "udp://h:99999", "serial:", "serial:/dev/x?baud=fast", "stdout", "ftp://h:1"})
+    for (const char* wrong : {"", "tcp://host", "tcp://:5000", "tcp://host:0", "udp://h:99999",
+                              "serial:", "serial:/dev/x?baud=fast", "stdout", "ftp://h:1"})
         EXPECT_THROW((void)endpoint_from(wrong, Direction::In, "imu.source"), Error) << wrong;
     EXPECT_THROW((void)endpoint_from("udp://:5", Direction::Out, "output.to"), Error);
 }
 
 TEST(LiveMessage, NmeaOfAState) {
-    SolutionRow row{gps_from_utc({2024, 5, 1, 12, 0, 1.996}), {-0.5 * units::deg, 179.9999999 * units::deg, 12.5}, {0.0, -1.0, 0.0}, {0.0, 0.0, 1.5707963267948966}, {}, {}, {}};
+    SolutionRow row{gps_from_utc({2024, 5, 1, 12, 0, 1.996}),
+                    {-0.5 * units::deg, 179.9999999 * units::deg, 12.5},
+                    {0.0, -1.0, 0.0},
+                    {0.0, 0.0, 1.5707963267948966},
+                    {},
+                    {},
+                    {}};
     const std::string text = state_nmea(row);
     EXPECT_NE(text.find("$INGGA,120002.00,0030.0000000,S,17959.9999940,E,6,"), std::string::npos) << text;
     EXPECT_NE(text.find(",1.944,270.00,010524,"), std::string::npos) << text;

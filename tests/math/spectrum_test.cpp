@@ -32,7 +32,7 @@ TEST(Spectrum, WhiteNoiseIsFlatAndASineHasItsPower) {
     EXPECT_NEAR(power, amplitude * amplitude / 2.0, 1e-6);
     const auto highest = static_cast<std::size_t>(std::max_element(peak.begin(), peak.end()) - peak.begin());
     EXPECT_NEAR(sine.frequency(highest), line, 1e-9);
-    EXPECT_LT(peak[highest + 3], 1e-20 * peak[highest]);   // Hann's window ends after its neighbours on a line of its own
+    EXPECT_LT(peak[highest + 3], 1e-20 * peak[highest]);  // Hann's window ends after its neighbours on a line of its own
 }
 
 TEST(Spectrum, RefusesWhatHasNoTransform) {

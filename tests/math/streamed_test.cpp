@@ -16,7 +16,8 @@ namespace {
 
 RC_GTEST_PROP(ExactSum, DoesNotDependOnOrderOrParts, (std::vector<std::int32_t> mantissas)) {
     std::vector<double> terms;
-    for (std::size_t i = 0; i < mantissas.size(); ++i) terms.push_back(std::ldexp(static_cast<double>(mantissas[i]), static_cast<int>((i * 37) % 140) - 90));
+    for (std::size_t i = 0; i < mantissas.size(); ++i)
+        terms.push_back(std::ldexp(static_cast<double>(mantissas[i]), static_cast<int>((i * 37) % 140) - 90));
     ExactSum forward, backward, parts[3];
     for (const double x : terms) forward.add(x);
     std::ranges::reverse(terms);
@@ -69,7 +70,7 @@ TEST(QuantileSketch, ExactUpToItsBoundThenCloseAndIndependentOfOrder) {
     EXPECT_FALSE(coarse.exact());
     EXPECT_EQ(coarse.quantile(0.0), sorted.front());
     EXPECT_EQ(coarse.quantile(1.0), sorted.back());
-    halves[0].merge(halves[1]);   // exact into histogram
+    halves[0].merge(halves[1]);  // exact into histogram
     EXPECT_EQ(halves[0].content(), coarse.content());
     QuantileSketch again(1000, 5);
     again.restore(coarse.content());

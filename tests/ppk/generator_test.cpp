@@ -11,11 +11,12 @@
 namespace schuler::ppk {
 namespace {
 
-using test::errors_of;
 using test::Errors;
+using test::errors_of;
 using test::PairOfLogs;
 
-const Ecef at_rest{{4156857.1195929, 673209.028774142, 4774767.03105544}}, base_place{{4157177.06580187, 671230.476590636, 4774767.03105544}};
+const Ecef at_rest{{4156857.1195929, 673209.028774142, 4774767.03105544}},
+    base_place{{4157177.06580187, 671230.476590636, 4774767.03105544}};
 
 /// The generator's motion, every 0.1 s.
 class Path {
@@ -44,13 +45,19 @@ private:
 };
 
 void print(const std::string& name, const Errors& e) {
-    fmt::print("{}: {} epochs, {} fixed, first at {} s, all from {} s on, {} wrong, {} outside three sigma; RMS {:.2f} mm horizontal, {:.2f} mm "
-               "vertical, largest {:.1f} mm\n",
-               name, e.epochs, e.fixed, e.first_fixed, e.fixed_until, e.wrong, e.outside, 1e3 * e.horizontal(), 1e3 * e.vertical(), 1e3 * e.largest);
+    fmt::print(
+        "{}: {} epochs, {} fixed, first at {} s, all from {} s on, {} wrong, {} outside three sigma; RMS {:.2f} mm horizontal, "
+        "{:.2f} mm "
+        "vertical, largest {:.1f} mm\n",
+        name, e.epochs, e.fixed, e.first_fixed, e.fixed_until, e.wrong, e.outside, 1e3 * e.horizontal(), 1e3 * e.vertical(),
+        1e3 * e.largest);
 }
 
 PairOfLogs logs(const std::string& rover) {
-    return {"spirent_rtk_noatm", rover + "_MO_Spirent.obs.gz", "Base-static_MO_Spirent.obs.gz", {"RINEX_GN_Spirent.23N", "RINEX_EN_Spirent.23L"}};
+    return {"spirent_rtk_noatm",
+            rover + "_MO_Spirent.obs.gz",
+            "Base-static_MO_Spirent.obs.gz",
+            {"RINEX_GN_Spirent.23N", "RINEX_EN_Spirent.23L"}};
 }
 
 TEST(Generator, RoverAtRest) {
@@ -62,7 +69,8 @@ TEST(Generator, RoverAtRest) {
             settings.direction = direction;
             settings.frequencies = frequencies;
             WarningLog warnings;
-            const Errors e = errors_of(test::solved(pair, settings, test::without_air(), warnings), [](Time) { return at_rest; }, 10.0);
+            const Errors e = errors_of(
+                test::solved(pair, settings, test::without_air(), warnings), [](Time) { return at_rest; }, 10.0);
             print(fmt::format("at rest, {} frequencies, direction {}", frequencies, static_cast<int>(direction)), e);
             EXPECT_EQ(e.wrong, 0U);
             EXPECT_LE(e.outside, e.epochs / 100);

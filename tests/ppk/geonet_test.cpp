@@ -27,12 +27,14 @@ protected:
     /// Fixed positions of RTKLIB at GPS times.
     std::map<std::int64_t, Geodetic> theirs() {
         const auto data = io::test::data_folder() / "rtklib_geonet_pair";
-        const auto conf = write("rtklib.conf",
-                                "pos1-posmode =kinematic\npos1-frequency =l1+l2\npos1-elmask =10\npos1-ionoopt =brdc\npos1-tropopt =saas\n"
-                                "pos1-navsys =1\npos2-armode =continuous\nant2-postype =rinexhead\nout-solformat =llh\nout-timesys =gpst\n"
-                                "out-height =ellipsoidal\n");
-        const std::string command = fmt::format("rnx2rtkp -k {} -o {} {} {} {} > /dev/null 2>&1", conf.string(), (folder() / "r.pos").string(),
-                                                (data / "07590920.05o").string(), (data / "30400920.05o").string(), (data / "07590920.05n").string());
+        const auto conf =
+            write("rtklib.conf",
+                  "pos1-posmode =kinematic\npos1-frequency =l1+l2\npos1-elmask =10\npos1-ionoopt =brdc\npos1-tropopt =saas\n"
+                  "pos1-navsys =1\npos2-armode =continuous\nant2-postype =rinexhead\nout-solformat =llh\nout-timesys =gpst\n"
+                  "out-height =ellipsoidal\n");
+        const std::string command =
+            fmt::format("rnx2rtkp -k {} -o {} {} {} {} > /dev/null 2>&1", conf.string(), (folder() / "r.pos").string(),
+                        (data / "07590920.05o").string(), (data / "30400920.05o").string(), (data / "07590920.05n").string());
         EXPECT_EQ(std::system(command.c_str()), 0) << command;
         WarningLog log;
         std::map<std::int64_t, Geodetic> out;
@@ -61,7 +63,8 @@ TEST_F(Geonet, FixedWhereRtklibIs) {
             double square = 0, largest = 0;
             Eigen::Vector3d mean = Eigen::Vector3d::Zero();
             for (const EpochSolution& e : found.epochs) {
-                const Geodetic own = earth::geodetic_from_ecef(earth::wgs84, e.position), header = earth::geodetic_from_ecef(earth::wgs84, pair.rover.approximate);
+                const Geodetic own = earth::geodetic_from_ecef(earth::wgs84, e.position),
+                               header = earth::geodetic_from_ecef(earth::wgs84, pair.rover.approximate);
                 mean += earth::ned_difference({}, own, header) / static_cast<double>(found.epochs.size());
                 const auto it = rtklib.find(std::llround(e.tag.seconds()));
                 if (it == rtklib.end()) continue;
@@ -75,10 +78,12 @@ TEST_F(Geonet, FixedWhereRtklibIs) {
                 largest = std::max(largest, d.norm());
             }
             const double rms = std::sqrt(square / static_cast<double>(std::max<std::size_t>(compared, 1)));
-            fmt::print("GEONET, {} frequencies, direction {}: {} epochs, {} fixed, {} float; against RTKLIB at {} epochs RMS {:.1f} mm, largest {:.1f} mm, "
-                       "{} outside three sigma; from the header {:.3f} N {:.3f} E {:.3f} D\n",
-                       frequencies, static_cast<int>(direction), found.epochs.size(), found.count(Quality::Fixed), found.count(Quality::Float), compared,
-                       1e3 * rms, 1e3 * largest, outside, mean.x(), mean.y(), mean.z());
+            fmt::print(
+                "GEONET, {} frequencies, direction {}: {} epochs, {} fixed, {} float; against RTKLIB at {} epochs RMS {:.1f} mm, "
+                "largest {:.1f} mm, "
+                "{} outside three sigma; from the header {:.3f} N {:.3f} E {:.3f} D\n",
+                frequencies, static_cast<int>(direction), found.epochs.size(), found.count(Quality::Fixed),
+                found.count(Quality::Float), compared, 1e3 * rms, 1e3 * largest, outside, mean.x(), mean.y(), mean.z());
             EXPECT_LT(mean.norm(), 0.25);
             if (oracle && frequencies == 2) {
                 EXPECT_LT(rms, 0.01);

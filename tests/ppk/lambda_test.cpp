@@ -2,9 +2,9 @@
 #include "schuler/ppk/lambda.h"
 #include "schuler/math/random.h"
 
+#include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,11 +20,14 @@ Eigen::MatrixXd covariance_of(Eigen::Index n, math::Random& random, double code,
         for (Eigen::Index k = 0; k < 3; ++k) geometry(i, k) = random.normal();
     const Eigen::Matrix3d position = code * code * (geometry.transpose() * geometry).inverse();
     constexpr double wavelength = 0.19;
-    const Eigen::MatrixXd shared = Eigen::MatrixXd::Identity(n, n) + Eigen::MatrixXd::Ones(n, n);   // the reference satellite's part
+    const Eigen::MatrixXd shared =
+        Eigen::MatrixXd::Identity(n, n) + Eigen::MatrixXd::Ones(n, n);  // the reference satellite's part
     return (geometry * position * geometry.transpose() + phase * phase * shared) / (wavelength * wavelength);
 }
 
-double distance(const Eigen::VectorXd& apart, const Eigen::MatrixXd& covariance) { return apart.dot(covariance.ldlt().solve(apart)); }
+double distance(const Eigen::VectorXd& apart, const Eigen::MatrixXd& covariance) {
+    return apart.dot(covariance.ldlt().solve(apart));
+}
 
 /// All integers within `reach` cycles of the real values.
 std::vector<IntegerCandidate> exhaustive(const Eigen::VectorXd& a, const Eigen::MatrixXd& covariance, int reach) {
@@ -52,7 +55,8 @@ TEST(Lambda, DecorrelationIsAnIntegerTransformationOfTheCovariance) {
         ASSERT_TRUE(found);
         EXPECT_EQ((found->Z.array() - found->Z.array().round()).abs().maxCoeff(), 0.0);
         EXPECT_NEAR(std::abs(found->Z.determinant()), 1.0, 1e-6);
-        const Eigen::MatrixXd rebuilt = found->L.transpose() * found->d.asDiagonal() * found->L, transformed = found->Z.transpose() * q * found->Z;
+        const Eigen::MatrixXd rebuilt = found->L.transpose() * found->d.asDiagonal() * found->L,
+                              transformed = found->Z.transpose() * q * found->Z;
         EXPECT_LT((rebuilt - transformed).norm(), 1e-6 * transformed.norm()) << n;
         // decorrelated: no variance above what its neighbour could have by exchange, and all far below the ambiguities' own
         EXPECT_LT(found->d.maxCoeff(), 0.2 * q.diagonal().minCoeff()) << n;
@@ -90,7 +94,7 @@ TEST(Lambda, NearestIntegersAreThoseOfExhaustiveSearch) {
         }
         differs_from_rounding += (expected[0].z - a.array().round().matrix()).norm() > 0.0 ? 1 : 0;
     }
-    EXPECT_GT(differs_from_rounding, 10);   // otherwise rounding alone would pass
+    EXPECT_GT(differs_from_rounding, 10);  // otherwise rounding alone would pass
 }
 
 TEST(Lambda, TheLastOfThemAreSolvedAsAProblemOfTheirOwn) {

@@ -34,19 +34,24 @@ inline gnss::Navigation made_up_sky(Time from, Time to) {
 /// How a receiver measures.
 struct Receiver {
     std::string systems = "GE";
-    double code_sigma = 0.5, code_correlation = 60.0, phase_sigma = 0.003;   ///< at the zenith, m, s, m
-    double phase_reflections = 0.0, phase_correlation = 30.0;                ///< at the zenith, m, s
-    double outliers = 0.0;                                                   ///< share of the time in which a code is metres too long
-    double interval = 1.0;                                                   ///< s
-    std::function<double(Time)> clock = [](Time t) { return 2e-5 + 1e-8 * (t.seconds() - std::floor(t.seconds() / 1e5) * 1e5); };   ///< s
+    double code_sigma = 0.5, code_correlation = 60.0, phase_sigma = 0.003;  ///< at the zenith, m, s, m
+    double phase_reflections = 0.0, phase_correlation = 30.0;               ///< at the zenith, m, s
+    double outliers = 0.0;  ///< share of the time in which a code is metres too long
+    double interval = 1.0;  ///< s
+    std::function<double(Time)> clock = [](Time t) {
+        return 2e-5 + 1e-8 * (t.seconds() - std::floor(t.seconds() / 1e5) * 1e5);
+    };  ///< s
     std::function<Ecef(Time)> place;
-    std::function<double(SatelliteId, double)> vertical_ionosphere = [](SatelliteId, double) { return 0.0; };   ///< m on L1, of time in s from the start
-    double zenith_delay = 0.0;                                               ///< m beyond the model's
-    bool air = false;                                                        ///< the model's troposphere
+    std::function<double(SatelliteId, double)> vertical_ionosphere = [](SatelliteId, double) {
+        return 0.0;
+    };                          ///< m on L1, of time in s from the start
+    double zenith_delay = 0.0;  ///< m beyond the model's
+    bool air = false;           ///< the model's troposphere
 };
 
 /// Its log from `from` for so many seconds.
-inline gnss::ObservationLog measured(const gnss::Navigation& sky, const Receiver& receiver, Time from, double seconds, std::uint64_t seed) {
+inline gnss::ObservationLog measured(const gnss::Navigation& sky, const Receiver& receiver, Time from, double seconds,
+                                     std::uint64_t seed) {
     const gnss::BroadcastSource source(sky);
     math::Random random(seed, "receiver");
     gnss::ObservationLog log;
@@ -89,23 +94,28 @@ inline gnss::ObservationLog measured(const gnss::Navigation& sky, const Receiver
             AirModel air;
             const double troposphere = (receiver.air ? air_delay(air, s, geodetic, line.direction).troposphere : 0.0) +
                                        receiver.zenith_delay / std::sin(line.direction.elevation);
-            const double ionosphere = receiver.vertical_ionosphere(id, t) / std::sqrt(1.0 - std::pow(0.948 * std::cos(line.direction.elevation), 2));
+            const double ionosphere =
+                receiver.vertical_ionosphere(id, t) / std::sqrt(1.0 - std::pow(0.948 * std::cos(line.direction.elevation), 2));
             for (const char band : bands) {
                 Channel& c = channels[{id, band}];
                 const double wavelength = gnss::speed_of_light / gnss::frequency_of(id.system, band);
                 const double spread = receiver.code_sigma * factor;
-                c.reflections = c.begun ? rho * c.reflections + std::sqrt(1.0 - rho * rho) * spread * random.normal() : spread * random.normal();
+                c.reflections = c.begun ? rho * c.reflections + std::sqrt(1.0 - rho * rho) * spread * random.normal()
+                                        : spread * random.normal();
                 if (!c.begun) c.cycles = std::floor(1e6 * random.uniform());
                 c.begun = true;
-                const double rho_phase = std::exp(-receiver.interval / receiver.phase_correlation), of_phase = receiver.phase_reflections * factor;
-                if (of_phase > 0.0) c.phase = rho_phase * c.phase + std::sqrt(1.0 - rho_phase * rho_phase) * of_phase * random.normal();
-                constexpr double lasting = 20.0;   // s
+                const double rho_phase = std::exp(-receiver.interval / receiver.phase_correlation),
+                             of_phase = receiver.phase_reflections * factor;
+                if (of_phase > 0.0)
+                    c.phase = rho_phase * c.phase + std::sqrt(1.0 - rho_phase * rho_phase) * of_phase * random.normal();
+                constexpr double lasting = 20.0;  // s
                 if (receiver.outliers > 0.0 && random.uniform() < receiver.interval / lasting)
                     c.outlier = random.uniform() < receiver.outliers ? 3.0 + 30.0 * random.uniform() : 0.0;
                 gnss::SignalObservation o;
                 o.satellite = id;
                 o.signal = {band, band == '1' ? 'C' : 'X'};
-                const double modelled = line.range + gnss::speed_of_light * clock + troposphere, g = ionosphere_factor(wavelength) * ionosphere;
+                const double modelled = line.range + gnss::speed_of_light * clock + troposphere,
+                             g = ionosphere_factor(wavelength) * ionosphere;
                 o.pseudorange = modelled + g + c.reflections + c.outlier;
                 o.phase = (modelled - g + c.phase + receiver.phase_sigma * factor * random.normal()) / wavelength + c.cycles;
                 o.cn0 = 45.0;

@@ -21,9 +21,10 @@ protected:
     MadeUp() : sky(test::made_up_sky(start, start + Duration::from_seconds(7200))) {
         base.place = [](Time) { return test::place_from(origin, 0, 0, 0); };
         base.clock = [](Time) { return -3e-6; };
-        rover.place = [](Time t) {   // a circle of 40 m at 5 m/s
+        rover.place = [](Time t) {  // a circle of 40 m at 5 m/s
             const double a = (t - start).seconds() / 8.0;
-            return test::place_from(origin, 900.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a), 15.0 + 3.0 * std::sin(0.3 * a));
+            return test::place_from(origin, 900.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a),
+                                    15.0 + 3.0 * std::sin(0.3 * a));
         };
         single = test::without_air();
         settings = test::settings_without_air();
@@ -54,8 +55,9 @@ protected:
         }
     }
     static std::string text(const Errors& e) {
-        return fmt::format("{} epochs, {} fixed, first {}, last not {}, wrong {}, outside {}, rms {:.4f} {:.4f} m, largest {:.3f}", e.epochs, e.fixed, e.first_fixed,
-                           e.fixed_until, e.wrong, e.outside, e.horizontal(), e.vertical(), e.largest);
+        return fmt::format(
+            "{} epochs, {} fixed, first {}, last not {}, wrong {}, outside {}, rms {:.4f} {:.4f} m, largest {:.3f}", e.epochs,
+            e.fixed, e.first_fixed, e.fixed_until, e.wrong, e.outside, e.horizontal(), e.vertical(), e.largest);
     }
 
     gnss::Navigation sky;
@@ -88,11 +90,12 @@ TEST_F(MadeUp, SigmasCoverFloatAndFixed) {
                 const Eigen::Vector3d d = last.position.r - rover.place(last.time).r;
                 nees += d.dot(last.covariance.inverse() * d) / 20.0;
             }
-            fmt::print("integers {}, {} frequencies: {} epochs, {} fixed, {} wrong, {} outside three sigma, NEES at the end {:.2f}\n", integers, frequencies,
-                       epochs, all.fixed, all.wrong, all.outside, nees);
+            fmt::print(
+                "integers {}, {} frequencies: {} epochs, {} fixed, {} wrong, {} outside three sigma, NEES at the end {:.2f}\n",
+                integers, frequencies, epochs, all.fixed, all.wrong, all.outside, nees);
             EXPECT_EQ(all.wrong, 0U);
             EXPECT_LE(all.outside, epochs / 100);
-            EXPECT_LT(nees, 5.0);   // of three degrees, 20 draws: 99.9 % below
+            EXPECT_LT(nees, 5.0);  // of three degrees, 20 draws: 99.9 % below
             if (integers && frequencies == 2) {
                 EXPECT_GT(all.fixed, epochs * 95 / 100);
             }
@@ -115,7 +118,8 @@ TEST_F(MadeUp, ReflectionsInAStreet) {
                 math::Random random(seed, "slips");
                 const auto satellites = gnss::satellites_of(sky);
                 for (int i = 0; i < 20; ++i) {
-                    const SatelliteId id = satellites[static_cast<std::size_t>(random.uniform() * static_cast<double>(satellites.size()))];
+                    const SatelliteId id =
+                        satellites[static_cast<std::size_t>(random.uniform() * static_cast<double>(satellites.size()))];
                     each(rover_log, 10.0 + std::floor(100.0 * random.uniform()), [&](gnss::SignalObservation& o) {
                         if (o.satellite == id) o.phase += 3.0;
                     });
@@ -146,9 +150,10 @@ TEST_F(MadeUp, SlipsThatNobodyTells) {
         const SatelliteId id = satellites[static_cast<std::size_t>(random.uniform() * static_cast<double>(satellites.size()))];
         const char band = random.uniform() < 0.5 ? '1' : id.system == gnss::System::Gps ? '2' : '5';
         const double cycles = std::round(random.normal() * 3.0) + (i % 3 == 0 ? 0.5 : 0.0);
-        each(random.uniform() < 0.8 ? rover_log : base_log, 10.0 + std::floor(100.0 * random.uniform()), [&](gnss::SignalObservation& o) {
-            if (o.satellite == id && o.signal.band == band) o.phase += cycles;
-        });
+        each(random.uniform() < 0.8 ? rover_log : base_log, 10.0 + std::floor(100.0 * random.uniform()),
+             [&](gnss::SignalObservation& o) {
+                 if (o.satellite == id && o.signal.band == band) o.phase += cycles;
+             });
     }
     for (const std::size_t frequencies : {2U, 1U}) {
         settings.frequencies = frequencies;
@@ -168,7 +173,8 @@ TEST_F(MadeUp, ClocksThatJumpByMilliseconds) {
         measure(80.0, 9);
         // the phase counts on through the step of the clock
         if (code_alone)
-            each(rover_log, 40.0, [](gnss::SignalObservation& o) { o.phase += 1e-3 * gnss::frequency_of(o.satellite.system, o.signal.band); });
+            each(rover_log, 40.0,
+                 [](gnss::SignalObservation& o) { o.phase += 1e-3 * gnss::frequency_of(o.satellite.system, o.signal.band); });
         const Solution s = solved();
         const Errors e = errors(s);
         fmt::print("clock jumps, code alone {}: {}\n", code_alone, text(e));
@@ -229,15 +235,17 @@ TEST_F(MadeUp, LongBaselineUnderADisturbedIonosphere) {
     settings.air.troposphere = true;
     single.ranges.troposphere = gnss::TroposphereModel::Saastamoinen;
     single.ranges.ionosphere = gnss::IonosphereModel::Broadcast;
-    settings.air.ionosphere = gnss::BroadcastIonosphere{};   // without coefficients: a mean day
+    settings.air.ionosphere = gnss::BroadcastIonosphere{};  // without coefficients: a mean day
     for (const std::size_t frequencies : {2U, 1U}) {
         settings.frequencies = frequencies;
         std::size_t outside = 0, epochs = 0, wrong = 0, fixed = 0;
         for (std::uint64_t seed = 20; seed < 26; ++seed) {
             math::Random random(seed, "ionosphere");
             std::map<SatelliteId, double> gradient;
-            for (const SatelliteId id : gnss::satellites_of(sky)) gradient[id] = 2e-6 * random.normal();   // of 25 km: 5 cm
-            rover.vertical_ionosphere = [gradient](SatelliteId id, double t) { return gradient.at(id) * 25e3 * (1.0 + 1e-3 * t); };
+            for (const SatelliteId id : gnss::satellites_of(sky)) gradient[id] = 2e-6 * random.normal();  // of 25 km: 5 cm
+            rover.vertical_ionosphere = [gradient](SatelliteId id, double t) {
+                return gradient.at(id) * 25e3 * (1.0 + 1e-3 * t);
+            };
             measure(120.0, seed);
             const Solution s = solved();
             const Errors e = errors(s);
@@ -246,7 +254,8 @@ TEST_F(MadeUp, LongBaselineUnderADisturbedIonosphere) {
             wrong += e.wrong;
             fixed += e.fixed;
         }
-        fmt::print("25 km, {} frequencies: {} epochs, {} fixed, {} wrong, {} outside\n", frequencies, epochs, fixed, wrong, outside);
+        fmt::print("25 km, {} frequencies: {} epochs, {} fixed, {} wrong, {} outside\n", frequencies, epochs, fixed, wrong,
+                   outside);
         EXPECT_LE(outside, epochs / 100);
     }
 }

@@ -8,8 +8,8 @@
 
 #include "support/perturbation.h"
 
-#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 namespace schuler::ppk {
 namespace {
@@ -73,26 +73,28 @@ SCHULER_JACOBIAN(single_differences, "ppk.single_differences") {
     const auto output = [at, n](const Eigen::VectorXd& dx) -> Eigen::VectorXd {
         const auto moved = at(dx);
         Eigen::VectorXd out(2 * n);
-        for (Eigen::Index i = 0; i < n; ++i) {   // computed grows by what measured less computed falls by
+        for (Eigen::Index i = 0; i < n; ++i) {  // computed grows by what measured less computed falls by
             out[i] = -moved[static_cast<std::size_t>(i)].phase;
             out[n + i] = -moved[static_cast<std::size_t>(i)].code;
         }
         return out;
     };
     const Eigen::VectorXd step = Eigen::Vector3d::Constant(5.0);
-    return {{"ten kilometres", H, output, step, schuler::test::tolerance_of(H, 0.0, Eigen::VectorXd::Constant(2 * n, 2e-3), Eigen::VectorXd::Ones(3))}};
+    return {{"ten kilometres", H, output, step,
+             schuler::test::tolerance_of(H, 0.0, Eigen::VectorXd::Constant(2 * n, 2e-3), Eigen::VectorXd::Ones(3))}};
 }
 
 TEST(Differences, DoubleDifferencesOfNoiseFreeLogsAreWholeCycles) {
     Pair pair;
-    pair.settings.air.ionosphere.reset();   // the logs have none
+    pair.settings.air.ionosphere.reset();  // the logs have none
     pair.number();
     const BaseStation station = pair.station();
     for (const TrackedEpoch& e : pair.rover_epochs) {
         const auto d = single_differences(e, *station.at(e.tag), station, pair.plan, pair.rover, pair.settings, false);
         ASSERT_GE(d.size(), 20U);
         for (const Difference& x : d) {
-            const auto reference = std::ranges::find_if(d, [&](const Difference& r) { return r.id.system == x.id.system && r.band == x.band; });
+            const auto reference =
+                std::ranges::find_if(d, [&](const Difference& r) { return r.id.system == x.id.system && r.band == x.band; });
             const double cycles = (x.phase - reference->phase) / x.wavelength;
             EXPECT_NEAR(cycles, std::round(cycles), 0.02) << gnss::name_of(x.id) << x.band;
             EXPECT_NEAR(x.code - reference->code, 0.0, 0.01);
@@ -120,20 +122,23 @@ TEST(Differences, SignalsThatBothHave) {
         }
     }
     const BaseStation station = pair.station();
-    const auto d = single_differences(pair.rover_epochs[0], *station.at(pair.rover_epochs[0].tag), station, pair.plan, pair.rover, pair.settings, false);
-    for (const Difference& x : d) EXPECT_EQ(x.code_variance > 1.0 + 0.2, x.band == '2' || x.code_variance > 1.2) << gnss::name_of(x.id);
+    const auto d = single_differences(pair.rover_epochs[0], *station.at(pair.rover_epochs[0].tag), station, pair.plan, pair.rover,
+                                      pair.settings, false);
+    for (const Difference& x : d)
+        EXPECT_EQ(x.code_variance > 1.0 + 0.2, x.band == '2' || x.code_variance > 1.2) << gnss::name_of(x.id);
     EXPECT_TRUE(std::ranges::any_of(d, [](const Difference& x) { return x.band == '2'; }));
 }
 
 TEST(BaseStation, BetweenItsEpochsNothingIsLost) {
     Pair pair(90.0, 30.0);
-    pair.settings.air.ionosphere.reset();   // the logs have none
+    pair.settings.air.ionosphere.reset();  // the logs have none
     pair.number();
     const BaseStation station = pair.station();
     EXPECT_FALSE(station.at(start - Duration::from_seconds(31)));
     EXPECT_TRUE(station.at(start - Duration::from_seconds(29)));
     EXPECT_FALSE(station.at(start + Duration::from_seconds(121)));
-    const auto there = station.at(start + Duration::from_seconds(30.0)), between = station.at(start + Duration::from_seconds(41.0));
+    const auto there = station.at(start + Duration::from_seconds(30.0)),
+               between = station.at(start + Duration::from_seconds(41.0));
     ASSERT_TRUE(there && between);
     EXPECT_EQ(there->variance, 0.0);
     EXPECT_FALSE(there->repeated);
@@ -151,7 +156,9 @@ TEST(BaseStation, BetweenItsEpochsNothingIsLost) {
     const BaseStation exact_station = dense.station();
     const auto exact = exact_station.at(start + Duration::from_seconds(41.0));
     ASSERT_EQ(exact->satellites.size(), between->satellites.size());
-    const auto of = [](const BaseEpoch& e, std::size_t i) { return e.satellites[i].signals[0].code - e.satellites[0].signals[0].code; };
+    const auto of = [](const BaseEpoch& e, std::size_t i) {
+        return e.satellites[i].signals[0].code - e.satellites[0].signals[0].code;
+    };
     for (std::size_t i = 1; i < exact->satellites.size(); ++i) EXPECT_NEAR(of(*between, i), of(*exact, i), 1e-3);
     // a slip in between: its phase is not there until the next epoch
     for (TrackedEpoch& e : pair.base_epochs)
@@ -168,19 +175,21 @@ TEST(BaseStation, BetweenItsEpochsNothingIsLost) {
 }
 
 TEST(Arcs, EachWayInWhichACountBreaks) {
-    const auto arc = [](const Pair& p, std::size_t epoch, std::size_t satellite, std::size_t k) { return p.rover_epochs[epoch].satellites[satellite].signals[k].arc; };
+    const auto arc = [](const Pair& p, std::size_t epoch, std::size_t satellite, std::size_t k) {
+        return p.rover_epochs[epoch].satellites[satellite].signals[k].arc;
+    };
     Pair pair(8.0);
     pair.rover_epochs[3].satellites[1].signals[0].lost = true;
     for (std::size_t e = 4; e < 9; ++e) pair.rover_epochs[e].satellites[2].signals[0].half_cycle = true;
     for (std::size_t e = 5; e < 9; ++e) {
         for (std::size_t k = 0; k < 2; ++k) {
             TrackedSignal& s = pair.rover_epochs[e].satellites[3].signals[k];
-            s.phase += (k == 0 ? 77.0 : 60.0) * s.wavelength;   // the geometry-free combination of L1 and L2 is blind to this one
+            s.phase += (k == 0 ? 77.0 : 60.0) * s.wavelength;  // the geometry-free combination of L1 and L2 is blind to this one
         }
         TrackedSignal& half = pair.rover_epochs[e].satellites[4].signals[1];
         half.phase += 0.5 * half.wavelength;
     }
-    for (std::size_t e = 1; e < 9; ++e)   // a receiver's clock that steps by a millisecond, in the phases alone
+    for (std::size_t e = 1; e < 9; ++e)  // a receiver's clock that steps by a millisecond, in the phases alone
         for (TrackedSatellite& s : pair.rover_epochs[e].satellites)
             for (TrackedSignal& t : s.signals) t.phase += e >= 6 ? 1e-3 * gnss::speed_of_light : 0.0;
     const ArcCounts counts = pair.number();
@@ -195,8 +204,9 @@ TEST(Arcs, EachWayInWhichACountBreaks) {
     EXPECT_NE(arc(pair, 5, 4, 1), arc(pair, 4, 4, 1));
     EXPECT_TRUE(pair.rover_epochs[8].satellites[4].signals[1].jumped);
     EXPECT_FALSE(pair.rover_epochs[8].satellites[1].signals[0].jumped);
-    for (std::size_t e = 1; e < 9; ++e)   // the others, also through the clock's step
-        for (std::size_t s = 5; s < pair.rover_epochs[e].satellites.size(); ++s) EXPECT_EQ(arc(pair, e, s, 0), arc(pair, 0, s, 0));
+    for (std::size_t e = 1; e < 9; ++e)  // the others, also through the clock's step
+        for (std::size_t s = 5; s < pair.rover_epochs[e].satellites.size(); ++s)
+            EXPECT_EQ(arc(pair, e, s, 0), arc(pair, 0, s, 0));
 }
 
 TEST(Arcs, FewSatellitesHaveTheirCarriersAndTheirDopplers) {
@@ -210,7 +220,8 @@ TEST(Arcs, FewSatellitesHaveTheirCarriersAndTheirDopplers) {
     ArcCounts counts = pair.number();
     EXPECT_EQ(counts.geometry_free, 1U);
     EXPECT_EQ(counts.unexplained, 0U);
-    EXPECT_NE(epochs[5].satellites[1].signals[0].arc, epochs[4].satellites[1].signals[0].arc);   // which of the two slipped is not known
+    EXPECT_NE(epochs[5].satellites[1].signals[0].arc,
+              epochs[4].satellites[1].signals[0].arc);  // which of the two slipped is not known
     EXPECT_EQ(epochs[5].satellites[0].signals[0].arc, epochs[4].satellites[0].signals[0].arc);
     // one carrier: the Doppler
     for (std::size_t e = 0; e < 9; ++e)
@@ -247,9 +258,16 @@ struct Float {
         truth = Eigen::VectorXd::Zero(3 + n);
         for (Eigen::Index i = 0; i < n; ++i) {
             const double wavelength = i % 2 == 0 ? 0.19 : 0.24;
-            truth[3 + i] = wavelength * std::floor(1000.0 * random.uniform()) + (i % 2 == 0 ? 3.7 : -1.1);   // clocks: of the group
-            whole.push_back({{gnss::System::Gps, static_cast<std::uint8_t>(1 + i / 2)}, static_cast<int>(i % 2), 3 + i, wavelength, false,
-                             0.5 + 0.1 * static_cast<double>(i), 0.0, false});
+            truth[3 + i] =
+                wavelength * std::floor(1000.0 * random.uniform()) + (i % 2 == 0 ? 3.7 : -1.1);  // clocks: of the group
+            whole.push_back({{gnss::System::Gps, static_cast<std::uint8_t>(1 + i / 2)},
+                             static_cast<int>(i % 2),
+                             3 + i,
+                             wavelength,
+                             false,
+                             0.5 + 0.1 * static_cast<double>(i),
+                             0.0,
+                             false});
         }
         const Eigen::MatrixXd root = P.llt().matrixL();
         Eigen::VectorXd noise(3 + n);
@@ -270,7 +288,7 @@ TEST(Integers, TheConditionedPositionIsThatOfTheKnownIntegers) {
         Eigen::MatrixXd T = Eigen::MatrixXd::Zero(8, 13);
         for (Eigen::Index i = 0; i < 8; ++i) {
             T(i, 3 + i) = 1.0;
-            T(i, 11 + i % 2) = -1.0;   // the highest of each group are the last two
+            T(i, 11 + i % 2) = -1.0;  // the highest of each group are the last two
         }
         const Eigen::MatrixXd K = f.P * T.transpose() * (T * f.P * T.transpose()).inverse();
         const Eigen::VectorXd exact = f.x + K * (T * f.truth - T * f.x);

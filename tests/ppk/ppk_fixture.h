@@ -28,7 +28,8 @@ struct PairOfLogs {
         const auto path = io::test::data_folder() / folder;
         rover = io::read_rinex_observations(path / rover_file, warnings).log;
         base = io::read_rinex_observations(path / base_file, warnings).log;
-        for (const std::string& name : navigation_files) navigation.add(io::read_rinex_navigation(path / name, warnings).navigation);
+        for (const std::string& name : navigation_files)
+            navigation.add(io::read_rinex_navigation(path / name, warnings).navigation);
     }
 };
 
@@ -45,8 +46,8 @@ inline Settings settings_without_air() {
     return s;
 }
 
-inline Solution solved(const PairOfLogs& logs, const Settings& settings, const gnss::SinglePointSettings& single, WarningLog& warnings,
-                       std::optional<Ecef> base_position = {}) {
+inline Solution solved(const PairOfLogs& logs, const Settings& settings, const gnss::SinglePointSettings& single,
+                       WarningLog& warnings, std::optional<Ecef> base_position = {}) {
     const gnss::BroadcastSource source(logs.navigation);
     Input input;
     input.rover = &logs.rover;
@@ -62,14 +63,16 @@ inline Solution solved(const PairOfLogs& logs, const Settings& settings, const g
 
 /// Errors of a solution, north, east, down.
 struct Errors {
-    std::size_t epochs = 0, fixed = 0, wrong = 0;   ///< wrong: fixed and farther off than five centimetres
-    std::size_t outside = 0;   ///< beyond three sigma of the horizontal or the vertical
-    double first_fixed = 1e9;  ///< s
-    double fixed_until = -1;   ///< s after which no epoch is unfixed
+    std::size_t epochs = 0, fixed = 0, wrong = 0;  ///< wrong: fixed and farther off than five centimetres
+    std::size_t outside = 0;                       ///< beyond three sigma of the horizontal or the vertical
+    double first_fixed = 1e9;                      ///< s
+    double fixed_until = -1;                       ///< s after which no epoch is unfixed
     Eigen::Vector3d square = Eigen::Vector3d::Zero();
     double largest = 0;
 
-    [[nodiscard]] double horizontal() const { return std::sqrt((square[0] + square[1]) / static_cast<double>(std::max<std::size_t>(epochs, 1))); }
+    [[nodiscard]] double horizontal() const {
+        return std::sqrt((square[0] + square[1]) / static_cast<double>(std::max<std::size_t>(epochs, 1)));
+    }
     [[nodiscard]] double vertical() const { return std::sqrt(square[2] / static_cast<double>(std::max<std::size_t>(epochs, 1))); }
 };
 

@@ -32,7 +32,7 @@ public:
     [[nodiscard]] bool in_view(std::size_t, double) const override { return true; }
 
     double db = 45.0, silent_from = 1e9, silent_to = 1e9;
-    double swing = 5.0;   ///< m/s^2
+    double swing = 5.0;  ///< m/s^2
 
 private:
     std::size_t size_;
@@ -58,20 +58,20 @@ void guide(Bank& bank, const Steady& field, double range_error, double rate_erro
 /// Sums of the errors of measurements, and of their squares over the variances stated.
 struct Errors {
     double range = 0.0, range_nis = 0.0, n = 0.0;
-    double rate = 0.0, weight = 0.0, rate_nis = 0.0, rates = 0.0;   ///< rate: sum over the variances, weight: of their inverses
+    double rate = 0.0, weight = 0.0, rate_nis = 0.0, rates = 0.0;  ///< rate: sum over the variances, weight: of their inverses
 
     void add(const Steady& field, const Bank& bank, const std::vector<BankMeasurement>& measured) {
         for (const BankMeasurement& m : measured) {
             // at the moment when the receiver's clock shows now
             const double instant = bank.now() - bank.clock() / gnss::speed_of_light;
             const LineOfSight truth = field.motion(m.signal, instant);
-            const double by_phase = (truth.range - field.motion(m.signal, instant - m.rate_span).range) / m.rate_span;   // a mean
+            const double by_phase = (truth.range - field.motion(m.signal, instant - m.rate_span).range) / m.rate_span;  // a mean
             const double received = m.phase_variance > 0.0 ? by_phase : truth.rate;
             const double dp = m.range - truth.range - bank.clock(), dv = m.rate - received - drift_of(bank);
             range += dp;
             range_nis += dp * dp / m.range_variance;
             n += 1.0;
-            if (!std::isfinite(m.rate_variance)) continue;   // within a span
+            if (!std::isfinite(m.rate_variance)) continue;  // within a span
             rate += dv / m.rate_variance;
             weight += 1.0 / m.rate_variance;
             rate_nis += dv * dv / m.rate_variance;
@@ -96,7 +96,7 @@ TEST(Bank, AloneItLosesAndFindsAgainByItself) {
     Errors back;
     for (int k = 0; k < 90'000; ++k) {
         bank.step(Eigen::Vector3d::Zero());
-        if (k == 80'040) {   // a dwell takes 50 ms
+        if (k == 80'040) {  // a dwell takes 50 ms
             for (std::size_t i = 0; i < field.size(); ++i) EXPECT_EQ(bank.state(i), ChannelState::Searching);
         }
         if (k % 1000 != 999) continue;
@@ -129,17 +129,17 @@ TEST(Bank, GeneratorsTellTheErrorOfTheirCommand) {
     }
     const double n = errors.n;
     ASSERT_GT(n, 3000.0);
-    EXPECT_NEAR(errors.range / n, 0.0, 0.6);   // of 6 m; noise 16 m a symbol
+    EXPECT_NEAR(errors.range / n, 0.0, 0.6);  // of 6 m; noise 16 m a symbol
     EXPECT_NEAR(errors.range_nis / n, 1.0, 0.12);
-    EXPECT_NEAR(errors.rates, 4.0 * 18.0 / 0.2, 80.0);   // spans, and symbols by themselves while the phase is not followed
+    EXPECT_NEAR(errors.rates, 4.0 * 18.0 / 0.2, 80.0);  // spans, and symbols by themselves while the phase is not followed
     EXPECT_NEAR(errors.rate / errors.weight, 0.0, 4.0 / std::sqrt(errors.weight));
-    EXPECT_NEAR(errors.rate_nis / errors.rates, 1.0, 0.35);   // neighbouring spans share a phase: few are independent
+    EXPECT_NEAR(errors.rate_nis / errors.rates, 1.0, 0.35);  // neighbouring spans share a phase: few are independent
 }
 
 /// A navigation that knew nothing for a while commands again: the channel starts from what is known then.
 TEST(Bank, GeneratorsResumeFromWhatIsKnownThen) {
     Steady field(4);
-    field.db = 18.0;   // so weak that a symbol without it does not tell
+    field.db = 18.0;  // so weak that a symbol without it does not tell
     Bank bank(field, quiet_clock(Guidance::Generators), 9);
     std::vector<BankMeasurement> out;
     int measured = 0;
@@ -151,7 +151,8 @@ TEST(Bank, GeneratorsResumeFromWhatIsKnownThen) {
         bank.measure(out, 0.02);
         if (bank.now() < 39.0) continue;
         for (const BankMeasurement& m : out) {
-            EXPECT_LT(std::abs(m.range - field.motion(m.signal, bank.now()).range), 6.0 * std::sqrt(m.range_variance)) << bank.now();
+            EXPECT_LT(std::abs(m.range - field.motion(m.signal, bank.now()).range), 6.0 * std::sqrt(m.range_variance))
+                << bank.now();
             ++measured;
         }
     }
@@ -247,7 +248,7 @@ TEST(Bank, StatesWhatRatesShareOfTheClocksNoise) {
         }
         const char* which = guidance == Guidance::None ? "alone" : "aided";
         ASSERT_GT(epochs, 350.0) << which;
-        EXPECT_NEAR(own / freedom, 1.0, 0.12) << which;   // four sigma of the mean of so many squares 0.11
+        EXPECT_NEAR(own / freedom, 1.0, 0.12) << which;  // four sigma of the mean of so many squares 0.11
         EXPECT_NEAR(shared / epochs, 1.0, 0.3) << which;
     }
 }

@@ -23,7 +23,7 @@ auto simpson(F f, double from, double to, int halves) {
 }
 
 TEST(CorrelationPeak, IsTheTransformOfTheBandLimitedSpectrum) {
-    for (const double band : {1.0, 2.0, 4.0, 20.0}) {   // chip rates, two-sided
+    for (const double band : {1.0, 2.0, 4.0, 20.0}) {  // chip rates, two-sided
         const CorrelationPeak peak(1.023e6, band * 1.023e6);
         for (const double tau : {0.0, 0.013, -0.1, 0.5, 0.77, -1.0, 1.3, 1.97}) {
             const auto spectrum = [&](double f) {

@@ -15,7 +15,8 @@ namespace {
 struct Judged {
     double range_mean = 0.0, rate_mean = 0.0, range_nis = 0.0, rate_nis = 0.0, range_variance = 0.0, rate_variance = 0.0;
     int count = 0, coherent = 0;
-    double carrier_rate = 0.0, carrier_nis = 0.0, carrier_variance = 0.0;   ///< rates over fifty symbols from the phases at their ends
+    double carrier_rate = 0.0, carrier_nis = 0.0,
+           carrier_variance = 0.0;  ///< rates over fifty symbols from the phases at their ends
     int spans = 0;
 };
 
@@ -91,7 +92,7 @@ TEST(DeepChannel, NoncoherentResidualsAreUnbiasedAndAsNoisyAsTheySay) {
 
 TEST(DeepChannel, PhasesTellTheRateWhileTheyAreFollowed) {
     for (const double db : {25.0, 30.0, 40.0}) {
-        constexpr double off = 0.3;   // three times what the command is said to be off
+        constexpr double off = 0.3;  // three times what the command is said to be off
         const Judged coherent = judge(Prefilter::Coherent, db, 9.0, off, 6000),
                      noncoherent = judge(Prefilter::Noncoherent, db, 9.0, off, 6000);
         EXPECT_GT(coherent.coherent, coherent.count * 95 / 100) << db;
@@ -104,7 +105,7 @@ TEST(DeepChannel, PhasesTellTheRateWhileTheyAreFollowed) {
         EXPECT_NEAR(coherent.range_mean, 9.0, 1.2) << db;
         EXPECT_NEAR(coherent.range_nis, 1.0, 0.2) << db;
     }
-    for (const double rate_error : {4.75, 9.5}) {   // 25 and 50 Hz: the phase is not what it seems
+    for (const double rate_error : {4.75, 9.5}) {  // 25 and 50 Hz: the phase is not what it seems
         const Judged lost = judge(Prefilter::Coherent, 40.0, 0.0, rate_error, 1000);
         EXPECT_LT(lost.coherent, lost.count / 20) << rate_error;
     }

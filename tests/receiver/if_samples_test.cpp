@@ -41,7 +41,7 @@ TEST(CaCode, FirstTenChipsAsPublished) {
 
 TEST(IfSamples, CorrelatorsAreWhatTheModelSays) {
     // Mean and spread of 400 dumps of samples, at an offset in code and frequency, against the correlator model.
-    const IfFormat format{5e6, 0.3e6};   // no whole number of samples a chip: every place within a chip is met
+    const IfFormat format{5e6, 0.3e6};  // no whole number of samples a chip: every place within a chip is met
     const double cn0 = cn0_from_db(50.0);
     const IfSatellite satellite{7, {2.0e4 * 299.792458, 250.0, 0.0, 0.0}, cn0, 5};
     IfGenerator generator(format, {&satellite, 1}, 3);

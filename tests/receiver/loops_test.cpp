@@ -39,7 +39,7 @@ Spread run_pll(const Case& c, double jerk, int samples, bool noise) {
     math::Random random(11, "pll");
     CarrierLoop loop(c.bandwidth, 0.0, c.interval);
     const double cn0 = cn0_from_db(c.db_hz);
-    double phase = 0.0, command = 0.0, f = 0.0, rate = 0.0;   // cycles of replica minus signal; signal's frequency
+    double phase = 0.0, command = 0.0, f = 0.0, rate = 0.0;  // cycles of replica minus signal; signal's frequency
     const int every = static_cast<int>(std::ceil(1.0 / (c.bandwidth * c.interval)));
     Spread out;
     for (int i = 0; out.count < samples; ++i) {

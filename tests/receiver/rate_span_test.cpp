@@ -29,7 +29,7 @@ std::optional<RateSpan::Rate> add(RateSpan& span, int k, Status status, double n
 
 TEST(RateSpan, PhasesTellOnceASpan) {
     RateSpan span;
-    for (int k = 3; k <= 10; ++k) {   // before the first whole span each symbol speaks for itself
+    for (int k = 3; k <= 10; ++k) {  // before the first whole span each symbol speaks for itself
         const auto rate = add(span, k, Status::Coherent, 1.0);
         ASSERT_TRUE(rate);
         EXPECT_DOUBLE_EQ(rate->rate, 1.5);
@@ -40,11 +40,12 @@ TEST(RateSpan, PhasesTellOnceASpan) {
         for (int k = end - 9; k < end; ++k) EXPECT_FALSE(add(span, k, Status::Coherent, k % 2 == 0 ? 1.0 : -1.0)) << k;
         const auto rate = add(span, end, Status::Coherent);
         ASSERT_TRUE(rate);
-        EXPECT_NEAR(rate->rate, (generated(end) - generated(end - 10)) / 0.2 - 0.5, 1e-8);   // as received, whatever was commanded when
+        EXPECT_NEAR(rate->rate, (generated(end) - generated(end - 10)) / 0.2 - 0.5,
+                    1e-8);  // as received, whatever was commanded when
         EXPECT_NEAR(rate->variance, 2e-4 / 0.04, 1e-12);
         EXPECT_NEAR(rate->duration, 0.2, 1e-12);
         EXPECT_DOUBLE_EQ(rate->phase_variance, 1e-4);
-        EXPECT_EQ(rate->goes_on, end == 30);   // that of 10 was of symbols
+        EXPECT_EQ(rate->goes_on, end == 30);  // that of 10 was of symbols
     }
 }
 
@@ -66,7 +67,7 @@ TEST(RateSpan, ALostPhaseLeavesWhatTheSymbolsSaid) {
 TEST(RateSpan, APhaseThatSlipsIsNotBelieved) {
     RateSpan span;
     (void)add(span, 10, Status::Coherent);
-    for (int k = 11; k < 20; ++k) (void)add(span, k, Status::Coherent, 4.0);   // ten symbols are good to 0.63 m/s
+    for (int k = 11; k < 20; ++k) (void)add(span, k, Status::Coherent, 4.0);  // ten symbols are good to 0.63 m/s
     const auto rate = add(span, 20, Status::Coherent, 4.0);
     ASSERT_TRUE(rate);
     EXPECT_DOUBLE_EQ(rate->rate, 4.5);

@@ -11,7 +11,7 @@
 namespace schuler::receiver {
 namespace {
 
-constexpr double rate = 4.0034e6;      // 4003.4 samples a period; 4003 is prime
+constexpr double rate = 4.0034e6;  // 4003.4 samples a period; 4003 is prime
 constexpr double noise_std = 20.0;
 constexpr int prn = 14;
 
@@ -99,7 +99,7 @@ TEST(SampleReceiver, SearchesAgainAndNoticesALoss) {
     std::vector<IfSample> stream, made(format.samples_per_period());
     const std::size_t piece = receiver.piece() + 333;
     for (int ms = 0; ms < 13'000; ++ms) {
-        (ms < 3200 ? first : second).generate(made);   // the second one's time begins with it
+        (ms < 3200 ? first : second).generate(made);  // the second one's time begins with it
         stream.insert(stream.end(), made.begin(), made.end());
         if (stream.size() >= piece) {
             receiver.process(std::span(stream).first(piece), nullptr);

@@ -29,10 +29,10 @@ struct Scene {
     math::Random random;
     LineOfSight truth{2.2e7, -420.0, 0.0, 0.0};
     std::function<double(double)> cn0_db = [](double) { return 45.0; };
-    std::function<double(double)> acceleration = [](double) { return 0.0; };   ///< m/s^2 at a time
+    std::function<double(double)> acceleration = [](double) { return 0.0; };  ///< m/s^2 at a time
     bool aided = false;
-    double aid_error = 0.0;   ///< m/s
-    long period = 0;          ///< code periods since a symbol began
+    double aid_error = 0.0;  ///< m/s
+    long period = 0;         ///< code periods since a symbol began
     int sign = 1;
 
     [[nodiscard]] int symbol() const { return static_cast<int>(std::lround(signal.symbol_duration / signal.code_period())); }
@@ -64,7 +64,7 @@ TEST(Tracker, PullsInFindsTheSymbolsAndLocks) {
         Replica start = s.aligned();
         start.code_phase += 0.24;
         start.carrier_frequency += 180.0;
-        s.period = 7;   // the first dump is the eighth of its symbol
+        s.period = 7;  // the first dump is the eighth of its symbol
         s.tracker.start(start);
         s.run(5.0);
         EXPECT_EQ(s.tracker.state(), TrackState::Phase) << seed;
@@ -107,7 +107,7 @@ TEST(Tracker, AnAccelerationBreaksTheLoopAloneAndNotTheAidedOne) {
     for (const bool aided : {false, true}) {
         Scene s(narrow);
         s.aided = aided;
-        s.aid_error = 0.3;   // what clock and navigation leave, constant
+        s.aid_error = 0.3;  // what clock and navigation leave, constant
         s.cn0_db = [](double) { return 38.0; };
         s.tracker.start(s.aligned(), 0);
         s.run(4.0);
@@ -224,7 +224,7 @@ TEST(Search, ColdWarmAndInertialStarts) {
     deep.noncoherent = 10;
     const double t_inertial = start_time(inertial, deep, {0.2, 0.0, 0.0, 2.0}, true, 40.0, true, 60.0);
     EXPECT_GT(t_cold, t_hot + 0.2);
-    EXPECT_GT(t_hot, 1.5);   // pulling in and listening for symbols
+    EXPECT_GT(t_hot, 1.5);  // pulling in and listening for symbols
     EXPECT_GT(t_inertial, 0.0);
     EXPECT_LT(t_inertial, 1.3);
     // A strong signal is found in its own bin and not in one beside it.

@@ -1,8 +1,8 @@
+#include "schuler/solution/bundle.h"
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
 #include "schuler/report/summary.h"
-#include "schuler/solution/bundle.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

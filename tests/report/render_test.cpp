@@ -72,8 +72,12 @@ TEST(ReportPage, TheReaderOfThisTestSeesBrokenPages) {
 }
 
 TEST(ReportPage, IsWellFormedSelfContainedAndNavigable) {
-    ReportInput input{.title = "Run", .subtitle = "of today", .cards = {{"Errors", "3 m", "note"}}, .warnings = {"w1", "w2"},
-                      .settings = "a = 1\n", .version = "1.2.3"};
+    ReportInput input{.title = "Run",
+                      .subtitle = "of today",
+                      .cards = {{"Errors", "3 m", "note"}},
+                      .warnings = {"w1", "w2"},
+                      .settings = "a = 1\n",
+                      .version = "1.2.3"};
     for (const char* title : {"Same", "Same", "Größe & <more>"}) {
         input.sections.push_back(
             {title, "Intro.", {{"Group", {wave(5000), wave(3)}, {{"Table", {"a", "b"}, {{"x", "1.5"}, {"y"}}}}}}});
@@ -109,9 +113,13 @@ TEST(ReportPage, TextFromOutsideStaysText) {
     const std::string evil = "\"><script>alert(1)</script>&'<!--]]>";
     Panel panel = wave(10);
     panel.title = panel.x_label = panel.y_label = panel.series[0].name = panel.bands[0].name = panel.spans[0].label = evil;
-    ReportInput input{.title = evil, .subtitle = evil, .cards = {{evil, evil, evil}},
+    ReportInput input{.title = evil,
+                      .subtitle = evil,
+                      .cards = {{evil, evil, evil}},
                       .sections = {{evil, evil, {{evil, {panel}, {{evil, {evil, evil}, {{evil, evil}}}}}}}},
-                      .warnings = {evil}, .settings = evil, .version = evil};
+                      .warnings = {evil},
+                      .settings = evil,
+                      .version = evil};
     const std::string html = render(input);
     const Page page = page_reader::read(html);
     EXPECT_EQ(page.problem, "");

@@ -13,16 +13,21 @@ namespace {
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 ResultTable table() {
-    return {"flight",
-            {{"horizontal_m", "horiz., m"}, {"share", "share"}},
-            {{.name = "b loose", .group = "4 satellites", .labels = {{"scheme", "loose"}, {"satellites", "4"}}, .numbers = {1.23456789012, none}},
-             {.name = "c tight", .group = "4 satellites", .labels = {{"scheme", "tight"}, {"satellites", "4"}}, .numbers = {2e-4}}}};
+    return {
+        "flight",
+        {{"horizontal_m", "horiz., m"}, {"share", "share"}},
+        {{.name = "b loose",
+          .group = "4 satellites",
+          .labels = {{"scheme", "loose"}, {"satellites", "4"}},
+          .numbers = {1.23456789012, none}},
+         {.name = "c tight", .group = "4 satellites", .labels = {{"scheme", "tight"}, {"satellites", "4"}}, .numbers = {2e-4}}}};
 }
 
 TEST(ResultTable, IsAlignedForPeopleUnderItsGroups) {
-    EXPECT_EQ(table_text(table()), "flight                                  horiz., m        share\n4 satellites\n"
-                                   "  b loose                                   1.235            -\n"
-                                   "  c tight                                2.00e-04            -\n");
+    EXPECT_EQ(table_text(table()),
+              "flight                                  horiz., m        share\n4 satellites\n"
+              "  b loose                                   1.235            -\n"
+              "  c tight                                2.00e-04            -\n");
 }
 
 TEST(ResultTable, HasLabelsAndKeysInCsvAndNothingWhereThereIsNoNumber) {

@@ -1,7 +1,7 @@
 // What a run's report shows of given results.
+#include "schuler/report/run_report.h"
 #include "page_reader.h"
 #include "schuler/core/units.h"
-#include "schuler/report/run_report.h"
 
 #include <gtest/gtest.h>
 

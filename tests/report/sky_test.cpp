@@ -1,6 +1,6 @@
 // Azimuth, elevation and fate of ranges, for places where they are plain.
-#include "schuler/core/units.h"
 #include "schuler/report/sky.h"
+#include "schuler/core/units.h"
 #include "schuler/solution/bundle.h"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // Sensor axes: what a data set may write, and what it is told when it is wrong.
-#include "schuler/core/error.h"
 #include "schuler/sensor/axes.h"
+#include "schuler/core/error.h"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include <string>
 #include <vector>

@@ -14,10 +14,10 @@ namespace {
 // Honeywell's figures in paper A, tables 1.4.2 and 1.4.3, converted by hand.
 TEST(Grades, Hg9900IsItsDataSheetInSi) {
     const ImuErrorModel m = imu_grade("HG-9900");
-    EXPECT_NEAR(m.gyro_initial_bias(), 1.454441e-8, 1e-14);      // 0.003 deg/h
-    EXPECT_NEAR(m.gyro_noise, 5.817764e-7, 1e-13);               // 0.002 deg/sqrt(h)
+    EXPECT_NEAR(m.gyro_initial_bias(), 1.454441e-8, 1e-14);  // 0.003 deg/h
+    EXPECT_NEAR(m.gyro_noise, 5.817764e-7, 1e-13);           // 0.002 deg/sqrt(h)
     EXPECT_DOUBLE_EQ(m.gyro_scale, 5e-6);
-    EXPECT_NEAR(m.accel_initial_bias(), 2.4516625e-4, 1e-12);    // 25 ug
+    EXPECT_NEAR(m.accel_initial_bias(), 2.4516625e-4, 1e-12);  // 25 ug
     EXPECT_DOUBLE_EQ(m.accel_scale, 1e-4);
     EXPECT_NEAR(m.gyro_misalignment, 5.0 / 206264.806, 1e-12);
 }
@@ -54,7 +54,7 @@ TEST(Grades, UnknownNameListsTheKnownOnes) {
         EXPECT_EQ(error.kind(), ErrorKind::Input);
         EXPECT_NE(std::string(error.what()).find("hg1700"), std::string::npos);
         for (const std::string_view name : imu_grade_names()) {
-            EXPECT_NE(error.mend().find(name), std::string::npos) << name;
+            EXPECT_NE(error.hint().find(name), std::string::npos) << name;
         }
     }
 }

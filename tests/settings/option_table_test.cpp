@@ -59,7 +59,7 @@ TEST(OptionTable, EveryMisspeltKeyIsRejectedWithTheRightSuggestion) {
             if (offered == key || bad == swapped) {
                 EXPECT_EQ(offered, key) << message;
             } else {
-                const auto [there, here] = std::ranges::mismatch(offered, bad);   // one letter lacks or is another
+                const auto [there, here] = std::ranges::mismatch(offered, bad);  // one letter lacks or is another
                 const std::string rest(there + 1, offered.end());
                 EXPECT_TRUE(rest == std::string(here, bad.end()) || rest == std::string(here + 1, bad.end())) << message;
             }

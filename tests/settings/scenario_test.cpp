@@ -1,8 +1,8 @@
+#include "schuler/settings/scenario/scenario.h"
 #include "schuler/core/units.h"
 #include "schuler/scenario/simulated_dataset.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
-#include "schuler/settings/scenario/scenario.h"
 #include "schuler/settings/toml_file.h"
 #include "schuler/solution/loaded_dataset.h"
 #include "support/temporary_folder.h"
@@ -50,7 +50,8 @@ TEST(Scenario, FilesCarryEveryBitThatTheRunUses) {
     EXPECT_EQ(dataset.name, "small");
     WarningLog warnings;
     const solution::LoadedDataset read = solution::load_dataset(dataset, config_from(dataset.settings), warnings);
-    const solution::LoadedDataset held = solution::settled_dataset(simulated.recording, config_from(simulated.settings), warnings);
+    const solution::LoadedDataset held =
+        solution::settled_dataset(simulated.recording, config_from(simulated.settings), warnings);
     const Recording &a = read.recording, &b = held.recording;
     ASSERT_EQ(a.imu.size(), 1000u);
     ASSERT_EQ(a.imu.size(), b.imu.size());
@@ -127,7 +128,8 @@ TEST(Scenario, ErrorsNamePlaceAndMend) {
          {"s.toml:2", "below the ground", "trajectory.ground_height_m"}},
         {"[trajectory]\ntype = \"waypoints\"\nwaypoints = [ { north_m = 100 }, { north_m = 0 } ]\n",
          {"s.toml:3", "trajectory.waypoints[0]", "sharper than 160"}},
-        {"[trajectory]\ntype = \"takeoff\"\nspeed_m_s = 5\n", {"s.toml:3", "trajectory.speed_m_s", "not the speed of an aircraft"}},
+        {"[trajectory]\ntype = \"takeoff\"\nspeed_m_s = 5\n",
+         {"s.toml:3", "trajectory.speed_m_s", "not the speed of an aircraft"}},
         {"[trajectory]\ntype = \"table\"\n", {"trajectory.moves", "no moves"}},
         {"[trajectory]\ntype = \"survey\"\nsurvey = { lines = 0 }\n", {"s.toml:3", "trajectory.survey.lines", "out of range"}},
         {"[trajectory]\ntype = \"survey\"\ndrape = { clearance_m = 100, file = \"none.csv\" }\n", {"none.csv"}},
@@ -157,18 +159,20 @@ TEST(Scenario, ErrorsNamePlaceAndMend) {
 // A trajectory that was flown, written, and flown again stays near itself; the file may lie beside the scenario.
 TEST(Scenario, RecordedTrajectoryIsFlownAgain) {
     const TemporaryFolder folder("flown");
-    scenario::write_dataset(scenario::simulate_dataset(parse("name = \"first\"\nduration_s = 120\n[trajectory]\ntype = \"figure8\"\nstart = { lat_deg = 50, "
-                                         "lon_deg = 30, height_m = 500 }\nfigure_s = 60\n[imu]\nrate_hz = 10\n")),
-                  folder.path());
+    scenario::write_dataset(scenario::simulate_dataset(parse(
+                                "name = \"first\"\nduration_s = 120\n[trajectory]\ntype = \"figure8\"\nstart = { lat_deg = 50, "
+                                "lon_deg = 30, height_m = 500 }\nfigure_s = 60\n[imu]\nrate_hz = 10\n")),
+                            folder.path());
     const std::string again = "duration_s = 119\n[trajectory]\ntype = \"file\"\nsmoothing_s = 0.25\nfile = \"" +
                               (folder.path() / "reference.csv").string() + "\"\n[imu]\nrate_hz = 10\n";
     const scenario::SimulatedDataset flown = scenario::simulate_dataset(parse(again));
-    const scenario::SimulatedDataset first = scenario::simulate_dataset(parse("duration_s = 120\n[trajectory]\ntype = \"figure8\"\nstart = { lat_deg = 50, lon_deg "
-                                                          "= 30, height_m = 500 }\nfigure_s = 60\n[imu]\nrate_hz = 10\n"));
+    const scenario::SimulatedDataset first =
+        scenario::simulate_dataset(parse("duration_s = 120\n[trajectory]\ntype = \"figure8\"\nstart = { lat_deg = 50, lon_deg "
+                                         "= 30, height_m = 500 }\nfigure_s = 60\n[imu]\nrate_hz = 10\n"));
     for (std::size_t k = 50; k < 1100; k += 100) {
         const Eigen::Vector3d apart =
             earth::ned_difference(earth::Earth{}, flown.recording.reference[k].position, first.recording.reference[k].position);
-        EXPECT_LT(apart.norm(), 0.33) << k;   // a window of s cuts a bend of 10 m/s^2 by a s^2 / 2 = 0.31 m
+        EXPECT_LT(apart.norm(), 0.33) << k;  // a window of s cuts a bend of 10 m/s^2 by a s^2 / 2 = 0.31 m
         EXPECT_LT(std::abs(flown.recording.reference[k].rpy.x() - first.recording.reference[k].rpy.x()), 0.02);
     }
     EXPECT_NE(message_of("duration_s = 500\n" + again.substr(again.find('\n') + 1)).find("lasts 120.0 s"), std::string::npos);
@@ -177,14 +181,16 @@ TEST(Scenario, RecordedTrajectoryIsFlownAgain) {
 // The barometer's log has pressures; its reader makes heights of them. The filter finds what the day's air adds.
 TEST(Scenario, PressuresAndMagnetometerPassTheirReaders) {
     const scenario::SimulatedDataset simulated = scenario::simulate_dataset(
-        parse("name = \"air\"\nduration_s = 20\n[trajectory]\ntype = \"static\"\nstart = { height_m = 300 }\n[imu]\nrate_hz = 10\n[baro]\nrate_hz = "
+        parse("name = \"air\"\nduration_s = 20\n[trajectory]\ntype = \"static\"\nstart = { height_m = 300 }\n[imu]\nrate_hz = "
+              "10\n[baro]\nrate_hz = "
               "1\npressure = true\nsea_level_pressure_pa = 100000\n[mag]\nrate_hz = 2\nwhite_ut = 0.1\nhard_iron_ut = 1\n"));
     const TemporaryFolder folder("air");
     scenario::write_dataset(simulated, folder.path());
     const Dataset dataset = open_dataset(folder.path());
     WarningLog warnings;
     const solution::LoadedDataset read = solution::load_dataset(dataset, config_from(dataset.settings), warnings);
-    const solution::LoadedDataset held = solution::settled_dataset(simulated.recording, config_from(simulated.settings), warnings);
+    const solution::LoadedDataset held =
+        solution::settled_dataset(simulated.recording, config_from(simulated.settings), warnings);
     ASSERT_EQ(read.recording.baro.size(), 21u);
     ASSERT_EQ(read.recording.mag.size(), 41u);
     for (std::size_t k = 0; k < 21; ++k) ASSERT_EQ(read.recording.baro[k].height, held.recording.baro[k].height);
@@ -194,10 +200,10 @@ TEST(Scenario, PressuresAndMagnetometerPassTheirReaders) {
 }
 
 TEST(Scenario, InstrumentsOfASurveyPassTheirReaders) {
-    const scenario::SimulatedDataset simulated =
-        scenario::simulate_dataset(parse("name = \"ship\"\nduration_s = 20\n[trajectory]\ntype = \"ship\"\nstart = { height_m = 3 }\n[imu]\nrate_hz = 10\n"
-                               "[gauges]\nrate_hz = 2\nlever_arms_m = [[0, 0, 1], [30, 0, 2]]\nbias_m = 0.7\n[log]\nrate_hz = 1\n"
-                               "scale_factor_ppm = 4000\nmisalignment_deg = 0.5\nlever_arm_m = [3, 0, 2]\n[compass]\nrate_hz = 5\nbias_deg = 2\n"));
+    const scenario::SimulatedDataset simulated = scenario::simulate_dataset(parse(
+        "name = \"ship\"\nduration_s = 20\n[trajectory]\ntype = \"ship\"\nstart = { height_m = 3 }\n[imu]\nrate_hz = 10\n"
+        "[gauges]\nrate_hz = 2\nlever_arms_m = [[0, 0, 1], [30, 0, 2]]\nbias_m = 0.7\n[log]\nrate_hz = 1\n"
+        "scale_factor_ppm = 4000\nmisalignment_deg = 0.5\nlever_arm_m = [3, 0, 2]\n[compass]\nrate_hz = 5\nbias_deg = 2\n"));
     const TemporaryFolder folder("survey_instruments");
     scenario::write_dataset(simulated, folder.path());
     const Dataset dataset = open_dataset(folder.path());

@@ -18,8 +18,12 @@ std::string repeated(const std::string& part, int times) {
 
 // Parsers of TOML recurse along dotted keys, arrays and inline tables.
 TEST(TomlFile, DeepTextIsRefusedWithItsLine) {
-    const std::string text[] = {"\n" + repeated("a.", 10'000) + "a=1", "\n[" + repeated("a.", 10'000) + "a]\n", "\n[[" + repeated("a . ", 10'000) + "a]]\n",
-                                "\nx." + repeated("a\t.", 10'000) + "a = 1\n", "\nx = " + repeated("[", 10'000), "\nx = " + repeated("{a=", 10'000)};
+    const std::string text[] = {"\n" + repeated("a.", 10'000) + "a=1",
+                                "\n[" + repeated("a.", 10'000) + "a]\n",
+                                "\n[[" + repeated("a . ", 10'000) + "a]]\n",
+                                "\nx." + repeated("a\t.", 10'000) + "a = 1\n",
+                                "\nx = " + repeated("[", 10'000),
+                                "\nx = " + repeated("{a=", 10'000)};
     for (const std::string& t : text) {
         try {
             (void)parse_toml(t, "deep.toml");
@@ -35,8 +39,8 @@ TEST(TomlFile, DeepTextIsRefusedWithItsLine) {
 // Dots elsewhere are no parts of keys.
 TEST(TomlFile, DotsInTextAndCommentsAreTaken) {
     const std::string dots(100, '.');
-    const ValueTable t = parse_toml("# " + dots + "\na = \"" + dots + "\"\nb = '" + dots + "'\nc = \"\"\"\n\\\"" + dots + "\"\"\"\nd = [" + repeated("1.5, ", 100) +
-                                        "1.5]\n\"" + dots + "\" = 1\n",
+    const ValueTable t = parse_toml("# " + dots + "\na = \"" + dots + "\"\nb = '" + dots + "'\nc = \"\"\"\n\\\"" + dots +
+                                        "\"\"\"\nd = [" + repeated("1.5, ", 100) + "1.5]\n\"" + dots + "\" = 1\n",
                                     "dots.toml");
     ASSERT_EQ(t.size(), 5u);
     EXPECT_EQ(*t[0].second.text(), dots);

@@ -17,8 +17,10 @@ using Kind = AnomalyPart::Kind;
 
 TEST(Anomaly, ShapesAlongDistanceAndTime) {
     const Vector3d size(1e-5, -2e-5, 1e-4);
+    // clang-format off
     const AnomalyTrack track({{Kind::Constant, size}, {Kind::Step, size, 100.0, 1.0, true}, {Kind::Ramp, size, 50.0, 200.0},
                               {Kind::Harmonic, size, 10.0, 400.0}},
+                             // clang-format on
                              1000.0, 200.0, 1);
     EXPECT_LT((track.at(10.0, 99.0) - size).norm(), 1e-18);
     EXPECT_LT((track.at(110.0, 100.0) - (1.0 + 1.0 + 0.3 + 1.0) * size).norm(), 1e-18);
@@ -35,7 +37,8 @@ TEST(Anomaly, RandomPartsHaveTheirCorrelation) {
             for (double s = 0.0; s + lag < 4e5; s += 25.0, ++count) sum += track.at(s, 0.0).cwiseProduct(track.at(s + lag, 0.0));
             const double x = lag / length, expected = std::exp(-x) * (kind == Kind::GaussMarkov1 ? 1.0 : 1.0 + x);
             const Vector3d found = (sum / count).cwiseQuotient(Vector3d(1.0, 4.0, 9.0));
-            for (int i = 0; i < 3; ++i) EXPECT_NEAR(found(i), expected, 0.11) << "lag " << lag;   // 4000 lengths: sigma 0.02 to 0.03
+            for (int i = 0; i < 3; ++i)
+                EXPECT_NEAR(found(i), expected, 0.11) << "lag " << lag;  // 4000 lengths: sigma 0.02 to 0.03
         }
     }
 }

@@ -74,9 +74,7 @@ TEST(Closure, HourOnAGreatCircle) {
 }
 
 // The bounds asked for dynamic paths are 0.1 m and 3 m; these guard what is reached (4e-5 m and 9e-4 m; 3 mm and 1 mm).
-TEST(Closure, HourOfPaperAFlight) {
-    expect_within(close_loop(PaperAPath{}, 100.0, 3600.0, {}), 1e-3, 0.02, 1e-7 * deg);
-}
+TEST(Closure, HourOfPaperAFlight) { expect_within(close_loop(PaperAPath{}, 100.0, 3600.0, {}), 1e-3, 0.02, 1e-7 * deg); }
 
 TEST(Closure, HourOfTownDrive) {
     const RoutePath drive = town_route({50.4 * deg, 30.5 * deg, 150.0}, 3500.0, 11);

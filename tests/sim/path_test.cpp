@@ -145,7 +145,9 @@ TEST(RoutePathDrive, KeepsItsPromises) {
         ASSERT_NEAR(v_b.y(), 0.0, 1e-9) << "t = " << t;
         ASSERT_NEAR(v_b.z(), 0.0, 1e-9) << "t = " << t;
         ASSERT_GE(v_b.x(), 0.0) << "t = " << t;
-        if (t <= route.standstill) { ASSERT_EQ(speed, 0.0) << "t = " << t; }
+        if (t <= route.standstill) {
+            ASSERT_EQ(speed, 0.0) << "t = " << t;
+        }
     }
     for (std::size_t i = 0; i + 1 < route.waypoints.size(); ++i) EXPECT_LT(closest[i], 8.0) << "waypoint " << i;
     EXPECT_LT(closest.back(), 2.5);
@@ -186,12 +188,12 @@ TEST(FlightPhases, DoWhatTheirNamesSay) {
     double turned = 0.0, bank = 0.0;
     for (double t = 0.0; t < 600.0; t += 0.5) {
         const Kinematics k = holding->at(t);
-        ASSERT_NEAR(k.v_eb_n.norm(), 120.0, 0.5) << t;   // a chart of 20 km is true to 0.3 %
+        ASSERT_NEAR(k.v_eb_n.norm(), 120.0, 0.5) << t;  // a chart of 20 km is true to 0.3 %
         ASSERT_NEAR(k.position.h, 300.0, 1e-6);
         turned += 0.5 * k.rpy_rate.z();
         bank = std::max(bank, k.rpy.x());
     }
-    EXPECT_GT(turned, 3.5 * std::numbers::pi);   // right turns, four minutes a racetrack
+    EXPECT_GT(turned, 3.5 * std::numbers::pi);  // right turns, four minutes a racetrack
     EXPECT_NEAR(std::tan(bank), 120.0 * 3.0 * deg / 9.81, 0.15);
 
     phase.start.h = 1200.0;
@@ -210,7 +212,7 @@ TEST(TablePathMoves, TurnsByWhatIsAskedAtAConstantRate) {
     TablePath table{{48.0 * deg, 11.0 * deg, 500.0}, {0.1, -0.2, 1.0}, {{{0.0, 0.0, 1.8}, 10.0, 5.0}}, 2.0};
     const auto path = make_path(table, earth::wgs84);
     EXPECT_EQ(path->at(1.9).rpy, table.rpy);
-    EXPECT_NEAR(path->at(7.0).rpy_rate.z(), 1.8 / 9.0, 1e-14);   // a second each to speed up and slow down
+    EXPECT_NEAR(path->at(7.0).rpy_rate.z(), 1.8 / 9.0, 1e-14);  // a second each to speed up and slow down
     EXPECT_NEAR(path->at(7.0).rpy.z(), 1.0 + 0.9, 1e-14);
     EXPECT_NEAR(path->at(13.0).rpy.z(), 2.8, 1e-14);
     EXPECT_EQ(path->at(13.0).rpy_rate.norm(), 0.0);
@@ -223,7 +225,7 @@ TEST(RecordedFlight, StaysNearItsPointsAndFindsAnAttitude) {
     const auto path = make_path(recorded, earth::wgs84);
     for (std::size_t k = 20; k + 20 < recorded.points.size(); k += 7) {
         const RecordedPoint& p = recorded.points[k];
-        EXPECT_LT((testing::ecef(path->at(p.time).position) - testing::ecef(p.position)).norm(), 0.5);   // 1/4 a h^2
+        EXPECT_LT((testing::ecef(path->at(p.time).position) - testing::ecef(p.position)).norm(), 0.5);  // 1/4 a h^2
         const Kinematics kin = path->at(p.time);
         const Vector3d along = testing::body_axes(kin.rpy).transpose() * kin.v_eb_n;
         EXPECT_LT(along.tail<2>().norm(), 0.01 * along.x());
@@ -265,7 +267,8 @@ TEST(Paths, UnusableSettingsAreNamed) {
     EXPECT_EQ(key_of(RoutePath{}), "trajectory.waypoints");
     EXPECT_EQ(key_of(GreatCirclePath{{50.0 * deg, 0.0, 0.0}, 0.0, 100.0}), "trajectory.heading_deg");
     EXPECT_EQ(key_of(StaticPath{{90.0 * deg, 0.0, 0.0}, Vector3d::Zero()}), "trajectory.start.lat_deg");
-    TablePath table{{48.0 * deg, 11.0 * deg, 500.0}, Vector3d::Zero(), {{{0.0, 1.0, 0.0}, 10.0, 0.0}, {{0.0, 0.6, 0.0}, 10.0, 0.0}}, 0.0};
+    TablePath table{
+        {48.0 * deg, 11.0 * deg, 500.0}, Vector3d::Zero(), {{{0.0, 1.0, 0.0}, 10.0, 0.0}, {{0.0, 0.6, 0.0}, 10.0, 0.0}}, 0.0};
     EXPECT_EQ(key_of(table), "trajectory.moves[1]");
     RecordedPath recorded{{{0.0, {0.9, 1.0, 0.0}, {}}, {20.0, {0.9, 1.0, 0.0}, {}}, {15.0, {0.9, 1.0, 0.0}, {}}}, 1.0, 0.1};
     EXPECT_EQ(key_of(recorded), "trajectory.file");
@@ -273,7 +276,7 @@ TEST(Paths, UnusableSettingsAreNamed) {
     ship.heave.period = 0.0;
     EXPECT_EQ(key_of(ship), "trajectory.waves");
     RoutePath flying = testing::example_route();
-    flying.start_speed = 10.0;   // with its standstill
+    flying.start_speed = 10.0;  // with its standstill
     EXPECT_EQ(key_of(flying), "trajectory.start_speed_m_s");
     PaperAPath flight;
     flight.lon.period = 0.0;

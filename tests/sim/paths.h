@@ -20,16 +20,18 @@ inline RoutePath example_route() {
     RoutePath route;
     route.start = {47.0 * deg, 8.5 * deg, 430.0};
     route.standstill = 20.0;
+    // clang-format off
     route.waypoints = {{200.0, 0.0, 2.0, 14.0, 0.0},      {220.0, 300.0, 10.0, 16.0, 12.0}, {-100.0, 320.0, 8.0, 13.0, 0.0},
                        {-300.0, 320.0, -4.0, 13.0, 20.0}, {-260.0, -100.0, 0.0, 15.0, 0.0}, {0.0, -60.0, 0.0, 12.0, 0.0}};
+    // clang-format on
     return route;
 }
 
 struct NamedPath {
     std::string name;
     PathSettings settings;
-    double step;        ///< of the numerical derivatives, s
-    double tolerance;   ///< of accelerations, m/s^2: the rounding of positions is 2e-9 m over step^2, and truncation
+    double step;       ///< of the numerical derivatives, s
+    double tolerance;  ///< of accelerations, m/s^2: the rounding of positions is 2e-9 m over step^2, and truncation
 };
 
 inline std::vector<NamedPath> all_paths() {
@@ -43,13 +45,18 @@ inline std::vector<NamedPath> all_paths() {
     aircraft.roll_per_lateral_accel = 0.102;
     aircraft.waypoints = {{9000.0, 0.0, 300.0, 90.0, 0.0}, {9000.0, 8000.0, 0.0, 80.0, 0.0}, {0.0, 12000.0, 500.0, 90.0, 0.0}};
     FigureEightPath eight{{-12.0 * deg, 77.0 * deg, 400.0}, 0.7, 1800.0, 900.0, 60.0, 90.0, 0.102};
-    ShipPath ship{{54.0 * deg, -20.0 * deg, 12.0}, 2.2, 7.0, {0.1, 9.0, 0.1}, {0.04, 6.5, 1.0}, {0.02, 17.0, 2.0}, {1.5, 7.0, 0.5}};
+    ShipPath ship{
+        {54.0 * deg, -20.0 * deg, 12.0}, 2.2, 7.0, {0.1, 9.0, 0.1}, {0.04, 6.5, 1.0}, {0.02, 17.0, 2.0}, {1.5, 7.0, 0.5}};
     TablePath table{{48.0 * deg, 11.0 * deg, 500.0}, {0.1, -0.2, 1.0}, {}, 10.0};
-    table.moves = {{{0.0, 0.0, 2.0}, 15.0, 5.0}, {{0.5, 0.3, -1.0}, 40.0, 10.0}, {{-2.0, 0.0, 0.0}, 90.0, 10.0}, {{0.0, 0.9, 6.0}, 200.0, 0.0}};
-    RecordedPath recorded;   // an aircraft that climbs and weaves, as a receiver would have logged it
+    table.moves = {{{0.0, 0.0, 2.0}, 15.0, 5.0},
+                   {{0.5, 0.3, -1.0}, 40.0, 10.0},
+                   {{-2.0, 0.0, 0.0}, 90.0, 10.0},
+                   {{0.0, 0.9, 6.0}, 200.0, 0.0}};
+    RecordedPath recorded;  // an aircraft that climbs and weaves, as a receiver would have logged it
     for (int k = 0; k <= 400; ++k) {
         const double t = k;
-        recorded.points.push_back({t, {0.9 + 2e-5 * t, 1.0 + 3e-4 * std::sin(t / 60.0), 2000.0 + 2.0 * t}, Eigen::Vector3d::Constant(not_given)});
+        recorded.points.push_back(
+            {t, {0.9 + 2e-5 * t, 1.0 + 3e-4 * std::sin(t / 60.0), 2000.0 + 2.0 * t}, Eigen::Vector3d::Constant(not_given)});
     }
     RecordedPath with_attitude = recorded;
     for (RecordedPoint& p : with_attitude.points) p.rpy = {0.1 * std::sin(p.time / 9.0), 0.05, 6.2 + 0.01 * p.time};

@@ -1,9 +1,9 @@
 // Simulated ranges against a position solver that knows nothing of them, and what hides and spoils them.
+#include "schuler/sim/ranging.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/constellation.h"
 #include "schuler/gnss/single_point.h"
-#include "schuler/sim/ranging.h"
 
 #include <gtest/gtest.h>
 
@@ -79,7 +79,7 @@ TEST(Ranging, MasksLimitsAndBlocksHide) {
     EXPECT_EQ(seen(log, 30.0).size(), 2U);
     EXPECT_TRUE(seen(log, 50.0).empty());
     RangingSettings walled = quiet(false);
-    walled.masks.terrain = {{0.0, 89.0 * deg}, {180.0 * deg, 0.0}};   // a wall in the east
+    walled.masks.terrain = {{0.0, 89.0 * deg}, {180.0 * deg, 0.0}};  // a wall in the east
     const auto west = seen(at_rest(walled).log, 10.0);
     EXPECT_LT(west.size(), all.size());
     EXPECT_GT(west.size(), 0U);

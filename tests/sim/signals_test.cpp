@@ -1,9 +1,9 @@
 // Simulated signals against the ranges that are simulated without them, and against free space.
+#include "schuler/sim/signals.h"
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/constellation.h"
-#include "schuler/sim/signals.h"
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ TEST(Signals, MotionIsThatOfTheRangesAndItsDerivativesFit) {
     eight.width = 400.0;
     eight.period = 12.0;
     const auto path = make_path(eight, earth::wgs84);
-    s.ranging.rate = 49.0;   // not in step with the samples, and from before the first of them on
+    s.ranging.rate = 49.0;  // not in step with the samples, and from before the first of them on
     for (gnss::KeplerEphemeris& k : s.ranging.navigation.kepler) k.af0 = 1e-6 * k.satellite.number;
     RangingScenario scenario = frame();
     scenario.duration = 12.0;

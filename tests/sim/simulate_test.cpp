@@ -258,7 +258,7 @@ TEST(Simulate, LateFixesTellWhereTheAntennaWas) {
     s.gnss.position_latency = 0.4;
     s.gnss.velocity_latency = 0.2;
     const SimulatedData late = simulate(s);
-    ASSERT_EQ(late.recording.gnss.size() + 2, prompt.recording.gnss.size());   // none from before the flight
+    ASSERT_EQ(late.recording.gnss.size() + 2, prompt.recording.gnss.size());  // none from before the flight
     for (std::size_t k = 2; k < prompt.recording.gnss.size(); ++k) {
         EXPECT_EQ(late.recording.gnss[k - 2].time, prompt.recording.gnss[k].time);
         const Vector3d apart =
@@ -315,7 +315,8 @@ double allan_variance(const std::vector<ImuSample>& imu, std::size_t averaged, d
         double before = 0.0;
         for (std::size_t k = 0; (k + 1) * averaged <= imu.size(); ++k) {
             double mean = 0.0;
-            for (std::size_t i = k * averaged; i < (k + 1) * averaged; ++i) mean += imu[i].gyro[axis] * rate / static_cast<double>(averaged);
+            for (std::size_t i = k * averaged; i < (k + 1) * averaged; ++i)
+                mean += imu[i].gyro[axis] * rate / static_cast<double>(averaged);
             if (k > 0) {
                 sum += 0.5 * (mean - before) * (mean - before);
                 n += 1.0;
@@ -334,7 +335,8 @@ TEST(Simulate, FlickerAndRateWalkHaveTheirAllanVariance) {
     s.imu.errors.gyro_flicker = 1e-6;
     const auto flicker = simulate(s).recording.imu;
     for (const std::size_t averaged : {20U, 100U, 400U})
-        EXPECT_NEAR(allan_variance(flicker, averaged, 2.0) / (0.664 * 0.664 * 1e-12), 1.0, averaged < 200 ? 0.12 : 0.25) << averaged;
+        EXPECT_NEAR(allan_variance(flicker, averaged, 2.0) / (0.664 * 0.664 * 1e-12), 1.0, averaged < 200 ? 0.12 : 0.25)
+            << averaged;
     s.imu.errors.gyro_flicker = 0.0;
     s.imu.errors.gyro_rate_walk = 1e-8;
     const auto walk = simulate(s).recording.imu;
@@ -347,7 +349,7 @@ TEST(Simulate, TemperatureForceAndRangeActAsStated) {
     s.imu.warm_up = 20.0;
     s.imu.warm_up_time = 10.0;
     s.imu.errors.gyro_temperature = 1e-6;
-    s.imu.errors.accel_range = 5.0;   // below gravity
+    s.imu.errors.accel_range = 5.0;  // below gravity
     SimulatedData warm = simulate(s);
     // The bias follows the temperature: the same coefficient at two times.
     const Vector3d early = warm.sensor_truth[100].gyro_bias, late = warm.sensor_truth[500].gyro_bias;
@@ -357,7 +359,7 @@ TEST(Simulate, TemperatureForceAndRangeActAsStated) {
     for (const ImuSample& sample : warm.recording.imu) most = std::max(most, sample.accel.cwiseAbs().maxCoeff());
     EXPECT_NEAR(most, 5.0 / s.imu.rate, 1e-12);
 
-    double square = 0.0;   // drift of gyros by gravity alone: nine coefficients, three of them feel it
+    double square = 0.0;  // drift of gyros by gravity alone: nine coefficients, three of them feel it
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         Scenario g = at_rest(1.0);
         g.seed = seed;
@@ -386,13 +388,11 @@ TEST(Simulate, FaultsAreInTheLogAndNowhereElse) {
         if (t >= 50.0 && t < 52.0) continue;
         const GnssFix& other = ill.recording.gnss[i++];
         ASSERT_EQ(other.time, fix.time);
-        const Vector3d apart = testing::level_axes(fix.position).transpose() * (testing::ecef(other.position) - testing::ecef(fix.position));
-        if (t >= 20.0 && t < 30.0)
-            ASSERT_LT((apart - 0.5 * (t - 20.0) * Vector3d(0.6, 0.8, 0.0)).norm(), 1e-5) << t;
-        else if (t >= 60.0 && t < 62.0)
-            ASSERT_EQ(other.position.lat, ill.recording.gnss[i - 2].position.lat);
-        else
-            ASSERT_EQ(apart.norm(), 0.0) << t;
+        const Vector3d apart =
+            testing::level_axes(fix.position).transpose() * (testing::ecef(other.position) - testing::ecef(fix.position));
+        if (t >= 20.0 && t < 30.0) ASSERT_LT((apart - 0.5 * (t - 20.0) * Vector3d(0.6, 0.8, 0.0)).norm(), 1e-5) << t;
+        else if (t >= 60.0 && t < 62.0) ASSERT_EQ(other.position.lat, ill.recording.gnss[i - 2].position.lat);
+        else ASSERT_EQ(apart.norm(), 0.0) << t;
     }
     EXPECT_NEAR(ill.recording.baro.back().height - healthy.recording.baro.back().height, 7.0, 1e-9);
     EXPECT_EQ(ill.recording.baro.front().height, healthy.recording.baro.front().height);
@@ -409,7 +409,7 @@ TEST(Simulate, PressuresAreThoseOfTheDay) {
     const double expected = 99000.0 * std::exp(-9.80665 * h / (287.05287 * (308.15 - 0.00325 * h)));
     EXPECT_NEAR(data.recording.baro[3].pressure, expected, 0.1);
     EXPECT_TRUE(std::isnan(data.recording.baro[3].height));
-    EXPECT_GT(data.baro_truth[3].bias, 150.0);   // 23 hPa below the standard
+    EXPECT_GT(data.baro_truth[3].bias, 150.0);  // 23 hPa below the standard
 }
 
 TEST(Simulate, MagneticFieldIsThatOfThePlaceAndTheIron) {

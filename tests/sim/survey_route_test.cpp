@@ -101,8 +101,8 @@ TEST(SurveyRoute, DrapeClearsTheGroundWithoutSteepClimbs) {
         ASSERT_LT(std::abs(k.dv_eb_n.z()), 1.2) << "after " << t << " s";
     }
     EXPECT_GT(least, 249.0);
-    EXPECT_LT(least, 290.0);      // nor higher than it must
-    EXPECT_GT(highest, 400.0);    // the valleys are too narrow for the slope
+    EXPECT_LT(least, 290.0);    // nor higher than it must
+    EXPECT_GT(highest, 400.0);  // the valleys are too narrow for the slope
     EXPECT_LT(steepest, 0.0605);
     EXPECT_GT(steepest, 0.05);
 }

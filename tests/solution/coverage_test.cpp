@@ -16,7 +16,9 @@ std::vector<CheckFix> fixes_every(double step, double length) {
     return fixes;
 }
 
-bool overlap(const fusion::Outage& a, const fusion::Outage& b) { return a.start < b.start + b.duration && b.start < a.start + a.duration; }
+bool overlap(const fusion::Outage& a, const fusion::Outage& b) {
+    return a.start < b.start + b.duration && b.start < a.start + a.duration;
+}
 
 // The length follows the log: eight windows of the longest that gives them, with a pause of a window's length between two.
 TEST(Coverage, WindowsFitTheLog) {
@@ -30,8 +32,7 @@ TEST(Coverage, WindowsFitTheLog) {
         EXPECT_EQ(w.length, c.window) << c.length;
         EXPECT_GE(w.windows.size(), 4U);
         EXPECT_GE(w.windows.front().start, 20.0);
-        for (std::size_t i = 1; i < w.windows.size(); ++i)
-            EXPECT_GE(w.windows[i].start - w.windows[i - 1].start, 2.0 * w.length);
+        for (std::size_t i = 1; i < w.windows.size(); ++i) EXPECT_GE(w.windows[i].start - w.windows[i - 1].start, 2.0 * w.length);
     }
     EXPECT_FALSE(check_windows({}, 0.0, 1000.0, {}).why_none.empty());
 }
@@ -43,11 +44,12 @@ TEST(Coverage, WindowsAvoidOutagesAndBadFixes) {
     const CheckWindows w = check_windows(fixes, 20.0, 600.0, outages);
     ASSERT_GE(w.windows.size(), 8U);
     for (const fusion::Outage& o : w.windows) {
-        EXPECT_FALSE(overlap(o, {97.0, 36.0})) << o.start;   // with three seconds of fixes before and after
-        const auto good = std::ranges::count_if(fixes, [&](const CheckFix& f) { return f.good && f.t > o.start && f.t < o.start + o.duration; });
-        EXPECT_GT(static_cast<double>(good), o.duration) << o.start;   // of two fixes a second
+        EXPECT_FALSE(overlap(o, {97.0, 36.0})) << o.start;  // with three seconds of fixes before and after
+        const auto good = std::ranges::count_if(
+            fixes, [&](const CheckFix& f) { return f.good && f.t > o.start && f.t < o.start + o.duration; });
+        EXPECT_GT(static_cast<double>(good), o.duration) << o.start;  // of two fixes a second
     }
-    std::erase_if(fixes, [](const CheckFix& f) { return f.t > 60.0; });   // a receiver that falls silent
+    std::erase_if(fixes, [](const CheckFix& f) { return f.t > 60.0; });  // a receiver that falls silent
     EXPECT_FALSE(check_windows(fixes, 20.0, 600.0, {}).why_none.empty());
 }
 
@@ -69,8 +71,8 @@ TEST(Coverage, CountsByHand) {
     const auto epoch = [](std::size_t window, double since, Eigen::Vector3d error) {
         return WithheldEpoch{window, since, Regime::Turning, error, {1.0, 1.0, 2.0}, {0.5, 0.5, 1.0}};
     };
-    const std::vector<WithheldEpoch> epochs{epoch(0, 1.0, {0.0, 0.0, 6.5}), epoch(0, 5.0, {3.0, -2.9, 0.0}), epoch(1, 1.0, {0.1, 0.1, 0.1}),
-                                            epoch(1, 5.0, {0.0, 4.0, 0.0})};
+    const std::vector<WithheldEpoch> epochs{epoch(0, 1.0, {0.0, 0.0, 6.5}), epoch(0, 5.0, {3.0, -2.9, 0.0}),
+                                            epoch(1, 1.0, {0.1, 0.1, 0.1}), epoch(1, 5.0, {0.0, 4.0, 0.0})};
     const Coverage c = coverage_of(epochs, 5.0);
     EXPECT_EQ(c.epochs.epochs, 4U);
     EXPECT_EQ(c.epochs.inside, 2U);
@@ -122,7 +124,7 @@ TEST(MissingNoise, IsFoundInSize) {
         const std::vector<WithheldEpoch> epochs = drawn(0.05, 0.002, 0.05 / k, 0.002 / k);
         EXPECT_LT(coverage_of(epochs, 15.0).epochs.share(), wanted_coverage);
         const NoiseScale found = missing_noise(epochs);
-        EXPECT_NEAR(std::log(found.gyro), std::log(std::pow(k, 1.0 / 0.85)), 0.3) << k;   // larger by a sigma and rounding up
+        EXPECT_NEAR(std::log(found.gyro), std::log(std::pow(k, 1.0 / 0.85)), 0.3) << k;  // larger by a sigma and rounding up
         EXPECT_GE(found.gyro, 0.9 * k);
         EXPECT_NEAR(std::log(found.accel), std::log(std::pow(k, 1.0 / 0.85)), 0.5) << k;
     }

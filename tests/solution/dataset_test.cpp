@@ -1,7 +1,7 @@
+#include "schuler/settings/dataset.h"
 #include "schuler/app/commands.h"
 #include "schuler/dataset/trajectory_file.h"
 #include "schuler/settings/config/config.h"
-#include "schuler/settings/dataset.h"
 #include "schuler/settings/kfgins_settings.h"
 #include "schuler/settings/toml_file.h"
 #include "schuler/solution/loaded_dataset.h"

@@ -1,10 +1,10 @@
 // One resolution for what is given and what is not, and what is written of it.
+#include "schuler/settings/facts.h"
 #include "schuler/core/units.h"
 #include "schuler/dataset/recognise.h"
-#include "schuler/settings/units_of_keys.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
-#include "schuler/settings/facts.h"
+#include "schuler/settings/units_of_keys.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/ignored.h"
 #include "schuler/solution/provenance.h"
@@ -28,10 +28,11 @@ TEST(Facts, ValuesGoBothWays) {
 }
 
 TEST(Facts, GivenTablesAreCompletedNotReplaced) {
-    const settings::SettingList found{{"imu.scale", settings::value_of(std::map<std::string, double>{{"accel_m_s2", 9.8}, {"gyro_rad_s", 2.0}}), {}},
-                            {"imu.axes", settings::value_of(std::string("flu")), {}}};
+    const settings::SettingList found{
+        {"imu.scale", settings::value_of(std::map<std::string, double>{{"accel_m_s2", 9.8}, {"gyro_rad_s", 2.0}}), {}},
+        {"imu.axes", settings::value_of(std::string("flu")), {}}};
     const settings::SettingList given{{"imu.scale", settings::value_of(std::map<std::string, double>{{"gyro_rad_s", 3.0}}), {}},
-                            {"imu.axes", settings::value_of(std::string("frd")), {}}};
+                                      {"imu.axes", settings::value_of(std::string("frd")), {}}};
     const settings::Config c = settings::config_from(settings::completed(found, given));
     EXPECT_EQ(c.imu.scale.at("accel_m_s2"), 9.8);
     EXPECT_EQ(c.imu.scale.at("gyro_rad_s"), 3.0);
@@ -58,7 +59,8 @@ TEST(Facts, WhatWasInForceLeavesNothingToFind) {
     take_in_force(c, findings);
     EXPECT_FALSE(c.filter.imu.estimate_mounting || c.filter.imu.estimate_noise || c.filter.gnss.estimate_latency ||
                  c.filter.gnss.estimate_std);
-    const settings::Config again = settings::config_from(settings::config_table().used(c));   // through the words of a settings file
+    const settings::Config again =
+        settings::config_from(settings::config_table().used(c));  // through the words of a settings file
     EXPECT_EQ(again.filter.gnss.latency, 0.125);
     EXPECT_EQ(again.filter.imu.mounting_rpy, settings->imu.mounting_rpy);
     EXPECT_EQ(again.filter.imu.errors.gyro_noise, 2e-4);
@@ -68,8 +70,10 @@ TEST(Facts, WhatWasInForceLeavesNothingToFind) {
 
 TEST(Facts, WhatHasNoEffectIsNamed) {
     ResultBundle b;
-    b.data.config = settings::config_from({settings::setting_from_text("filter.aggressive_parts=5"), settings::setting_from_text("baro.white_m=3"),
-                                 settings::setting_from_text("gnss.lever_arm_m=[1,2,3]"), settings::setting_from_text("filter.feedback_attitude_deg=0.0572957795130823")});
+    b.data.config = settings::config_from({settings::setting_from_text("filter.aggressive_parts=5"),
+                                           settings::setting_from_text("baro.white_m=3"),
+                                           settings::setting_from_text("gnss.lever_arm_m=[1,2,3]"),
+                                           settings::setting_from_text("filter.feedback_attitude_deg=0.0572957795130823")});
     const std::vector<Ignored> ignored = ignored_of(b, {"filter.aggressive_parts", "baro.white_m", "gnss.lever_arm_m"});
     ASSERT_EQ(ignored.size(), 2u);
     EXPECT_EQ(ignored[0].key, "baro.white_m");
@@ -84,8 +88,9 @@ protected:
                   (std::string("schuler_resolution_") + testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::remove_all(folder_);
         fs::create_directories(folder_);
-        std::string imu = "time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z\n";   // in g, z up, as the names do not say
-        for (int i = 0; i <= 600; ++i) imu += fmt::format("{:.1f},0.001,0.002,0.00{},0.01,0.02,0.99{}\n", 1000 + 0.1 * i, i % 7 + 1, i % 5);
+        std::string imu = "time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z\n";  // in g, z up, as the names do not say
+        for (int i = 0; i <= 600; ++i)
+            imu += fmt::format("{:.1f},0.001,0.002,0.00{},0.01,0.02,0.99{}\n", 1000 + 0.1 * i, i % 7 + 1, i % 5);
         write("imu.csv", imu);
         std::string gnss = "time_s,lat_deg,lon_deg,height_msl_m\n";
         for (int i = 0; i <= 58; ++i) gnss += fmt::format("{}.0,50.0,10.0,300\n", 1001 + i);
@@ -120,7 +125,8 @@ TEST_F(Resolution, ADescriptionThatNamesNothingIsTheFolder) {
 }
 
 TEST_F(Resolution, TheCommandLineGivesToo) {
-    const settings::Dataset d = settings::open_dataset(folder_, dataset::Needs::ImuAndGnss, {settings::setting_from_text("imu.axes=frd")});
+    const settings::Dataset d =
+        settings::open_dataset(folder_, dataset::Needs::ImuAndGnss, {settings::setting_from_text("imu.axes=frd")});
     EXPECT_EQ(settings::config_from(d.settings).axes, "frd");
     EXPECT_TRUE(d.given.contains("imu.axes"));
     EXPECT_TRUE(std::ranges::any_of(d.contradictions, [](const auto& c) { return c.key == "imu.axes"; })) << "it is upside down";

@@ -13,7 +13,9 @@ using filter::AidStatus;
 
 Time at(double t) { return Time{} + Duration::from_seconds(t); }
 
-ImuSample imu_at(double t, double rate) { return {at(t), Eigen::Vector3d(rate, 0.5 * rate, 0.0), Eigen::Vector3d(0.1, rate, -9.8)}; }
+ImuSample imu_at(double t, double rate) {
+    return {at(t), Eigen::Vector3d(rate, 0.5 * rate, 0.0), Eigen::Vector3d(0.1, rate, -9.8)};
+}
 
 filter::AidRecord record(double t, AidKind kind, AidStatus status) {
     filter::AidRecord r{};
@@ -44,23 +46,25 @@ TEST(Health, FixesRefusedWithheldLeftOutAndMissing) {
     LoadedDataset data;
     fusion::Result result;
     const auto status = [](int t) {
-        if (t == 7) return AidStatus::Rejected;                      // one alone is not a state
+        if (t == 7) return AidStatus::Rejected;  // one alone is not a state
         if (t >= 20 && t < 30) return AidStatus::Rejected;
         return t >= 40 && t < 50 ? AidStatus::Withheld : AidStatus::Accepted;
     };
     for (int t = 0; t <= 100; ++t) {
-        if (t > 60 && t < 75) continue;                              // neither a fix nor a record
+        if (t > 60 && t < 75) continue;  // neither a fix nor a record
         data.recording.gnss.push_back({});
         data.recording.gnss.back().time = at(t);
-        if (t > 80 && t < 90) continue;                              // a fix that the run never met
+        if (t > 80 && t < 90) continue;  // a fix that the run never met
         result.aids.push_back(record(t, AidKind::GnssPosition, status(t)));
         result.aids.push_back(record(t, AidKind::GnssVelocity, AidStatus::Accepted));
     }
     const std::vector<HealthInterval> all = health_of(data, result);
     using enum SourceState;
     expect_spans(all, "gnss_position",
+                 // clang-format off
                  {{Used, 0, 19}, {Refused, 20, 29}, {Used, 30, 39}, {Withheld, 40, 49}, {Used, 50, 60}, {Silent, 60, 75}, {Used, 75, 80},
                   {LeftOut, 81, 89}, {Used, 90, 100}});
+    // clang-format on
     expect_spans(all, "gnss_velocity", {{Used, 0, 60}, {Silent, 60, 75}, {Used, 75, 80}, {Silent, 80, 90}, {Used, 90, 100}});
     expect_spans(all, "baro", {});
 }

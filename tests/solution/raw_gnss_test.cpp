@@ -1,6 +1,6 @@
 // The receiver's solution from raw measurements, as the program gives it, against the generator's truth.
-#include "schuler/app/commands.h"
 #include "schuler/dataset/raw_gnss.h"
+#include "schuler/app/commands.h"
 #include "schuler/earth/earth.h"
 #include "schuler/io/solution/rtklib_pos.h"
 #include "schuler/report/outcome.h"
@@ -50,13 +50,16 @@ protected:
         const auto data = io::test::data_folder() / "walk_0827";
         const std::string log = "\"" + (data / "gnss.ubx").string() + "\"\n";
         settings::ProcessRequest request;
-        request.input = write("dataset.toml", "name = \"walk\"\n[time]\nscale = \"gps\"\n[imu]\nfile = \"" + (data / "imu.csv").string() +
-                                                  "\"\n[gnss]\n" + gnss + " = " + log + more + "[reference]\nfile = \"" +
-                                                  (data / "gnss.csv").string() + "\"\n[filter]\nscheme = \"" + scheme + "\"\n" + outages);
+        request.input =
+            write("dataset.toml", "name = \"walk\"\n[time]\nscale = \"gps\"\n[imu]\nfile = \"" + (data / "imu.csv").string() +
+                                      "\"\n[gnss]\n" + gnss + " = " + log + more + "[reference]\nfile = \"" +
+                                      (data / "gnss.csv").string() + "\"\n[filter]\nscheme = \"" + scheme + "\"\n" + outages);
         request.output = folder() / "out";
         return nlohmann::json::parse(app::process_dataset(request).json);
     }
-    static double horizontal(const nlohmann::json& j) { return j.at("errors").at("position_m").at("horizontal").at("rms").get<double>(); }
+    static double horizontal(const nlohmann::json& j) {
+        return j.at("errors").at("position_m").at("horizontal").at("rms").get<double>();
+    }
 };
 
 /// RMS of the horizontal errors at the ends of outages, m.
@@ -89,7 +92,7 @@ TEST_F(Walk, BeiDouAloneAndTheReceiversOwnFixes) {
     EXPECT_LT(horizontal(beidou), 15.0);
     const auto own = run("file", "gnss");
     EXPECT_GT(own.at("gnss").at("epochs").get<int>(), 500);
-    EXPECT_LT(horizontal(own), 0.05);   // they are what the reference was made of
+    EXPECT_LT(horizontal(own), 0.05);  // they are what the reference was made of
 }
 
 }  // namespace

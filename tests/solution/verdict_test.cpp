@@ -7,7 +7,8 @@ namespace schuler::solution {
 namespace {
 
 TEST(Verdict, TheGravestConcernDecides) {
-    const Concern good{"evidence.self_check", "covered"}, note{"gnss.std", "defaults"}, care{"imu.hole", "a hole"}, bad{"gnss.rejected", "refused"};
+    const Concern good{"evidence.self_check", "covered"}, note{"gnss.std", "defaults"}, care{"imu.hole", "a hole"},
+        bad{"gnss.rejected", "refused"};
     EXPECT_EQ(word_of(verdict_of({good, note}).word), "trustworthy");
     EXPECT_EQ(verdict_of({good, note}).reasons, std::vector<std::string>{"covered"});
     EXPECT_EQ(word_of(verdict_of({good, care}).word), "care");

@@ -31,11 +31,11 @@ WindowStatistics of(const std::function<int(double)>& code, int heard = 6, doubl
 }
 
 TEST(CompareSignals, ItHeldDownToTheLowestStrengthWithFourFollowed) {
-    EXPECT_NEAR(of([](double t) { return t < 14.35 || t > 16.0 ? 4 : 3; }).held, 45.0 - 20.3, 1e-9);   // the end belongs to it
+    EXPECT_NEAR(of([](double t) { return t < 14.35 || t > 16.0 ? 4 : 3; }).held, 45.0 - 20.3, 1e-9);  // the end belongs to it
     EXPECT_NEAR(of([](double t) { return t < 14.35 ? 4 : 3; }).held, 45.0 - 14.3, 1e-9);
-    EXPECT_NEAR(of([](double t) { return t < 10.15 ? 4 : 3; }).held, 45.0 - 10.1, 1e-9);               // and the beginning
+    EXPECT_NEAR(of([](double t) { return t < 10.15 ? 4 : 3; }).held, 45.0 - 10.1, 1e-9);  // and the beginning
     EXPECT_TRUE(std::isnan(of([](double t) { return t < 10.05 || t > 20.35 ? 6 : 3; }).held));
-    EXPECT_TRUE(std::isnan(of([](double) { return 4; }, 3).held));   // a channel without a signal does not count
+    EXPECT_TRUE(std::isnan(of([](double) { return 4; }, 3).held));  // a channel without a signal does not count
 }
 
 TEST(CompareSignals, ItIsBackWhenFourOrAllThereAreStayForASecond) {
@@ -49,7 +49,7 @@ TEST(CompareSignals, ItIsBackWhenFourOrAllThereAreStayForASecond) {
     EXPECT_NEAR(of(from(22.35, 2), 2).back, 2.1, 1e-9);
     EXPECT_TRUE(std::isnan(of(from(22.35, 0), 0).back));
     EXPECT_TRUE(std::isnan(of(from(29.05, 4)).back));
-    EXPECT_NEAR(of(from(28.95, 4)).back, 8.7, 1e-9);   // the last second of the flight
+    EXPECT_NEAR(of(from(28.95, 4)).back, 8.7, 1e-9);  // the last second of the flight
 }
 
 }  // namespace

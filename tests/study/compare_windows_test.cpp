@@ -75,7 +75,7 @@ TEST(CompareWindows, WithoutASolutionThereIsNeitherErrorNorRecovery) {
     // a fix every third second holds for half of the time
     EXPECT_EQ(of([&](double t) { return t > 210.0 && t < 240.0 && std::fmod(t, 3.0) != 0.0 ? NAN : none(t); }).recovery, 40.0);
     const WindowStatistics never = of([](double t) { return t >= 100.0 ? NAN : 3.0; });
-    EXPECT_NEAR(never.share, 1.0 / 101.0, 1e-12);   // that of 99 s is one second old at 100 s
+    EXPECT_NEAR(never.share, 1.0 / 101.0, 1e-12);  // that of 99 s is one second old at 100 s
     EXPECT_TRUE(std::isnan(never.horizontal_rms) && std::isnan(never.horizontal_max) && std::isnan(never.vertical_max));
     EXPECT_TRUE(std::isnan(never.recovery));
 }
@@ -99,7 +99,7 @@ TEST(CompareWindows, WrongOnesAreToldAtTheirLine) {
         return settings::scenario_from(settings::scenario_table().read(settings::parse_toml(text, "s.toml"), "s.toml"));
     };
     const settings::ScenarioConfig s =
-        parse(head + good + "[[compare.window]]\nname = \"b\"\nstart_s = 3\nend_s = 20\n");   // they may overlap
+        parse(head + good + "[[compare.window]]\nname = \"b\"\nstart_s = 3\nend_s = 20\n");  // they may overlap
     ASSERT_EQ(s.windows.size(), 2u);
     EXPECT_EQ(s.windows[1].name, "b");
     EXPECT_EQ(s.windows[1].end, 20.0);

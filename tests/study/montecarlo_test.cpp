@@ -1,4 +1,5 @@
 // A campaign repeats single runs, whatever the number of threads; what varies is drawn from its distribution.
+#include "schuler/study/montecarlo/montecarlo.h"
 #include "schuler/math/random.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/scenario.h"
@@ -6,7 +7,6 @@
 #include "schuler/solution/fuse.h"
 #include "schuler/solution/provenance.h"
 #include "schuler/study/comparison/compare_campaign.h"
-#include "schuler/study/montecarlo/montecarlo.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,11 +25,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* short_flight =
-    "name = \"short\"\nseed = 7\nduration_s = 40\nreference_rate_hz = 5\n[trajectory]\ntype = \"paper_a\"\nstart = { lat_deg = 55, "
-    "lon_deg = 30, height_m = 5000 }\nlat_amplitude_rad = 0.004\nlon_rate_rad_s = 4e-5\n[imu]\nrate_hz = 20\ngrade = \"tactical\"\n"
+    "name = \"short\"\nseed = 7\nduration_s = 40\nreference_rate_hz = 5\n[trajectory]\ntype = \"paper_a\"\nstart = { lat_deg = "
+    "55, "
+    "lon_deg = 30, height_m = 5000 }\nlat_amplitude_rad = 0.004\nlon_rate_rad_s = 4e-5\n[imu]\nrate_hz = 20\ngrade = "
+    "\"tactical\"\n"
     "[gnss]\nreceiver = \"autonomous\"\n[baro]\nrate_hz = 1\nbias_m = 3\n[[outage]]\nstart_s = 20\nduration_s = 10\n"
     "[filter]\ninitial_error = { level_deg = 0.05, heading_deg = 0.5, velocity_m_s = 0.1, position_m = 5 }\n"
-    "[montecarlo]\nruns = 6\nvary = { \"trajectory.start.lat_deg\" = { uniform = [0, 60] }, \"baro.white_m\" = { normal = [1, 0.01] } "
+    "[montecarlo]\nruns = 6\nvary = { \"trajectory.start.lat_deg\" = { uniform = [0, 60] }, \"baro.white_m\" = { normal = [1, "
+    "0.01] } "
     "}\n";
 
 settings::ProcessRequest request_of(const std::string& text, const std::string& name) {
@@ -42,7 +45,8 @@ settings::ProcessRequest request_of(const std::string& text, const std::string& 
 }
 
 /// A campaign in a folder of its own, which is begun anew.
-CampaignRequest campaign_of(const settings::ProcessRequest& common, const std::string& name, std::optional<std::size_t> runs, int jobs) {
+CampaignRequest campaign_of(const settings::ProcessRequest& common, const std::string& name, std::optional<std::size_t> runs,
+                            int jobs) {
     CampaignRequest request;
     request.common = common;
     request.common.output = fs::path(testing::TempDir()) / ("schuler_campaign_" + name);
@@ -185,7 +189,7 @@ std::string bytes_of(const CampaignStatistics& statistics) {
 
 // Sums are exact and histograms fixed: any partition, merged in any order, is the whole, to the last bit; also after bytes and back.
 TEST(CampaignStatistics, MergedInAnyPartitionTheyAreThoseAtOnce) {
-    const std::vector<MonteCarloRun> runs = invented_runs(600);   // more than the values that an epoch keeps
+    const std::vector<MonteCarloRun> runs = invented_runs(600);  // more than the values that an epoch keeps
     CampaignStatistics empty;
     empty.swept = true;
     CampaignStatistics whole = empty;
@@ -198,7 +202,8 @@ TEST(CampaignStatistics, MergedInAnyPartitionTheyAreThoseAtOnce) {
         std::vector<MonteCarloRun> shuffled = runs;
         for (std::size_t i = shuffled.size(); i-- > 1;)
             std::swap(shuffled[i], shuffled[static_cast<std::size_t>(random.uniform() * static_cast<double>(i + 1))]);
-        for (const MonteCarloRun& run : shuffled) parts[static_cast<std::size_t>(random.uniform() * static_cast<double>(parts.size()))].add(run);
+        for (const MonteCarloRun& run : shuffled)
+            parts[static_cast<std::size_t>(random.uniform() * static_cast<double>(parts.size()))].add(run);
         CampaignStatistics merged = empty;
         for (const CampaignStatistics& part : parts) {
             const std::string bytes = bytes_of(part);
@@ -227,17 +232,20 @@ TEST(CampaignStatistics, DamagedBytesAreRefused) {
 TEST(MonteCarlo, SweepsAndLists) {
     std::string text = short_flight;
     text.resize(text.find("runs = 6"));
-    const settings::ProcessRequest request =
-        request_of(text + "vary = { \"imu.rate_hz\" = { sweep = [10, 20] }, \"gnss.receiver\" = { list = [\"autonomous\", \"rtk\"] }, "
-                          "\"imu.gyro_bias_deg_h\" = { sweep = { from = 1, to = 100, steps = 3, log = true } } }\n",
-                   "sweep");
+    const settings::ProcessRequest request = request_of(
+        text +
+            "vary = { \"imu.rate_hz\" = { sweep = [10, 20] }, \"gnss.receiver\" = { list = [\"autonomous\", \"rtk\"] }, "
+            "\"imu.gyro_bias_deg_h\" = { sweep = { from = 1, to = 100, steps = 3, log = true } } }\n",
+        "sweep");
     const report::Outcome out = run_montecarlo(campaign_of(request, "sweep", std::nullopt, 2));
     const auto rows = cells_of(out.folder / "runs.csv"), points = cells_of(out.folder / "sweep.csv");
-    ASSERT_EQ(rows.size(), 7u);   // once each
+    ASSERT_EQ(rows.size(), 7u);  // once each
     ASSERT_EQ(points.size(), 7u);
     std::set<std::string> receivers, grid;
     for (std::size_t k = 1; k < 7; ++k) {
-        const auto cell = [&](const char* key) { return rows[k][static_cast<std::size_t>(std::ranges::find(rows[0], key) - rows[0].begin())]; };
+        const auto cell = [&](const char* key) {
+            return rows[k][static_cast<std::size_t>(std::ranges::find(rows[0], key) - rows[0].begin())];
+        };
         receivers.insert(cell("gnss.receiver"));
         grid.insert(cell("imu.rate_hz") + " " + cell("imu.gyro_bias_deg_h"));
     }
@@ -257,7 +265,7 @@ TEST(MonteCarlo, AnInterruptedCampaignGoesOn) {
     EXPECT_THROW((void)run_montecarlo(stopped), Error);
     EXPECT_FALSE(CampaignPart::left_in(stopped.common.output).empty());
     stopped.common.progress = {};
-    EXPECT_THROW((void)run_montecarlo(stopped), Error);   // not without being asked to
+    EXPECT_THROW((void)run_montecarlo(stopped), Error);  // not without being asked to
     stopped.resume = true;
     CampaignRequest other = stopped;
     other.common.above.push_back({"filter.loop", {std::string("open")}, {}});
@@ -274,7 +282,8 @@ TEST(MonteCarlo, AnInterruptedCampaignGoesOn) {
 
 TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
     std::string text = short_flight;
-    text.insert(text.find("[trajectory]"), "[compare]\nschemes = [\"gnss\", \"loose\"]\n[[compare.window]]\nname = \"end\"\nstart_s = 30\nend_s = 40\n");
+    text.insert(text.find("[trajectory]"),
+                "[compare]\nschemes = [\"gnss\", \"loose\"]\n[[compare.window]]\nname = \"end\"\nstart_s = 30\nend_s = 40\n");
     const settings::ProcessRequest request = request_of(text, "compared");
     CompareCampaign one = compare_campaign(request, 3, 1), three = compare_campaign(request, 3, 3);
     one.wall_s = three.wall_s = 1.0;
@@ -298,7 +307,8 @@ TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
 constexpr const char* ranges_flight =
     "name = \"ranges\"\nseed = 3\nduration_s = 400\nreference_rate_hz = 1\n[compare]\nschemes = [\"loose-15\", \"loose\"]\n"
     "[trajectory]\ntype = \"weave\"\nstart = { lat_deg = 52, lon_deg = 104, height_m = 9000 }\nspeed_m_s = 230\n"
-    "[imu]\nrate_hz = 10\ngrade = \"tactical\"\n[gnss]\nrate_hz = 0\n[baro]\nrate_hz = 1\nwhite_m = 1\nbias_m = 30\nbias_time_s = 2000\n"
+    "[imu]\nrate_hz = 10\ngrade = \"tactical\"\n[gnss]\nrate_hz = 0\n[baro]\nrate_hz = 1\nwhite_m = 1\nbias_m = 30\nbias_time_s "
+    "= 2000\n"
     "[ranges]\nrate_hz = 1\nsystems = \"G\"\ngps_week = 2300\ngps_second = 0\nelevation_mask_deg = 7.5\n"
     "[run]\nsettle_s = 60\n"
     "[filter]\ninitial_error = { level_deg = 0.05, heading_deg = 0.1, velocity_m_s = 0.1, position_m = 10 }\n";
@@ -318,12 +328,13 @@ TEST(MonteCarlo, FixesOfRangesAreToldTheirSlowErrors) {
 TEST(MonteCarlo, GivenSlowErrorsOfFixesAreKept) {
     WarningLog unheard;
     const auto bundle_of = [&](const std::string& text) {
-        return solution::simulated_bundle(settings::scenario_from(settings::scenario_settings(request_of(text, "slow").input, {})), {}, unheard);
+        return solution::simulated_bundle(
+            settings::scenario_from(settings::scenario_settings(request_of(text, "slow").input, {})), {}, unheard);
     };
     std::string text = ranges_flight;
     const solution::ResultBundle derived = bundle_of(text);
     const sensor::GnssErrorModel& found = derived.data.config.filter.gnss.errors;
-    EXPECT_GT(found.correlated_position.x(), 0.5);   // of 2 m each range
+    EXPECT_GT(found.correlated_position.x(), 0.5);  // of 2 m each range
     EXPECT_LT(found.correlated_position.z(), 8.0);
     EXPECT_EQ(found.correlated_time, 600.0);
     const std::vector<Fact> facts = solution::facts_of(derived);
@@ -361,10 +372,10 @@ TEST(SquaredCourse, RowsFallIntoTheirSpans) {
         return std::array{course.count[quantity][span], course.square[quantity][span], course.variance[quantity][span]};
     };
     EXPECT_EQ(sums(0, 0), (std::array{2.0, 50.0, 10.0}));
-    EXPECT_EQ(sums(1, 0), (std::array{1.0, 4.0, 0.25}));      // one has no sigma of its height
+    EXPECT_EQ(sums(1, 0), (std::array{1.0, 4.0, 0.25}));  // one has no sigma of its height
     EXPECT_EQ(sums(0, 149), (std::array{1.0, 25.0, 5.0}));
     EXPECT_EQ(sums(0, 150), (std::array{1.0, 25.0, 5.0}));
-    EXPECT_EQ(sums(2, 299), (std::array{1.0, 1.0, 12.0}));    // the last instant belongs to the last span
+    EXPECT_EQ(sums(2, 299), (std::array{1.0, 1.0, 12.0}));  // the last instant belongs to the last span
     EXPECT_NEAR(course.square[3][0], 0.02, 1e-15);
     EXPECT_NEAR(course.variance[3][0], 0.08, 1e-15);
     SquaredCourse both = course;
@@ -391,7 +402,8 @@ TEST(MonteCarlo, WrongVariationsAreNamedWithTheirLine) {
     EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { uniform = [2, 1] } }"), testing::HasSubstr("wrong order"));
     EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { gamma = [2, 1] } }"), testing::HasSubstr("unknown distribution"));
     EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { normal = [-5, 0] } }"), testing::HasSubstr("baro.white_m"));
-    EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { sweep = { from = 0, to = 1, steps = 1 } } }"), testing::HasSubstr("steps"));
+    EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { sweep = { from = 0, to = 1, steps = 1 } } }"),
+                testing::HasSubstr("steps"));
     EXPECT_THAT(message_of("vary = { \"baro.white_m\" = { sweep = [1, -2] } }"), testing::HasSubstr("baro.white_m"));
     EXPECT_THAT(message_of("vary = { \"gnss.white_m\" = { uniform = [1, 2] } }"), testing::HasSubstr("only list and sweep"));
     EXPECT_THAT(message_of("vary = { \"seed\" = { list = [1, 2] } }"), testing::HasSubstr("seed of its own"));

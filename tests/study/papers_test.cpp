@@ -1,6 +1,6 @@
 // `schuler paper`: the file of printed numbers, the judgement, and that every quick item reaches what is printed.
-#include "schuler/core/error.h"
 #include "schuler/study/papers/papers.h"
+#include "schuler/core/error.h"
 #include "schuler/study/papers/printed.h"
 #include "schuler/theory/paper_c_tables.h"
 
@@ -50,8 +50,11 @@ TEST(PrintedNumbers, OfPaperCAreThoseOfItsOracle) {
 
 TEST(PrintedNumbers, AreHeldToTheirDigitsKindAndTolerance) {
     const auto judged = [](const char* toml, double ours) {
-        const auto items = printed_items_from(std::string("[[item]]\npaper=\"A\"\nname=\"x\"\npage=\"1\"\nplace=\"p\"\nvalues=[{key=\"k\",quantity=\"q\",unit=\"m\",") +
-                                                  toml + "}]", "test");
+        const auto items = printed_items_from(
+            std::string(
+                "[[item]]\npaper=\"A\"\nname=\"x\"\npage=\"1\"\nplace=\"p\"\nvalues=[{key=\"k\",quantity=\"q\",unit=\"m\",") +
+                toml + "}]",
+            "test");
         return agreement_of(items.front().values.front(), ours);
     };
     EXPECT_EQ(judged("printed=\"84.4\"", 84.44), Agreement::Agrees);
@@ -91,7 +94,8 @@ void expect_reached(const nlohmann::json& made) {
             const double ours = row["ours"].get<double>(), room = 2.5 * std::max(0.1, other.tolerance.value_or(0.0));
             const std::string& expected = row["agreement"] == "agrees" ? other.printed : other.right;
             if (number_of(expected) == 0.0) continue;
-            if (theory::printed_number(expected == "pi/2" ? "1.57" : expected).half_unit > 0.1 * std::abs(number_of(expected))) continue;   // one digit
+            if (theory::printed_number(expected == "pi/2" ? "1.57" : expected).half_unit > 0.1 * std::abs(number_of(expected)))
+                continue;  // one digit
             EXPECT_EQ(agreement_of(other, ours * (1.0 + room)), Agreement::Differs) << printed.name << ": " << other.key;
         }
     }
@@ -127,7 +131,8 @@ TEST(Papers, WriteTheirFilesAndListThemselves) {
     request.item = "figure-4.1.1";
     request.output = folder;
     static_cast<void>(make_paper(request));
-    for (const char* name : {"report.html", "comparison.csv", "curves.csv", "summary.json"}) EXPECT_TRUE(fs::exists(folder / name)) << name;
+    for (const char* name : {"report.html", "comparison.csv", "curves.csv", "summary.json"})
+        EXPECT_TRUE(fs::exists(folder / name)) << name;
     std::ifstream file(folder / "comparison.csv");
     const std::string text((std::istreambuf_iterator<char>(file)), {});
     EXPECT_NE(text.find("12742,"), std::string::npos) << "the right number beside the misprint";

@@ -15,11 +15,10 @@ TEST(TriadSlow, AgreesWithTheReferenceSimulation) {
     struct Expected {
         double predicted, end;
     };
-    const std::map<std::string, Expected> cases{{"a 4 SV nav", {2.614, 2.3}},          {"b 3 SV nav", {14.00, 18.0}},
-                                                {"c 2 SV nav", {29.36, 49.0}},         {"d 4 stations nav", {4.977, 5.7}},
-                                                {"e 2 SV+2 st. nav", {7.520, 8.3}},    {"e stations on at 300 s nav", {8.651, 8.8}},
-                                                {"f all in view nav", {2.166, 1.9}},   {"c 2 SV tac", {157.3, 253.0}},
-                                                {"e stations on at 300 s tac", {16.92, 9.8}}};
+    const std::map<std::string, Expected> cases{
+        {"a 4 SV nav", {2.614, 2.3}},        {"b 3 SV nav", {14.00, 18.0}},      {"c 2 SV nav", {29.36, 49.0}},
+        {"d 4 stations nav", {4.977, 5.7}},  {"e 2 SV+2 st. nav", {7.520, 8.3}}, {"e stations on at 300 s nav", {8.651, 8.8}},
+        {"f all in view nav", {2.166, 1.9}}, {"c 2 SV tac", {157.3, 253.0}},     {"e stations on at 300 s tac", {16.92, 9.8}}};
     std::map<std::string, TriadStatistics> found;
     for (const TriadCase& which : triad_cases()) {
         const auto expected = cases.find(which.name);

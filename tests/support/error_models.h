@@ -28,8 +28,10 @@ inline Vector3d attitude_error(const Eigen::Quaterniond& estimate, const Eigen::
 }
 inline Vector9 error_between(const earth::Earth& earth, const NavState& estimate, const NavState& truth) {
     Vector9 dx;
+    // clang-format off
     dx << -earth::ned_difference(earth, truth.position, estimate.position), estimate.v_eb_n - truth.v_eb_n,
         attitude_error(estimate.q_nb, truth.q_nb);
+    // clang-format on
     return dx;
 }
 inline Vector9 error_between(const earth::Earth&, const NavStateEcef& estimate, const NavStateEcef& truth) {
@@ -197,13 +199,15 @@ void expect_growth_in_simulation() {
         const Vector9 true_growth = error_between(earth, wrong, right);
         for (int block = 0; block < 9; block += 3)
             EXPECT_LT((true_growth - dx).segment<3>(block).norm(), 1e-5 * dx.segment<3>(block).norm())
-                << "path " << settings.index() << "\n" << true_growth.transpose() << "\n" << dx.transpose();
+                << "path " << settings.index() << "\n"
+                << true_growth.transpose() << "\n"
+                << dx.transpose();
     }
 }
 
 /// Names of the frame policies and of the functions of their F: "filter.GeographicFrame.error_n" registers both.
-#define SCHULER_ERROR_MODEL(ID, NAME, FRAME)                                                              \
-    TEST(ErrorModelOf##ID, IsThatOfTheClosedSolution) { ::schuler::test::expect_closed_solution<FRAME>(); } \
+#define SCHULER_ERROR_MODEL(ID, NAME, FRAME)                                                                                    \
+    TEST(ErrorModelOf##ID, IsThatOfTheClosedSolution) { ::schuler::test::expect_closed_solution<FRAME>(); }                     \
     TEST(ErrorModelOf##ID, IsTheDerivativeOfTheMechanization) { ::schuler::test::expect_derivative_of_mechanization<FRAME>(); } \
     TEST(ErrorModelOf##ID, IsTheGrowthInSimulation) { ::schuler::test::expect_growth_in_simulation<FRAME>(); }
 

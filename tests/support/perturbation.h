@@ -16,11 +16,11 @@ namespace schuler::test {
 
 /// A Jacobian at one point, the non-linear model that it belongs to, and how closely they must agree.
 struct LinearModel {
-    std::string where;         ///< the point, for messages
-    Eigen::MatrixXd analytic;  ///< rows: outputs, columns: errors of the state
+    std::string where;                                              ///< the point, for messages
+    Eigen::MatrixXd analytic;                                       ///< rows: outputs, columns: errors of the state
     std::function<Eigen::VectorXd(const Eigen::VectorXd&)> output;  ///< outputs for an error dx; output(0) need not be 0
-    Eigen::VectorXd step;       ///< size of the perturbation of each column, in its unit
-    Eigen::MatrixXd tolerance;  ///< largest accepted |analytic - numeric| of each entry
+    Eigen::VectorXd step;                                           ///< size of the perturbation of each column, in its unit
+    Eigen::MatrixXd tolerance;                                      ///< largest accepted |analytic - numeric| of each entry
 };
 
 /// Differences to the fourth order: central ones of two sizes, extrapolated. Error about step^4/30 of the fifth derivative.
@@ -74,14 +74,14 @@ inline bool register_jacobian(std::string name) {
 
 /// Defines test JacobianOf.ID for the models that the following body returns:
 ///     SCHULER_JACOBIAN(error_n, "ins.error_n") { std::vector<LinearModel> models; ...; return models; }
-#define SCHULER_JACOBIAN(ID, NAME)                                                                     \
-    static std::vector<::schuler::test::LinearModel> schuler_jacobian_##ID();                          \
-    [[maybe_unused]] static const bool schuler_registered_##ID = ::schuler::test::register_jacobian(NAME); \
-    TEST(JacobianOf, ID) {                                                                             \
-        const std::vector<::schuler::test::LinearModel> models = schuler_jacobian_##ID();              \
-        ASSERT_FALSE(models.empty());                                                                  \
+#define SCHULER_JACOBIAN(ID, NAME)                                                                          \
+    static std::vector<::schuler::test::LinearModel> schuler_jacobian_##ID();                               \
+    [[maybe_unused]] static const bool schuler_registered_##ID = ::schuler::test::register_jacobian(NAME);  \
+    TEST(JacobianOf, ID) {                                                                                  \
+        const std::vector<::schuler::test::LinearModel> models = schuler_jacobian_##ID();                   \
+        ASSERT_FALSE(models.empty());                                                                       \
         for (const ::schuler::test::LinearModel& model : models) ::schuler::test::expect_linearised(model); \
-    }                                                                                                  \
+    }                                                                                                       \
     static std::vector<::schuler::test::LinearModel> schuler_jacobian_##ID()
 
 }  // namespace schuler::test

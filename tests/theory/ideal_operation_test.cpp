@@ -33,8 +33,10 @@ TEST(IdealOperation, PrintedMatrixIsTheDerivative) {
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     for (int point = 0; point < 20; ++point) {
         Vector6 x;
+        // clang-format off
         x << 300.0 * unit(generator), 60.0 * unit(generator), 500.0 * unit(generator), 1e4 * (1.0 + unit(generator)),
             85.0 * units::deg * unit(generator), 3.0 * unit(generator);
+        // clang-format on
         const Eigen::Vector3d force{5.0 * unit(generator), 9.8 + unit(generator), 5.0 * unit(generator)};
         const Eigen::Vector3d inertial = C_nu<double>(x(lat), x(lon)).transpose() * force;  // what ideal attitude holds
         const Matrix6 A = error_dynamics(earth, x, force);

@@ -21,10 +21,12 @@ TEST(LevelDynamics, ReferenceState) {
     const Geodetic position{50.0 * units::deg, 0.0, 3000.0};
     const Matrix9 F = level_error_dynamics(earth, position, {150.0, -120.0, 8.0}, {1.0, 2.0, 9.8});
     const double R3 = 6371000.0;
+    // clang-format off
     const std::vector<std::tuple<int, int, double>> expected{
         {4, 2, -2.693096161e-9 * R3}, {5, 2, -3.542086254e-9 * R3}, {5, 4, -1.676401600e-4}, {6, 2, -1.066014226e-8 * R3},
         {6, 3, 3.079929641e-6}, {6, 4, 1.406667965e-4}, {1, 2, 4.337612493e-5}, {9, 2, 1.625513070e-11 * R3},
         {8, 2, -8.780167062e-12 * R3}, {9, 4, 1.863949218e-7}};
+    // clang-format on
     for (const auto& [i, j, value] : expected) EXPECT_NEAR(F(i - 1, j - 1), value, 1e-9 * std::abs(value)) << i << ", " << j;
 }
 

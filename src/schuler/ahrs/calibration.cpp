@@ -17,7 +17,7 @@ using Parameters = Eigen::Matrix<double, ellipsoid_parameters, 1>;
 using Information = Eigen::Matrix<double, ellipsoid_parameters, ellipsoid_parameters>;
 
 constexpr int iterations = 20;
-constexpr double outlier = 2.5;                  // sigma, beyond which a reading weighs less
+constexpr double outlier = 2.5;  // sigma, beyond which a reading weighs less
 
 Parameters parameters_of(const EllipsoidFit& f) {
     Parameters p;
@@ -31,7 +31,8 @@ void set(EllipsoidFit& f, const Parameters& p) {
 }
 
 /// Offset and radius of the sphere through the readings, the offset pulled to zero by the prior: |m|^2 = 2 m.o + (R^2 - o.o).
-std::optional<std::pair<Eigen::Vector3d, double>> sphere(const std::vector<Eigen::Vector3d>& points, const EllipsoidPrior& prior) {
+std::optional<std::pair<Eigen::Vector3d, double>> sphere(const std::vector<Eigen::Vector3d>& points,
+                                                         const EllipsoidPrior& prior) {
     double scale2 = 0.0;
     for (const Eigen::Vector3d& p : points) scale2 += p.squaredNorm() / static_cast<double>(points.size());
     if (!(scale2 > 0.0)) return std::nullopt;
@@ -98,7 +99,8 @@ std::optional<EllipsoidFit> fit_ellipsoid(std::span<const Eigen::Vector3d> readi
         for (const Eigen::Vector3d& p : points) {
             const SizeError e = size_error(fit, p);
             errors.push_back(std::abs(e.error));
-            const double weight = std::min(1.0, outlier * noise / std::max(errors.back(), 1e-12 * fit.size)) / (noise * noise * prior.alike);
+            const double weight =
+                std::min(1.0, outlier * noise / std::max(errors.back(), 1e-12 * fit.size)) / (noise * noise * prior.alike);
             N.noalias() += weight * e.H.transpose() * e.H;
             right -= weight * e.error * e.H.transpose();
         }

@@ -14,14 +14,14 @@
 
 namespace schuler::ahrs {
 
-inline constexpr int ellipsoid_parameters = 9;   ///< offset, then the gain's xx, yy, zz, xy, xz, yz
+inline constexpr int ellipsoid_parameters = 9;  ///< offset, then the gain's xx, yy, zz, xy, xz, yz
 
 /// What is known before any reading, one sigma.
 struct EllipsoidPrior {
-    double offset_std = 0.0;             ///< in the unit of the readings
-    double gain_std = 0.05;              ///< of each element, from the identity
-    double noise = 0.0;                  ///< of one reading's size, unit of the readings
-    double alike = 1.0;                  ///< neighbouring readings that tell no more than one
+    double offset_std = 0.0;  ///< in the unit of the readings
+    double gain_std = 0.05;   ///< of each element, from the identity
+    double noise = 0.0;       ///< of one reading's size, unit of the readings
+    double alike = 1.0;       ///< neighbouring readings that tell no more than one
 };
 
 /// true = gain * (measured - offset). The gain is symmetric: a rotation of the instrument's axes does not show in the size.
@@ -30,8 +30,8 @@ struct EllipsoidFit {
     Eigen::Matrix3d gain = Eigen::Matrix3d::Identity();
     Eigen::Matrix<double, ellipsoid_parameters, ellipsoid_parameters> covariance =
         Eigen::Matrix<double, ellipsoid_parameters, ellipsoid_parameters>::Zero();
-    double size = 0.0;                   ///< of the field, in the unit of the readings
-    double residual = 0.0;               ///< one sigma of the calibrated size, same unit
+    double size = 0.0;      ///< of the field, in the unit of the readings
+    double residual = 0.0;  ///< one sigma of the calibrated size, same unit
     std::size_t samples = 0;
 
     [[nodiscard]] Eigen::Vector3d apply(const Eigen::Vector3d& measured) const { return gain * (measured - offset); }

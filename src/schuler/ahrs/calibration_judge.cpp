@@ -18,20 +18,20 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int parts = 4;                         // the log in turns: stretches 0, 4, 8, ... are part 0
-constexpr double stretch = 8.0;                  // s
-constexpr std::size_t pieces = 8;                // and one after the other, in each of which a calibration has to hold
-constexpr double worse_piece = 1.2;              // of the mean square there
-constexpr double least_turning = 0.1e-6;         // T, by which it does not matter
-constexpr double clear_gain = 0.9;               // a quantity has improved where its mean square has fallen to this share
-constexpr double largest_offset_std = 1e-6;      // T; the filters find a hard iron of some 2 uT by themselves
-constexpr double tolerated = 1.02;               // and it is no worse below this
+constexpr int parts = 4;                     // the log in turns: stretches 0, 4, 8, ... are part 0
+constexpr double stretch = 8.0;              // s
+constexpr std::size_t pieces = 8;            // and one after the other, in each of which a calibration has to hold
+constexpr double worse_piece = 1.2;          // of the mean square there
+constexpr double least_turning = 0.1e-6;     // T, by which it does not matter
+constexpr double clear_gain = 0.9;           // a quantity has improved where its mean square has fallen to this share
+constexpr double largest_offset_std = 1e-6;  // T; the filters find a hard iron of some 2 uT by themselves
+constexpr double tolerated = 1.02;           // and it is no worse below this
 
 /// One magnetometer reading with what gyro and accelerometer say of it.
 struct Reading {
-    Vector3d field, next;                        // T; `next` some 0.2 s later
-    Matrix3d turn;                               // C of the later body axes from these, by the gyro
-    Vector3d down;                               // against the specific force; zero where that is not gravity
+    Vector3d field, next;  // T; `next` some 0.2 s later
+    Matrix3d turn;         // C of the later body axes from these, by the gyro
+    Vector3d down;         // against the specific force; zero where that is not gravity
     int part = 0;
 };
 
@@ -52,7 +52,8 @@ std::vector<Reading> readings_of(std::span<const ImuSample> imu, std::span<const
         const double span = (mag[m].time - mag[first].time).seconds();
         if (span < interval) continue;
         const Vector3d mean = force / span;
-        if (span < longest && q.coeffs().allFinite() && mean.allFinite() && mag[first].field_b.allFinite() && mag[m].field_b.allFinite()) {
+        if (span < longest && q.coeffs().allFinite() && mean.allFinite() && mag[first].field_b.allFinite() &&
+            mag[m].field_b.allFinite()) {
             Reading r{mag[first].field_b, mag[m].field_b, q.conjugate().toRotationMatrix(), Vector3d::Zero()};
             if (std::abs(mean.norm() - 9.8) < not_gravity) r.down = -mean.normalized();
             r.part = static_cast<int>((mag[first].time - mag.front().time).seconds() / stretch) % parts;
@@ -128,11 +129,12 @@ std::vector<Vector3d> fields_without(const std::vector<Reading>& readings, int p
 
 /// Readings of one attitude: directions within 20 deg of the first.
 std::vector<std::vector<Vector3d>> attitudes_of(const std::vector<Vector3d>& forces) {
-    constexpr double same = 0.94;                // cosine
+    constexpr double same = 0.94;  // cosine
     std::vector<std::vector<Vector3d>> out;
     for (const Vector3d& f : forces) {
         if (!f.allFinite() || f.isZero()) continue;
-        const auto found = std::ranges::find_if(out, [&](const auto& a) { return a.front().normalized().dot(f.normalized()) > same; });
+        const auto found =
+            std::ranges::find_if(out, [&](const auto& a) { return a.front().normalized().dot(f.normalized()) > same; });
         if (found == out.end()) {
             out.push_back({f});
         } else {
@@ -151,7 +153,7 @@ JudgedCalibration judge_magnetometer(std::span<const ImuSample> imu, std::span<c
     prior.offset_std = 50e-6;
     prior.gain_std = 0.05;
     prior.noise = 0.5e-6;
-    prior.alike = 10.0;                          // 2 s: places disturb for as long
+    prior.alike = 10.0;  // 2 s: places disturb for as long
     Disagreement before, after;
     for (int part = 0; part < parts; ++part) {
         const auto fit = fit_ellipsoid(fields_without(readings, part), size, prior);
@@ -173,7 +175,8 @@ JudgedCalibration judge_magnetometer(std::span<const ImuSample> imu, std::span<c
     bool better = false;
     for (const Quantity& q : quantities) {
         const double root = 100.0 / std::sqrt(static_cast<double>(parts));
-        shown += fmt::format("{}{} {:.2f} to {:.2f} %", shown.empty() ? "" : ", ", q.name, root * std::sqrt(q.before), root * std::sqrt(q.after));
+        shown += fmt::format("{}{} {:.2f} to {:.2f} %", shown.empty() ? "" : ", ", q.name, root * std::sqrt(q.before),
+                             root * std::sqrt(q.after));
         if (q.after > tolerated * q.before) worse = q.name;
         better = better || q.after < clear_gain * q.before;
     }
@@ -199,8 +202,9 @@ JudgedCalibration judge_magnetometer(std::span<const ImuSample> imu, std::span<c
     const auto calibrated = turning_by_pieces(readings, [&](const Vector3d& f) { return fit->apply(f); });
     for (std::size_t k = 0; k < pieces; ++k) {
         if (!(calibrated[k] > worse_piece * as_given[k] + least_turning * least_turning)) continue;
-        out.reason += fmt::format("; but in piece {} of {} of the log the turning got worse, {:.2f} to {:.2f} uT: did a magnet come or go?", k + 1,
-                                  pieces, std::sqrt(as_given[k]) / units::microtesla, std::sqrt(calibrated[k]) / units::microtesla);
+        out.reason +=
+            fmt::format("; but in piece {} of {} of the log the turning got worse, {:.2f} to {:.2f} uT: did a magnet come or go?",
+                        k + 1, pieces, std::sqrt(as_given[k]) / units::microtesla, std::sqrt(calibrated[k]) / units::microtesla);
         return out;
     }
     out.fit = fit;
@@ -243,8 +247,8 @@ JudgedCalibration judge_accelerometer(std::span<const ImuSample> imu, double gra
         after += std::pow(fit->apply(means[k]).norm() - gravity, 2);
     }
     const double n = static_cast<double>(means.size());
-    out.reason = fmt::format("held-out attitudes, {} of them: size of the force at rest off by {:.3f} to {:.3f} m/s^2 RMS", means.size(),
-                             std::sqrt(before / n), std::sqrt(after / n));
+    out.reason = fmt::format("held-out attitudes, {} of them: size of the force at rest off by {:.3f} to {:.3f} m/s^2 RMS",
+                             means.size(), std::sqrt(before / n), std::sqrt(after / n));
     if (after > clear_gain * before || before < n * prior.noise * prior.noise) {
         out.reason += after > clear_gain * before ? "; not better" : "; there is nothing to mend";
         return out;

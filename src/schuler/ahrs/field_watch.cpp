@@ -7,10 +7,10 @@
 namespace schuler::ahrs {
 namespace {
 
-constexpr double clearly = 3.0;                  // logarithm of the odds: 20 to 1
-constexpr double better = 1.0;                   // the same, of one explanation against the other
-constexpr double disturbed_long = 10.0;          // s, after which a magnet may have come or gone
-constexpr double longest = 120.0;                // s after which a magnet that came later would have shown
+constexpr double clearly = 3.0;          // logarithm of the odds: 20 to 1
+constexpr double better = 1.0;           // the same, of one explanation against the other
+constexpr double disturbed_long = 10.0;  // s, after which a magnet may have come or gone
+constexpr double longest = 120.0;        // s after which a magnet that came later would have shown
 
 HeadingSettings with_magnet(HeadingSettings settings) {
     settings.hard_iron_std = std::max(settings.hard_iron_std, settings.magnet_std);
@@ -57,7 +57,7 @@ void FieldWatch::close(HeadingChannel& heading, const Block& block, const Eigen:
         heading.adopt(magnet > place ? *magnet_ : *place_);
         ++(magnet > place ? counters.magnets : counters.recoveries);
     } else if (magnet_->hard_iron_std() > settings_.hard_iron_std && age_ < longest) {
-        return;                                  // undecided: it has not turned enough
+        return;  // undecided: it has not turned enough
     }
     place_.reset();
     magnet_.reset();

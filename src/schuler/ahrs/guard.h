@@ -18,11 +18,11 @@ struct InstrumentCount {
 
 struct Counters {
     InstrumentCount gyro, accel, field;
-    std::size_t gaps = 0;               ///< steps longer than GuardSettings::longest_step
-    std::size_t rest_blocks = 0;        ///< blocks at rest
-    std::size_t disturbed_blocks = 0;   ///< blocks whose field was taken for disturbed
-    std::size_t recoveries = 0;         ///< times the field was learnt anew
-    std::size_t magnets = 0;            ///< times a magnet was found on the sensor, or gone from it
+    std::size_t gaps = 0;              ///< steps longer than GuardSettings::longest_step
+    std::size_t rest_blocks = 0;       ///< blocks at rest
+    std::size_t disturbed_blocks = 0;  ///< blocks whose field was taken for disturbed
+    std::size_t recoveries = 0;        ///< times the field was learnt anew
+    std::size_t magnets = 0;           ///< times a magnet was found on the sensor, or gone from it
 };
 
 /// Judges the triples of one instrument in their order.

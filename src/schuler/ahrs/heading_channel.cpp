@@ -14,9 +14,9 @@ using S = HeadingState;
 
 constexpr double squared(double x) { return x * x; }
 
-constexpr double strongest_field = 70e-6;        // T, of the Earth; what a reading has beyond it is iron
+constexpr double strongest_field = 70e-6;  // T, of the Earth; what a reading has beyond it is iron
 constexpr double unknown_heading_variance = squared(std::numbers::pi) / 3.0;  // rad^2, uniform, until the field is seen
-constexpr double tail = 4.0;                     // degrees of freedom of the field's disturbances
+constexpr double tail = 4.0;                                                  // degrees of freedom of the field's disturbances
 constexpr double shortest_memory = 1e-3;
 constexpr double disturbed_level = 3.0;
 
@@ -87,7 +87,8 @@ void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
             h.head<2>() = estimate_.level_field / horizontal;
             estim::update_scalar<heading_states>(dx, P_, h, horizontal - settings_.known_field_n.head<2>().norm(), r);
         }
-        estim::update_scalar<heading_states>(dx, P_, HeadingVector::Unit(S::vertical), estimate_.vertical - settings_.known_field_n.z(), r);
+        estim::update_scalar<heading_states>(dx, P_, HeadingVector::Unit(S::vertical),
+                                             estimate_.vertical - settings_.known_field_n.z(), r);
         estimate_.correct(dx);
     }
     P_(S::place, S::place) = P_(S::place + 1, S::place + 1) = squared(settings_.place_std);
@@ -101,7 +102,8 @@ void HeadingChannel::pass(const Block& block) {
     estimate_.turn(turn.angle);
     turned_ += turn.angle;
     turn_row_ += turn.row;
-    noise_ += (squared(settings_.walk) + squared(tilt_.gyro_noise)) * dt + squared(settings_.turn_noise) * block.turned + squared(block.doubt);
+    noise_ += (squared(settings_.walk) + squared(tilt_.gyro_noise)) * dt + squared(settings_.turn_noise) * block.turned +
+              squared(block.doubt);
     duration_ += dt;
 }
 
@@ -109,14 +111,14 @@ void HeadingChannel::pass(const Block& block) {
 void HeadingChannel::propagate(TurningRows& A) {
     constexpr int n = S::turning;
     const double keep = std::exp(-duration_ / settings_.place_time);
-    Eigen::Matrix<double, n, 1> across;                        // d(states)/d(turn)
+    Eigen::Matrix<double, n, 1> across;  // d(states)/d(turn)
     across << estimate_.level_field.y(), -estimate_.level_field.x(), estimate_.place.y(), -estimate_.place.x();
     estimate_.place *= keep;
     const Eigen::Matrix2d R = Eigen::Rotation2Dd(-turned_).toRotationMatrix();
     A = across * turn_row_.transpose();
     A.middleCols<2>(S::level_field).topRows<2>() += R - Eigen::Matrix2d::Identity();
     A.middleCols<2>(S::place).bottomRows<2>() += keep * R - Eigen::Matrix2d::Identity();
-    if (forget_) {                               // levelled anew, w points anywhere
+    if (forget_) {  // levelled anew, w points anywhere
         A.setZero();
         A.leftCols<n>().diagonal().setConstant(-1.0);
         estimate_.place.setZero();
@@ -139,14 +141,15 @@ void HeadingChannel::propagate(TurningRows& A) {
 }
 
 void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Counters& counters, HeadingRecord* record) {
-    if (block.levelled) {                        // the samples gathered so far belong to a horizon that was none
+    if (block.levelled) {  // the samples gathered so far belong to a horizon that was none
         means_ = FieldMeans{};
         samples_ = 0;
         forget_ = true;
     }
     if (!started_) {
         // without a magnetometer the heading is the tilt channel's own, from zero
-        if (six_axis_) free_variance_ += squared(tilt_.gyro_noise) * block.duration + squared(settings_.turn_noise) * block.turned;
+        if (six_axis_)
+            free_variance_ += squared(tilt_.gyro_noise) * block.duration + squared(settings_.turn_noise) * block.turned;
         start(block, bias);
     } else {
         pass(block);
@@ -196,7 +199,8 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
         if (rest) factor *= settings_.rest_factor * std::max(1.0, block.rest_time / 5.0);
         const double r = squared(settings_.field_noise) * 2.0 * settings_.field_time / duration_ * factor;
         // the tilt error, with its memory, as white noise of the same effect on what is slower than it
-        const double memory = (1.0 + block.tilt_kept) / std::max(1.0 - block.tilt_kept, shortest_memory) * block.duration / duration_;
+        const double memory =
+            (1.0 + block.tilt_kept) / std::max(1.0 - block.tilt_kept, shortest_memory) * block.duration / duration_;
         const double tilt = squared(estimate_.vertical) * memory;
         measure(m.H.row(0).transpose(), m.innovation(0), r + tilt * block.P_tilt(1, 1));
         measure(m.H.row(1).transpose(), m.innovation(1), r + tilt * block.P_tilt(0, 0));

@@ -24,15 +24,16 @@ using TurningRows = Eigen::Matrix<double, HeadingState::turning, heading_states>
 
 /// What the smoother needs of one update: the transition since the update before and the scalars.
 struct HeadingRecord {
-    bool active = false;                         ///< there was an update; otherwise the block was only passed through
-    std::size_t block = 0;                       ///< of the tilt channel, at the end of which it was
+    bool active = false;                           ///< there was an update; otherwise the block was only passed through
+    std::size_t block = 0;                         ///< of the tilt channel, at the end of which it was
     TurningRows transition = TurningRows::Zero();  ///< rows of the states in w axes, less the identity
-    Eigen::Matrix<double, heading_states, 2> P_level = Eigen::Matrix<double, heading_states, 2>::Zero();  ///< columns of the covariance after the updates
-    Eigen::Vector2d path = Eigen::Vector2d::Zero();  ///< T, level field at the end of the block before the updates
+    Eigen::Matrix<double, heading_states, 2> P_level =
+        Eigen::Matrix<double, heading_states, 2>::Zero();  ///< columns of the covariance after the updates
+    Eigen::Vector2d path = Eigen::Vector2d::Zero();        ///< T, level field at the end of the block before the updates
     Eigen::Vector2d correction = Eigen::Vector2d::Zero();  ///< T, which the updates took off
     std::array<estim::ScalarUpdate<heading_states>, 6> updates;
     int count = 0;
-    bool field = false;                          ///< the last three of them are the magnetometer's
+    bool field = false;  ///< the last three of them are the magnetometer's
     /// In: what an earlier pass has found to be left of the field, squared, of what is expected; NaN: judged by the innovation.
     double disturbance = std::numeric_limits<double>::quiet_NaN();
 };
@@ -51,13 +52,13 @@ public:
     [[nodiscard]] double heading() const { return estimate_.heading() + settings_.declination; }
     /// The same as a rotation; kept, since it is wanted at every sample and changes once a block.
     [[nodiscard]] const Eigen::Quaterniond& q_nw() const { return q_nw_; }
-    [[nodiscard]] double variance() const;       ///< rad^2
+    [[nodiscard]] double variance() const;  ///< rad^2
     [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return estimate_.hard_iron; }
     [[nodiscard]] double horizontal_field() const { return estimate_.horizontal(); }
     [[nodiscard]] double vertical_field() const { return estimate_.vertical; }
     [[nodiscard]] double delay() const { return estimate_.delay; }
     [[nodiscard]] const HeadingEstimate& estimate() const { return estimate_; }
-    [[nodiscard]] double disturbance() const { return level_; }  ///< about 1 in an undisturbed field
+    [[nodiscard]] double disturbance() const { return level_; }            ///< about 1 in an undisturbed field
     [[nodiscard]] double disturbed_for() const { return disturbed_for_; }  ///< s
     /// T, one sigma of the hard iron in its worst known direction; and of what the last field left, unexplained.
     [[nodiscard]] double hard_iron_std() const;
@@ -87,11 +88,11 @@ private:
     bool started_ = false, forget_ = false;
     HeadingEstimate estimate_;
     HeadingMatrix P_ = HeadingMatrix::Zero();
-    FieldMeans means_;                                  ///< sums, until the update
+    FieldMeans means_;  ///< sums, until the update
     int samples_ = 0;
-    HeadingVector turn_row_ = HeadingVector::Zero();    ///< derivative of the turn since the last update
+    HeadingVector turn_row_ = HeadingVector::Zero();      ///< derivative of the turn since the last update
     double turned_ = 0.0, duration_ = 0.0, noise_ = 0.0;  ///< rad, s and rad^2, since then
-    double free_variance_ = 0.0;                        ///< rad^2, before a field was seen, or without one
+    double free_variance_ = 0.0;                          ///< rad^2, before a field was seen, or without one
     double level_ = 1.0, disturbed_for_ = 0.0, evidence_ = 0.0, unexplained_ = 0.0;
     Eigen::Quaterniond q_nw_ = Eigen::Quaterniond::Identity();
 };

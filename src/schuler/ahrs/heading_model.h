@@ -21,19 +21,20 @@ using HeadingMatrix = Eigen::Matrix<double, heading_states, heading_states>;
 
 /// Where a state stands. The matrices are stored by columns: element (r, c) at 3 c + r.
 struct HeadingState {
-    static constexpr int level_field = 0, place = 2, bias = 4, gyro_matrix = 7, hard_iron = 16, soft_iron = 19, vertical = 28, delay = 29;
-    static constexpr int turning = 4;            ///< the first, those in w axes, which turn with it
+    static constexpr int level_field = 0, place = 2, bias = 4, gyro_matrix = 7, hard_iron = 16, soft_iron = 19, vertical = 28,
+                         delay = 29;
+    static constexpr int turning = 4;  ///< the first, those in w axes, which turn with it
 };
 
 struct HeadingEstimate {
-    Eigen::Vector2d level_field = Eigen::Vector2d::Zero();      ///< T, w axes
-    Eigen::Vector2d place = Eigen::Vector2d::Zero();            ///< T, likewise
-    Eigen::Vector3d bias = Eigen::Vector3d::Zero();             ///< rad/s
-    Eigen::Matrix3d gyro_matrix = Eigen::Matrix3d::Zero();      ///< measured rate = (I + matrix) rate + bias
-    Eigen::Vector3d hard_iron = Eigen::Vector3d::Zero();        ///< T
-    Eigen::Matrix3d soft_iron = Eigen::Matrix3d::Zero();        ///< measured field = (I + matrix) field + hard iron
-    double vertical = 0.0;                                      ///< T, down
-    double delay = 0.0;                                         ///< s
+    Eigen::Vector2d level_field = Eigen::Vector2d::Zero();  ///< T, w axes
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();        ///< T, likewise
+    Eigen::Vector3d bias = Eigen::Vector3d::Zero();         ///< rad/s
+    Eigen::Matrix3d gyro_matrix = Eigen::Matrix3d::Zero();  ///< measured rate = (I + matrix) rate + bias
+    Eigen::Vector3d hard_iron = Eigen::Vector3d::Zero();    ///< T
+    Eigen::Matrix3d soft_iron = Eigen::Matrix3d::Zero();    ///< measured field = (I + matrix) field + hard iron
+    double vertical = 0.0;                                  ///< T, down
+    double delay = 0.0;                                     ///< s
 
     /// Takes an estimated error (estimate minus truth) off.
     void correct(const HeadingVector& dx);
@@ -48,9 +49,10 @@ struct HeadingEstimate {
 /// Means over the magnetometer samples of an update; all that is measured enters linearly.
 struct FieldMeans {
     Eigen::Matrix3d C_wb = Eigen::Matrix3d::Zero();
-    Eigen::Matrix<double, 3, 9> by_component = Eigen::Matrix<double, 3, 9>::Zero();  ///< T, C_wb times x, times y, times z of the field
-    Eigen::Vector3d sweep_w = Eigen::Vector3d::Zero();          ///< T/s, C_wb times (rate x field)
-    Eigen::Matrix3d C_rate = Eigen::Matrix3d::Zero();           ///< rad/s, C_wb times [rate x]
+    Eigen::Matrix<double, 3, 9> by_component =
+        Eigen::Matrix<double, 3, 9>::Zero();            ///< T, C_wb times x, times y, times z of the field
+    Eigen::Vector3d sweep_w = Eigen::Vector3d::Zero();  ///< T/s, C_wb times (rate x field)
+    Eigen::Matrix3d C_rate = Eigen::Matrix3d::Zero();   ///< rad/s, C_wb times [rate x]
 
     void add(const Eigen::Matrix3d& C, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b);
     void scale(double factor);
@@ -71,8 +73,8 @@ struct FieldMeasurement {
 
 /// By how much the heading changes over a block: what the strapdown turned too much about the vertical, with the sign turned.
 struct HeadingTurn {
-    double angle = 0.0;                                         ///< rad
-    HeadingVector row = HeadingVector::Zero();                  ///< its derivative by the states' errors
+    double angle = 0.0;                         ///< rad
+    HeadingVector row = HeadingVector::Zero();  ///< its derivative by the states' errors
 };
 [[nodiscard]] HeadingTurn heading_turn(const HeadingEstimate& estimate, const Block& block);
 

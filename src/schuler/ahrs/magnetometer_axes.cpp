@@ -20,14 +20,14 @@ constexpr double interval = 0.2, longest = 0.5;  // s between the readings that 
 constexpr double least_turned = 1.0;             // rad, root of the sum of squares of the changes of direction
 constexpr double clearly_worse = 1.3;            // what the others leave unexplained, times that of the best
 constexpr double least_evidence = 15.0;          // log of the ratio of likelihoods of the best and the others
-constexpr double alike = 10.0;                   // neighbouring pairs whose residuals tell no more than one: places disturb for seconds
+constexpr double alike = 10.0;  // neighbouring pairs whose residuals tell no more than one: places disturb for seconds
 constexpr double enough_explained = 0.5;
-constexpr double least_turn = 0.01;              // rad in an interval, below which it says nothing
+constexpr double least_turn = 0.01;  // rad in an interval, below which it says nothing
 
 /// Two readings and the turn between them by the gyro.
 struct Pair {
     Vector3d first, change;
-    Matrix3d turn;                               // C_b2b1 - I: what it does to a field fixed in space
+    Matrix3d turn;  // C_b2b1 - I: what it does to a field fixed in space
 };
 
 std::vector<Pair> pairs_of(std::span<const ImuSample> imu, std::span<const MagSample> mag) {
@@ -132,7 +132,7 @@ MagnetometerAxes recognise_axes(std::span<const ImuSample> imu, std::span<const 
     const double evidence = 1.5 * static_cast<double>(pairs.size()) / alike * std::log(second / best);
     if (second < clearly_worse * best || evidence < least_evidence || best > (1.0 - enough_explained) * capped) return out;
     const bool known = std::isfinite(field_down);
-    if (C.isIdentity() && !known) return out;    // all three turned round, or south of the equator
+    if (C.isIdentity() && !known) return out;  // all three turned round, or south of the equator
     const bool down = downward(imu, mag, C) > 0.0;
     out.C_bs = down == (!known || field_down > 0.0) ? C : Matrix3d(-C);
     out.swapped = !out.C_bs.isIdentity();

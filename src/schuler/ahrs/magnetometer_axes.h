@@ -15,10 +15,11 @@ namespace schuler::ahrs {
 struct MagnetometerAxes {
     /// field_b = C_bs * reading; every row and column has one entry, 1 or -1. Determinant -1: the readings are left-handed.
     Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();
-    bool swapped = false;            ///< C_bs is another than the identity, beyond doubt
-    bool sign_assumed = false;       ///< all three signs together do not show in the turning: the field was taken to point down
-    double explained = std::numeric_limits<double>::quiet_NaN();  ///< share of the field's changes that the gyro explains, with C_bs
-    double as_given = std::numeric_limits<double>::quiet_NaN();   ///< ... and with the axes as they are
+    bool swapped = false;       ///< C_bs is another than the identity, beyond doubt
+    bool sign_assumed = false;  ///< all three signs together do not show in the turning: the field was taken to point down
+    double explained =
+        std::numeric_limits<double>::quiet_NaN();  ///< share of the field's changes that the gyro explains, with C_bs
+    double as_given = std::numeric_limits<double>::quiet_NaN();  ///< ... and with the axes as they are
 };
 
 /// Compares all 24 orders and signs of axes, hard iron taken out of each; the readings negated turn just the same, so of each pair the

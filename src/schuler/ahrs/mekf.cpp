@@ -9,9 +9,9 @@
 namespace schuler::ahrs {
 namespace {
 
-constexpr double levelling = 0.1;                // s of specific force from which the first tilt is taken
-constexpr double not_gravity = 0.5;              // m/s^2, beyond what accelerometers are off by: the log begins in motion
-constexpr double turn_in_gap = 0.5;              // rad/s, by which the attitude may turn unseen
+constexpr double levelling = 0.1;    // s of specific force from which the first tilt is taken
+constexpr double not_gravity = 0.5;  // m/s^2, beyond what accelerometers are off by: the log begins in motion
+constexpr double turn_in_gap = 0.5;  // rad/s, by which the attitude may turn unseen
 
 }  // namespace
 
@@ -65,9 +65,7 @@ void Mekf::magnetometer(const Eigen::Vector3d& field_b) {
     heading_.gather(tilt_.q_wb().toRotationMatrix(), tilt_.rate_b(), field_b);
 }
 
-Eigen::Quaterniond Mekf::q_nb() const {
-    return heading_.q_nw() * tilt_.q_wb();
-}
+Eigen::Quaterniond Mekf::q_nb() const { return heading_.q_nw() * tilt_.q_wb(); }
 
 Eigen::Matrix3d Mekf::covariance_phi() const {
     const double c = std::cos(heading_.heading()), s = std::sin(heading_.heading());

@@ -3,9 +3,9 @@
 // after construction.
 #pragma once
 
+#include "schuler/ahrs/field_watch.h"
 #include "schuler/ahrs/guard.h"
 #include "schuler/ahrs/heading_channel.h"
-#include "schuler/ahrs/field_watch.h"
 #include "schuler/ahrs/settings.h"
 #include "schuler/ahrs/tilt_channel.h"
 
@@ -49,7 +49,7 @@ private:
     Counters counters_;
     Eigen::Vector3d last_rate_ = Eigen::Vector3d::Zero();
     Eigen::Vector3d start_force_ = Eigen::Vector3d::Zero();
-    double start_time_ = 0.0, start_turn_ = 0.0;   ///< s, rad
+    double start_time_ = 0.0, start_turn_ = 0.0;  ///< s, rad
 };
 
 }  // namespace schuler::ahrs

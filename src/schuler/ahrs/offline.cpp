@@ -12,18 +12,18 @@ namespace {
 
 /// A sample of the forward pass: where the strapdown stood, in which block it fell.
 struct Strapdown {
-    std::size_t sample;                          ///< of the IMU log
+    std::size_t sample;  ///< of the IMU log
     Eigen::Quaterniond q_wb;
     Eigen::Vector3d rate_b;
     std::size_t block;
-    float along;                                 ///< 0 to 1 through the block
+    float along;  ///< 0 to 1 through the block
 };
 
 /// Error of a channel's estimate (estimate minus smoothed) before and after each block's updates.
 struct Smoothed2 {
     Eigen::Vector2d before, after;
     Eigen::Vector2d std;
-    bool levelled = false;                       ///< has nothing to do with the block before
+    bool levelled = false;  ///< has nothing to do with the block before
 };
 struct Smoothed1 {
     double heading = 0.0, std = 0.0;
@@ -65,7 +65,8 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
         for (std::size_t k = first; k < f.strapdown.size(); ++k) f.strapdown[k].along = static_cast<float>(k - first + 1) / n;
         if (record.block.levelled) {
             // what was recorded of the block before it was levelled
-            for (std::size_t k = first; k + 1 < f.strapdown.size(); ++k) f.strapdown[k].q_wb = record.block.level * f.strapdown[k].q_wb;
+            for (std::size_t k = first; k + 1 < f.strapdown.size(); ++k)
+                f.strapdown[k].q_wb = record.block.level * f.strapdown[k].q_wb;
         }
         first = f.strapdown.size();
         f.tilt.push_back(record);
@@ -99,8 +100,8 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
 
 /// A forward pass of the heading channel over the smoothed tilt: where it stood at the end of each block, and its updates.
 struct HeadingPass {
-    std::vector<Eigen::Vector2d> path;           ///< T, the level field
-    std::vector<double> free_std;                ///< rad, of the heading of the filter
+    std::vector<Eigen::Vector2d> path;  ///< T, the level field
+    std::vector<double> free_std;       ///< rad, of the heading of the filter
     std::vector<HeadingRecord> updates;
 };
 
@@ -128,13 +129,14 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
     std::vector<Smoothed1> out(path.size());
     left.assign(pass.updates.size(), std::numeric_limits<double>::quiet_NaN());
     estim::Adjoint<heading_states> adjoint;
-    std::size_t next = path.size();              // block of the update after this one
+    std::size_t next = path.size();  // block of the update after this one
     double next_before = 0.0;
     // of the blocks from `from` until that update: the error goes from `after` to `next_before`
     const auto between = [&](std::size_t from, double after, double std) {
         const double change = math::wrap_pi(next_before - after);
         for (std::size_t b = from; b < next; ++b) {
-            const double along = next < path.size() ? static_cast<double>(b + 1 - from) / static_cast<double>(next - from + 1) : 0.0;
+            const double along =
+                next < path.size() ? static_cast<double>(b + 1 - from) / static_cast<double>(next - from + 1) : 0.0;
             out[b] = {heading_of(path[b]) + settings.declination - (after + along * change), std};
         }
     };
@@ -167,7 +169,7 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
         adjoint.lambda.noalias() += A.transpose() * lambda;
     }
     between(0, next_before, next < path.size() ? out[next].std : 0.0);
-    if (pass.updates.empty()) {                  // six axes: the heading is the gyro's own
+    if (pass.updates.empty()) {  // six axes: the heading is the gyro's own
         for (std::size_t b = 0; b < out.size(); ++b) out[b].std = pass.free_std[b];
     }
     return out;

@@ -62,7 +62,7 @@ void QuaternionFilter::update(const Eigen::Vector3d& measured_b, const Eigen::Ve
         const Eigen::Vector4d u = sigma_n(x_).col(2);  // the quaternion's tangent of a rotation about the vertical
         K = (u * (u.transpose() * K)).eval();
     } else {
-        K -= (x_ * (x_.transpose() * K)).eval();       // the norm is known: only rotations are corrected
+        K -= (x_ * (x_.transpose() * K)).eval();  // the norm is known: only rotations are corrected
     }
     const Eigen::Matrix4d rest = Eigen::Matrix4d::Identity() - K * H;
     x_ = (rest * x_).normalized();
@@ -107,7 +107,8 @@ void QuaternionFilter::magnetometer(const Eigen::Vector3d& field_b) {
         if (!(level > 1e-9 * field_n.norm())) return;
         const double r = settings_.field_std / settings_.horizontal_field, tilt = variance_about(0);
         const double tan_dip = field_n.z() / level;
-        start(Eigen::Quaterniond(Eigen::AngleAxisd(-std::atan2(field_n.y(), field_n.x()), Eigen::Vector3d::UnitZ())) * q_nb(), tilt, r * r);
+        start(Eigen::Quaterniond(Eigen::AngleAxisd(-std::atan2(field_n.y(), field_n.x()), Eigen::Vector3d::UnitZ())) * q_nb(),
+              tilt, r * r);
         leak_.heading_step(1.0, tan_dip, tilt);
         headed_ = true;
         return;

@@ -28,13 +28,13 @@ public:
 private:
     void start(const Eigen::Quaterniond& q_nb, double tilt_variance, double heading_variance);
     void update(const Eigen::Vector3d& measured_b, const Eigen::Vector3d& reference_n, double variance, bool heading_only);
-    [[nodiscard]] double variance_about(int axis) const;   ///< rad^2, of the small rotation about an axis of n, by P alone
+    [[nodiscard]] double variance_about(int axis) const;  ///< rad^2, of the small rotation about an axis of n, by P alone
 
     VectorFilterSettings settings_;
-    Eigen::Vector4d x_ = Eigen::Vector4d::UnitW();         ///< q_nb, vector part first as in the paper
+    Eigen::Vector4d x_ = Eigen::Vector4d::UnitW();  ///< q_nb, vector part first as in the paper
     Eigen::Matrix4d P_ = Eigen::Matrix4d::Identity();
     TiltLeak leak_;
-    bool levelled_ = false, headed_ = false;               ///< attitude, heading taken from the first readings
+    bool levelled_ = false, headed_ = false;  ///< attitude, heading taken from the first readings
 };
 
 }  // namespace schuler::ahrs

@@ -13,7 +13,7 @@ public:
 
     /// One sample (rad/s, m/s^2) over dt (s); no magnetic quantity enters.
     void feed(double dt, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& force_b) {
-        constexpr double block = 0.05;           // s; single samples are too noisy to show rest
+        constexpr double block = 0.05;  // s; single samples are too noisy to show rest
         rate_ += rate_b * dt;
         force_ += force_b * dt;
         duration_ += dt;
@@ -24,8 +24,8 @@ public:
             slow_force_ = force;
             watching_ = true;
         }
-        const bool quiet = (rate - slow_rate_).norm() < settings_.rate_change && (force - slow_force_).norm() < settings_.force_change &&
-                           slow_rate_.norm() < settings_.largest_rate;
+        const bool quiet = (rate - slow_rate_).norm() < settings_.rate_change &&
+                           (force - slow_force_).norm() < settings_.force_change && slow_rate_.norm() < settings_.largest_rate;
         const double gain = duration_ / (settings_.memory + duration_);
         slow_rate_ += gain * (rate - slow_rate_);
         slow_force_ += gain * (force - slow_force_);
@@ -41,7 +41,8 @@ public:
 private:
     RestSettings settings_;
     Eigen::Vector3d bias_ = Eigen::Vector3d::Zero(), rate_ = Eigen::Vector3d::Zero(), force_ = Eigen::Vector3d::Zero();
-    Eigen::Vector3d slow_rate_ = Eigen::Vector3d::Zero(), slow_force_ = Eigen::Vector3d::Zero(), turned_ = Eigen::Vector3d::Zero();
+    Eigen::Vector3d slow_rate_ = Eigen::Vector3d::Zero(), slow_force_ = Eigen::Vector3d::Zero(),
+                    turned_ = Eigen::Vector3d::Zero();
     double duration_ = 0.0, quiet_ = 0.0;
     bool watching_ = false;
 };

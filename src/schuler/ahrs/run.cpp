@@ -25,7 +25,8 @@ RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagS
     std::size_t m = 0;
     for (std::size_t i = 1; i < imu.size(); ++i) {
         const double dt = (imu[i].time - imu[i - 1].time).seconds();
-        const bool rate_known = gyro.usable(imu[i].gyro, out.counters.gyro), force_known = accel.usable(imu[i].accel, out.counters.accel);
+        const bool rate_known = gyro.usable(imu[i].gyro, out.counters.gyro),
+                   force_known = accel.usable(imu[i].accel, out.counters.accel);
         if (rate_known) rate = imu[i].gyro;
         if (dt > g.longest_step) ++out.counters.gaps;
         if (rate_known && force_known && dt > 0.0 && dt <= g.longest_step) rest.feed(dt, imu[i].gyro, imu[i].accel);
@@ -40,8 +41,7 @@ RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagS
         } else {
             q_nb = Eigen::Quaterniond(filter.C_nb());
         }
-        out.rows.push_back(
-            {imu[i].time, q_nb, filter.covariance_phi().diagonal().cwiseMax(0.0).cwiseSqrt(), rest.bias()});
+        out.rows.push_back({imu[i].time, q_nb, filter.covariance_phi().diagonal().cwiseMax(0.0).cwiseSqrt(), rest.bias()});
     }
     return out;
 }

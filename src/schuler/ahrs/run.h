@@ -20,32 +20,32 @@ struct AttitudeRow {
     Time time;
     Eigen::Quaterniond q_nb;
     Eigen::Vector3d std_phi;
-    Eigen::Vector3d gyro_bias;           ///< rad/s; that of the last rest for filters without that state
+    Eigen::Vector3d gyro_bias;  ///< rad/s; that of the last rest for filters without that state
 };
 
 /// Speed over ground along the body's x axis.
 struct SpeedSample {
     Time time;
-    double speed = 0.0;                  ///< m/s
-    double std = 0.5;                    ///< m/s
+    double speed = 0.0;  ///< m/s
+    double std = 0.5;    ///< m/s
 };
 
 struct RunSettings {
     FilterKind filter = FilterKind::Mekf;
-    bool offline = false;                ///< mekf: forward filter and backward smoother
+    bool offline = false;  ///< mekf: forward filter and backward smoother
     MekfSettings mekf;
-    VectorFilterSettings vector;         ///< of the others; field and noises as given
+    VectorFilterSettings vector;  ///< of the others; field and noises as given
 };
 
 /// What the heading channel has learnt, at the end.
 struct FieldFindings {
-    Eigen::Vector3d hard_iron_b = Eigen::Vector3d::Zero();    ///< T
-    double horizontal = 0.0, vertical = 0.0;                  ///< T
-    double delay = 0.0;                                       ///< s
+    Eigen::Vector3d hard_iron_b = Eigen::Vector3d::Zero();  ///< T
+    double horizontal = 0.0, vertical = 0.0;                ///< T
+    double delay = 0.0;                                     ///< s
 };
 
 struct RunResult {
-    std::vector<AttitudeRow> rows;       ///< one an IMU sample from where the filter has started
+    std::vector<AttitudeRow> rows;  ///< one an IMU sample from where the filter has started
     Counters counters;
     FieldFindings field;
 };

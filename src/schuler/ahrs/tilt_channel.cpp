@@ -8,13 +8,13 @@
 namespace schuler::ahrs {
 namespace {
 
-constexpr double start_tilt_std = 0.03;          // rad
-constexpr double moving_tilt_std = 0.15;          // rad, of a log that begins in motion: accelerations of 1.5 m/s^2
-constexpr double unknown_rate = 0.3;             // of the last known rate: how far a missing sample's rate may lie from it
-constexpr double unknown_force = 3.0;            // m/s^2, acceleration while the accelerometer is unusable
-constexpr double least_doubt = 1e-3;             // rad, less may have been missed at rest
-constexpr double linear_tilt = 0.3;              // rad; a tilt that is off by more is not an error but unknown
-constexpr double largest_tilt_variance = 1.0;    // rad^2
+constexpr double start_tilt_std = 0.03;        // rad
+constexpr double moving_tilt_std = 0.15;       // rad, of a log that begins in motion: accelerations of 1.5 m/s^2
+constexpr double unknown_rate = 0.3;           // of the last known rate: how far a missing sample's rate may lie from it
+constexpr double unknown_force = 3.0;          // m/s^2, acceleration while the accelerometer is unusable
+constexpr double least_doubt = 1e-3;           // rad, less may have been missed at rest
+constexpr double linear_tilt = 0.3;            // rad; a tilt that is off by more is not an error but unknown
+constexpr double largest_tilt_variance = 1.0;  // rad^2
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void TiltChannel::doubt(double angle) {
     block_.doubt += angle;
     if (angle > linear_tilt) {
         level_wanted_ = true;
-        const double doubt = block_.doubt;       // forces from before say nothing of the tilt after
+        const double doubt = block_.doubt;  // forces from before say nothing of the tilt after
         block_ = Block{};
         block_.doubt = doubt;
         samples_ = forces_ = 0;
@@ -93,7 +93,10 @@ void TiltChannel::watch_rest() {
 }
 
 TiltTransition::TiltTransition(const Block& block, double gravity)
-    : from_bias(block.C_wb.topRows<2>() * block.duration), levelled(block.levelled), g_dt(gravity * block.duration), dt(block.duration) {}
+    : from_bias(block.C_wb.topRows<2>() * block.duration),
+      levelled(block.levelled),
+      g_dt(gravity * block.duration),
+      dt(block.duration) {}
 
 TiltMatrix TiltTransition::matrix() const {
     TiltMatrix F = TiltMatrix::Identity();

@@ -7,8 +7,8 @@
 namespace schuler::ahrs {
 
 struct TiltLeak {
-    double variance = 0.0;                       ///< rad^2, of the heading error that came from the tilt
-    double covariance = 0.0;                     ///< rad^2, of that with the tilt error about north (phi, both)
+    double variance = 0.0;    ///< rad^2, of the heading error that came from the tilt
+    double covariance = 0.0;  ///< rad^2, of that with the tilt error about north (phi, both)
 
     /// The tilt error was corrected and grew anew: `keep` of the old one remains in it.
     void tilt_step(double keep) { covariance *= keep; }

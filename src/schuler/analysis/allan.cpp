@@ -41,7 +41,7 @@ void AllanDeviation::add(std::size_t at, double mean) {
         return;
     }
     const double pair = 0.5 * (level.half + mean);
-    if (at + 1 == levels_.size()) levels_.emplace_back();   // may move `level`
+    if (at + 1 == levels_.size()) levels_.emplace_back();  // may move `level`
     add(at + 1, pair);
 }
 

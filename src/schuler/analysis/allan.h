@@ -8,8 +8,8 @@
 namespace schuler::analysis {
 
 struct AllanPoint {
-    double tau = 0.0;                    ///< averaging time, s
-    double deviation = 0.0;              ///< units of the rate
+    double tau = 0.0;             ///< averaging time, s
+    double deviation = 0.0;       ///< units of the rate
     double relative_sigma = 0.0;  ///< of the deviation: 1 / sqrt(2 (N / m - 1)) for clusters of m among N samples [IEEE952:C]
 };
 
@@ -46,11 +46,11 @@ private:
 /// Deviation squared = 3 Q^2 / t^2 + N^2 / t + (2 ln 2 / pi) B^2 + K^2 t / 3 + R^2 t^2 / 2 [IEEE952:C], in units of the rate
 /// and s.
 struct AllanCoefficients {
-    double quantization = 0.0;  ///< Q, rate s
-    double white = 0.0;  ///< N, rate sqrt(s): angle or velocity random walk
+    double quantization = 0.0;      ///< Q, rate s
+    double white = 0.0;             ///< N, rate sqrt(s): angle or velocity random walk
     double bias_instability = 0.0;  ///< B, rate
-    double random_walk = 0.0;  ///< K, rate / sqrt(s)
-    double ramp = 0.0;  ///< R, rate / s
+    double random_walk = 0.0;       ///< K, rate / sqrt(s)
+    double ramp = 0.0;              ///< R, rate / s
 };
 
 /// Weighted least squares of the squares, each with its own relative sigma, no coefficient below zero: those that the points do

@@ -67,7 +67,7 @@ double squared_correlation_time(std::span<const double> x) {
 /// is twice the sum of the squared correlations of their components. Correlations are taken about zero, which is what a filter states:
 /// about the mean of the run, errors that hardly change in it would look independent.
 double effective_epochs(const std::vector<Eigen::Vector3d>& all) {
-    constexpr std::size_t enough = 5000;   // a longer series is thinned: correlation times are seconds and more
+    constexpr std::size_t enough = 5000;  // a longer series is thinned: correlation times are seconds and more
     const std::size_t stride = (all.size() + enough - 1) / enough;
     std::array<std::vector<double>, 3> axes;
     Eigen::Matrix3d C = Eigen::Matrix3d::Zero();

@@ -15,8 +15,8 @@ namespace schuler::analysis {
 /// Normalised estimation error squared (NEES) of a block of `dof` states over a run, as in summary.json.
 struct NeesStatistics {
     double mean = std::numeric_limits<double>::quiet_NaN();
-    double expected = std::numeric_limits<double>::quiet_NaN();   ///< dof
-    double low95 = std::numeric_limits<double>::quiet_NaN();      ///< two-sided 95 % bounds of the mean
+    double expected = std::numeric_limits<double>::quiet_NaN();  ///< dof
+    double low95 = std::numeric_limits<double>::quiet_NaN();     ///< two-sided 95 % bounds of the mean
     double high95 = std::numeric_limits<double>::quiet_NaN();
     double effective_samples = 0.0;  ///< number of independent samples worth as much as the correlated ones of the run
 };
@@ -41,18 +41,18 @@ struct ConsistencySummary {
 
 /// An innovation of `dof` <= 3 components as the filter met it.
 struct InnovationSample {
-    double nis = 0.0;                                                ///< normalised innovation squared
+    double nis = 0.0;  ///< normalised innovation squared
     int dof = 0;
     bool accepted = true;
-    Eigen::Vector3d standardised = Eigen::Vector3d::Zero();          ///< components divided by their predicted sigma
+    Eigen::Vector3d standardised = Eigen::Vector3d::Zero();  ///< components divided by their predicted sigma
 };
 
 /// The `nis` of one aid in summary.json. mean, dof and lag1 are of the accepted ones.
 struct NisStatistics {
     double mean = std::numeric_limits<double>::quiet_NaN();
-    double dof = std::numeric_limits<double>::quiet_NaN();           ///< mean number of components
+    double dof = std::numeric_limits<double>::quiet_NaN();  ///< mean number of components
     std::size_t accepted = 0, rejected = 0;
-    double lag1 = std::numeric_limits<double>::quiet_NaN();          ///< correlation of neighbours, about the mean of each axis
+    double lag1 = std::numeric_limits<double>::quiet_NaN();  ///< correlation of neighbours, about the mean of each axis
 };
 [[nodiscard]] NisStatistics nis_statistics(std::span<const InnovationSample> samples);
 

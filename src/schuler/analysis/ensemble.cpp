@@ -51,7 +51,7 @@ Bounds mean_bounds(double dof, double n) {
 EnsembleConsistency ensemble_consistency(const RunsByEpochs& values, double dof) {
     EnsembleConsistency out;
     out.expected = dof;
-    std::vector<double> runs;   // their means
+    std::vector<double> runs;  // their means
     Mean all, epochs;
     for (Eigen::Index r = 0; r < values.rows(); ++r) {
         Mean run;

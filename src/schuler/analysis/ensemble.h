@@ -26,12 +26,12 @@ struct Quantiles {
 
 /// NEES or NIS of blocks of `dof` states over runs that are independent of each other.
 struct EnsembleConsistency {
-    double mean = std::numeric_limits<double>::quiet_NaN();       ///< over runs and epochs
-    double expected = std::numeric_limits<double>::quiet_NaN();   ///< dof
-    double low95 = std::numeric_limits<double>::quiet_NaN();      ///< two-sided 95 % bounds of the mean
+    double mean = std::numeric_limits<double>::quiet_NaN();      ///< over runs and epochs
+    double expected = std::numeric_limits<double>::quiet_NaN();  ///< dof
+    double low95 = std::numeric_limits<double>::quiet_NaN();     ///< two-sided 95 % bounds of the mean
     double high95 = std::numeric_limits<double>::quiet_NaN();
-    double inside = std::numeric_limits<double>::quiet_NaN();     ///< share of epochs whose mean over the runs is in its own bounds
-    double worth = 0.0;                                           ///< independent epochs that a run is worth
+    double inside = std::numeric_limits<double>::quiet_NaN();  ///< share of epochs whose mean over the runs is in its own bounds
+    double worth = 0.0;                                        ///< independent epochs that a run is worth
 
     [[nodiscard]] bool in_band() const { return mean >= low95 && mean <= high95; }
 };

@@ -17,8 +17,7 @@ SolutionRow between(const earth::Earth& earth, const SolutionRow& a, const Solut
     const Eigen::Vector3d moved = earth::ned_difference(earth, b.position, a.position);
     // Cubic Hermite basis.
     const double s2 = s * s, s3 = s2 * s;
-    const Eigen::Vector3d here =
-        (s3 - 2.0 * s2 + s) * dt * a.v_eb_n + (3.0 * s2 - 2.0 * s3) * moved + (s3 - s2) * dt * b.v_eb_n;
+    const Eigen::Vector3d here = (s3 - 2.0 * s2 + s) * dt * a.v_eb_n + (3.0 * s2 - 2.0 * s3) * moved + (s3 - s2) * dt * b.v_eb_n;
     SolutionRow row;
     row.time = time;
     row.position = earth::moved_by_ned(earth, a.position, here);
@@ -34,8 +33,8 @@ SolutionRow between(const earth::Earth& earth, const SolutionRow& a, const Solut
 
 std::optional<SolutionRow> solution_at(const earth::Earth& earth, std::span<const SolutionRow> rows, Time time,
                                        Duration max_gap) {
-    const auto after = std::upper_bound(rows.begin(), rows.end(), time,
-                                        [](Time t, const SolutionRow& row) { return t < row.time; });
+    const auto after =
+        std::upper_bound(rows.begin(), rows.end(), time, [](Time t, const SolutionRow& row) { return t < row.time; });
     if (after == rows.begin()) return std::nullopt;
     const SolutionRow& a = *(after - 1);
     if (a.time == time) return a;
@@ -46,9 +45,8 @@ std::optional<SolutionRow> solution_at(const earth::Earth& earth, std::span<cons
 ErrorRow error_between(const earth::Earth& earth, const SolutionRow& estimate, const ReferenceSample& reference,
                        const Eigen::Vector3d& lever_arm_b) {
     const bool at_imu = lever_arm_b.isZero(0.0);
-    const Geodetic point =
-        at_imu ? estimate.position
-               : earth::moved_by_ned(earth, estimate.position, math::dcm_from_rpy(estimate.rpy) * lever_arm_b);
+    const Geodetic point = at_imu ? estimate.position
+                                  : earth::moved_by_ned(earth, estimate.position, math::dcm_from_rpy(estimate.rpy) * lever_arm_b);
     ErrorRow row;
     row.time = reference.time;
     row.position = earth::enu_from_ned(earth::ned_difference(earth, point, reference.position));
@@ -57,9 +55,9 @@ ErrorRow error_between(const earth::Earth& earth, const SolutionRow& estimate, c
     for (Eigen::Index i = 0; i < 3; ++i) row.rpy[i] = std::isnan(turned[i]) ? not_given : math::wrap_pi(turned[i]);
     row.std_position = earth::sigma_swapped(estimate.std_position);
     row.std_velocity = earth::sigma_swapped(estimate.std_velocity);
-    if (math::is_steep(estimate.rpy) && turned.allFinite()) {   // as their sigmas are
-        const Eigen::Vector3d turn =
-            math::rotation_vector_from_quaternion(math::quaternion_from_rpy(estimate.rpy) * math::quaternion_from_rpy(reference.rpy).conjugate());
+    if (math::is_steep(estimate.rpy) && turned.allFinite()) {  // as their sigmas are
+        const Eigen::Vector3d turn = math::rotation_vector_from_quaternion(math::quaternion_from_rpy(estimate.rpy) *
+                                                                           math::quaternion_from_rpy(reference.rpy).conjugate());
         row.rpy = math::attitude_error_from_phi(estimate.rpy) * -turn;
     }
     row.std_rpy = estimate.std_rpy;

@@ -18,18 +18,18 @@ namespace schuler::analysis {
 /// Estimate minus reference at an epoch of the reference. NaN components: the reference does not say.
 struct ErrorRow {
     Time time;
-    Eigen::Vector3d position;        ///< east, north, up, m
-    Eigen::Vector3d velocity;        ///< east, north, up, m/s
-    Eigen::Vector3d rpy;             ///< roll, pitch, heading, each in (-pi, pi], rad
-    Eigen::Vector3d std_position;    ///< one sigma the solution states, east, north, up, m
-    Eigen::Vector3d std_velocity;    ///< m/s
-    Eigen::Vector3d std_rpy;         ///< rad
+    Eigen::Vector3d position;      ///< east, north, up, m
+    Eigen::Vector3d velocity;      ///< east, north, up, m/s
+    Eigen::Vector3d rpy;           ///< roll, pitch, heading, each in (-pi, pi], rad
+    Eigen::Vector3d std_position;  ///< one sigma the solution states, east, north, up, m
+    Eigen::Vector3d std_velocity;  ///< m/s
+    Eigen::Vector3d std_rpy;       ///< rad
 };
 
 struct ErrorOptions {
-    Duration max_gap = Duration::from_seconds(2.0);            ///< no interpolation between rows further apart
-    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();     ///< where the reference position is, body axes from the IMU, m;
-                                                               ///< with a lever arm the velocity is not compared
+    Duration max_gap = Duration::from_seconds(2.0);         ///< no interpolation between rows further apart
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< where the reference position is, body axes from the IMU, m;
+                                                            ///< with a lever arm the velocity is not compared
 };
 
 /// The solution at a time between its rows (sorted by time): position by the cubic of both positions and velocities, velocity
@@ -49,8 +49,8 @@ struct ErrorOptions {
 /// Size of a scalar error over a run: NaN where there is nothing to count.
 struct Spread {
     double rms = std::numeric_limits<double>::quiet_NaN();
-    double p95 = std::numeric_limits<double>::quiet_NaN();    ///< of the absolute value, interpolated between ranks
-    double max = std::numeric_limits<double>::quiet_NaN();    ///< of the absolute value
+    double p95 = std::numeric_limits<double>::quiet_NaN();  ///< of the absolute value, interpolated between ranks
+    double max = std::numeric_limits<double>::quiet_NaN();  ///< of the absolute value
 };
 
 /// Spread of the numbers among the values (NaN are left out).
@@ -58,10 +58,10 @@ struct Spread {
 
 /// The `errors` of summary.json in SI units.
 struct ErrorSummary {
-    std::size_t epochs = 0;                              ///< counted rows
-    Spread east, north, up, horizontal, three_d;         ///< m
-    Spread v_east, v_north, v_up;                        ///< m/s
-    Spread roll, pitch, heading;                         ///< rad
+    std::size_t epochs = 0;                       ///< counted rows
+    Spread east, north, up, horizontal, three_d;  ///< m
+    Spread v_east, v_north, v_up;                 ///< m/s
+    Spread roll, pitch, heading;                  ///< rad
 };
 
 /// Statistics of the rows from `settled` on.

@@ -10,8 +10,7 @@ namespace {
 /// The solution at a time as it was before an update at that very time.
 std::optional<SolutionRow> solution_before_update(const earth::Earth& earth, std::span<const SolutionRow> rows, Time time,
                                                   Duration max_gap) {
-    const auto at = std::lower_bound(rows.begin(), rows.end(), time,
-                                     [](const SolutionRow& row, Time t) { return row.time < t; });
+    const auto at = std::lower_bound(rows.begin(), rows.end(), time, [](const SolutionRow& row, Time t) { return row.time < t; });
     const bool twice = at != rows.end() && at + 1 != rows.end() && at->time == time && (at + 1)->time == time;
     if (twice) return *at;
     if (at == rows.begin() || time - (at - 1)->time > max_gap) return std::nullopt;

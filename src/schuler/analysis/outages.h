@@ -21,21 +21,22 @@ struct OutageSpan {
 /// Error at one reference epoch of an outage.
 struct OutageError {
     Time time;
-    Eigen::Vector3d error;   ///< estimate minus reference, east, north, up, m
-    Eigen::Vector3d sigma;   ///< one sigma stated for it, m
+    Eigen::Vector3d error;  ///< estimate minus reference, east, north, up, m
+    Eigen::Vector3d sigma;  ///< one sigma stated for it, m
 };
 
 /// The `outages` of summary.json, m. NaN without a reference epoch.
 struct OutageStatistics {
     OutageSpan span;
     std::size_t epochs = 0;
-    std::size_t epochs_inside = 0;   ///< of them: north and east inside three sigma
+    std::size_t epochs_inside = 0;  ///< of them: north and east inside three sigma
     double end_horizontal = std::numeric_limits<double>::quiet_NaN();
     double max_horizontal = std::numeric_limits<double>::quiet_NaN();
-    double growth_horizontal = std::numeric_limits<double>::quiet_NaN();   ///< length of the change from the first epoch to the end
-    double end_vertical = std::numeric_limits<double>::quiet_NaN();   ///< absolute value
+    double growth_horizontal =
+        std::numeric_limits<double>::quiet_NaN();                    ///< length of the change from the first epoch to the end
+    double end_vertical = std::numeric_limits<double>::quiet_NaN();  ///< absolute value
     double max_3d = std::numeric_limits<double>::quiet_NaN();
-    bool inside_3sigma = false;      ///< north and east at every epoch
+    bool inside_3sigma = false;  ///< north and east at every epoch
 };
 
 /// Statistics of the errors of one outage in order of time, the last one being its end.

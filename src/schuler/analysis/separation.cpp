@@ -30,7 +30,8 @@ struct Count {
 
 }  // namespace
 
-std::vector<SeparationRow> separation(const earth::Earth& earth, std::span<const SolutionRow> forward, std::span<const SolutionRow> backward) {
+std::vector<SeparationRow> separation(const earth::Earth& earth, std::span<const SolutionRow> forward,
+                                      std::span<const SolutionRow> backward) {
     std::vector<SeparationRow> out;
     std::size_t i = 0;
     for (const SolutionRow& b : backward) {

@@ -13,9 +13,9 @@ namespace schuler::analysis {
 /// Forward minus backward; sigmas are the roots of the sums of both variances.
 struct SeparationRow {
     Time time;
-    Eigen::Vector3d position, std_position;   ///< north, east, down, m
-    Eigen::Vector3d velocity, std_velocity;   ///< m/s
-    Eigen::Vector3d rpy, std_rpy;             ///< roll, pitch, heading, each in (-pi, pi], rad
+    Eigen::Vector3d position, std_position;  ///< north, east, down, m
+    Eigen::Vector3d velocity, std_velocity;  ///< m/s
+    Eigen::Vector3d rpy, std_rpy;            ///< roll, pitch, heading, each in (-pi, pi], rad
 };
 
 /// At the times of both, in order.
@@ -25,13 +25,13 @@ struct SeparationRow {
 /// Of one component over a span: NaN where there is nothing to count.
 struct SeparationSpread {
     double rms = std::numeric_limits<double>::quiet_NaN();
-    double inside_3sigma = std::numeric_limits<double>::quiet_NaN();   ///< share of the epochs
+    double inside_3sigma = std::numeric_limits<double>::quiet_NaN();  ///< share of the epochs
 };
 
 struct SeparationSummary {
     std::size_t epochs = 0;
-    SeparationSpread north, east, up;   ///< m
-    SeparationSpread heading;           ///< rad
+    SeparationSpread north, east, up;  ///< m
+    SeparationSpread heading;          ///< rad
 };
 
 /// Of the rows from `from` to `to`.

@@ -40,7 +40,8 @@ TurnAgreement turn_agreement(std::span<const ImuSample> imu, std::size_t count, 
         if (now.n > 0.0 && before.n > 0.0 && now.at() - before.at() < longest) {
             TimedMean rate;
             for (; g < imu.size() && (imu[g].time - imu.front().time).seconds() <= now.at(); ++g) {
-                if (imu[g].gyro.allFinite() && (imu[g].time - imu.front().time).seconds() > before.at()) rate.add(0.0, imu[g].gyro);
+                if (imu[g].gyro.allFinite() && (imu[g].time - imu.front().time).seconds() > before.at())
+                    rate.add(0.0, imu[g].gyro);
             }
             const Eigen::Vector3d a = before.value(), b = now.value(), middle = 0.5 * (a + b);
             if (rate.n > 0.0 && middle.norm() > 0.0) {

@@ -22,14 +22,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* entry_file = "batch.json";   ///< in the folder of each data set that is done
+constexpr const char* entry_file = "batch.json";  ///< in the folder of each data set that is done
 
 /// A data set of the batch and what became of it.
 struct Entry {
     fs::path input;
-    std::string name;            ///< of its folder
+    std::string name;  ///< of its folder
     std::string failure;
-    std::string verdict;         ///< empty where it failed
+    std::string verdict;  ///< empty where it failed
     std::vector<std::string> reasons;
     Json numbers = Json::object();
 
@@ -43,7 +43,7 @@ struct Entry {
 struct Column {
     const char* key;
     const char* title;
-    const char* pointer;   ///< into summary.json
+    const char* pointer;  ///< into summary.json
 };
 constexpr std::array columns{Column{"duration_s", "duration, s", "/duration_s"},
                              Column{"horizontal_rms_m", "horizontal, m", "/errors/position_m/horizontal/rms"},
@@ -53,7 +53,8 @@ constexpr std::array columns{Column{"duration_s", "duration, s", "/duration_s"},
                              Column{"gnss_rejected", "fixes rejected", "/gnss/rejected"}};
 
 bool is_list(const fs::path& path) {
-    return fs::is_regular_file(path) && (path.extension() == ".txt" || path.extension() == ".list" || path.extension() == ".lst" || !path.has_extension());
+    return fs::is_regular_file(path) &&
+           (path.extension() == ".txt" || path.extension() == ".list" || path.extension() == ".lst" || !path.has_extension());
 }
 
 void add_from_list(const fs::path& list, std::vector<fs::path>& out) {
@@ -67,7 +68,8 @@ void add_from_list(const fs::path& list, std::vector<fs::path>& out) {
         const fs::path path = line.substr(begin);
         const fs::path whole = path.is_absolute() ? path : list.parent_path() / path;
         if (line.find('\0') != std::string::npos)
-            throw input_error("is no text", {.file = list.string(), .line = number}, "give a text file with the path of a data set in each line");
+            throw input_error("is no text", {.file = list.string(), .line = number},
+                              "give a text file with the path of a data set in each line");
         out.push_back(whole.lexically_normal());
     }
 }
@@ -94,7 +96,8 @@ std::vector<Entry> entries_of(const std::vector<std::string>& inputs) {
     for (const std::string& text : inputs) {
         const fs::path path = text;
         std::error_code ec;
-        if (!fs::exists(path, ec)) throw input_error("does not exist", {.file = text}, "give a list of data sets, data sets, or a folder of them");
+        if (!fs::exists(path, ec))
+            throw input_error("does not exist", {.file = text}, "give a list of data sets, data sets, or a folder of them");
         if (fs::is_directory(path)) {
             add_from_folder(path, paths);
         } else if (is_list(path)) {
@@ -103,12 +106,14 @@ std::vector<Entry> entries_of(const std::vector<std::string>& inputs) {
             paths.push_back(path);
         }
     }
-    if (paths.empty()) throw input_error("there is no data set in it", {.file = inputs.front()}, "give a text file with the path of a data set in each line");
+    if (paths.empty())
+        throw input_error("there is no data set in it", {.file = inputs.front()},
+                          "give a text file with the path of a data set in each line");
     std::vector<Entry> out;
     std::map<std::string, int> taken;
     std::set<fs::path> seen;
     for (const fs::path& path : paths) {
-        if (!seen.insert(fs::weakly_canonical(path)).second) continue;   // named twice
+        if (!seen.insert(fs::weakly_canonical(path)).second) continue;  // named twice
         Entry& entry = out.emplace_back();
         entry.input = path;
         fs::path named = path.filename().empty() ? path.parent_path() : path;
@@ -170,7 +175,9 @@ void process_entry(Entry& e, const BatchRequest& request, const fs::path& folder
     one.progress = {};
     try {
         take_summary(e, process_dataset(one).json);
-        report::write_text(folder / entry_file, Json{{"identity", identity}, {"entry", json_of(e)}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+        report::write_text(
+            folder / entry_file,
+            Json{{"identity", identity}, {"entry", json_of(e)}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     } catch (const Error& error) {
         e.failure = error.what();
     } catch (const std::bad_alloc&) {
@@ -182,7 +189,8 @@ std::string shown(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x)
 
 std::string escaped(const std::string& text) {
     std::string out;
-    for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
+    for (const char c : text)
+        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
     return out;
 }
 
@@ -196,7 +204,10 @@ std::string csv_cell(const std::string& text) {
 /// A path as part of a link.
 std::string link_to(const std::string& name) {
     std::string out;
-    for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) || std::string_view("-_.").find(c) != std::string_view::npos ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    for (const char c : name)
+        out += std::isalnum(static_cast<unsigned char>(c)) || std::string_view("-_.").find(c) != std::string_view::npos
+                   ? std::string(1, c)
+                   : fmt::format("%{:02X}", static_cast<unsigned char>(c));
     return out;
 }
 
@@ -229,14 +240,18 @@ std::string csv_of(const std::vector<Entry>& entries) {
 
 std::string html_of(const std::vector<Entry>& entries, const fs::path& folder) {
     std::string out =
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>Batch</title><style>body{font:15px sans-serif;margin:2em}"
-        "table{border-collapse:collapse}td,th{padding:.3em .8em;border-bottom:1px solid #ccc;text-align:right}td:nth-child(-n+2),th:nth-child(-n+2),"
-        "td:last-child,th:last-child{text-align:left}.bad{color:#b30000}.care{color:#8a5a00}</style></head><body>\n<h1>Data sets, worst first</h1>\n<table><tr><th>data set</th><th>verdict</th>";
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>Batch</title><style>body{font:15px "
+        "sans-serif;margin:2em}"
+        "table{border-collapse:collapse}td,th{padding:.3em .8em;border-bottom:1px solid "
+        "#ccc;text-align:right}td:nth-child(-n+2),th:nth-child(-n+2),"
+        "td:last-child,th:last-child{text-align:left}.bad{color:#b30000}.care{color:#8a5a00}</style></head><body>\n<h1>Data "
+        "sets, worst first</h1>\n<table><tr><th>data set</th><th>verdict</th>";
     for (const Column& c : columns) out += fmt::format("<th>{}</th>", c.title);
     out += "<th>why</th></tr>\n";
     for (const Entry& e : entries) {
         const bool report = e.failure.empty() && fs::exists(folder / e.name / "report.html");
-        out += report ? fmt::format("<tr><td><a href=\"{}/report.html\">{}</a></td>", link_to(e.name), escaped(e.name)) : fmt::format("<tr><td>{}</td>", escaped(e.name));
+        out += report ? fmt::format("<tr><td><a href=\"{}/report.html\">{}</a></td>", link_to(e.name), escaped(e.name))
+                      : fmt::format("<tr><td>{}</td>", escaped(e.name));
         out += fmt::format("<td class=\"{}\">{}</td>", e.rank() < 2 ? "bad" : e.rank() == 2 ? "care" : "good", word_of(e));
         for (const Column& c : columns) out += fmt::format("<td>{}</td>", shown(e.number(c.key)));
         out += fmt::format("<td>{}</td></tr>\n", escaped(why(e)));
@@ -251,9 +266,10 @@ report::Outcome process_batch(const BatchRequest& request) {
     report::Outcome out;
     out.folder = request.common.output.empty() ? fs::path("out/batch") : request.common.output;
     report::make_folder(out.folder);
-    report::write_text(out.folder / "batch.csv", csv_of({}));   // a folder that cannot be written is known before the work
+    report::write_text(out.folder / "batch.csv", csv_of({}));  // a folder that cannot be written is known before the work
     for_each_run(
-        entries.size(), request.jobs, [&](std::size_t k) { process_entry(entries[k], request, out.folder / entries[k].name); }, request.common.progress);
+        entries.size(), request.jobs, [&](std::size_t k) { process_entry(entries[k], request, out.folder / entries[k].name); },
+        request.common.progress);
     // Worst first: by the verdict, then by what the errors are, or what the data set says of itself.
     const auto badness = [](const Entry& e) {
         for (const char* key : {"horizontal_rms_m", "self_check_rms_m"})
@@ -271,9 +287,12 @@ report::Outcome process_batch(const BatchRequest& request) {
         unusable += e.rank() == 1 ? 1 : 0;
         if (!e.failure.empty()) out.warnings.push_back(fmt::format("{}: {}", e.name, e.failure));
     }
-    out.json = Json{{"datasets", entries.size()}, {"failed", failed}, {"do_not_use", unusable}, {"rows", list}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    out.json = Json{{"datasets", entries.size()}, {"failed", failed}, {"do_not_use", unusable}, {"rows", list}}.dump(
+                   2, ' ', false, Json::error_handler_t::replace) +
+               "\n";
     out.tables = table_of(entries);
-    for (const auto& [name, text] : {std::pair{"batch.csv", csv_of(entries)}, {"batch.json", out.json}, {"index.html", html_of(entries, out.folder)}})
+    for (const auto& [name, text] :
+         {std::pair{"batch.csv", csv_of(entries)}, {"batch.json", out.json}, {"index.html", html_of(entries, out.folder)}})
         report::write_text(out.files.emplace_back(out.folder / name), text);
     out.usable = failed + unusable == 0;
     out.verdict = fmt::format("{} data sets: {} failed, {} not to be used", entries.size(), failed, unusable);

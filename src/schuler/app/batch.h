@@ -10,10 +10,10 @@
 namespace schuler::app {
 
 struct BatchRequest {
-    settings::ProcessRequest common;   ///< its input is not used; its output is the folder of all
-    std::vector<std::string> inputs;   ///< lists (text files of paths), data sets, or folders of data sets
+    settings::ProcessRequest common;  ///< its input is not used; its output is the folder of all
+    std::vector<std::string> inputs;  ///< lists (text files of paths), data sets, or folders of data sets
     int jobs = 0;
-    bool resume = false;               ///< keep what an interrupted batch has finished
+    bool resume = false;  ///< keep what an interrupted batch has finished
 };
 
 /// @throws Error(Input) where there is no data set, or the folder cannot be written

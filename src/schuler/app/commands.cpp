@@ -93,8 +93,9 @@ inspect::InspectReport inspect_described(const fs::path& path, std::vector<Fact>
 bool is_described(const fs::path& path) {
     std::error_code ec;
     const auto extension = path.extension();
-    return fs::is_directory(path, ec) ? fs::exists(path / "dataset.toml", ec)
-                                      : fs::exists(path, ec) && (extension == ".toml" || extension == ".yaml" || extension == ".yml");
+    return fs::is_directory(path, ec)
+               ? fs::exists(path / "dataset.toml", ec)
+               : fs::exists(path, ec) && (extension == ".toml" || extension == ".yaml" || extension == ".yml");
 }
 
 }  // namespace
@@ -123,13 +124,14 @@ report::Outcome inspect_path(const fs::path& path, const fs::path& folder, const
     }
     report::Json findings = report::Json::array();
     for (const inspect::Finding& f : report.findings)
-        findings.push_back({{"key", f.key}, {"value", f.value}, {"confidence", report::json_number(f.confidence)}, {"why", f.why}});
+        findings.push_back(
+            {{"key", f.key}, {"value", f.value}, {"confidence", report::json_number(f.confidence)}, {"why", f.why}});
     const report::Json document{{"path", report.path},
-                        {"files", files},
-                        {"findings", findings},
-                        {"problems", problems_of(report.problems)},
-                        {"facts", report::facts_json(facts)},
-                        {"dataset_toml", report.dataset_toml}};
+                                {"files", files},
+                                {"findings", findings},
+                                {"problems", problems_of(report.problems)},
+                                {"facts", report::facts_json(facts)},
+                                {"dataset_toml", report.dataset_toml}};
     report::Outcome out;
     out.tables = inspect::describe(report);
     if (described) out.tables += "\n" + report::facts_table(facts, true);

@@ -22,22 +22,24 @@ namespace schuler::app {
 
 /// Writes the data set of a scenario. @throws Error
 [[nodiscard]] report::Outcome simulate_to_folder(const std::filesystem::path& scenario, const std::filesystem::path& folder,
-                                         std::optional<std::uint64_t> seed);
+                                                 std::optional<std::uint64_t> seed);
 
 /// Compares a solution with a reference. @throws Error(Input) where they have no time in common.
 [[nodiscard]] report::Outcome evaluate_files(const std::filesystem::path& solution, const std::filesystem::path& reference,
-                                     double settle);
+                                             double settle);
 
 /// --force: the files at the place where the results go (-o, or the second file of `convert`) may be overwritten whoever wrote them.
 /// @throws Error(Input) where the command was given no such place
 void allow_overwrite(const settings::SettingList& given);
 
 /// What is in a file or folder; as a page in `folder` too, where one is given.
-[[nodiscard]] report::Outcome inspect_path(const std::filesystem::path& path, const std::filesystem::path& folder = {}, const std::string& version = {});
+[[nodiscard]] report::Outcome inspect_path(const std::filesystem::path& path, const std::filesystem::path& folder = {},
+                                           const std::string& version = {});
 
 /// Solutions between formats. `format`: csv, kml or kf-gins; raw measurements (UBX, RTCM 3, RINEX) to rinex-obs or rinex-nav;
 /// empty: by the name of `out`. @throws Error(Input).
-[[nodiscard]] report::Outcome convert_file(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& format);
+[[nodiscard]] report::Outcome convert_file(const std::filesystem::path& in, const std::filesystem::path& out,
+                                           const std::string& format);
 
 /// The options of dataset.toml, --config and --set, or of scenario files, for people.
 [[nodiscard]] std::string settings_help(std::string_view prefix);

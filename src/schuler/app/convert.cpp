@@ -47,7 +47,7 @@ std::optional<report::Outcome> convert_streams(const fs::path& in, const fs::pat
     const io::StreamLog log = format->read(io::TextInput(where.file), warnings);
     if (!where.stream.empty() && log.find(where.stream) == nullptr) {
         io::LogFiles files;
-        (void)files.open(in, warnings);   // says which there are
+        (void)files.open(in, warnings);  // says which there are
     }
     report::Outcome outcome;
     std::error_code ec;
@@ -68,7 +68,8 @@ std::optional<report::Outcome> convert_streams(const fs::path& in, const fs::pat
 report::Outcome convert_file(const fs::path& in, const fs::path& out, const std::string& format) {
     std::error_code ec;
     if (fs::equivalent(in, out, ec))
-        throw input_error("is the file to be converted and the one to be written", {out.string(), 0, 0, {}}, "give the result another name");
+        throw input_error("is the file to be converted and the one to be written", {out.string(), 0, 0, {}},
+                          "give the result another name");
     if (!fs::is_directory(out, ec)) io::check_overwrite(out);
     if (auto raw = convert_raw(in, out, format)) return std::move(*raw);
     if (!fs::exists(io::stream_path(in).file, ec)) throw input_error("no such file", {in.string(), 0, 0, {}}, "check the path");
@@ -77,8 +78,11 @@ report::Outcome convert_file(const fs::path& in, const fs::path& out, const std:
     WarningLog warnings;
     const std::vector<SolutionRow> rows = dataset::read_trajectory(in, warnings);
     const bool holds_anything = wanted.name == "csv" || wanted.name == "hdf5" || wanted.name == "mat";
-    if (!holds_anything && std::ranges::none_of(rows, [](const SolutionRow& r) { return std::isfinite(r.position.lat) && std::isfinite(r.position.lon); }))
-        throw input_error(fmt::format("has no positions to write as {}", wanted.title), {in.string(), 0, 0, {}}, "write csv, hdf5 or mat");
+    if (!holds_anything && std::ranges::none_of(rows, [](const SolutionRow& r) {
+            return std::isfinite(r.position.lat) && std::isfinite(r.position.lon);
+        }))
+        throw input_error(fmt::format("has no positions to write as {}", wanted.title), {in.string(), 0, 0, {}},
+                          "write csv, hdf5 or mat");
     wanted.write(out, rows, in.stem().string());
     report::Outcome outcome;
     outcome.tables =

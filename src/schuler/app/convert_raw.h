@@ -13,6 +13,6 @@ namespace schuler::app {
 /// `format` is neither and the name of `out` does not end as such files do (.obs, .rnx, .YYo; .nav, .YYn and the like).
 /// @throws Error(Input): the input cannot be read or has nothing of the kind.
 [[nodiscard]] std::optional<report::Outcome> convert_raw(const std::filesystem::path& in, const std::filesystem::path& out,
-                                                 const std::string& format);
+                                                         const std::string& format);
 
 }  // namespace schuler::app

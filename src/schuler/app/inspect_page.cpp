@@ -45,7 +45,7 @@ std::vector<Bar> bars_of(const inspect::InspectReport& found) {
 
 /// Bars that lie near each other in time: clocks that have nothing in common are drawn apart.
 std::vector<std::vector<Bar>> clusters(std::vector<Bar> bars) {
-    constexpr double apart = 86'400.0;   // s
+    constexpr double apart = 86'400.0;  // s
     std::ranges::stable_sort(bars, {}, &Bar::start);
     std::vector<std::vector<Bar>> out;
     double end = -std::numeric_limits<double>::infinity();
@@ -54,7 +54,7 @@ std::vector<std::vector<Bar>> clusters(std::vector<Bar> bars) {
         end = std::max(out.back().size() > 0 ? end : b.stop, b.stop);
         out.back().push_back(b);
     }
-    for (auto& cluster : out)   // in the order in which they were found
+    for (auto& cluster : out)  // in the order in which they were found
         std::ranges::stable_sort(cluster, {}, [](const Bar& b) { return b.file; });
     return out;
 }
@@ -83,8 +83,8 @@ Panel bars_panel(const std::vector<Bar>& bars, const inspect::Motion& motion, do
         s.x.push_back(b.stop - zero);
         s.y.push_back(y);
         p.series.push_back(std::move(s));
-        p.row_names.emplace_back(y, fmt::format("{}: {}, {:.4g} Hz, {} rows, {} gap{}{}", f.path, f.kind, f.rate_hz, f.rows, f.gaps, f.gaps == 1 ? "" : "s",
-                                                f.chosen ? "" : " (not used)"));
+        p.row_names.emplace_back(y, fmt::format("{}: {}, {:.4g} Hz, {} rows, {} gap{}{}", f.path, f.kind, f.rate_hz, f.rows,
+                                                f.gaps, f.gaps == 1 ? "" : "s", f.chosen ? "" : " (not used)"));
         first = std::min(first, b.start), last = std::max(last, b.stop);
         y -= 1.0;
     }
@@ -104,8 +104,10 @@ void add_track(const inspect::Motion& m, double zero, report::Section& section) 
     track.time_axis = false;
     track.equal_axes = true;
     track.series.push_back({.name = "fixes", .x = m.east, .y = m.north, .ink = Ink::Blue});
-    track.series.push_back({.name = "first", .x = {m.east.front()}, .y = {m.north.front()}, .ink = Ink::Green, .mark = report::Mark::Squares});
-    track.series.push_back({.name = "last", .x = {m.east.back()}, .y = {m.north.back()}, .ink = Ink::Vermillion, .mark = report::Mark::Squares});
+    track.series.push_back(
+        {.name = "first", .x = {m.east.front()}, .y = {m.north.front()}, .ink = Ink::Green, .mark = report::Mark::Squares});
+    track.series.push_back(
+        {.name = "last", .x = {m.east.back()}, .y = {m.north.back()}, .ink = Ink::Vermillion, .mark = report::Mark::Squares});
     std::vector<double> t, speed;
     for (std::size_t i = 1; i < m.t.size(); ++i) {
         const double dt = m.t[i] - m.t[i - 1];
@@ -128,10 +130,12 @@ void add_track(const inspect::Motion& m, double zero, report::Section& section) 
 }
 
 report::Section findings_of(const inspect::InspectReport& found) {
-    report::TableBlock findings{.title = "", .columns = {"what", "value", "why"}, .rows = {}}, problems{.title = "", .columns = {"", "where", "what", "mend"}, .rows = {}};
+    report::TableBlock findings{.title = "", .columns = {"what", "value", "why"}, .rows = {}},
+        problems{.title = "", .columns = {"", "where", "what", "mend"}, .rows = {}};
     for (const inspect::Finding& f : found.findings) findings.rows.push_back({f.key, f.value, f.why});
     const auto add = [&](const std::string& where, const std::vector<inspect::Problem>& list) {
-        for (const inspect::Problem& p : list) problems.rows.push_back({std::string(inspect::name_of(p.level)), where, p.text, p.mend});
+        for (const inspect::Problem& p : list)
+            problems.rows.push_back({std::string(inspect::name_of(p.level)), where, p.text, p.mend});
     };
     add("", found.problems);
     for (const inspect::FileReport& f : found.files) add(f.path, f.problems);
@@ -142,14 +146,18 @@ report::Section findings_of(const inspect::InspectReport& found) {
 }
 
 report::Section files_of(const inspect::InspectReport& found) {
-    report::TableBlock table{.title = "", .columns = {"file or stream", "kind", "used", "rows", "rate, Hz", "from, s", "to, s", "gaps", "holds"}, .rows = {}};
+    report::TableBlock table{
+        .title = "",
+        .columns = {"file or stream", "kind", "used", "rows", "rate, Hz", "from, s", "to, s", "gaps", "holds"},
+        .rows = {}};
     report::TableBlock columns{.title = "", .columns = {"file or stream", "column: what it was taken for"}, .rows = {}};
     for (const inspect::FileReport& f : found.files) {
         std::string holds;
         for (const std::string& line : f.contents) holds += (holds.empty() ? "" : "; ") + line;
         const bool rows = f.rows > 0;
-        table.rows.push_back({f.path, f.kind, f.chosen ? "yes" : "", rows ? std::to_string(f.rows) : "", rows ? report::number(f.rate_hz) : "",
-                              rows ? fmt::format("{:.3f}", f.start_s) : "", rows ? fmt::format("{:.3f}", f.stop_s) : "", rows ? std::to_string(f.gaps) : "", holds});
+        table.rows.push_back({f.path, f.kind, f.chosen ? "yes" : "", rows ? std::to_string(f.rows) : "",
+                              rows ? report::number(f.rate_hz) : "", rows ? fmt::format("{:.3f}", f.start_s) : "",
+                              rows ? fmt::format("{:.3f}", f.stop_s) : "", rows ? std::to_string(f.gaps) : "", holds});
         for (const std::string& line : f.understood) columns.rows.push_back({f.path, line});
     }
     report::Section s{.title = "Files", .intro = "", .groups = {{.title = "", .panels = {}, .tables = {std::move(table)}}}};
@@ -172,7 +180,8 @@ report::ReportInput inspect_page(const inspect::InspectReport& found, const std:
         for (const Bar& b : bars) start = std::min(start, b.start);
         const bool fixes = !found.motion.t.empty() && found.motion.t.front() >= start - 1.0;
         if (fixes || !std::isfinite(zero)) zero = start;
-        time.groups.push_back({.title = fmt::format("from {:.3f} s", start), .panels = {bars_panel(bars, found.motion, start)}, .tables = {}});
+        time.groups.push_back(
+            {.title = fmt::format("from {:.3f} s", start), .panels = {bars_panel(bars, found.motion, start)}, .tables = {}});
     }
     if (time.groups.empty()) time.intro = "Nothing in it has times.";
     else if (time.groups.size() > 1) time.intro = "The clocks of these groups have nothing in common.";

@@ -13,7 +13,7 @@ namespace {
 
 // Measured on one core of 2024, simulation and filter together: examples/uav-mems.toml of one and of three hours.
 constexpr double seconds_per_sample = 4e-6, seconds_per_fix = 2e-5, seconds_per_range = 2e-6, bytes_per_sample = 420.0;
-constexpr double long_time = 20.0, much_memory = 2e9;   // s, bytes: what is said beforehand
+constexpr double long_time = 20.0, much_memory = 2e9;  // s, bytes: what is said beforehand
 
 const settings::Value* value_of(const settings::SettingList& given, std::string_view key) {
     const auto found = std::ranges::find(given, key, &settings::Setting::key);
@@ -43,17 +43,19 @@ std::string notice_of_size(const settings::SettingList& given) {
     try {
         const settings::ScenarioConfig scenario = scenario_of(given, *file->text());
         double runs = 1.0;
-        if (const settings::Value* asked = value_of(given, "runs"); asked != nullptr && asked->is_number()) runs = asked->number();
-        const double duration = scenario.sim.duration, samples = duration * scenario.sim.imu.rate, fixes = duration * scenario.sim.gnss.rate;
+        if (const settings::Value* asked = value_of(given, "runs"); asked != nullptr && asked->is_number())
+            runs = asked->number();
+        const double duration = scenario.sim.duration, samples = duration * scenario.sim.imu.rate,
+                     fixes = duration * scenario.sim.gnss.rate;
         const double ranges = 24.0 * duration * (scenario.ranging.rate + scenario.receiver_channels.rate);
         const double seconds = samples * seconds_per_sample + fixes * seconds_per_fix + ranges * seconds_per_range;
         const double bytes = (samples + fixes + ranges) * bytes_per_sample;
         if (seconds < long_time && bytes < much_memory) return {};
         return fmt::format("{:.2g} samples of the IMU, {:.2g} fixes{} a run: about {} {} and {:.1f} GB of memory", samples, fixes,
-                           ranges > 0.0 ? fmt::format(", {:.2g} ranges", ranges) : "", time_text(seconds), runs > 1.0 ? "each" : "on one core",
-                           bytes / 1e9);
+                           ranges > 0.0 ? fmt::format(", {:.2g} ranges", ranges) : "", time_text(seconds),
+                           runs > 1.0 ? "each" : "on one core", bytes / 1e9);
     } catch (const Error&) {
-        return {};   // the command itself says what is wrong
+        return {};  // the command itself says what is wrong
     }
 }
 

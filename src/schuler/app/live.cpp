@@ -21,11 +21,14 @@ report::Outcome run_live_config(const LiveRequest& request) {
     const live::LiveReport r = live::run_live(settings, {});
     report::Outcome out;
     // what goes to standard output is messages only
-    if (std::ranges::any_of(settings.outputs, [](const live::OutputSettings& o) { return o.to.medium == live::Medium::Standard; })) return out;
-    out.tables = fmt::format("{:.1f} s: {} samples of the IMU, {} fixes, {}; {} pieces of garbage, {} connections made anew, {} messages dropped\n"
-                             "from a sample's arrival to its message: median {} ms, 99.9 % {} ms\n",
-                             r.seconds, r.imu, r.fixes, live::name_of(r.phase), r.garbage, r.reconnections, r.dropped,
-                             report::table_cell(1e3 * r.latency_median), report::table_cell(1e3 * r.latency_999));
+    if (std::ranges::any_of(settings.outputs,
+                            [](const live::OutputSettings& o) { return o.to.medium == live::Medium::Standard; }))
+        return out;
+    out.tables = fmt::format(
+        "{:.1f} s: {} samples of the IMU, {} fixes, {}; {} pieces of garbage, {} connections made anew, {} messages dropped\n"
+        "from a sample's arrival to its message: median {} ms, 99.9 % {} ms\n",
+        r.seconds, r.imu, r.fixes, live::name_of(r.phase), r.garbage, r.reconnections, r.dropped,
+        report::table_cell(1e3 * r.latency_median), report::table_cell(1e3 * r.latency_999));
     return out;
 }
 
@@ -36,10 +39,11 @@ report::Outcome replay_dataset(const ReplayDatasetRequest& request) {
     WarningLog warnings;
     solution::LoadedDataset data = solution::load_dataset(dataset, config, warnings);
     solution::leave_out_chosen(data, warnings);
-    if (const auto C_imu_mag = settings::C_imu_mag(data.config))   // what the instrument itself said
+    if (const auto C_imu_mag = settings::C_imu_mag(data.config))  // what the instrument itself said
         for (MagSample& m : data.recording.mag) m.field_b = C_imu_mag->transpose() * m.field_b;
     report::Outcome out;
-    const std::size_t lines = live::replay(data.recording, {.to = to, .speed = request.speed, .progress = request.common.progress});
+    const std::size_t lines =
+        live::replay(data.recording, {.to = to, .speed = request.speed, .progress = request.common.progress});
     out.warnings = warnings.summary();
     if (to.medium != live::Medium::Standard) out.tables = fmt::format("{} samples sent to {}\n", lines, to.text);
     return out;

@@ -39,20 +39,21 @@ namespace fs = std::filesystem;
 bool only_written(const solution::LoadedDataset& data) {
     const settings::Config& c = data.config;
     const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
-    return c.scheme == settings::Scheme::Loose && !c.filter.smooth && !c.filter.backward && c.filter.output_lever_arm_b.isZero(0.0) && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
-           fusion::leg_starts(data.recording).size() < 2 &&
-           c.output.wants("solution") && std::ranges::none_of(c.output.files, needs_rows);
+    return c.scheme == settings::Scheme::Loose && !c.filter.smooth && !c.filter.backward &&
+           c.filter.output_lever_arm_b.isZero(0.0) && c.filter.output_rate == 0.0 && data.recording.reference.empty() &&
+           fusion::leg_starts(data.recording).size() < 2 && c.output.wants("solution") &&
+           std::ranges::none_of(c.output.files, needs_rows);
 }
 
 /// The run once more with these settings; false where the filter fails with them.
 bool repeated(solution::ResultBundle& bundle, fusion::Settings settings, const fusion::RowSink& rows) {
     settings.output_rate = solution::internal_rate(bundle.data);
-    WarningLog heard;   // already
-    fusion::Findings found = bundle.result.findings;   // is still what it was found from
+    WarningLog heard;                                 // already
+    fusion::Findings found = bundle.result.findings;  // is still what it was found from
     try {
         bundle.result = fusion::run_filter(bundle.data.recording, settings, heard, {}, rows);
     } catch (const Error& e) {
-        if (e.kind() == ErrorKind::Input) throw;   // the disk is full
+        if (e.kind() == ErrorKind::Input) throw;  // the disk is full
         return false;
     }
     found.in_force = bundle.result.findings.in_force;
@@ -69,10 +70,13 @@ bool check_itself(solution::ResultBundle& bundle, const fusion::RowSink& rows, W
     const bool widened = wider && repeated(bundle, *wider, rows);
     if (widened)
         warnings.add("self_check.widened",
-                     fmt::format("with fixes withheld the errors are larger than the sigmas: the noise of the gyros is taken {:.3g} times and that "
-                                 "of the accelerometers {:.3g} times as large (windows that had no part in it: {:.1f} % of the epochs inside three "
+                     fmt::format("with fixes withheld the errors are larger than the sigmas: the noise of the gyros is taken "
+                                 "{:.3g} times and that "
+                                 "of the accelerometers {:.3g} times as large (windows that had no part in it: {:.1f} % of the "
+                                 "epochs inside three "
                                  "sigma, {:.1f} % before)",
-                                 check.tried->gyro, check.tried->accel, 100.0 * check.coverage.epochs.share(), 100.0 * check.before->epochs.share()));
+                                 check.tried->gyro, check.tried->accel, 100.0 * check.coverage.epochs.share(),
+                                 100.0 * check.before->epochs.share()));
     if (wider && !widened) check.keep_as_it_was();
     check.seconds += solution::seconds_since(begin);
     solution::judge_fixes(check, bundle.result);
@@ -89,7 +93,7 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
     if (!doubt->refuted) {
         if (!repeated(bundle, doubt->settings, rows)) return false;
         filter.estimate_lever_arm = true;
-    } else {   // noise and latencies were found with the wrong one
+    } else {  // noise and latencies were found with the wrong one
         filter.estimate_lever_arm = true;
         filter.gnss.lever_arm_b = doubt->found_b;
         WarningLog heard;
@@ -110,12 +114,12 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
 
 /// From loaded data to files: the part that process and run share.
 report::Outcome finished(solution::ResultBundle& bundle, const settings::ProcessRequest& request, WarningLog& warnings,
-                 const fs::path& folder, std::chrono::steady_clock::time_point begin) {
+                         const fs::path& folder, std::chrono::steady_clock::time_point begin) {
     bundle.version = request.version;
     report::Outcome out;
     out.folder = request.folder_for(bundle.name);
     report::check_overwrite_of_outputs(out.folder);
-    std::unique_ptr<io::StagedFolder> stage;   // only when there is something to write: a run that cannot start leaves no folder
+    std::unique_ptr<io::StagedFolder> stage;  // only when there is something to write: a run that cannot start leaves no folder
     const auto folder_of_results = [&]() -> const fs::path& {
         if (!stage) stage = std::make_unique<io::StagedFolder>(out.folder);
         return stage->path();
@@ -130,7 +134,8 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     };
     const WarningLog before = warnings;
     solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, into(stream));
-    if (stream && fusion::may_realign(bundle.data.config.filter) && fusion::diverged_at(bundle.result)) {   // aligned anew only where its rows are not written yet
+    if (stream && fusion::may_realign(bundle.data.config.filter) &&
+        fusion::diverged_at(bundle.result)) {  // aligned anew only where its rows are not written yet
         stream.reset();
         warnings = before;
         solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, {});
@@ -151,7 +156,8 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     bundle.ignored = solution::ignored_of(bundle, asked);
     solution::warn_of_ignored(bundle.ignored, warnings);
     for (fusion::Trajectory* t : {&bundle.result.forward, &bundle.result.smoothed})
-        for (std::vector<SolutionRow>* rows : {&t->rows, &t->point}) *rows = report::decimated(std::move(*rows), bundle.data.config.filter.output_rate);
+        for (std::vector<SolutionRow>* rows : {&t->rows, &t->point})
+            *rows = report::decimated(std::move(*rows), bundle.data.config.filter.output_rate);
     solution::warn_of_events_outside(bundle, warnings);
     if (!bundle.evaluation.errors.empty() && bundle.evaluation.summary.epochs == 0) {
         warnings.add(
@@ -161,13 +167,14 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     }
     const fusion::Counters& n = bundle.result.counters;
     if (n.gnss_rejected > n.gnss_accepted || !bundle.result.findings.heading_found)
-        dataset::diagnose_imu_log(folder, bundle.data.config);   // navigation and fixes contradict each other
+        dataset::diagnose_imu_log(folder, bundle.data.config);  // navigation and fixes contradict each other
     if (n.gnss_rejected > n.gnss_accepted) {
-        warnings.add("gnss.rejected",
-                     fmt::format("{} of {} fixes disagree with the inertial navigation and were rejected: the units, axes or times of "
-                                 "the IMU log, or the lever arm, are probably wrong; do not trust this solution (`schuler inspect` "
-                                 "measures them)",
-                                 n.gnss_rejected, n.gnss_rejected + n.gnss_accepted));
+        warnings.add(
+            "gnss.rejected",
+            fmt::format("{} of {} fixes disagree with the inertial navigation and were rejected: the units, axes or times of "
+                        "the IMU log, or the lever arm, are probably wrong; do not trust this solution (`schuler inspect` "
+                        "measures them)",
+                        n.gnss_rejected, n.gnss_rejected + n.gnss_accepted));
     }
     bundle.warnings = warnings.summary();
     bundle.verdict = solution::verdict_of(solution::evidence_of(bundle, warnings));
@@ -201,10 +208,11 @@ report::Outcome process_dataset(const settings::ProcessRequest& request) {
     const bool satellites_only = std::ranges::any_of(over, [](const settings::Setting& s) {
         return s.key == "filter.scheme" && s.value.text() != nullptr && *s.value.text() == "gnss";
     });
-    const bool given_start = !request.config.empty() ||
-                             std::ranges::any_of(request.above, [](const settings::Setting& s) { return s.key == "initial.lat_deg"; });
-    const settings::Dataset dataset =
-        settings::open_dataset(request.input, given_start && !satellites_only ? dataset::Needs::Imu : dataset::Needs::ImuAndGnss, over);
+    const bool given_start = !request.config.empty() || std::ranges::any_of(request.above, [](const settings::Setting& s) {
+        return s.key == "initial.lat_deg";
+    });
+    const settings::Dataset dataset = settings::open_dataset(
+        request.input, given_start && !satellites_only ? dataset::Needs::Imu : dataset::Needs::ImuAndGnss, over);
     const settings::Config config = settings::config_from(dataset.settings);
     WarningLog warnings;
     solution::ResultBundle bundle;
@@ -241,8 +249,8 @@ report::Outcome simulate_to_folder(const fs::path& scenario, const fs::path& fol
 report::Outcome run_demonstration(const settings::ProcessRequest& request) {
     settings::ProcessRequest inner = request;
     const fs::path folder = request.output.empty() ? fs::path("out/demo") : request.output;
-    const settings::SettingList settings =
-        settings::scenario_table().read(settings::parse_toml(settings::built_in_scenario("demo"), "built-in demonstration"), "built-in demonstration");
+    const settings::SettingList settings = settings::scenario_table().read(
+        settings::parse_toml(settings::built_in_scenario("demo"), "built-in demonstration"), "built-in demonstration");
     scenario::write_dataset(scenario::simulate_dataset(settings::scenario_from(settings)), folder / "dataset");
     inner.input = folder / "dataset";
     inner.output = folder;

@@ -36,8 +36,8 @@ std::string default_of(const settings::OptionSpec& spec, const settings::Setting
 }
 
 std::string row(const std::string& name, const settings::OptionSpec& spec, const settings::SettingList& defaults) {
-    return fmt::format("| {} | {} | {} | {} | {} | {} |\n", code(name), cell(spec.unit), range_of(spec), default_of(spec, defaults),
-                       cell(spec.applies), cell(spec.help));
+    return fmt::format("| {} | {} | {} | {} | {} | {} |\n", code(name), cell(spec.unit), range_of(spec),
+                       default_of(spec, defaults), cell(spec.applies), cell(spec.help));
 }
 
 constexpr const char* head = "| option | unit | accepts | default | applies | what it is |\n|---|---|---|---|---|---|\n";
@@ -49,7 +49,8 @@ std::string name_on_the_line(const settings::OptionSpec& spec) {
     return value.empty() ? name : name + " " + value;
 }
 
-std::string of_keys(const std::string& title, const std::vector<settings::OptionSpec>& specs, const settings::SettingList& defaults) {
+std::string of_keys(const std::string& title, const std::vector<settings::OptionSpec>& specs,
+                    const settings::SettingList& defaults) {
     std::string out = fmt::format("\n## {}\n\n{}", title, head);
     for (const settings::OptionSpec& spec : specs) out += row(spec.key, spec, defaults);
     return out;
@@ -58,8 +59,10 @@ std::string of_keys(const std::string& title, const std::vector<settings::Option
 }  // namespace
 
 std::string option_reference() {
-    std::string out = "# Options\n\nMade by `schuler help --reference` of the tables that the program itself uses; a test compares them. Every command has\n"
-                      "`-q, --quiet`, `--force`, `--threads N` and `--version` besides.\n\n## Commands\n";
+    std::string out =
+        "# Options\n\nMade by `schuler help --reference` of the tables that the program itself uses; a test compares them. Every "
+        "command has\n"
+        "`-q, --quiet`, `--force`, `--threads N` and `--version` besides.\n\n## Commands\n";
     for (const Command& command : commands()) {
         if (!command.perform) continue;
         out += fmt::format("\n### schuler {}\n\n{}\n\n", command.name, command.purpose);
@@ -67,8 +70,10 @@ std::string option_reference() {
         out += head;
         for (const settings::OptionSpec& spec : command.options) out += row(name_on_the_line(spec), spec, command.defaults);
     }
-    out += of_keys("Keys of dataset.toml, --config and --set", settings::config_table().specs(), settings::config_table().used(settings::Config{}));
-    out += of_keys("Keys of scenario files", settings::scenario_table().specs(), settings::scenario_table().used(settings::ScenarioConfig{}));
+    out += of_keys("Keys of dataset.toml, --config and --set", settings::config_table().specs(),
+                   settings::config_table().used(settings::Config{}));
+    out += of_keys("Keys of scenario files", settings::scenario_table().specs(),
+                   settings::scenario_table().used(settings::ScenarioConfig{}));
     return out;
 }
 

@@ -24,7 +24,9 @@ namespace {
 /// Seconds after the first epoch. A data set's own axis is not there where only raw measurements are read.
 std::optional<double> after_first(const std::optional<settings::RunTime>& t, const char* key) {
     if (!t) return std::nullopt;
-    if (t->absolute) throw input_error("abs: needs the data set's own axis of time, which raw measurements do not have", {{}, 0, 0, key}, "give seconds after the first epoch");
+    if (t->absolute)
+        throw input_error("abs: needs the data set's own axis of time, which raw measurements do not have", {{}, 0, 0, key},
+                          "give seconds after the first epoch");
     return t->seconds;
 }
 
@@ -37,16 +39,22 @@ report::Outcome gnss_dataset(const SatellitesRequest& request) {
     const std::string name = config.name.empty() ? dataset.name : config.name;
     const dataset::ViewSpan span{after_first(config.run.start, "run.start_s"), after_first(config.run.stop, "run.stop_s")};
     if (span.start && span.stop && *span.stop <= *span.start)
-        throw input_error("the end is not after the start", {{}, 0, 0, "run.stop_s"}, "give a later --stop or an earlier --start");
+        throw input_error("the end is not after the start", {{}, 0, 0, "run.stop_s"},
+                          "give a later --stop or an earlier --start");
     report::Outcome out;
     out.notice = dataset.inferred_toml;
     out.folder = common.folder_for(name);
-    for (const char* file : {"gnss.csv", "satellites.csv", "residuals.csv", "carrier.csv", "report.html", "summary.json"}) io::check_overwrite(out.folder / file);
+    for (const char* file : {"gnss.csv", "satellites.csv", "residuals.csv", "carrier.csv", "report.html", "summary.json"})
+        io::check_overwrite(out.folder / file);
     WarningLog warnings;
     const dataset::SatelliteViews views =
         dataset::satellite_views(dataset.folder, config, span, request.missed_detection, common.progress, warnings);
-    const report::SatelliteReportInput input{.name = name, .version = common.version, .views = &views, .false_alarm = config.raw.solver.false_alarm,
-                                             .missed_detection = request.missed_detection, .warnings = warnings.summary()};
+    const report::SatelliteReportInput input{.name = name,
+                                             .version = common.version,
+                                             .views = &views,
+                                             .false_alarm = config.raw.solver.false_alarm,
+                                             .missed_detection = request.missed_detection,
+                                             .warnings = warnings.summary()};
     io::StagedFolder stage(out.folder);
     const auto write = [&](const char* file, const std::string& text) {
         report::write_text(stage.path() / file, text);
@@ -62,7 +70,8 @@ report::Outcome gnss_dataset(const SatellitesRequest& request) {
     stage.publish();
     out.tables = report::satellite_text(input);
     out.warnings = input.warnings;
-    out.usable = std::ranges::any_of(views.epochs, [](const gnss::EpochView& e) { return e.solution.status == gnss::SinglePointStatus::Solved; });
+    out.usable = std::ranges::any_of(
+        views.epochs, [](const gnss::EpochView& e) { return e.solution.status == gnss::SinglePointStatus::Solved; });
     if (!out.usable) out.verdict = "no epoch has a solution: satellites.csv says why of every satellite";
     return out;
 }

@@ -10,8 +10,8 @@ namespace schuler {
 /// An instant at which a user wants the solution: an exposure of a camera, a shot.
 struct NamedInstant {
     Time time;
-    std::string name;                ///< may be empty
-    long line = 0;                   ///< of its file
+    std::string name;  ///< may be empty
+    long line = 0;     ///< of its file
 };
 
 /// In order of time each; empty where there is no such instrument.

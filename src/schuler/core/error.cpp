@@ -5,7 +5,7 @@
 namespace schuler {
 namespace {
 
-std::string one_line(const std::string& what, const SourcePlace& place, const std::string& mend) {
+std::string one_line(const std::string& what, const SourcePlace& place, const std::string& hint) {
     std::string text;
     if (!place.file.empty()) {
         text += place.file;
@@ -17,17 +17,17 @@ std::string one_line(const std::string& what, const SourcePlace& place, const st
     if (place.column > 0) text += fmt::format("column {}{}", place.column, place.key.empty() ? ": " : " ");
     if (!place.key.empty()) text += fmt::format("{}: ", place.key);
     text += what;
-    if (!mend.empty()) text += fmt::format("; {}", mend);
+    if (!hint.empty()) text += fmt::format("; {}", hint);
     return text;
 }
 
 }  // namespace
 
-Error::Error(ErrorKind kind, std::string what, SourcePlace place, std::string mend)
-    : std::runtime_error(one_line(what, place, mend)),
+Error::Error(ErrorKind kind, std::string what, SourcePlace place, std::string hint)
+    : std::runtime_error(one_line(what, place, hint)),
       kind_(kind),
       reason_(std::move(what)),
       place_(std::move(place)),
-      mend_(std::move(mend)) {}
+      hint_(std::move(hint)) {}
 
 }  // namespace schuler

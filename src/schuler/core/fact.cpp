@@ -10,7 +10,8 @@ namespace {
 
 /// A key of an inline table: bare where TOML allows that.
 std::string key_text(const std::string& key) {
-    const bool bare = !key.empty() && std::ranges::all_of(key, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+    const bool bare =
+        !key.empty() && std::ranges::all_of(key, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
     return bare ? key : toml_text(key);
 }
 
@@ -50,12 +51,9 @@ std::string toml_text(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         const auto u = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\')
-            (out += '\\') += c;
-        else if (u < 0x20 || u == 0x7f)
-            out += fmt::format("\\u{:04X}", u);
-        else
-            out += c;
+        if (c == '"' || c == '\\') (out += '\\') += c;
+        else if (u < 0x20 || u == 0x7f) out += fmt::format("\\u{:04X}", u);
+        else out += c;
     }
     return out + "\"";
 }

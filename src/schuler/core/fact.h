@@ -20,12 +20,13 @@ using FactValue = std::variant<bool, double, std::string, std::vector<double>, s
                                std::map<std::string, std::string>, std::map<std::string, double>>;
 
 struct Fact {
-    std::string key;                  ///< of dataset.toml: "gnss.latency_s"
+    std::string key;  ///< of dataset.toml: "gnss.latency_s"
     FactValue value;
     Known how = Known::Found;
-    double sigma = not_given;         ///< one sigma in the unit of the key; NaN where there is none
-    double from = not_given, to = not_given;  ///< s after the first GNSS epoch: the span that shows it; NaN where that means nothing
-    std::string note;                 ///< the evidence, for people
+    double sigma = not_given;  ///< one sigma in the unit of the key; NaN where there is none
+    double from = not_given,
+           to = not_given;  ///< s after the first GNSS epoch: the span that shows it; NaN where that means nothing
+    std::string note;       ///< the evidence, for people
 };
 
 /// As TOML writes it: "frd", 0.12, [0, 0, 1], { height_m = "alt" }. Numbers in the fewest digits that read back the same.

@@ -28,12 +28,12 @@ struct NavStateEcef {
 /// One epoch of a solution as reported: state and one sigma of each component.
 struct SolutionRow {
     Time time;
-    Geodetic position;                     ///< of the IMU
-    Eigen::Vector3d v_eb_n;                ///< m/s
-    Eigen::Vector3d rpy;                   ///< roll, pitch, heading (0 to 2 pi), rad
-    Eigen::Vector3d std_position;          ///< north, east, down, m
-    Eigen::Vector3d std_velocity;          ///< north, east, down, m/s
-    Eigen::Vector3d std_rpy;               ///< rad
+    Geodetic position;             ///< of the IMU
+    Eigen::Vector3d v_eb_n;        ///< m/s
+    Eigen::Vector3d rpy;           ///< roll, pitch, heading (0 to 2 pi), rad
+    Eigen::Vector3d std_position;  ///< north, east, down, m
+    Eigen::Vector3d std_velocity;  ///< north, east, down, m/s
+    Eigen::Vector3d std_rpy;       ///< rad
 };
 
 }  // namespace schuler

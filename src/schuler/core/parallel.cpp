@@ -27,7 +27,7 @@ void for_each_run(std::size_t count, int jobs, const std::function<void(std::siz
                 if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
             }
         } catch (...) {
-            next = count;   // the others end the run they are at
+            next = count;  // the others end the run they are at
             const std::lock_guard<std::mutex> lock(mutex);
             if (!failure) failure = std::current_exception();
         }

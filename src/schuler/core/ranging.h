@@ -25,27 +25,27 @@ struct RangeSource {
 struct RangeSample {
     static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-    std::uint16_t source = 0;                    ///< index into RangingLog::sources
-    double pseudorange = none;                   ///< m, as received: clocks and delays included
-    double range_rate = none;                    ///< m/s, likewise
-    double std = none, std_rate = none;          ///< one sigma of the white part, m, m/s
+    std::uint16_t source = 0;            ///< index into RangingLog::sources
+    double pseudorange = none;           ///< m, as received: clocks and delays included
+    double range_rate = none;            ///< m/s, likewise
+    double std = none, std_rate = none;  ///< one sigma of the white part, m, m/s
     /// Where the rate is the change of a followed phase over the last `phase_span` s: one sigma of the phase at either end, m; none: it is not,
     /// and of now.
     double phase_std = none, phase_span = none;
-    bool phase_goes_on = false;                  ///< that span begins where the last rate of the source ended: the phase there is in both
-    double cn0 = none;                           ///< dB-Hz
-    Ecef tx{Eigen::Vector3d::Constant(none)};    ///< m
+    bool phase_goes_on = false;  ///< that span begins where the last rate of the source ended: the phase there is in both
+    double cn0 = none;           ///< dB-Hz
+    Ecef tx{Eigen::Vector3d::Constant(none)};                       ///< m
     Eigen::Vector3d tx_velocity = Eigen::Vector3d::Constant(none);  ///< m/s, relative to the Earth
-    double tx_clock = 0.0;                       ///< s, transmitter minus system time, hardware delays taken off
-    double tx_clock_rate = 0.0;                  ///< s/s
-    double frequency = 0.0;                      ///< Hz, of the carrier, for the ionosphere; 0: free of it
-    double variance = 0.0;                       ///< m^2, of orbit and clock
-    double noise = 1.0;                          ///< factor on the white sigma where none is stated, from combining signals
+    double tx_clock = 0.0;       ///< s, transmitter minus system time, hardware delays taken off
+    double tx_clock_rate = 0.0;  ///< s/s
+    double frequency = 0.0;      ///< Hz, of the carrier, for the ionosphere; 0: free of it
+    double variance = 0.0;       ///< m^2, of orbit and clock
+    double noise = 1.0;          ///< factor on the white sigma where none is stated, from combining signals
 };
 
 /// One epoch: a run of samples.
 struct RangeEpoch {
-    Time time;                                   ///< as the receiver's clock tells it
+    Time time;  ///< as the receiver's clock tells it
     std::size_t first = 0, count = 0;
 };
 

@@ -40,39 +40,39 @@ enum class FixType : std::uint8_t { None, Autonomous, Differential, RtkFixed, Rt
 /// One epoch of a GNSS receiver's solution at the antenna.
 struct GnssFix {
     Time time;
-    Geodetic position;                           ///< NaN members where absent
-    Eigen::Vector3d velocity_n = not_given3();   ///< north, east, down, m/s
-    Eigen::Vector3d std_position = not_given3(); ///< north, east, down, m, one sigma
-    Eigen::Vector3d std_velocity = not_given3(); ///< north, east, down, m/s, one sigma
+    Geodetic position;                            ///< NaN members where absent
+    Eigen::Vector3d velocity_n = not_given3();    ///< north, east, down, m/s
+    Eigen::Vector3d std_position = not_given3();  ///< north, east, down, m, one sigma
+    Eigen::Vector3d std_velocity = not_given3();  ///< north, east, down, m/s, one sigma
     FixType fix = FixType::Unknown;
     int satellites = -1;
-    double position_age = 0.0;       ///< s; the position is valid at time - position_age (0 unless the log says so)
-    double velocity_age = 0.0;       ///< s; likewise for the velocity
+    double position_age = 0.0;  ///< s; the position is valid at time - position_age (0 unless the log says so)
+    double velocity_age = 0.0;  ///< s; likewise for the velocity
 };
 
 struct BaroSample {
     Time time;
-    double height = not_given;       ///< m, barometric height (of whatever datum: its bias is a state)
-    double pressure = not_given;     ///< Pa, static pressure
+    double height = not_given;    ///< m, barometric height (of whatever datum: its bias is a state)
+    double pressure = not_given;  ///< Pa, static pressure
 };
 
 struct MagSample {
     Time time;
-    Eigen::Vector3d field_b;         ///< T, body axes (sensor axes until mounted)
+    Eigen::Vector3d field_b;  ///< T, body axes (sensor axes until mounted)
 };
 
 /// Speed of a wheeled vehicle over ground along its forward axis.
 struct OdometerSample {
     Time time;
-    double speed = not_given;        ///< m/s, backwards negative
-    double std = not_given;          ///< m/s, one sigma
+    double speed = not_given;  ///< m/s, backwards negative
+    double std = not_given;    ///< m/s, one sigma
 };
 
 /// Heading of the body's forward axis by a sensor of its own: two antennas, a gyrocompass.
 struct HeadingSample {
     Time time;
-    double heading = not_given;      ///< rad, clockwise from true north
-    double std = not_given;          ///< rad, one sigma
+    double heading = not_given;  ///< rad, clockwise from true north
+    double std = not_given;      ///< rad, one sigma
 };
 
 /// Heights by up to three gauges, m; NaN where one is not there.
@@ -92,7 +92,7 @@ struct ReferenceSample {
     Time time;
     Geodetic position{not_given, not_given, not_given};
     Eigen::Vector3d velocity_n = not_given3();
-    Eigen::Vector3d rpy = not_given3();          ///< roll, pitch, heading, rad
+    Eigen::Vector3d rpy = not_given3();  ///< roll, pitch, heading, rad
     bool movement = true;
 };
 

@@ -28,7 +28,8 @@ public:
     /// The others: asks process 0. One thread at a time.
     [[nodiscard]] virtual WorkSpan ask() = 0;
     /// The texts of all processes, combined in pairs; complete in process 0, empty elsewhere.
-    [[nodiscard]] virtual std::string combined(std::string mine, const std::function<std::string(std::string, std::string)>& combine) = 0;
+    [[nodiscard]] virtual std::string combined(std::string mine,
+                                               const std::function<std::string(std::string, std::string)>& combine) = 0;
     /// Waits until all are here.
     virtual void wait() = 0;
 };

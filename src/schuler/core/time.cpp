@@ -52,8 +52,11 @@ Calendar calendar_from_seconds(std::int64_t s, std::int64_t ns) {
         --days;
     }
     const std::chrono::year_month_day date = gps_epoch + std::chrono::days(days);
-    return {static_cast<int>(date.year()), static_cast<int>(static_cast<unsigned>(date.month())),
-            static_cast<int>(static_cast<unsigned>(date.day())), static_cast<int>(rest / 3600), static_cast<int>(rest % 3600 / 60),
+    return {static_cast<int>(date.year()),
+            static_cast<int>(static_cast<unsigned>(date.month())),
+            static_cast<int>(static_cast<unsigned>(date.day())),
+            static_cast<int>(rest / 3600),
+            static_cast<int>(rest % 3600 / 60),
             static_cast<double>(rest % 60) + static_cast<double>(ns) * 1e-9};
 }
 
@@ -63,7 +66,8 @@ Duration Duration::from_seconds(double s) { return {to_ns(s)}; }
 Time Time::from_seconds(double s) { return {to_ns(s)}; }
 
 Time Time::from_gps(int week, double seconds_of_week) {
-    constexpr std::int64_t last = INT64_MAX / ns_per_s, most_weeks = (last - 4'600'000'001) / s_per_week;   // what to_ns adds at most
+    constexpr std::int64_t last = INT64_MAX / ns_per_s,
+                           most_weeks = (last - 4'600'000'001) / s_per_week;  // what to_ns adds at most
     return {std::clamp<std::int64_t>(week, -most_weeks, most_weeks) * s_per_week * ns_per_s + to_ns(seconds_of_week)};
 }
 

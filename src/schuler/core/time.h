@@ -10,7 +10,8 @@ namespace schuler {
 struct Duration {
     std::int64_t ns = 0;
 
-    [[nodiscard]] static Duration from_seconds(double s);  ///< nearest nanosecond; at most +-4.6e9 s, so that two of them add up; 0 where s is not a number
+    [[nodiscard]] static Duration from_seconds(
+        double s);  ///< nearest nanosecond; at most +-4.6e9 s, so that two of them add up; 0 where s is not a number
     [[nodiscard]] double seconds() const { return static_cast<double>(ns) * 1e-9; }
     auto operator<=>(const Duration&) const = default;
 };

@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 /// Hourly files of one receiver as one log.
 gnss::ObservationLog joined(std::vector<gnss::ObservationLog> logs) {
-    std::ranges::stable_sort(logs, {}, [](const gnss::ObservationLog& l) { return l.epochs.empty() ? Time{INT64_MAX} : l.epochs.front().time; });
+    std::ranges::stable_sort(
+        logs, {}, [](const gnss::ObservationLog& l) { return l.epochs.empty() ? Time{INT64_MAX} : l.epochs.front().time; });
     gnss::ObservationLog out = std::move(logs.front());
     for (std::size_t i = 1; i < logs.size(); ++i) {
         const std::size_t before = out.observations.size();
@@ -32,15 +33,16 @@ gnss::ObservationLog joined(std::vector<gnss::ObservationLog> logs) {
     return out;
 }
 
-std::vector<gnss::ObservationLog> base_logs(const fs::path& folder, const Description& description, std::optional<Time> near, gnss::Navigation& navigation,
-                                            WarningLog& warnings) {
+std::vector<gnss::ObservationLog> base_logs(const fs::path& folder, const Description& description, std::optional<Time> near,
+                                            gnss::Navigation& navigation, WarningLog& warnings) {
     std::vector<gnss::ObservationLog> logs;
     for (const std::string& file : description.base.observations) {
         const fs::path path = resolved(folder, file, "base.observations");
         for (const std::string& rover : description.raw.observations) {
             std::error_code ec;
             if (fs::equivalent(path, resolved(folder, rover, "gnss.observations"), ec))
-                throw input_error("is the rover's own log too", {file, 0, 0, "base.observations"}, "name the log of the receiver at the known place");
+                throw input_error("is the rover's own log too", {file, 0, 0, "base.observations"},
+                                  "name the log of the receiver at the known place");
         }
         io::RawInput input = io::read_raw_input(path, near, warnings);
         navigation.add(input.navigation);
@@ -69,21 +71,25 @@ GnssFix fix_of(const ppk::EpochSolution& s) {
     fix.position = earth::geodetic_from_ecef(earth::wgs84, s.position);
     const Eigen::Matrix3d C_ne = earth::C_en(fix.position.lat, fix.position.lon).transpose();
     fix.std_position = (C_ne * s.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
-    constexpr double useful = 3.0;   // m/s: beyond, nothing but the supposed motion says it
+    constexpr double useful = 3.0;  // m/s: beyond, nothing but the supposed motion says it
     if (s.velocity.allFinite() && s.velocity_covariance.trace() < useful * useful) {
         fix.velocity_n = C_ne * s.velocity;
         fix.std_velocity = (C_ne * s.velocity_covariance * C_ne.transpose()).diagonal().cwiseSqrt();
     }
-    fix.fix = s.quality == ppk::Quality::Fixed ? FixType::RtkFixed : s.quality == ppk::Quality::Float ? FixType::RtkFloat : FixType::Autonomous;
+    fix.fix = s.quality == ppk::Quality::Fixed   ? FixType::RtkFixed
+              : s.quality == ppk::Quality::Float ? FixType::RtkFloat
+                                                 : FixType::Autonomous;
     fix.satellites = s.satellites;
     return fix;
 }
 
 void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings) {
-    const std::size_t fixed = s.count(ppk::Quality::Fixed), floating = s.count(ppk::Quality::Float), single = s.count(ppk::Quality::Single);
+    const std::size_t fixed = s.count(ppk::Quality::Fixed), floating = s.count(ppk::Quality::Float),
+                      single = s.count(ppk::Quality::Single);
     if (20 * (s.epochs.size() - fixed) > s.epochs.size())
-        warnings.add("base.solution", fmt::format("against {}: {} of {} epochs fixed, {} float, {} without the base; baseline up to {:.1f} km", base, fixed,
-                                              s.epochs.size(), floating, single, 1e-3 * s.longest_baseline));
+        warnings.add("base.solution",
+                     fmt::format("against {}: {} of {} epochs fixed, {} float, {} without the base; baseline up to {:.1f} km",
+                                 base, fixed, s.epochs.size(), floating, single, 1e-3 * s.longest_baseline));
     const std::size_t slips = s.rover_arcs.found() + s.base_arcs.found();
     if (slips > 0) warnings.add("base.slips", "cycle slips found that the receivers did not tell", slips);
 }
@@ -92,7 +98,8 @@ void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings)
 
 CarrierPhase carrier_phase(const fs::path& folder, const Description& description, WarningLog& warnings) {
     RawLogs rover = read_raw_logs(folder, description.raw, warnings);
-    const std::optional<Time> near = rover.logs.front().epochs.empty() ? std::nullopt : std::optional(rover.logs.front().epochs.front().time);
+    const std::optional<Time> near =
+        rover.logs.front().epochs.empty() ? std::nullopt : std::optional(rover.logs.front().epochs.front().time);
     const gnss::ObservationLog base = joined(base_logs(folder, description, near, rover.navigation, warnings));
     const auto source = satellites(folder, description.raw, rover.navigation, warnings);
     ppk::Input input;

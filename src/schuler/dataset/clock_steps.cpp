@@ -10,7 +10,7 @@ namespace {
 /// The first sample after the hole of a step.
 template <class Sample>
 std::optional<Time> end_of_hole(const std::vector<Sample>& log, const inspect::ClockStep& step) {
-    constexpr double same = 1e-3, about = 60.0;   // s: rows without values at the beginning were perhaps left out
+    constexpr double same = 1e-3, about = 60.0;  // s: rows without values at the beginning were perhaps left out
     std::optional<Time> end;
     double nearest = about;
     for (std::size_t i = 1; i < log.size(); ++i) {

@@ -1,7 +1,6 @@
 // The data files that are installed with the program, and the date of a data set.
 #pragma once
 
-
 #include "schuler/core/time.h"
 #include "schuler/dataset/description.h"
 

@@ -23,24 +23,24 @@ struct FileSource {
 
 struct TimeConfig {
     TimeScale scale = TimeScale::Gps;
-    std::optional<int> week;                     ///< GPS week of seconds of week
-    std::string date;                            ///< YYYY-MM-DD of seconds of day
+    std::optional<int> week;  ///< GPS week of seconds of week
+    std::string date;         ///< YYYY-MM-DD of seconds of day
 };
 
 /// Raw measurements of a receiver and how they become fixes.
 struct RawGnssConfig {
-    std::vector<std::string> observations;       ///< files; empty: there are none
+    std::vector<std::string> observations;  ///< files; empty: there are none
     std::vector<std::string> navigation;
     std::string precise;
     gnss::SinglePointSettings solver;
-    bool phase_velocity = false;                 ///< velocity from phases instead of Doppler
+    bool phase_velocity = false;  ///< velocity from phases instead of Doppler
 };
 
 /// A base station for carrier-phase positions.
 struct BaseConfig {
-    std::vector<std::string> observations;       ///< files; empty: there is no base
-    std::optional<Ecef> position;                ///< of its antenna; nothing: the header's
-    bool position_is_geodetic = true;            ///< as it was written
+    std::vector<std::string> observations;  ///< files; empty: there is no base
+    std::optional<Ecef> position;           ///< of its antenna; nothing: the header's
+    bool position_is_geodetic = true;       ///< as it was written
     ppk::Settings settings;
 };
 
@@ -50,17 +50,17 @@ enum class Quaternion { BodyToNed, SensorToEnu };
 struct Description {
     TimeConfig time;
     FileSource imu, gnss, baro, mag, odometer, heading, reference;
-    FileSource ranges;                           ///< [stations] file: pseudoranges to satellites and ground stations
-    double clock_drift = 0.0;                    ///< s/s by which the clock of the IMU and of what was logged with it runs fast
-    std::string station_coordinates;             ///< [stations] coordinates: places of the stations
+    FileSource ranges;                ///< [stations] file: pseudoranges to satellites and ground stations
+    double clock_drift = 0.0;         ///< s/s by which the clock of the IMU and of what was logged with it runs fast
+    std::string station_coordinates;  ///< [stations] coordinates: places of the stations
     RawGnssConfig raw;
     BaseConfig base;
-    std::string axes = "frd";                    ///< sensor axes of the IMU
-    std::string mag_axes;                        ///< of the magnetometer; empty: those of the IMU
+    std::string axes = "frd";  ///< sensor axes of the IMU
+    std::string mag_axes;      ///< of the magnetometer; empty: those of the IMU
     std::map<std::string, std::string> fix_codes;
-    std::optional<double> undulation;            ///< m, geoid above ellipsoid, for heights above mean sea level
+    std::optional<double> undulation;  ///< m, geoid above ellipsoid, for heights above mean sea level
     Quaternion quaternion = Quaternion::BodyToNed;
-    double sea_level_pressure = 101325.0;        ///< Pa, by which pressures of a barometer become heights
+    double sea_level_pressure = 101325.0;  ///< Pa, by which pressures of a barometer become heights
 };
 
 }  // namespace schuler::dataset

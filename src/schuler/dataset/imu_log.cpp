@@ -18,14 +18,15 @@ namespace fs = std::filesystem;
 void diagnose_imu_log(const fs::path& folder, const Description& description) {
     if (folder.empty() || description.imu.file.empty() || !description.imu.scale.empty()) return;
     const fs::path file = resolved(folder, description.imu.file, "imu.file");
-    for (const inspect::FileReport& report : inspect::inspect(file.parent_path()).files) {   // with the fixes to compare with
+    for (const inspect::FileReport& report : inspect::inspect(file.parent_path()).files) {  // with the fixes to compare with
         if (report.path != file.filename()) continue;
         for (const inspect::Problem& problem : report.problems)
             if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.mend);
     }
 }
 
-void check_gravity_shows(const std::vector<ImuSample>& imu, ImuKind kind, const fs::path& folder, const Description& description) {
+void check_gravity_shows(const std::vector<ImuSample>& imu, ImuKind kind, const fs::path& folder,
+                         const Description& description) {
     if (imu.size() < 100) return;
     std::vector<double> norms;
     const std::size_t stride = std::max<std::size_t>(1, imu.size() / 5000);

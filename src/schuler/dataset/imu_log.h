@@ -14,6 +14,7 @@ namespace schuler::dataset {
 void diagnose_imu_log(const std::filesystem::path& folder, const Description& description);
 
 /// The accelerometers must show gravity: a wrong unit is reported before a filter uses it. @throws Error(Input)
-void check_gravity_shows(const std::vector<ImuSample>& imu, ImuKind kind, const std::filesystem::path& folder, const Description& description);
+void check_gravity_shows(const std::vector<ImuSample>& imu, ImuKind kind, const std::filesystem::path& folder,
+                         const Description& description);
 
 }  // namespace schuler::dataset

@@ -10,6 +10,7 @@ namespace schuler::dataset {
 [[nodiscard]] std::string with_environment(const std::string& path, const std::string& key);
 
 /// A file that the settings name under `key`, from the data set's folder on. @throws Error(Input) as with_environment().
-[[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& folder, const std::string& file, const std::string& key);
+[[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& folder, const std::string& file,
+                                             const std::string& key);
 
 }  // namespace schuler::dataset

@@ -31,9 +31,8 @@ void place_transmitters(RangingLog& log, const std::vector<io::StationRow>& stat
         for (RangeSample m : log.of(e)) {
             const RangeSource& source = log.sources[m.source];
             if (source.station) {
-                const auto row = std::ranges::find_if(stations, [&](const io::StationRow& s) {
-                    return s.id == source.name || "ADSB-" + s.id == source.name;
-                });
+                const auto row = std::ranges::find_if(
+                    stations, [&](const io::StationRow& s) { return s.id == source.name || "ADSB-" + s.id == source.name; });
                 if (row != stations.end()) m.tx = earth::ecef_from_geodetic(earth::wgs84, row->position);
                 if (row != stations.end()) m.tx_velocity.setZero();
             } else if (!m.tx.r.allFinite() && orbits != nullptr) {
@@ -58,7 +57,9 @@ void place_transmitters(RangingLog& log, const std::vector<io::StationRow>& stat
         if (kept.count > 0) out.epochs.push_back(kept);
     }
     if (lost > 0)
-        warnings.add("stations.unknown", "ranges to sources whose place is not known (no tx columns, coordinates or navigation file): left out", lost);
+        warnings.add("stations.unknown",
+                     "ranges to sources whose place is not known (no tx columns, coordinates or navigation file): left out",
+                     lost);
     log = std::move(out);
 }
 
@@ -70,8 +71,7 @@ std::vector<io::StationRow> stations_from(const fs::path& folder, const Descript
     std::vector<io::StationRow> stations = io::stations_of(io::read_adsb(input, {}, warnings));
     const std::size_t all = stations.size();
     std::erase_if(stations, [](const io::StationRow& s) { return !std::isfinite(s.position.h); });
-    if (stations.size() < all)
-        warnings.add("stations.height", "stations that report no height: left out", all - stations.size());
+    if (stations.size() < all) warnings.add("stations.height", "stations that report no height: left out", all - stations.size());
     if (stations.empty())
         throw input_error("no station reports its place in this log of extended squitters",
                           {.file = d.station_coordinates, .line = 0, .column = 0, .key = {}},
@@ -181,7 +181,8 @@ private:
 
 }  // namespace
 
-RangeFixes fixes_from_ranges(const RangingLog& log, const std::optional<gnss::BroadcastIonosphere>& ionosphere, const gnss::SinglePointSettings& settings, double slow) {
+RangeFixes fixes_from_ranges(const RangingLog& log, const std::optional<gnss::BroadcastIonosphere>& ionosphere,
+                             const gnss::SinglePointSettings& settings, double slow) {
     const gnss::BroadcastSource nobody{gnss::Navigation{}};
     gnss::SinglePoint solver(nobody, ionosphere, settings);
     RangeFixes out;

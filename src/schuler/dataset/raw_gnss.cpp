@@ -58,8 +58,9 @@ void warn_of_contradictions(const gnss::Navigation& all, const gnss::Navigation&
 
 void warn_of_missing_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings) {
     if (raw.solver.ranges.ionosphere != gnss::IonosphereModel::Broadcast || ionosphere.klobuchar || ionosphere.beidou) return;
-    warnings.add("gnss.klobuchar", "no satellite's message has coefficients of the ionosphere: a mean one is taken off, and as much is in the "
-                                   "sigmas (gnss.ionosphere = \"dual\" needs none)");
+    warnings.add("gnss.klobuchar",
+                 "no satellite's message has coefficients of the ionosphere: a mean one is taken off, and as much is in the "
+                 "sigmas (gnss.ionosphere = \"dual\" needs none)");
 }
 
 GnssFix fix_from(const gnss::SinglePointSolution& s) {
@@ -82,7 +83,8 @@ RawLogs read_raw_logs(const fs::path& folder, const RawGnssConfig& raw, WarningL
     for (const std::string& file : raw.navigation)
         out.navigation.add(io::read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
     // the ephemerides date RTCM streams that have none of their own
-    const std::optional<Time> near = out.navigation.kepler.empty() ? std::nullopt : std::optional(out.navigation.kepler.front().toe);
+    const std::optional<Time> near =
+        out.navigation.kepler.empty() ? std::nullopt : std::optional(out.navigation.kepler.front().toe);
     for (const std::string& file : raw.observations) {
         io::RawInput input = io::read_raw_input(resolved(folder, file, "gnss.observations"), near, warnings);
         out.navigation.add(input.navigation);
@@ -100,8 +102,9 @@ std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig&
     const gnss::BroadcastIonosphere ionosphere = gnss::broadcast_ionosphere(navigation);
     warn_of_missing_ionosphere(ionosphere, raw, warnings);
     if (!raw.precise.empty() && raw.solver.ranges.ionosphere != gnss::IonosphereModel::Dual)
-        warnings.add("gnss.precise", "precise clocks hold for two frequencies: with one, group delays of up to some metres remain "
-                                     "(gnss.ionosphere = \"dual\" avoids them)");
+        warnings.add("gnss.precise",
+                     "precise clocks hold for two frequencies: with one, group delays of up to some metres remain "
+                     "(gnss.ionosphere = \"dual\" avoids them)");
     gnss::SinglePoint solver(*source, ionosphere, raw.solver);
     gnss::PhaseDifferences differences(*source, raw.solver.ranges);
     std::vector<GnssFix> fixes;

@@ -40,8 +40,8 @@ int rover_points(const fs::path& file) {
     const std::string type = marker_type(file);
     const auto is = [&](std::initializer_list<std::string_view> types) { return std::ranges::find(types, type) != types.end(); };
     // RINEX 3.04, table A2: types of moving carriers, and of monuments
-    if (is({"AIRBORNE", "SPACEBORNE", "GROUND_CRAFT", "WATER_CRAFT", "FLOATING_BUOY", "FLOATING_ICE", "GLACIER", "BALLISTIC", "ANIMAL",
-            "HUMAN", "NON_GEODETIC"}))
+    if (is({"AIRBORNE", "SPACEBORNE", "GROUND_CRAFT", "WATER_CRAFT", "FLOATING_BUOY", "FLOATING_ICE", "GLACIER", "BALLISTIC",
+            "ANIMAL", "HUMAN", "NON_GEODETIC"}))
         return 2;
     if (type == "GEODETIC") return -2;
     int points = 0;
@@ -65,12 +65,14 @@ RawObservations raw_observations(const fs::path& path) {
         const std::string name = entry.path().filename().string();
         if (format == io::RawFormat::RinexNavigation) navigation.push_back(name);
         if (format == io::RawFormat::RinexObservations) observations.push_back(name);
-        if (format == io::RawFormat::Ubx || format == io::RawFormat::Rtcm3 || format == io::RawFormat::Novatel) logs.push_back(name);
+        if (format == io::RawFormat::Ubx || format == io::RawFormat::Rtcm3 || format == io::RawFormat::Novatel)
+            logs.push_back(name);
     }
     for (auto* names : {&observations, &navigation, &logs}) std::ranges::sort(*names);
     const bool only_logs = observations.empty();
     if (observations.size() > 1)
-        std::ranges::stable_sort(observations, std::greater<>{}, [&](const std::string& name) { return rover_points(beside / name); });
+        std::ranges::stable_sort(observations, std::greater<>{},
+                                 [&](const std::string& name) { return rover_points(beside / name); });
     observations.insert(observations.end(), logs.begin(), logs.end());
     if (!folder) {
         const std::string own = path.filename().string();
@@ -96,9 +98,11 @@ RawObservations raw_observations(const fs::path& path) {
     }
     fact("filter.scheme", std::string("gnss"));
     out.dataset_toml += "[filter]\nscheme = \"gnss\"\n";
-    if (observations.size() > 1)   // which of them stood still at a known place only the user knows
-        out.dataset_toml += fmt::format("# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = {}\n",
-                                        toml_text(observations.back()));
+    if (observations.size() > 1)  // which of them stood still at a known place only the user knows
+        out.dataset_toml += fmt::format(
+            "# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = "
+            "{}\n",
+            toml_text(observations.back()));
     return out;
 }
 

@@ -10,8 +10,8 @@
 namespace schuler::dataset {
 
 struct RawObservations {
-    std::vector<Fact> facts;             ///< gnss.observations, gnss.navigation, filter.scheme; empty where there are none
-    std::string dataset_toml;            ///< the same as text, with the other files in comments
+    std::vector<Fact> facts;   ///< gnss.observations, gnss.navigation, filter.scheme; empty where there are none
+    std::string dataset_toml;  ///< the same as text, with the other files in comments
 };
 
 /// Of a folder, or of one file with the navigation files beside it; nothing where nothing has ephemerides. RINEX comes before logs of

@@ -32,7 +32,8 @@ io::CsvOptions csv_options(const FileSource& source, const Description& d, const
     return o;
 }
 
-void read_imu(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out, WarningLog& warnings) {
+void read_imu(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,
+              WarningLog& warnings) {
     if (d.imu.file.empty() && !reading.imu) return;
     if (d.imu.file.empty()) {
         throw input_error("no IMU file", {{}, 0, 0, "imu.file"},
@@ -49,7 +50,8 @@ void read_imu(const fs::path& folder, const Description& d, const Reading& readi
     out.imu_kind = table.kind;
 }
 
-void read_gnss(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out, WarningLog& warnings) {
+void read_gnss(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,
+               WarningLog& warnings) {
     const Duration offset = Duration::from_seconds(d.gnss.time_offset);
     if (!d.base.observations.empty() && d.gnss.file.empty()) {
         if (d.raw.observations.empty())
@@ -98,14 +100,17 @@ void read_gnss(const fs::path& folder, const Description& d, const Reading& read
     out.fix_height = table.height;
 }
 
-void read_others(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out, WarningLog& warnings) {
+void read_others(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,
+                 WarningLog& warnings) {
     if (!d.baro.file.empty()) {
-        out.recording.baro =
-            io::read_baro_csv(logs.open(resolved(folder, d.baro.file, "baro.file"), warnings), csv_options(d.baro, d, reading), warnings).samples;
+        out.recording.baro = io::read_baro_csv(logs.open(resolved(folder, d.baro.file, "baro.file"), warnings),
+                                               csv_options(d.baro, d, reading), warnings)
+                                 .samples;
     }
     if (!d.mag.file.empty()) {
-        out.recording.mag =
-            io::read_mag_csv(logs.open(resolved(folder, d.mag.file, "mag.file"), warnings), csv_options(d.mag, d, reading), warnings).samples;
+        out.recording.mag = io::read_mag_csv(logs.open(resolved(folder, d.mag.file, "mag.file"), warnings),
+                                             csv_options(d.mag, d, reading), warnings)
+                                .samples;
         if (reading.C_imu_mag)
             for (MagSample& m : out.recording.mag) m.field_b = *reading.C_imu_mag * m.field_b;
     }
@@ -117,19 +122,21 @@ void read_others(const fs::path& folder, const Description& d, const Reading& re
         out.recording.odometer =
             moved(io::read_odometer_csv(io::TextInput(resolved(folder, d.odometer.file, "odometer.file"))), d.odometer);
     if (!d.heading.file.empty())
-        out.recording.heading = moved(io::read_compass_csv(io::TextInput(resolved(folder, d.heading.file, "heading.file"))), d.heading);
+        out.recording.heading =
+            moved(io::read_compass_csv(io::TextInput(resolved(folder, d.heading.file, "heading.file"))), d.heading);
     if (!reading.gauges.empty())
         out.recording.gauges = io::read_gauges_csv(io::TextInput(resolved(folder, reading.gauges, "gauges.file")));
     if (!reading.log.empty())
         out.recording.body_velocity = io::read_log_csv(io::TextInput(resolved(folder, reading.log, "log.file")));
     if (!reading.compass.empty()) {
         if (!d.heading.file.empty())
-            throw input_error("there are two headings, of [heading] and of [compass]", {{}, 0, 0, "compass.file"}, "leave out one of them");
+            throw input_error("there are two headings, of [heading] and of [compass]", {{}, 0, 0, "compass.file"},
+                              "leave out one of them");
         out.recording.heading = io::read_compass_csv(io::TextInput(resolved(folder, reading.compass, "compass.file")));
     }
     if (!d.reference.file.empty()) {
-        out.recording.reference =
-            read_reference(logs.open(resolved(folder, d.reference.file, "reference.file"), warnings), csv_options(d.reference, d, reading), warnings);
+        out.recording.reference = read_reference(logs.open(resolved(folder, d.reference.file, "reference.file"), warnings),
+                                                 csv_options(d.reference, d, reading), warnings);
     }
 }
 

@@ -18,17 +18,17 @@ namespace schuler::dataset {
 
 /// What reading asks for beside the description.
 struct Reading {
-    bool imu = true;                                              ///< false: it may do without an IMU log
-    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();           ///< sensor axes of the IMU to body axes, mounting included
-    std::optional<Eigen::Matrix3d> C_imu_mag;                     ///< axes of the magnetometer to those of the IMU, where they differ
-    std::string gauges, log, compass;                             ///< files of instruments of a survey; empty: none
+    bool imu = true;                                     ///< false: it may do without an IMU log
+    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes of the IMU to body axes, mounting included
+    std::optional<Eigen::Matrix3d> C_imu_mag;            ///< axes of the magnetometer to those of the IMU, where they differ
+    std::string gauges, log, compass;                    ///< files of instruments of a survey; empty: none
 };
 
 /// What the files hold, and what they state of it.
 struct ReadFiles {
     Recording recording;
-    CarrierPhase carrier;                                         ///< whose fixes are those of the recording, where there is a base
-    std::optional<ImuKind> imu_kind;                              ///< nothing without an IMU log
+    CarrierPhase carrier;             ///< whose fixes are those of the recording, where there is a base
+    std::optional<ImuKind> imu_kind;  ///< nothing without an IMU log
     io::HeightKind fix_height = io::HeightKind::Unstated;
 };
 

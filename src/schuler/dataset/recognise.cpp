@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
     std::error_code ec;
     const fs::path folder = fs::is_directory(path, ec) ? path : path.parent_path();
     for (const inspect::FileReport& file : report.files) {
-        const bool unread = file.rows == 0 && file.contents.empty();   // of a format that is known, and damaged
+        const bool unread = file.rows == 0 && file.contents.empty();  // of a format that is known, and damaged
         if (file.chosen || (file.kind != "unknown" && file.kind != kind && !unread)) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Info) continue;
@@ -33,7 +33,8 @@ namespace fs = std::filesystem;
     const bool imu = kind == "imu";
     const auto trajectory = std::ranges::find(report.files, "trajectory", &inspect::FileReport::kind);
     if (imu && trajectory != report.files.end())
-        throw input_error("is a trajectory (attitude and position), no log of an IMU", {(folder / trajectory->path).string(), 0, 0, {}},
+        throw input_error("is a trajectory (attitude and position), no log of an IMU",
+                          {(folder / trajectory->path).string(), 0, 0, {}},
                           "give the log of the IMU itself: angular rates and accelerations");
     throw input_error(fmt::format("no {} log was recognised in it", imu ? "IMU" : "GNSS"), {path.string(), 0, 0, {}},
                       imu ? "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in a dataset.toml"
@@ -41,7 +42,9 @@ namespace fs = std::filesystem;
 }
 
 /// Whether a log was found for it: "imu.file" or "gnss.file" of the settings that were inferred.
-bool recognised(const inspect::InspectReport& report, std::string_view key) { return std::ranges::find(report.facts, key, &Fact::key) != report.facts.end(); }
+bool recognised(const inspect::InspectReport& report, std::string_view key) {
+    return std::ranges::find(report.facts, key, &Fact::key) != report.facts.end();
+}
 
 std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
     std::vector<std::string> doubts = report.doubts;
@@ -59,12 +62,14 @@ std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
 
 Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& given) {
     Recognised r;
-    if (needs == Needs::Satellites) {   // nothing else is asked for
+    if (needs == Needs::Satellites) {  // nothing else is asked for
         if (!given.find_logs) return r;
         RawObservations raw = raw_observations(path);
         if (raw.facts.empty())
-            throw input_error("no raw measurements of satellites with ephemerides were recognised in it", {path.string(), 0, 0, {}},
-                              "name a RINEX, UBX or RTCM 3 log and its navigation files in [gnss] of a dataset.toml; `schuler inspect` lists what was found");
+            throw input_error("no raw measurements of satellites with ephemerides were recognised in it",
+                              {path.string(), 0, 0, {}},
+                              "name a RINEX, UBX or RTCM 3 log and its navigation files in [gnss] of a dataset.toml; `schuler "
+                              "inspect` lists what was found");
         r.facts = std::move(raw.facts);
         r.dataset_toml = std::move(raw.dataset_toml);
         return r;
@@ -86,12 +91,13 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
     if (r.report.dataset_toml.empty()) {
         std::string why = "no IMU log was recognised in it";
         std::string mend = "`schuler inspect` lists what was found; write a dataset.toml";
-        if (r.report.files.size() == 1) {   // what is wrong with it says more
+        if (r.report.files.size() == 1) {  // what is wrong with it says more
             const inspect::FileReport& only = r.report.files.front();
             const auto error = std::ranges::find(only.problems, inspect::Level::Error, &inspect::Problem::level);
             std::error_code ec;
             if (error != only.problems.end())
-                throw input_error(error->text, {(fs::is_directory(path, ec) ? path / only.path : path).string(), 0, 0, {}}, error->mend);
+                throw input_error(error->text, {(fs::is_directory(path, ec) ? path / only.path : path).string(), 0, 0, {}},
+                                  error->mend);
         }
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;
@@ -101,8 +107,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
         throw input_error(why, {path.string(), 0, 0, {}}, mend);
     }
     if (!recognised(r.report, "imu.file")) throw_missing(path, r.report, "imu");
-    if (needs == Needs::ImuAndGnss && !recognised(r.report, "gnss.file"))
-        throw_missing(path, r.report, "gnss");
+    if (needs == Needs::ImuAndGnss && !recognised(r.report, "gnss.file")) throw_missing(path, r.report, "gnss");
     r.doubts = doubts_of(r.report);
     r.facts = r.report.facts;
     r.dataset_toml = r.report.dataset_toml;

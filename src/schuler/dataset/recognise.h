@@ -17,9 +17,9 @@ enum class Needs { Imu, Attitude, ImuAndGnss, Satellites };
 /// A folder or file whose content was looked at.
 struct Recognised {
     inspect::InspectReport report;
-    std::vector<Fact> facts;             ///< the settings that are not given, as the files state or show them
-    std::vector<std::string> doubts;     ///< what is wrong with the files that were recognised, and how it was taken
-    std::string dataset_toml;            ///< the dataset.toml that states the facts; for logs that were looked for
+    std::vector<Fact> facts;          ///< the settings that are not given, as the files state or show them
+    std::vector<std::string> doubts;  ///< what is wrong with the files that were recognised, and how it was taken
+    std::string dataset_toml;         ///< the dataset.toml that states the facts; for logs that were looked for
 };
 
 /// Looks at the files of a data set about which something or nothing is given. Where no log is named, the IMU and GNSS logs are looked

@@ -52,10 +52,10 @@ void look_at_raw(const fs::path& folder, const Description& d, const ViewSpan& s
     std::ranges::stable_sort(out.epochs, {}, &gnss::EpochView::tag);
 }
 
-void look_at_table(const fs::path& folder, const Description& d, const ViewSpan& span, double missed_detection, SatelliteViews& out,
-                   WarningLog& warnings) {
+void look_at_table(const fs::path& folder, const Description& d, const ViewSpan& span, double missed_detection,
+                   SatelliteViews& out, WarningLog& warnings) {
     const RangingLog log = ranges_from_csv(folder, d, warnings);
-    gnss::Navigation navigation;   // for the ionosphere; the table says where the satellites were
+    gnss::Navigation navigation;  // for the ionosphere; the table says where the satellites were
     for (const std::string& file : d.raw.navigation) {
         RawGnssConfig one;
         one.navigation = {file};
@@ -80,8 +80,8 @@ void look_at_table(const fs::path& folder, const Description& d, const ViewSpan&
 
 }  // namespace
 
-SatelliteViews satellite_views(const fs::path& folder, const Description& description, const ViewSpan& span, double missed_detection,
-                               const std::function<void(double)>& progress, WarningLog& warnings) {
+SatelliteViews satellite_views(const fs::path& folder, const Description& description, const ViewSpan& span,
+                               double missed_detection, const std::function<void(double)>& progress, WarningLog& warnings) {
     SatelliteViews out;
     if (!description.raw.observations.empty()) {
         look_at_raw(folder, description, span, missed_detection, progress, out, warnings);
@@ -89,15 +89,18 @@ SatelliteViews satellite_views(const fs::path& folder, const Description& descri
         look_at_table(folder, description, span, missed_detection, out, warnings);
     } else {
         throw input_error("there are no raw measurements of satellites", {{}, 0, 0, "gnss.observations"},
-                          "name a RINEX, UBX or RTCM 3 log in [gnss] observations with its navigation files, or a table of ranges in [stations] file");
+                          "name a RINEX, UBX or RTCM 3 log in [gnss] observations with its navigation files, or a table of "
+                          "ranges in [stations] file");
     }
     if (out.epochs.empty())
-        throw input_error("no epoch with satellites is left", {{}, 0, 0, "gnss.observations"}, "give an earlier --start or a later --stop");
+        throw input_error("no epoch with satellites is left", {{}, 0, 0, "gnss.observations"},
+                          "give an earlier --start or a later --stop");
     if (description.base.observations.empty()) return out;
     Description viewed = description;
     viewed.base.settings.views = true;
     out.carrier = carrier_phase(folder, viewed, warnings);
-    const Time from = out.epochs.front().tag - Duration::from_seconds(0.5), to = out.epochs.back().tag + Duration::from_seconds(0.5);
+    const Time from = out.epochs.front().tag - Duration::from_seconds(0.5),
+               to = out.epochs.back().tag + Duration::from_seconds(0.5);
     CarrierPhase inside;
     inside.base = out.carrier->base;
     for (std::size_t i = 0; i < out.carrier->epochs.size(); ++i) {

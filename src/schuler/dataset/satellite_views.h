@@ -14,17 +14,18 @@
 namespace schuler::dataset {
 
 struct ViewSpan {
-    std::optional<double> start, stop;   ///< s after the first epoch; nothing: all of it
+    std::optional<double> start, stop;  ///< s after the first epoch; nothing: all of it
 };
 
 struct SatelliteViews {
-    std::vector<gnss::EpochView> epochs;   ///< in order of time
-    std::optional<CarrierPhase> carrier;   ///< where there is a base, with EpochSolution::signals
+    std::vector<gnss::EpochView> epochs;  ///< in order of time
+    std::optional<CarrierPhase> carrier;  ///< where there is a base, with EpochSolution::signals
 };
 
 /// From the raw measurements of the description, or from its table of ranges. `progress` may be empty.
 /// @throws Error(Input): a file that cannot be read, no ephemerides, no epoch, a base that does not belong to the rover.
-[[nodiscard]] SatelliteViews satellite_views(const std::filesystem::path& folder, const Description& description, const ViewSpan& span,
-                                             double missed_detection, const std::function<void(double)>& progress, WarningLog& warnings);
+[[nodiscard]] SatelliteViews satellite_views(const std::filesystem::path& folder, const Description& description,
+                                             const ViewSpan& span, double missed_detection,
+                                             const std::function<void(double)>& progress, WarningLog& warnings);
 
 }  // namespace schuler::dataset

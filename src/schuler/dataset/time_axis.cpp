@@ -22,7 +22,8 @@ Duration axis_zero(const TimeConfig& time, Time first_fix, const OwnAxis& axis) 
     const std::int64_t utc = (first_fix.ns / 1'000'000'000) - gps_minus_utc(first_fix.ns / 1'000'000'000);
     const Duration leap = time.scale == TimeScale::Utc ? Duration{gps_minus_utc(utc) * std::int64_t{1'000'000'000}} : Duration{};
     constexpr double dated = 1e8, day = 86'400.0, week = 7 * day;
-    if (time.scale == TimeScale::Utc && first > 1e9) return leap + Duration{-unix_time_of_gps_epoch * std::int64_t{1'000'000'000}};
+    if (time.scale == TimeScale::Utc && first > 1e9)
+        return leap + Duration{-unix_time_of_gps_epoch * std::int64_t{1'000'000'000}};
     if (first > dated) return leap;
     if (time.week) return Time::from_gps(*time.week, 0.0) - Time{} + leap;
     if (!time.date.empty()) {
@@ -35,7 +36,8 @@ Duration axis_zero(const TimeConfig& time, Time first_fix, const OwnAxis& axis) 
     return Duration::from_seconds(std::floor(first_fix.seconds() / unit) * unit) + leap;
 }
 
-std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const TimeConfig& time, const Recording& recording, Duration offset) {
+std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const TimeConfig& time, const Recording& recording,
+                                 Duration offset) {
     const auto axis = own_axis(recording);
     if (fixes.empty() || !axis) return fixes;
     const Time first = fixes.front().time;

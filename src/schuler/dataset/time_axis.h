@@ -21,7 +21,8 @@ struct OwnAxis {
 [[nodiscard]] std::vector<GnssFix> shifted(std::vector<GnssFix> fixes, Duration by);
 
 /// Dated fixes on the axis of the recording, and moved by `offset`; as they are where no log has an axis of its own.
-[[nodiscard]] std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const TimeConfig& time, const Recording& recording, Duration offset);
+[[nodiscard]] std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const TimeConfig& time, const Recording& recording,
+                                               Duration offset);
 
 /// Where seconds of the week begin anew in one log, those that begin after that instant follow it into the next week.
 void settle_rollover(Recording& recording);

@@ -41,7 +41,8 @@ std::vector<SolutionRow> rows_of(const std::vector<GnssFix>& fixes) {
 
 std::vector<SolutionRow> rows_of(const std::vector<ReferenceSample>& samples) {
     std::vector<SolutionRow> rows;
-    for (const ReferenceSample& s : samples) rows.push_back({s.time, s.position, s.velocity_n, s.rpy, not_given3(), not_given3(), not_given3()});
+    for (const ReferenceSample& s : samples)
+        rows.push_back({s.time, s.position, s.velocity_n, s.rpy, not_given3(), not_given3(), not_given3()});
     return rows;
 }
 
@@ -54,22 +55,27 @@ bool has_sigmas(const io::TextInput& input) {
 const io::Stream& trajectory_of(const io::StreamLog& log, const io::StreamPath& where) {
     const auto fits = [&](const io::Stream& s) {
         if (!where.stream.empty()) return s.name == where.stream;
-        return s.kind == io::TableKind::Reference && !s.own_frame && std::ranges::any_of(s.columns, [](const auto& c) { return c.name.ends_with("lat_deg"); });
+        return s.kind == io::TableKind::Reference && !s.own_frame &&
+               std::ranges::any_of(s.columns, [](const auto& c) { return c.name.ends_with("lat_deg"); });
     };
     auto it = std::ranges::find_if(log.streams, fits);
     if (it == log.streams.end()) it = std::ranges::find(log.streams, io::TableKind::Gnss, &io::Stream::kind);
-    const auto is_trajectory = [](const io::Stream& s) { return !s.own_frame && (s.kind == io::TableKind::Gnss || s.kind == io::TableKind::Reference); };
+    const auto is_trajectory = [](const io::Stream& s) {
+        return !s.own_frame && (s.kind == io::TableKind::Gnss || s.kind == io::TableKind::Reference);
+    };
     if (it != log.streams.end() && is_trajectory(*it)) return *it;
     std::string names;
     for (const io::Stream& s : log.streams) names += (names.empty() ? "" : ", ") + s.name;
-    throw input_error(it == log.streams.end() || !it->own_frame ? "holds no such trajectory on the Earth" : "is a trajectory in a frame of its own, not on the Earth",
-                      {where.file.string(), 0, 0, {}}, "it holds " + names + "; a stream is named by FILE#STREAM, an instrument converted to a table: --to csv");
+    throw input_error(it == log.streams.end() || !it->own_frame ? "holds no such trajectory on the Earth"
+                                                                : "is a trajectory in a frame of its own, not on the Earth",
+                      {where.file.string(), 0, 0, {}},
+                      "it holds " + names + "; a stream is named by FILE#STREAM, an instrument converted to a table: --to csv");
 }
 
 std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io::Format& format, WarningLog& warnings) {
     const io::StreamLog log = format.read(io::TextInput(where.file), warnings);
     const io::Stream& stream = trajectory_of(log, where);
-    const std::string text = io::table_text(stream, io::Clock::Boot);   // as columns of a solution
+    const std::string text = io::table_text(stream, io::Clock::Boot);  // as columns of a solution
     const io::TextInput table = io::TextInput::memory(text, where.file.string() + "#" + stream.name);
     if (stream.kind == io::TableKind::Gnss) return rows_of(io::read_gnss_csv(table, {}, warnings).fixes);
     if (has_sigmas(table)) return io::read_solution_csv(table, warnings);
@@ -79,7 +85,7 @@ std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io:
 std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
     const io::StreamPath where = io::stream_path(file);
     const io::Format* format = io::format_of(where.file);
-    const bool has_reader = format != nullptr && (format->name == "rtklib_pos" || format->name == "nmea");   // of its own, below
+    const bool has_reader = format != nullptr && (format->name == "rtklib_pos" || format->name == "nmea");  // of its own, below
     if (format != nullptr && format->read != nullptr && !has_reader) return read_stream_rows(where, *format, warnings);
     const io::TextInput input(file);
     if (io::is_rtklib_pos(input)) return rows_of(io::read_rtklib_pos(input, warnings).fixes);
@@ -93,7 +99,8 @@ std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
 std::vector<SolutionRow> read_trajectory(const fs::path& file, WarningLog& warnings) {
     std::error_code ec;
     fs::path path = file;
-    if (!fs::exists(io::stream_path(path).file, ec)) throw input_error("no such file", {path.string(), 0, 0, {}}, "check the path");
+    if (!fs::exists(io::stream_path(path).file, ec))
+        throw input_error("no such file", {path.string(), 0, 0, {}}, "check the path");
     if (fs::is_directory(path, ec)) {
         path /= "solution.csv";
         if (!fs::exists(path, ec))

@@ -13,7 +13,8 @@ namespace schuler::dataset {
 
 /// Truth or another program's solution: CSV with names, solution.csv, or a table of ten columns without them (time, latitude,
 /// longitude, height, velocity NED, roll, pitch, heading in degrees). @throws Error(Input).
-[[nodiscard]] std::vector<ReferenceSample> read_reference(const io::TextInput& file, io::CsvOptions options, WarningLog& warnings);
+[[nodiscard]] std::vector<ReferenceSample> read_reference(const io::TextInput& file, io::CsvOptions options,
+                                                          WarningLog& warnings);
 
 /// A table with that many numbers in each row, without names, that the options do not explain column by column.
 [[nodiscard]] bool is_bare_table(const io::TextInput& input, const io::CsvOptions& options, int columns);

@@ -11,9 +11,9 @@
 namespace schuler::earth {
 namespace {
 
-constexpr double g0 = 9.80665;          // m/s^2
-constexpr double gas = 287.05287;       // m^2/(K s^2), of air
-constexpr double radius = 6356766.0;    // m, nominal
+constexpr double g0 = 9.80665;        // m/s^2
+constexpr double gas = 287.05287;     // m^2/(K s^2), of air
+constexpr double radius = 6356766.0;  // m, nominal
 constexpr double lowest = -5000.0, highest = 80000.0;
 
 /// A layer of constant temperature gradient, from its base (geopotential m) to the next.
@@ -73,9 +73,10 @@ StandardAir standard_air(double geopotential_height) {
 
 double static_pressure(double geopotential_height, double sea_level_pressure, double temperature_offset) {
     if (!(sea_level_pressure > 0.0) || !(std::abs(temperature_offset) < 100.0))
-        throw input_error(fmt::format("no air has {} Pa at sea level and {} K more than the standard", sea_level_pressure, temperature_offset),
-                          {}, "give pascals (about 101325) and a few tens of kelvin");
-    (void)standard_air(geopotential_height);   // refuses heights outside
+        throw input_error(
+            fmt::format("no air has {} Pa at sea level and {} K more than the standard", sea_level_pressure, temperature_offset),
+            {}, "give pascals (about 101325) and a few tens of kelvin");
+    (void)standard_air(geopotential_height);  // refuses heights outside
     Layer layer = layers().front();
     layer.temperature += temperature_offset;
     layer.pressure = sea_level_pressure;

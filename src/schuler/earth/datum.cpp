@@ -3,9 +3,9 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <fmt/format.h>
 
 #include <array>
 #include <string>
@@ -52,9 +52,11 @@ const DatumEntry& entry_of(Datum datum) {
 
 Eigen::Matrix3d linear_part(const Helmert& p) {
     Eigen::Matrix3d M;
+    // clang-format off
     M << 1.0, p.rotation.z(), -p.rotation.y(),
          -p.rotation.z(), 1.0, p.rotation.x(),
          p.rotation.y(), -p.rotation.x(), 1.0;
+    // clang-format on
     return (1.0 + p.scale) * M;
 }
 
@@ -101,9 +103,7 @@ Ecef transformed(const Helmert& p, const Ecef& source) {
     return {source.r + (p.scale * source.r + turned + p.translation)};
 }
 
-Ecef transformed_back(const Helmert& p, const Ecef& target) {
-    return {linear_part(p).inverse() * (target.r - p.translation)};
-}
+Ecef transformed_back(const Helmert& p, const Ecef& target) { return {linear_part(p).inverse() * (target.r - p.translation)}; }
 
 Datum datum_from_name(std::string_view name) {
     std::string known;

@@ -18,10 +18,10 @@ struct Earth {
 /// Earth terms at a position and velocity, north-east-down. cos and tan of latitude appear here only.
 struct EarthTerms {
     double sin_lat, cos_lat, tan_lat;
-    double rm, rn;                ///< meridian and prime-vertical radius plus height, m
-    Eigen::Vector3d w_ie_n;       ///< rad/s
-    Eigen::Vector3d w_en_n;       ///< transport rate, rad/s
-    Eigen::Vector3d g_n;          ///< gravity vector, m/s^2 (positive down; north part as GravityModel says, east zero)
+    double rm, rn;           ///< meridian and prime-vertical radius plus height, m
+    Eigen::Vector3d w_ie_n;  ///< rad/s
+    Eigen::Vector3d w_en_n;  ///< transport rate, rad/s
+    Eigen::Vector3d g_n;     ///< gravity vector, m/s^2 (positive down; north part as GravityModel says, east zero)
 };
 
 /// Terms at a geodetic position with Earth-relative velocity (NED, m/s). Poles excluded: |lat| < pi/2 - 1e-6.

@@ -9,10 +9,10 @@ namespace schuler::earth {
 
 /// Reference ellipsoid with its rotation and geocentric gravitational constant. A value you pass, never a global.
 struct Ellipsoid {
-    double a;       ///< semi-major axis, m
-    double f;       ///< flattening
-    double gm;      ///< m^3/s^2
-    double w_ie;    ///< rotation rate, rad/s
+    double a;     ///< semi-major axis, m
+    double f;     ///< flattening
+    double gm;    ///< m^3/s^2
+    double w_ie;  ///< rotation rate, rad/s
 
     [[nodiscard]] constexpr double e2() const { return f * (2.0 - f); }
     [[nodiscard]] constexpr double b() const { return a * (1.0 - f); }

@@ -14,9 +14,9 @@ namespace schuler::earth {
 struct MagneticField {
     Eigen::Vector3d field_n;
 
-    [[nodiscard]] double horizontal() const;     ///< T
-    [[nodiscard]] double declination() const;    ///< rad, east of true north positive
-    [[nodiscard]] double inclination() const;    ///< rad, down positive
+    [[nodiscard]] double horizontal() const;   ///< T
+    [[nodiscard]] double declination() const;  ///< rad, east of true north positive
+    [[nodiscard]] double inclination() const;  ///< rad, down positive
 };
 
 /// A model in GeographicLib's format [ChulliatWmm2025].

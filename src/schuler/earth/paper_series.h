@@ -18,16 +18,17 @@ struct CurvatureSeries {
 /// Paper A, second order, corrected (math.md 2.6, E2.22, E2.23). Relative error for 0 to 20 km at all latitudes: meridian 3.1e-7,
 /// prime vertical 1.5e-7.
 [[nodiscard]] inline CurvatureSeries paper_a_curvature_second_order(double e2, double s2, double y) {
-    return {1.0 + e2 - y - 1.5 * e2 * s2 - 2.0 * e2 * y + 3.0 * e2 * y * s2 + y * y + e2 * e2 * (1.0 - 1.5 * s2 + 0.375 * s2 * s2),
-            1.0 - y - 0.5 * e2 * s2 + y * y + e2 * y * s2 - e2 * e2 * s2 * s2 / 8.0};
+    return {
+        1.0 + e2 - y - 1.5 * e2 * s2 - 2.0 * e2 * y + 3.0 * e2 * y * s2 + y * y + e2 * e2 * (1.0 - 1.5 * s2 + 0.375 * s2 * s2),
+        1.0 - y - 0.5 * e2 * s2 + y * y + e2 * y * s2 - e2 * e2 * s2 * s2 / 8.0};
 }
 
 /// Constants of paper A's gravity series. The paper's e^2 is 6.73e-3; 1/297 gives 0.00672267 (math.md E2.28).
 struct PaperAGravity {
-    double g_e = 9.78049;    ///< m/s^2 at the equator
-    double a = 6378388.0;    ///< m
+    double g_e = 9.78049;  ///< m/s^2 at the equator
+    double a = 6378388.0;  ///< m
     double e2 = 6.73e-3;
-    double q = 0.00346775;   ///< centrifugal to gravity at the equator
+    double q = 0.00346775;  ///< centrifugal to gravity at the equator
 };
 /// The same with the e^2 of its ellipsoid, International 1924: within 1.45e-6 m/s^2 of the 1930 normal gravity at h = 0.
 inline constexpr PaperAGravity paper_a_gravity_international{9.78049, 6378388.0, 0.00672267, 0.00346775};
@@ -49,8 +50,7 @@ struct SeriesGravity {
     const double S2 = 4.0 * s2 * (1.0 - s2);  // sin^2 of the double latitude
     const double linear = 2.0 + p.e2 + 2.0 * p.q;
     return {p.g_e * (1.0 - linear * y + 3.0 * y * y + (by_s + by_sy * y) * s2 + by_S2 * S2),
-            p.g_e * (by_s + by_sy * y + by_S2 * (4.0 - 8.0 * s2)),
-            p.g_e / p.a * (-linear + 6.0 * y + by_sy * s2)};
+            p.g_e * (by_s + by_sy * y + by_S2 * (4.0 - 8.0 * s2)), p.g_e / p.a * (-linear + 6.0 * y + by_sy * s2)};
 }
 
 /// Series L3 with e^2 for the printed e (math.md 2.7, E2.27), down, m/s^2: within 2.1e-4 there.

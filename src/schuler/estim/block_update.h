@@ -24,8 +24,8 @@ public:
 
 private:
     Eigen::LLT<Eigen::MatrixXd> root_;
-    Eigen::MatrixXd gain_root_;   ///< L^-1 H P, with L L' = S
-    Eigen::VectorXd whitened_;    ///< L^-1 z
+    Eigen::MatrixXd gain_root_;  ///< L^-1 H P, with L L' = S
+    Eigen::VectorXd whitened_;   ///< L^-1 z
     bool valid_ = false;
 };
 

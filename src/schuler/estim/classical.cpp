@@ -46,7 +46,8 @@ Estimate maximum_likelihood(const Eigen::MatrixXd& A, const Eigen::VectorXd& y, 
     return solved(white_A, white_y);
 }
 
-Estimate maximum_a_posteriori(const Eigen::MatrixXd& A, const Eigen::VectorXd& y, const Eigen::MatrixXd& R, const Estimate& prior) {
+Estimate maximum_a_posteriori(const Eigen::MatrixXd& A, const Eigen::VectorXd& y, const Eigen::MatrixXd& R,
+                              const Estimate& prior) {
     const Eigen::Index m = A.rows(), n = A.cols();
     Eigen::MatrixXd all_A(m + n, n), all_R = Eigen::MatrixXd::Zero(m + n, m + n);
     Eigen::VectorXd all_y(m + n);

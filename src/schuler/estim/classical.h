@@ -7,7 +7,7 @@ namespace schuler::estim {
 
 struct Estimate {
     Eigen::VectorXd x;
-    Eigen::MatrixXd P;   ///< covariance of its error
+    Eigen::MatrixXd P;  ///< covariance of its error
 };
 
 /// Least squares of y = A x + noise, every measurement alike; P from the residuals' variance (more measurements than unknowns) or, with
@@ -19,7 +19,8 @@ struct Estimate {
 [[nodiscard]] Estimate maximum_likelihood(const Eigen::MatrixXd& A, const Eigen::VectorXd& y, const Eigen::MatrixXd& R);
 
 /// The same with a normal prior (the most probable x after y).
-[[nodiscard]] Estimate maximum_a_posteriori(const Eigen::MatrixXd& A, const Eigen::VectorXd& y, const Eigen::MatrixXd& R, const Estimate& prior);
+[[nodiscard]] Estimate maximum_a_posteriori(const Eigen::MatrixXd& A, const Eigen::VectorXd& y, const Eigen::MatrixXd& R,
+                                            const Estimate& prior);
 
 /// Mean of measurements one by one: m_n = m_(n-1) + (y_n - m_(n-1)) / n.
 struct RecursiveMean {

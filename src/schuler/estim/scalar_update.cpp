@@ -46,9 +46,9 @@ void Adjoint<N>::undo(const ScalarUpdate<N>& u) {
     }
 }
 
-#define SCHULER_INSTANTIATE(N)                                                                                           \
-    template ScalarUpdate<N> update_scalar<N>(Eigen::Matrix<double, N, 1>&, Eigen::Matrix<double, N, N>&,                \
-                                              const Eigen::Matrix<double, N, 1>&, double, double);                       \
+#define SCHULER_INSTANTIATE(N)                                                                            \
+    template ScalarUpdate<N> update_scalar<N>(Eigen::Matrix<double, N, 1>&, Eigen::Matrix<double, N, N>&, \
+                                              const Eigen::Matrix<double, N, 1>&, double, double);        \
     template struct Adjoint<N>;
 SCHULER_INSTANTIATE(7)
 SCHULER_INSTANTIATE(30)

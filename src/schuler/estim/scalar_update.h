@@ -8,10 +8,10 @@ namespace schuler::estim {
 /// What one scalar update did: enough to undo it in the backward pass of the smoother.
 template <int N>
 struct ScalarUpdate {
-    Eigen::Matrix<double, N, 1> h;   ///< measurement row: innovation = h . error + noise
-    Eigen::Matrix<double, N, 1> k;   ///< gain
-    double innovation;               ///< computed minus measured, less h . dx of the scalars before it in the same epoch
-    double s;                        ///< innovation variance h P h^T + r
+    Eigen::Matrix<double, N, 1> h;  ///< measurement row: innovation = h . error + noise
+    Eigen::Matrix<double, N, 1> k;  ///< gain
+    double innovation;              ///< computed minus measured, less h . dx of the scalars before it in the same epoch
+    double s;                       ///< innovation variance h P h^T + r
 };
 
 /// Updates the estimated error dx and P with `innovation` = h . error + noise of variance r (all in the measurement's unit).

@@ -111,7 +111,7 @@ void propagate(StateMatrix& P, const Transition& phi, int used) {
 }
 
 Eigen::Matrix<double, coupled, coupled> propagated_corner(const StateMatrix& P, const Transition& phi) {
-    if (phi.shear_count > 0) {   // A S instead of A
+    if (phi.shear_count > 0) {  // A S instead of A
         Transition all = phi;
         all.shear_count = 0;
         for (int i = phi.shear_count; i-- > 0;) {

@@ -14,7 +14,7 @@ namespace schuler::estim {
 /// Phi of one span of time.
 struct Transition {
     static constexpr int coupled = 9;
-    static constexpr int max_driven = 48;   ///< columns of A
+    static constexpr int max_driven = 48;  ///< columns of A
 
     /// x_to += factor x_from, both behind the coupled states.
     struct Shear {
@@ -24,10 +24,10 @@ struct Transition {
 
     using Rows = Eigen::Matrix<double, max_driven, coupled>;
 
-    int driven = padded(coupled);          ///< columns of A in use, a multiple of four; further ones are zero
-    Rows rows = Rows::Zero();              ///< column r is row r of A
-    StateVector diagonal;                  ///< D; entries from 9 on are used
-    std::array<Shear, 20> shears{};        ///< before A and D, in this order
+    int driven = padded(coupled);    ///< columns of A in use, a multiple of four; further ones are zero
+    Rows rows = Rows::Zero();        ///< column r is row r of A
+    StateVector diagonal;            ///< D; entries from 9 on are used
+    std::array<Shear, 20> shears{};  ///< before A and D, in this order
     int shear_count = 0;
 
     /// Phi x.
@@ -41,7 +41,8 @@ struct Transition {
 void propagate(StateMatrix& P, const Transition& phi, int used);
 
 /// The leading 9 x 9 block of Phi P Phi^T alone. Shears count where both their states are driven.
-[[nodiscard]] Eigen::Matrix<double, Transition::coupled, Transition::coupled> propagated_corner(const StateMatrix& P, const Transition& phi);
+[[nodiscard]] Eigen::Matrix<double, Transition::coupled, Transition::coupled> propagated_corner(const StateMatrix& P,
+                                                                                                const Transition& phi);
 
 /// r such that r . Phi x = h . x for an error x at the start of the span. Behind the coupled states, of which a process that forgets says
 /// of its past no more than of its future, best guess and factor are the same in both directions.

@@ -54,7 +54,8 @@ void combine(const Entries& h, const double* M, long stride, int size, double* y
 /// Four columns of Y, `Vectors` vectors of rows: Y - X F^T with `count` columns of X and F, all sums in registers; `finish(row, columns)`
 /// may change what is stored.
 template <int Vectors, class Finish>
-void subtract_product(double* y, long y_stride, const double* x, const double* f, long stride, int count, int row, Finish& finish) {
+void subtract_product(double* y, long y_stride, const double* x, const double* f, long stride, int count, int row,
+                      Finish& finish) {
     Vec4 sum[4][Vectors] = {};
     x += row;
     y += row;
@@ -78,7 +79,8 @@ void subtract_product(double* y, long y_stride, const double* x, const double* f
 
 /// The same for `size` rows, a multiple of four.
 template <class Finish>
-void subtract_products(double* y, long y_stride, const double* x, const double* f, long stride, int count, int size, Finish&& finish) {
+void subtract_products(double* y, long y_stride, const double* x, const double* f, long stride, int count, int size,
+                       Finish&& finish) {
     int r = 0;
     for (; r + 8 <= size; r += 8) subtract_product<2>(y, y_stride, x, f, stride, count, r, finish);
     if (r < size) subtract_product<1>(y, y_stride, x, f, stride, count, r, finish);
@@ -150,7 +152,7 @@ void EpochUpdate::add(const Row& h, double innovation, double r) {
         if (lane == 0) store(of_state, Vec4{column[i], 0.0, 0.0, 0.0});
         else *of_state = column[i];
     }
-    alignas(32) double products[most];   // h P H^T for all scalars up to this one
+    alignas(32) double products[most];  // h P H^T for all scalars up to this one
     combine(entries, by_state_.data(), states_stride, padded(k + 1), products);
     for (int i = 0; i <= k; ++i) G_(used_ + k, i) = products[i];
     for (int i = k - lane; i < k; ++i) G_(used_ + i, k) = 0.0;
@@ -176,7 +178,7 @@ StateVector EpochUpdate::solve() {
                 pivot -= f.l[k][j] * f.l[k][j];
                 z[c + k] -= f.l[k][j] * f.y[j];
             }
-            pivot += s[c + k];   // the noise at the last: it may be small beside the rest
+            pivot += s[c + k];  // the noise at the last: it may be small beside the rest
             s[c + k] = pivot;
             f.inverse[k] = 1.0 / std::sqrt(pivot);
             f.y[k] = z[c + k] * f.inverse[k];
@@ -191,10 +193,11 @@ StateVector EpochUpdate::solve() {
             store(dx.data() + r, load(dx.data() + r) + f.told(x));
         });
         const int next = c + 4;
-        subtract_products(columns + used_ + next, rows, before + used_ + next, factors, rows, c, whole - next, [&](int r, Vec4* x) {
-            f.divide(x);
-            store(z + next + r, load(z + next + r) - f.told(x));
-        });
+        subtract_products(columns + used_ + next, rows, before + used_ + next, factors, rows, c, whole - next,
+                          [&](int r, Vec4* x) {
+                              f.divide(x);
+                              store(z + next + r, load(z + next + r) - f.told(x));
+                          });
     }
     return dx;
 }
@@ -230,7 +233,7 @@ void correct_covariance(StateMatrix& P, const StateVector& k, const StateVector&
 }
 
 RowUpdate update_with_gain(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, const StateVector& k,
-                              int used) {
+                           int used) {
     RowUpdate u;
     u.h = h;
     u.k = k;
@@ -247,7 +250,9 @@ void clone(StateMatrix& P, const std::array<Row, 3>& rows, int first, int used) 
     for (std::size_t k = 0; k < 3; ++k) by_clone[k] = rows[k].times(P, used);
     for (int k = 0; k < 3; ++k) {
         StateVector& column = by_clone[static_cast<std::size_t>(k)];
-        for (int l = 0; l < 3; ++l) column(first + l) = rows[static_cast<std::size_t>(std::max(k, l))].dot(by_clone[static_cast<std::size_t>(std::min(k, l))]);
+        for (int l = 0; l < 3; ++l)
+            column(first + l) =
+                rows[static_cast<std::size_t>(std::max(k, l))].dot(by_clone[static_cast<std::size_t>(std::min(k, l))]);
     }
     for (int k = 0; k < 3; ++k) {
         P.col(first + k) = by_clone[static_cast<std::size_t>(k)];

@@ -43,9 +43,9 @@ struct Row {
 /// What one scalar update did: enough to undo it in the backward pass of the smoother.
 struct RowUpdate {
     Row h;
-    StateVector k;              ///< gain
-    double innovation = 0.0;    ///< less h . dx of the scalars before it in the same epoch
-    double s = 1.0;             ///< innovation variance h P h^T + r
+    StateVector k;            ///< gain
+    double innovation = 0.0;  ///< less h . dx of the scalars before it in the same epoch
+    double s = 1.0;           ///< innovation variance h P h^T + r
 };
 
 /// Updates the estimated error dx and the leading `used` states of P with `innovation` = h . error + noise of variance r (all in the
@@ -56,7 +56,7 @@ RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovatio
 /// of blocks. The same numbers but for rounding.
 class EpochUpdate {
 public:
-    static constexpr int most = 64;   ///< scalars
+    static constexpr int most = 64;  ///< scalars
 
     /// P is kept by reference and stays as it is until `apply`. It does not change between the first `add` and `apply`.
     EpochUpdate(const StateMatrix& P, int used) : P_(P), used_(used) {}
@@ -74,7 +74,8 @@ public:
     void apply(StateMatrix& P) const;
 
 private:
-    static constexpr int rows = max_states + most, states_stride = most + 4;   // 4: columns of one state fall into different cache sets
+    static constexpr int rows = max_states + most,
+                         states_stride = most + 4;  // 4: columns of one state fall into different cache sets
 
     const StateMatrix& P_;
     int used_, count_ = 0;
@@ -82,7 +83,7 @@ private:
     /// P H^T and below it (from row `used` on) the lower triangle of H P H^T; `solve` makes them G and L, with L L^T = H P H^T + R and
     /// G L^T = P H^T: the covariance is P - G G^T then. Column k of G is the gain of scalar k times the root of s.
     Eigen::Matrix<double, rows, most> G_;
-    Eigen::Matrix<double, states_stride, max_states> by_state_;   // (P H^T)^T
+    Eigen::Matrix<double, states_stride, max_states> by_state_;  // (P H^T)^T
 };
 
 /// Makes the states first, first + 1, first + 2 of P the combinations rows . x of the others, on which the rows must not depend.
@@ -93,7 +94,7 @@ void correct_covariance(StateMatrix& P, const StateVector& k, const StateVector&
 
 /// The same as `update` with a gain that somebody else chose, in Joseph's form (I - k h) P (I - k h)^T + k r k^T: exact for any gain.
 RowUpdate update_with_gain(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, const StateVector& k,
-                              int used);
+                           int used);
 
 /// Adjoint variables of the modified Bryson-Frazier smoother [Bierman1973]: the smoothed error at a time is -P lambda with
 /// covariance P - P Lambda P, P being the filter's covariance there. Equal to the Rauch-Tung-Striebel smoother, without

@@ -24,13 +24,16 @@ Refusal unusable(const Start& start) {
     const Geodetic& p = start.nav.position;
     if (!(std::abs(p.lat) <= 0.5 * std::numbers::pi && std::abs(p.lon) <= 2.0 * std::numbers::pi && std::abs(p.h) <= 1e6))
         return {BadSettings, "start.nav.position", "the position of the start is not on or near the Earth"};
-    if (!(start.nav.v_eb_n.norm() <= 1e4)) return {BadSettings, "start.nav.v_eb_n", "the velocity of the start is to be below 10 km/s"};
-    if (!(std::abs(start.nav.q_nb.norm() - 1.0) < 1e-6)) return {BadSettings, "start.nav.q_nb", "the quaternion of the start is to have a norm of one"};
+    if (!(start.nav.v_eb_n.norm() <= 1e4))
+        return {BadSettings, "start.nav.v_eb_n", "the velocity of the start is to be below 10 km/s"};
+    if (!(std::abs(start.nav.q_nb.norm() - 1.0) < 1e-6))
+        return {BadSettings, "start.nav.q_nb", "the quaternion of the start is to have a norm of one"};
     if (!is_sigma(start.std_position, 1e7)) return {BadSettings, "start.std_position", "a sigma is to be from 0 to 10 000 km"};
     if (!is_sigma(start.std_velocity, 1e4)) return {BadSettings, "start.std_velocity", "a sigma is to be from 0 to 10 km/s"};
     if (!is_sigma(start.std_rpy, 10.0)) return {BadSettings, "start.std_rpy", "a sigma is to be from 0 to 10 rad"};
     if (!is_sigma(start.std_gyro_bias, 10.0)) return {BadSettings, "start.std_gyro_bias", "a sigma is to be from 0 to 10 rad/s"};
-    if (!is_sigma(start.std_accel_bias, 1e3)) return {BadSettings, "start.std_accel_bias", "a sigma is to be from 0 to 1000 m/s^2"};
+    if (!is_sigma(start.std_accel_bias, 1e3))
+        return {BadSettings, "start.std_accel_bias", "a sigma is to be from 0 to 1000 m/s^2"};
     return {};
 }
 
@@ -48,14 +51,16 @@ Refusal unusable(const NavigatorSettings& n) {
     for (const double rate : {r.gnss, r.baro, r.mag, r.odometer, r.heading, r.gauges, r.log, r.ranges})
         if (!(rate >= 0.0 && rate <= 1e4)) return {BadSettings, "rates", "a rate is to be from 0 to 10 kHz"};
     if (r.gauge_count < 0 || r.gauge_count > 3) return {BadSettings, "rates.gauge_count", "there are to be three gauges at most"};
-    if ((r.gauges > 0.0) != (r.gauge_count > 0)) return {BadSettings, "rates.gauges", "the rate of the gauges and their number do not fit"};
+    if ((r.gauges > 0.0) != (r.gauge_count > 0))
+        return {BadSettings, "rates.gauges", "the rate of the gauges and their number do not fit"};
     if (r.range_sources > 4096) return {BadSettings, "rates.range_sources", "there are to be 4096 sources of ranges at most"};
     if (!(s.gnss.lever_arm_b.norm() < 1000.0)) return {BadSettings, "gnss.lever_arm_m", "the lever arm is to be below 1000 m"};
     if (!(std::abs(s.gnss.latency) < 10.0)) return {BadSettings, "gnss.latency_s", "the latency is to be below 10 s"};
     const double velocity = s.gnss.velocity_latency.value_or(s.gnss.latency);
     for (const double latency : {s.gnss.latency, velocity, s.gnss.height_latency.value_or(s.gnss.latency),
                                  s.gnss.velocity_down_latency.value_or(velocity)})
-        if (!(latency <= n.lag)) return {BadSettings, "lag", "the receiver's latency is longer than the lag: every fix would be late"};
+        if (!(latency <= n.lag))
+            return {BadSettings, "lag", "the receiver's latency is longer than the lag: every fix would be late"};
     if (!(s.output_rate >= 0.0)) return {BadSettings, "output_rate", "the output rate is negative"};
     if (uses_ranges(s.coupling) && !(r.ranges > 0.0))
         return {BadSettings, "rates.ranges", "the coupling takes ranges and their rate is zero"};
@@ -87,7 +92,7 @@ NavigatorMade Navigator::make(const NavigatorSettings& settings) {
         return made;
     }
     NavigatorSettings adjusted = settings;
-    if (adjusted.filter.coupling == Coupling::Separate) adjusted.filter.loop = Loop::Closed;   // the corrections are the coupling
+    if (adjusted.filter.coupling == Coupling::Separate) adjusted.filter.loop = Loop::Closed;  // the corrections are the coupling
     try {
         made.navigator.emplace(Navigator(detail::make_engine(adjusted)));
     } catch (const Error& error) {

@@ -82,7 +82,7 @@ private:
 /// A navigator, or why there is none.
 struct NavigatorMade {
     MakeStatus status = MakeStatus::Made;
-    std::string key;                          ///< of dataset.toml, or the member of NavigatorSettings
+    std::string key;  ///< of dataset.toml, or the member of NavigatorSettings
     std::string reason;
     std::optional<Navigator> navigator;
 

@@ -50,13 +50,18 @@ SensorErrorRow sensor_error_row(Time time, const Layout& layout, const StateVect
         return offset < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(std.segment<3>(offset));
     };
     return {time,
-            value(Layout::gyro_bias), sigma(Layout::gyro_bias),
-            value(Layout::accel_bias), sigma(Layout::accel_bias),
-            value(layout.gyro_scale), sigma(layout.gyro_scale),
-            value(layout.accel_scale), sigma(layout.accel_scale)};
+            value(Layout::gyro_bias),
+            sigma(Layout::gyro_bias),
+            value(Layout::accel_bias),
+            sigma(Layout::accel_bias),
+            value(layout.gyro_scale),
+            sigma(layout.gyro_scale),
+            value(layout.accel_scale),
+            sigma(layout.accel_scale)};
 }
 
-StateRow state_row(const Layout& layout, const NavState& nav, const StateVector& parameters, const StateMatrix& P, const Matrix9& P_n) {
+StateRow state_row(const Layout& layout, const NavState& nav, const StateVector& parameters, const StateMatrix& P,
+                   const Matrix9& P_n) {
     const auto block = [&](int offset, int dof) {
         StateBlock b;
         if (offset < 0) return b;
@@ -95,7 +100,8 @@ CovarianceRow covariance_row(Time time, const Layout& layout, const StateMatrix&
     CovarianceRow row;
     row.time = time;
     row.covariance.reserve(static_cast<std::size_t>(layout.size * layout.size));
-    for (int c = 0; c < layout.size; ++c) row.covariance.insert(row.covariance.end(), P.col(c).data(), P.col(c).data() + layout.size);
+    for (int c = 0; c < layout.size; ++c)
+        row.covariance.insert(row.covariance.end(), P.col(c).data(), P.col(c).data() + layout.size);
     return row;
 }
 

@@ -19,11 +19,13 @@ template <class Frame>
 [[nodiscard]] SolutionRow solution_row_at(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& P_n,
                                           const Eigen::Vector3d& lever_arm_b, double imu_interval) {
     const Eigen::Vector3d noise = Eigen::Vector3d::Constant(model.gyro_psd / imu_interval);
-    return solution_row_at(f.estimate(model), P_n, lever_arm_b, noise + f.P.diagonal().template segment<3>(Layout::gyro_bias).cwiseMax(0.0));
+    return solution_row_at(f.estimate(model), P_n, lever_arm_b,
+                           noise + f.P.diagonal().template segment<3>(Layout::gyro_bias).cwiseMax(0.0));
 }
 
 /// Sensor errors from the estimated parameters and the variances of all states.
-[[nodiscard]] SensorErrorRow sensor_error_row(Time time, const Layout& layout, const StateVector& parameters, const StateVector& variances);
+[[nodiscard]] SensorErrorRow sensor_error_row(Time time, const Layout& layout, const StateVector& parameters,
+                                              const StateVector& variances);
 
 /// Every block of the state with its covariance; P_n: local-level covariance of the first nine errors.
 [[nodiscard]] StateRow state_row(const Layout& layout, const NavState& nav, const StateVector& parameters, const StateMatrix& P,

@@ -13,22 +13,22 @@ namespace schuler::filter {
 /// without an alarm with a probability of at most `missed_detection` at an epoch; without a fault it does so with `fault_free`.
 struct ProtectionSettings {
     bool use = false;
-    double missed_detection = 1e-3;               ///< as in RAIM [RTCA229]
-    double false_alarm = 1e-7;                    ///< of one test of a healthy source; some ten tests a source and epoch
+    double missed_detection = 1e-3;  ///< as in RAIM [RTCA229]
+    double false_alarm = 1e-7;       ///< of one test of a healthy source; some ten tests a source and epoch
     double fault_free = 1e-7;
 };
 
 struct RangingFilterSettings {
-    sensor::RangingErrorModel errors;             ///< white parts where the log states none; correlated ones are states
-    gnss::RangeSettings corrections;              ///< mask, atmosphere, growth of the noise towards the horizon
-    std::optional<gnss::BroadcastIonosphere> ionosphere;   ///< not given: there is none
-    bool sigma_by_elevation = false;              ///< where the log states none: the sigma grows towards the horizon
+    sensor::RangingErrorModel errors;                     ///< white parts where the log states none; correlated ones are states
+    gnss::RangeSettings corrections;                      ///< mask, atmosphere, growth of the noise towards the horizon
+    std::optional<gnss::BroadcastIonosphere> ionosphere;  ///< not given: there is none
+    bool sigma_by_elevation = false;                      ///< where the log states none: the sigma grows towards the horizon
     /// The slow error of a satellite begins with the sigma of what the atmosphere's models and the ephemeris leave instead of that of `errors`.
     bool slow_by_model = false;
     bool use_rates = true;
     bool use_stations = true;
     ProtectionSettings protection;
-    double receiver_acceleration = 3.0;           ///< m/s/sqrt(s), medium: white acceleration that the receiver's own filter expects
+    double receiver_acceleration = 3.0;  ///< m/s/sqrt(s), medium: white acceleration that the receiver's own filter expects
 };
 
 }  // namespace schuler::filter

@@ -39,45 +39,45 @@ enum class HeightKind { Ellipsoidal, Msl, Relative };
 struct ImuSettings {
     ImuKind kind = ImuKind::Rates;
     ImuStamp stamp = ImuStamp::End;
-    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes to forward-right-down, from `axes`
+    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();      ///< sensor axes to forward-right-down, from `axes`
     Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, roll, pitch, yaw from body to sensor (after `axes`)
-    double mounting_std = 0.03;                          ///< rad, of the forward axis that is given or found
-    bool estimate_mounting = false;                      ///< find the mounting by itself (needs motion)
-    sensor::ImuErrorModel errors;                        ///< what the filter believes
-    bool estimate_noise = false;                         ///< fit the white noise to the innovations (a grade is only a guess)
+    double mounting_std = 0.03;                              ///< rad, of the forward axis that is given or found
+    bool estimate_mounting = false;                          ///< find the mounting by itself (needs motion)
+    sensor::ImuErrorModel errors;                            ///< what the filter believes
+    bool estimate_noise = false;                             ///< fit the white noise to the innovations (a grade is only a guess)
     /// Factors of what drives the errors of free inertial navigation, white noise and wander of the biases, beyond `errors`: 1 where
     /// not given. The start keeps its priors.
     std::optional<double> gyro_noise_scale, accel_noise_scale;
     /// Share (of the root) of what successive samples differ by that is noise on top of `errors`: 0 none, 1 all (filter/vibration.h).
     /// Not given: none, or fitted with the noise.
     std::optional<double> gyro_vibration, accel_vibration;
-    double gap_factor = 3.0;                             ///< a step longer than this times the median is a gap
+    double gap_factor = 3.0;  ///< a step longer than this times the median is a gap
 };
 
 /// GNSS: antenna, ages and noise.
 struct GnssSettings {
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, IMU to antenna, forward-right-down
-    double latency = 0.0;                     ///< s, all channels: valid at stamp - latency
-    std::optional<double> velocity_latency;   ///< s, replaces latency for the velocity
-    std::optional<double> height_latency;     ///< s, replaces latency for the height
-    std::optional<double> velocity_down_latency;  ///< s, replaces velocity_latency for the down component
-    double latency_std = 0.0;                 ///< s, one sigma of the positions' latency; above 0 what it is off by is a state
+    double latency = 0.0;                                   ///< s, all channels: valid at stamp - latency
+    std::optional<double> velocity_latency;                 ///< s, replaces latency for the velocity
+    std::optional<double> height_latency;                   ///< s, replaces latency for the height
+    std::optional<double> velocity_down_latency;            ///< s, replaces velocity_latency for the down component
+    double latency_std = 0.0;  ///< s, one sigma of the positions' latency; above 0 what it is off by is a state
     /// s, one sigma of the velocities' latency: above 0 what it is off by is a state of its own; otherwise a velocity that has no latency
     /// of its own either is taken to be as late as the position.
     double velocity_latency_std = 0.0;
     /// s, one sigma of the white error of the times of fixes, by which positions vary with the velocity and velocities with the
     /// acceleration. Not given: what the latency's sigma leaves to it, or fitted with the noise.
     std::optional<double> jitter;
-    bool estimate_latency = false;            ///< find the latencies that are not given
+    bool estimate_latency = false;  ///< find the latencies that are not given
     HeightKind height = HeightKind::Ellipsoidal;
-    Eigen::Vector3d default_std_position{2.5, 2.5, 5.0};   ///< m, where the log gives none or zero (an autonomous fix)
-    Eigen::Vector3d default_std_velocity{0.15, 0.15, 0.3}; ///< m/s, likewise
-    Eigen::Vector3d std_floor_position{0.005, 0.005, 0.01};///< m, smaller values of a log are raised to this
-    bool estimate_std = true;                 ///< scale the defaults, or the log's own sigmas, until the innovations agree
-    double std_scale = 1.0;                   ///< of the log's own sigmas of positions
-    double velocity_std_scale = 1.0;          ///< ... of velocities
+    Eigen::Vector3d default_std_position{2.5, 2.5, 5.0};     ///< m, where the log gives none or zero (an autonomous fix)
+    Eigen::Vector3d default_std_velocity{0.15, 0.15, 0.3};   ///< m/s, likewise
+    Eigen::Vector3d std_floor_position{0.005, 0.005, 0.01};  ///< m, smaller values of a log are raised to this
+    bool estimate_std = true;         ///< scale the defaults, or the log's own sigmas, until the innovations agree
+    double std_scale = 1.0;           ///< of the log's own sigmas of positions
+    double velocity_std_scale = 1.0;  ///< ... of velocities
     bool use_velocity = true;
-    bool consider_errors = false;             ///< loose coupling: the slow errors widen the covariance, but are not estimated [Schmidt1966]
+    bool consider_errors = false;  ///< loose coupling: the slow errors widen the covariance, but are not estimated [Schmidt1966]
     /// Slowly varying errors; those above zero are states. A log states the sigma of the whole error: with such states, only what
     /// is left of it is white noise. The defaults above are of the white part.
     sensor::GnssErrorModel errors;
@@ -86,47 +86,48 @@ struct GnssSettings {
 
 struct BaroSettings {
     bool use = true;
-    double std = 1.0;                         ///< m, white
-    double bias_std = 30.0;                   ///< m, initial bias
-    double bias_walk = 0.05;                  ///< m/sqrt(s)
-    double bias_time = 0.0;                   ///< s; above 0 the bias is a Gauss-Markov process of bias_std with it and does not walk
+    double std = 1.0;         ///< m, white
+    double bias_std = 30.0;   ///< m, initial bias
+    double bias_walk = 0.05;  ///< m/sqrt(s)
+    double bias_time = 0.0;   ///< s; above 0 the bias is a Gauss-Markov process of bias_std with it and does not walk
 };
 
 struct MagSettings {
     bool use = true;
-    double declination = not_given;           ///< rad, east positive; not given: estimated as part of the heading offset
-    double heading_std = 0.1;                 ///< rad
-    double bias_std = 0.5;                    ///< rad, heading error of the magnetometer at the start
-    double bias_walk = 0.002;                 ///< rad/sqrt(s), by which currents and surroundings change it
+    double declination = not_given;  ///< rad, east positive; not given: estimated as part of the heading offset
+    double heading_std = 0.1;        ///< rad
+    double bias_std = 0.5;           ///< rad, heading error of the magnetometer at the start
+    double bias_walk = 0.002;        ///< rad/sqrt(s), by which currents and surroundings change it
 };
 
 struct OdometerSettings {
     bool use = true;
-    double std = 0.1;                         ///< m/s, where the log gives none
-    double scale_std = 0.02;                  ///< scale-factor error (tyres, wear)
+    double std = 0.1;         ///< m/s, where the log gives none
+    double scale_std = 0.02;  ///< scale-factor error (tyres, wear)
 };
 
 struct HeadingSettings {
     bool use = true;
-    double std = 0.02;                        ///< rad, where the log gives none
-    double offset_std = 0.0;                  ///< rad, of the sensor against the body's forward axis; 0: it is none of the states
+    double std = 0.02;        ///< rad, where the log gives none
+    double offset_std = 0.0;  ///< rad, of the sensor against the body's forward axis; 0: it is none of the states
 };
 
 /// Depth gauges, barometers and altimeters at places of their own (Recording::gauges).
 struct GaugeSettings {
     bool use = true;
-    double std = 0.05;                        ///< m, white
-    double level_std = 10.0;                  ///< m, constant error of each; 0: none of the states
-    std::array<Eigen::Vector3d, 3> lever_arms_b{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};   ///< m
+    double std = 0.05;        ///< m, white
+    double level_std = 10.0;  ///< m, constant error of each; 0: none of the states
+    std::array<Eigen::Vector3d, 3> lever_arms_b{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                                Eigen::Vector3d::Zero()};  ///< m
 };
 
 /// A log of velocity in body axes (Doppler log, DVL; Recording::body_velocity).
 struct LogSettings {
     bool use = true;
-    double std = 0.02;                        ///< m/s, white
-    double scale_std = 0.005;                 ///< scale-factor error; 0: none of the states
-    double misalignment_std = 0.005;          ///< rad, about the right and down axes; 0: none of the states
-    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< m, IMU to log
+    double std = 0.02;                                      ///< m/s, white
+    double scale_std = 0.005;                               ///< scale-factor error; 0: none of the states
+    double misalignment_std = 0.005;                        ///< rad, about the right and down axes; 0: none of the states
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, IMU to log
 };
 
 /// Initial state where the user gives it; NaN members are found by the program.
@@ -154,37 +155,37 @@ struct AidSettings {
     double constraint_rate = 10.0;            ///< Hz, of the pseudo-measurements
     double gate_probability = 1e-4;           ///< a good measurement is rejected with this probability
     /// Variances of the estimates are kept above the squares of these (paper A, after (3.4.5)); 0: not bounded.
-    double floor_position = 0.0;              ///< m
-    double floor_velocity = 0.0;              ///< m/s
-    double floor_attitude = 0.0;              ///< rad
-    double floor_gyro_bias = 0.0;             ///< rad/s
-    double floor_accel_bias = 0.0;            ///< m/s^2
-    double recovery_time = 10.0;              ///< s, consistent rejected fixes over this span win
-    int recovery_count = 10;                  ///< ... if there are at least so many
+    double floor_position = 0.0;    ///< m
+    double floor_velocity = 0.0;    ///< m/s
+    double floor_attitude = 0.0;    ///< rad
+    double floor_gyro_bias = 0.0;   ///< rad/s
+    double floor_accel_bias = 0.0;  ///< m/s^2
+    double recovery_time = 10.0;    ///< s, consistent rejected fixes over this span win
+    int recovery_count = 10;        ///< ... if there are at least so many
 };
 
 /// The separate scheme: corrections with gains that nobody optimises.
 struct SeparateSettings {
-    double restart_period = 0.0;              ///< s between settings of position and velocity to the fix; 0: continuous correction
-    double position_time = 30.0;              ///< s, time constant of the continuous correction of the position
-    double velocity_time = 30.0;              ///< s, likewise of the velocity
-    double baro_time = 100.0;                 ///< s, time constant of the barometer's third-order loop in the vertical channel
+    double restart_period = 0.0;  ///< s between settings of position and velocity to the fix; 0: continuous correction
+    double position_time = 30.0;  ///< s, time constant of the continuous correction of the position
+    double velocity_time = 30.0;  ///< s, likewise of the velocity
+    double baro_time = 100.0;     ///< s, time constant of the barometer's third-order loop in the vertical channel
 };
 
 /// Control of the receiver's integrity. Off: the gates alone, which let a run of rejected fixes that agree win in the end.
 struct IntegritySettings {
     bool use = false;
-    double accel_limit = 30.0;                ///< m/s^2, what the vehicle is capable of: bound of the tolerance check; 0: no check
-    double trace_ratio = 10.0;                ///< delta of (3.4.7); 0: no check
-    double window = 60.0;                     ///< s, age at which the solution without GNSS begins anew; 0: no detection of slow ramps
-    double false_alarm = 1e-5;                ///< probability of one slow-ramp test to exceed its limit in a healthy run
-    int slow_count = 3;                       ///< tests in a row that must exceed it
-    double readmission_time = 10.0;           ///< s of agreeing fixes until an excluded receiver is used again
+    double accel_limit = 30.0;       ///< m/s^2, what the vehicle is capable of: bound of the tolerance check; 0: no check
+    double trace_ratio = 10.0;       ///< delta of (3.4.7); 0: no check
+    double window = 60.0;            ///< s, age at which the solution without GNSS begins anew; 0: no detection of slow ramps
+    double false_alarm = 1e-5;       ///< probability of one slow-ramp test to exceed its limit in a healthy run
+    int slow_count = 3;              ///< tests in a row that must exceed it
+    double readmission_time = 10.0;  ///< s of agreeing fixes until an excluded receiver is used again
 };
 
 struct Outage {
-    double start;                             ///< s after the origin of the command line's times
-    double duration;                          ///< s
+    double start;     ///< s after the origin of the command line's times
+    double duration;  ///< s
 };
 
 struct Settings {
@@ -194,14 +195,15 @@ struct Settings {
     Loop loop = Loop::Closed;
     Coupling coupling = Coupling::Loose;
     LooseKind loose_kind = LooseKind::Standard;
-    int aggressive_parts = 10;                ///< parts in which a fix is used, Aggressive
+    int aggressive_parts = 10;  ///< parts in which a fix is used, Aggressive
     SeparateSettings separate;
     IntegritySettings integrity;
-    std::optional<double> feedback_period;    ///< s between corrections of the mixed loop; not given: by the rule of correction_period
-    double feedback_attitude = 1e-3;          ///< rad, attitude error that the rule allows to grow meanwhile
+    std::optional<double>
+        feedback_period;              ///< s between corrections of the mixed loop; not given: by the rule of correction_period
+    double feedback_attitude = 1e-3;  ///< rad, attitude error that the rule allows to grow meanwhile
     bool smooth = false;
-    bool scale_factors = false;               ///< gyro and accelerometer scale factors as states (21 states)
-    bool misalignments = false;               ///< six axis misalignments of each triad as states
+    bool scale_factors = false;  ///< gyro and accelerometer scale factors as states (21 states)
+    bool misalignments = false;  ///< six axis misalignments of each triad as states
     bool estimate_lever_arm = false;
     ImuSettings imu;
     GnssSettings gnss;
@@ -215,14 +217,15 @@ struct Settings {
     DisturbanceSettings disturbance;
     AidSettings aids;
     InitialSettings initial;
-    std::optional<Time> start, stop;          ///< absolute, on the data set's axis
-    std::vector<Outage> outages;              ///< relative to the first GNSS epoch
-    bool state_rows = false;                  ///< keep what the filter says of each block of states (Trajectory::states)
-    bool covariance_rows = false;             ///< keep the whole covariance at every output (Trajectory::covariances)
-    double output_rate = 10.0;                ///< Hz of the solution; 0 = every IMU epoch
-    Eigen::Vector3d output_lever_arm_b = Eigen::Vector3d::Zero();  ///< m, IMU to a point whose solution is wanted too; zero: none is
-    std::vector<Time> output_instants;        ///< in order: the solution is wanted there as well (Trajectory::instants)
-    bool backward = false;                    ///< a filter backward in time beside the forward one (fusion/backward.h)
+    std::optional<Time> start, stop;  ///< absolute, on the data set's axis
+    std::vector<Outage> outages;      ///< relative to the first GNSS epoch
+    bool state_rows = false;          ///< keep what the filter says of each block of states (Trajectory::states)
+    bool covariance_rows = false;     ///< keep the whole covariance at every output (Trajectory::covariances)
+    double output_rate = 10.0;        ///< Hz of the solution; 0 = every IMU epoch
+    Eigen::Vector3d output_lever_arm_b =
+        Eigen::Vector3d::Zero();        ///< m, IMU to a point whose solution is wanted too; zero: none is
+    std::vector<Time> output_instants;  ///< in order: the solution is wanted there as well (Trajectory::instants)
+    bool backward = false;              ///< a filter backward in time beside the forward one (fusion/backward.h)
 };
 
 /// The slow errors of fixes are states that keep their estimates.

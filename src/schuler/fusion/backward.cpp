@@ -12,9 +12,9 @@ namespace schuler::fusion {
 
 namespace {
 
-constexpr double opening = 10.0;                           ///< of the forward filter's last sigmas
-constexpr double widest_attitude = 20.0 * units::deg;      ///< ... but not beyond what a linear filter stands
-constexpr Duration spacing{100'000'000};                   ///< of the rows
+constexpr double opening = 10.0;                       ///< of the forward filter's last sigmas
+constexpr double widest_attitude = 20.0 * units::deg;  ///< ... but not beyond what a linear filter stands
+constexpr Duration spacing{100'000'000};               ///< of the rows
 
 Time turned(Time t) { return Time{-t.ns}; }
 
@@ -45,7 +45,7 @@ Recording turned(const Recording& r) {
 
 /// Samples of the channel that events of this kind refer to.
 std::size_t samples_of(const Recording& r, AidKind kind) {
-    switch (kind) {   // complete, so that a new kind is missed by the compiler
+    switch (kind) {  // complete, so that a new kind is missed by the compiler
         case AidKind::GnssPosition:
         case AidKind::GnssVelocity: return r.gnss.size();
         case AidKind::Baro: return r.baro.size();
@@ -58,14 +58,14 @@ std::size_t samples_of(const Recording& r, AidKind kind) {
         case AidKind::ZeroRate:
         case AidKind::Nonholonomic:
         case AidKind::Pseudorange:
-        case AidKind::RangeRate: break;   // no events of the timeline
+        case AidKind::RangeRate: break;  // no events of the timeline
     }
     return 0;
 }
 
 std::vector<Event> turned(const std::vector<Event>& events, const Recording& recording) {
     std::vector<Event> out(events.rbegin(), events.rend());
-    std::array<bool, Channel::count * 8> changed{};   // by kind and components
+    std::array<bool, Channel::count * 8> changed{};  // by kind and components
     for (Event& e : out) {
         e.valid = turned(e.valid);
         e.stamp = turned(e.stamp);
@@ -89,7 +89,8 @@ ImuTimeline turned(const ImuTimeline& imu, std::size_t first, std::size_t last) 
         out.increments.push_back({turned(begin), inc.dt, -inc.dtheta, inc.dv});
     }
     for (auto b = imu.bridges.rbegin(); b != imu.bridges.rend(); ++b)
-        if (b->last >= first && b->first <= last) out.bridges.push_back({last - std::min(b->last, last), last - std::max(b->first, first), b->noise});
+        if (b->last >= first && b->first <= last)
+            out.bridges.push_back({last - std::min(b->last, last), last - std::max(b->first, first), b->noise});
     return out;
 }
 
@@ -155,13 +156,16 @@ std::vector<SolutionRow> run_in(const RunData& data, const Settings& settings, c
 
 }  // namespace
 
-std::vector<SolutionRow> run_backward(const RunData& data, const Settings& settings, const Start& start, const Trajectory& forward) {
+std::vector<SolutionRow> run_backward(const RunData& data, const Settings& settings, const Start& start,
+                                      const Trajectory& forward) {
     const std::vector<ImuIncrement>& increments = data.imu.increments;
-    const auto inertial = [&](const SolutionRow& r) { return r.time <= increments.back().time && r.rpy.allFinite() && r.std_rpy.allFinite(); };
+    const auto inertial = [&](const SolutionRow& r) {
+        return r.time <= increments.back().time && r.rpy.allFinite() && r.std_rpy.allFinite();
+    };
     const auto end = std::find_if(forward.rows.rbegin(), forward.rows.rend(), inertial);
     if (end == forward.rows.rend() || forward.sensor_errors.empty()) return {};
     const auto after = std::ranges::upper_bound(increments, end->time, {}, &ImuIncrement::time);
-    const auto last = static_cast<std::size_t>(after - increments.begin());   // behind the last one
+    const auto last = static_cast<std::size_t>(after - increments.begin());  // behind the last one
     if (last <= start.increment) return {};
 
     const Settings back = turned(settings);
@@ -180,7 +184,8 @@ std::vector<SolutionRow> run_backward(const RunData& data, const Settings& setti
     for (auto row = end; row != forward.rows.rend(); ++row)
         if (run.instants.empty() || turned(row->time) - run.instants.back() >= spacing) run.instants.push_back(turned(row->time));
     const Start from = start_at(*end, forward.sensor_errors.back(), start, settings.imu.mounting_std);
-    return settings.mechanization == Mechanization::Ecef ? run_in<EarthFixedFrame>(run, back, from) : run_in<GeographicFrame>(run, back, from);
+    return settings.mechanization == Mechanization::Ecef ? run_in<EarthFixedFrame>(run, back, from)
+                                                         : run_in<GeographicFrame>(run, back, from);
 }
 
 }  // namespace schuler::fusion

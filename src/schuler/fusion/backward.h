@@ -18,6 +18,7 @@ namespace schuler::fusion {
 /// priors are those of `start`, all other states begin as in any run. Shared with the forward filter remain settings, what was found of
 /// latencies and noise, and errors of fixes that last longer than from one fix to the next.
 /// @throws Error(Computation) where the filter diverges.
-[[nodiscard]] std::vector<SolutionRow> run_backward(const RunData& data, const Settings& settings, const Start& start, const Trajectory& forward);
+[[nodiscard]] std::vector<SolutionRow> run_backward(const RunData& data, const Settings& settings, const Start& start,
+                                                    const Trajectory& forward);
 
 }  // namespace schuler::fusion

@@ -15,13 +15,15 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t least_fixes = 3;
-constexpr double least_span = 2.0;       // s
-constexpr double least_way = 5.0;        // m
-constexpr double velocity_error = 0.3;   // m/s, lasting one of a stated velocity
+constexpr double least_span = 2.0;      // s
+constexpr double least_way = 5.0;       // m
+constexpr double velocity_error = 0.3;  // m/s, lasting one of a stated velocity
 constexpr double digits = 3.0, sigmas = 5.0;
 constexpr std::size_t most_runs = 20;
 
-bool has_position(const GnssFix& f) { return f.fix != FixType::None && std::isfinite(f.position.lat) && std::isfinite(f.position.lon); }
+bool has_position(const GnssFix& f) {
+    return f.fix != FixType::None && std::isfinite(f.position.lat) && std::isfinite(f.position.lon);
+}
 
 /// Exactly equal, or both absent.
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
@@ -29,7 +31,8 @@ bool same_position(const GnssFix& a, const GnssFix& b) {
     return a.position.lat == b.position.lat && a.position.lon == b.position.lon && same(a.position.h, b.position.h);
 }
 bool same_velocity(const GnssFix& a, const GnssFix& b) {
-    return a.velocity_n.head<2>().allFinite() && a.velocity_n.head<2>() == b.velocity_n.head<2>() && same(a.velocity_n.z(), b.velocity_n.z());
+    return a.velocity_n.head<2>().allFinite() && a.velocity_n.head<2>() == b.velocity_n.head<2>() &&
+           same(a.velocity_n.z(), b.velocity_n.z());
 }
 
 /// A log's fixes that have a position.
@@ -42,7 +45,7 @@ public:
         for (std::size_t k = 1; k < size(); ++k) {
             const Vector2d step = way(k - 1, k).cwiseAbs();
             for (const double s : step)
-                if (s > 1e-4) least = std::min(least, s);   // below: rounding of degrees
+                if (s > 1e-4) least = std::min(least, s);  // below: rounding of degrees
         }
         if (std::isfinite(least)) digit_ = least;
     }
@@ -67,7 +70,7 @@ public:
     /// m: what two positions may differ by, and a velocity add to it in `span` seconds, without contradiction.
     [[nodiscard]] double allowed(std::size_t k, double span) const {
         const double stated = fix(k).std_position.head<2>().norm();
-        const double sigma = std::isfinite(stated) ? std::clamp(stated, 0.5, 10.0) : 3.0;   // m; absurd ones are no measure
+        const double sigma = std::isfinite(stated) ? std::clamp(stated, 0.5, 10.0) : 3.0;  // m; absurd ones are no measure
         return std::max({least_way, sigmas * sigma, digits * digit_}) + velocity_error * span;
     }
 
@@ -75,7 +78,7 @@ private:
     const std::vector<GnssFix>& fixes_;
     const earth::Earth& earth_;
     std::vector<std::size_t> index_;
-    double digit_ = 0.0;   // m, the smallest step of the log
+    double digit_ = 0.0;  // m, the smallest step of the log
 };
 
 /// `run(first, last)` for every run of fixes that equal the one before; first is the one that is repeated.
@@ -93,7 +96,8 @@ void for_each_run(const Track& track, Same&& same_as, Run&& run) {
 bool ends_with_leap(const Track& track, std::size_t first, std::size_t last) {
     if (last + 2 >= track.size()) return false;
     const double step = track.seconds(last, last + 1), next = track.seconds(last + 1, last + 2);
-    if (!(step > 0.0 && next > 0.0) || step > 0.5 * track.seconds(first, last)) return false;   // an outage: it may have moved since
+    if (!(step > 0.0 && next > 0.0) || step > 0.5 * track.seconds(first, last))
+        return false;  // an outage: it may have moved since
     const double usual = track.way(last + 1, last + 2).norm() * step / next;
     return track.way(last, last + 1).norm() > 2.0 * track.allowed(last, step) + 3.0 * usual;
 }
@@ -125,7 +129,7 @@ FrozenFixes frozen_fixes(const std::vector<GnssFix>& fixes, const earth::Earth& 
         if (led_away || ends_with_leap(track, first, last)) positions.mark(track, first, last);
     });
     for_each_run(track, same_velocity, [&](std::size_t first, std::size_t last) {
-        bool along = true;   // with positions that hang
+        bool along = true;  // with positions that hang
         for (std::size_t k = first + 1; k <= last; ++k) along &= positions.marked[track.index(k)];
         const Vector2d off = track.way(first, last) - track.way_by_velocities(first, last);
         if (along || off.norm() > track.allowed(first, track.seconds(first, last))) velocities.mark(track, first, last);
@@ -191,11 +195,13 @@ public:
     }
 
     /// Whether the positions of a stretch are not just at another level: that is a jump and a jump back.
-    [[nodiscard]] bool wanders(std::size_t first, std::size_t last) const { return (off_[last] - off_[first]).norm() > agreed(first, last); }
+    [[nodiscard]] bool wanders(std::size_t first, std::size_t last) const {
+        return (off_[last] - off_[first]).norm() > agreed(first, last);
+    }
 
 private:
-    static constexpr double longest_step = 3.0, longest = 120.0, drift_span = 30.0;   // s
-    static constexpr double latency = 0.5;                                            // s, of position against velocity
+    static constexpr double longest_step = 3.0, longest = 120.0, drift_span = 30.0;  // s
+    static constexpr double latency = 0.5;                                           // s, of position against velocity
     static constexpr std::size_t around = 5;
 
     [[nodiscard]] Vector2d velocity(std::size_t k) const { return track_.fix(k).velocity_n.head<2>(); }
@@ -224,9 +230,9 @@ private:
 
     Track track_;
     std::vector<Vector2d> off_;
-    std::vector<bool> broken_;   // no way is known to this fix
-    double scatter_ = 0.0;       // m, between neighbours
-    double drift_ = 0.1;         // m/s, of the misclosure in this log
+    std::vector<bool> broken_;  // no way is known to this fix
+    double scatter_ = 0.0;      // m, between neighbours
+    double drift_ = 0.1;        // m/s, of the misclosure in this log
 };
 
 }  // namespace
@@ -259,18 +265,22 @@ FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settin
     const FrozenFixes frozen = frozen_fixes(seen, settings.earth);
     FixScreen screen{frozen.position, frozen.velocity, {}};
     if (frozen.any())
-        warnings.add("gnss.frozen", fmt::format("the receiver hung: {} positions and {} velocities, the first {:.1f} s after the first fix, repeat the "
-                                                "ones before to the last digit while it moved; they were left out",
-                                                frozen.positions, frozen.velocities, (*frozen.first - origin).seconds()));
+        warnings.add(
+            "gnss.frozen",
+            fmt::format("the receiver hung: {} positions and {} velocities, the first {:.1f} s after the first fix, repeat the "
+                        "ones before to the last digit while it moved; they were left out",
+                        frozen.positions, frozen.velocities, (*frozen.first - origin).seconds()));
     if (settings.integrity.use || settings.aids.gate_probability <= 0.0) return screen;
     for (std::size_t i = 0; frozen.any() && i < seen.size(); ++i) seen[i] = screen.without(seen[i], i);
     const std::vector<bool> strayed = strayed_positions(seen, settings.earth);
     const auto first = std::ranges::find(strayed, true);
     if (first == strayed.end()) return screen;
-    warnings.add("gnss.strayed", fmt::format("{} positions, the first {:.1f} s after the first fix, left the way of the receiver's own velocities "
-                                             "and leapt back to it later; they were left out",
-                                             std::ranges::count(strayed, true),
-                                             (fixes[static_cast<std::size_t>(first - strayed.begin())].time - origin).seconds()));
+    warnings.add(
+        "gnss.strayed",
+        fmt::format("{} positions, the first {:.1f} s after the first fix, left the way of the receiver's own velocities "
+                    "and leapt back to it later; they were left out",
+                    std::ranges::count(strayed, true),
+                    (fixes[static_cast<std::size_t>(first - strayed.begin())].time - origin).seconds()));
     screen.position.resize(fixes.size(), false);
     for (std::size_t i = 0; i < fixes.size(); ++i) screen.position[i] = screen.position[i] || strayed[i];
     return screen;

@@ -14,7 +14,7 @@ namespace schuler::fusion {
 
 /// Fixes whose position or velocity hangs at that of a fix before.
 struct FrozenFixes {
-    std::vector<bool> position, velocity;   ///< one a fix; empty where there is none
+    std::vector<bool> position, velocity;  ///< one a fix; empty where there is none
     std::size_t positions = 0, velocities = 0;
     std::optional<Time> first;
 
@@ -39,8 +39,8 @@ struct FrozenFixes {
 
 /// What of a log's fixes is left out for what later ones say of them, which a stream cannot know.
 struct FixScreen {
-    std::vector<bool> position{}, velocity{};   ///< true: left out; one a fix, or empty where nothing is
-    std::vector<bool> height{};                 ///< likewise, of the position and the velocity
+    std::vector<bool> position{}, velocity{};  ///< true: left out; one a fix, or empty where nothing is
+    std::vector<bool> height{};                ///< likewise, of the position and the velocity
 
     /// The fix without what is left out, which is NaN.
     [[nodiscard]] GnssFix without(const GnssFix& fix, std::size_t index) const;
@@ -49,6 +49,7 @@ struct FixScreen {
 /// Both looks at a log, with a warning each for what they find. Velocities that the filter does not use (gnss.use_velocity) are no witnesses;
 /// positions that strayed are left out only where the filter may refuse fixes by its gates, which integrity control replaces.
 /// origin: zero of the times in the warnings.
-[[nodiscard]] FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settings, Time origin, WarningLog& warnings);
+[[nodiscard]] FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settings, Time origin,
+                                     WarningLog& warnings);
 
 }  // namespace schuler::fusion

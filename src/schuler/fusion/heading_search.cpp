@@ -15,10 +15,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int headings = 36;   // so near that a linearised filter is consistent in each: 24 deg are too far where biases are large
-constexpr double temper = 4.0;             // of log-likelihoods
-constexpr double refuted = 12.0;           // of tempered ones: such a trial is left out of the longer stretches
-constexpr double clear = 10.0 * units::deg; // one sigma of a heading that is decided
+constexpr int headings = 36;  // so near that a linearised filter is consistent in each: 24 deg are too far where biases are large
+constexpr double temper = 4.0;               // of log-likelihoods
+constexpr double refuted = 12.0;             // of tempered ones: such a trial is left out of the longer stretches
+constexpr double clear = 10.0 * units::deg;  // one sigma of a heading that is decided
 
 struct Trial {
     Start start;
@@ -53,7 +53,8 @@ void mix(const std::vector<Trial>& trials, HeadingSearch& search) {
     search.heading = std::atan2(y, x);
     double variance = 0.0;
     for (const Trial& t : trials) {
-        const double w = std::exp(t.log_weight - trials.front().log_weight) / sum, off = math::wrap_pi(t.heading() - search.heading);
+        const double w = std::exp(t.log_weight - trials.front().log_weight) / sum,
+                     off = math::wrap_pi(t.heading() - search.heading);
         variance += w * (t.std() * t.std() + off * off);
     }
     search.std = std::sqrt(variance);
@@ -65,7 +66,7 @@ void mix(const std::vector<Trial>& trials, HeadingSearch& search) {
 void allow_for_latency(RunData& data, const GnssSettings& gnss) {
     const double of_velocity = gnss.velocity_latency_std > 0.0 ? gnss.velocity_latency_std : gnss.latency_std;
     if (!(gnss.latency_std > 0.0 || of_velocity > 0.0)) return;
-    constexpr double apart = 0.4;   // s, least distance of fixes that tell a rate of change
+    constexpr double apart = 0.4;  // s, least distance of fixes that tell a rate of change
     const std::vector<GnssFix>& fixes = data.recording->gnss;
     const earth::Earth earth;
     std::size_t before = 0, after = 0;
@@ -127,7 +128,7 @@ HeadingSearch search_heading(const RunData& all, const Settings& settings, const
 }
 
 std::optional<Level> carried_level(const RunData& data, const Settings& settings, const Start& start) {
-    constexpr double longest = 20.0, shortest = 2.0;   // s
+    constexpr double longest = 20.0, shortest = 2.0;  // s
     const double gyro_bias = start.std_gyro_bias.maxCoeff();
     const double span = std::clamp(4.0 * units::deg / gyro_bias, shortest, longest);
     struct Point {
@@ -144,7 +145,7 @@ std::optional<Level> carried_level(const RunData& data, const Settings& settings
     }
     if (points.size() < 2 || points.back().t - points.front().t < std::max(shortest - 1.0, 0.5 * span)) return std::nullopt;
     const double from = points.front().t, length = points.back().t - from;
-    Eigen::Quaterniond q = Eigen::Quaterniond::Identity();   // to the axes of the start
+    Eigen::Quaterniond q = Eigen::Quaterniond::Identity();  // to the axes of the start
     Vector3d sum = Vector3d::Zero();
     double t = 0.0, total = 0.0;
     for (std::size_t i = start.increment; i < data.imu.increments.size() && t < from + length; ++i) {

@@ -10,23 +10,23 @@ namespace schuler::fusion {
 /// What an instrument says of the heading at the start, rad.
 struct HeadingWitness {
     double heading = 0.0, std = 0.0;
-    bool by_mag = false;          ///< by the magnetometer; otherwise by a sensor of the heading
+    bool by_mag = false;  ///< by the magnetometer; otherwise by a sensor of the heading
 };
 
 /// What all trials together know.
 struct HeadingSearch {
-    StartEstimate best;           ///< of the most probable trial
-    double heading = 0.0;         ///< mean of the mixture, rad
-    double std = 0.0;             ///< of the mixture, with the spread of the trials that are not refuted, rad
-    bool decided = false;         ///< one heading is left
-    Time until{};                 ///< end of the stretch that was looked at
+    StartEstimate best;    ///< of the most probable trial
+    double heading = 0.0;  ///< mean of the mixture, rad
+    double std = 0.0;      ///< of the mixture, with the spread of the trials that are not refuted, rad
+    bool decided = false;  ///< one heading is left
+    Time until{};          ///< end of the stretch that was looked at
 };
 
 /// A level that holds for trials, and how well.
 struct Level {
-    Eigen::Vector3d f_b = Eigen::Vector3d::Zero();   ///< mean specific force in body axes of the start, m/s^2
-    Eigen::Vector3d f_n = Eigen::Vector3d::Zero();   ///< the same in NED by the receiver, m/s^2
-    double std = 0.0;                                ///< rad
+    Eigen::Vector3d f_b = Eigen::Vector3d::Zero();  ///< mean specific force in body axes of the start, m/s^2
+    Eigen::Vector3d f_n = Eigen::Vector3d::Zero();  ///< the same in NED by the receiver, m/s^2
+    double std = 0.0;                               ///< rad
 };
 
 /// Tries headings all around the compass over 15 s, a minute, four and sixteen minutes from `motion` on, until one is left: a sum of Gaussians

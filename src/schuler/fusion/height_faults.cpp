@@ -13,13 +13,13 @@
 namespace schuler::fusion {
 namespace {
 
-
 /// Values at times, in order.
 struct Series {
     std::vector<double> t, x;
 
     [[nodiscard]] std::pair<std::size_t, std::size_t> within(double from, double to) const {
-        return {static_cast<std::size_t>(std::ranges::lower_bound(t, from) - t.begin()), static_cast<std::size_t>(std::ranges::upper_bound(t, to) - t.begin())};
+        return {static_cast<std::size_t>(std::ranges::lower_bound(t, from) - t.begin()),
+                static_cast<std::size_t>(std::ranges::upper_bound(t, to) - t.begin())};
     }
     [[nodiscard]] double mean(double from, double to) const {
         const auto [a, b] = within(from, to);
@@ -44,7 +44,7 @@ struct Series {
 };
 
 struct Heights {
-    Series gnss, baro, force;   ///< m, m, m/s^2: size of the specific force
+    Series gnss, baro, force;  ///< m, m, m/s^2: size of the specific force
     std::vector<std::size_t> index;
     double gravity = 9.80665;
 
@@ -71,7 +71,7 @@ struct Heights {
 
     /// How far, RMS, the vertical accelerations of receiver and barometer are from those that the force shows; absent where there are too few.
     [[nodiscard]] std::optional<std::pair<double, double>> misfit(double from, double to) const {
-        constexpr double half = 2.0, step = 1.0;   // s
+        constexpr double half = 2.0, step = 1.0;  // s
         std::vector<double> by_gnss, by_baro;
         for (double t = from; t <= to; t += step) {
             const double felt = force.mean(t - half, t + half) - gravity;
@@ -82,7 +82,7 @@ struct Heights {
         }
         constexpr std::size_t least = 8;
         if (by_gnss.size() < least) return std::nullopt;
-        const auto rms = [](const std::vector<double>& v) {   // about the median: of tilt and bias
+        const auto rms = [](const std::vector<double>& v) {  // about the median: of tilt and bias
             const double middle = math::median(v);
             double sum = 0.0;
             for (const double x : v) sum += (x - middle) * (x - middle) / static_cast<double>(v.size());
@@ -111,14 +111,14 @@ std::vector<bool> heights_off_barometer(const Recording& recording, const filter
         place.push_back(k);
     }
     if (apart.t.size() < 20) return off;
-    constexpr double around = 300.0, least = 10.0, sigmas = 6.0, of_height = 0.05;   // s, m
+    constexpr double around = 300.0, least = 10.0, sigmas = 6.0, of_height = 0.05;  // s, m
     std::vector<double> departure(apart.t.size()), allowed(apart.t.size());
     double usual = 0.0;
     {
         std::vector<double> sizes(apart.t.size());
         double level = 0.0, level_height = 0.0, until = -std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k < apart.t.size(); ++k) {
-            if (apart.t[k] >= until) {   // a median a while: it hardly changes
+            if (apart.t[k] >= until) {  // a median a while: it hardly changes
                 const auto [a, b] = apart.within(apart.t[k] - around, apart.t[k] + around);
                 const auto part = [&](const std::vector<double>& v) {
                     return math::median({v.begin() + static_cast<std::ptrdiff_t>(a), v.begin() + static_cast<std::ptrdiff_t>(b)});
@@ -136,7 +136,7 @@ std::vector<bool> heights_off_barometer(const Recording& recording, const filter
     for (double& a : allowed) a += std::max(least, sigmas * usual);
     off.assign(recording.gnss.size(), false);
     std::size_t left_out = 0;
-    constexpr double pause = 10.0, onset = 20.0, clearly = 0.6, margin = 3.0;   // s, s, 1, s
+    constexpr double pause = 10.0, onset = 20.0, clearly = 0.6, margin = 3.0;  // s, s, 1, s
     for (std::size_t k = 0; k < departure.size(); ++k) {
         if (std::abs(departure[k]) <= allowed[k]) continue;
         std::size_t first = k, last = k;
@@ -144,8 +144,11 @@ std::vector<bool> heights_off_barometer(const Recording& recording, const filter
             if (std::abs(departure[i]) > allowed[i]) last = i;
         k = last;
         const double begin = apart.t[first], end = apart.t[last];
-        while (first > 0 && begin - apart.t[first - 1] < onset && std::abs(departure[first - 1]) > 0.25 * allowed[first - 1]) --first;
-        while (last + 1 < departure.size() && apart.t[last + 1] - end < onset && std::abs(departure[last + 1]) > 0.25 * allowed[last + 1]) ++last;
+        while (first > 0 && begin - apart.t[first - 1] < onset && std::abs(departure[first - 1]) > 0.25 * allowed[first - 1])
+            --first;
+        while (last + 1 < departure.size() && apart.t[last + 1] - end < onset &&
+               std::abs(departure[last + 1]) > 0.25 * allowed[last + 1])
+            ++last;
         const auto misfit = heights.misfit(apart.t[first] - margin, apart.t[last] + margin);
         if (!misfit || misfit->second > clearly * misfit->first) continue;
         for (std::size_t i = first; i <= last; ++i) {
@@ -157,16 +160,18 @@ std::vector<bool> heights_off_barometer(const Recording& recording, const filter
     return off;
 }
 
-void screen_heights(FixScreen& screen, const Recording& recording, const filter::ImuTimeline& imu, const Settings& settings, Time origin,
-                    WarningLog& warnings) {
+void screen_heights(FixScreen& screen, const Recording& recording, const filter::ImuTimeline& imu, const Settings& settings,
+                    Time origin, WarningLog& warnings) {
     if (!settings.baro.use || settings.integrity.use || settings.aids.gate_probability <= 0.0) return;
     screen.height = heights_off_barometer(recording, imu, settings.earth);
     const auto first = std::ranges::find(screen.height, true);
     if (first == screen.height.end()) return;
-    warnings.add("gnss.height_off", fmt::format("{} heights, the first {:.1f} s after the first fix, left the barometer's by metres that the inertial unit did not feel; they and "
-                                                "their vertical velocities were left out",
-                                                std::ranges::count(screen.height, true),
-                                                (recording.gnss[static_cast<std::size_t>(first - screen.height.begin())].time - origin).seconds()));
+    warnings.add("gnss.height_off",
+                 fmt::format("{} heights, the first {:.1f} s after the first fix, left the barometer's by metres that the "
+                             "inertial unit did not feel; they and "
+                             "their vertical velocities were left out",
+                             std::ranges::count(screen.height, true),
+                             (recording.gnss[static_cast<std::size_t>(first - screen.height.begin())].time - origin).seconds()));
 }
 
 }  // namespace schuler::fusion

@@ -16,11 +16,12 @@ namespace schuler::fusion {
 /// acceleration of each, over four seconds, against the size of the specific force less gravity: the receiver's is wrong where the
 /// barometer's agrees clearly better. A barometer that is wrong, and what neither tells, is left to the filter; so is everything where a
 /// third of the fixes would be left out.
-[[nodiscard]] std::vector<bool> heights_off_barometer(const Recording& recording, const filter::ImuTimeline& imu, const earth::Earth& earth);
+[[nodiscard]] std::vector<bool> heights_off_barometer(const Recording& recording, const filter::ImuTimeline& imu,
+                                                      const earth::Earth& earth);
 
 /// Adds them to what is left out, with a warning: heights, and the vertical velocities with them. Nothing where the barometer is not
 /// used, without gates, and with integrity control.
-void screen_heights(FixScreen& screen, const Recording& recording, const filter::ImuTimeline& imu, const Settings& settings, Time origin,
-                    WarningLog& warnings);
+void screen_heights(FixScreen& screen, const Recording& recording, const filter::ImuTimeline& imu, const Settings& settings,
+                    Time origin, WarningLog& warnings);
 
 }  // namespace schuler::fusion

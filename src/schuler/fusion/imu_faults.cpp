@@ -39,14 +39,16 @@ std::vector<bool> stuck_samples(const std::vector<ImuSample>& samples, double me
     std::vector<bool> stuck(samples.size(), false);
     const auto rows = [&](double s, double least) { return static_cast<std::size_t>(std::max(least, s / median_dt)); };
     for (Vector3d ImuSample::*value : {&ImuSample::gyro, &ImuSample::accel}) {
-        find_stuck(samples.size(), rows(0.1, 8.0), 0.05, samples.size(),
-                   [&](std::size_t i) { return samples[i].*value == samples[i - 1].*value; }, stuck);
+        find_stuck(
+            samples.size(), rows(0.1, 8.0), 0.05, samples.size(),
+            [&](std::size_t i) { return samples[i].*value == samples[i - 1].*value; }, stuck);
         for (int axis = 0; axis < 3; ++axis)
-            find_stuck(samples.size(), rows(0.3, 20.0), 0.01, 10,
-                       [&](std::size_t i) { return (samples[i].*value)(axis) == (samples[i - 1].*value)(axis); }, stuck);
+            find_stuck(
+                samples.size(), rows(0.3, 20.0), 0.01, 10,
+                [&](std::size_t i) { return (samples[i].*value)(axis) == (samples[i - 1].*value)(axis); }, stuck);
     }
     count = static_cast<std::size_t>(std::ranges::count(stuck, true));
-    if (2 * count > samples.size()) {   // a simulated unit at rest, noise-free; or an axis that is not there
+    if (2 * count > samples.size()) {  // a simulated unit at rest, noise-free; or an axis that is not there
         stuck.assign(samples.size(), false);
         count = 0;
     }
@@ -59,7 +61,7 @@ namespace {
 struct Quantity {
     Vector3d ImuIncrement::*integral;
     double filter::BridgeNoise::*psd;
-    double least;   ///< rad, m/s: an integral wrong by less is not worth a doubt
+    double least;  ///< rad, m/s: an integral wrong by less is not worth a doubt
     [[nodiscard]] Vector3d of(const ImuIncrement& i) const { return i.*integral / i.dt; }
 };
 
@@ -83,15 +85,17 @@ double roughness(const std::vector<ImuIncrement>& increments, const Block& b, co
 }
 
 /// The same by the smaller third of the second differences of its worst axis, which outliers, even one sample of five, do not reach.
-double robust_roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q, std::vector<double>& differences) {
-    constexpr double share = 0.3, of_normal = 0.385;   // of a normal distribution's sigmas, two-sided
+double robust_roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q,
+                        std::vector<double>& differences) {
+    constexpr double share = 0.3, of_normal = 0.385;  // of a normal distribution's sigmas, two-sided
     const std::size_t first = std::max<std::size_t>(b.first, 2);
     if (b.end <= first) return 0.0;
     double sum = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
         differences.clear();
         for (std::size_t i = first; i < b.end; ++i)
-            differences.push_back(std::abs(q.of(increments[i])(axis) - 2.0 * q.of(increments[i - 1])(axis) + q.of(increments[i - 2])(axis)));
+            differences.push_back(
+                std::abs(q.of(increments[i])(axis) - 2.0 * q.of(increments[i - 1])(axis) + q.of(increments[i - 2])(axis)));
         const auto at = differences.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(differences.size()));
         std::nth_element(differences.begin(), at, differences.end());
         sum += *at * *at / (of_normal * of_normal);
@@ -143,8 +147,8 @@ double departure(const std::vector<ImuIncrement>& increments, const std::vector<
 /// The end of an axis's range in one direction, where the log shows it.
 struct End {
     double sign = 1.0, mean = 0.0;
-    double limit = 0.0;        ///< of the departure from the mean
-    double size = 0.0;         ///< by which what lies beyond may be wrong
+    double limit = 0.0;  ///< of the departure from the mean
+    double size = 0.0;   ///< by which what lies beyond may be wrong
     bool reached = false;
 };
 
@@ -158,11 +162,13 @@ End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int a
     for (const auto& i : increments) end.mean += q.of(i)(axis) / static_cast<double>(increments.size());
     for (const auto& i : increments) usual += std::abs(q.of(i)(axis) - end.mean) / static_cast<double>(increments.size());
     for (const auto& i : increments) end.limit = std::max(end.limit, sign * (q.of(i)(axis) - end.mean));
-    const auto close = [&](double value) { return value - 1e-9 * (end.limit + std::abs(end.mean)); };   // what is saturated repeats to the last digit
-    constexpr double mostly = 0.1, beyond = 0.3;   // of all samples; of the range
-    if (!(end.limit > 1e-6 * (1.0 + std::abs(end.mean)))) {   // an axis without noise
+    const auto close = [&](double value) {
+        return value - 1e-9 * (end.limit + std::abs(end.mean));
+    };                                                       // what is saturated repeats to the last digit
+    constexpr double mostly = 0.1, beyond = 0.3;             // of all samples; of the range
+    if (!(end.limit > 1e-6 * (1.0 + std::abs(end.mean)))) {  // an axis without noise
         if (q.integral != &ImuIncrement::dv || sign * end.mean <= 0.0) return end;
-        constexpr double gravity = 9.81, without_doubt = 0.3;   // m/s^2
+        constexpr double gravity = 9.81, without_doubt = 0.3;  // m/s^2
         double size = 0.0;
         for (const auto& i : increments) size += q.of(i).norm() / static_cast<double>(increments.size());
         end.reached = size < gravity - without_doubt;
@@ -181,7 +187,7 @@ End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int a
         if (x >= close(end.limit)) ++there;
         else if (x >= close(next)) ++below;
     }
-    const bool continuous = end.limit - next < 0.1 * end.limit;   // two levels of a coarse axis are none
+    const bool continuous = end.limit - next < 0.1 * end.limit;  // two levels of a coarse axis are none
     end.reached = continuous && there >= 30 && there > 10 * below;
     // An axis that is mostly at its end hardly departs from its mean.
     if (static_cast<double>(there) > mostly * static_cast<double>(increments.size()))
@@ -207,7 +213,8 @@ void add_saturation(const std::vector<ImuIncrement>& increments, const Quantity&
                     for (std::size_t b = block; b < blocks.size() && blocks[b].first < k; ++b) {
                         const Block both{std::max(first, blocks[b].first), std::min(k, blocks[b].end)};
                         if (both.end <= both.first) continue;
-                        noise[b].*q.psd += end.size * end.size * run * duration(increments, both) / duration(increments, blocks[b]);
+                        noise[b].*q.psd +=
+                            end.size * end.size * run * duration(increments, both) / duration(increments, blocks[b]);
                     }
                     for (std::size_t i = first; i < k; ++i) saturated[i] = true;
                 }
@@ -237,7 +244,7 @@ Doubts doubtful_stretches(const ImuTimeline& timeline) {
         blocks.push_back({i, end});
         i = end;
     }
-    if (blocks.size() < 40) return {};   // nothing to compare with
+    if (blocks.size() < 40) return {};  // nothing to compare with
     std::vector<filter::BridgeNoise> noise(blocks.size());
     std::vector<bool> saturated(increments.size(), false);
     for (const Quantity& q : {Quantity{&ImuIncrement::dtheta, &filter::BridgeNoise::gyro_psd, 1e-3},
@@ -259,7 +266,8 @@ Doubts doubtful_stretches(const ImuTimeline& timeline) {
     }
     Doubts out;
     for (std::size_t k = 0; k < blocks.size(); ++k)
-        if (noise[k].gyro_psd > 0.0 || noise[k].accel_psd > 0.0) out.stretches.push_back({blocks[k].first, blocks[k].end - 1, noise[k]});
+        if (noise[k].gyro_psd > 0.0 || noise[k].accel_psd > 0.0)
+            out.stretches.push_back({blocks[k].first, blocks[k].end - 1, noise[k]});
     out.saturated = static_cast<double>(std::ranges::count(saturated, true)) / static_cast<double>(increments.size());
     return out;
 }

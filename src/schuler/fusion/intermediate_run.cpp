@@ -98,7 +98,8 @@ private:
 };
 
 /// The receiver's solution at t, `from_antenna_b` away from its antenna (m), carried on from its last epoch by its velocity; nothing where that is long ago.
-bool by_receiver(const Result& result, const Settings& settings, const Vector3d& from_antenna_b, std::size_t& at, SolutionRow& row) {
+bool by_receiver(const Result& result, const Settings& settings, const Vector3d& from_antenna_b, std::size_t& at,
+                 SolutionRow& row) {
     const Time t = row.time;
     constexpr double longest = 3.0;  // s
     const std::vector<SolutionRow>& rows = result.receiver.rows;
@@ -147,7 +148,9 @@ Result run_intermediate_pass(const RunData& data, const Settings& settings, cons
     Result both;
     Beside beside(data, settings, data.origin, both);
     PassOptions watched = options;
-    watched.after_ranges = [&](const RangeEpoch& epoch, const Geodetic& antenna, const Eigen::Matrix3d& P) { beside.check(epoch, antenna, P); };
+    watched.after_ranges = [&](const RangeEpoch& epoch, const Geodetic& antenna, const Eigen::Matrix3d& P) {
+        beside.check(epoch, antenna, P);
+    };
     Result result = run_pass(data, settings, start, watched);
     beside.go_to(Time{INT64_MAX});
     result.receiver = std::move(both.receiver);

@@ -69,17 +69,18 @@ public:
         const auto k = static_cast<std::size_t>(first - fixes_.begin());
         if (k < 3 || k + 2 >= fixes_.size()) return false;
         const double hole = seconds(k), step = (to - from).seconds();
-        if (hole < step || hole > step + 1.5 * step_) return false;   // not of both logs
+        if (hole < step || hole > step + 1.5 * step_) return false;  // not of both logs
         const Vector2d before = velocity(k - 3, k - 1), after = velocity(k, k + 2), mean = 0.5 * (before + after);
         const double rest = hole - step, sigma = std::max({least_way, scatter_, 0.25 * (after - before).norm() * step_});
-        const double as_set = (way(k) - rest * mean).squaredNorm() / (sigma * sigma), as_stamped = (way(k) - hole * mean).squaredNorm() / (sigma * sigma);
-        constexpr double beyond_chance = 25.0;   // of one fix that is off as well
+        const double as_set = (way(k) - rest * mean).squaredNorm() / (sigma * sigma),
+                     as_stamped = (way(k) - hole * mean).squaredNorm() / (sigma * sigma);
+        constexpr double beyond_chance = 25.0;  // of one fix that is off as well
         return as_set < 9.0 && as_stamped - as_set > beyond_chance;
     }
 
 private:
     using Vector2d = Eigen::Vector2d;
-    static constexpr double least_way = 0.3;   // m
+    static constexpr double least_way = 0.3;  // m
 
     [[nodiscard]] double seconds(std::size_t k) const { return (fixes_[k]->time - fixes_[k - 1]->time).seconds(); }
     [[nodiscard]] Vector2d way(std::size_t from, std::size_t to) const {
@@ -97,14 +98,14 @@ private:
     [[nodiscard]] Vector2d velocity_around(std::size_t k) const { return 0.5 * (velocity(k - 3, k - 1) + velocity(k, k + 2)); }
 
     std::vector<const GnssFix*> fixes_;
-    double step_ = 0.0, scatter_ = 0.0;   // s, m
+    double step_ = 0.0, scatter_ = 0.0;  // s, m
 };
 
 }  // namespace
 
 std::vector<Time> leg_starts(const Recording& recording) {
     std::vector<Time> starts;
-    constexpr double least_set = 0.5;   // s: less is a gap that is bridged, whatever it was
+    constexpr double least_set = 0.5;  // s: less is a gap that is bridged, whatever it was
     std::optional<SetClocks> set;
     for (const ImuSample& s : recording.imu) {
         if (starts.empty()) {
@@ -157,7 +158,7 @@ Settings continued(const Settings& settings, const Result& before, const Recordi
     }
     if (before.forward.rows.empty() || leg.imu.empty()) return next;
     if (const SolutionRow& row = before.forward.rows.back(); (leg.imu.front().time - row.time).seconds() < longest_bridge) {
-        constexpr double since = 0.5 * units::deg;   // in a step of the IMU
+        constexpr double since = 0.5 * units::deg;  // in a step of the IMU
         next.initial.rpy = row.rpy;
         next.initial.std_rpy = (row.std_rpy.array().square() + since * since).sqrt();
         return next;
@@ -165,9 +166,11 @@ Settings continued(const Settings& settings, const Result& before, const Recordi
     if (settings.vehicle != VehicleKind::Car || leg.gnss.empty()) return next;
     const SolutionRow& last = before.forward.rows.back();
     const auto moved = earth::ned_difference(settings.earth, leg.gnss.front().position, last.position);
-    constexpr double near = 10.0, parked = 0.5, turned = 5.0 * units::deg;   // m, m/s, rad
+    constexpr double near = 10.0, parked = 0.5, turned = 5.0 * units::deg;  // m, m/s, rad
     const double sigma = last.std_position.head<2>().norm();
-    if (!(moved.head<2>().norm() < near + 3.0 * sigma) || sigma > near || last.v_eb_n.norm() > parked || last.std_rpy.z() > turned) return next;
+    if (!(moved.head<2>().norm() < near + 3.0 * sigma) || sigma > near || last.v_eb_n.norm() > parked ||
+        last.std_rpy.z() > turned)
+        return next;
     next.initial.rpy.z() = last.rpy.z();
     next.initial.std_rpy.z() = std::hypot(last.std_rpy.z(), turned);
     return next;

@@ -22,7 +22,7 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
     options.last_increment = increment_at(data, start.nav.time + Duration::from_seconds(900.0));
     const Result run = run_pass(data, trial, start, options);
     std::vector<Vector3d> forward;
-    std::vector<double> weight;      // of the heading: the direction in the body is as good as the attitude
+    std::vector<double> weight;  // of the heading: the direction in the body is as good as the attitude
     Vector3d down = Vector3d::Zero();
     for (const SolutionRow& row : run.forward.rows) {
         const Eigen::Matrix3d C_nb = math::dcm_from_rpy(row.rpy);

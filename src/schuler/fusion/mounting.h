@@ -9,7 +9,7 @@ namespace schuler::fusion {
 /// hardly moves.
 struct MountingEstimate {
     Eigen::Matrix3d C_vb = Eigen::Matrix3d::Identity();
-    Eigen::Vector3d std_rpy = Eigen::Vector3d::Zero();   ///< rad
+    Eigen::Vector3d std_rpy = Eigen::Vector3d::Zero();  ///< rad
     bool found = false;
 };
 [[nodiscard]] MountingEstimate estimate_mounting(const RunData& data, const Settings& settings, const Start& start);

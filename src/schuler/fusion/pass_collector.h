@@ -10,7 +10,7 @@
 
 namespace schuler::fusion {
 
-inline constexpr double sensor_row_spacing = 1.0;   // s
+inline constexpr double sensor_row_spacing = 1.0;  // s
 
 template <class Frame>
 class PassCollector : public PassObserver<Frame> {
@@ -19,7 +19,12 @@ public:
 
     PassCollector(const InertialModel& model, const Settings& settings, const PassOptions& options, Result& result, Time start,
                   double imu_interval)
-        : model_(model), settings_(settings), options_(options), result_(result), next_sensor_(start), imu_interval_(imu_interval) {
+        : model_(model),
+          settings_(settings),
+          options_(options),
+          result_(result),
+          next_sensor_(start),
+          imu_interval_(imu_interval) {
         if (settings.ranging.protection.use) limits_ = ProtectionLimits(settings.ranging.protection);
     }
 
@@ -45,12 +50,13 @@ public:
         if (options_.outputs) result_.forward.instants.push_back({index, at_point(walk.filter, walk.covariance(model_))});
     }
     void outage_epoch(const Walk<Frame>& walk, const Event& event, const Measurement& m, const AidRecord& r) override {
-        result_.forward.outage_epochs.push_back({event.outage, event.stamp, event.outage_end, r.innovation, r.sigma, r.sigma_state,
-                                                 walk.filter.sigma_apart(model_, walk.filter.to_own(model_, m), walk.undecided(model_))});
+        result_.forward.outage_epochs.push_back(
+            {event.outage, event.stamp, event.outage_end, r.innovation, r.sigma, r.sigma_state,
+             walk.filter.sigma_apart(model_, walk.filter.to_own(model_, m), walk.undecided(model_))});
     }
     void aid(const AidRecord& r) override {
         result_.aids.push_back(r);
-        if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) return;   // a height of another age is no epoch of its own
+        if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) return;  // a height of another age is no epoch of its own
         ++result_.counters.gnss_epochs;
         ++(r.status == AidStatus::Accepted   ? result_.counters.gnss_accepted
            : r.status == AidStatus::Withheld ? result_.counters.gnss_withheld
@@ -101,7 +107,7 @@ private:
     const PassOptions& options_;
     Result& result_;
     Time next_sensor_;
-    double imu_interval_;   // s
+    double imu_interval_;  // s
     ProtectionLimits limits_;
 };
 

@@ -29,7 +29,7 @@ PositionCount positions_after(const Result& result, Time since) {
 }
 
 std::optional<Time> diverged_at(const Result& result) {
-    constexpr double span = 120.0;   // s
+    constexpr double span = 120.0;  // s
     constexpr std::size_t least = 5;
     const auto again = [&](const Alert& a) {
         return std::ranges::any_of(result.alerts, [&](const Alert& b) {
@@ -56,10 +56,10 @@ std::optional<Time> diverged_at(const Result& result) {
 }
 
 bool explains(const Result& anew, const Result& diverged, Time since) {
-    constexpr double clear = 5.0 * units::deg, span = 120.0, least = 2.0;   // rad, s, s
+    constexpr double clear = 5.0 * units::deg, span = 120.0, least = 2.0;  // rad, s, s
     const PositionCount before = positions_after(diverged, since), now = positions_after(anew, since);
     if (now.used == 0 || 2 * now.refused >= before.refused || 10 * now.refused > now.refused + now.used) return false;
-    double apart = 0.0;   // s
+    double apart = 0.0;  // s
     const std::vector<SolutionRow>& rows = anew.forward.rows;
     for (std::size_t i = 1; i < rows.size() && (rows[i].time - rows.front().time).seconds() < span; ++i) {
         const auto same = std::ranges::lower_bound(diverged.forward.rows, rows[i].time, {}, &SolutionRow::time);
@@ -73,7 +73,7 @@ bool explains(const Result& anew, const Result& diverged, Time since) {
 std::optional<CarriedHeading> heading_carried_back(const Result& before, const Result& after) {
     if (before.forward.rows.empty() || after.forward.rows.empty()) return std::nullopt;
     const SolutionRow &end = before.forward.rows.back(), &begin = after.forward.rows.front();
-    constexpr double longest = 5.0, turning = 5.0 * units::deg, unknown = 1.0;   // s between the two, rad in it, rad
+    constexpr double longest = 5.0, turning = 5.0 * units::deg, unknown = 1.0;  // s between the two, rad in it, rad
     if ((begin.time - end.time).seconds() > longest) return CarriedHeading{before.findings.heading, unknown};
     const double off = math::wrap_pi(end.rpy.z() - begin.rpy.z()), sigma = std::hypot(end.std_rpy.z(), begin.std_rpy.z());
     if (std::abs(off) < 3.0 * sigma) return std::nullopt;

@@ -19,7 +19,7 @@ namespace {
 Settings of_receiver(const Settings& settings) {
     Settings s = trial_settings(settings);
     s.imu.errors = {};
-    s.coupling = settings.coupling;   // whose ranges it takes
+    s.coupling = settings.coupling;  // whose ranges it takes
     s.imu.gyro_vibration = s.imu.accel_vibration = std::nullopt;
     s.imu.errors.accel_noise = settings.ranging.receiver_acceleration;
     s.gnss.lever_arm_b.setZero();
@@ -99,7 +99,7 @@ void ReceiverFilter::propagate_covariance() {
 }
 
 bool ReceiverFilter::meet(const RangeEpoch& epoch, std::span<const RangeSample> samples) {
-    constexpr int least = 4;  // pseudoranges that determine a position and a clock
+    constexpr int least = 4;           // pseudoranges that determine a position and a clock
     constexpr double patience = 10.0;  // s with fewer, which a vehicle that turns does not spend in unaccelerated motion
     if (!filter_ && !start(epoch, samples)) return false;
     coast_to(epoch.time);

@@ -17,7 +17,7 @@ namespace schuler::fusion {
 class ReceiverFilter {
 public:
     ReceiverFilter(const Settings& settings, const RangingLog& log);
-    ReceiverFilter(const ReceiverFilter&) = delete;   // its parts refer to each other
+    ReceiverFilter(const ReceiverFilter&) = delete;  // its parts refer to each other
     ReceiverFilter& operator=(const ReceiverFilter&) = delete;
 
     /// Uses an epoch's ranges (those that are not withheld). True where there is an estimate.

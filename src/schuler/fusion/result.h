@@ -5,6 +5,6 @@
 
 namespace schuler::fusion {
 
-using namespace filter;   // NOLINT: a run's result is that of its filter
+using namespace filter;  // NOLINT: a run's result is that of its filter
 
 }  // namespace schuler::fusion

@@ -3,12 +3,12 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/backward.h"
-#include "schuler/fusion/run_pass.h"
-#include "schuler/fusion/intermediate_run.h"
 #include "schuler/fusion/height_faults.h"
+#include "schuler/fusion/intermediate_run.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/mounting.h"
 #include "schuler/fusion/realignment.h"
+#include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
@@ -28,10 +28,12 @@ using Eigen::Vector3d;
 /// With what the smoother cannot run: its way back needs every correction of the estimate to be an optimal update.
 const char* unsmoothable(const Settings& s) {
     if (s.coupling == Coupling::Separate) return "with the separate scheme, whose gains are not those of a filter";
-    if (s.loose_kind == LooseKind::Aggressive && s.coupling == Coupling::Loose) return "with aggressive coupling, which uses a fix in parts";
+    if (s.loose_kind == LooseKind::Aggressive && s.coupling == Coupling::Loose)
+        return "with aggressive coupling, which uses a fix in parts";
     if (considers(s)) return "with gnss.consider_errors, whose gains are not those of a filter";
     if (s.integrity.use && !uses_ranges(s.coupling)) return "with integrity control, which goes back to an older solution";
-    if (s.ranging.protection.use && uses_ranges(s.coupling)) return "with filter.protection, which takes a fault out of the estimate";
+    if (s.ranging.protection.use && uses_ranges(s.coupling))
+        return "with filter.protection, which takes a fault out of the estimate";
     return nullptr;
 }
 
@@ -50,12 +52,14 @@ void check_settings(const Settings& s) {
         throw input_error(fmt::format("the latency is {:.6g} s", s.gnss.latency), {.file = {}, .key = "gnss.latency_s"},
                           "give seconds, below 10");
     if (const char* why = unsmoothable(s); s.smooth && why != nullptr)
-        throw input_error(fmt::format("there is no smoother {}", why), {.file = {}, .key = "filter.smooth"}, "leave out one of them");
+        throw input_error(fmt::format("there is no smoother {}", why), {.file = {}, .key = "filter.smooth"},
+                          "leave out one of them");
     if (const char* why = irreversible(s); s.backward && why != nullptr)
         throw input_error(fmt::format("there is no filter backward in time {}", why), {.file = {}, .key = "filter.backward"},
                           "leave out one of them");
     if (s.output_rate < 0.0)
-        throw input_error("the output rate is negative", {.file = {}, .key = "output_rate"}, "give hertz, or 0 for every IMU epoch");
+        throw input_error("the output rate is negative", {.file = {}, .key = "output_rate"},
+                          "give hertz, or 0 for every IMU epoch");
 }
 
 /// Times of both sensors must meet.
@@ -66,8 +70,8 @@ void check_overlap(const Recording& recording, const InitialSettings& initial, W
     const double imu0 = recording.imu.front().time.seconds(), imu1 = recording.imu.back().time.seconds();
     const double gnss0 = recording.gnss.front().time.seconds(), gnss1 = recording.gnss.back().time.seconds();
     if (gnss0 <= imu1 && gnss1 >= imu0) return;
-    const std::string what = fmt::format("IMU and GNSS do not overlap in time: IMU {:.3f} to {:.3f} s, GNSS {:.3f} to {:.3f} s", imu0,
-                                         imu1, gnss0, gnss1);
+    const std::string what = fmt::format("IMU and GNSS do not overlap in time: IMU {:.3f} to {:.3f} s, GNSS {:.3f} to {:.3f} s",
+                                         imu0, imu1, gnss0, gnss1);
     // With a complete initial state the inertial unit can be mechanized alone, as a comparison of mechanizations wants it.
     if (std::isfinite(initial.position.lat) && std::isfinite(initial.rpy.z())) {
         warnings.add("time.overlap", what + "; inertial navigation alone from the given initial state");
@@ -97,7 +101,8 @@ double latency_std(const char* key, double given, const Findings& findings) {
 double longest_gap(const ImuTimeline& imu) {
     double longest = 0.0;
     for (const Bridge& b : imu.bridges)
-        longest = std::max(longest, (imu.increments[b.last].time - imu.increments[b.first].time).seconds() + imu.increments[b.first].dt);
+        longest = std::max(longest,
+                           (imu.increments[b.last].time - imu.increments[b.first].time).seconds() + imu.increments[b.first].dt);
     return longest;
 }
 
@@ -121,25 +126,28 @@ void check_input(const Recording& recording, const Settings& settings, WarningLo
         return f.time >= recording.imu.front().time && f.time <= recording.imu.back().time && std::isfinite(f.position.lat);
     });
     if (!fix)
-        throw input_error("no GNSS fix lies inside the time of the IMU log", {.file = {}, .key = "gnss"},
-                          "check that both files use the same time axis (`schuler inspect` shows their spans), or give [initial]");
+        throw input_error(
+            "no GNSS fix lies inside the time of the IMU log", {.file = {}, .key = "gnss"},
+            "check that both files use the same time axis (`schuler inspect` shows their spans), or give [initial]");
 }
 
 namespace {
 
 /// Zero of the times that a user gives: the first fix.
-Time origin_of(const Recording& recording) { return recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time; }
+Time origin_of(const Recording& recording) {
+    return recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
+}
 
 /// One leg, or a log without pauses.
-Result run_leg(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress, const RowSink& rows,
-               const ReceiverInLoop& receiver) {
+Result run_leg(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
+               const RowSink& rows, const ReceiverInLoop& receiver) {
     check_settings(given);
     if (given.coupling == Coupling::Deep && !receiver)
         throw input_error("deep coupling commands the correlators of a receiver, and a log has none",
                           {.file = {}, .key = "filter.scheme"}, "give a scenario with [receiver], or choose tight");
     check_overlap(recording, given.initial, warnings);
     Settings settings = given;
-    if (settings.coupling == Coupling::Separate) settings.loop = Loop::Closed;   // the corrections are the coupling
+    if (settings.coupling == Coupling::Separate) settings.loop = Loop::Closed;  // the corrections are the coupling
     RunData data;
     data.recording = &recording;
     data.imu = make_imu_timeline(recording.imu, settings.imu, warnings);
@@ -162,7 +170,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     Start start = find_start(data, untuned, findings, warnings);
     if (tuning) {
         tune(data, settings, start, screen, findings, warnings);
-        data.still = find_still(data.imu, recording, data.events, settings);   // whose fixes have moved in time
+        data.still = find_still(data.imu, recording, data.events, settings);  // whose fixes have moved in time
         settings.gnss.latency_std = latency_std("gnss.latency_s", settings.gnss.latency_std, findings);
         settings.gnss.velocity_latency_std = latency_std("gnss.velocity_latency_s", settings.gnss.velocity_latency_std, findings);
         start = find_start(data, settings, findings, warnings);
@@ -175,13 +183,14 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
             settings.imu.mounting_rpy = rpy.unaryExpr([](double angle) { return as_written(angle, units::deg); });
             settings.imu.mounting_std = as_written(std::max(0.01, 2.0 * mounting.std_rpy.z()), units::deg);
             findings.std_mounting_rpy = mounting.std_rpy;
-            WarningLog heard;   // already, of the first time
+            WarningLog heard;  // already, of the first time
             data.imu = make_imu_timeline(recording.imu, settings.imu, heard);
             data.still = find_still(data.imu, recording, data.events, settings);
             start = find_start(data, settings, findings, heard);
         } else {
-            warnings.add("mounting", "the mounting of the IMU cannot be found: the vehicle hardly moves; its axes are taken as the "
-                                     "vehicle's and the vehicle constraint is left out");
+            warnings.add("mounting",
+                         "the mounting of the IMU cannot be found: the vehicle hardly moves; its axes are taken as the "
+                         "vehicle's and the vehicle constraint is left out");
             settings.aids.nonholonomic = settings.aids.nonholonomic_auto = false;
         }
     }
@@ -190,7 +199,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     findings.heading = math::rpy_from_quaternion(start.nav.q_nb).z();
     findings.std_heading = start.std_rpy.z();
     findings.in_force = std::make_shared<const Settings>(in_force(settings));
-    data.instants = settings.output_instants;   // only now: trials do not stop there
+    data.instants = settings.output_instants;  // only now: trials do not stop there
     PassOptions options;
     options.smooth = settings.smooth;
     options.last_increment = last_increment(data, settings);
@@ -234,8 +243,8 @@ Settings moved(Settings settings, const Recording& whole, const Recording& part)
 
 /// What came before an alignment anew at `since`: with the settings that the rest found, and where the headings disagree, from the one
 /// that the rest shows. Nothing where it is too short.
-std::optional<Result> run_before(const Recording& recording, Time since, const Settings& settings, const Result& rest, const Progress& progress,
-                                 WarningLog& warnings) {
+std::optional<Result> run_before(const Recording& recording, Time since, const Settings& settings, const Result& rest,
+                                 const Progress& progress, WarningLog& warnings) {
     const Recording part = part_of(recording, Time{INT64_MIN}, since);
     WarningLog heard;
     try {
@@ -248,9 +257,11 @@ std::optional<Result> run_before(const Recording& recording, Time since, const S
         Result again = run_leg(part, turned, heard, progress, {}, {});
         if (positions_after(again, Time{INT64_MIN}).refused > positions_after(result, Time{INT64_MIN}).refused) return result;
         if (std::isfinite(settings.initial.rpy.z()))
-            warnings.add("contradiction.initial.heading_deg",
-                         fmt::format("the data contradict initial.heading_deg: {:.1f} deg is given, {:.1f} +- {:.1f} deg is what the motion later shows, and is used",
-                                     settings.initial.rpy.z() / units::deg, shown->heading / units::deg, shown->std / units::deg));
+            warnings.add(
+                "contradiction.initial.heading_deg",
+                fmt::format("the data contradict initial.heading_deg: {:.1f} deg is given, {:.1f} +- {:.1f} deg is what the "
+                            "motion later shows, and is used",
+                            settings.initial.rpy.z() / units::deg, shown->heading / units::deg, shown->std / units::deg));
         return again;
     } catch (const Error&) {
         return std::nullopt;
@@ -258,8 +269,8 @@ std::optional<Result> run_before(const Recording& recording, Time since, const S
 }
 
 /// A run; where it diverged from the fixes, the part before that and one aligned anew there, in motion, if that one explains the fixes.
-Result run_realigned(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress, const RowSink& rows,
-                     const ReceiverInLoop& receiver, int attempts = 3) {
+Result run_realigned(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
+                     const RowSink& rows, const ReceiverInLoop& receiver, int attempts = 3) {
     Result result = run_leg(recording, given, warnings, progress, rows, receiver);
     // rows that are written already stay
     if (attempts == 0 || rows || receiver || !may_realign(given)) return result;
@@ -272,13 +283,15 @@ Result run_realigned(const Recording& recording, const Settings& given, WarningL
     std::optional<Result> found;
     try {
         found = run_realigned(rest, anew, heard, progress, {}, {}, attempts - 1);
-    } catch (const Error&) {   // nothing to start from
+    } catch (const Error&) {  // nothing to start from
         return result;
     }
     if (!explains(*found, result, *since)) return result;
-    warnings.add("navigation.realigned", fmt::format("{:.1f} s after the first fix the navigation had diverged from the fixes and did not recover; it was "
-                                                     "aligned anew there, in motion",
-                                                     (*since - origin_of(recording)).seconds()));
+    warnings.add(
+        "navigation.realigned",
+        fmt::format("{:.1f} s after the first fix the navigation had diverged from the fixes and did not recover; it was "
+                    "aligned anew there, in motion",
+                    (*since - origin_of(recording)).seconds()));
     Settings settings = found->findings.in_force ? *found->findings.in_force : given;
     settings.initial = given.initial;
     settings.outages = given.outages;
@@ -316,23 +329,29 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
                 append(*all, std::move(r));
                 continue;
             }
-            if (r.findings.in_force) {   // of the whole log
+            if (r.findings.in_force) {  // of the whole log
                 auto whole = std::make_shared<Settings>(*r.findings.in_force);
                 whole->outages = given.outages;
                 r.findings.in_force = std::move(whole);
             }
             all = std::move(r);
-        } catch (const Error& e) {   // too short, or without fixes
+        } catch (const Error& e) {  // too short, or without fixes
             if (!failure) failure = e;
             ++left_out;
         }
     }
-    if (!all) throw failure ? *failure : input_error("no leg of the log can be navigated", {.file = {}, .key = "imu.file"}, "give a longer log");
-    warnings.add("legs", fmt::format("the inertial log pauses for more than {:.0f} s, or its clock was set together with the receiver's: {} legs, each "
-                                     "started anew",
-                                     longest_bridge, starts.size()));
+    if (!all)
+        throw failure ? *failure
+                      : input_error("no leg of the log can be navigated", {.file = {}, .key = "imu.file"}, "give a longer log");
+    warnings.add(
+        "legs",
+        fmt::format(
+            "the inertial log pauses for more than {:.0f} s, or its clock was set together with the receiver's: {} legs, each "
+            "started anew",
+            longest_bridge, starts.size()));
     if (failure)
-        warnings.add("legs.left_out", fmt::format("{} of {} legs {} left out: {}", left_out, starts.size(), left_out == 1 ? "is" : "are", failure->reason()));
+        warnings.add("legs.left_out", fmt::format("{} of {} legs {} left out: {}", left_out, starts.size(),
+                                                  left_out == 1 ? "is" : "are", failure->reason()));
     return std::move(*all);
 }
 

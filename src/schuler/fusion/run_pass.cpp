@@ -76,7 +76,8 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
         const bool sensors = kind == Kind::Outage || point.time <= next_sensor;
         smooth_in_place(model, f, a, sensors);
         const auto at_point = [&] {
-            return solution_row_at(model, f, f.local_covariance(model) + point.undecided, settings.output_lever_arm_b, imu_interval);
+            return solution_row_at(model, f, f.local_covariance(model) + point.undecided, settings.output_lever_arm_b,
+                                   imu_interval);
         };
         if (kind == Kind::Instant) {
             out.instants.push_back({point.index, at_point()});
@@ -101,7 +102,8 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
         epoch.sigma.setZero();
         epoch.sigma.head(m.dof) = f.innovation_covariance(m).diagonal().head(m.dof).cwiseMax(0.0).cwiseSqrt();
         epoch.sigma_state.setZero();
-        for (int i = 0; i < m.dof; ++i) epoch.sigma_state(i) = std::sqrt(std::max(0.0, epoch.sigma(i) * epoch.sigma(i) - m.variance(i)));
+        for (int i = 0; i < m.dof; ++i)
+            epoch.sigma_state(i) = std::sqrt(std::max(0.0, epoch.sigma(i) * epoch.sigma(i) - m.variance(i)));
         epoch.sigma_apart = f.sigma_apart(model, m, point.undecided);
         out.outage_epochs.push_back(epoch);
     };
@@ -155,7 +157,8 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
         const std::size_t last = std::min(end, walk.increment + block - 1);
         if (options.receiver) {
             const auto back = [&](std::size_t n) -> const ImuIncrement& { return data.imu.increments[last - std::min(last, n)]; };
-            pass.propagate_covariance(walk, collector);   // sigmas that do not grow while nothing is received would look where it was
+            pass.propagate_covariance(walk,
+                                      collector);  // sigmas that do not grow while nothing is received would look where it was
             options.receiver(guide_of(model, walk, settings, back(2), back(1)), back(0).time);
         }
         pass.advance(walk, last, collector);
@@ -205,7 +208,7 @@ StartEstimate smooth_start(const RunData& data, const Settings& settings, const 
     Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
     InertialFilter<Frame> first = walk.filter;
     walk.next_output = Time{INT64_MAX};
-    StartTape<Frame> tape(model);   // a start is short: one stretch
+    StartTape<Frame> tape(model);  // a start is short: one stretch
     pass.advance(walk, std::min(last_increment, data.imu.increments.size() - 1), tape);
     StateAdjoint adjoint(estim::padded(model.layout.size));
     tape.rewind(adjoint, [](auto, const auto&, const auto&) {});

@@ -11,12 +11,12 @@ using AfterRanges = std::function<void(const RangeEpoch&, const Geodetic&, const
 
 /// Options of one pass.
 struct PassOptions {
-    bool outputs = true;          ///< collect rows and sensor errors
+    bool outputs = true;  ///< collect rows and sensor errors
     bool smooth = false;
     std::size_t last_increment = SIZE_MAX;
     Progress progress;
-    RowSink rows;                 ///< takes the forward rows instead of the result
-    std::function<void(const Guide& guide, Time until)> receiver;   ///< makes the recording's ranges while the filter runs
+    RowSink rows;                                                  ///< takes the forward rows instead of the result
+    std::function<void(const Guide& guide, Time until)> receiver;  ///< makes the recording's ranges while the filter runs
     AfterRanges after_ranges;
     Rivalry rivalry = Rivalry::Contest;
 };

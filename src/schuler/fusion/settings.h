@@ -5,6 +5,6 @@
 
 namespace schuler::fusion {
 
-using namespace filter;   // NOLINT: a run's settings are those of its filter, and what the start-up adds to them
+using namespace filter;  // NOLINT: a run's settings are those of its filter, and what the start-up adds to them
 
 }  // namespace schuler::fusion

@@ -138,19 +138,21 @@ std::optional<HeadingWitness> magnetic_heading(const RunData& data, const Settin
 
 /// By the first sample of a sensor of the heading within seconds of the start.
 std::optional<HeadingWitness> sensed_heading(const RunData& data, const Settings& settings, Time t0) {
-    constexpr double latest = 5.0;   // s
+    constexpr double latest = 5.0;  // s
     if (!settings.heading.use) return std::nullopt;
     for (const HeadingSample& s : data.recording->heading) {
         if (s.time < t0 || !std::isfinite(s.heading)) continue;
         if ((s.time - t0).seconds() > latest) break;
-        return HeadingWitness{s.heading, std::hypot(s.std > 0.0 ? s.std : settings.heading.std, settings.heading.offset_std), false};
+        return HeadingWitness{s.heading, std::hypot(s.std > 0.0 ? s.std : settings.heading.std, settings.heading.offset_std),
+                              false};
     }
     return std::nullopt;
 }
 
 /// The better of the instruments that show a heading.
 std::optional<HeadingWitness> shown_heading(const RunData& data, const Settings& settings, Time t0, const Level& level) {
-    const std::optional<HeadingWitness> sensor = sensed_heading(data, settings, t0), compass = magnetic_heading(data, settings, t0, level);
+    const std::optional<HeadingWitness> sensor = sensed_heading(data, settings, t0),
+                                        compass = magnetic_heading(data, settings, t0, level);
     return !compass || (sensor && sensor->std < compass->std) ? sensor : compass;
 }
 
@@ -163,7 +165,7 @@ void set_biases(Start& start, const Settings& settings) {
 
 /// Velocity from the positions of the first second or two, and its sigma; sigmas are infinite where fixes are too far apart.
 std::pair<Vector3d, Vector3d> velocity_by_positions(const RunData& data, const Settings& settings, const Event& first) {
-    constexpr double least = 0.95, most = 3.0, accel = 2.0;   // s, s, m/s^2: what a vehicle may accelerate by meanwhile
+    constexpr double least = 0.95, most = 3.0, accel = 2.0;  // s, s, m/s^2: what a vehicle may accelerate by meanwhile
     const GnssFix& from = data.recording->gnss[first.index];
     for (const Event& e : data.events) {
         const double dt = (e.valid - first.valid).seconds();
@@ -180,10 +182,12 @@ std::pair<Vector3d, Vector3d> velocity_by_positions(const RunData& data, const S
 void set_position(Start& start, const RunData& data, const Settings& settings) {
     const InitialSettings& given = settings.initial;
     const Event* fix_event = first_fix(data, settings);
-    const bool position_given = std::isfinite(given.position.lat) && std::isfinite(given.position.lon) && std::isfinite(given.position.h);
+    const bool position_given =
+        std::isfinite(given.position.lat) && std::isfinite(given.position.lon) && std::isfinite(given.position.h);
     if (fix_event == nullptr && !position_given)
-        throw input_error("no GNSS fix lies inside the time of the IMU log", {.file = {}, .key = "gnss"},
-                          "check that both files use the same time axis (`schuler inspect` shows their spans), or give [initial]");
+        throw input_error(
+            "no GNSS fix lies inside the time of the IMU log", {.file = {}, .key = "gnss"},
+            "check that both files use the same time axis (`schuler inspect` shows their spans), or give [initial]");
     const ImuIncrement& front = data.imu.increments.front();
     Time t0 = front.time - Duration::from_seconds(front.dt);
     if (settings.start) t0 = std::max(t0, *settings.start);
@@ -266,7 +270,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
 
     // A heading by the direction of travel is as late as that.
     const double course_rate = [&] {
-        constexpr double slowest = 2.0;   // m/s
+        constexpr double slowest = 2.0;  // m/s
         const Eigen::Vector2d v = start.nav.v_eb_n.head<2>(), a = start.velocity_rate.head<2>();
         return v.norm() > slowest ? (v.x() * a.y() - v.y() * a.x()) / v.squaredNorm() : 0.0;
     }();
@@ -308,7 +312,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
     // from no more than `open`, so that it can follow what it is shown later.
     constexpr double linear = 15.0 * units::deg, open = 40.0 * units::deg;
     constexpr double unknown = 100.0 * units::deg;
-    std::optional<double> tried;   // the best of headings that all fit alike
+    std::optional<double> tried;  // the best of headings that all fit alike
     const std::optional<HeadingWitness> shown = shown_heading(data, settings, t0, level);
     const Time motion = first_motion(data, t0);
     if (motion < data.imu.increments.back().time - Duration::from_seconds(3.0)) {
@@ -330,8 +334,8 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
             const double std = std::max({2.0 * units::deg, 3.0 * search.best.std_rpy.z(), search.std});
             if (!standing) start.gyro_bias = search.best.gyro_bias;
             const std::string sentence =
-                fmt::format("heading {:.1f} deg at the start found from the motion in the first {:.0f} s",
-                            rpy.z() / units::deg, (search.until - t0).seconds());
+                fmt::format("heading {:.1f} deg at the start found from the motion in the first {:.0f} s", rpy.z() / units::deg,
+                            (search.until - t0).seconds());
             if (standing) return finish(rpy.z(), std, sentence);
             start.heading_rate = course_rate;
             start = finish(rpy.z(), std, sentence);
@@ -349,10 +353,11 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
             findings.aligned_at = until;
             if (!standing) start.gyro_bias = search.best.gyro_bias;
             if (!standing) start.heading_rate = course_rate;
-            const double std = 1.5 * search.std;   // the tails are longer than a Gaussian's
+            const double std = 1.5 * search.std;  // the tails are longer than a Gaussian's
             const auto sentence = [&](double heading, const char* which) {
-                return fmt::format("heading {:.0f} deg at the start, to {:.0f} deg: the {} of what the first {:.0f} s do not refute",
-                                   heading / units::deg, std / units::deg, which, (search.until - t0).seconds());
+                return fmt::format(
+                    "heading {:.0f} deg at the start, to {:.0f} deg: the {} of what the first {:.0f} s do not refute",
+                    heading / units::deg, std / units::deg, which, (search.until - t0).seconds());
             };
             if (std < linear) {
                 const double heading = math::wrap_2pi(search.heading);
@@ -373,17 +378,18 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
     }
     if (shown)
         return finish(shown->heading, shown->std,
-                      fmt::format("heading {:.0f} deg from the {}, to {:.0f} deg", shown->heading / units::deg, shown->by_mag ? "magnetometer" : "sensor of the heading",
-                                  shown->std / units::deg));
-    warnings.add("start.heading",
-                 fmt::format("the heading cannot be found: {}; it starts at {} with 100 deg of uncertainty "
-                             "(give initial.heading_deg)",
-                             top_speed > 5.0
-                                 ? fmt::format("the fixes reach {:.0f} m/s, but no attitude makes the IMU follow them: check its units, "
-                                               "axes and times (`schuler inspect` measures them)",
-                                               top_speed)
-                                 : "the log has too little motion, no magnetometer and no sensor of the heading",
-                             tried ? fmt::format("{:.0f} deg", *tried / units::deg) : "north"));
+                      fmt::format("heading {:.0f} deg from the {}, to {:.0f} deg", shown->heading / units::deg,
+                                  shown->by_mag ? "magnetometer" : "sensor of the heading", shown->std / units::deg));
+    warnings.add(
+        "start.heading",
+        fmt::format("the heading cannot be found: {}; it starts at {} with 100 deg of uncertainty "
+                    "(give initial.heading_deg)",
+                    top_speed > 5.0
+                        ? fmt::format("the fixes reach {:.0f} m/s, but no attitude makes the IMU follow them: check its units, "
+                                      "axes and times (`schuler inspect` measures them)",
+                                      top_speed)
+                        : "the log has too little motion, no magnetometer and no sensor of the heading",
+                    tried ? fmt::format("{:.0f} deg", *tried / units::deg) : "north"));
     findings.aligned_at = data.imu.increments.back().time;
     findings.heading_found = false;
     start.undecided_heading = unknown;
@@ -395,7 +401,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
 Start find_start(const RunData& data, const Settings& settings, Findings& findings, WarningLog& warnings) {
     Start start = found_start(data, settings, findings, warnings);
     // The acceleration by which the fixes' latency counts from here on; another one would seem to tell something of it.
-    constexpr double span = 0.1;   // s
+    constexpr double span = 0.1;  // s
     const Vector3d g_n = earth::terms_at(settings.earth, start.nav.position, start.nav.v_eb_n).g_n;
     const Vector3d acceleration = start.nav.q_nb * mean_force(data, start.increment, span) + g_n;
     if (!start.velocity_rate.isZero()) start.velocity_rate = acceleration.cwiseProduct(start.velocity_of_fix);

@@ -29,14 +29,15 @@ std::vector<Slot> make_slots(const ImuTimeline& imu) {
             s.end = start + Duration::from_seconds(slot_length * static_cast<double>(slots.size() + 1));
             slots.push_back(s);
         }
-        if (bridge < imu.bridges.size() && imu.bridges[bridge].first <= i) continue;   // interpolated: looks still, is not
+        if (bridge < imu.bridges.size() && imu.bridges[bridge].first <= i) continue;  // interpolated: looks still, is not
         slots[k].add(inc);
     }
     return slots;
 }
 
 /// GNSS speed per slot: from velocities, else from differences of precise positions.
-void add_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events, const Settings& settings) {
+void add_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events,
+                const Settings& settings) {
     if (slots.empty()) return;
     const Time start = slots.front().end - Duration::from_seconds(slot_length);
     const auto set = [&](Time t, double speed) {
@@ -77,8 +78,9 @@ double quantile(std::vector<double>& x, double q) {
 
 /// Positions whose noise is metres show a slow speed only over some seconds: the means of ten seconds before and after. False where
 /// there is no need, or none can be told.
-bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events, const Settings& settings) {
-    constexpr double half = 10.0, sharp = 0.1;   // s, m/s
+bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events,
+                     const Settings& settings) {
+    constexpr double half = 10.0, sharp = 0.1;  // s, m/s
     struct Point {
         double t;
         Eigen::Vector2d p;
@@ -88,15 +90,17 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
     for (const Event& e : events) {
         if (e.withheld || e.kind != AidKind::GnssPosition || (e.components & 3) != 3) continue;
         const GnssFix& fix = recording.gnss[e.index];
-        if (fix.velocity_n.head<2>().allFinite()) return false;   // they tell more
+        if (fix.velocity_n.head<2>().allFinite()) return false;  // they tell more
         if (first == nullptr) first = &fix;
         points.push_back({(e.valid - slots.front().end).seconds() + slot_length,
                           earth::ned_difference(settings.earth, fix.position, first->position).head<2>()});
     }
     if (points.size() < 20) return false;
     std::vector<double> second;
-    for (std::size_t i = 2; i < points.size(); ++i) second.push_back((points[i].p - 2.0 * points[i - 1].p + points[i - 2].p).cwiseAbs().maxCoeff());
-    const double white = quantile(second, 0.5) / 1.05 / std::sqrt(6.0);   // the larger of two normal deviates' sizes has the median 1.05 sigma
+    for (std::size_t i = 2; i < points.size(); ++i)
+        second.push_back((points[i].p - 2.0 * points[i - 1].p + points[i - 2].p).cwiseAbs().maxCoeff());
+    const double white =
+        quantile(second, 0.5) / 1.05 / std::sqrt(6.0);  // the larger of two normal deviates' sizes has the median 1.05 sigma
     bool told = false;
     std::size_t low = 0, middle = 0, high = 0;
     Eigen::Vector2d before = Eigen::Vector2d::Zero(), after = before;
@@ -121,7 +125,7 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
 /// Velocities made of range rates are too noisy to show rest one by one: speeds of their means over some seconds instead, where those are
 /// sharp enough.
 void set_mean_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events) {
-    constexpr double half = 10.0, sharp = 0.05;   // s, m/s
+    constexpr double half = 10.0, sharp = 0.05;  // s, m/s
     struct Point {
         double t;
         Eigen::Vector2d v;
@@ -180,9 +184,8 @@ StillThresholds learn(const std::vector<Slot>& slots, double share) {
     // Shrink until practically no moving slot passes; give up if the two cannot be told apart.
     const double allowed = share * static_cast<double>(moving.size());
     for (int i = 0; i < 12; ++i) {
-        const auto wrong = std::count_if(moving.begin(), moving.end(), [&](const Slot* s) {
-            return s->force_std < t.force_std && s->rate_std < t.rate_std;
-        });
+        const auto wrong = std::count_if(moving.begin(), moving.end(),
+                                         [&](const Slot* s) { return s->force_std < t.force_std && s->rate_std < t.rate_std; });
         if (static_cast<double>(wrong) <= allowed) {
             t.learnt = true;
             return t;
@@ -193,10 +196,11 @@ StillThresholds learn(const std::vector<Slot>& slots, double share) {
     return {};
 }
 
-constexpr double no_limit = std::numeric_limits<double>::infinity(), slow_mean = 0.1;   // m/s
+constexpr double no_limit = std::numeric_limits<double>::infinity(), slow_mean = 0.1;  // m/s
 
 /// Still windows; with a `limit` (m/s) only where a speed is known and below it.
-std::vector<StillWindow> windows_of(const std::vector<Slot>& slots, const StillThresholds& thresholds, const Settings& settings, double limit) {
+std::vector<StillWindow> windows_of(const std::vector<Slot>& slots, const StillThresholds& thresholds, const Settings& settings,
+                                    double limit) {
     std::vector<StillWindow> windows;
     // Aircraft hover and ships drift without the IMU noticing: they stand still only before they first move.
     const bool until_first_motion = settings.vehicle == VehicleKind::Air || settings.vehicle == VehicleKind::Hand;

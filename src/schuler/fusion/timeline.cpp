@@ -31,8 +31,8 @@ double median_step(const std::vector<ImuSample>& samples) {
 }
 
 /// The intervals of a log's samples.
-std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, const std::vector<bool>& stuck, const ImuSettings& settings,
-                                       double median_dt, std::size_t& duplicates) {
+std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, const std::vector<bool>& stuck,
+                                       const ImuSettings& settings, double median_dt, std::size_t& duplicates) {
     std::vector<ImuIncrement> intervals;
     intervals.reserve(samples.size());
     IntervalMaker maker(settings, median_dt);
@@ -47,7 +47,8 @@ std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, co
 
 /// Mean squares, over the log, of the error of interpolating rate and specific force half way through a hole of a length.
 Agitation interpolation_error(const std::vector<ImuIncrement>& intervals, double hole, double median_dt) {
-    const auto half = static_cast<std::size_t>(std::clamp(0.5 * hole / median_dt, 1.0, 0.25 * static_cast<double>(intervals.size())));
+    const auto half =
+        static_cast<std::size_t>(std::clamp(0.5 * hole / median_dt, 1.0, 0.25 * static_cast<double>(intervals.size())));
     const std::size_t step = std::max<std::size_t>(1, intervals.size() / 4000);
     Agitation e;
     double n = 0.0;
@@ -113,14 +114,13 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     std::size_t hanging = 0;
     const std::vector<bool> stuck = stuck_samples(samples, timeline.median_dt, hanging);
     std::vector<ImuIncrement> intervals = intervals_of(samples, stuck, settings, timeline.median_dt, timeline.duplicates);
-    const bool holes = std::ranges::any_of(intervals.begin() + 1, intervals.end(), [&](const ImuIncrement& v) {
-        return is_hole(v.dt, timeline.median_dt, settings);
-    });
+    const bool holes = std::ranges::any_of(intervals.begin() + 1, intervals.end(),
+                                           [&](const ImuIncrement& v) { return is_hole(v.dt, timeline.median_dt, settings); });
     double longest = 0.0;
     if (holes) {
         longest = bridge(intervals, settings, timeline);
     } else {
-        timeline.increments = std::move(intervals);   // the usual case costs no second copy
+        timeline.increments = std::move(intervals);  // the usual case costs no second copy
     }
     const Doubts doubts = doubtful_stretches(timeline);
     const std::vector<Bridge>& doubtful = doubts.stretches;
@@ -128,20 +128,27 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     timeline.bridges.insert(timeline.bridges.end(), doubtful.begin(), doubtful.end());
     std::ranges::sort(timeline.bridges, {}, &Bridge::first);
     if (timeline.doubtful > 0)
-        warnings.add("imu.doubtful", fmt::format("{} half second{} of the IMU log, the first at {:.3f} s, are rougher than all the rest or saturated: "
-                                                 "they count with the noise of what departs there",
-                                                 timeline.doubtful, timeline.doubtful == 1 ? "" : "s",
-                                                 timeline.increments[doubtful.front().first].time.seconds()));
-    constexpr double throughout = 0.02;   // of the samples: beyond it no motion of this log is measured as it was
+        warnings.add(
+            "imu.doubtful",
+            fmt::format("{} half second{} of the IMU log, the first at {:.3f} s, are rougher than all the rest or saturated: "
+                        "they count with the noise of what departs there",
+                        timeline.doubtful, timeline.doubtful == 1 ? "" : "s",
+                        timeline.increments[doubtful.front().first].time.seconds()));
+    constexpr double throughout = 0.02;  // of the samples: beyond it no motion of this log is measured as it was
     if (doubts.saturated > throughout)
-        warnings.add("imu.saturated", fmt::format("{:.0f} % of the IMU's samples are at the end of an axis's range: what it felt beyond is not in the log",
-                                                  100.0 * doubts.saturated));
+        warnings.add(
+            "imu.saturated",
+            fmt::format("{:.0f} % of the IMU's samples are at the end of an axis's range: what it felt beyond is not in the log",
+                        100.0 * doubts.saturated));
     if (timeline.gaps > 0)
-        warnings.add("imu.gaps", fmt::format("the IMU log has {} gap{} (longest {:.3f} s), bridged by interpolation with a larger "
-                                             "uncertainty",
-                                             timeline.gaps, timeline.gaps == 1 ? "" : "s", longest));
+        warnings.add("imu.gaps",
+                     fmt::format("the IMU log has {} gap{} (longest {:.3f} s), bridged by interpolation with a larger "
+                                 "uncertainty",
+                                 timeline.gaps, timeline.gaps == 1 ? "" : "s", longest));
     if (hanging > 0)
-        warnings.add("imu.stuck", fmt::format("{} IMU rows repeat rates or forces to the last digit: the unit hung, they count as a hole", hanging));
+        warnings.add(
+            "imu.stuck",
+            fmt::format("{} IMU rows repeat rates or forces to the last digit: the unit hung, they count as a hole", hanging));
     if (timeline.duplicates > 0)
         warnings.add("imu.duplicates",
                      fmt::format("{} IMU rows repeat a time or go backwards and were left out", timeline.duplicates));
@@ -164,14 +171,16 @@ void withhold_before_ends(std::vector<Event>& events) {
 
 /// One event for each sample of a channel that is to be one.
 template <class Sample>
-void add_events(const std::vector<Sample>& samples, AidKind kind, std::uint8_t components, EventMaker& maker, std::vector<Event>& events) {
+void add_events(const std::vector<Sample>& samples, AidKind kind, std::uint8_t components, EventMaker& maker,
+                std::vector<Event>& events) {
     for (std::size_t i = 0; i < samples.size(); ++i)
         if (maker.is_due(samples[i])) events.push_back(event_at(samples[i].time, kind, components, i));
 }
 
 }  // namespace
 
-std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings, const FixScreen& screen) {
+std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings,
+                               const FixScreen& screen) {
     std::vector<Event> events;
     EventMaker maker(settings, origin);
     for (std::size_t i = 0; i < recording.gnss.size(); ++i)

@@ -18,7 +18,7 @@ namespace schuler::fusion {
 
 /// Epochs of all instruments in order of validity, duplicates dropped, latencies applied, outages marked. origin: zero of the outages'
 /// times (stamp of the first GNSS epoch). screen: what is left out of the fixes.
-[[nodiscard]] std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings,
-                                             const FixScreen& screen = {});
+[[nodiscard]] std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin,
+                                             WarningLog& warnings, const FixScreen& screen = {});
 
 }  // namespace schuler::fusion

@@ -1,7 +1,7 @@
 #include "schuler/fusion/trial_judge.h"
 
-#include "schuler/fusion/timeline.h"
 #include "schuler/fusion/start.h"
+#include "schuler/fusion/timeline.h"
 #include "schuler/fusion/trial.h"
 #include "schuler/fusion/tune.h"
 #include "schuler/math/quantile.h"
@@ -17,7 +17,7 @@ constexpr double weight_at_rest = 0.1;
 
 /// Trials run for five minutes; longer, up to twenty, where there was little motion until then: rest tells little of what comes after it.
 Time trial_end(const Recording& recording, Time begin) {
-    constexpr double least = 300.0, most = 1200.0, least_moving = 240.0, slow = 2.0;   // s, m/s
+    constexpr double least = 300.0, most = 1200.0, least_moving = 240.0, slow = 2.0;  // s, m/s
     double moving = 0.0, last = 0.0;
     const GnssFix* before = nullptr;
     const earth::Earth earth;
@@ -30,7 +30,8 @@ Time trial_end(const Recording& recording, Time begin) {
         if (before != nullptr) {
             const double dt = (fix.time - before->time).seconds();
             if (dt < 1.0) continue;
-            if (earth::ned_difference(earth, fix.position, before->position).head<2>().norm() > slow * dt) moving += std::min(dt, 10.0);
+            if (earth::ned_difference(earth, fix.position, before->position).head<2>().norm() > slow * dt)
+                moving += std::min(dt, 10.0);
         }
         before = &fix;
     }
@@ -62,25 +63,28 @@ double TrialJudge::cost(const Settings& settings, bool surroundings) {
     // What gains and axes make of turns is noise to nobody who knows them: without these states it would be taken for that, and for lateness.
     trial.scale_factors = settings.scale_factors;
     trial.misalignments = settings.misalignments;
-    trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;   // of the noise that is sought
-    if (settings.gnss.estimate_latency) trial.gnss.latency_std = trial.gnss.velocity_latency_std = 0.0;   // it is sought itself
+    trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;  // of the noise that is sought
+    if (settings.gnss.estimate_latency) trial.gnss.latency_std = trial.gnss.velocity_latency_std = 0.0;  // it is sought itself
     if (!surroundings) trial.baro.use = trial.mag.use = false;
-    if (!surroundings) std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
+    if (!surroundings)
+        std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
     PassOptions options;
     options.outputs = false;
-    options.rivalry = Rivalry::None;   // quicker, and a likelihood that does not hang on who wins when
+    options.rivalry = Rivalry::None;  // quicker, and a likelihood that does not hang on who wins when
     options.last_increment = last_;
     const GnssSettings& g = settings.gnss;
-    const Start start = with_later_fixes(start_, settings.earth, g.latency - latency_, g.velocity_latency.value_or(g.latency) - velocity_latency_);
+    const Start start = with_later_fixes(start_, settings.earth, g.latency - latency_,
+                                         g.velocity_latency.value_or(g.latency) - velocity_latency_);
     const Result run = run_pass(data_, trial, start, options);
-    constexpr double first = 6.0, last = 1.0;   // s
+    constexpr double first = 6.0, last = 1.0;  // s
     double sum = 0.0, n = 0.0;
     std::size_t at = 0;
     for (const AidRecord& r : run.aids) {
-        const bool counts = is_part_of_fix(r.kind) || r.kind == AidKind::Baro ||
-                            r.kind == AidKind::Mag;
+        const bool counts = is_part_of_fix(r.kind) || r.kind == AidKind::Baro || r.kind == AidKind::Mag;
         // By stamps, and away from the ends: the same samples, whatever the latency.
-        if (!counts || r.status == AidStatus::Withheld || (r.stamp - start_.nav.time).seconds() < first || (stop() - r.stamp).seconds() < last) continue;
+        if (!counts || r.status == AidStatus::Withheld || (r.stamp - start_.nav.time).seconds() < first ||
+            (stop() - r.stamp).seconds() < last)
+            continue;
         if (is_spoiled(r.stamp)) continue;
         while (at + 1 < speeds_.size() && speeds_[at + 1].first <= r.stamp) ++at;
         const double weight = speeds_.empty() || speeds_[at].second > slow_ ? 1.0 : weight_at_rest;
@@ -114,13 +118,13 @@ void TrialJudge::find_speeds(Time stop) {
         speeds_.emplace_back(fix.time, speed);
         sorted.push_back(speed);
     }
-    if (!sorted.empty()) slow_ = std::max(0.5, 0.25 * math::quantile(sorted, 0.95));   // m/s
+    if (!sorted.empty()) slow_ = std::max(0.5, 0.25 * math::quantile(sorted, 0.95));  // m/s
 }
 
 /// Where the inertial log was made up or is doubted, and until its errors have faded: interpolated motion, which is smooth, passes for a
 /// latency. Short holes and single shocks are not worth it; where most of the log would be, it is judged by all of it.
 void TrialJudge::find_spoiled() {
-    constexpr double least = 0.75, fading = 10.0, lengths = 3.0, most = 0.6;   // s, s, of the log
+    constexpr double least = 0.75, fading = 10.0, lengths = 3.0, most = 0.6;  // s, s, of the log
     const auto& increments = data_.imu.increments;
     for (std::size_t k = 0; k < data_.imu.bridges.size();) {
         const std::size_t first = data_.imu.bridges[k].first;

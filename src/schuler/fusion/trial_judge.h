@@ -33,7 +33,7 @@ private:
     double slow_ = 0.0;
     RunData& data_;
     const Start& start_;
-    double latency_, velocity_latency_;   // s, of the fixes that the start is made of
+    double latency_, velocity_latency_;  // s, of the fixes that the start is made of
     const FixScreen& screen_;
     std::size_t last_;
     double count_ = 0.0;

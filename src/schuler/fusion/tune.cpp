@@ -25,8 +25,8 @@ using Eigen::Vector3d;
 
 struct Minimum {
     double at = 0.0;
-    double step = 0.0;                  ///< distance of the last trials
-    std::map<double, double> trials;    ///< arguments and what came of them
+    double step = 0.0;                ///< distance of the last trials
+    std::map<double, double> trials;  ///< arguments and what came of them
 };
 
 /// A value that no trial has.
@@ -48,11 +48,13 @@ double sigma_of(const Minimum& minimum, double scale) {
         return farthest;
     };
     const auto at = minimum.trials.find(minimum.at);
-    return std::max({side(at, minimum.trials.end()), side(std::make_reverse_iterator(at), minimum.trials.rend()), 0.5 * minimum.step});
+    return std::max(
+        {side(at, minimum.trials.end()), side(std::make_reverse_iterator(at), minimum.trials.rend()), 0.5 * minimum.step});
 }
 
 /// Minimum of f on a grid, refined by bisections of the grid's step; no argument below `least` or above `most` is tried.
-Minimum minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements, double least, double most) {
+Minimum minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements, double least,
+                 double most) {
     low = std::clamp(low, least, most);
     high = std::clamp(high, least, most);
     double step = (high - low) / (points - 1), best = low, best_cost = 1e300;
@@ -112,10 +114,11 @@ std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& 
         noise.push_back(noise_of(fix, settings));
     }
     if (no_position > 0)
-        warnings.add("gnss.std", fmt::format("{} GNSS epochs have no usable position sigma: {:.2f}, {:.2f}, {:.2f} m (north, east, "
-                                             "down) are used",
-                                             no_position, settings.default_std_position(0), settings.default_std_position(1),
-                                             settings.default_std_position(2)));
+        warnings.add("gnss.std",
+                     fmt::format("{} GNSS epochs have no usable position sigma: {:.2f}, {:.2f}, {:.2f} m (north, east, "
+                                 "down) are used",
+                                 no_position, settings.default_std_position(0), settings.default_std_position(1),
+                                 settings.default_std_position(2)));
     if (no_velocity > 0 && settings.use_velocity)
         warnings.add("gnss.std_velocity", fmt::format("{} GNSS epochs have no usable velocity sigma: {:.3f}, {:.3f}, {:.3f} m/s "
                                                       "are used",
@@ -131,12 +134,12 @@ constexpr double most_wander = 2.5;
 
 /// A positive setting searched on a logarithmic scale about its value before tuning; NaN-free and remembered between rounds.
 struct LogKnob {
-    const char* key;                                ///< of dataset.toml
-    std::function<void(Settings&, double)> apply;   ///< sets the setting to its first value times exp(x)
-    double low, high;                               ///< of x, first round
+    const char* key;                               ///< of dataset.toml
+    std::function<void(Settings&, double)> apply;  ///< sets the setting to its first value times exp(x)
+    double low, high;                              ///< of x, first round
     bool surroundings = false;
-    double least = -1e3, most = 1e3;                ///< of x, in every round
-    double expected = 0.0, spread = 0.0;            ///< of x before the trials, one sigma; 0: anything goes
+    double least = -1e3, most = 1e3;      ///< of x, in every round
+    double expected = 0.0, spread = 0.0;  ///< of x before the trials, one sigma; 0: anything goes
     double x = 0.0;
 
     /// Negative logarithm of its density before the trials.
@@ -144,7 +147,8 @@ struct LogKnob {
 };
 
 bool is_precise(const Recording& recording) {
-    return std::ranges::any_of(recording.gnss, [](const GnssFix& f) { return f.fix == FixType::RtkFixed || f.fix == FixType::RtkFloat; });
+    return std::ranges::any_of(recording.gnss,
+                               [](const GnssFix& f) { return f.fix == FixType::RtkFixed || f.fix == FixType::RtkFloat; });
 }
 
 filter::Vibration mean_vibration(const ImuTimeline& imu) {
@@ -159,38 +163,49 @@ filter::Vibration mean_vibration(const ImuTimeline& imu) {
     return mean;
 }
 
-std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& recording, const ImuTimeline& imu_log, MissingStd missing, bool has_velocity) {
+std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& recording, const ImuTimeline& imu_log,
+                                 MissingStd missing, bool has_velocity) {
     std::vector<LogKnob> knobs;
     const sensor::ImuErrorModel imu = before.imu.errors;
     const GnssSettings g = before.gnss;
     // Loggers stamp fixes when they come in. What that makes of the fixes goes with the motion as the unit's errors do, so it comes first.
-    const double least_jitter = std::log(0.003), most_jitter = std::log(0.35);   // s
+    const double least_jitter = std::log(0.003), most_jitter = std::log(0.35);  // s
     if (before.imu.estimate_noise && !g.jitter)
-        knobs.push_back({"gnss.jitter_s", [](Settings& s, double x) { s.gnss.jitter = std::exp(x); }, least_jitter, std::log(0.2), false, least_jitter, most_jitter});
+        knobs.push_back({"gnss.jitter_s", [](Settings& s, double x) { s.gnss.jitter = std::exp(x); }, least_jitter, std::log(0.2),
+                         false, least_jitter, most_jitter});
     if (before.imu.estimate_noise) {
         // White noise cannot be more than what successive samples differ by. Without that bound whatever the trial's states cannot explain
         // is taken for it, and what came of it is a filter that knows no heading and grows uncertain at rest.
-        constexpr double all = 1.5, worse = 3.0;   // of what is seen, of the grade
+        constexpr double all = 1.5, worse = 3.0;  // of what is seen, of the grade
         const filter::Vibration mean = mean_vibration(imu_log);
         const double shaken = std::log(all), none = -3.0;
         // Where the fixes are too poor to tell, it is what the grade says.
-        constexpr double spread = 1.5;   // a factor of 4.5
+        constexpr double spread = 1.5;  // a factor of 4.5
         const double most_gyro = std::log(std::max(worse, all * std::sqrt(mean.gyro_psd) / imu.gyro_noise));
         const double most_accel = std::log(std::max(worse, all * std::sqrt(mean.accel_psd) / imu.accel_noise));
         if (!before.imu.gyro_vibration)
-            knobs.push_back({"imu.gyro_vibration", [](Settings& s, double x) { s.imu.gyro_vibration = std::exp(x); }, none, shaken, false, none, shaken, none, 2.0 * spread});
+            knobs.push_back({"imu.gyro_vibration", [](Settings& s, double x) { s.imu.gyro_vibration = std::exp(x); }, none,
+                             shaken, false, none, shaken, none, 2.0 * spread});
         if (!before.imu.accel_vibration)
-            knobs.push_back({"imu.accel_vibration", [](Settings& s, double x) { s.imu.accel_vibration = std::exp(x); }, none, shaken, false, none, shaken, none, 2.0 * spread});
-        knobs.push_back({"imu.gyro_noise_deg_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.gyro_noise = std::exp(x) * imu.gyro_noise; },
-                         -1.4, 4.2, false, -1e3, most_gyro, 0.0, spread});
-        knobs.push_back({"imu.accel_noise_m_s_sqrt_h", [imu](Settings& s, double x) { s.imu.errors.accel_noise = std::exp(x) * imu.accel_noise; },
-                         -1.4, 5.6, false, -1e3, most_accel, 0.0, spread});
+            knobs.push_back({"imu.accel_vibration", [](Settings& s, double x) { s.imu.accel_vibration = std::exp(x); }, none,
+                             shaken, false, none, shaken, none, 2.0 * spread});
+        knobs.push_back({"imu.gyro_noise_deg_sqrt_h",
+                         [imu](Settings& s, double x) { s.imu.errors.gyro_noise = std::exp(x) * imu.gyro_noise; }, -1.4, 4.2,
+                         false, -1e3, most_gyro, 0.0, spread});
+        knobs.push_back({"imu.accel_noise_m_s_sqrt_h",
+                         [imu](Settings& s, double x) { s.imu.errors.accel_noise = std::exp(x) * imu.accel_noise; }, -1.4, 5.6,
+                         false, -1e3, most_accel, 0.0, spread});
     }
     if (g.estimate_std && missing.position) {
-        knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>(); },
+        knobs.push_back({"gnss.default_std_m",
+                         [g](Settings& s, double x) {
+                             s.gnss.default_std_position.head<2>() = std::exp(x) * g.default_std_position.head<2>();
+                         },
                          -4.0, 1.2});
-        knobs.push_back({"gnss.default_std_m", [g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); },
-                         -4.0, 1.2});
+        knobs.push_back(
+            {"gnss.default_std_m",
+             [g](Settings& s, double x) { s.gnss.default_std_position.z() = std::exp(x) * g.default_std_position.z(); }, -4.0,
+             1.2});
     }
     const bool precise = is_precise(recording);
     // Receivers wander: filters inside, atmosphere, multipath. Innovations that look alike tell by how much; where sigmas are stated, the
@@ -198,10 +213,13 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     // error lasts minutes do not tell: ten minutes, as the atmosphere's, so that no solution averages away what a receiver says of its
     // accuracy; `upright`: vertical errors against horizontal ones.
     const auto wander = [&](double sigma, double time, double low, double high, double least, double upright) {
-        knobs.push_back({"gnss.correlated_m", [=](Settings& s, double x) {
-                             s.gnss.errors.correlated_position = std::min(most_wander, sigma * std::exp(x)) * Vector3d(1.0, 1.0, upright);
+        knobs.push_back({"gnss.correlated_m",
+                         [=](Settings& s, double x) {
+                             s.gnss.errors.correlated_position =
+                                 std::min(most_wander, sigma * std::exp(x)) * Vector3d(1.0, 1.0, upright);
                              s.gnss.errors.correlated_time = time;
-                         }, low, high, false, least});
+                         },
+                         low, high, false, least});
     };
     if (g.estimate_std && g.errors.correlated_position.isZero()) {
         if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3, 1.0);
@@ -210,15 +228,22 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     // A log's own sigmas may be too small by far; where they are too large nothing is lost but sharpness.
     const auto larger = [](double x) { return std::exp(std::max(0.0, x)); };
     if (g.estimate_std && before.imu.estimate_noise && !missing.position)
-        knobs.push_back({"gnss.std_scale", [g, larger](Settings& s, double x) { s.gnss.std_scale = larger(x) * g.std_scale; }, 0.0, 3.5, false, 0.0});
+        knobs.push_back({"gnss.std_scale", [g, larger](Settings& s, double x) { s.gnss.std_scale = larger(x) * g.std_scale; },
+                         0.0, 3.5, false, 0.0});
     if (g.estimate_std && before.imu.estimate_noise && !missing.velocity && has_velocity)
         knobs.push_back({"gnss.velocity_std_scale",
-                         [g, larger](Settings& s, double x) { s.gnss.velocity_std_scale = larger(x) * g.velocity_std_scale; }, 0.0, 3.5, false, 0.0});
+                         [g, larger](Settings& s, double x) { s.gnss.velocity_std_scale = larger(x) * g.velocity_std_scale; },
+                         0.0, 3.5, false, 0.0});
     if (g.estimate_std && missing.velocity && has_velocity) {
-        knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>(); },
+        knobs.push_back({"gnss.default_std_velocity_m_s",
+                         [g](Settings& s, double x) {
+                             s.gnss.default_std_velocity.head<2>() = std::exp(x) * g.default_std_velocity.head<2>();
+                         },
                          -2.0, 2.0});
-        knobs.push_back({"gnss.default_std_velocity_m_s", [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); },
-                         -2.0, 2.0});
+        knobs.push_back(
+            {"gnss.default_std_velocity_m_s",
+             [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); }, -2.0,
+             2.0});
     }
     // A receiver's own filter smooths its velocities: they are wrong for seconds, by as much in one fix as in the next.
     if (g.estimate_std && before.imu.estimate_noise && missing.velocity && has_velocity && g.errors.correlated_velocity.isZero())
@@ -231,12 +256,15 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     if (before.imu.estimate_noise && before.baro.use && !recording.baro.empty()) {
         const BaroSettings b = before.baro;
         knobs.push_back({"baro.white_m", [b](Settings& s, double x) { s.baro.std = std::exp(x) * b.std; }, -3.0, 1.5, true});
-        knobs.push_back({"baro.bias_walk_m", [b](Settings& s, double x) { s.baro.bias_walk = std::exp(x) * b.bias_walk; }, -2.0, 3.0, true});
+        knobs.push_back(
+            {"baro.bias_walk_m", [b](Settings& s, double x) { s.baro.bias_walk = std::exp(x) * b.bias_walk; }, -2.0, 3.0, true});
     }
     if (before.imu.estimate_noise && before.mag.use && !recording.mag.empty()) {
         const MagSettings m = before.mag;
-        knobs.push_back({"mag.heading_std_deg", [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true});
-        knobs.push_back({"mag.heading_bias_walk_deg", [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; }, -3.0, 3.0, true});
+        knobs.push_back({"mag.heading_std_deg", [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; },
+                         -2.0, 2.0, true});
+        knobs.push_back({"mag.heading_bias_walk_deg", [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; },
+                         -3.0, 3.0, true});
     }
     return knobs;
 }
@@ -247,8 +275,10 @@ Vector3d stated_by_autonomous(const Recording& recording) {
     for (int i = 0; i < 3; ++i) {
         std::vector<double> stated;
         for (const GnssFix& f : recording.gnss)
-            if (f.fix == FixType::Autonomous || (f.fix == FixType::Unknown && f.std_position(i) > 0.5)) stated.push_back(f.std_position(i));
-        std::erase_if(stated, [](double s) { return !(s > 0.0 && s < 20.0); });   // m: corrected ones are better, useless ones are white
+            if (f.fix == FixType::Autonomous || (f.fix == FixType::Unknown && f.std_position(i) > 0.5))
+                stated.push_back(f.std_position(i));
+        std::erase_if(stated,
+                      [](double s) { return !(s > 0.0 && s < 20.0); });  // m: corrected ones are better, useless ones are white
         if (2 * stated.size() > recording.gnss.size()) out(i) = math::median(std::move(stated));
     }
     return out;
@@ -258,13 +288,15 @@ Vector3d stated_by_autonomous(const Recording& recording) {
 /// state its sigmas, without corrections, wanders by a metre (open services reach 2 to 4 m at 95 % horizontally) and scatters
 /// by some centimetres; a magnetometer's errors turn with its vehicle and with its currents.
 void keep_physical(Settings& settings, const Settings& before, const Recording& recording, MissingStd missing) {
-    constexpr double least_white = 0.1, least_slow = 1.0, least_velocity = 0.02, least_heading = 0.02;   // m, m, m/s, rad
+    constexpr double least_white = 0.1, least_slow = 1.0, least_velocity = 0.02, least_heading = 0.02;  // m, m, m/s, rad
     const bool precise = is_precise(recording);
     GnssSettings& g = settings.gnss;
     // What an autonomous receiver says of its accuracy is mostly of what it wanders, and minutes of a log do not show all of that.
-    if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position && before.gnss.errors.correlated_position.isZero()) {
+    if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position &&
+        before.gnss.errors.correlated_position.isZero()) {
         const Vector3d stated = stated_by_autonomous(recording), upright(1.0, 1.0, 1.5);
-        constexpr double refuted = 1.5;   // the fixes scatter by so much more than is stated: it does not tell what they wander by either
+        constexpr double refuted =
+            1.5;  // the fixes scatter by so much more than is stated: it does not tell what they wander by either
         const bool is_refuted = g.std_scale > refuted && stated.x() > 0.0;
         const Vector3d accuracy = is_refuted ? Vector3d((g.std_scale * stated).cwiseMax(least_slow * upright)) : stated;
         const Vector3d slow = g.errors.correlated_position.cwiseMax(accuracy.cwiseMin(most_wander * upright));
@@ -277,11 +309,13 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
     }
     if (before.gnss.estimate_std && missing.position && !precise) {
         g.default_std_position = g.default_std_position.cwiseMax(least_white);
-        if (before.gnss.errors.correlated_position.isZero())   // as large as what scatters, at least
-            g.errors.correlated_position = g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_wander)).cwiseMax(least_slow);
+        if (before.gnss.errors.correlated_position.isZero())  // as large as what scatters, at least
+            g.errors.correlated_position =
+                g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_wander)).cwiseMax(least_slow);
     }
     if (before.gnss.estimate_std && missing.velocity) g.default_std_velocity = g.default_std_velocity.cwiseMax(least_velocity);
-    if (before.imu.estimate_noise && before.mag.use) settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));
+    if (before.imu.estimate_noise && before.mag.use)
+        settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));
 }
 
 /// Where a latency is looked for, s.
@@ -292,25 +326,29 @@ struct Reach {
 
 }  // namespace
 
-void tune(RunData& data, Settings& settings, const Start& start, const FixScreen& screen, Findings& findings, WarningLog& warnings) {
+void tune(RunData& data, Settings& settings, const Start& start, const FixScreen& screen, Findings& findings,
+          WarningLog& warnings) {
     TrialJudge judge(data, start, settings.gnss, screen);
     const MissingStd missing = missing_std(*data.recording);
     const Settings before = settings;
-    const bool has_velocity = settings.gnss.use_velocity &&
-                              std::any_of(data.recording->gnss.begin(), data.recording->gnss.end(),
-                                          [](const GnssFix& f) { return f.velocity_n.head<2>().allFinite(); });
+    const bool has_velocity =
+        settings.gnss.use_velocity && std::any_of(data.recording->gnss.begin(), data.recording->gnss.end(),
+                                                  [](const GnssFix& f) { return f.velocity_n.head<2>().allFinite(); });
     std::vector<LogKnob> knobs = noise_knobs(before, *data.recording, data.imu, missing, has_velocity);
     findings.tuned_from = start.nav.time;
     findings.tuned_to = judge.stop();
     // Latencies that motion in windows has measured (a sigma says so) are looked for within what it leaves open: the likelihood of a whole
     // trial takes what it cannot explain, a fault of the inertial unit say, for any latency.
     const auto reach = [&](double sigma) {
-        constexpr double unmeasured = 0.15, sigmas = 4.0;   // s
+        constexpr double unmeasured = 0.15, sigmas = 4.0;  // s
         return sigma > 0.0 && sigma < unmeasured ? Reach{before.gnss.latency, sigmas * sigma} : Reach{};
     };
-    const Reach near_position = reach(before.gnss.latency_std), near_velocity = reach(before.gnss.velocity_latency_std > 0.0 ? before.gnss.velocity_latency_std : before.gnss.latency_std);
-    const auto search = [&](const char* key, bool relative, const std::function<void(Settings&, double)>& apply, double low, double high,
-                            int points, int refinements, bool surroundings, double least = -1e3, double most = 1e3, const Reach& within = {}, const LogKnob* knob = nullptr) {
+    const Reach near_position = reach(before.gnss.latency_std),
+                near_velocity =
+                    reach(before.gnss.velocity_latency_std > 0.0 ? before.gnss.velocity_latency_std : before.gnss.latency_std);
+    const auto search = [&](const char* key, bool relative, const std::function<void(Settings&, double)>& apply, double low,
+                            double high, int points, int refinements, bool surroundings, double least = -1e3, double most = 1e3,
+                            const Reach& within = {}, const LogKnob* knob = nullptr) {
         const Minimum best = minimise(
             [&](double x) {
                 if (!within.holds(x)) return untried;
@@ -321,13 +359,12 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
             },
             low, high, points, refinements, least, most);
         apply(settings, best.at);
-        const bool torn = std::abs(best.at - within.around) > 0.6 * within.size;   // between what was measured and what the trials want
+        const bool torn =
+            std::abs(best.at - within.around) > 0.6 * within.size;  // between what was measured and what the trials want
         const double sigma = torn ? 0.5 * within.size : sigma_of(best, judge.count());
         const auto same = std::ranges::find(findings.tuned, key, &TunedSetting::key);
-        if (same == findings.tuned.end())
-            findings.tuned.push_back({key, sigma, relative});
-        else
-            same->sigma = sigma;
+        if (same == findings.tuned.end()) findings.tuned.push_back({key, sigma, relative});
+        else same->sigma = sigma;
         return best.at;
     };
     for (int round = 0; round < (knobs.empty() ? 1 : 3); ++round) {
@@ -346,19 +383,25 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
         };
         if (round == 0) search("gnss.latency_s", false, both, -0.2, 0.5, 8, 2, false, -1e3, 1e3, near_position);
         else search("gnss.latency_s", false, both, now - 0.1, now + 0.1, 5, 2, false, -1e3, 1e3, near_position);
-        const auto sigma = [&](const char* key) -> double& { return std::ranges::find(findings.tuned, key, &TunedSetting::key)->sigma; };
+        const auto sigma = [&](const char* key) -> double& {
+            return std::ranges::find(findings.tuned, key, &TunedSetting::key)->sigma;
+        };
         // Beside velocities whose latency is settled the fixes tell how much later the positions are, and no more than that.
         if (has_velocity && before.gnss.velocity_latency)
             sigma("gnss.latency_s") = std::hypot(sigma("gnss.latency_s"), 0.5 * before.gnss.velocity_latency_std);
         if (has_velocity && !before.gnss.velocity_latency) {
             const double velocity = settings.gnss.velocity_latency.value_or(settings.gnss.latency);
-            search("gnss.velocity_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_latency = x; }, velocity - 0.2, velocity + 0.2, 5, 4, false,
-                   -1e3, 1e3, near_velocity);
+            search(
+                "gnss.velocity_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_latency = x; }, velocity - 0.2,
+                velocity + 0.2, 5, 4, false, -1e3, 1e3, near_velocity);
             sigma("gnss.velocity_latency_s") = std::hypot(sigma("gnss.velocity_latency_s"), sigma("gnss.latency_s"));
         }
         if (has_velocity && !before.gnss.velocity_down_latency) {
-            const double down = settings.gnss.velocity_down_latency.value_or(settings.gnss.velocity_latency.value_or(settings.gnss.latency));
-            search("gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; }, down - 0.2, down + 0.2, 5, 3, false);
+            const double down =
+                settings.gnss.velocity_down_latency.value_or(settings.gnss.velocity_latency.value_or(settings.gnss.latency));
+            search(
+                "gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; },
+                down - 0.2, down + 0.2, 5, 3, false);
         }
     }
     const Settings fitted = settings;

@@ -21,6 +21,7 @@ struct MissingStd {
 /// Adjusts in place the settings that are to be estimated (gnss.latency and the channels', default sigmas, IMU noise): each by a
 /// one-dimensional search on the log-likelihood of the GNSS innovations of a trial run over at most ten minutes. `data` is
 /// brought up to date with the result. Withheld epochs take no part, nor does what `screen` leaves out.
-void tune(RunData& data, Settings& settings, const Start& start, const FixScreen& screen, Findings& findings, WarningLog& warnings);
+void tune(RunData& data, Settings& settings, const Start& start, const FixScreen& screen, Findings& findings,
+          WarningLog& warnings);
 
 }  // namespace schuler::fusion

@@ -89,13 +89,13 @@ double klobuchar_delay(const KlobucharCoefficients& c, Time t, const Geodetic& r
 
 double beidou_klobuchar_delay(const KlobucharCoefficients& c, Time t, const Geodetic& receiver, Direction d) {
     constexpr double radius = 6378e3, shell = 375e3, sine = radius / (radius + shell);
-    const double at_shell = sine * std::cos(d.elevation);   // sine of the zenith angle where the ray meets the shell
+    const double at_shell = sine * std::cos(d.elevation);  // sine of the zenith angle where the ray meets the shell
     const double psi = 0.5 * pi - d.elevation - std::asin(at_shell);
     const double lat = std::asin(std::clamp(
         std::sin(receiver.lat) * std::cos(psi) + std::cos(receiver.lat) * std::sin(psi) * std::cos(d.azimuth), -1.0, 1.0));
     const double lon =
         receiver.lon + std::asin(std::clamp(std::sin(psi) * std::sin(d.azimuth) / std::max(std::cos(lat), 1e-6), -1.0, 1.0));
-    const double place = std::abs(lat) / pi;   // semicircles
+    const double place = std::abs(lat) / pi;  // semicircles
     const auto cubic = [&](const std::array<double, 4>& k) { return k[0] + place * (k[1] + place * (k[2] + place * k[3])); };
     const double amplitude = std::max(cubic(c.alpha), 0.0), period = std::clamp(cubic(c.beta), 72'000.0, 172'800.0);
     double local = std::fmod(second_of_day(t - lag_of(System::BeiDou)) + lon * 43'200.0 / pi, 86'400.0);
@@ -126,7 +126,7 @@ IonosphericDelay ionospheric_delay(const BroadcastIonosphere& ionosphere, System
         // the amplitude of medium solar activity at middle latitudes, and Klobuchar's mean period
         constexpr KlobucharCoefficients mean{{20e-9, 0.0, 0.0, 0.0}, {115'000.0, 0.0, 0.0, 0.0}};
         const double delay = on_carrier(l1_frequency) * klobuchar_delay(mean, t, receiver, d);
-        constexpr double least_vertical = 2.0;   // m on L1: what nights reach where the ionosphere is active
+        constexpr double least_vertical = 2.0;  // m on L1: what nights reach where the ionosphere is active
         const double slant = 1.0 + 16.0 * std::pow(0.53 - d.elevation / pi, 3);
         return {delay, std::hypot(delay, on_carrier(l1_frequency) * least_vertical * slant)};
     }

@@ -55,7 +55,7 @@ struct ZenithDelay {
 
 /// How a zenith delay grows towards the horizon.
 enum class Mapping {
-    Niell,  ///< [Niell1996] with latitude, season and height; used down to 3 degrees
+    Niell,     ///< [Niell1996] with latitude, season and height; used down to 3 degrees
     Cosecant,  ///< 1/sin(elevation): too large by 0.2 m at 10 degrees
 };
 [[nodiscard]] double troposphere_delay(const ZenithDelay& zenith, Mapping mapping, Time t, const Geodetic& receiver,

@@ -19,7 +19,7 @@ namespace {
 
 using units::deg;
 constexpr double earth_rate = 7.2921151467e-5;
-constexpr double greenwich = 277.85 * deg;   ///< right ascension when the week begins
+constexpr double greenwich = 277.85 * deg;  ///< right ascension when the week begins
 
 /// A plane of GPS's nominal constellation: right ascension of the node and arguments of latitude, degrees.
 struct Plane {
@@ -75,7 +75,9 @@ Navigation nominal_glonass(Time from, Time to) {
         const double u = (45.0 * (slot % 8) + 15.0 * plane) * deg + n * since;
         const double cu = std::cos(u), su = std::sin(u), ci = std::cos(inclination), si = std::sin(inclination);
         const double cn = std::cos(node), sn = std::sin(node);
-        const auto level = [&](double x, double y) { return Eigen::Vector3d(cn * x - sn * ci * y, sn * x + cn * ci * y, si * y); };
+        const auto level = [&](double x, double y) {
+            return Eigen::Vector3d(cn * x - sn * ci * y, sn * x + cn * ci * y, si * y);
+        };
         GlonassEphemeris g;
         g.satellite = {System::Glonass, static_cast<std::uint8_t>(slot + 1)};
         g.channel = channels[slot];

@@ -21,7 +21,7 @@ namespace schuler::gnss {
 /// A satellite as seen from a place.
 struct Sighting {
     SatelliteId satellite;
-    double elevation = 0;                ///< rad
+    double elevation = 0;                    ///< rad
     Eigen::Vector3d line_of_sight{0, 0, 0};  ///< unit vector from the satellite to the receiver, Earth-fixed
 };
 /// Healthy satellites above a mask (rad) at an instant, the highest first. Light time is left out.

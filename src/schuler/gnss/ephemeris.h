@@ -20,18 +20,18 @@ enum class NavMessage : std::uint8_t { Lnav, Inav, Fnav, D1, D2, Glonass, Sbas }
 struct KeplerEphemeris {
     SatelliteId satellite;
     NavMessage message = NavMessage::Lnav;
-    Time toc, toe;                       ///< reference of the clock, of the orbit
-    Time transmission;                   ///< when it was sent, toe where unknown
-    double af0 = 0, af1 = 0, af2 = 0;    ///< clock: s, s/s, s/s^2
+    Time toc, toe;                     ///< reference of the clock, of the orbit
+    Time transmission;                 ///< when it was sent, toe where unknown
+    double af0 = 0, af1 = 0, af2 = 0;  ///< clock: s, s/s, s/s^2
     double sqrt_a = 0, e = 0, i0 = 0, omega0 = 0, omega = 0, m0 = 0;
     double delta_n = 0, omega_dot = 0, idot = 0;
     double cuc = 0, cus = 0, crc = 0, crs = 0, cic = 0, cis = 0;
     /// s. GPS, QZSS, NavIC: T_GD, 0. Galileo: BGD E1/E5a, E1/E5b. BeiDou: T_GD1 (B1), T_GD2 (B2).
     std::array<double, 2> group_delay{0, 0};
     int iode = 0, iodc = 0;
-    int health = 0;                      ///< 0: healthy
-    double accuracy = 0;                 ///< m, one sigma as broadcast; 0 or less: unknown or no promise
-    double fit_interval = 0;             ///< s; 0: nominal
+    int health = 0;           ///< 0: healthy
+    double accuracy = 0;      ///< m, one sigma as broadcast; 0 or less: unknown or no promise
+    double fit_interval = 0;  ///< s; 0: nominal
 };
 
 /// State vector at a reference time, in PZ-90 Earth-fixed axes [GLONASSICD:4.4].
@@ -40,9 +40,9 @@ struct GlonassEphemeris {
     Time toe;
     Time transmission;
     Eigen::Vector3d position{0, 0, 0}, velocity{0, 0, 0}, acceleration{0, 0, 0};  ///< m, m/s, m/s^2 (Sun and Moon)
-    double clock = 0;                    ///< s, minus tau_n: satellite minus system time
-    double clock_rate = 0;               ///< s/s, gamma_n
-    double l2_delay = 0;                 ///< s, delta tau_n: L2 sent later than L1
+    double clock = 0;                                                             ///< s, minus tau_n: satellite minus system time
+    double clock_rate = 0;                                                        ///< s/s, gamma_n
+    double l2_delay = 0;                                                          ///< s, delta tau_n: L2 sent later than L1
     int channel = 0;
     int health = 0;
     int age_days = 0;
@@ -64,7 +64,7 @@ struct KlobucharCoefficients {
     std::array<double, 4> alpha{}, beta{};
 };
 struct GalileoIonosphere {
-    std::array<double, 3> a{};           ///< effective ionisation level, solar flux units, per degree of modified dip latitude
+    std::array<double, 3> a{};  ///< effective ionisation level, solar flux units, per degree of modified dip latitude
 };
 
 /// Everything a navigation file or a receiver's log tells.
@@ -74,7 +74,7 @@ struct Navigation {
     std::vector<SbasEphemeris> sbas;
     std::array<std::optional<KlobucharCoefficients>, system_count> klobuchar;  ///< by system
     std::optional<GalileoIonosphere> galileo_ionosphere;
-    std::optional<int> leap_seconds;     ///< GPS minus UTC as broadcast
+    std::optional<int> leap_seconds;  ///< GPS minus UTC as broadcast
 
     /// Adds what another file tells; ionosphere coefficients already there stay.
     void add(const Navigation& other);

@@ -38,7 +38,7 @@ struct Geometry {
     /// Of the normal equations; nothing where they are singular.
     [[nodiscard]] static std::optional<Eigen::MatrixXd> inverse(const Eigen::MatrixXd& information) {
         const Eigen::LDLT<Eigen::MatrixXd> factor(information);
-        constexpr double smallest = 1e-10;   // of the largest pivot
+        constexpr double smallest = 1e-10;  // of the largest pivot
         const bool good = factor.info() == Eigen::Success && factor.vectorD().minCoeff() > smallest * factor.vectorD().maxCoeff();
         if (!good) return std::nullopt;
         return factor.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
@@ -73,7 +73,8 @@ ProtectionLevels protection_of(std::span<const UsedRange> ranges, double false_a
     if (g.redundancy() < 1) return {};
     const auto covariance = Geometry::inverse(g.rows.transpose() * g.weights.asDiagonal() * g.rows);
     if (!covariance) return {};
-    const Eigen::MatrixXd gain = *covariance * g.rows.transpose() * g.weights.asDiagonal();   // position and clocks for a metre of each range
+    const Eigen::MatrixXd gain =
+        *covariance * g.rows.transpose() * g.weights.asDiagonal();  // position and clocks for a metre of each range
     double horizontal = 0.0, vertical = 0.0;
     for (Eigen::Index i = 0; i < g.rows.rows(); ++i) {
         // the share of a fault in this range that shows in the residuals; one that the position takes whole is never noticed
@@ -85,15 +86,20 @@ ProtectionLevels protection_of(std::span<const UsedRange> ranges, double false_a
         vertical = std::max(vertical, slope * std::abs(gain(2, i)));
     }
     const double threshold = std::sqrt(math::chi_square_quantile(1.0 - false_alarm, static_cast<double>(g.redundancy())));
-    const double sigmas = std::sqrt(math::chi_square_quantile(1.0 - 2.0 * missed_detection, 1.0));   // one side of a normal distribution
+    const double sigmas =
+        std::sqrt(math::chi_square_quantile(1.0 - 2.0 * missed_detection, 1.0));  // one side of a normal distribution
     const Eigen::Matrix2d level = covariance->topLeftCorner<2, 2>();
-    const double largest = 0.5 * (level.trace() + std::hypot(level(0, 0) - level(1, 1), 2.0 * level(0, 1)));   // of the error ellipse, m^2
+    const double largest =
+        0.5 * (level.trace() + std::hypot(level(0, 0) - level(1, 1), 2.0 * level(0, 1)));  // of the error ellipse, m^2
     return {horizontal * threshold + sigmas * std::sqrt(largest), vertical * threshold + sigmas * std::sqrt((*covariance)(2, 2))};
 }
 
-EpochViewer::EpochViewer(const SatelliteSource& source, std::optional<BroadcastIonosphere> ionosphere, const SinglePointSettings& settings,
-                         double missed_detection)
-    : source_(source), ionosphere_(std::move(ionosphere)), settings_(settings), missed_detection_(missed_detection),
+EpochViewer::EpochViewer(const SatelliteSource& source, std::optional<BroadcastIonosphere> ionosphere,
+                         const SinglePointSettings& settings, double missed_detection)
+    : source_(source),
+      ionosphere_(std::move(ionosphere)),
+      settings_(settings),
+      missed_detection_(missed_detection),
       solver_(source, ionosphere_, settings) {}
 
 EpochView EpochViewer::view(std::span<const SignalObservation> observations, Time tag, const GlonassChannels& channels) {
@@ -111,10 +117,13 @@ EpochView EpochViewer::view(std::span<const SignalObservation> observations, Tim
         v.satellite = o.satellite;
         v.signal = o.signal;
         v.cn0 = strongest;
-        const auto sent = source_.at(o.satellite, o.signal, tag - Duration::from_seconds(0.075));   // a flight of medium orbits
-        v.fate = !settings_.ranges.systems[static_cast<std::size_t>(o.satellite.system)] ? Fate::SystemOff : sent ? Fate::NoSignal : Fate::NoEphemeris;
+        const auto sent = source_.at(o.satellite, o.signal, tag - Duration::from_seconds(0.075));  // a flight of medium orbits
+        v.fate = !settings_.ranges.systems[static_cast<std::size_t>(o.satellite.system)] ? Fate::SystemOff
+                 : sent                                                                  ? Fate::NoSignal
+                                                                                         : Fate::NoEphemeris;
         if (!sent || !out.solution.position.r.allFinite() || out.solution.satellites.empty()) continue;
-        v.direction = direction_to(sent->state.position, out.solution.position, earth::geodetic_from_ecef(earth::wgs84, out.solution.position));
+        v.direction = direction_to(sent->state.position, out.solution.position,
+                                   earth::geodetic_from_ecef(earth::wgs84, out.solution.position));
     }
     std::ranges::stable_sort(out.satellites, {}, &SatelliteView::satellite);
     return out;

@@ -16,12 +16,12 @@ namespace schuler::gnss {
 /// Whether a satellite that was tracked took part, or why not.
 enum class Fate : std::uint8_t {
     Used,
-    SystemOff,     ///< of a system that is not asked for
-    NoSignal,      ///< no pseudorange, or too weak (with the two-frequency combination: of two signals)
-    NoEphemeris,   ///< none that is valid, or the satellite calls itself unhealthy
+    SystemOff,    ///< of a system that is not asked for
+    NoSignal,     ///< no pseudorange, or too weak (with the two-frequency combination: of two signals)
+    NoEphemeris,  ///< none that is valid, or the satellite calls itself unhealthy
     BelowMask,
-    Faulty,        ///< left out by the fault test
-    NoSolution     ///< the epoch has no solution
+    Faulty,     ///< left out by the fault test
+    NoSolution  ///< the epoch has no solution
 };
 inline constexpr std::size_t fate_count = 7;
 [[nodiscard]] std::string_view name_of(Fate fate);
@@ -31,12 +31,12 @@ struct SatelliteView {
     SatelliteId satellite;
     Signal signal;
     Direction direction{not_given, not_given};
-    double cn0 = not_given;             ///< dB-Hz
+    double cn0 = not_given;  ///< dB-Hz
     Fate fate = Fate::NoSolution;
-    double residual = not_given;        ///< m, pseudorange measured minus modelled
-    double sigma = not_given;           ///< m, of the whole error of the pseudorange
-    double rate_residual = not_given;   ///< m/s, likewise of the range rate from the Doppler
-    double rate_sigma = not_given;      ///< m/s
+    double residual = not_given;       ///< m, pseudorange measured minus modelled
+    double sigma = not_given;          ///< m, of the whole error of the pseudorange
+    double rate_residual = not_given;  ///< m/s, likewise of the range rate from the Doppler
+    double rate_sigma = not_given;     ///< m/s
 };
 
 /// Dilution of precision: the factor from a common sigma of the ranges to that of position and clock [Groves2013:9.4.3].
@@ -50,7 +50,7 @@ struct ProtectionLevels {
 };
 
 struct EpochView {
-    Time tag;                           ///< by the receiver's clock
+    Time tag;  ///< by the receiver's clock
     SinglePointSolution solution;
     std::vector<SatelliteView> satellites;
     Dilution dilution;

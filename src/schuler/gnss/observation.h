@@ -18,19 +18,19 @@ namespace schuler::gnss {
 struct SignalObservation {
     SatelliteId satellite;
     Signal signal;
-    std::uint8_t loss_of_lock = 0;       ///< RINEX indicator of the phase: bit 0 lock lost, bit 1 half-cycle ambiguous
-    std::uint8_t strength = 0;           ///< RINEX signal strength digit of the phase, 0 unknown
-    double pseudorange = not_given;      ///< m
-    double phase = not_given;            ///< cycles, grows with the range
-    double doppler = not_given;          ///< Hz, positive where the satellite approaches
-    double cn0 = not_given;              ///< dB-Hz
+    std::uint8_t loss_of_lock = 0;   ///< RINEX indicator of the phase: bit 0 lock lost, bit 1 half-cycle ambiguous
+    std::uint8_t strength = 0;       ///< RINEX signal strength digit of the phase, 0 unknown
+    double pseudorange = not_given;  ///< m
+    double phase = not_given;        ///< cycles, grows with the range
+    double doppler = not_given;      ///< Hz, positive where the satellite approaches
+    double cn0 = not_given;          ///< dB-Hz
 };
 
 /// One epoch: a range of observations, those of one satellite side by side.
 struct ObservationEpoch {
-    Time time;                           ///< GPS time as the receiver's clock tells it
-    bool power_failure = false;          ///< the receiver lost power before it
-    std::size_t first = 0, count = 0;    ///< in ObservationLog::observations
+    Time time;                         ///< GPS time as the receiver's clock tells it
+    bool power_failure = false;        ///< the receiver lost power before it
+    std::size_t first = 0, count = 0;  ///< in ObservationLog::observations
 };
 
 /// GLONASS frequency number of a slot, or `unknown_channel`.
@@ -42,7 +42,7 @@ struct GlonassChannels {
 
 /// A whole log. `approximate` and `antenna_delta` are the header's, NaN where it has none.
 struct ObservationLog {
-    double version = 0.0;                ///< of RINEX; 0 where it comes from another format
+    double version = 0.0;  ///< of RINEX; 0 where it comes from another format
     std::string marker;
     Ecef approximate{not_given3()};
     Eigen::Vector3d antenna_delta = not_given3();  ///< marker to antenna: up, east, north, m

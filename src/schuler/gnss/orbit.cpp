@@ -11,8 +11,8 @@ namespace {
 
 /// Constants of each system's interface document, for the elements were fitted with them.
 struct OrbitConstants {
-    double mu;                           ///< m^3/s^2
-    double earth_rate;                   ///< rad/s
+    double mu;          ///< m^3/s^2
+    double earth_rate;  ///< rad/s
 };
 OrbitConstants constants_of(System system) {
     switch (system) {

@@ -10,11 +10,11 @@ namespace schuler::gnss {
 
 /// Satellite at an instant of GPS time, in Earth-fixed axes of that instant.
 struct SatelliteState {
-    Ecef position;                       ///< m
-    Eigen::Vector3d velocity{0, 0, 0};   ///< m/s, relative to the Earth
-    double clock = 0;                    ///< s, satellite minus system time, relativity of the eccentricity included
-    double clock_rate = 0;               ///< s/s
-    double variance = 0;                 ///< m^2, of orbit and clock along the line of sight
+    Ecef position;                      ///< m
+    Eigen::Vector3d velocity{0, 0, 0};  ///< m/s, relative to the Earth
+    double clock = 0;                   ///< s, satellite minus system time, relativity of the eccentricity included
+    double clock_rate = 0;              ///< s/s
+    double variance = 0;                ///< m^2, of orbit and clock along the line of sight
 };
 
 /// Orbit and clock from Keplerian elements [ISGPS200:table 20-IV, 20.3.3.3.3.1], [GalileoICD:table 66], [BeiDouICD:5.2.4.12] with the

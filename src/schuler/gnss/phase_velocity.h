@@ -10,9 +10,9 @@
 namespace schuler::gnss {
 
 struct PhaseVelocitySettings {
-    double phase_sigma = 0.005;  ///< m, of the difference of two phases, multipath and atmosphere over the interval included
+    double phase_sigma = 0.005;     ///< m, of the difference of two phases, multipath and atmosphere over the interval included
     double longest_interval = 5.0;  ///< s between the epochs
-    double slip = 6.0;  ///< sigmas of a residual that means a cycle slip
+    double slip = 6.0;              ///< sigmas of a residual that means a cycle slip
 };
 
 /// Mean velocity over (time - interval, time].
@@ -20,8 +20,8 @@ struct PhaseVelocity {
     Eigen::Vector3d velocity;  ///< m/s, Earth-fixed
     Eigen::Matrix3d covariance;
     double interval = 0;  ///< s
-    int used = 0;  ///< satellites
-    int slips = 0;  ///< satellites left out because their phase jumped
+    int used = 0;         ///< satellites
+    int slips = 0;        ///< satellites left out because their phase jumped
 };
 
 /// Differences the phases of each satellite's first signal from epoch to epoch: what the satellite's motion, its clock and the

@@ -9,7 +9,6 @@
 namespace schuler::gnss {
 namespace {
 
-
 /// Bands in order of preference. BeiDou's B1C and B2a need group delays that its D1 and D2 messages do not send.
 std::string_view bands_of(System system) {
     switch (system) {
@@ -96,7 +95,7 @@ void prepare_ranges(std::span<const SignalObservation> observations, Time tag, c
         r.position = t->state.position;
         r.velocity = t->state.velocity;
         // GLONASS sends on many frequencies, each with a delay of its own in the receiver
-        constexpr double interfrequency = 1.5;   // m, one sigma
+        constexpr double interfrequency = 1.5;  // m, one sigma
         r.variance = t->state.variance + (id.system == System::Glonass ? interfrequency * interfrequency : 0.0);
         const int channel = channel_of(id, channels, t->channel);
         r.frequency = frequency_of(id.system, a->signal.band, channel);
@@ -155,7 +154,8 @@ ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& 
     m.range = distance + sagnac;
     m.direction = direction_to({turned}, receiver, geodetic);
     const double code = r.sigma > 0.0 ? r.sigma : settings.code_sigma * r.noise * noise_factor(m.direction.elevation, r.cn0);
-    const AtmosphericDelay air = atmospheric_delay(r.transmit, r.satellite.system, r.frequency, geodetic, m.direction, ionosphere, settings);
+    const AtmosphericDelay air =
+        atmospheric_delay(r.transmit, r.satellite.system, r.frequency, geodetic, m.direction, ionosphere, settings);
     m.range += air.delay;
     m.slow_variance = r.variance + (r.slow > 0.0 ? r.slow * r.slow : air.variance);
     m.variance = code * code + m.slow_variance;

@@ -23,14 +23,14 @@ enum class TroposphereModel { None, Saastamoinen };
 /// How raw measurements are chosen, corrected and weighted.
 struct RangeSettings {
     std::array<bool, system_count> systems{true, true, true, true, true, false, false};  ///< GRECJ
-    double elevation_mask = 0.17453292519943295;  ///< rad
-    double least_cn0 = 0;                ///< dB-Hz
+    double elevation_mask = 0.17453292519943295;                                         ///< rad
+    double least_cn0 = 0;                                                                ///< dB-Hz
     IonosphereModel ionosphere = IonosphereModel::Broadcast;
     TroposphereModel troposphere = TroposphereModel::Saastamoinen;
     Mapping mapping = Mapping::Niell;
     double relative_humidity = 0.7;
-    double code_sigma = 0.5;             ///< m, one sigma at the zenith with a strong signal
-    double doppler_sigma = 0.05;         ///< m/s, likewise
+    double code_sigma = 0.5;      ///< m, one sigma at the zenith with a strong signal
+    double doppler_sigma = 0.05;  ///< m/s, likewise
 };
 
 /// Systems that share a clock: 0 GPS with QZSS and SBAS, 1 GLONASS, 2 Galileo, 3 BeiDou, 4 NavIC.
@@ -42,17 +42,17 @@ struct Range {
     SatelliteId satellite;
     Signal signal;
     Time transmit;
-    double pseudorange = 0;              ///< m
-    double range_rate = not_given;       ///< m/s from the Doppler, satellite clock rate removed
-    double frequency = 0;                ///< Hz, for the ionosphere; 0: ionosphere-free
-    double cn0 = not_given;              ///< dB-Hz
-    double noise = 1;                    ///< factor on the code's sigma from combining signals
-    double sigma = not_given;            ///< m, of the white error of the pseudorange, where the receiver states it
-    double sigma_rate = not_given;       ///< m/s, of that of the range rate, likewise
-    double slow = 0;                     ///< m, sigma of its slow error, what the atmosphere's models leave included; 0: not known
-    Ecef position;                       ///< of the satellite at `transmit`, in Earth-fixed axes of that instant
+    double pseudorange = 0;         ///< m
+    double range_rate = not_given;  ///< m/s from the Doppler, satellite clock rate removed
+    double frequency = 0;           ///< Hz, for the ionosphere; 0: ionosphere-free
+    double cn0 = not_given;         ///< dB-Hz
+    double noise = 1;               ///< factor on the code's sigma from combining signals
+    double sigma = not_given;       ///< m, of the white error of the pseudorange, where the receiver states it
+    double sigma_rate = not_given;  ///< m/s, of that of the range rate, likewise
+    double slow = 0;                ///< m, sigma of its slow error, what the atmosphere's models leave included; 0: not known
+    Ecef position;                  ///< of the satellite at `transmit`, in Earth-fixed axes of that instant
     Eigen::Vector3d velocity{0, 0, 0};
-    double variance = 0;                 ///< m^2, of orbit and clock
+    double variance = 0;  ///< m^2, of orbit and clock
 };
 
 /// Ranges of one epoch: one for each satellite of the systems asked for that has a signal and a healthy ephemeris. The time of
@@ -62,7 +62,7 @@ void prepare_ranges(std::span<const SignalObservation> observations, Time tag, c
 
 /// What a receiver at a place should have measured, less its own clock.
 struct ModelledRange {
-    double range = 0;  ///< m, with the Earth's rotation during the flight and the atmosphere
+    double range = 0;                        ///< m, with the Earth's rotation during the flight and the atmosphere
     Eigen::Vector3d line_of_sight{0, 0, 0};  ///< unit vector from the satellite to the receiver, Earth-fixed
     Direction direction;
     double variance = 0;       ///< m^2, of the whole pseudorange error

@@ -51,6 +51,6 @@ struct Signal {
 }
 
 inline constexpr double speed_of_light = 299'792'458.0;  ///< m/s
-inline constexpr double l1_frequency = 1575.42e6;            ///< Hz, of GPS L1, Galileo E1 and BeiDou B1C
+inline constexpr double l1_frequency = 1575.42e6;        ///< Hz, of GPS L1, Galileo E1 and BeiDou B1C
 
 }  // namespace schuler::gnss

@@ -48,11 +48,12 @@ const Ephemeris* nearest(const std::vector<Ephemeris>& all, std::size_t first, s
 /// that was moved between them calls itself unhealthy meanwhile.
 template <class Ephemeris>
 bool contradict(const Ephemeris& a, const Ephemeris& b) {
-    constexpr double sphere = 4.03;       // of a normal distribution in three dimensions: one in a thousand is outside
-    constexpr double least_sigma = 4.0;   // m, at half of the longest age
+    constexpr double sphere = 4.03;      // of a normal distribution in three dimensions: one in a thousand is outside
+    constexpr double least_sigma = 4.0;  // m, at half of the longest age
     const Time middle = a.toe + Duration{(b.toe - a.toe).ns / 2};
     const SatelliteState one = satellite_state(a, middle), other = satellite_state(b, middle);
-    const double variance = std::max(one.variance, least_sigma * least_sigma) + std::max(other.variance, least_sigma * least_sigma);
+    const double variance =
+        std::max(one.variance, least_sigma * least_sigma) + std::max(other.variance, least_sigma * least_sigma);
     return (one.position.r - other.position.r).norm() > sphere * std::sqrt(variance);
 }
 
@@ -67,7 +68,8 @@ void leave_out_contradictions(std::vector<Ephemeris>& all) {
         std::size_t pairs = 0, contradictions = 0;
         for (std::size_t i = first + 1; i < last; ++i) {
             const Ephemeris &a = all[i - 1], &b = all[i];
-            if (a.health != 0 || b.health != 0 || a.toe == b.toe || (b.toe - a.toe).ns > std::min(longest_age(a), longest_age(b))) continue;
+            if (a.health != 0 || b.health != 0 || a.toe == b.toe || (b.toe - a.toe).ns > std::min(longest_age(a), longest_age(b)))
+                continue;
             ++pairs;
             if (!contradict(a, b)) continue;
             ++contradictions;
@@ -175,8 +177,7 @@ std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal, Time t) cons
     out.clock_rate = (b.clock - a.clock) / span;
     if (!std::isfinite(out.clock)) return std::nullopt;
     // satellite clocks of SP3 exclude the periodic relativistic effect, -2 r.v/c^2
-    const Eigen::Vector3d inertial =
-        out.velocity + earth_rate * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
+    const Eigen::Vector3d inertial = out.velocity + earth_rate * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
     out.clock -= 2.0 * out.position.r.dot(inertial) / (speed_of_light * speed_of_light);
     constexpr double sigma = 0.05;  // m
     out.variance = sigma * sigma;

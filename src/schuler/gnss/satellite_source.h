@@ -13,8 +13,8 @@ namespace schuler::gnss {
 /// A satellite as the model of a measurement needs it.
 struct Transmitter {
     SatelliteState state;
-    double group_delay = 0;              ///< s, of the signal asked for
-    int channel = 0;                     ///< GLONASS frequency number
+    double group_delay = 0;  ///< s, of the signal asked for
+    int channel = 0;         ///< GLONASS frequency number
 };
 
 /// Gives the satellite at the time of transmission.
@@ -53,7 +53,7 @@ public:
     struct Node {
         Time time;
         Eigen::Vector3d position;  ///< m, Earth-fixed
-        double clock;  ///< s, without relativity; NaN where unknown
+        double clock;              ///< s, without relativity; NaN where unknown
     };
     /// Nodes of each satellite in order of time.
     explicit PreciseSource(std::vector<std::vector<Node>> nodes_by_satellite) : nodes_(std::move(nodes_by_satellite)) {

@@ -13,8 +13,8 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double smallest_radius = 6.2e6;      ///< m: below, the position is no place for an atmosphere model
-constexpr double gross_error = 300.0;          ///< m, more than any honest pseudorange misses its model by
+constexpr double smallest_radius = 6.2e6;  ///< m: below, the position is no place for an atmosphere model
+constexpr double gross_error = 300.0;      ///< m, more than any honest pseudorange misses its model by
 constexpr int most_iterations = 12;
 
 using detail::Estimate;
@@ -79,7 +79,8 @@ public:
     /// Of the weighted least squares in the range at the last step [Groves2013:9.4.1].
     [[nodiscard]] Eigen::Vector3d gain(std::size_t k) const {
         if (!in_use(k)) return Eigen::Vector3d::Zero();
-        return inverse_ * NormalEquations::row_of(models_[k].line_of_sight, clock_of(ranges_[k].satellite.system)) / models_[k].variance;
+        return inverse_ * NormalEquations::row_of(models_[k].line_of_sight, clock_of(ranges_[k].satellite.system)) /
+               models_[k].variance;
     }
     [[nodiscard]] double pdop() const { return pdop_; }
     /// Of the position's error from what the models of the air miss in all directions alike, in proportion to what they say: the white part
@@ -94,7 +95,7 @@ public:
             Eigen::Vector3d moved = Eigen::Vector3d::Zero();
             for (std::size_t k = 0; k < ranges_.size(); ++k) {
                 const Range& r = ranges_[k];
-                if (!in_use(k) || r.slow > 0.0) continue;   // what the models leave is in a given slow error
+                if (!in_use(k) || r.slow > 0.0) continue;  // what the models leave is in a given slow error
                 const AtmosphericDelay air =
                     atmospheric_delay(r.transmit, r.satellite.system, r.frequency, here, models_[k].direction, ionosphere_, part);
                 moved += std::sqrt(air.variance) * gain(k);
@@ -109,7 +110,8 @@ public:
         const double in = used(), redundancy = in - unknowns();
         if (left_out == 0 || redundancy < 1.0) return sum;
         const double share = static_cast<double>(left_out) / (static_cast<double>(left_out) + in);
-        const double seen = math::chi_square_quantile(1.0 - settings_->false_alarm, 1.0) * in / redundancy;   // squared, in sigmas of a range
+        const double seen =
+            math::chi_square_quantile(1.0 - settings_->false_alarm, 1.0) * in / redundancy;  // squared, in sigmas of a range
         for (std::size_t k = 0; k < ranges_.size(); ++k)
             if (in_use(k)) sum += share * seen * models_[k].variance * gain(k) * gain(k).transpose();
         return sum;
@@ -213,7 +215,7 @@ bool excluded_until_consistent(Epoch& epoch, std::size_t count, double false_ala
         // with one satellite more than unknowns a fault is seen but not whose it is
         if (epoch.used() - epoch.unknowns() < 2) return false;
         std::optional<Epoch> best;
-        std::vector<Eigen::Vector3d> others;   // positions that fit
+        std::vector<Eigen::Vector3d> others;  // positions that fit
         for (std::size_t k = 0; k < count; ++k) {
             if (!epoch.in_use(k)) continue;
             Epoch trial = epoch;

@@ -14,16 +14,16 @@ namespace schuler::gnss {
 
 struct SinglePointSettings {
     RangeSettings ranges;
-    bool raim = true;                    ///< test the residuals and leave out what does not fit
-    double false_alarm = 1e-4;           ///< probability of an alarm in an epoch without faults, were the sigmas exact
+    bool raim = true;           ///< test the residuals and leave out what does not fit
+    double false_alarm = 1e-4;  ///< probability of an alarm in an epoch without faults, were the sigmas exact
     double largest_pdop = 30.0;
 };
 
 enum class SinglePointStatus {
     Solved,
-    TooFew,          ///< fewer satellites than unknowns
-    WeakGeometry,    ///< PDOP beyond the limit, or no convergence
-    Inconsistent,    ///< residuals too large and no exclusion mends it
+    TooFew,        ///< fewer satellites than unknowns
+    WeakGeometry,  ///< PDOP beyond the limit, or no convergence
+    Inconsistent,  ///< residuals too large and no exclusion mends it
 };
 [[nodiscard]] std::string_view name_of(SinglePointStatus status);
 
@@ -32,25 +32,25 @@ struct SatelliteUse {
     SatelliteId satellite;
     Signal signal;
     Direction direction;
-    double residual = 0;                 ///< m, measured minus modelled
+    double residual = 0;  ///< m, measured minus modelled
     bool used = false;
-    bool excluded = false;               ///< by the fault test; otherwise unused ones are below the mask
-    Eigen::Vector3d gain{0, 0, 0};       ///< Earth-fixed: the position's error for a metre of this range's; 0 where it is not used
-    double slow_variance = 0;            ///< m^2, ModelledRange::slow_variance
+    bool excluded = false;          ///< by the fault test; otherwise unused ones are below the mask
+    Eigen::Vector3d gain{0, 0, 0};  ///< Earth-fixed: the position's error for a metre of this range's; 0 where it is not used
+    double slow_variance = 0;       ///< m^2, ModelledRange::slow_variance
 };
 
 struct SinglePointSolution {
     SinglePointStatus status = SinglePointStatus::TooFew;
-    Time time;                           ///< GPS time of the measurement: the tag less the receiver's clock error
+    Time time;  ///< GPS time of the measurement: the tag less the receiver's clock error
     Ecef position;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();           ///< m^2, Earth-fixed, of the whole error
-    Eigen::Matrix3d slow_covariance = Eigen::Matrix3d::Zero();      ///< m^2, of its part from the slow errors of the ranges
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();       ///< m^2, Earth-fixed, of the whole error
+    Eigen::Matrix3d slow_covariance = Eigen::Matrix3d::Zero();  ///< m^2, of its part from the slow errors of the ranges
     std::array<double, clock_count> clock{not_given, not_given, not_given, not_given, not_given};  ///< m, of each system's clock
     Eigen::Vector3d velocity = not_given3();  ///< m/s, Earth-fixed; NaN where there is no Doppler
     Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();
     double drift = not_given;  ///< m/s, of the receiver's clock
-    double statistic = 0;  ///< weighted sum of squared residuals
-    int redundancy = 0;  ///< satellites less unknowns
+    double statistic = 0;      ///< weighted sum of squared residuals
+    int redundancy = 0;        ///< satellites less unknowns
     double pdop = not_given;
     std::vector<SatelliteUse> satellites;
 

@@ -11,20 +11,20 @@ namespace schuler::gravimetry {
 /// A level survey with constant velocity, one fix a second from the start on.
 struct LevelSurvey {
     Geodetic start;
-    Eigen::Vector3d v_eb_n = Eigen::Vector3d::Zero();   ///< m/s
-    double heading = 0.0;             ///< rad
-    double sigma_position = 0.05;     ///< white part of a fix, each axis, m
-    double sigma_velocity = 0.05;     ///< m/s
+    Eigen::Vector3d v_eb_n = Eigen::Vector3d::Zero();  ///< m/s
+    double heading = 0.0;                              ///< rad
+    double sigma_position = 0.05;                      ///< white part of a fix, each axis, m
+    double sigma_velocity = 0.05;                      ///< m/s
 };
 
 /// One sigma of the errors, north, east, down.
 struct Attained {
-    double t;                         ///< s from the start
-    Eigen::Vector3d attitude_n;       ///< rad
-    Eigen::Vector3d velocity_n;       ///< m/s
-    Eigen::Vector3d position_n;       ///< m
-    Eigen::Vector3d gyro_bias_n;      ///< rad/s
-    Eigen::Vector3d disturbance_n;    ///< systematic and random part together, m/s^2
+    double t;                       ///< s from the start
+    Eigen::Vector3d attitude_n;     ///< rad
+    Eigen::Vector3d velocity_n;     ///< m/s
+    Eigen::Vector3d position_n;     ///< m
+    Eigen::Vector3d gyro_bias_n;    ///< rad/s
+    Eigen::Vector3d disturbance_n;  ///< systematic and random part together, m/s^2
 };
 
 /// Sigmas of NED components: attitude, velocity, position, gyro bias and disturbance of a covariance.
@@ -33,6 +33,7 @@ struct Attained {
 
 /// Follows the covariance over the survey and reports it after each of `times` (whole seconds, rising).
 /// @throws Error(Input) from the disturbance model.
-[[nodiscard]] std::vector<Attained> attainable(const SurveySettings& settings, const LevelSurvey& survey, const std::vector<int>& times);
+[[nodiscard]] std::vector<Attained> attainable(const SurveySettings& settings, const LevelSurvey& survey,
+                                               const std::vector<int>& times);
 
 }  // namespace schuler::gravimetry

@@ -28,8 +28,9 @@ std::vector<double> low_passed(const std::vector<double>& t, const std::vector<d
     return out;
 }
 
-std::vector<double> classical_disturbance(const earth::Earth& earth, const Vector3d& lever_arm_b, const std::vector<GnssFix>& fixes,
-                                          const std::vector<SurveyEpoch>& forward, double period) {
+std::vector<double> classical_disturbance(const earth::Earth& earth, const Vector3d& lever_arm_b,
+                                          const std::vector<GnssFix>& fixes, const std::vector<SurveyEpoch>& forward,
+                                          double period) {
     const std::size_t n = forward.size();
     if (n < 3) throw input_error("fewer than three fixes lie within the IMU log", {}, "gravimetry needs a longer log");
     std::vector<double> t(n), h(n), raw(n);

@@ -15,7 +15,7 @@ namespace schuler::gravimetry {
 /// of the fixes' heights less the vertical specific force, low-passed. Attitude and accelerometer errors are the forward filter's.
 /// The first and last value are those of their neighbours. @throws Error(Input) for fewer than three epochs.
 [[nodiscard]] std::vector<double> classical_disturbance(const earth::Earth& earth, const Eigen::Vector3d& lever_arm_b,
-                                                        const std::vector<GnssFix>& fixes, const std::vector<SurveyEpoch>& forward,
-                                                        double period);
+                                                        const std::vector<GnssFix>& fixes,
+                                                        const std::vector<SurveyEpoch>& forward, double period);
 
 }  // namespace schuler::gravimetry

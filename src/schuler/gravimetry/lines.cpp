@@ -33,7 +33,7 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 /// Where the segments p + s d and q + t e meet: s and t within [0, 1).
 bool meet(const Vector2d& p, const Vector2d& d, const Vector2d& q, const Vector2d& e, double& s, double& t) {
     const double area = cross(d, e);
-    if (std::abs(area) < 1e-3 * d.norm() * e.norm()) return false;   // nearly parallel: no crossover worth its name
+    if (std::abs(area) < 1e-3 * d.norm() * e.norm()) return false;  // nearly parallel: no crossover worth its name
     s = cross(q - p, e) / area;
     t = cross(q - p, d) / area;
     return s >= 0.0 && s < 1.0 && t >= 0.0 && t < 1.0;

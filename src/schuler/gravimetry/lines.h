@@ -10,16 +10,16 @@ namespace schuler::gravimetry {
 
 /// A value along a track.
 struct TrackPoint {
-    Eigen::Vector2d place;   ///< north, east of some origin, m
-    double course = 0.0;     ///< of the velocity, rad
-    double value = 0.0;      ///< of whatever unit: levels and differences have the same
+    Eigen::Vector2d place;  ///< north, east of some origin, m
+    double course = 0.0;    ///< of the velocity, rad
+    double value = 0.0;     ///< of whatever unit: levels and differences have the same
 };
 
 /// A straight stretch of the track, first and last included.
 struct SurveyLine {
     std::size_t first = 0, last = 0;
-    double course = 0.0;     ///< mean, rad
-    double level = 0.0;      ///< to be taken off its values
+    double course = 0.0;  ///< mean, rad
+    double level = 0.0;   ///< to be taken off its values
 };
 
 /// Stretches whose course stays within `tolerance` (rad) of their mean over at least `shortest` m.
@@ -27,7 +27,7 @@ struct SurveyLine {
 
 /// A point that two lines share, and their values there.
 struct Crossover {
-    std::size_t line_a = 0, line_b = 0;   ///< a < b
+    std::size_t line_a = 0, line_b = 0;  ///< a < b
     Eigen::Vector2d place;
     double value_a = 0.0, value_b = 0.0;
     /// Of the levelled values.

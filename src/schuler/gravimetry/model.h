@@ -14,17 +14,17 @@ namespace schuler::gravimetry {
 /// First of three components each. All are in Earth-fixed axes but the inertial sensors' errors (body axes) and the disturbance
 /// (DisturbanceAxes).
 enum StateIndex : int {
-    position = 0,         ///< m
-    velocity = 3,         ///< m/s
-    attitude = 6,         ///< phi, rad: C_est = (I - [phi x]) C
-    accel_bias = 9,       ///< m/s^2
-    gyro_bias = 12,       ///< rad/s
-    gnss_position = 15,   ///< systematic error of the receiver, m
-    gnss_velocity = 18,   ///< m/s
-    systematic = 21,      ///< constant part of the disturbance, m/s^2
-    random = 24,          ///< its random part, m/s^2
-    slope = 27,           ///< of the systematic part (polynomial) or of the random one, m/s^2 per metre along the track
-    curvature = 30,       ///< second derivative of the same, m/s^2 per square metre
+    position = 0,        ///< m
+    velocity = 3,        ///< m/s
+    attitude = 6,        ///< phi, rad: C_est = (I - [phi x]) C
+    accel_bias = 9,      ///< m/s^2
+    gyro_bias = 12,      ///< rad/s
+    gnss_position = 15,  ///< systematic error of the receiver, m
+    gnss_velocity = 18,  ///< m/s
+    systematic = 21,     ///< constant part of the disturbance, m/s^2
+    random = 24,         ///< its random part, m/s^2
+    slope = 27,          ///< of the systematic part (polynomial) or of the random one, m/s^2 per metre along the track
+    curvature = 30,      ///< second derivative of the same, m/s^2 per square metre
 };
 /// Room for every model; 36 so that columns are whole vectors. States that a model does not have keep zero variance.
 inline constexpr int max_states = 36;
@@ -42,24 +42,25 @@ using filter::DisturbanceModel;
 
 /// White noise of the inertial sensors and the random walks of their biases, one axis.
 struct SensorNoise {
-    double gyro_psd = 0.0;         ///< rad^2/s
-    double accel_psd = 0.0;        ///< m^2/s^3
-    double gyro_bias_psd = 0.0;    ///< rad^2/s^3; 0: constant, as [PaperE] has it
-    double accel_bias_psd = 0.0;   ///< m^2/s^5
+    double gyro_psd = 0.0;        ///< rad^2/s
+    double accel_psd = 0.0;       ///< m^2/s^3
+    double gyro_bias_psd = 0.0;   ///< rad^2/s^3; 0: constant, as [PaperE] has it
+    double accel_bias_psd = 0.0;  ///< m^2/s^5
 };
 
 /// Where F is taken: of an instant, or means over a step.
 struct Motion {
     Ecef position;
-    Eigen::Vector3d v_eb_e = Eigen::Vector3d::Zero();        ///< m/s
+    Eigen::Vector3d v_eb_e = Eigen::Vector3d::Zero();  ///< m/s
     Eigen::Matrix3d C_eb = Eigen::Matrix3d::Identity();
-    Eigen::Vector3d f_e = Eigen::Vector3d::Zero();           ///< specific force, m/s^2
+    Eigen::Vector3d f_e = Eigen::Vector3d::Zero();  ///< specific force, m/s^2
 };
 
 /// F: dx/dt = F x + G w. Derivatives of the filter's step in Earth-fixed axes, but for the turn of a local-level disturbance with an
 /// error of position: 1.6e-11 1/s^2 for 10 mGal, a hundred-thousandth of the gravity gradient. That gradient is that of the
 /// Earth's gravity model, its centrifugal part included.
-[[nodiscard]] StateMatrix gravity_error_dynamics(const earth::Earth& earth, const DisturbanceModel& disturbance, const Motion& motion);
+[[nodiscard]] StateMatrix gravity_error_dynamics(const earth::Earth& earth, const DisturbanceModel& disturbance,
+                                                 const Motion& motion);
 
 /// G for w = (gyro noise, accelerometer noise, disturbance, accelerometer and gyro bias walks) of unit densities, the sensors'
 /// measured minus true: columns are scaled by the roots of the densities of `noise` and of the disturbance model.

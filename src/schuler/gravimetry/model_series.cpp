@@ -10,7 +10,7 @@ namespace schuler::gravimetry::detail {
 namespace {
 
 using Vector = std::array<Series, 3>;
-using Matrix = std::array<Vector, 3>;   ///< rows
+using Matrix = std::array<Vector, 3>;  ///< rows
 
 Matrix product(const Matrix& A, const Matrix& B) {
     Matrix C;
@@ -30,7 +30,7 @@ Matrix skew(const Vector& v) { return {{{Series(), -v[2], v[1]}, {v[2], Series()
 /// Place along the motion; time in units of `unit` seconds.
 struct Track {
     Series sin_lat, cos_lat, sin_lon, cos_lon, height;
-    Series meridian, prime_vertical;   ///< radii plus height
+    Series meridian, prime_vertical;  ///< radii plus height
 
     Track(const earth::Ellipsoid& ellipsoid, const ObservedMotion& motion, double unit) {
         const Real a(ellipsoid.a), e2 = Real(ellipsoid.f) * (Real(2) - Real(ellipsoid.f));
@@ -77,7 +77,7 @@ Matrix C_nb(const ObservedMotion& motion, double unit) {
 
 /// exp([w x] t), w in radians a unit of time.
 Matrix turned_by(const std::array<Real, 3>& w) {
-    std::array<std::array<Real, 3>, 3> term{};   // of t^n: [w x]^n / n!
+    std::array<std::array<Real, 3>, 3> term{};  // of t^n: [w x]^n / n!
     for (std::size_t i = 0; i < 3; ++i) term[i][i] = 1;
     Matrix out;
     for (std::size_t n = 0; n < Series::terms; ++n) {
@@ -122,7 +122,7 @@ Course steady_turn(const Course& course, const Matrix& C_en, const Vector& v_n, 
 ModelSeries model_series(const earth::Earth& earth, const ObservedMotion& motion) {
     const double g = earth::gravity_down(earth.gravity, motion.start.lat, motion.start.h);
     const double distance = earth::ecef_from_geodetic(earth.ellipsoid, motion.start).r.norm();
-    const double T = std::sqrt(distance * distance * distance / earth.ellipsoid.gm);   // 1/w0
+    const double T = std::sqrt(distance * distance * distance / earth.ellipsoid.gm);  // 1/w0
     ModelSeries model;
     model.time_scale = T;
     for (int i = 0; i < Observability::most; ++i) {

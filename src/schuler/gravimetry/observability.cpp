@@ -15,7 +15,7 @@ using detail::Series;
 
 namespace {
 
-constexpr int states = Observability::most;   // those that a model does not have are columns of zeros
+constexpr int states = Observability::most;  // those that a model does not have are columns of zeros
 constexpr std::size_t blocks = Series::terms;
 const Real zero_pivot("1e-30");
 
@@ -61,7 +61,7 @@ std::vector<Row> observability_matrix(std::vector<detail::SeriesEntry> F, bool f
 
 /// Gauss-Jordan with complete pivoting; rows of pivots come first, with 1 in the pivot's column and 0 in those of the others.
 struct Elimination {
-    std::vector<std::size_t> columns;   ///< of the pivots
+    std::vector<std::size_t> columns;  ///< of the pivots
     std::vector<double> pivots;
     double next = 0.0;
 
@@ -118,9 +118,8 @@ void check(const ObservedMotion& m, double tolerance) {
 
 std::array<std::string, states> state_names() {
     std::array<std::string, states> names;
-    constexpr std::array groups{"position",      "velocity",      "attitude",   "accel_bias", "gyro_bias",
-                                "gnss_position", "gnss_velocity", "systematic", "random",     "slope",
-                                "curvature"};
+    constexpr std::array groups{"position",      "velocity",   "attitude", "accel_bias", "gyro_bias", "gnss_position",
+                                "gnss_velocity", "systematic", "random",   "slope",      "curvature"};
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = std::string(groups[i / 3]) + "_" + "xyz"[i % 3];
     return names;
 }

@@ -18,14 +18,14 @@ namespace schuler::gravimetry {
 /// an axis that is fixed in the Earth, as in the reference numbers of math.md section 4; the heading may turn beside that. The disturbance is
 /// constant in Earth-fixed axes, as the paper has it.
 struct ObservedMotion {
-    Geodetic start{55.8114694 * units::deg, 37.4998612 * units::deg, 164.15};   ///< [PaperE]
-    Eigen::Vector3d v_eb_n = Eigen::Vector3d::Zero();   ///< m/s
-    Eigen::Vector3d rpy = {0.0, 0.0, 45.0 * units::deg};   ///< at the start, rad
-    double heading_rate = 0.0;      ///< rad/s
+    Geodetic start{55.8114694 * units::deg, 37.4998612 * units::deg, 164.15};  ///< [PaperE]
+    Eigen::Vector3d v_eb_n = Eigen::Vector3d::Zero();                          ///< m/s
+    Eigen::Vector3d rpy = {0.0, 0.0, 45.0 * units::deg};                       ///< at the start, rad
+    double heading_rate = 0.0;                                                 ///< rad/s
     double random_rate = 0.0;  ///< mu of the random part, 1/s; 0: it is a second constant, as the paper's count of states has it
-    int degree = 0;  ///< of the polynomial along the track that the systematic part is: 0 (constant), 1 or 2
-    bool rhumb = false;  ///< instead, constant velocity north, east, down and heading against north over the ellipsoid
-    bool frozen = false;  ///< F of the start held: what a test that ignores the motion of the model would find
+    int degree = 0;            ///< of the polynomial along the track that the systematic part is: 0 (constant), 1 or 2
+    bool rhumb = false;        ///< instead, constant velocity north, east, down and heading against north over the ellipsoid
+    bool frozen = false;       ///< F of the start held: what a test that ignores the motion of the model would find
     bool centrifugal = false;  ///< the gradient of the centrifugal acceleration beside the point mass's (0.35 % of it)
 };
 

@@ -7,10 +7,10 @@ namespace schuler::gravimetry {
 
 /// White errors of what is known of the vertical motion, and how often and how fast.
 struct VerticalMotion {
-    double sigma_position = 0.05;   ///< of a fix, down, m
-    double sigma_velocity = 0.05;   ///< m/s; infinite: not measured
-    double rate = 1.0;              ///< fixes a second
-    double speed = 0.0;             ///< m/s
+    double sigma_position = 0.05;  ///< of a fix, down, m
+    double sigma_velocity = 0.05;  ///< m/s; infinite: not measured
+    double rate = 1.0;             ///< fixes a second
+    double speed = 0.0;            ///< m/s
 };
 
 /// Two-sided density of the error of a gravity value that accelerometer and fixes give at a frequency (Hz), m^2/s^3: the

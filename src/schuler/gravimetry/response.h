@@ -8,8 +8,8 @@ namespace schuler::gravimetry {
 /// What became of sin(2 pi (s - start)/length): gain sin(2 pi (s - start)/length - lag).
 struct HarmonicResponse {
     double gain = 0.0;
-    double lag = 0.0;        ///< rad, positive where the output is late
-    double residual = 0.0;   ///< root mean square of what is not such a harmonic, relative to the input's amplitude
+    double lag = 0.0;       ///< rad, positive where the output is late
+    double residual = 0.0;  ///< root mean square of what is not such a harmonic, relative to the input's amplitude
 };
 
 /// Least squares of sine, cosine and a constant over y(s) for an input of amplitude `size`. @throws Error(Input) for fewer than four

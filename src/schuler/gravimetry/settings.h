@@ -7,16 +7,16 @@ namespace schuler::gravimetry {
 
 /// One-sigma priors. Vectors are north, east, down; scalars hold for each axis.
 struct Prior {
-    Eigen::Vector3d attitude_n = Eigen::Vector3d::Constant(1e-4);      ///< rad
-    double velocity = 0.01;          ///< m/s
-    double position = 10.0;          ///< m
-    double accel_bias = 1e-6;        ///< m/s^2
-    double gyro_bias = 4.8e-8;       ///< rad/s
-    Eigen::Vector3d gnss_position_n = Eigen::Vector3d::Constant(0.05);   ///< systematic error of the receiver, m
-    double gnss_velocity = 0.05;     ///< m/s
-    Eigen::Vector3d disturbance_n = Eigen::Vector3d::Constant(1e-4);   ///< systematic part, m/s^2
-    double slope = 0.0;              ///< of a ramp, m/s^2 per metre (per second where the disturbance runs by time)
-    double curvature = 0.0;          ///< second derivative of a parabola, m/s^2 per square metre (or second)
+    Eigen::Vector3d attitude_n = Eigen::Vector3d::Constant(1e-4);       ///< rad
+    double velocity = 0.01;                                             ///< m/s
+    double position = 10.0;                                             ///< m
+    double accel_bias = 1e-6;                                           ///< m/s^2
+    double gyro_bias = 4.8e-8;                                          ///< rad/s
+    Eigen::Vector3d gnss_position_n = Eigen::Vector3d::Constant(0.05);  ///< systematic error of the receiver, m
+    double gnss_velocity = 0.05;                                        ///< m/s
+    Eigen::Vector3d disturbance_n = Eigen::Vector3d::Constant(1e-4);    ///< systematic part, m/s^2
+    double slope = 0.0;      ///< of a ramp, m/s^2 per metre (per second where the disturbance runs by time)
+    double curvature = 0.0;  ///< second derivative of a parabola, m/s^2 per square metre (or second)
 };
 
 struct SurveySettings {
@@ -24,7 +24,7 @@ struct SurveySettings {
     DisturbanceModel disturbance;
     SensorNoise noise;
     Prior prior;
-    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();   ///< IMU to antenna, m
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< IMU to antenna, m
 };
 
 /// P at a start with the errors of the prior; the random part of the disturbance is in its stationary state.

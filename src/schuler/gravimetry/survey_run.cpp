@@ -68,12 +68,13 @@ public:
         std::vector<SurveyEpoch>& epochs = result_.forward;
         const bool begins = begins_epoch(event);
         if (!begins && (epochs.empty() || epochs.back().time != walk.filter.time())) {
-            if (!epochs.empty()) count(epochs.back(), record);   // a velocity that is older or younger than its position
+            if (!epochs.empty()) count(epochs.back(), record);  // a velocity that is older or younger than its position
             return;
         }
         SurveyEpoch e = epoch_of(model_, walk.filter, walk.covariance(model_), begins ? event.index : epochs.back().fix);
         if (begins) {
-            e.f_n = elapsed_ > 0.0 ? Vector3d(Frame::C_en(model_.earth, e.nav).transpose() * force_ / elapsed_) : Vector3d::Zero();
+            e.f_n =
+                elapsed_ > 0.0 ? Vector3d(Frame::C_en(model_.earth, e.nav).transpose() * force_ / elapsed_) : Vector3d::Zero();
             force_.setZero();
             elapsed_ = 0.0;
             epochs.push_back(e);
@@ -96,7 +97,7 @@ private:
 
     const InertialModel& model_;
     SurveyResult& result_;
-    Vector3d force_ = Vector3d::Zero();   // integral since the last epoch, m/s
+    Vector3d force_ = Vector3d::Zero();  // integral since the last epoch, m/s
     double elapsed_ = 0.0;
 };
 
@@ -181,7 +182,7 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
         throw input_error("no satellite fix lies within the IMU log", {}, "check the time stamps of both");
     if (!options.smooth) return result;
     const filter::Pass<Frame> decided(model, data, settings, filter::Rivalry::Decided, walk.openings);
-    if (walk.sides_changed > 0) {   // again, by the hypotheses that were right in the end
+    if (walk.sides_changed > 0) {  // again, by the hypotheses that were right in the end
         filter::PassObserver<Frame> nobody;
         Walk right = begin();
         checkpoints = walk_along(decided, data, settings, model, right, options, true, nobody);
@@ -190,7 +191,7 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
     Time last{INT64_MAX};
     filter::rewind_checkpoints(decided, model, checkpoints, data.imu.increments.size() - 1, tape, options.progress,
                                [&](auto, const SurveyTape::Point& point, const estim::StateAdjoint& adjoint) {
-                                   if (point.time >= last) return;   // of the same epoch: the last of them counts
+                                   if (point.time >= last) return;  // of the same epoch: the last of them counts
                                    last = point.time;
                                    Filter f = point.filter;
                                    smooth_in_place(model, f, adjoint, true);

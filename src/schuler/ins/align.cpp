@@ -25,9 +25,7 @@ void require_direction(const Vector3d& v, const char* name) {
 }
 
 /// Components in the level frame that has the body's heading.
-Vector3d levelled(const Vector3d& v_b, double roll, double pitch) {
-    return math::dcm_from_rpy(Vector3d(roll, pitch, 0.0)) * v_b;
-}
+Vector3d levelled(const Vector3d& v_b, double roll, double pitch) { return math::dcm_from_rpy(Vector3d(roll, pitch, 0.0)) * v_b; }
 
 /// From what the two vectors fix: phi_N = da_E/g, phi_E = -da_N/g, phi_D = dw_E/(w_ie cos lat) - phi_N tan lat, with sigmas
 /// tilt = accel_std/g and azimuth = gyro_std/(w_ie cos lat), to the angles.

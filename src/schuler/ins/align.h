@@ -23,10 +23,10 @@ struct Levelling {
 /// Attitude of a body at rest from gravity and the Earth's rotation.
 struct Gyrocompass {
     Eigen::Quaterniond q_nb;
-    Eigen::Vector3d rpy;        ///< roll, pitch, heading (0 to 2 pi), rad
-    Eigen::Vector3d std_rpy;    ///< one sigma, rad
-    double rate_misfit;         ///< measured minus expected length of the rate vector, rad/s: not small means not at rest
-    double vertical_misfit;     ///< measured minus expected down component of the rate, rad/s
+    Eigen::Vector3d rpy;      ///< roll, pitch, heading (0 to 2 pi), rad
+    Eigen::Vector3d std_rpy;  ///< one sigma, rad
+    double rate_misfit;       ///< measured minus expected length of the rate vector, rad/s: not small means not at rest
+    double vertical_misfit;   ///< measured minus expected down component of the rate, rad/s
 };
 
 /// Two-vector alignment: level by the specific force, heading by the horizontal part of the Earth's rate. Means over a
@@ -45,6 +45,6 @@ struct Gyrocompass {
 /// does (body x axis nearer to f_n than f_n to the vertical) the nearest heading is given.
 /// @throws Error(Input) when a force is zero or not finite.
 [[nodiscard]] Eigen::Quaterniond attitude_from_specific_force(const Eigen::Vector3d& f_b, const Eigen::Vector3d& f_n,
-                                                             double heading);
+                                                              double heading);
 
 }  // namespace schuler::ins

@@ -11,9 +11,9 @@ namespace schuler::ins {
 /// Blocks of the 9 x 9 dynamics of (position, velocity, attitude) errors, per second. Gyro-bias errors enter the attitude
 /// rows with +C and accelerometer-bias errors the velocity rows with -C, C = C_nb or C_eb.
 struct ErrorDynamics {
-    Eigen::Matrix3d pp, pv;            ///< position rows: by position (1/s), by velocity
-    Eigen::Matrix3d vp, vv, va;        ///< velocity rows: by position (1/s^2), velocity (1/s), attitude (m/s^2)
-    Eigen::Matrix3d ap, av, aa;        ///< attitude rows: by position (1/(m s)), velocity (1/m), attitude (1/s)
+    Eigen::Matrix3d pp, pv;      ///< position rows: by position (1/s), by velocity
+    Eigen::Matrix3d vp, vv, va;  ///< velocity rows: by position (1/s^2), velocity (1/s), attitude (m/s^2)
+    Eigen::Matrix3d ap, av, aa;  ///< attitude rows: by position (1/(m s)), velocity (1/m), attitude (1/s)
 };
 
 /// The blocks as one matrix, in the order position, velocity, attitude.

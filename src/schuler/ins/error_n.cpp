@@ -55,9 +55,11 @@ ErrorDynamics error_n(const earth::Earth& earth, const earth::EarthTerms& t, con
     const double bend = t.tan_lat - r.prime_vertical * irn;  // d ln(1/(rn cos lat))/d lat
 
     ErrorDynamics d;
+    // clang-format off
     d.pp << -vd * irm, 0.0, vn * irm,
             ve * irm * bend, -vd * irn - vn * irm * bend, ve * irn,
             0.0, 0.0, 0.0;
+    // clang-format on
     d.pv.setIdentity();
 
     // Rates by displacement: of the Earth's rotation, and of the transport rate.

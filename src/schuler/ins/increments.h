@@ -12,9 +12,9 @@ namespace schuler::ins {
 /// What a mechanization step consumes: the motion of the body over (time - dt, time].
 struct CompensatedIncrement {
     Time time;
-    double dt;               ///< s
-    Eigen::Vector3d theta;   ///< rotation vector of the body over the step (coning included), rad
-    Eigen::Vector3d dv;      ///< integral of specific force in body axes AT THE START of the step (sculling included), m/s
+    double dt;              ///< s
+    Eigen::Vector3d theta;  ///< rotation vector of the body over the step (coning included), rad
+    Eigen::Vector3d dv;     ///< integral of specific force in body axes AT THE START of the step (sculling included), m/s
 };
 
 /// How many raw increments make one step, and which cross products correct them. Beside each: the drift that remains under

@@ -15,9 +15,11 @@ Matrix3d matrix_from(const Angles& a) {
     const double st = std::sin(a.pitch), ct = std::cos(a.pitch);
     const double sg = std::sin(a.roll), cg = std::cos(a.roll);
     Matrix3d B;
+    // clang-format off
     B << cp * ct, sp * sg - cp * st * cg, sp * cg + cp * st * sg,
          st, ct * cg, -ct * sg,
          -sp * ct, cp * sg + sp * st * cg, cp * cg - sp * st * sg;
+    // clang-format on
     return B;
 }
 

@@ -21,17 +21,17 @@ struct RateSplit {
 struct SplitState {
     Time time;
     Geodetic position;
-    Eigen::Vector3d v_nhe = Eigen::Vector3d::Zero();      ///< m/s
+    Eigen::Vector3d v_nhe = Eigen::Vector3d::Zero();  ///< m/s
     Angles angles{0.0, 0.0, 0.0};
-    Eigen::Vector3d w_rel = Eigen::Vector3d::Zero();      ///< transport rate in local level, rad/s (1.3.12)
-    Eigen::Vector3d w_earth = Eigen::Vector3d::Zero();    ///< the Earth's rate in local level, rad/s (1.3.12)
-    Eigen::Vector3d g_nhe = Eigen::Vector3d::Zero();      ///< gravity, m/s^2
-    Eigen::Vector3d w_level_b = Eigen::Vector3d::Zero();  ///< rate of local level in body axes, rad/s (1.3.13)
+    Eigen::Vector3d w_rel = Eigen::Vector3d::Zero();         ///< transport rate in local level, rad/s (1.3.12)
+    Eigen::Vector3d w_earth = Eigen::Vector3d::Zero();       ///< the Earth's rate in local level, rad/s (1.3.12)
+    Eigen::Vector3d g_nhe = Eigen::Vector3d::Zero();         ///< gravity, m/s^2
+    Eigen::Vector3d w_level_b = Eigen::Vector3d::Zero();     ///< rate of local level in body axes, rad/s (1.3.13)
     Eigen::Matrix3d B_medium = Eigen::Matrix3d::Identity();  ///< B at the last medium step
-    Eigen::Vector3d dv_b = Eigen::Vector3d::Zero();       ///< velocity increments since then, body axes, m/s
-    Eigen::Vector3d v_slow = Eigen::Vector3d::Zero();     ///< velocity at the last slow step, m/s
-    double since_medium = 0.0;                            ///< s
-    double since_slow = 0.0;                              ///< s
+    Eigen::Vector3d dv_b = Eigen::Vector3d::Zero();          ///< velocity increments since then, body axes, m/s
+    Eigen::Vector3d v_slow = Eigen::Vector3d::Zero();        ///< velocity at the last slow step, m/s
+    double since_medium = 0.0;                               ///< s
+    double since_slow = 0.0;                                 ///< s
     int fast_steps = 0, medium_steps = 0;
 };
 

@@ -26,9 +26,8 @@ NavState step_n(const earth::Earth& earth, const NavState& state, const Compensa
     // Velocity in the middle: half of the step's change, in which the Coriolis term of the start is good enough.
     const Vector3d zeta_start = dt * (terms.w_ie_n + terms.w_en_n);
     const Vector3d dv_n = detail::velocity_increment_in(state.q_nb, increment, zeta_start);
-    const Vector3d v_middle =
-        v + 0.5 * (dv_n + dt * (terms.g_n - (2.0 * terms.w_ie_n + terms.w_en_n).cross(v)));
-    const double by_rn = 1.0 / terms.rn, by_rm = 1.0 / terms.rm;   // divisions are what this step costs most
+    const Vector3d v_middle = v + 0.5 * (dv_n + dt * (terms.g_n - (2.0 * terms.w_ie_n + terms.w_en_n).cross(v)));
+    const double by_rn = 1.0 / terms.rn, by_rm = 1.0 / terms.rm;  // divisions are what this step costs most
     const double east_rate = v_middle.y() * by_rn;
     const Vector3d w_en_n(east_rate, -v_middle.x() * by_rm, -east_rate * terms.tan_lat);
 

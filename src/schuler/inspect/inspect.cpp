@@ -85,7 +85,8 @@ int preference(const LoadedFile& file) {
     int points = file.has("height_m") ? 1 : 0;
     if (file.has("vel_n_m_s")) points += 2;
     if (file.report.rows > 10) points += 4;
-    if (file.report.path.find(".ubx#") != std::string::npos) points -= 8;   // what the receiver made of its measurements, where nothing better is there
+    if (file.report.path.find(".ubx#") != std::string::npos)
+        points -= 8;  // what the receiver made of its measurements, where nothing better is there
     return points;
 }
 
@@ -103,7 +104,8 @@ const GivenFile* named(const Given& given, io::TableKind kind) {
 bool is_result(const LoadedFile& file) {
     const io::StreamPath where = io::stream_path(file.path);
     const std::string name = where.file.filename().string();
-    return (name == "run.h5" || name == "solution.csv" || name == "point.csv" || name == "events.csv") && io::may_overwrite(where.file);
+    return (name == "run.h5" || name == "solution.csv" || name == "point.csv" || name == "events.csv") &&
+           io::may_overwrite(where.file);
 }
 
 LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section) {
@@ -155,11 +157,14 @@ void choose_files(Study& study) {
 void choose_plain_aids(Study& study) {
     if (!study.given.find_aids) return;
     for (const char* section : {"odometer", "heading"}) {
-        const bool named = study.given.has(std::string(section) + ".file") || (section == std::string_view("heading") && study.given.has("compass.file"));
+        const bool named = study.given.has(std::string(section) + ".file") ||
+                           (section == std::string_view("heading") && study.given.has("compass.file"));
         for (LoadedFile& file : study.files) {
             if (named || file.report.kind != section) continue;
             if (study.draft.has(section)) {
-                study.problem(Level::Info, fmt::format("{} could be [{}] as well; the first by name was taken", file.report.path, section), "");
+                study.problem(Level::Info,
+                              fmt::format("{} could be [{}] as well; the first by name was taken", file.report.path, section),
+                              "");
                 continue;
             }
             file.report.chosen = true;
@@ -182,7 +187,8 @@ void report_lacking(Study& study) {
             study.problem(Level::Info,
                           fmt::format("there is already a {}: what follows is inferred without it", file.report.path), "");
     }
-    const bool raw = any("rinex_obs") || any("rinex_nav") || any("ubx") || any("novatel") || any("rtcm3") || any("sp3") || any("adsb");
+    const bool raw =
+        any("rinex_obs") || any("rinex_nav") || any("ubx") || any("novatel") || any("rtcm3") || any("sp3") || any("adsb");
     if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("novatel") && !any("rtcm3") && !any("sp3")) {
         study.problem(Level::Warning, "there are raw measurements, and no ephemerides",
                       "put the navigation file of the same day beside them");
@@ -228,7 +234,11 @@ void load_one(const fs::path& file, const std::string& name, Study& study) {
         // load_file says what is wrong
     }
     const bool streams = format != nullptr && format->read != nullptr && !format->one_stream;
-    const bool receiver = streams && (format->name == "ubx" || (format->name == "novatel" && io::raw_format(file) == io::RawFormat::Novatel));   // raw measurements first, and what the receiver itself made of them
+    const bool receiver =
+        streams &&
+        (format->name == "ubx" ||
+         (format->name == "novatel" &&
+          io::raw_format(file) == io::RawFormat::Novatel));  // raw measurements first, and what the receiver itself made of them
     if (!streams || receiver) study.files.push_back(detail::load_file(file, name));
     if (!streams || (receiver && study.files.back().report.kind != format->name)) return;
     const std::size_t whole = study.files.size() - 1;
@@ -247,14 +257,16 @@ void load_files(const fs::path& path, Study& study) {
     std::vector<fs::path> others;
     if (given.find_logs || given.find_aids || !folder) others = folder ? files_in(path, study) : std::vector<fs::path>{path};
     study.files.reserve(others.size() + 5);
-    for (const auto kind : {io::TableKind::Imu, io::TableKind::Gnss, io::TableKind::Baro, io::TableKind::Mag, io::TableKind::Reference}) {
+    for (const auto kind :
+         {io::TableKind::Imu, io::TableKind::Gnss, io::TableKind::Baro, io::TableKind::Mag, io::TableKind::Reference}) {
         const GivenFile* file = named(given, kind);
         if (file == nullptr) continue;
         if (!fs::is_regular_file(file->path, failure)) {
             const io::StreamPath where = io::stream_path(file->path);
             if (where.stream.empty()) continue;
             std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, where.file, failure); });
-            study.files.push_back(detail::load_given_stream(file->path, file->name, {kind, {file->columns, file->scale, {}}, {}, file->time_offset}));
+            study.files.push_back(detail::load_given_stream(file->path, file->name,
+                                                            {kind, {file->columns, file->scale, {}}, {}, file->time_offset}));
             continue;
         }
         std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, file->path, failure); });
@@ -264,12 +276,15 @@ void load_files(const fs::path& path, Study& study) {
     }
     const auto load = [&](const fs::path& file) {
         // beside files that are named, only tables can take a role
-        if (is_prose(file) || (!given.find_logs && (io::raw_format(file) != io::RawFormat::None || file.extension() == ".toml"))) return;
+        if (is_prose(file) || (!given.find_logs && (io::raw_format(file) != io::RawFormat::None || file.extension() == ".toml")))
+            return;
         const std::string name = folder ? fs::relative(file, path, failure).generic_string() : file.filename().string();
         load_one(file, name, study);
     };
     for (const fs::path& file : others) load(file);
-    const auto usable = [](const LoadedFile& file) { return file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss; };
+    const auto usable = [](const LoadedFile& file) {
+        return file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss;
+    };
     const auto raw = [](const LoadedFile& file) { return !file.report.contents.empty(); };
     if (folder && given.find_logs && std::ranges::none_of(study.files, usable) && std::ranges::none_of(study.files, raw))
         for (const fs::path& file : files_below(path, study)) load(file);
@@ -311,7 +326,8 @@ Motion motion_of(const Study& study) {
 
 std::string explain(const std::filesystem::path& path) {
     std::error_code failure;
-    if (!fs::exists(path, failure)) throw input_error("there is no such file or folder", {path.string(), 0, 0, {}}, "check the spelling");
+    if (!fs::exists(path, failure))
+        throw input_error("there is no such file or folder", {path.string(), 0, 0, {}}, "check the spelling");
     Study study;
     load_files(path, study);
     std::string out = "How the files were understood\n";
@@ -371,7 +387,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     std::erase_if(report.facts, [&](const Fact& fact) {
         const bool table = std::holds_alternative<std::map<std::string, std::string>>(fact.value) ||
                            std::holds_alternative<std::map<std::string, double>>(fact.value);
-        return given.has(fact.key) && !table;   // a table may say less than was found
+        return given.has(fact.key) && !table;  // a table may say less than was found
     });
     date_facts(study, report.facts);
     if (study.imu_file != nullptr || study.gnss_file != nullptr) report.dataset_toml = study.draft.text();

@@ -31,7 +31,7 @@ public:
         return true;
     }
     [[nodiscard]] std::string_view line() const { return line_; }
-    [[nodiscard]] long number() const { return number_; }     ///< from 1
+    [[nodiscard]] long number() const { return number_; }  ///< from 1
     /// First byte of the line that next() would give; zero at the end.
     [[nodiscard]] char peek() const { return rest_.empty() ? '\0' : rest_.front(); }
 

@@ -10,36 +10,36 @@
 namespace schuler::io {
 
 // In the order in which they are tried: what is recognised by a mark of its own first, tables of text last.
-#define SCHULER_FORMATS(FORMAT) \
+#define SCHULER_FORMATS(FORMAT)      \
     FORMAT(rinex_observation_format) \
-    FORMAT(rinex_navigation_format) \
-    FORMAT(sp3_format) \
-    FORMAT(ulog_format) \
-    FORMAT(dataflash_format) \
-    FORMAT(mcap_format) \
-    FORMAT(ros_bag_format) \
-    FORMAT(ros_db3_format) \
-    FORMAT(mat_format) \
-    FORMAT(hdf5_format) \
-    FORMAT(imr_format) \
-    FORMAT(novatel_format) \
-    FORMAT(ubx_format) \
-    FORMAT(rtcm3_format) \
-    FORMAT(sbet_format) \
-    FORMAT(kfgins_yaml_format) \
-    FORMAT(toml_format) \
-    FORMAT(rtklib_pos_format) \
-    FORMAT(adsb_format) \
-    FORMAT(nmea_format) \
-    FORMAT(gpx_format) \
-    FORMAT(kitti_format) \
-    FORMAT(waypoint_format) \
-    FORMAT(ulog2csv_format) \
-    FORMAT(euroc_format) \
-    FORMAT(tum_format) \
-    FORMAT(kml_format) \
-    FORMAT(geojson_format) \
-    FORMAT(kfgins_table_format) \
+    FORMAT(rinex_navigation_format)  \
+    FORMAT(sp3_format)               \
+    FORMAT(ulog_format)              \
+    FORMAT(dataflash_format)         \
+    FORMAT(mcap_format)              \
+    FORMAT(ros_bag_format)           \
+    FORMAT(ros_db3_format)           \
+    FORMAT(mat_format)               \
+    FORMAT(hdf5_format)              \
+    FORMAT(imr_format)               \
+    FORMAT(novatel_format)           \
+    FORMAT(ubx_format)               \
+    FORMAT(rtcm3_format)             \
+    FORMAT(sbet_format)              \
+    FORMAT(kfgins_yaml_format)       \
+    FORMAT(toml_format)              \
+    FORMAT(rtklib_pos_format)        \
+    FORMAT(adsb_format)              \
+    FORMAT(nmea_format)              \
+    FORMAT(gpx_format)               \
+    FORMAT(kitti_format)             \
+    FORMAT(waypoint_format)          \
+    FORMAT(ulog2csv_format)          \
+    FORMAT(euroc_format)             \
+    FORMAT(tum_format)               \
+    FORMAT(kml_format)               \
+    FORMAT(geojson_format)           \
+    FORMAT(kfgins_table_format)      \
     FORMAT(csv_format)
 
 #define SCHULER_DECLARED(name) extern const Format name;
@@ -81,7 +81,7 @@ const Format* format_to_write(const std::filesystem::path& file) {
     std::size_t best_place = 0;
     for (const Format* format : formats()) {
         if (format->write == nullptr) continue;
-        std::size_t place = 0;   // what a format is called first is its own
+        std::size_t place = 0;  // what a format is called first is its own
         for (std::string_view rest = format->extensions; !rest.empty(); ++place) {
             const std::size_t end = std::min(rest.find(' '), rest.size());
             if (rest.substr(0, end) == extension && (best == nullptr || place < best_place)) best = format, best_place = place;

@@ -17,8 +17,8 @@ namespace schuler::io {
 struct FileHead {
     explicit FileHead(const std::filesystem::path& file);
     std::filesystem::path path;
-    std::string extension;                ///< lower case, with its dot; what stands before .gz
-    std::string bytes;                    ///< decompressed; empty of folders
+    std::string extension;  ///< lower case, with its dot; what stands before .gz
+    std::string bytes;      ///< decompressed; empty of folders
     bool folder = false;
 
     [[nodiscard]] bool starts_with(std::string_view text) const { return std::string_view(bytes).starts_with(text); }
@@ -26,16 +26,17 @@ struct FileHead {
 };
 
 struct Format {
-    std::string_view name;                ///< one word, as in `--to NAME` and in the reports of `inspect`
+    std::string_view name;  ///< one word, as in `--to NAME` and in the reports of `inspect`
     std::string_view title;
-    std::string_view extensions;          ///< usual names, separated by blanks; the first is what a written file is recognised by
-    std::string_view holds;               ///< what is read, a sentence for docs/files.md
-    std::string_view time;                ///< what its times count from; empty of formats that are only written
-    bool (*recognise)(const FileHead&) = nullptr;                                        ///< never throws on content; null: only written
-    StreamLog (*read)(const TextInput&, WarningLog&) = nullptr;                          ///< null: read by the readers of tables or of raw measurements
-    void (*write)(const std::filesystem::path&, std::span<const SolutionRow>, const std::string& title) = nullptr;  ///< null: not written
-    bool one_stream = false;              ///< the file is one log: its name needs no stream behind it
-    bool folder = false;                  ///< the format is of a folder of files
+    std::string_view extensions;  ///< usual names, separated by blanks; the first is what a written file is recognised by
+    std::string_view holds;       ///< what is read, a sentence for docs/files.md
+    std::string_view time;        ///< what its times count from; empty of formats that are only written
+    bool (*recognise)(const FileHead&) = nullptr;                ///< never throws on content; null: only written
+    StreamLog (*read)(const TextInput&, WarningLog&) = nullptr;  ///< null: read by the readers of tables or of raw measurements
+    void (*write)(const std::filesystem::path&, std::span<const SolutionRow>,
+                  const std::string& title) = nullptr;  ///< null: not written
+    bool one_stream = false;                            ///< the file is one log: its name needs no stream behind it
+    bool folder = false;                                ///< the format is of a folder of files
 };
 
 /// All formats, in the order in which they are tried.

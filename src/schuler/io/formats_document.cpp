@@ -49,15 +49,20 @@ std::string columns_of(TableKind kind) {
 }
 
 std::string units_table() {
-    static constexpr std::array names = {std::pair(Dimension::Time, "time"),         std::pair(Dimension::Angle, "angle"),
-                                         std::pair(Dimension::Length, "length"),     std::pair(Dimension::Rate, "turn rate"),
-                                         std::pair(Dimension::Acceleration, "acceleration"), std::pair(Dimension::Velocity, "velocity"),
-                                         std::pair(Dimension::Pressure, "pressure"), std::pair(Dimension::Field, "magnetic field"),
+    static constexpr std::array names = {std::pair(Dimension::Time, "time"),
+                                         std::pair(Dimension::Angle, "angle"),
+                                         std::pair(Dimension::Length, "length"),
+                                         std::pair(Dimension::Rate, "turn rate"),
+                                         std::pair(Dimension::Acceleration, "acceleration"),
+                                         std::pair(Dimension::Velocity, "velocity"),
+                                         std::pair(Dimension::Pressure, "pressure"),
+                                         std::pair(Dimension::Field, "magnetic field"),
                                          std::pair(Dimension::Temperature, "temperature")};
     std::string out = "| quantity | units in names, in brackets, or in a line of units below the header |\n|---|---|\n";
     for (const auto& [dimension, name] : names) {
         std::string units;
-        for (const std::string& unit : detail::unit_names(dimension)) units += fmt::format("{}`{}`", units.empty() ? "" : ", ", unit);
+        for (const std::string& unit : detail::unit_names(dimension))
+            units += fmt::format("{}`{}`", units.empty() ? "" : ", ", unit);
         out += fmt::format("| {} | {} |\n", name, units);
     }
     return out;
@@ -102,12 +107,21 @@ from is found ([found.md](found.md)) or given: `[time] scale = "gps"`, `"utc"`, 
 std::string formats_document() {
     std::string out(introduction);
     for (const Format* f : formats())
-        out += fmt::format("| `{}` | {} | `{}` | {} | {} | {} |\n", f->name, f->title, f->extensions, doors(*f), f->holds, f->time.empty() ? "-" : f->time);
-    out += "\n## Columns of tables\nNames are compared without case, as words: `GyroX`, `gyro.x` and `IMU::Gyro::X` are `gyro_x`. Words of origin before a name (`imu`, `gps`, `onboard`, ...) are "
-           "passed over. Any other name: `[imu] columns = { gyro_x_rad_s = \"NAME\" }`, and factors: `scale = { gyro_rad_s = 0.01745 }`.\n\n" + units_table();
-    static constexpr std::array kinds = {std::pair(TableKind::Imu, "IMU"), std::pair(TableKind::Gnss, "GNSS"), std::pair(TableKind::Baro, "Barometer"),
-                                         std::pair(TableKind::Mag, "Magnetometer"), std::pair(TableKind::Reference, "Reference and trajectories"),
-                                         std::pair(TableKind::Ranges, "Ranges"), std::pair(TableKind::Stations, "Stations")};
+        out += fmt::format("| `{}` | {} | `{}` | {} | {} | {} |\n", f->name, f->title, f->extensions, doors(*f), f->holds,
+                           f->time.empty() ? "-" : f->time);
+    out +=
+        "\n## Columns of tables\nNames are compared without case, as words: `GyroX`, `gyro.x` and `IMU::Gyro::X` are `gyro_x`. "
+        "Words of origin before a name (`imu`, `gps`, `onboard`, ...) are "
+        "passed over. Any other name: `[imu] columns = { gyro_x_rad_s = \"NAME\" }`, and factors: `scale = { gyro_rad_s = "
+        "0.01745 }`.\n\n" +
+        units_table();
+    static constexpr std::array kinds = {std::pair(TableKind::Imu, "IMU"),
+                                         std::pair(TableKind::Gnss, "GNSS"),
+                                         std::pair(TableKind::Baro, "Barometer"),
+                                         std::pair(TableKind::Mag, "Magnetometer"),
+                                         std::pair(TableKind::Reference, "Reference and trajectories"),
+                                         std::pair(TableKind::Ranges, "Ranges"),
+                                         std::pair(TableKind::Stations, "Stations")};
     for (const auto& [kind, title] : kinds) out += fmt::format("\n### {}\n{}", title, columns_of(kind));
     return out + std::string(codes);
 }

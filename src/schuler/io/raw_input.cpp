@@ -30,7 +30,10 @@ RawFormat raw_format(const std::filesystem::path& file) {
         case RinexKind::Navigation: return RawFormat::RinexNavigation;
         default: break;
     }
-    return is_ubx(input) ? RawFormat::Ubx : is_novatel_raw(input) ? RawFormat::Novatel : is_rtcm3(input) ? RawFormat::Rtcm3 : RawFormat::None;
+    return is_ubx(input)           ? RawFormat::Ubx
+           : is_novatel_raw(input) ? RawFormat::Novatel
+           : is_rtcm3(input)       ? RawFormat::Rtcm3
+                                   : RawFormat::None;
 }
 
 RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> near, WarningLog& warnings) {

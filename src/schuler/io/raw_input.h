@@ -19,9 +19,9 @@ enum class RawFormat { None, RinexObservations, RinexNavigation, Ubx, Rtcm3, Nov
 [[nodiscard]] RawFormat raw_format(const std::filesystem::path& file);
 
 struct RawInput {
-    gnss::ObservationLog observations;           ///< empty where the file has none
+    gnss::ObservationLog observations;  ///< empty where the file has none
     gnss::Navigation navigation;
-    std::vector<GnssFix> fixes;                  ///< the receiver's own (UBX)
+    std::vector<GnssFix> fixes;  ///< the receiver's own (UBX)
 };
 
 /// Reads RINEX observations or navigation, UBX, RTCM 3 or NovAtel logs, recognised by content. `near` is for RTCM 3 without ephemerides, whose

@@ -38,11 +38,14 @@ void check_regular_file(const std::filesystem::path& path) {
     const SourcePlace place = place_in(path.string());
     switch (problem_of(path, error_number)) {
         case Problem::None: return;
-        case Problem::Missing: throw input_error("no such file", place, "check the path; relative paths start at the current folder");
+        case Problem::Missing:
+            throw input_error("no such file", place, "check the path; relative paths start at the current folder");
         case Problem::Unreadable:
-            throw input_error(fmt::format("cannot be opened: {}", std::generic_category().message(error_number)), place, "check the permissions");
+            throw input_error(fmt::format("cannot be opened: {}", std::generic_category().message(error_number)), place,
+                              "check the permissions");
         case Problem::Directory: throw input_error("is a directory, not a file", place, "name the file inside it");
-        case Problem::Special: throw input_error("is a pipe or a device, not a file on a disk", place, "copy what it delivers into a file first");
+        case Problem::Special:
+            throw input_error("is a pipe or a device, not a file on a disk", place, "copy what it delivers into a file first");
     }
 }
 

@@ -18,7 +18,9 @@ public:
     /// Where to write meanwhile.
     [[nodiscard]] const std::filesystem::path& path() const { return stage_; }
     /// Where a file of that name will be.
-    [[nodiscard]] std::filesystem::path final_path(const std::filesystem::path& staged) const { return target_ / staged.filename(); }
+    [[nodiscard]] std::filesystem::path final_path(const std::filesystem::path& staged) const {
+        return target_ / staged.filename();
+    }
     /// Moves every file. Nothing is moved where one of them would overwrite a file that is not Schuler's own (io/own_files.h).
     /// @throws Error(Input) naming that file; Error(Computation) where the system refuses
     void publish();

@@ -61,7 +61,9 @@ const Stream* StreamLog::find(std::string_view name) const {
 
 void StreamLog::add(Stream stream) {
     if (stream.rows() == 0) return;
-    std::erase_if(stream.columns, [](const Stream::Column& c) { return std::ranges::none_of(c.values, [](double v) { return std::isfinite(v); }); });
+    std::erase_if(stream.columns, [](const Stream::Column& c) {
+        return std::ranges::none_of(c.values, [](double v) { return std::isfinite(v); });
+    });
     if (stream.columns.empty()) return;
     const std::string stem = stream.name;
     auto number = std::ranges::count_if(streams, [&](const Stream& s) { return s.name.starts_with(stem); });
@@ -89,14 +91,17 @@ std::string table_text(const Stream& stream, Clock clock) {
 }
 
 Stream stream_of(const std::vector<GnssFix>& fixes, HeightKind height, std::string source) {
-    const char* height_name = height == HeightKind::Ellipsoidal ? "height_ellipsoidal_m" : height == HeightKind::Msl ? "height_msl_m" : "height_m";
+    const char* height_name = height == HeightKind::Ellipsoidal ? "height_ellipsoidal_m"
+                              : height == HeightKind::Msl       ? "height_msl_m"
+                                                                : "height_m";
     Stream s("gnss", TableKind::Gnss, std::move(source),
-             {"lat_deg", "lon_deg", height_name, "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m", "std_e_m", "std_d_m", "std_vn_m_s", "std_ve_m_s",
-              "std_vd_m_s", "satellites"});
+             {"lat_deg", "lon_deg", height_name, "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m", "std_e_m", "std_d_m",
+              "std_vn_m_s", "std_ve_m_s", "std_vd_m_s", "satellites"});
     for (const GnssFix& f : fixes) {
         const auto &v = f.velocity_n, &p = f.std_position, &sv = f.std_velocity;
-        s.add(f.time.ns, {f.position.lat / units::deg, f.position.lon / units::deg, f.position.h, v.x(), v.y(), v.z(), p.x(), p.y(), p.z(), sv.x(),
-                          sv.y(), sv.z(), f.satellites < 0 ? not_given : static_cast<double>(f.satellites)});
+        s.add(f.time.ns,
+              {f.position.lat / units::deg, f.position.lon / units::deg, f.position.h, v.x(), v.y(), v.z(), p.x(), p.y(), p.z(),
+               sv.x(), sv.y(), sv.z(), f.satellites < 0 ? not_given : static_cast<double>(f.satellites)});
         s.fix.push_back(f.fix);
     }
     return s;
@@ -126,7 +131,8 @@ TextInput LogFiles::open(const std::filesystem::path& path, WarningLog& warnings
     if (log == logs_.end()) {
         const Format* format = format_of(where.file);
         if (format == nullptr || format->read == nullptr)
-            throw input_error("is no log of several instruments", place_in(where.file.string()), "name the file without what stands behind the #");
+            throw input_error("is no log of several instruments", place_in(where.file.string()),
+                              "name the file without what stands behind the #");
         log = logs_.emplace(where.file, format->read(TextInput(where.file), warnings)).first;
     }
     const Stream* stream = log->second.find(where.stream);

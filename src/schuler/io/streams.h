@@ -18,10 +18,10 @@ namespace schuler::io {
 
 /// What the times of a log count from.
 enum class Clock {
-    Boot,            ///< the start of the instrument, or nothing known
-    Gps,             ///< 1980-01-06, without leap seconds
-    SecondsOfWeek,   ///< the GPS week
-    Unix,            ///< 1970-01-01 UTC
+    Boot,           ///< the start of the instrument, or nothing known
+    Gps,            ///< 1980-01-06, without leap seconds
+    SecondsOfWeek,  ///< the GPS week
+    Unix,           ///< 1970-01-01 UTC
 };
 
 /// One instrument: columns with a name each that states quantity and unit (docs/files.md), as long as the times; NaN where a row has no value.
@@ -31,13 +31,13 @@ struct Stream {
         std::vector<double> values;
     };
 
-    std::string name;                         ///< "imu", "imu1", "gnss", ...: of one log each once
-    std::string source;                       ///< the message or topic that it was made of
+    std::string name;    ///< "imu", "imu1", "gnss", ...: of one log each once
+    std::string source;  ///< the message or topic that it was made of
     TableKind kind = TableKind::Imu;
-    std::vector<std::int64_t> time_ns;        ///< in the order of the log
+    std::vector<std::int64_t> time_ns;  ///< in the order of the log
     std::vector<Column> columns;
-    std::vector<FixType> fix;                 ///< as long, or empty
-    bool own_frame = false;                   ///< a trajectory in a frame of its own, whose heading and origin mean nothing elsewhere
+    std::vector<FixType> fix;  ///< as long, or empty
+    bool own_frame = false;    ///< a trajectory in a frame of its own, whose heading and origin mean nothing elsewhere
 
     Stream() = default;
     Stream(std::string stream_name, TableKind of_kind, std::string made_of, std::initializer_list<const char*> names);
@@ -51,7 +51,7 @@ struct Stream {
 struct StreamLog {
     std::vector<Stream> streams;
     Clock clock = Clock::Boot;
-    std::vector<std::string> contents;        ///< lines for people: version, what else is in the log, drop-outs
+    std::vector<std::string> contents;  ///< lines for people: version, what else is in the log, drop-outs
 
     [[nodiscard]] const Stream* find(std::string_view name) const;
     /// Adds a stream that has rows, without the columns that have no value; a name that is taken gets a number.

@@ -41,7 +41,8 @@ public:
     CsvDecoder(Instrument instrument, io::CsvOptions options) : instrument_(instrument), options_(std::move(options)) {}
 
     void take(std::string_view bytes, std::vector<Sample>& out) override {
-        lines_.take(bytes, [&](std::string_view line) { take_line(line, out); }, [&] { bad("no line end"); });
+        lines_.take(
+            bytes, [&](std::string_view line) { take_line(line, out); }, [&] { bad("no line end"); });
     }
     void reset() override { lines_.reset(); }
 
@@ -49,7 +50,8 @@ private:
     void take_line(std::string_view line, std::vector<Sample>& out) {
         const std::size_t first = line.find_first_not_of(" \t");
         if (first == std::string_view::npos || line[first] == '#') return;
-        const bool number = (line[first] >= '0' && line[first] <= '9') || line[first] == '-' || line[first] == '+' || line[first] == '.';
+        const bool number =
+            (line[first] >= '0' && line[first] <= '9') || line[first] == '-' || line[first] == '+' || line[first] == '.';
         if (!number) {
             if (line.find_first_of(",;\t ") == std::string_view::npos) return bad("a line that is neither a header nor a row");
             header_ = line;
@@ -63,10 +65,8 @@ private:
         } catch (const Error& e) {
             return bad(e.reason());
         }
-        if (out.size() > before)
-            ++counters_.messages;
-        else
-            bad("a row without a usable value");
+        if (out.size() > before) ++counters_.messages;
+        else bad("a row without a usable value");
     }
 
     Instrument instrument_;
@@ -79,7 +79,8 @@ private:
 class NmeaDecoder final : public Decoder {
 public:
     void take(std::string_view bytes, std::vector<Sample>& out) override {
-        lines_.take(bytes, [&](std::string_view line) { take_line(line, out); }, [&] { bad("no line end"); });
+        lines_.take(
+            bytes, [&](std::string_view line) { take_line(line, out); }, [&] { bad("no line end"); });
     }
     void quiet(std::vector<Sample>& out) override { finish(out); }
     [[nodiscard]] bool waiting() const override { return !epoch_.empty(); }
@@ -119,7 +120,8 @@ private:
         if (star == std::string_view::npos || star + 3 > line.size()) return false;
         unsigned sum = 0;
         for (const char c : line.substr(1, star - 1)) sum ^= static_cast<unsigned char>(c);
-        return fmt::format("{:02X}", sum & 0xffU) == line.substr(star + 1, 2) || fmt::format("{:02x}", sum & 0xffU) == line.substr(star + 1, 2);
+        return fmt::format("{:02X}", sum & 0xffU) == line.substr(star + 1, 2) ||
+               fmt::format("{:02x}", sum & 0xffU) == line.substr(star + 1, 2);
     }
 
     void finish(std::vector<Sample>& out) {
@@ -134,7 +136,7 @@ private:
                 last_ = fix.time;
                 out.emplace_back(fix);
             }
-        } catch (const Error&) {   // no fix in it
+        } catch (const Error&) {  // no fix in it
         }
     }
 
@@ -204,7 +206,7 @@ protected:
         return a == byte(b, size - 2) && c == byte(b, size - 1) ? size : none;
     }
     void message(const std::string& bytes, std::vector<Sample>& out) override {
-        const bool solution = bytes[0] != '$' && byte(bytes, 2) == 0x01 && byte(bytes, 3) == 0x07;   // NAV-PVT
+        const bool solution = bytes[0] != '$' && byte(bytes, 2) == 0x01 && byte(bytes, 3) == 0x07;  // NAV-PVT
         if (!solution) {
             ++counters_.foreign;
             return;
@@ -213,7 +215,7 @@ protected:
         WarningLog heard;
         try {
             for (const GnssFix& fix : io::read_ubx(input_of(bytes), heard).fixes) out.emplace_back(fix);
-        } catch (const Error&) {   // without a fix
+        } catch (const Error&) {  // without a fix
         }
     }
 };
@@ -229,9 +231,10 @@ public:
             const io::StreamLog log = io::format_named("novatel")->read(input_of(text), heard);
             for (const io::Stream& s : log.streams) {
                 if (s.kind != io::TableKind::Imu && s.kind != io::TableKind::Gnss) continue;
-                read_rows(io::table_text(s, log.clock), s.kind == io::TableKind::Imu ? Instrument::Imu : Instrument::Gnss, {}, out);
+                read_rows(io::table_text(s, log.clock), s.kind == io::TableKind::Imu ? Instrument::Imu : Instrument::Gnss, {},
+                          out);
             }
-        } catch (const Error&) {   // nothing of use in it
+        } catch (const Error&) {  // nothing of use in it
         }
     }
     [[nodiscard]] bool waiting() const override { return !chunk_.empty(); }

@@ -16,18 +16,19 @@ namespace schuler::live {
 
 enum class Instrument { Imu, Gnss, Baro, Mag, Odometer, Heading };
 inline constexpr std::size_t instrument_count = 6;
-[[nodiscard]] std::string_view name_of(Instrument instrument);   ///< "imu", ...
+[[nodiscard]] std::string_view name_of(Instrument instrument);  ///< "imu", ...
 
-using Sample = std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample>;   // in the order of Instrument
+using Sample =
+    std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample>;  // in the order of Instrument
 
 /// Ubx: NAV-PVT. Novatel: what files of that name hold. Csv: a header line first. Json: a line each, of any instrument. Gpsd: TPV reports.
 enum class StreamFormat { Nmea, Ubx, Novatel, Csv, Json, Gpsd };
 
 struct DecoderCounters {
-    std::size_t messages = 0;      ///< understood
-    std::size_t foreign = 0;       ///< well-formed, of no use here
-    std::size_t garbage = 0;       ///< runs of bytes, lines or frames that are none, or damaged
-    std::string example{};         ///< why the last of them is none
+    std::size_t messages = 0;  ///< understood
+    std::size_t foreign = 0;   ///< well-formed, of no use here
+    std::size_t garbage = 0;   ///< runs of bytes, lines or frames that are none, or damaged
+    std::string example{};     ///< why the last of them is none
 };
 
 class Decoder {
@@ -42,7 +43,7 @@ public:
     virtual void reset() = 0;
     [[nodiscard]] const DecoderCounters& counters() const { return counters_; }
 
-    static constexpr double quiet_time = 0.02;   ///< s
+    static constexpr double quiet_time = 0.02;  ///< s
 
 protected:
     void bad(std::string why) {

@@ -13,9 +13,11 @@ namespace schuler::live {
 namespace {
 
 Error wrong(const std::string& text, const std::string& key, const char* what, Direction direction) {
-    const char* forms = direction == Direction::In
-                            ? "write tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or stdin"
-                            : "write tcp://HOST:PORT, tcp-listen://:PORT, udp://HOST:PORT, serial:/dev/NAME?baud=115200, file:PATH or stdout";
+    const char* forms =
+        direction == Direction::In
+            ? "write tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or "
+              "stdin"
+            : "write tcp://HOST:PORT, tcp-listen://:PORT, udp://HOST:PORT, serial:/dev/NAME?baud=115200, file:PATH or stdout";
     return input_error(fmt::format("\"{}\" {}", text, what), {{}, 0, 0, key}, forms);
 }
 
@@ -31,8 +33,9 @@ Endpoint endpoint_from(const std::string& text, Direction direction, const std::
     e.text = text;
     const bool in = direction == Direction::In;
     if (text == (in ? "stdin" : "stdout")) return e;
-    constexpr std::array schemes{std::pair{"tcp://", Medium::Tcp}, std::pair{"tcp-listen://", Medium::TcpListen}, std::pair{"udp://", Medium::Udp},
-                                 std::pair{"gpsd://", Medium::Gpsd}, std::pair{"serial:", Medium::Serial}, std::pair{"file:", Medium::File}};
+    constexpr std::array schemes{std::pair{"tcp://", Medium::Tcp},     std::pair{"tcp-listen://", Medium::TcpListen},
+                                 std::pair{"udp://", Medium::Udp},     std::pair{"gpsd://", Medium::Gpsd},
+                                 std::pair{"serial:", Medium::Serial}, std::pair{"file:", Medium::File}};
     std::string_view rest;
     bool known = false;
     for (const auto& [prefix, medium] : schemes) {
@@ -46,7 +49,8 @@ Endpoint endpoint_from(const std::string& text, Direction direction, const std::
         const std::size_t mark = e.medium == Medium::Serial ? rest.find("?baud=") : std::string_view::npos;
         e.path = rest.substr(0, mark);
         if (e.path.empty()) throw wrong(text, key, "names no file", direction);
-        if (mark != std::string_view::npos && !is_number(rest.substr(mark + 6), 50, 4'000'000, e.baud)) throw wrong(text, key, "has no usable baud rate", direction);
+        if (mark != std::string_view::npos && !is_number(rest.substr(mark + 6), 50, 4'000'000, e.baud))
+            throw wrong(text, key, "has no usable baud rate", direction);
         return e;
     }
     const std::size_t colon = rest.rfind(':');

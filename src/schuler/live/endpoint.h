@@ -9,9 +9,9 @@ enum class Medium { Tcp, TcpListen, Udp, Serial, Standard, File, Gpsd };
 
 struct Endpoint {
     Medium medium = Medium::Standard;
-    std::string text;          ///< as written
-    std::string host, port;    ///< of sockets; an empty host: every address of this machine
-    std::string path;          ///< of a serial port or file
+    std::string text;        ///< as written
+    std::string host, port;  ///< of sockets; an empty host: every address of this machine
+    std::string path;        ///< of a serial port or file
     int baud = 115200;
 };
 

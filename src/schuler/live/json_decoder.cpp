@@ -23,7 +23,8 @@ Eigen::Vector3d vector_of(const Json& j, const char* key) {
     const auto it = j.find(key);
     if (it == j.end() || !it->is_array() || it->size() != 3) return not_given3();
     Eigen::Vector3d out;
-    for (std::size_t i = 0; i < 3; ++i) out[static_cast<Eigen::Index>(i)] = (*it)[i].is_number() ? (*it)[i].get<double>() : not_given;
+    for (std::size_t i = 0; i < 3; ++i)
+        out[static_cast<Eigen::Index>(i)] = (*it)[i].is_number() ? (*it)[i].get<double>() : not_given;
     return out;
 }
 
@@ -38,7 +39,8 @@ std::optional<Time> time_of(const Json& j) {
 class JsonDecoder : public Decoder {
 public:
     void take(std::string_view bytes, std::vector<Sample>& out) override {
-        lines_.take(bytes, [&](std::string_view line) { take_line(line, out); }, [&] { bad("no line end"); });
+        lines_.take(
+            bytes, [&](std::string_view line) { take_line(line, out); }, [&] { bad("no line end"); });
     }
     void reset() override { lines_.reset(); }
 
@@ -77,7 +79,8 @@ protected:
         } else if (kind == "odometer") {
             out.emplace_back(OdometerSample{*time, number_of(j, "speed_m_s"), number_of(j, "std_m_s")});
         } else if (kind == "heading") {
-            out.emplace_back(HeadingSample{*time, number_of(j, "heading_deg") * units::deg, number_of(j, "std_deg") * units::deg});
+            out.emplace_back(
+                HeadingSample{*time, number_of(j, "heading_deg") * units::deg, number_of(j, "std_deg") * units::deg});
         } else {
             ++counters_.foreign;
             return true;
@@ -108,11 +111,13 @@ protected:
             return true;
         }
         Calendar c{};
-        if (std::sscanf(stamp->get_ref<const std::string&>().c_str(), "%4d-%2d-%2dT%2d:%2d:%lf", &c.year, &c.month, &c.day, &c.hour, &c.minute, &c.second) != 6)
+        if (std::sscanf(stamp->get_ref<const std::string&>().c_str(), "%4d-%2d-%2dT%2d:%2d:%lf", &c.year, &c.month, &c.day,
+                        &c.hour, &c.minute, &c.second) != 6)
             return false;
         GnssFix f;
         f.time = gps_from_utc(c);
-        f.position = {number_of(j, "lat") * units::deg, number_of(j, "lon") * units::deg, number_of(j, "altHAE", number_of(j, "alt"))};
+        f.position = {number_of(j, "lat") * units::deg, number_of(j, "lon") * units::deg,
+                      number_of(j, "altHAE", number_of(j, "alt"))};
         const double track = number_of(j, "track") * units::deg, speed = number_of(j, "speed");
         f.velocity_n = {speed * std::cos(track), speed * std::sin(track), -number_of(j, "climb")};
         // its estimates of errors are of 95 %

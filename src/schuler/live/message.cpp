@@ -17,14 +17,13 @@ namespace {
 using filter::NavigatorEvent;
 
 void pair(std::string& text, std::string_view key, double x, int decimals) {
-    if (std::isfinite(x))
-        fmt::format_to(std::back_inserter(text), ",\"{}\":{:.{}f}", key, x, decimals);
-    else
-        fmt::format_to(std::back_inserter(text), ",\"{}\":null", key);
+    if (std::isfinite(x)) fmt::format_to(std::back_inserter(text), ",\"{}\":{:.{}f}", key, x, decimals);
+    else fmt::format_to(std::back_inserter(text), ",\"{}\":null", key);
 }
 
 std::string_view name_of_kind(NavigatorEvent::Kind kind) {
-    constexpr std::array<std::string_view, 9> names{"phase", "refused", "hole", "hang", "aid", "alert", "reconsidered", "diverged", "restarted"};
+    constexpr std::array<std::string_view, 9> names{"phase", "refused",      "hole",     "hang",     "aid",
+                                                    "alert", "reconsidered", "diverged", "restarted"};
     return names[static_cast<std::size_t>(kind)];
 }
 std::string_view name_of_status(filter::AidStatus status) {
@@ -48,16 +47,19 @@ std::string angle(double rad, int digits, char positive, char negative) {
 }  // namespace
 
 std::string_view name_of(filter::Phase phase) {
-    constexpr std::array<std::string_view, 7> names{"waiting_for_imu", "waiting_for_start", "waiting_for_position", "levelling",
-                                                    "gyrocompassing",  "finding_heading",   "navigating"};
+    constexpr std::array<std::string_view, 7> names{"waiting_for_imu", "waiting_for_start", "waiting_for_position",
+                                                    "levelling",       "gyrocompassing",    "finding_heading",
+                                                    "navigating"};
     return names[static_cast<std::size_t>(phase)];
 }
 std::string_view name_of(filter::Source source) {
-    constexpr std::array<std::string_view, filter::source_count> names{"imu", "gnss", "baro", "mag", "odometer", "heading", "gauges", "log", "ranges"};
+    constexpr std::array<std::string_view, filter::source_count> names{"imu",     "gnss",   "baro", "mag",   "odometer",
+                                                                       "heading", "gauges", "log",  "ranges"};
     return names[static_cast<std::size_t>(source)];
 }
 std::string_view name_of(filter::FeedStatus status) {
-    constexpr std::array<std::string_view, filter::feed_status_count> names{"taken", "late", "duplicate", "bad_value", "too_far_ahead", "full", "not_used"};
+    constexpr std::array<std::string_view, filter::feed_status_count> names{"taken",         "late", "duplicate", "bad_value",
+                                                                            "too_far_ahead", "full", "not_used"};
     return names[static_cast<std::size_t>(status)];
 }
 
@@ -69,7 +71,8 @@ SolutionRow row_of(const filter::NavigatorState& s) {
 }
 
 std::string state_json(const SolutionRow& row, bool lagged) {
-    std::string text = fmt::format("{{\"type\":\"state\",\"at\":\"{}\",\"time_ns\":{},\"time_s\":{:.9f}", lagged ? "lag" : "now", row.time.ns, row.time.seconds());
+    std::string text = fmt::format("{{\"type\":\"state\",\"at\":\"{}\",\"time_ns\":{},\"time_s\":{:.9f}", lagged ? "lag" : "now",
+                                   row.time.ns, row.time.seconds());
     pair(text, "lat_deg", row.position.lat / units::deg, 10);
     pair(text, "lon_deg", row.position.lon / units::deg, 10);
     pair(text, "height_m", row.position.h, 4);
@@ -94,13 +97,17 @@ std::string state_nmea(const SolutionRow& row) {
     constexpr double knot = 1852.0 / 3600.0;
     // the height is that above the ellipsoid; quality 6: estimated, by dead reckoning
     return sentence(fmt::format("INGGA,{},{},6,00,,{:.3f},M,0.0,M,,", time, place, row.position.h)) +
-           sentence(fmt::format("INRMC,{},A,{},{:.3f},{:.2f},{},,,E", time, place, speed / knot, course < 0.0 ? course + 360.0 : course, date)) +
+           sentence(fmt::format("INRMC,{},A,{},{:.3f},{:.2f},{},,,E", time, place, speed / knot,
+                                course < 0.0 ? course + 360.0 : course, date)) +
            sentence(fmt::format("INHDT,{:.2f},T", row.rpy[2] / units::deg));
 }
 
 std::string event_json(const NavigatorEvent& e) {
-    std::string text = fmt::format("{{\"type\":\"event\",\"time_s\":{:.9f},\"kind\":\"{}\"", e.time.seconds(), name_of_kind(e.kind));
-    const auto add = [&text](const char* key, std::string_view value) { fmt::format_to(std::back_inserter(text), ",\"{}\":\"{}\"", key, value); };
+    std::string text =
+        fmt::format("{{\"type\":\"event\",\"time_s\":{:.9f},\"kind\":\"{}\"", e.time.seconds(), name_of_kind(e.kind));
+    const auto add = [&text](const char* key, std::string_view value) {
+        fmt::format_to(std::back_inserter(text), ",\"{}\":\"{}\"", key, value);
+    };
     if (e.kind == NavigatorEvent::Kind::Phase) add("phase", name_of(e.phase));
     if (e.kind == NavigatorEvent::Kind::Refused) {
         add("source", name_of(e.source));
@@ -115,13 +122,21 @@ std::string event_json(const NavigatorEvent& e) {
 std::string event_text(const NavigatorEvent& e) {
     switch (e.kind) {
         case NavigatorEvent::Kind::Phase: return fmt::format("{:.3f} s: {}", e.time.seconds(), name_of(e.phase));
-        case NavigatorEvent::Kind::Refused: return fmt::format("{:.3f} s: a sample of {} was refused: {}", e.time.seconds(), name_of(e.source), name_of(e.status));
-        case NavigatorEvent::Kind::Hole: return fmt::format("{:.3f} s: a hole of the IMU of {:.3f} s was bridged", e.time.seconds(), e.seconds);
+        case NavigatorEvent::Kind::Refused:
+            return fmt::format("{:.3f} s: a sample of {} was refused: {}", e.time.seconds(), name_of(e.source),
+                               name_of(e.status));
+        case NavigatorEvent::Kind::Hole:
+            return fmt::format("{:.3f} s: a hole of the IMU of {:.3f} s was bridged", e.time.seconds(), e.seconds);
         case NavigatorEvent::Kind::Hang: return fmt::format("{:.3f} s: the IMU repeats itself", e.time.seconds());
-        case NavigatorEvent::Kind::Aid: return fmt::format("{:.3f} s: a measurement of {} was {}", e.time.seconds(), filter::info_of(e.aid).name, name_of_status(e.aid_status));
-        case NavigatorEvent::Kind::Alert: return fmt::format("{:.3f} s: alert of {}", e.time.seconds(), filter::info_of(e.aid).name);
-        case NavigatorEvent::Kind::Reconsidered: return fmt::format("{:.3f} s: the other explanation of refused fixes is believed now", e.time.seconds());
-        case NavigatorEvent::Kind::Diverged: return fmt::format("{:.3f} s: the computation diverged; alignment begins anew", e.time.seconds());
+        case NavigatorEvent::Kind::Aid:
+            return fmt::format("{:.3f} s: a measurement of {} was {}", e.time.seconds(), filter::info_of(e.aid).name,
+                               name_of_status(e.aid_status));
+        case NavigatorEvent::Kind::Alert:
+            return fmt::format("{:.3f} s: alert of {}", e.time.seconds(), filter::info_of(e.aid).name);
+        case NavigatorEvent::Kind::Reconsidered:
+            return fmt::format("{:.3f} s: the other explanation of refused fixes is believed now", e.time.seconds());
+        case NavigatorEvent::Kind::Diverged:
+            return fmt::format("{:.3f} s: the computation diverged; alignment begins anew", e.time.seconds());
         default: return fmt::format("{:.3f} s: the time of the IMU goes on elsewhere; alignment begins anew", e.time.seconds());
     }
 }
@@ -141,13 +156,14 @@ std::string health_json(const Health& h) {
             fmt::format_to(std::back_inserter(text), "{}\"{}\":{{", first ? "" : ",", name_of(static_cast<filter::Source>(s)));
             first = false;
             for (std::size_t k = 0; k < filter::feed_status_count; ++k)
-                fmt::format_to(std::back_inserter(text), "{}\"{}\":{}", k == 0 ? "" : ",", name_of(static_cast<filter::FeedStatus>(k)), h.fed->by_status[s][k]);
+                fmt::format_to(std::back_inserter(text), "{}\"{}\":{}", k == 0 ? "" : ",",
+                               name_of(static_cast<filter::FeedStatus>(k)), h.fed->by_status[s][k]);
             text += "}";
         }
         fmt::format_to(std::back_inserter(text), "}},\"holes\":{},\"restarts\":{}", h.fed->holes, h.fed->restarts);
     }
-    fmt::format_to(std::back_inserter(text), ",\"garbage\":{},\"foreign\":{},\"reconnections\":{},\"dropped\":{},\"readers\":{}", h.garbage, h.foreign,
-                   h.reconnections, h.dropped, h.readers);
+    fmt::format_to(std::back_inserter(text), ",\"garbage\":{},\"foreign\":{},\"reconnections\":{},\"dropped\":{},\"readers\":{}",
+                   h.garbage, h.foreign, h.reconnections, h.dropped, h.readers);
     pair(text, "latency_median_ms", 1e3 * h.latency_median, 3);
     pair(text, "latency_largest_ms", 1e3 * h.latency_largest, 3);
     return text + "}\n";

@@ -24,12 +24,12 @@ namespace schuler::live {
 
 /// What a health message says.
 struct Health {
-    double time = not_given;          ///< s, of the newest sample of the IMU
+    double time = not_given;  ///< s, of the newest sample of the IMU
     filter::Phase phase = filter::Phase::WaitingForImu;
-    double imu_rate = 0.0;            ///< Hz, measured
+    double imu_rate = 0.0;  ///< Hz, measured
     const filter::FeedCounters* fed = nullptr;
     std::size_t garbage = 0, foreign = 0, reconnections = 0, dropped = 0, readers = 0;
-    double latency_median = not_given, latency_largest = not_given;   ///< s, from the arrival of a sample to its message
+    double latency_median = not_given, latency_largest = not_given;  ///< s, from the arrival of a sample to its message
 };
 [[nodiscard]] std::string health_json(const Health& health);
 

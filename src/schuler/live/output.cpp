@@ -26,7 +26,7 @@ namespace {
 /// Messages that wait for one reader.
 struct Reader {
     Descriptor fd{};
-    bool pending = false;             ///< its connection is under way
+    bool pending = false;  ///< its connection is under way
     std::deque<std::string> queue{};
     std::size_t bytes = 0, sent = 0;  ///< waiting; of the first message already sent
 };
@@ -35,7 +35,7 @@ enum class Took { All, Waits, Broken };
 
 /// Sends as much as the reader takes now.
 Took pour(Reader& r, Medium medium) {
-    constexpr std::size_t atomic = 4096;   // a pipe that is ready takes so much without waiting
+    constexpr std::size_t atomic = 4096;  // a pipe that is ready takes so much without waiting
     while (!r.queue.empty()) {
         const std::string& first = r.queue.front();
         const char* from = first.data() + r.sent;
@@ -43,7 +43,8 @@ Took pour(Reader& r, Medium medium) {
         ssize_t done = 0;
         if (medium == Medium::Standard) {
             pollfd ready{r.fd.get(), POLLOUT, 0};
-            if (poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) return (ready.revents & (POLLERR | POLLNVAL)) != 0 ? Took::Broken : Took::Waits;
+            if (poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0)
+                return (ready.revents & (POLLERR | POLLNVAL)) != 0 ? Took::Broken : Took::Waits;
             done = write(r.fd.get(), from, std::min(left, atomic));
         } else if (medium == Medium::File || medium == Medium::Serial) {
             done = write(r.fd.get(), from, left);
@@ -54,7 +55,7 @@ Took pour(Reader& r, Medium medium) {
             if (errno == EINTR) continue;
             if (errno == EAGAIN || errno == EWOULDBLOCK) return Took::Waits;
             if (medium != Medium::Udp) return Took::Broken;
-            done = static_cast<ssize_t>(left);   // nobody listens: the datagram is gone
+            done = static_cast<ssize_t>(left);  // nobody listens: the datagram is gone
         }
         r.sent += static_cast<std::size_t>(done);
         if (r.sent < first.size()) continue;
@@ -68,7 +69,7 @@ Took pour(Reader& r, Medium medium) {
 }  // namespace
 
 struct Output::State {
-    static constexpr double first_wait = 0.25, longest_wait = 30.0;   ///< s before opening anew
+    static constexpr double first_wait = 0.25, longest_wait = 30.0;  ///< s before opening anew
     Endpoint endpoint;
     OutputLimits limits;
     std::function<void(const std::string&)> tell;
@@ -87,7 +88,8 @@ struct Output::State {
         while (r.bytes > limits.queue && r.queue.size() > first + 1) {
             r.bytes -= r.queue[first].size();
             r.queue.erase(r.queue.begin() + static_cast<std::ptrdiff_t>(first));
-            if (dropped++ == 0) tell(fmt::format("{}: a reader does not keep up: the oldest messages are dropped", endpoint.text));
+            if (dropped++ == 0)
+                tell(fmt::format("{}: a reader does not keep up: the oldest messages are dropped", endpoint.text));
         }
     }
 
@@ -124,7 +126,7 @@ struct Output::State {
         readers.clear();
         for (int k = limits.keep; k >= 1; --k) {
             const fs::path from = k == 1 ? fs::path(endpoint.path) : fs::path(fmt::format("{}.{}", endpoint.path, k - 1));
-            fs::rename(from, fmt::format("{}.{}", endpoint.path, k), ec);   // one that is not there does not matter
+            fs::rename(from, fmt::format("{}.{}", endpoint.path, k), ec);  // one that is not there does not matter
         }
         if (limits.keep < 1) fs::remove(endpoint.path, ec);
         open_file(now);
@@ -159,15 +161,14 @@ void Output::tend(double now) {
         default: o = detail::open_tcp(s.endpoint); break;
     }
     if (!o.fd.open()) return s.failed(o.reason.empty() ? "cannot be opened" : o.reason, now);
-    if (s.endpoint.medium == Medium::TcpListen)
-        s.listener = std::move(o.fd);
-    else
-        s.add(std::move(o.fd), o.pending);
+    if (s.endpoint.medium == Medium::TcpListen) s.listener = std::move(o.fd);
+    else s.add(std::move(o.fd), o.pending);
 }
 
 void Output::send(std::string_view message, double now) {
     State& s = *state_;
-    if (s.endpoint.medium == Medium::File && s.limits.rotate > 0 && s.written > 0 && s.written + message.size() > s.limits.rotate) s.rotate(now);
+    if (s.endpoint.medium == Medium::File && s.limits.rotate > 0 && s.written > 0 && s.written + message.size() > s.limits.rotate)
+        s.rotate(now);
     s.written += message.size();
     for (std::size_t k = s.readers.size(); k-- > 0;) {
         s.push(s.readers[k], message);

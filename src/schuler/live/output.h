@@ -15,9 +15,9 @@
 namespace schuler::live {
 
 struct OutputLimits {
-    std::size_t queue = 1 << 20;      ///< bytes that wait for one reader
-    std::size_t rotate = 0;           ///< bytes after which a file is begun anew; 0: never
-    int keep = 5;                     ///< older files that stay, NAME.1 the newest of them
+    std::size_t queue = 1 << 20;  ///< bytes that wait for one reader
+    std::size_t rotate = 0;       ///< bytes after which a file is begun anew; 0: never
+    int keep = 5;                 ///< older files that stay, NAME.1 the newest of them
 };
 
 class Output {
@@ -36,9 +36,9 @@ public:
     /// To be called when one of its descriptors is ready.
     void ready(int fd, double now);
 
-    [[nodiscard]] std::size_t dropped() const;     ///< messages
+    [[nodiscard]] std::size_t dropped() const;  ///< messages
     [[nodiscard]] std::size_t readers() const;
-    [[nodiscard]] bool broken() const;             ///< standard output was closed
+    [[nodiscard]] bool broken() const;  ///< standard output was closed
 
 private:
     struct State;

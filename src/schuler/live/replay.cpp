@@ -35,10 +35,8 @@ void put(std::string& text, const char* key, const Eigen::Vector3d& v) {
         fmt::format_to(std::back_inserter(text), ",\"{}\":[", key);
         for (Eigen::Index i = 0; i < 3; ++i) {
             if (i > 0) text += ',';
-            if (std::isfinite(v[i]))
-                fmt::format_to(std::back_inserter(text), "{}", v[i]);
-            else
-                text += "null";
+            if (std::isfinite(v[i])) fmt::format_to(std::back_inserter(text), "{}", v[i]);
+            else text += "null";
         }
         text += ']';
     }
@@ -89,7 +87,8 @@ std::string line_of(const HeadingSample& s) {
     return text + "}\n";
 }
 
-using Pointer = std::variant<const ImuSample*, const GnssFix*, const BaroSample*, const MagSample*, const OdometerSample*, const HeadingSample*>;
+using Pointer = std::variant<const ImuSample*, const GnssFix*, const BaroSample*, const MagSample*, const OdometerSample*,
+                             const HeadingSample*>;
 
 /// All samples, of one time the IMU's last.
 std::vector<std::pair<Time, Pointer>> in_order(const Recording& r) {
@@ -148,7 +147,8 @@ Descriptor connected(const Endpoint& to) {
 void send_all(const Endpoint& to, int fd, const std::string& text) {
     const bool stream = to.medium == Medium::Standard;
     for (std::size_t sent = 0; sent < text.size();) {
-        const ssize_t n = stream ? write(fd, text.data() + sent, text.size() - sent) : send(fd, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+        const ssize_t n = stream ? write(fd, text.data() + sent, text.size() - sent)
+                                 : send(fd, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
         if (n >= 0) {
             sent += static_cast<std::size_t>(n);
         } else if (errno == EAGAIN || errno == EWOULDBLOCK) {

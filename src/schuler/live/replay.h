@@ -11,7 +11,7 @@ namespace schuler::live {
 
 struct ReplayRequest {
     Endpoint to;
-    double speed = 1.0;               ///< times real time; 0: as fast as the reader takes them
+    double speed = 1.0;  ///< times real time; 0: as fast as the reader takes them
     std::function<void(double)> progress{};
 };
 

@@ -17,8 +17,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -33,7 +33,8 @@ double monotonic() { return std::chrono::duration<double>(std::chrono::steady_cl
 
 /// GPS time by this computer's clock.
 Time clock_time() {
-    const std::int64_t unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+    const std::int64_t unix_ns =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
     const std::int64_t utc_ns = unix_ns - unix_time_of_gps_epoch * 1'000'000'000;
     return {utc_ns + gps_minus_utc(utc_ns / 1'000'000'000) * std::int64_t{1'000'000'000}};
 }
@@ -83,14 +84,15 @@ public:
         std::size_t below = 0;
         for (std::size_t k = 0; k < counts_.size(); ++k) {
             below += counts_[k];
-            if (all_ > 0 && static_cast<double>(below) >= p * static_cast<double>(all_)) return (static_cast<double>(k) + 1.0) * step;
+            if (all_ > 0 && static_cast<double>(below) >= p * static_cast<double>(all_))
+                return (static_cast<double>(k) + 1.0) * step;
         }
         return not_given;
     }
     [[nodiscard]] double largest() const { return all_ > 0 ? largest_ : not_given; }
 
 private:
-    static constexpr double step = 1e-5;   // s
+    static constexpr double step = 1e-5;  // s
     std::array<std::size_t, 5000> counts_{};
     std::size_t all_ = 0;
     double largest_ = 0.0;
@@ -129,7 +131,8 @@ public:
             for (Station& s : stations_) s.input.tend(now);
             for (Sink& s : sinks_) s.output.tend(now);
             wait(signals);
-            on = !signals.came() && !(stop && stop()) && std::ranges::any_of(stations_, [](const Station& s) { return !s.input.finished(); }) &&
+            on = !signals.came() && !(stop && stop()) &&
+                 std::ranges::any_of(stations_, [](const Station& s) { return !s.input.finished(); }) &&
                  std::ranges::any_of(sinks_, [](const Sink& s) { return !s.output.broken(); });
             regular(monotonic());
         }
@@ -147,8 +150,8 @@ public:
         for (const Sink& s : sinks_) report_.dropped += s.output.dropped();
         report_.latency_median = latencies_.quantile(0.5);
         report_.latency_999 = latencies_.quantile(0.999);
-        tell(fmt::format("stopped after {:.1f} s: {} samples of the IMU, {} fixes, {} pieces of garbage, {} messages dropped", report_.seconds, report_.imu,
-                         report_.fixes, report_.garbage, report_.dropped));
+        tell(fmt::format("stopped after {:.1f} s: {} samples of the IMU, {} fixes, {} pieces of garbage, {} messages dropped",
+                         report_.seconds, report_.imu, report_.fixes, report_.garbage, report_.dropped));
         return report_;
     }
 
@@ -156,7 +159,7 @@ private:
     struct Sink {
         Output output;
         OutputSettings settings;
-        std::optional<std::int64_t> last;   ///< period of the last message
+        std::optional<std::int64_t> last;  ///< period of the last message
     };
 
     void tell(const std::string& text) {
@@ -170,7 +173,8 @@ private:
         for (const Station& s : stations_) all.push_back(s.input.interest());
         const std::size_t first_sink = all.size();
         for (const Sink& s : sinks_) s.output.interests(all);
-        for (const Interest& i : all) polled.push_back({i.fd, static_cast<short>((i.read ? POLLIN : 0) | (i.write ? POLLOUT : 0)), 0});
+        for (const Interest& i : all)
+            polled.push_back({i.fd, static_cast<short>((i.read ? POLLIN : 0) | (i.write ? POLLOUT : 0)), 0});
         const bool waiting = std::ranges::any_of(stations_, [](const Station& s) { return s.decoder->waiting(); });
         if (poll(polled.data(), polled.size(), waiting ? 5 : 100) < 0) return;
         for (std::size_t k = 0; k < stations_.size(); ++k)
@@ -228,7 +232,7 @@ private:
 
     [[nodiscard]] static bool is_due(Sink& s, Time time) {
         if (s.settings.rate <= 0.0) return true;
-        constexpr double rounding = 1e-6;   // of a period
+        constexpr double rounding = 1e-6;  // of a period
         const auto period = static_cast<std::int64_t>(std::floor(time.seconds() * s.settings.rate + rounding));
         if (s.last == period) return false;
         s.last = period;
@@ -263,7 +267,8 @@ private:
     void events() {
         while (const auto event = navigator_.poll()) {
             // what is refused at every sample is told once a second
-            const bool often = event->kind == filter::NavigatorEvent::Kind::Refused || event->kind == filter::NavigatorEvent::Kind::Aid;
+            const bool often =
+                event->kind == filter::NavigatorEvent::Kind::Refused || event->kind == filter::NavigatorEvent::Kind::Aid;
             if (!often || monotonic() > next_told_) tell(event_text(*event));
             if (often && monotonic() > next_told_) next_told_ = monotonic() + 1.0;
             broadcast(event_json(*event));
@@ -328,7 +333,8 @@ private:
         const std::string text{std::istreambuf_iterator<char>(file), {}};
         const filter::RestoreStatus status = navigator_.restore(std::as_bytes(std::span(text)));
         report_.restored = status == filter::RestoreStatus::Restored;
-        constexpr std::array<const char*, 6> names{"restored", "too short", "not a state", "of another version", "damaged", "of other settings"};
+        constexpr std::array<const char*, 6> names{"restored",           "too short", "not a state",
+                                                   "of another version", "damaged",   "of other settings"};
         tell(fmt::format("{}: {}", settings_.state, names[static_cast<std::size_t>(status)]));
     }
 

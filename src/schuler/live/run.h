@@ -15,7 +15,8 @@ struct LiveReport {
     double seconds = 0.0;
     filter::Phase phase = filter::Phase::WaitingForImu;
     bool restored = false, saved = false;
-    double latency_median = not_given, latency_999 = not_given;   ///< s, from the arrival of a sample of the IMU to its state's message
+    double latency_median = not_given,
+           latency_999 = not_given;  ///< s, from the arrival of a sample of the IMU to its state's message
 };
 
 /// Runs until SIGINT or SIGTERM, until all sources are at their end, or until `stop` (may be empty; asked ten times a second) says so.

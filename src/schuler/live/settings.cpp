@@ -19,17 +19,20 @@ constexpr std::array source_formats{"csv", "json", "nmea", "ubx", "novatel"};
 
 double number_of(const settings::NamedValue& v, double low, double high) {
     if (!v.second.is_number() || !(v.second.number() >= low && v.second.number() <= high))
-        throw input_error("is not a number in its range", {{}, v.second.line, 0, "output." + v.first}, fmt::format("give a number from {} to {}", low, high));
+        throw input_error("is not a number in its range", {{}, v.second.line, 0, "output." + v.first},
+                          fmt::format("give a number from {} to {}", low, high));
     return v.second.number();
 }
 
 std::string text_of(const settings::NamedValue& v) {
-    if (v.second.text() == nullptr) throw input_error("is not a text", {{}, v.second.line, 0, "output." + v.first}, "write it in quotes");
+    if (v.second.text() == nullptr)
+        throw input_error("is not a text", {{}, v.second.line, 0, "output." + v.first}, "write it in quotes");
     return *v.second.text();
 }
 
 bool flag_of(const settings::NamedValue& v) {
-    if (v.second.flag() == nullptr) throw input_error("is neither true nor false", {{}, v.second.line, 0, "output." + v.first}, "write true or false");
+    if (v.second.flag() == nullptr)
+        throw input_error("is neither true nor false", {{}, v.second.line, 0, "output." + v.first}, "write true or false");
     return *v.second.flag();
 }
 
@@ -43,13 +46,16 @@ OutputSettings output_of(const settings::ValueTable& table) {
             any = true;
         } else if (v.first == "format") {
             const std::string format = text_of(v);
-            if (format != "json" && format != "csv" && format != "nmea") throw input_error("is no format", place, "write json, csv or nmea");
+            if (format != "json" && format != "csv" && format != "nmea")
+                throw input_error("is no format", place, "write json, csv or nmea");
             out.format = format == "json" ? MessageFormat::Json : format == "csv" ? MessageFormat::Csv : MessageFormat::Nmea;
         } else if (v.first == "rate_hz") {
             out.rate = number_of(v, 0.0, 1e4);
         } else if (v.first == "at") {
             const std::string at = text_of(v);
-            if (at != "now" && at != "lag") throw input_error("is neither \"now\" nor \"lag\"", place, "now: the newest sample; lag: the filter, the lag ago");
+            if (at != "now" && at != "lag")
+                throw input_error("is neither \"now\" nor \"lag\"", place,
+                                  "now: the newest sample; lag: the filter, the lag ago");
             out.lagged = at == "lag";
         } else if (v.first == "events") {
             out.events = flag_of(v);
@@ -60,10 +66,13 @@ OutputSettings output_of(const settings::ValueTable& table) {
         } else if (v.first == "keep") {
             out.limits.keep = static_cast<int>(number_of(v, 0.0, 1000.0));
         } else {
-            throw input_error("unknown key", place, "an output has to, format, rate_hz, at, events, queue_kb, rotate_mb and keep");
+            throw input_error("unknown key", place,
+                              "an output has to, format, rate_hz, at, events, queue_kb, rotate_mb and keep");
         }
     }
-    if (!any) throw input_error("an output has no place", {{}, table.empty() ? 0 : table.front().second.line, 0, "output.to"}, "write to = \"stdout\"");
+    if (!any)
+        throw input_error("an output has no place", {{}, table.empty() ? 0 : table.front().second.line, 0, "output.to"},
+                          "write to = \"stdout\"");
     return out;
 }
 
@@ -72,26 +81,37 @@ OptionTable<LiveSettings> make_table() {
     OptionTable<L> t;
     for (std::size_t i = 0; i < instrument_count; ++i) {
         const std::string section(name_of(static_cast<Instrument>(i)));
-        t.add(settings::text<L>(section + ".source", "live: where its samples come from: tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, "
-                                                     "serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or stdin; instruments may share one",
+        t.add(settings::text<L>(section + ".source",
+                                "live: where its samples come from: tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, "
+                                "serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or stdin; instruments may share one",
                                 [i](auto& l) -> auto& { return l.sources[i].from; }));
-        Option<L> format = settings::text<L>(section + ".format", "live: how they are written", [i](auto& l) -> auto& { return l.sources[i].format; });
+        Option<L> format = settings::text<L>(section + ".format", "live: how they are written",
+                                             [i](auto& l) -> auto& { return l.sources[i].format; });
         format.spec.choices.assign(source_formats.begin(), source_formats.end());
         t.add(std::move(format));
-        t.add(settings::flag<L>(section + ".arrival_time", "live: the time of a sample is that of its arrival", [i](auto& l) -> auto& { return l.sources[i].arrival; }));
+        t.add(settings::flag<L>(section + ".arrival_time", "live: the time of a sample is that of its arrival",
+                                [i](auto& l) -> auto& { return l.sources[i].arrival; }));
         if (i > 0)
-            t.add(settings::number<L>(section + ".rate_hz", 1.0, 0, 1e4, "live: most samples a second", [i](auto& l) -> auto& { return l.sources[i].rate; }));
+            t.add(settings::number<L>(section + ".rate_hz", 1.0, 0, 1e4, "live: most samples a second",
+                                      [i](auto& l) -> auto& { return l.sources[i].rate; }));
     }
     t.add(settings::number<L>("imu.rate_hz", 1.0, 5, 1e4, "live: samples a second", [](auto& l) -> auto& { return l.imu_rate; }))
-        .add(settings::number<L>("live.lag_s", 1.0, 0, 10, "how much later than the IMU a sample may come", [](auto& l) -> auto& { return l.lag; }))
+        .add(settings::number<L>("live.lag_s", 1.0, 0, 10, "how much later than the IMU a sample may come",
+                                 [](auto& l) -> auto& { return l.lag; }))
         .add(settings::number<L>("live.still_delay_s", 1.0, 0, 5, "how much longer is waited to decide on standing still",
                                  [](auto& l) -> auto& { return l.still_delay; }))
-        .add(settings::number<L>("live.longest_hole_s", 1.0, 0, 60, "holes of the IMU up to this are bridged", [](auto& l) -> auto& { return l.longest_hole; }))
-        .add(settings::text<L>("live.state", "file in which the state of the filter is kept from run to run", [](auto& l) -> auto& { return l.state; }))
-        .add(settings::number<L>("live.save_every_s", 1.0, 1, 1e6, "how often it is saved, beside at the end", [](auto& l) -> auto& { return l.save_every; }))
-        .add(settings::text<L>("live.log", "stderr, none or a file: connections, events and trouble, a line each", [](auto& l) -> auto& { return l.log; }))
-        .add(settings::number<L>("live.health_every_s", 1.0, 0.1, 1e6, "how often the health is told", [](auto& l) -> auto& { return l.health_every; }));
-    Option<L> outputs{settings::detail::spec("output", settings::Shape::Tables, "live: [[output]] with to, format, rate_hz, at, events, queue_kb, rotate_mb, keep"),
+        .add(settings::number<L>("live.longest_hole_s", 1.0, 0, 60, "holes of the IMU up to this are bridged",
+                                 [](auto& l) -> auto& { return l.longest_hole; }))
+        .add(settings::text<L>("live.state", "file in which the state of the filter is kept from run to run",
+                               [](auto& l) -> auto& { return l.state; }))
+        .add(settings::number<L>("live.save_every_s", 1.0, 1, 1e6, "how often it is saved, beside at the end",
+                                 [](auto& l) -> auto& { return l.save_every; }))
+        .add(settings::text<L>("live.log", "stderr, none or a file: connections, events and trouble, a line each",
+                               [](auto& l) -> auto& { return l.log; }))
+        .add(settings::number<L>("live.health_every_s", 1.0, 0.1, 1e6, "how often the health is told",
+                                 [](auto& l) -> auto& { return l.health_every; }));
+    Option<L> outputs{settings::detail::spec("output", settings::Shape::Tables,
+                                             "live: [[output]] with to, format, rate_hz, at, events, queue_kb, rotate_mb, keep"),
                       [](L& l, const Value& v) {
                           l.outputs.clear();
                           for (const Value& one : *v.list()) l.outputs.push_back(output_of(*one.table()));
@@ -127,8 +147,11 @@ LiveSettings read_live(const std::filesystem::path& file, const settings::Settin
         const std::string section(name_of(static_cast<Instrument>(i)));
         if (!out.sources[i].from.empty()) (void)endpoint_from(out.sources[i].from, Direction::In, section + ".source");
     }
-    if (out.sources[0].from.empty()) throw input_error("there is no source of the IMU", {file.string(), 0, 0, "imu.source"}, "write [imu] source = \"tcp://HOST:PORT\"");
-    if (out.outputs.empty()) throw input_error("there is no output", {file.string(), 0, 0, "output"}, "write [[output]] with to = \"stdout\"");
+    if (out.sources[0].from.empty())
+        throw input_error("there is no source of the IMU", {file.string(), 0, 0, "imu.source"},
+                          "write [imu] source = \"tcp://HOST:PORT\"");
+    if (out.outputs.empty())
+        throw input_error("there is no output", {file.string(), 0, 0, "output"}, "write [[output]] with to = \"stdout\"");
     return out;
 }
 
@@ -136,7 +159,7 @@ filter::NavigatorSettings navigator_settings(const LiveSettings& l) {
     filter::NavigatorSettings n;
     n.filter = l.config.filter;
     n.filter.outages.clear();
-    n.filter.gnss.estimate_std = false;   // found from whole logs
+    n.filter.gnss.estimate_std = false;  // found from whole logs
     double lagged = 0.0;
     bool all = false;
     for (const OutputSettings& o : l.outputs) {

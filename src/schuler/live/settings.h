@@ -16,10 +16,10 @@
 namespace schuler::live {
 
 struct SourceSettings {
-    std::string from;                 ///< an endpoint as written; empty: there is none
-    std::string format;               ///< empty: csv; of gpsd:// its own
-    bool arrival = false;             ///< times are those of arrival by this computer's clock, not the stamps
-    double rate = 0.0;                ///< Hz, most of it; 0: the usual one
+    std::string from;      ///< an endpoint as written; empty: there is none
+    std::string format;    ///< empty: csv; of gpsd:// its own
+    bool arrival = false;  ///< times are those of arrival by this computer's clock, not the stamps
+    double rate = 0.0;     ///< Hz, most of it; 0: the usual one
 };
 
 enum class MessageFormat { Json, Csv, Nmea };
@@ -27,23 +27,23 @@ enum class MessageFormat { Json, Csv, Nmea };
 struct OutputSettings {
     Endpoint to;
     MessageFormat format = MessageFormat::Json;
-    double rate = 10.0;               ///< Hz; 0: at every sample of the IMU (of lagged rows: every one of the filter)
-    bool lagged = false;              ///< the filter itself, the lag ago, rather than predicted to the newest sample
-    bool events = true;               ///< of Json: events and health too
+    double rate = 10.0;   ///< Hz; 0: at every sample of the IMU (of lagged rows: every one of the filter)
+    bool lagged = false;  ///< the filter itself, the lag ago, rather than predicted to the newest sample
+    bool events = true;   ///< of Json: events and health too
     OutputLimits limits;
 };
 
 struct LiveSettings {
     settings::Config config;
-    std::array<SourceSettings, instrument_count> sources;   ///< by Instrument
+    std::array<SourceSettings, instrument_count> sources;  ///< by Instrument
     std::vector<OutputSettings> outputs;
-    double imu_rate = 100.0;          ///< Hz, nominal
-    double lag = 0.5, still_delay = 0.0, longest_hole = 10.0;   ///< s, NavigatorSettings
-    std::string state;                ///< file in which the filter's state is kept from run to run; empty: none
-    double save_every = 60.0;         ///< s
-    std::string log = "stderr";       ///< or a file, or "none": what happens, a line each
-    double health_every = 1.0;        ///< s
-    std::string file;                 ///< for messages
+    double imu_rate = 100.0;                                   ///< Hz, nominal
+    double lag = 0.5, still_delay = 0.0, longest_hole = 10.0;  ///< s, NavigatorSettings
+    std::string state;           ///< file in which the filter's state is kept from run to run; empty: none
+    double save_every = 60.0;    ///< s
+    std::string log = "stderr";  ///< or a file, or "none": what happens, a line each
+    double health_every = 1.0;   ///< s
+    std::string file;            ///< for messages
 };
 
 /// The options beside those of dataset.toml.

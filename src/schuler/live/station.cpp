@@ -46,7 +46,8 @@ std::vector<Station> stations_of(const LiveSettings& l, const std::function<void
         auto it = std::ranges::find_if(out, [&](const Station& o) { return o.input.endpoint().text == s.from; });
         if (it != out.end()) {
             if (format == StreamFormat::Csv)
-                throw input_error("is the source of another instrument too, and rows of a table are of one", {l.file, 0, 0, key}, "use format = \"json\", which names the instrument in each line");
+                throw input_error("is the source of another instrument too, and rows of a table are of one", {l.file, 0, 0, key},
+                                  "use format = \"json\", which names the instrument in each line");
         } else {
             const dataset::FileSource& file = file_of(l.config, instrument);
             io::CsvOptions options;
@@ -64,7 +65,8 @@ std::vector<Station> stations_of(const LiveSettings& l, const std::function<void
 
 Preparation::Preparation(const LiveSettings& l) {
     const settings::Config& c = l.config;
-    for (std::size_t i = 0; i < instrument_count; ++i) offset_[i] = Duration::from_seconds(file_of(c, static_cast<Instrument>(i)).time_offset);
+    for (std::size_t i = 0; i < instrument_count; ++i)
+        offset_[i] = Duration::from_seconds(file_of(c, static_cast<Instrument>(i)).time_offset);
     C_imu_mag_ = settings::C_imu_mag(c).value_or(Eigen::Matrix3d::Identity());
     sea_level_pressure_ = c.sea_level_pressure;
     undulation_ = c.filter.gnss.height == filter::HeightKind::Msl && c.undulation ? *c.undulation : 0.0;

@@ -16,11 +16,11 @@ namespace schuler::live {
 struct Station {
     Input input;
     std::unique_ptr<Decoder> decoder;
-    std::array<bool, instrument_count> of{};      ///< whose source it is
+    std::array<bool, instrument_count> of{};  ///< whose source it is
     std::array<bool, instrument_count> arrival{};
-    double last_bytes = 0.0;                      ///< s
+    double last_bytes = 0.0;  ///< s
     std::size_t garbage_told = 0;
-    std::size_t connections = 0;                  ///< that the decoder knows of
+    std::size_t connections = 0;  ///< that the decoder knows of
 };
 
 /// One a different source. @throws Error(Input) where instruments share one whose format tells of one instrument only
@@ -34,7 +34,7 @@ public:
 
 private:
     std::array<Duration, instrument_count> offset_{};
-    Eigen::Matrix3d C_imu_mag_;                    ///< axes of the magnetometer to those of the inertial unit, which the filter mounts
+    Eigen::Matrix3d C_imu_mag_;  ///< axes of the magnetometer to those of the inertial unit, which the filter mounts
     double sea_level_pressure_, undulation_;
 };
 

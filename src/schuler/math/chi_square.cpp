@@ -2,8 +2,8 @@
 
 #include "schuler/core/error.h"
 
-#include <boost/math/special_functions/gamma.hpp>
 #include <fmt/format.h>
+#include <boost/math/special_functions/gamma.hpp>
 
 #include <cmath>
 

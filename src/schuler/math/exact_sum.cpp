@@ -72,7 +72,8 @@ double ExactSum::value() const {
         add_at(size, 0, 1);
     }
     double out = 0.0;
-    for (std::size_t i = 0; i < size.size(); ++i) out += std::ldexp(static_cast<double>(size[i]), static_cast<int>(64 * i) + unit_exponent);
+    for (std::size_t i = 0; i < size.size(); ++i)
+        out += std::ldexp(static_cast<double>(size[i]), static_cast<int>(64 * i) + unit_exponent);
     return minus ? -out : out;
 }
 

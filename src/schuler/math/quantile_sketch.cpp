@@ -10,7 +10,7 @@
 namespace schuler::math {
 namespace {
 
-constexpr double smallest = 0x1p-100;   ///< what is nearer to zero is zero
+constexpr double smallest = 0x1p-100;  ///< what is nearer to zero is zero
 
 /// The leading bits of a number's representation grow with the number.
 std::int32_t bin_of(double x, unsigned bits) {
@@ -78,7 +78,8 @@ double QuantileSketch::quantile(double p) const {
         const auto n = static_cast<double>(times);
         if (rank < below + n) {
             const double part = (rank - below + 0.5) / n;
-            const double inner = bin == 0 ? 0.0 : edge_of(std::abs(bin), bits_), outer = bin == 0 ? 0.0 : edge_of(std::abs(bin) + 1, bits_);
+            const double inner = bin == 0 ? 0.0 : edge_of(std::abs(bin), bits_),
+                         outer = bin == 0 ? 0.0 : edge_of(std::abs(bin) + 1, bits_);
             const double x = bin < 0 ? -outer + part * (outer - inner) : inner + part * (outer - inner);
             return std::clamp(x, low_, high_);
         }

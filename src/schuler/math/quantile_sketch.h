@@ -28,9 +28,9 @@ public:
 
     /// What is stored of it, in a form that does not depend on the order in which the values came.
     struct Content {
-        std::vector<double> values;                                  ///< ascending
-        std::vector<std::pair<std::int32_t, std::uint64_t>> bins;    ///< number of the bin, count
-        double low = 0.0, high = 0.0;                                ///< least and greatest value
+        std::vector<double> values;                                ///< ascending
+        std::vector<std::pair<std::int32_t, std::uint64_t>> bins;  ///< number of the bin, count
+        double low = 0.0, high = 0.0;                              ///< least and greatest value
         [[nodiscard]] bool operator==(const Content&) const = default;
     };
     [[nodiscard]] Content content() const;
@@ -45,7 +45,7 @@ private:
     std::uint64_t count_ = 0;
     double low_ = 0.0, high_ = 0.0;
     std::vector<double> values_;
-    std::vector<std::pair<std::int32_t, std::uint64_t>> bins_;   ///< ascending
+    std::vector<std::pair<std::int32_t, std::uint64_t>> bins_;  ///< ascending
 };
 
 }  // namespace schuler::math

@@ -34,9 +34,11 @@ Eigen::Matrix3d dcm_from_rpy(const Eigen::Vector3d& rpy) {
     const double cp = std::cos(rpy.y()), sp = std::sin(rpy.y());
     const double ch = std::cos(rpy.z()), sh = std::sin(rpy.z());
     Eigen::Matrix3d C;
+    // clang-format off
     C << cp * ch, sr * sp * ch - cr * sh, cr * sp * ch + sr * sh,
          cp * sh, sr * sp * sh + cr * ch, cr * sp * sh - sr * ch,
          -sp, sr * cp, cr * cp;
+    // clang-format on
     return C;
 }
 
@@ -45,8 +47,7 @@ Eigen::Quaterniond quaternion_from_rpy(const Eigen::Vector3d& rpy) {
     const double cr = std::cos(half.x()), sr = std::sin(half.x());
     const double cp = std::cos(half.y()), sp = std::sin(half.y());
     const double ch = std::cos(half.z()), sh = std::sin(half.z());
-    return {cr * cp * ch + sr * sp * sh, sr * cp * ch - cr * sp * sh, cr * sp * ch + sr * cp * sh,
-            cr * cp * sh - sr * sp * ch};
+    return {cr * cp * ch + sr * sp * sh, sr * cp * ch - cr * sp * sh, cr * sp * ch + sr * cp * sh, cr * cp * sh - sr * sp * ch};
 }
 
 Eigen::Vector3d rpy_from_dcm(const Eigen::Matrix3d& C_nb) {
@@ -65,9 +66,11 @@ Eigen::Matrix3d rpy_error_from_phi(const Eigen::Vector3d& rpy) {
     cp = std::copysign(std::max(std::abs(cp), 1e-8), cp);
     const double ch = std::cos(rpy.z()), sh = std::sin(rpy.z());
     Eigen::Matrix3d J;
+    // clang-format off
     J << -ch / cp, -sh / cp, 0.0,
          sh, -ch, 0.0,
          -ch * sp / cp, -sh * sp / cp, -1.0;
+    // clang-format on
     return J;
 }
 

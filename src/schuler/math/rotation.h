@@ -21,7 +21,7 @@ namespace schuler::math {
 /// Unit quaternion of a rotation vector (rad), w = cos(|r|/2).
 [[nodiscard]] inline Eigen::Quaterniond quaternion_from_rotation_vector(const Eigen::Vector3d& r) {
     const double n2 = r.squaredNorm();
-    double c, s;  // cos(|r|/2) and sin(|r|/2)/|r|
+    double c, s;      // cos(|r|/2) and sin(|r|/2)/|r|
     if (n2 < 1e-2) {  // series: the next terms are below 1e-17
         const double x = 0.25 * n2;
         c = 1.0 - x * (1.0 / 2 - x * (1.0 / 24 - x * (1.0 / 720 - x * (1.0 / 40320 - x / 3628800))));

@@ -15,9 +15,9 @@ namespace {
 /// A phase as it was when last seen.
 struct Before {
     Time time;
-    int arc = 0;                ///< 0: never seen
-    double phase = 0;           ///< m
-    double modelled = 0;        ///< m: range less satellite clock
+    int arc = 0;          ///< 0: never seen
+    double phase = 0;     ///< m
+    double modelled = 0;  ///< m: range less satellite clock
     double doppler = not_given;
     bool half_cycle = false, jumped = false;
 };
@@ -26,10 +26,10 @@ struct Before {
 struct Step {
     TrackedSatellite* satellite;
     std::size_t slot;
-    double grown;               ///< m, beyond what the satellite's motion and the rough positions explain
+    double grown;  ///< m, beyond what the satellite's motion and the rough positions explain
     Eigen::Vector3d towards;
     double sigma;
-    double by_doppler;          ///< m, growth beyond the mean Doppler; NaN
+    double by_doppler;  ///< m, growth beyond the mean Doppler; NaN
     bool use = true;
 };
 
@@ -51,7 +51,8 @@ std::optional<Unknowns> robust_step(const std::vector<Step>& steps) {
             right += w * s.grown * row;
         }
         const Eigen::LDLT<Eigen::Matrix4d> factor(information);
-        if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-9 * factor.vectorD().maxCoeff())) return std::nullopt;
+        if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-9 * factor.vectorD().maxCoeff()))
+            return std::nullopt;
         const Unknowns next = factor.solve(right);
         if (!next.allFinite()) return std::nullopt;
         const bool settled = i > 0 && (next - x).norm() < 1e-4;
@@ -64,7 +65,10 @@ std::optional<Unknowns> robust_step(const std::vector<Step>& steps) {
 class Numbering {
 public:
     Numbering(bool at_rest, const ArcSettings& settings, double interval)
-        : at_rest_(at_rest), settings_(settings), gap_(std::max(settings.longest_gap, 1.5 * interval)), before_(gnss::satellite_count) {}
+        : at_rest_(at_rest),
+          settings_(settings),
+          gap_(std::max(settings.longest_gap, 1.5 * interval)),
+          before_(gnss::satellite_count) {}
 
     void epoch(TrackedEpoch& e) {
         const Geodetic geodetic = earth::geodetic_from_ecef(earth::wgs84, e.position);
@@ -101,7 +105,8 @@ private:
             if (step.satellite == &s && step.slot == k) step.use = false;
     }
 
-    void continue_or_begin(const TrackedEpoch& e, TrackedSatellite& s, std::size_t k, double modelled, const Eigen::Vector3d& towards) {
+    void continue_or_begin(const TrackedEpoch& e, TrackedSatellite& s, std::size_t k, double modelled,
+                           const Eigen::Vector3d& towards) {
         TrackedSignal& now = s.signals[k];
         Before& b = before(s, k);
         const double dt = (e.tag - b.time).seconds();
@@ -114,7 +119,8 @@ private:
             counts.told += told && !gap ? 1 : 0;
         } else {
             const double by_doppler = now.phase - b.phase - 0.5 * (now.doppler + b.doppler) * dt;
-            if (b.time == time_) steps_.push_back({&s, k, now.phase - b.phase - (modelled - b.modelled), towards, sigma(s, k), by_doppler});
+            if (b.time == time_)
+                steps_.push_back({&s, k, now.phase - b.phase - (modelled - b.modelled), towards, sigma(s, k), by_doppler});
         }
         modelled_now_[gnss::index_of(s.id)] = modelled;
     }
@@ -123,8 +129,9 @@ private:
     void compare_carriers(const TrackedEpoch& e, TrackedSatellite& s) {
         for (std::size_t k = 1; k < most_signals; ++k) {
             const Before &first = before(s, 0), &other = before(s, k);
-            const bool both = std::isfinite(s.signals[0].phase) && std::isfinite(s.signals[k].phase) && first.arc != 0 && other.arc != 0 &&
-                              s.signals[0].arc == first.arc && s.signals[k].arc == other.arc && first.time == other.time;
+            const bool both = std::isfinite(s.signals[0].phase) && std::isfinite(s.signals[k].phase) && first.arc != 0 &&
+                              other.arc != 0 && s.signals[0].arc == first.arc && s.signals[k].arc == other.arc &&
+                              first.time == other.time;
             if (!both) continue;
             const double jump = (s.signals[0].phase - s.signals[k].phase) - (first.phase - other.phase);
             // receivers that step their clock step all carriers alike
@@ -162,7 +169,7 @@ private:
     }
 
     void compare_with_doppler(double dt) {
-        constexpr double longest = 1.5;   // s, over which a mean of two Dopplers says something of a vehicle's way
+        constexpr double longest = 1.5;  // s, over which a mean of two Dopplers says something of a vehicle's way
         std::erase_if(steps_, [](const Step& s) { return !std::isfinite(s.by_doppler); });
         if (steps_.size() < 2 || std::abs(dt) > longest) return;
         const double clock = median_of([](const Step& s) { return s.by_doppler; });
@@ -186,7 +193,8 @@ private:
         for (std::size_t k = 0; k < most_signals; ++k) {
             const TrackedSignal& now = s.signals[k];
             if (now.arc == 0) continue;
-            before(s, k) = {e.tag, now.arc, now.phase, modelled_now_[gnss::index_of(s.id)], now.doppler, now.half_cycle, now.jumped};
+            before(s, k) = {e.tag,       now.arc,        now.phase, modelled_now_[gnss::index_of(s.id)],
+                            now.doppler, now.half_cycle, now.jumped};
         }
     }
 
@@ -203,7 +211,8 @@ private:
 /// Median of the first intervals.
 double usual_interval(const std::vector<TrackedEpoch>& epochs) {
     std::vector<double> intervals;
-    for (std::size_t i = 1; i < std::min<std::size_t>(epochs.size(), 200); ++i) intervals.push_back((epochs[i].tag - epochs[i - 1].tag).seconds());
+    for (std::size_t i = 1; i < std::min<std::size_t>(epochs.size(), 200); ++i)
+        intervals.push_back((epochs[i].tag - epochs[i - 1].tag).seconds());
     return intervals.empty() ? 1.0 : math::median(std::move(intervals));
 }
 

@@ -10,9 +10,9 @@ namespace schuler::ppk {
 
 /// Why arcs began anew, beyond satellites that rose.
 struct ArcCounts {
-    std::size_t told = 0;          ///< the receiver said so
-    std::size_t geometry_free = 0; ///< two carriers of a satellite disagreed
-    std::size_t unexplained = 0;   ///< no motion of the receiver explains the phase's step
+    std::size_t told = 0;           ///< the receiver said so
+    std::size_t geometry_free = 0;  ///< two carriers of a satellite disagreed
+    std::size_t unexplained = 0;    ///< no motion of the receiver explains the phase's step
     std::size_t gaps = 0;
     [[nodiscard]] std::size_t found() const { return geometry_free + unexplained; }
 };

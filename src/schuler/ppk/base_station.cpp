@@ -9,7 +9,7 @@ namespace schuler::ppk {
 namespace {
 
 /// Two receivers whose stamps differ by less measure at once: what satellite clocks do meanwhile is no thousandth of a wavelength.
-constexpr double same_instant = 0.006;   // s
+constexpr double same_instant = 0.006;  // s
 
 const BaseSatellite* find(const std::vector<BaseSatellite>& satellites, SatelliteId id) {
     const auto it = std::ranges::lower_bound(satellites, id, {}, &BaseSatellite::id);
@@ -21,10 +21,11 @@ const BaseSatellite* find(const std::vector<BaseSatellite>& satellites, Satellit
 AirDelay air_delay(const AirModel& model, const TrackedSatellite& s, const Geodetic& receiver, gnss::Direction direction) {
     AirDelay out;
     if (model.troposphere)
-        out.troposphere = gnss::troposphere_delay(gnss::saastamoinen_zenith(receiver, model.relative_humidity), model.mapping, s.transmit, receiver,
-                                                  direction.elevation);
+        out.troposphere = gnss::troposphere_delay(gnss::saastamoinen_zenith(receiver, model.relative_humidity), model.mapping,
+                                                  s.transmit, receiver, direction.elevation);
     if (model.ionosphere)
-        out.ionosphere = gnss::ionospheric_delay(*model.ionosphere, s.id.system, gnss::l1_frequency, s.transmit, receiver, direction).delay;
+        out.ionosphere =
+            gnss::ionospheric_delay(*model.ionosphere, s.id.system, gnss::l1_frequency, s.transmit, receiver, direction).delay;
     return out;
 }
 
@@ -33,7 +34,8 @@ double ionosphere_factor(double wavelength) {
     return ratio * ratio;
 }
 
-BaseStation::BaseStation(const std::vector<TrackedEpoch>& epochs, const Ecef& position, const AirModel& air, const BaseSettings& settings)
+BaseStation::BaseStation(const std::vector<TrackedEpoch>& epochs, const Ecef& position, const AirModel& air,
+                         const BaseSettings& settings)
     : position_(position), geodetic_(earth::geodetic_from_ecef(earth::wgs84, position)), settings_(settings) {
     nodes_.reserve(epochs.size());
     for (const TrackedEpoch& e : epochs) {
@@ -68,10 +70,10 @@ BaseEpoch BaseStation::between(const Node& a, const Node& b, Time tag) const {
     BaseEpoch out;
     out.age = std::min(before, after);
     out.repeated = true;
-    out.variance = settings_.clock_walk * settings_.clock_walk * before * after / span;   // of a walk known at both ends
+    out.variance = settings_.clock_walk * settings_.clock_walk * before * after / span;  // of a walk known at both ends
     for (const BaseSatellite& s : a.satellites) {
         const BaseSatellite* other = find(b.satellites, s.id);
-        if (other == nullptr) continue;   // weights must be the same for all: only so the base's own clock drops out
+        if (other == nullptr) continue;  // weights must be the same for all: only so the base's own clock drops out
         BaseSatellite merged = s;
         for (std::size_t k = 0; k < most_signals; ++k) {
             BaseSignal& m = merged.signals[k];
@@ -94,11 +96,13 @@ std::optional<BaseEpoch> BaseStation::at(Time tag) const {
     const auto apart = [&](const Node* n) { return n == nullptr ? 1e12 : std::abs((n->tag - tag).seconds()); };
     const Node* nearest = apart(a) < apart(b) ? a : b;
     if (nearest == nullptr) return std::nullopt;
-    constexpr double rounding = 1e-6;   // s
+    constexpr double rounding = 1e-6;  // s
     const double age = apart(nearest);
-    if (age > same_instant && a != nullptr && b != nullptr && (b->tag - a->tag).seconds() <= settings_.longest_span + rounding) return between(*a, *b, tag);
+    if (age > same_instant && a != nullptr && b != nullptr && (b->tag - a->tag).seconds() <= settings_.longest_span + rounding)
+        return between(*a, *b, tag);
     if (age > settings_.longest_age + rounding) return std::nullopt;
-    return BaseEpoch{nearest->satellites, age, age > same_instant, age > same_instant ? settings_.clock_walk * settings_.clock_walk * age : 0.0};
+    return BaseEpoch{nearest->satellites, age, age > same_instant,
+                     age > same_instant ? settings_.clock_walk * settings_.clock_walk * age : 0.0};
 }
 
 }  // namespace schuler::ppk

@@ -21,7 +21,7 @@ struct AirDelay {
 /// A signal at the base: measured less modelled range, m, which is clocks, errors that the rover shares, ambiguity and noise.
 struct BaseSignal {
     double code = not_given, phase = not_given;
-    double code_factor = 1, phase_factor = 1;   ///< on the variance of one measurement's noise, from interpolation
+    double code_factor = 1, phase_factor = 1;  ///< on the variance of one measurement's noise, from interpolation
     double cn0 = not_given;
     int arc = 0;
     bool half_cycle = false, jumped = false;
@@ -32,10 +32,10 @@ struct BaseSatellite {
     std::array<BaseSignal, most_signals> signals;
 };
 struct BaseEpoch {
-    std::vector<BaseSatellite> satellites;   ///< in the order of their ids
-    double age = 0;        ///< s to the nearer epoch of the base
-    bool repeated = false; ///< its noise is that of neighbouring epochs of the rover too
-    double variance = 0;   ///< m^2, of what satellite clocks did since or between
+    std::vector<BaseSatellite> satellites;  ///< in the order of their ids
+    double age = 0;                         ///< s to the nearer epoch of the base
+    bool repeated = false;                  ///< its noise is that of neighbouring epochs of the rover too
+    double variance = 0;                    ///< m^2, of what satellite clocks did since or between
 };
 
 /// A base at rest. Between two of its epochs its residuals are interpolated linearly: what is left in them drifts by satellite clocks and

@@ -14,7 +14,7 @@
 namespace schuler::ppk {
 namespace {
 
-constexpr double unknown_ambiguity = 30.0;   ///< m, one sigma beyond what code less phase says
+constexpr double unknown_ambiguity = 30.0;  ///< m, one sigma beyond what code less phase says
 
 /// Rows and columns that stay.
 void keep(Eigen::VectorXd& x, Eigen::MatrixXd& P, const std::vector<Eigen::Index>& states) {
@@ -23,7 +23,8 @@ void keep(Eigen::VectorXd& x, Eigen::MatrixXd& P, const std::vector<Eigen::Index
     Eigen::MatrixXd P_new(n, n);
     for (Eigen::Index j = 0; j < n; ++j) {
         x_new[j] = x[states[static_cast<std::size_t>(j)]];
-        for (Eigen::Index i = 0; i < n; ++i) P_new(i, j) = P(states[static_cast<std::size_t>(i)], states[static_cast<std::size_t>(j)]);
+        for (Eigen::Index i = 0; i < n; ++i)
+            P_new(i, j) = P(states[static_cast<std::size_t>(i)], states[static_cast<std::size_t>(j)]);
     }
     x = std::move(x_new);
     P = std::move(P_new);
@@ -31,7 +32,8 @@ void keep(Eigen::VectorXd& x, Eigen::MatrixXd& P, const std::vector<Eigen::Index
 
 }  // namespace
 
-BaselineFilter::BaselineFilter(const Settings& settings, const SignalPlan& plan, const BaseStation& station, bool estimate_ionosphere)
+BaselineFilter::BaselineFilter(const Settings& settings, const SignalPlan& plan, const BaseStation& station,
+                               bool estimate_ionosphere)
     : settings_(settings), plan_(plan), station_(station), ionosphere_(estimate_ionosphere) {}
 
 void BaselineFilter::begin_at(const TrackedEpoch& rover) {
@@ -42,7 +44,7 @@ void BaselineFilter::begin_at(const TrackedEpoch& rover) {
         code_.clear();
         same_integers_ = 0;
     }
-    constexpr double beyond_single = 10.0, speed = 100.0;   // m, m/s
+    constexpr double beyond_single = 10.0, speed = 100.0;  // m, m/s
     P_.topRows(6).setZero();
     P_.leftCols(6).setZero();
     x_.head<3>() = rover.position.r;
@@ -56,7 +58,8 @@ void BaselineFilter::begin_at(const TrackedEpoch& rover) {
     const AirLeft& left = settings_.left;
     const double length = (rover.position.r - station_.position().r).norm();
     const Geodetic here = earth::geodetic_from_ecef(earth::wgs84, rover.position);
-    P_(6, 6) = std::pow(left.zenith_least + left.zenith_gradient * length, 2) + std::pow(left.zenith_height * (here.h - station_.geodetic().h), 2);
+    P_(6, 6) = std::pow(left.zenith_least + left.zenith_gradient * length, 2) +
+               std::pow(left.zenith_height * (here.h - station_.geodetic().h), 2);
 }
 
 void BaselineFilter::predict(double dt) {
@@ -80,7 +83,8 @@ void BaselineFilter::predict(double dt) {
             P_(k, k) += settings_.phase_walk * settings_.phase_walk * span;
             continue;
         }
-        const double decay = std::exp(-span / settings_.left.ionosphere_time), sigma = settings_.left.ionosphere_disturbed * baseline_;
+        const double decay = std::exp(-span / settings_.left.ionosphere_time),
+                     sigma = settings_.left.ionosphere_disturbed * baseline_;
         x_[k] *= decay;
         P_.row(k) *= decay;
         P_.col(k) *= decay;
@@ -96,8 +100,9 @@ void BaselineFilter::forget(Time tag, Time before) {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         const Entry& e = entries_[i];
         bool stays = std::abs((tag - e.seen).seconds()) <= longest;
-        for (const Difference& d : differences_)   // another arc of the same phase
-            if (!e.ionosphere && d.id == e.id && d.slot == e.slot) stays = stays && d.rover_arc == e.rover_arc && d.base_arc == e.base_arc;
+        for (const Difference& d : differences_)  // another arc of the same phase
+            if (!e.ionosphere && d.id == e.id && d.slot == e.slot)
+                stays = stays && d.rover_arc == e.rover_arc && d.base_arc == e.base_arc;
         if (!stays) continue;
         left.push_back(e);
         states.push_back(leading + static_cast<Eigen::Index>(i));
@@ -127,7 +132,7 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
     offsets_.clear();
     for (const auto& [group, values] : offsets) offsets_[group] = math::median(values);
     const Eigen::Index size = x_.size();
-    std::vector<std::pair<double, double>> fresh;   // value and variance
+    std::vector<std::pair<double, double>> fresh;  // value and variance
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         const Difference& d = differences_[k];
         if (ambiguity_[k] < 0) {
@@ -136,7 +141,7 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
             entries_.push_back({false, d.id, d.slot, d.rover_arc, d.base_arc, rover.tag, {}});
         }
         if (!ionosphere_ || delay_[k] >= 0) continue;
-        if (k > 0 && differences_[k - 1].id == d.id) {   // those of one satellite stand side by side
+        if (k > 0 && differences_[k - 1].id == d.id) {  // those of one satellite stand side by side
             delay_[k] = delay_[k - 1];
             continue;
         }
@@ -198,7 +203,7 @@ void BaselineFilter::use_velocity(const TrackedEpoch& rover) {
     H.block<3, 3>(0, 3).setIdentity();
     const Eigen::VectorXd z = rover.single.velocity - x_.segment<3>(3);
     const estim::BlockUpdate block(P_, H, z, rover.single.velocity_covariance);
-    constexpr double gate = 25.9;   // chi-square of three, 1e-5
+    constexpr double gate = 25.9;  // chi-square of three, 1e-5
     if (!block.valid() || block.statistic() > gate) return;
     x_ += block.error();
     block.apply(P_);
@@ -220,7 +225,8 @@ double BaselineFilter::place(Time tag, const Eigen::VectorXd& x, const Eigen::Ma
     }
     const Eigen::MatrixXd A = root.matrixL().solve(r.H.leftCols<3>());
     const Eigen::VectorXd white = root.matrixL().solve(r.z);
-    const Eigen::Matrix3d information = A.transpose() * A + P.topLeftCorner<3, 3>().inverse() * 1e-6;   // where phases leave a direction open
+    const Eigen::Matrix3d information =
+        A.transpose() * A + P.topLeftCorner<3, 3>().inverse() * 1e-6;  // where phases leave a direction open
     out.covariance = information.inverse();
     const Eigen::Vector3d moved = out.covariance * (A.transpose() * white);
     out.position.r = linearised_.r + moved;
@@ -234,7 +240,8 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
         const Entry& e = entry_of(k);
         const bool halves = d.halves || e.jumped;
         if (d.whole && !e.broken)
-            whole.push_back({d.id, group_of(d), ambiguity_[k], (halves ? 0.5 : 1.0) * d.wavelength, halves, d.elevation, d.repeated, e.trusted});
+            whole.push_back({d.id, group_of(d), ambiguity_[k], (halves ? 0.5 : 1.0) * d.wavelength, halves, d.elevation,
+                             d.repeated, e.trusted});
     }
     const IntegerTrial trial = fix_integers(x_, P_, whole, x_.size(), settings_.integers);
     out.ratio = trial.ratio;
@@ -255,7 +262,7 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
     out.ambiguities = trial.fix->ambiguities;
     out.fixed = trial.fix->count;
     // some combinations of integers may hold and leave the position as uncertain as it was
-    constexpr double fixed_sigma = 0.05;   // m
+    constexpr double fixed_sigma = 0.05;  // m
     if (out.covariance.trace() < fixed_sigma * fixed_sigma) out.quality = Quality::Fixed;
     if (settings_.views) look_at_signals(x, true, out);
     if (trial.fix->count == trial.fix->ambiguities) hold(*trial.fix);
@@ -265,8 +272,8 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
 /// again by codes. As loosely that errors of phases do not bend it.
 void BaselineFilter::hold(const IntegerFix& fix) {
     constexpr int often = 10;
-    constexpr double same = 0.02, sigma = 0.01;   // m
-    std::map<int, std::pair<double, double>> changes;   // least and largest of each group
+    constexpr double same = 0.02, sigma = 0.01;        // m
+    std::map<int, std::pair<double, double>> changes;  // least and largest of each group
     std::map<int, std::vector<Eigen::Index>> groups;
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         Entry& e = entry_of(k);
@@ -316,7 +323,7 @@ EpochSolution BaselineFilter::single(const TrackedEpoch& rover) const {
 EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     const auto base = station_.at(rover.tag);
     if (begun_) predict((rover.tag - tag_).seconds());
-    constexpr double lost = 100.0;   // m, one sigma of a coordinate: the single-point solution is better, and the model linear
+    constexpr double lost = 100.0;  // m, one sigma of a coordinate: the single-point solution is better, and the model linear
     if (!begun_ || P_.diagonal().head<3>().maxCoeff() > lost * lost) {
         if (!rover.placed) {
             begun_ = false;
@@ -343,7 +350,7 @@ EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     out.satellites = static_cast<int>(satellites.size());
     const double dt = (rover.tag - before).seconds();
     if (!update(rover.tag, dt, out)) {
-        begun_ = false;   // all of it is in doubt
+        begun_ = false;  // all of it is in doubt
         EpochSolution instead = single(rover);
         instead.rejected = out.rejected;
         return instead;

@@ -26,7 +26,7 @@ public:
     EpochSolution step(const TrackedEpoch& rover);
 
 private:
-    static constexpr Eigen::Index leading = 7;   ///< position, velocity, zenith delay
+    static constexpr Eigen::Index leading = 7;  ///< position, velocity, zenith delay
 
     /// A state beside the first ones.
     struct Entry {
@@ -35,11 +35,11 @@ private:
         std::uint8_t slot = 0;
         int rover_arc = 0, base_arc = 0;
         Time seen;
-        std::optional<Time> phase;  ///< last time a phase was used with it
-        bool trusted = false;       ///< among the integers that held last
-        bool broken = false;        ///< no whole number, as others that are showed
-        bool jumped = false;        ///< begun anew because the phase did not fit
-        double integer = not_given; ///< m, with the integers that held last; only differences within a group mean something
+        std::optional<Time> phase;   ///< last time a phase was used with it
+        bool trusted = false;        ///< among the integers that held last
+        bool broken = false;         ///< no whole number, as others that are showed
+        bool jumped = false;         ///< begun anew because the phase did not fit
+        double integer = not_given;  ///< m, with the integers that held last; only differences within a group mean something
     };
     /// A row of the epoch: one difference less its reference.
     struct RowOf {
@@ -63,7 +63,7 @@ private:
     struct Suspect {
         std::size_t difference = 0;
         bool phase = false;
-        double size = 0;   ///< sigmas
+        double size = 0;  ///< sigmas
     };
     struct Rows {
         std::vector<RowOf> of;
@@ -71,7 +71,9 @@ private:
         Eigen::VectorXd z;
     };
 
-    [[nodiscard]] Entry& entry_of(std::size_t difference) { return entries_[static_cast<std::size_t>(ambiguity_[difference] - leading)]; }
+    [[nodiscard]] Entry& entry_of(std::size_t difference) {
+        return entries_[static_cast<std::size_t>(ambiguity_[difference] - leading)];
+    }
     [[nodiscard]] const Entry& entry_of(std::size_t difference) const {
         return entries_[static_cast<std::size_t>(ambiguity_[difference] - leading)];
     }
@@ -101,18 +103,18 @@ private:
     bool ionosphere_;
     bool begun_ = false;
     Time tag_;
-    Eigen::VectorXd x_;                 ///< the position as it is, the others as the filter has them
+    Eigen::VectorXd x_;  ///< the position as it is, the others as the filter has them
     Eigen::MatrixXd P_;
-    std::vector<Entry> entries_;        ///< states from `leading` on
+    std::vector<Entry> entries_;  ///< states from `leading` on
     // of the epoch
     std::vector<Difference> differences_;
-    std::vector<Eigen::Index> ambiguity_, delay_;   ///< states of each difference; -1: none
+    std::vector<Eigen::Index> ambiguity_, delay_;  ///< states of each difference; -1: none
     std::vector<bool> code_out_;
     std::map<int, double> offsets_;
     Scale code_scale_{0.25}, phase_scale_{1.0};
-    std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;   ///< when a signal's code was last used
-    int same_integers_ = 0;             ///< epochs in a row
-    Ecef linearised_;                   ///< where the differences were computed
+    std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;  ///< when a signal's code was last used
+    int same_integers_ = 0;                                      ///< epochs in a row
+    Ecef linearised_;                                            ///< where the differences were computed
     double baseline_ = 0;
 };
 

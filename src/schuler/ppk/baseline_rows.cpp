@@ -38,11 +38,12 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const E
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         const int group = group_of(differences_[k]);
         groups[{group, true}].push_back(k);
-        if (weighting != Weighting::Phases && std::isfinite(differences_[k].code) && !code_out_[k]) groups[{group, false}].push_back(k);
+        if (weighting != Weighting::Phases && std::isfinite(differences_[k].code) && !code_out_[k])
+            groups[{group, false}].push_back(k);
     }
     Rows out;
     std::vector<double> noise, reference_noise;
-    std::vector<std::size_t> first;   // row at which the group of a row begins
+    std::vector<std::size_t> first;  // row at which the group of a row begins
     for (const auto& [key, members] : groups) {
         const bool phase = key.second;
         const auto variance = [&](std::size_t k) {
@@ -51,7 +52,8 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const E
             if (phase) return phase_scale_.value() * d.phase_variance * (lasts ? lasting_phase(k, tag) : 1.0);
             return code_scale_.value() * d.code_variance * (lasts ? lasting_code(d, tag) : 1.0);
         };
-        const std::size_t reference = *std::ranges::max_element(members, {}, [&](std::size_t k) { return differences_[k].elevation; });
+        const std::size_t reference =
+            *std::ranges::max_element(members, {}, [&](std::size_t k) { return differences_[k].elevation; });
         const std::size_t begin = out.of.size();
         for (const std::size_t k : members) {
             if (k == reference) continue;
@@ -99,9 +101,17 @@ void BaselineFilter::look_at_signals(const Eigen::VectorXd& x, bool integers, Ep
         const Difference& d = differences_[k];
         const Entry& e = entries_[static_cast<std::size_t>(ambiguity_[k] - leading)];
         const double common = d.towards.dot(moved) + d.mapping * x[6], ionosphere = ionosphere_ ? d.factor * x[delay_[k]] : 0.0;
-        SignalView v{d.id, d.band, d.elevation, d.code - common - ionosphere, d.phase - common + ionosphere - x[ambiguity_[k]],
-                     std::sqrt(code_scale_.value() * d.code_variance), std::sqrt(phase_scale_.value() * d.phase_variance),
-                     std::isfinite(d.code) && !code_out_[k], integers && e.trusted, d.rover_arc, d.base_arc};
+        SignalView v{d.id,
+                     d.band,
+                     d.elevation,
+                     d.code - common - ionosphere,
+                     d.phase - common + ionosphere - x[ambiguity_[k]],
+                     std::sqrt(code_scale_.value() * d.code_variance),
+                     std::sqrt(phase_scale_.value() * d.phase_variance),
+                     std::isfinite(d.code) && !code_out_[k],
+                     integers && e.trusted,
+                     d.rover_arc,
+                     d.base_arc};
         if (v.code_used) codes[group_of(d)].push_back(v.code);
         phases[group_of(d)].push_back(v.phase);
         out.signals.push_back(v);
@@ -117,7 +127,7 @@ BaselineFilter::Suspect BaselineFilter::worst(const estim::BlockUpdate& block, c
     Suspect out;
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         for (const bool phase : {false, true}) {
-            Eigen::VectorXd c = Eigen::VectorXd::Zero(rows.z.size());   // what an error of this one does to the double differences
+            Eigen::VectorXd c = Eigen::VectorXd::Zero(rows.z.size());  // what an error of this one does to the double differences
             bool any = false;
             for (std::size_t i = 0; i < rows.of.size(); ++i) {
                 if (rows.of[i].phase != phase || (rows.of[i].of != k && rows.of[i].reference != k)) continue;
@@ -134,27 +144,26 @@ BaselineFilter::Suspect BaselineFilter::worst(const estim::BlockUpdate& block, c
 /// A code that goes astray within its arc weighs little, as codes that hang together do, and would be noticed as late: codes are judged by
 /// the error that one alone may have.
 bool BaselineFilter::reject_misfits(Time tag, EpochSolution& out) {
-    constexpr double single = 4.7;   // sigmas, of any of fifty at 1e-4
-    const std::size_t most = 2 + differences_.size() / 3;   // beyond so many it is not single measurements that are wrong
+    constexpr double single = 4.7;                         // sigmas, of any of fifty at 1e-4
+    const std::size_t most = 2 + differences_.size() / 3;  // beyond so many it is not single measurements that are wrong
     for (std::size_t trial = 0; trial <= most; ++trial) {
         const Rows r = rows(tag, Weighting::Single, x_);
         if (r.of.size() < 3) return false;
         const estim::BlockUpdate block(P_, r.H, r.z, r.R);
         if (!block.valid()) return false;
         const Suspect suspect = worst(block, r);
-        const bool fits = block.statistic() <= math::chi_square_quantile(1.0 - settings_.false_alarm, static_cast<double>(r.of.size()));
+        const bool fits =
+            block.statistic() <= math::chi_square_quantile(1.0 - settings_.false_alarm, static_cast<double>(r.of.size()));
         if (fits && suspect.size < single) return true;
         ++out.rejected;
-        if (suspect.phase)
-            restart(suspect.difference);
-        else
-            code_out_[suspect.difference] = true;
+        if (suspect.phase) restart(suspect.difference);
+        else code_out_[suspect.difference] = true;
     }
     return false;
 }
 
 void BaselineFilter::Scale::add(double squares, double dof, double dt) {
-    constexpr double enough = 3.0, memory = 120.0;   // degrees of freedom, s
+    constexpr double enough = 3.0, memory = 120.0;  // degrees of freedom, s
     if (dof < enough || !std::isfinite(squares)) return;
     weight_ = weight_ * std::exp(-std::abs(dt) / memory) + dof;
     mean_ += (squares / dof - mean_) * dof / weight_;
@@ -178,7 +187,8 @@ void BaselineFilter::judge_codes(double dt) {
         Eigen::Vector3d towards = Eigen::Vector3d::Zero();
         for (const std::size_t k : members) {
             const Difference& d = differences_[k];
-            const double w = 1.0 / d.code_variance, z = d.code - d.mapping * x_[6] - (ionosphere_ ? d.factor * x_[delay_[k]] : 0.0);
+            const double w = 1.0 / d.code_variance,
+                         z = d.code - d.mapping * x_[6] - (ionosphere_ ? d.factor * x_[delay_[k]] : 0.0);
             weights += w;
             code += w * z;
             towards += w * d.towards;

@@ -23,7 +23,7 @@ EpochSolution combined(const EpochSolution& a, const EpochSolution& b) {
     const EpochSolution& other = first ? b : a;
     const Eigen::Vector3d apart = out.position.r - other.position.r;
     const Eigen::Matrix3d both = out.covariance + other.covariance;
-    constexpr double gate = 21.1;   // chi-square of three, 1e-4
+    constexpr double gate = 21.1;  // chi-square of three, 1e-4
     if (apart.dot(both.ldlt().solve(apart)) <= gate) return out;
     out.quality = Quality::Float;
     out.covariance += apart * apart.transpose();

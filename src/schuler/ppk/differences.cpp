@@ -15,8 +15,9 @@ double shell_mapping(double elevation) {
     return 1.0 / std::sqrt(1.0 - at_shell * at_shell);
 }
 
-std::vector<Difference> single_differences(const TrackedEpoch& rover, const BaseEpoch& base, const BaseStation& station, const SignalPlan& plan,
-                                           const Ecef& position, const Settings& settings, bool ionosphere_is_estimated) {
+std::vector<Difference> single_differences(const TrackedEpoch& rover, const BaseEpoch& base, const BaseStation& station,
+                                           const SignalPlan& plan, const Ecef& position, const Settings& settings,
+                                           bool ionosphere_is_estimated) {
     std::vector<Difference> out;
     const Geodetic geodetic = earth::geodetic_from_ecef(earth::wgs84, position);
     const double baseline = (position.r - station.position().r).norm();
@@ -47,16 +48,17 @@ std::vector<Difference> single_differences(const TrackedEpoch& rover, const Base
             d.factor = ionosphere_factor(r.wavelength);
             d.code = r.code - modelled - d.factor * delay.ionosphere - c.code;
             d.phase = r.phase - modelled + d.factor * delay.ionosphere - c.phase;
-            const double here = square(gnss::noise_factor(d.elevation, r.cn0)), there = square(gnss::noise_factor(b->direction.elevation, c.cn0));
+            const double here = square(gnss::noise_factor(d.elevation, r.cn0)),
+                         there = square(gnss::noise_factor(b->direction.elevation, c.cn0));
             double left = shared;
             if (settings.air.ionosphere && !ionosphere_is_estimated)
                 left += square(d.factor * settings.left.ionosphere_gradient * baseline * shell_mapping(d.elevation));
             d.phase_variance = square(settings.phase_sigma) * (here + c.phase_factor * there) + left;
-            constexpr double of_air = 0.25;   // neighbouring satellites look through the same air
+            constexpr double of_air = 0.25;  // neighbouring satellites look through the same air
             d.repeated = of_air * left;
             d.code_variance = square(settings.code_sigma) * (here + c.code_factor * there) + left;
             // other tracking modes, and receivers on GLONASS's many carriers, have code delays that differ by satellite
-            constexpr double apart = 1.0;   // m
+            constexpr double apart = 1.0;  // m
             if (!pairs[k].same() || s.id.system == gnss::System::Glonass) d.code_variance += square(apart);
             d.rover_arc = r.arc;
             d.base_arc = c.arc;

@@ -13,18 +13,18 @@ namespace schuler::ppk {
 /// delay and the satellite's ionospheric delay on L1, rover less base, beyond the models.
 struct Difference {
     SatelliteId id;
-    std::uint8_t slot = 0;           ///< in the plan
+    std::uint8_t slot = 0;  ///< in the plan
     char band = '1';
-    bool whole = true;               ///< the ambiguity is a whole number of cycles (against another of the same system and carrier)
-    bool halves = false;             ///< of half cycles rather
+    bool whole = true;    ///< the ambiguity is a whole number of cycles (against another of the same system and carrier)
+    bool halves = false;  ///< of half cycles rather
     Eigen::Vector3d towards{0, 0, 0};
     double elevation = 0;
     double mapping = 1;
-    double factor = 1;               ///< of the ionosphere
+    double factor = 1;  ///< of the ionosphere
     double wavelength = 0;
     double code = not_given, phase = not_given;
-    double code_variance = 0, phase_variance = 0;   ///< m^2
-    double repeated = 0;             ///< m^2, of the phase's variance what neighbouring epochs have in common
+    double code_variance = 0, phase_variance = 0;  ///< m^2
+    double repeated = 0;                           ///< m^2, of the phase's variance what neighbouring epochs have in common
     int rover_arc = 0, base_arc = 0;
 };
 
@@ -32,9 +32,9 @@ struct Difference {
 [[nodiscard]] inline int group_of(const Difference& d) { return static_cast<int>(d.id.system) * 256 + static_cast<int>(d.band); }
 
 /// Signals of which both have the phase, at the rover's position as it is supposed to be.
-[[nodiscard]] std::vector<Difference> single_differences(const TrackedEpoch& rover, const BaseEpoch& base, const BaseStation& station,
-                                                         const SignalPlan& plan, const Ecef& position, const Settings& settings,
-                                                         bool ionosphere_is_estimated);
+[[nodiscard]] std::vector<Difference> single_differences(const TrackedEpoch& rover, const BaseEpoch& base,
+                                                         const BaseStation& station, const SignalPlan& plan, const Ecef& position,
+                                                         const Settings& settings, bool ionosphere_is_estimated);
 
 /// By how much a vertical delay grows towards the horizon, 1 at the zenith: through the lower air, and through a shell at 350 km.
 [[nodiscard]] double air_mapping(double elevation);

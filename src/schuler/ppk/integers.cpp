@@ -39,12 +39,13 @@ double largest_distance(double false_alarm, Eigen::Index count) {
 /// The double differences' covariance and their cross-covariance with the first states, in cycles.
 struct Differenced {
     std::vector<Pair> pairs;
-    Eigen::VectorXd a;        ///< less the nearest whole numbers
+    Eigen::VectorXd a;  ///< less the nearest whole numbers
     Eigen::MatrixXd Q, C;
-    Eigen::MatrixXd repeated; ///< what is added to Q for the search
+    Eigen::MatrixXd repeated;  ///< what is added to Q for the search
 };
 
-Differenced differenced(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<const WholeState> whole, Eigen::Index states) {
+Differenced differenced(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<const WholeState> whole,
+                        Eigen::Index states) {
     Differenced out;
     out.pairs = double_differences(whole);
     const auto n = static_cast<Eigen::Index>(out.pairs.size());
@@ -60,8 +61,8 @@ Differenced differenced(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std:
         for (Eigen::Index j = 0; j <= i; ++j) {
             const auto [other, other_ref, other_wavelength] = out.pairs[static_cast<std::size_t>(j)];
             const double scale = 1.0 / (wavelength * other_wavelength);
-            out.Q(i, j) = out.Q(j, i) = scale * (P(of->state, other->state) - P(of->state, other_ref->state) - P(ref->state, other->state) +
-                                                 P(ref->state, other_ref->state));
+            out.Q(i, j) = out.Q(j, i) = scale * (P(of->state, other->state) - P(of->state, other_ref->state) -
+                                                 P(ref->state, other->state) + P(ref->state, other_ref->state));
             const double both = (ref == other_ref ? ref->repeated : 0.0) + (i == j ? of->repeated : 0.0);
             out.repeated(i, j) = out.repeated(j, i) = scale * both;
         }
@@ -74,7 +75,7 @@ IntegerTrial tried(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span
     IntegerTrial out;
     const Differenced d = differenced(x, P, whole, states);
     const Eigen::Index n = d.a.size();
-    constexpr Eigen::Index least = 4;   // fewer say little of three coordinates, and rarely prove themselves
+    constexpr Eigen::Index least = 4;  // fewer say little of three coordinates, and rarely prove themselves
     if (n < least) return out;
     const auto decorrelated = decorrelate(d.Q + d.repeated);
     if (!decorrelated) return out;
@@ -106,8 +107,8 @@ IntegerTrial tried(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span
 }
 
 /// Those left out whose double difference with the reference of their group is known by the fix, and is no whole number.
-void find_broken(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<const WholeState> all, std::span<const WholeState> used,
-                 Eigen::Index, IntegerFix& fix, const IntegerSettings& settings) {
+void find_broken(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<const WholeState> all,
+                 std::span<const WholeState> used, Eigen::Index, IntegerFix& fix, const IntegerSettings& settings) {
     for (const WholeState& w : all) {
         if (std::ranges::find(fix.states, w.state) != fix.states.end()) continue;
         std::vector<WholeState> with(used.begin(), used.end());
@@ -119,10 +120,11 @@ void find_broken(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<c
 
 }  // namespace
 
-IntegerTrial fix_integers(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<const WholeState> whole, Eigen::Index states,
-                          const IntegerSettings& settings) {
+IntegerTrial fix_integers(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<const WholeState> whole,
+                          Eigen::Index states, const IntegerSettings& settings) {
     std::vector<WholeState> all;
-    std::ranges::copy_if(whole, std::back_inserter(all), [&](const WholeState& w) { return w.elevation >= settings.elevation_mask; });
+    std::ranges::copy_if(whole, std::back_inserter(all),
+                         [&](const WholeState& w) { return w.elevation >= settings.elevation_mask; });
     IntegerTrial out = tried(x, P, all, states, settings);
     if (out.fix) return out;
     std::vector<WholeState> trusted;

@@ -16,24 +16,25 @@ namespace schuler::ppk {
 struct WholeState {
     gnss::SatelliteId id;
     int group = 0;
-    Eigen::Index state = 0;       ///< its place in the filter, m
-    double wavelength = 0;        ///< or half of it
+    Eigen::Index state = 0;  ///< its place in the filter, m
+    double wavelength = 0;   ///< or half of it
     bool halves = false;
     double elevation = 0;
-    double repeated = 0;          ///< m^2, variance of errors that many epochs have in common and the filter has averaged away all the same
-    bool trusted = false;         ///< it was among the integers that held last
+    double repeated =
+        0;  ///< m^2, variance of errors that many epochs have in common and the filter has averaged away all the same
+    bool trusted = false;  ///< it was among the integers that held last
 };
 
 /// The first `states` of the filter once integers hold.
 struct IntegerFix {
-    Eigen::VectorXd correction;   ///< to add to them
+    Eigen::VectorXd correction;  ///< to add to them
     Eigen::MatrixXd covariance;
     double ratio = 0;
     double success = 0;
-    int count = 0;                ///< integers that hold
-    int ambiguities = 0;          ///< double differences that could have
-    std::vector<Eigen::Index> states;     ///< that took part
-    std::vector<Eigen::Index> broken;     ///< that are no whole number by the others: half cycles, or an error of their own
+    int count = 0;                     ///< integers that hold
+    int ambiguities = 0;               ///< double differences that could have
+    std::vector<Eigen::Index> states;  ///< that took part
+    std::vector<Eigen::Index> broken;  ///< that are no whole number by the others: half cycles, or an error of their own
 };
 
 /// What the search said, whether or not it was believed.

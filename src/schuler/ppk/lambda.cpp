@@ -81,7 +81,7 @@ std::optional<Decorrelation> decorrelate(const Eigen::MatrixXd& covariance) {
         if (j <= reduced)
             for (Eigen::Index i = j + 1; i < n; ++i) subtract_whole(out, i, j);
         const double l = out.L(j + 1, j), variance = out.d[j] + l * l * out.d[j + 1];
-        constexpr double worth = 1.0 - 1e-9;   // a smaller gain is rounding, and might never end
+        constexpr double worth = 1.0 - 1e-9;  // a smaller gain is rounding, and might never end
         if (variance < worth * out.d[j + 1]) {
             exchange(out, j, variance);
             reduced = j;
@@ -96,7 +96,7 @@ std::optional<Decorrelation> decorrelate(const Eigen::MatrixXd& covariance) {
 double success_rate(const Decorrelation& decorrelation, Eigen::Index count) {
     double product = 1.0;
     for (Eigen::Index k = decorrelation.size() - count; k < decorrelation.size(); ++k)
-        product *= std::erf(0.5 / std::sqrt(2.0 * decorrelation.d[k]));   // 2 Phi(1 / (2 sigma)) - 1
+        product *= std::erf(0.5 / std::sqrt(2.0 * decorrelation.d[k]));  // 2 Phi(1 / (2 sigma)) - 1
     return product;
 }
 
@@ -117,7 +117,7 @@ std::vector<IntegerCandidate> nearest_integers(const Decorrelation& decorrelatio
     const auto L = decorrelation.L.bottomRightCorner(n, n);
     const auto d = decorrelation.d.tail(n);
     const auto real = z.tail(z.size() - first);
-    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n, n);   // row k: what the integers above k move the real values by
+    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n, n);  // row k: what the integers above k move the real values by
     Eigen::VectorXd conditioned(n), distance = Eigen::VectorXd::Zero(n + 1), integers(n);
     std::vector<Zigzag> at(static_cast<std::size_t>(n));
     const auto zigzag = [&](Eigen::Index k) -> Zigzag& { return at[static_cast<std::size_t>(k)]; };

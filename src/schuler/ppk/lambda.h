@@ -13,7 +13,7 @@ namespace schuler::ppk {
 /// [Teunissen1995]: their covariance is L' diag(d) L with L unit lower triangular, so that d[k] is the variance of z[k] once z[k+1] to the
 /// last are known. The last are the best known.
 struct Decorrelation {
-    Eigen::MatrixXd Z;   ///< whole numbers, determinant +-1
+    Eigen::MatrixXd Z;  ///< whole numbers, determinant +-1
     Eigen::MatrixXd L;
     Eigen::VectorXd d;
 
@@ -38,6 +38,7 @@ struct IntegerCandidate {
 /// The `wanted` nearest vectors to the last `count` of z, the nearest first, by the shrinking search of [Chang2005]. Fewer, possibly none,
 /// where it would visit more than `most_nodes`: then nothing can be said.
 [[nodiscard]] std::vector<IntegerCandidate> nearest_integers(const Decorrelation& decorrelation, const Eigen::VectorXd& z,
-                                                             Eigen::Index count, std::size_t wanted, std::size_t most_nodes = 20'000);
+                                                             Eigen::Index count, std::size_t wanted,
+                                                             std::size_t most_nodes = 20'000);
 
 }  // namespace schuler::ppk

@@ -21,27 +21,27 @@ enum class Quality : std::uint8_t { None = 0, Fixed = 1, Float = 2, Single = 5 }
 struct SignalView {
     gnss::SatelliteId satellite;
     char band = '1';
-    double elevation = 0;         ///< rad
-    double code = not_given, phase = not_given;                      ///< m, residuals
-    double code_sigma = not_given, phase_sigma = not_given;          ///< m, of a single difference
+    double elevation = 0;                                    ///< rad
+    double code = not_given, phase = not_given;              ///< m, residuals
+    double code_sigma = not_given, phase_sigma = not_given;  ///< m, of a single difference
     bool code_used = false;
-    bool whole = false;           ///< its ambiguity is among the integers of the epoch
-    int rover_arc = 0, base_arc = 0;   ///< another number than before: the phase slipped, or was lost
+    bool whole = false;               ///< its ambiguity is among the integers of the epoch
+    int rover_arc = 0, base_arc = 0;  ///< another number than before: the phase slipped, or was lost
 };
 
 struct EpochSolution {
-    Time tag, time;               ///< by the rover's clock, and GPS time
+    Time tag, time;  ///< by the rover's clock, and GPS time
     Quality quality = Quality::None;
     Ecef position;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();            ///< m^2, Earth-fixed
-    Eigen::Vector3d velocity = not_given3();                         ///< m/s, Earth-fixed; NaN where nothing says it
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< m^2, Earth-fixed
+    Eigen::Vector3d velocity = not_given3();               ///< m/s, Earth-fixed; NaN where nothing says it
     Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();
-    int satellites = 0;           ///< in common with the base, or of the single-point solution
+    int satellites = 0;  ///< in common with the base, or of the single-point solution
     int ambiguities = 0, fixed = 0;
     double ratio = 0, success = 0;
-    double age = 0;               ///< s to the base's epoch
-    int rejected = 0;             ///< codes left out, and ambiguities begun anew because their phases did not fit
-    std::vector<SignalView> signals;   ///< empty but for Settings::views
+    double age = 0;                   ///< s to the base's epoch
+    int rejected = 0;                 ///< codes left out, and ambiguities begun anew because their phases did not fit
+    std::vector<SignalView> signals;  ///< empty but for Settings::views
 };
 
 }  // namespace schuler::ppk

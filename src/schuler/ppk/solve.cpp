@@ -21,7 +21,8 @@ constexpr double deg = 57.29577951308232;
 
 std::string date_of(Time t) {
     const Calendar c = utc_from_gps(t);
-    return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02.0f} UTC", c.year, c.month, c.day, c.hour, c.minute, std::floor(c.second));
+    return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02.0f} UTC", c.year, c.month, c.day, c.hour, c.minute,
+                       std::floor(c.second));
 }
 
 std::string place_text(const Ecef& place) {
@@ -37,10 +38,11 @@ void check_times(const Input& input, double longest_age) {
     const auto &r = input.rover->epochs, &b = input.base->epochs;
     const Duration age = Duration::from_seconds(longest_age);
     if (b.back().time + age >= r.front().time && b.front().time - age <= r.back().time) return;
-    throw about_base(input,
-                     fmt::format("the base's log ({} to {}) and the rover's ({} to {}) have no time in common", date_of(b.front().time),
-                                 date_of(b.back().time), date_of(r.front().time), date_of(r.back().time)),
-                     "name the base's log of the same hours");
+    throw about_base(
+        input,
+        fmt::format("the base's log ({} to {}) and the rover's ({} to {}) have no time in common", date_of(b.front().time),
+                    date_of(b.back().time), date_of(r.front().time), date_of(r.back().time)),
+        "name the base's log of the same hours");
 }
 
 /// The same measurements to the last digit at every instant that both logs have.
@@ -71,8 +73,8 @@ void check_different(const Input& input) {
 /// Where the base is by itself.
 struct OwnPlace {
     Ecef position;
-    double sigma = 0;   ///< m, three-dimensional
-    double moved = 0;   ///< m, between the first and the last third of the log, or farther from the middle for a tenth of it
+    double sigma = 0;  ///< m, three-dimensional
+    double moved = 0;  ///< m, between the first and the last third of the log, or farther from the middle for a tenth of it
 };
 Eigen::Vector3d median_place(const std::vector<Eigen::Vector3d>& places) {
     Eigen::Vector3d out;
@@ -100,7 +102,8 @@ std::optional<OwnPlace> own_place(const Input& input) {
     OwnPlace out{{median_place(places)}, math::median(sigmas), 0.0};
     const auto third = static_cast<std::ptrdiff_t>(places.size() / 3);
     if (third >= 3)
-        out.moved = (median_place({places.begin(), places.begin() + third}) - median_place({places.end() - third, places.end()})).norm();
+        out.moved =
+            (median_place({places.begin(), places.begin() + third}) - median_place({places.end() - third, places.end()})).norm();
     std::vector<double> off;
     for (const Eigen::Vector3d& p : places) off.push_back((p - out.position.r).norm());
     out.moved = std::max(out.moved, math::quantile(std::move(off), 0.9));
@@ -110,20 +113,25 @@ std::optional<OwnPlace> own_place(const Input& input) {
 void place_base(const Input& input, Solution& out, WarningLog& warnings) {
     const std::optional<OwnPlace> own = own_place(input);
     const Ecef& header = input.base->approximate;
-    constexpr double earth_inside = 6e6;   // m: a header without a position has zeros
+    constexpr double earth_inside = 6e6;  // m: a header without a position has zeros
     if (input.base_position) {
         out.base = *input.base_position;
     } else if (header.r.allFinite() && header.r.norm() > earth_inside) {
         out.base = antenna_of(header, input.base->antenna_delta);
         out.place = PlaceOfBase::Header;
-        warnings.add("base.position.header", fmt::format("the base stands where its header says, {}; positions are as good as that "
-                                                         "(base.position gives another)", place_text(out.base)));
+        warnings.add("base.position.header",
+                     fmt::format("the base stands where its header says, {}; positions are as good as that "
+                                 "(base.position gives another)",
+                                 place_text(out.base)));
     } else if (own) {
         out.base = own->position;
         out.place = PlaceOfBase::SinglePoint;
         out.base_sigma = own->sigma;
-        warnings.add("base.position.single", fmt::format("neither base.position nor the header says where the base is: its own single-point solution, {}, "
-                                                         "stands for it, and its sigma of {:.1f} m is in every position", place_text(out.base), own->sigma));
+        warnings.add(
+            "base.position.single",
+            fmt::format("neither base.position nor the header says where the base is: its own single-point solution, {}, "
+                        "stands for it, and its sigma of {:.1f} m is in every position",
+                        place_text(out.base), own->sigma));
     } else {
         throw about_base(input, "nothing says where the base is: its header has no position, and its measurements give none",
                          "write [base] position = [latitude deg, longitude deg, height m]", "base.position");
@@ -132,20 +140,26 @@ void place_base(const Input& input, Solution& out, WarningLog& warnings) {
         warnings.add("base.unchecked", "the base's place could not be checked: its measurements give no single-point solution");
         return;
     }
-    constexpr double honest = 20.0, sigmas = 6.0;   // m
+    constexpr double honest = 20.0, sigmas = 6.0;  // m
     const double largest = std::min(honest + sigmas * own->sigma, 90.0), off = (own->position.r - out.base.r).norm();
     if (own->moved > largest)
         throw about_base(input, fmt::format("the base moves, by {:.0f} m", own->moved),
                          "the base must be the receiver at rest; are the two logs exchanged?");
     if (off > largest)
-        throw about_base(input,
-                         fmt::format("the base's position {} ({}) is {:.0f} m away from where its own measurements put it, {}", place_text(out.base),
-                                     out.place == PlaceOfBase::Header ? "of its header" : "as given", off, place_text(own->position)),
-                         fmt::format("give base.position right, latitude and longitude in degrees and the height above the ellipsoid; {:.1f} m are "
-                                     "known of it by these measurements", own->sigma),
-                         "base.position");
+        throw about_base(
+            input,
+            fmt::format("the base's position {} ({}) is {:.0f} m away from where its own measurements put it, {}",
+                        place_text(out.base), out.place == PlaceOfBase::Header ? "of its header" : "as given", off,
+                        place_text(own->position)),
+            fmt::format(
+                "give base.position right, latitude and longitude in degrees and the height above the ellipsoid; {:.1f} m are "
+                "known of it by these measurements",
+                own->sigma),
+            "base.position");
     if (off > 5.0 + 3.0 * own->sigma)
-        warnings.add("base.position.off", fmt::format("the base's own single-point solution is {:.1f} m from its position (sigma {:.1f} m)", off, own->sigma));
+        warnings.add(
+            "base.position.off",
+            fmt::format("the base's own single-point solution is {:.1f} m from its position (sigma {:.1f} m)", off, own->sigma));
 }
 
 std::vector<EpochSolution> pass(const std::vector<TrackedEpoch>& rover, BaselineFilter filter, bool backwards) {
@@ -171,7 +185,8 @@ std::size_t Solution::count(Quality quality) const {
 
 Solution solve(const Input& input, const Settings& settings, WarningLog& warnings) {
     if (input.base->epochs.empty()) throw about_base(input, "has no measurement", "name the base's observations");
-    if (input.rover->epochs.empty()) throw input_error("has no measurement", {input.rover_name, 0, 0, "gnss.observations"}, "name the rover's observations");
+    if (input.rover->epochs.empty())
+        throw input_error("has no measurement", {input.rover_name, 0, 0, "gnss.observations"}, "name the rover's observations");
     check_times(input, settings.base.longest_age);
     check_different(input);
     Solution out;
@@ -184,7 +199,8 @@ Solution solve(const Input& input, const Settings& settings, WarningLog& warning
     base_ranges.least_cn0 = 0.0;
     gnss::SinglePoint solver(*input.source, input.ionosphere, input.single);
     std::vector<TrackedEpoch> base = tracked(*input.base, Side::Base, plan, *input.source, solver, base_ranges, out.base);
-    std::vector<TrackedEpoch> rover = tracked(*input.rover, Side::Rover, plan, *input.source, solver, input.single.ranges, std::nullopt);
+    std::vector<TrackedEpoch> rover =
+        tracked(*input.rover, Side::Rover, plan, *input.source, solver, input.single.ranges, std::nullopt);
     if (rover.empty())
         throw input_error("no epoch has a single-point solution to begin with", {input.rover_name, 0, 0, "gnss.observations"},
                           "are the navigation files of the same day, and the systems right?");
@@ -207,8 +223,8 @@ Solution solve(const Input& input, const Settings& settings, WarningLog& warning
         const bool common = std::ranges::any_of(rover, [&](const TrackedEpoch& e) {
             const auto b = station.at(e.tag);
             return b && std::ranges::any_of(e.satellites, [&](const TrackedSatellite& s) {
-                return std::ranges::find(b->satellites, s.id, &BaseSatellite::id) != b->satellites.end();
-            });
+                       return std::ranges::find(b->satellites, s.id, &BaseSatellite::id) != b->satellites.end();
+                   });
         });
         throw about_base(input,
                          common ? fmt::format("at no time four satellites in common with {} agree", input.rover_name)

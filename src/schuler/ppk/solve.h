@@ -16,8 +16,8 @@ namespace schuler::ppk {
 struct Input {
     const gnss::ObservationLog* rover = nullptr;
     const gnss::ObservationLog* base = nullptr;
-    std::string rover_name, base_name;        ///< files, for messages
-    std::optional<Ecef> base_position;        ///< of its antenna, as given; else the header's, else its own single-point solution
+    std::string rover_name, base_name;  ///< files, for messages
+    std::optional<Ecef> base_position;  ///< of its antenna, as given; else the header's, else its own single-point solution
     const gnss::SatelliteSource* source = nullptr;
     gnss::SinglePointSettings single;
     std::optional<gnss::BroadcastIonosphere> ionosphere;
@@ -29,8 +29,8 @@ struct Solution {
     std::vector<EpochSolution> epochs;
     Ecef base;
     PlaceOfBase place = PlaceOfBase::Given;
-    double base_sigma = 0;                    ///< m, of the base's place: 0 where it is given or the header's
-    double longest_baseline = 0;              ///< m
+    double base_sigma = 0;        ///< m, of the base's place: 0 where it is given or the header's
+    double longest_baseline = 0;  ///< m
     ArcCounts rover_arcs, base_arcs;
     [[nodiscard]] std::size_t count(Quality quality) const;
 };

@@ -76,8 +76,9 @@ const SignalObservation* find(std::span<const SignalObservation> of_satellite, g
 bool is_code(double pseudorange) { return pseudorange > 1e6 && pseudorange < 1e9; }
 
 /// One satellite of an epoch; nothing without a code, an ephemeris or a phase.
-std::optional<TrackedSatellite> tracked_satellite(std::span<const SignalObservation> of_satellite, std::span<const SignalPair> pairs, Side side,
-                                                  Time tag, const gnss::SatelliteSource& source, const ObservationLog& log,
+std::optional<TrackedSatellite> tracked_satellite(std::span<const SignalObservation> of_satellite,
+                                                  std::span<const SignalPair> pairs, Side side, Time tag,
+                                                  const gnss::SatelliteSource& source, const ObservationLog& log,
                                                   const gnss::RangeSettings& settings) {
     TrackedSatellite out;
     out.id = of_satellite.front().satellite;
@@ -160,8 +161,9 @@ Line line_to(const TrackedSatellite& s, const Ecef& receiver, const Geodetic& ge
     return out;
 }
 
-std::vector<TrackedEpoch> tracked(const ObservationLog& log, Side side, const SignalPlan& plan, const gnss::SatelliteSource& source,
-                                  gnss::SinglePoint& solver, const gnss::RangeSettings& settings, std::optional<Ecef> fixed) {
+std::vector<TrackedEpoch> tracked(const ObservationLog& log, Side side, const SignalPlan& plan,
+                                  const gnss::SatelliteSource& source, gnss::SinglePoint& solver,
+                                  const gnss::RangeSettings& settings, std::optional<Ecef> fixed) {
     std::vector<TrackedEpoch> out;
     out.reserve(log.epochs.size());
     std::optional<Ecef> last = fixed;
@@ -180,7 +182,7 @@ std::vector<TrackedEpoch> tracked(const ObservationLog& log, Side side, const Si
             }
         }
         epoch.time = e.time - clock_error;
-        if (!last) continue;   // nothing is known of where the receiver is
+        if (!last) continue;  // nothing is known of where the receiver is
         epoch.position = *last;
         const Geodetic geodetic = earth::geodetic_from_ecef(earth::wgs84, *last);
         for (std::size_t first = 0, end = 0; first < observations.size(); first = end) {
@@ -188,7 +190,8 @@ std::vector<TrackedEpoch> tracked(const ObservationLog& log, Side side, const Si
             while (end < observations.size() && observations[end].satellite == id) ++end;
             const auto& pairs = plan.of[gnss::index_of(id)];
             if (pairs.empty()) continue;
-            auto satellite = tracked_satellite(observations.subspan(first, end - first), pairs, side, e.time, source, log, settings);
+            auto satellite =
+                tracked_satellite(observations.subspan(first, end - first), pairs, side, e.time, source, log, settings);
             if (!satellite) continue;
             satellite->direction = line_to(*satellite, *last, geodetic).direction;
             if (e.power_failure)

@@ -33,35 +33,35 @@ struct SignalPlan {
 
 /// One signal. NaN where it was not measured.
 struct TrackedSignal {
-    double code = not_given;    ///< m
-    double phase = not_given;   ///< m
-    double doppler = not_given; ///< m/s, range rate
-    double wavelength = 0;      ///< m
-    double cn0 = not_given;     ///< dB-Hz
-    int arc = 0;                ///< the phase counts on without a jump while this number stays; 0: no phase
-    bool lost = false;          ///< the receiver says that it lost lock since the epoch before
-    bool half_cycle = false;    ///< the receiver has not yet resolved half cycles
-    bool jumped = false;        ///< the arc began with a jump that the receiver did not tell, of half cycles perhaps
+    double code = not_given;     ///< m
+    double phase = not_given;    ///< m
+    double doppler = not_given;  ///< m/s, range rate
+    double wavelength = 0;       ///< m
+    double cn0 = not_given;      ///< dB-Hz
+    int arc = 0;                 ///< the phase counts on without a jump while this number stays; 0: no phase
+    bool lost = false;           ///< the receiver says that it lost lock since the epoch before
+    bool half_cycle = false;     ///< the receiver has not yet resolved half cycles
+    bool jumped = false;         ///< the arc began with a jump that the receiver did not tell, of half cycles perhaps
 };
 
 /// One satellite at the time when what arrives now was sent.
 struct TrackedSatellite {
     SatelliteId id;
     Time transmit;
-    Ecef position;              ///< in Earth-fixed axes of that instant
+    Ecef position;  ///< in Earth-fixed axes of that instant
     Eigen::Vector3d velocity{0, 0, 0};
-    double clock = 0;           ///< m, satellite minus system time
-    double clock_rate = 0;      ///< m/s
-    double variance = 0;        ///< m^2, of orbit and clock
+    double clock = 0;       ///< m, satellite minus system time
+    double clock_rate = 0;  ///< m/s
+    double variance = 0;    ///< m^2, of orbit and clock
     gnss::Direction direction;
     std::array<TrackedSignal, most_signals> signals;  ///< in the order of the plan
 };
 
 struct TrackedEpoch {
-    Time tag;                   ///< by the receiver's clock
-    Time time;                  ///< GPS time
-    Ecef position;              ///< the single-point solution; where there is none, the last one
-    bool placed = false;        ///< there is a single-point solution
+    Time tag;                          ///< by the receiver's clock
+    Time time;                         ///< GPS time
+    Ecef position;                     ///< the single-point solution; where there is none, the last one
+    bool placed = false;               ///< there is a single-point solution
     gnss::SinglePointSolution single;  ///< without its satellites
     std::vector<TrackedSatellite> satellites;
 };

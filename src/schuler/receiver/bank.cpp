@@ -13,9 +13,9 @@ namespace {
 constexpr double c = gnss::speed_of_light;
 /// Beyond these a prediction may lie outside the reach of a deep channel's discriminators (half a chip, a quarter of the inverse
 /// symbol).
-constexpr double deep_range = 40.0, deep_rate = 0.8;   // m, m/s, one sigma
-constexpr int rate_span = 200;   // code periods over which a followed phase tells a rate
-constexpr int pause = 100;   // code periods from one search that found to the next, while the navigation uses it
+constexpr double deep_range = 40.0, deep_rate = 0.8;  // m, m/s, one sigma
+constexpr int rate_span = 200;                        // code periods over which a followed phase tells a rate
+constexpr int pause = 100;  // code periods from one search that found to the next, while the navigation uses it
 
 theory::PllResponse response_of(const BankSettings& settings) {
     const TrackingSettings& s = settings.guidance == Guidance::Loops ? settings.aided : settings.alone;
@@ -26,7 +26,7 @@ theory::PllResponse response_of(const BankSettings& settings) {
 
 double shared_rate_span(const BankSettings& settings) {
     // spans whose ends are spread evenly over a symbol are a third of it apart in the mean
-    constexpr double span = rate_span * Bank::period, symbol = 0.02;   // s
+    constexpr double span = rate_span * Bank::period, symbol = 0.02;  // s
     if (settings.guidance == Guidance::Generators) return span / (1.0 - symbol / (3.0 * span));
     return 1.0 / response_of(settings).clock_common;
 }
@@ -34,9 +34,9 @@ double shared_rate_span(const BankSettings& settings) {
 Bank::Channel::Channel(const SignalStructure& signal_, const BankSettings& settings, std::uint64_t seed, std::size_t number)
     : signal(signal_),
       peak(signal_.chip_rate, settings.front_end),
-      model(peak, (settings.guidance == Guidance::Generators  ? settings.deep.spacing
-                   : settings.guidance == Guidance::Loops ? settings.aided.spacing
-                                                          : settings.alone.spacing)),
+      model(peak, (settings.guidance == Guidance::Generators ? settings.deep.spacing
+                   : settings.guidance == Guidance::Loops    ? settings.aided.spacing
+                                                             : settings.alone.spacing)),
       noise(seed, "bank.noise." + std::to_string(number)),
       message(seed, "bank.message." + std::to_string(number)),
       tracker(signal_, peak, settings.guidance == Guidance::Loops ? settings.aided : settings.alone),
@@ -107,8 +107,8 @@ bool Bank::search(std::size_t i, const LineOfSight& truth, double cn0) {
             return true;
         }
         // after each sweep from what is known by then: the window of a long search would stay where the signal was
-        const bool swept = ch.search && !ch.search->candidate() &&
-                           ch.search->elapsed() >= ch.search->dwells_per_sweep() * ch.search->dwell();
+        const bool swept =
+            ch.search && !ch.search->candidate() && ch.search->elapsed() >= ch.search->dwells_per_sweep() * ch.search->dwell();
         if (!ch.search || swept) ch.search.emplace(new_search(i, truth));
         const LineOfSight aid = predicted(i, now());
         ch.found = ch.search->step(truth, cn0, ch.noise, settings_.guidance != Guidance::None ? &aid : nullptr);
@@ -147,7 +147,7 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
     const double patience = ch.running ? 2.0 : 1.0;
     if (!(p.std_range < patience * deep_range && p.std_rate < patience * deep_rate)) {
         // a prediction that may lie beyond the discriminators' reach would make measurements that are none: look for the signal
-        ch.running = false;   // what runs again runs from what is known then
+        ch.running = false;  // what runs again runs from what is known then
         if (!search(i, truth, cn0)) return;
         ch.measured = {};
         ch.measured.status = ChannelMeasurement::Status::Noncoherent;
@@ -167,7 +167,7 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
         ch.deep.start(predicted(i, now()), ch.phase);
         ch.running = true;
     }
-    if (now() < guided_at_ + 0.5 * period) ch.deep.steer(predicted(i, now()));   // a new word: the generators turn at once
+    if (now() < guided_at_ + 0.5 * period) ch.deep.steer(predicted(i, now()));  // a new word: the generators turn at once
     const ReplicaError error = replica_error(ch.signal, ch.deep.replica(), truth, period);
     const auto out = ch.deep.step(ch.model.dump(error, cn0, period, ch.sign, ch.noise));
     if (!out) return;
@@ -182,7 +182,7 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
 
 void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
     out.clear();
-    const double late = clock_ / c;   // s by which the receiver's clock showed now before it was now
+    const double late = clock_ / c;  // s by which the receiver's clock showed now before it was now
     for (std::size_t i = 0; i < channels_.size(); ++i) {
         Channel& ch = channels_[i];
         BankMeasurement m;

@@ -23,8 +23,8 @@ public:
     [[nodiscard]] virtual std::size_t size() const = 0;
     [[nodiscard]] virtual SignalStructure structure(std::size_t signal) const = 0;
     [[nodiscard]] virtual LineOfSight motion(std::size_t signal, double t) const = 0;
-    [[nodiscard]] virtual double cn0(std::size_t signal, double t) const = 0;     ///< Hz; 0: nothing arrives
-    [[nodiscard]] virtual bool in_view(std::size_t signal, double t) const = 0;   ///< by almanac
+    [[nodiscard]] virtual double cn0(std::size_t signal, double t) const = 0;    ///< Hz; 0: nothing arrives
+    [[nodiscard]] virtual bool in_view(std::size_t signal, double t) const = 0;  ///< by almanac
 };
 
 /// What the navigation has to say to the channels (paper A, 1.1).
@@ -36,13 +36,13 @@ enum class Guidance {
 
 struct BankSettings {
     Guidance guidance = Guidance::None;
-    TrackingSettings alone;                    ///< loops without an aid
-    TrackingSettings aided;                    ///< and with it
+    TrackingSettings alone;  ///< loops without an aid
+    TrackingSettings aided;  ///< and with it
     SearchSettings search{.coherent = 5, .noncoherent = 10};
     SearchSettings aided_search{.coherent = 10, .noncoherent = 10};
     DeepSettings deep;
-    double front_end = std::numeric_limits<double>::infinity();   ///< Hz, two-sided band
-    double hot_range = 3000.0, hot_rate = 60.0;   ///< m, m/s: one sigma of what a receiver alone knows of a signal it has lost
+    double front_end = std::numeric_limits<double>::infinity();  ///< Hz, two-sided band
+    double hot_range = 3000.0, hot_rate = 60.0;  ///< m, m/s: one sigma of what a receiver alone knows of a signal it has lost
     OscillatorSettings oscillator;
 
     BankSettings() { aided.pll_bandwidth = 3.0, aided.integration = 20; }
@@ -51,8 +51,8 @@ struct BankSettings {
 /// Where the navigation expects a signal, its estimate of the receiver's clock included.
 struct Prediction {
     LineOfSight motion;
-    double std_range = 0.0, std_rate = 0.0;    ///< one sigma, m, m/s
-    double drift = 0.0;   ///< m/s, the clock's part of motion.rate: loops keep it themselves, for its estimate jumps
+    double std_range = 0.0, std_rate = 0.0;  ///< one sigma, m, m/s
+    double drift = 0.0;  ///< m/s, the clock's part of motion.rate: loops keep it themselves, for its estimate jumps
 };
 
 /// One signal measured: pseudorange and its rate now, receiver's clock included.
@@ -61,10 +61,10 @@ struct BankMeasurement {
     double range = 0.0, range_variance = 0.0;  ///< m, m^2
     /// m/s, of now, or by phase the mean over the last rate_span; infinite variance: none.
     double rate = 0.0, rate_variance = std::numeric_limits<double>::infinity();
-    double rate_span = 0.0;                    ///< s; the oscillator's white frequency noise is in the rate as in a mean over so long
-    double phase_variance = 0.0;               ///< m^2, of the phases at the ends of the span whose change is the rate; 0: it is none
-    bool phase_goes_on = false;                ///< the phase at its begin is that of the end of the signal's last rate
-    double cn0 = 0.0;                          ///< Hz, as estimated
+    double rate_span = 0.0;       ///< s; the oscillator's white frequency noise is in the rate as in a mean over so long
+    double phase_variance = 0.0;  ///< m^2, of the phases at the ends of the span whose change is the rate; 0: it is none
+    bool phase_goes_on = false;   ///< the phase at its begin is that of the end of the signal's last rate
+    double cn0 = 0.0;             ///< Hz, as estimated
 };
 
 /// s; what the rates of one instant have of the oscillator's white frequency noise in common is that in a mean over so long, while channels
@@ -87,11 +87,11 @@ public:
     /// before. `interval`: s since the last time.
     void measure(std::vector<BankMeasurement>& out, double interval);
 
-    [[nodiscard]] double now() const { return static_cast<double>(ticks_) * period; }   ///< s
+    [[nodiscard]] double now() const { return static_cast<double>(ticks_) * period; }  ///< s
     [[nodiscard]] ChannelState state(std::size_t signal) const;
-    [[nodiscard]] double clock() const { return clock_; }   ///< c times the oscillator's offset, m: truth, for judging
+    [[nodiscard]] double clock() const { return clock_; }  ///< c times the oscillator's offset, m: truth, for judging
 
-    static constexpr double period = 1e-3;     ///< s, of every code here
+    static constexpr double period = 1e-3;  ///< s, of every code here
 
 private:
     struct Channel {
@@ -104,16 +104,16 @@ private:
         Tracker tracker;
         DeepChannel deep;
         std::optional<Search> search;
-        int symbol, phase;                     ///< code periods a symbol; of this one
+        int symbol, phase;  ///< code periods a symbol; of this one
         int sign = 1;
-        int wait = 0;                          ///< code periods until the dwell ends
-        bool found = false;                    ///< by that dwell
-        bool running = false;                  ///< deep: the generators run
+        int wait = 0;          ///< code periods until the dwell ends
+        bool found = false;    ///< by that dwell
+        bool running = false;  ///< deep: the generators run
         bool fresh = false;
         ChannelMeasurement measured;
-        LineOfSight expected;                  ///< deep: at the end of that symbol
-        double at = 0.0;                       ///< s, its time
-        RateSpan span;                         ///< deep
+        LineOfSight expected;  ///< deep: at the end of that symbol
+        double at = 0.0;       ///< s, its time
+        RateSpan span;         ///< deep
     };
     bool search(std::size_t i, const LineOfSight& truth, double cn0);
     void step_alone(std::size_t i, const LineOfSight& truth, double cn0, bool view);
@@ -130,7 +130,7 @@ private:
     double guided_at_ = 0.0;
     std::int64_t ticks_ = 0;
     double clock_ = 0.0;
-    theory::PllResponse response_;             ///< of the loops that are guided so
+    theory::PllResponse response_;  ///< of the loops that are guided so
 };
 
 }  // namespace schuler::receiver

@@ -9,10 +9,12 @@ namespace schuler::receiver {
 namespace {
 
 /// Stages of the second register whose sum delays it for each satellite [ISGPS200:table 3-Ia].
+// clang-format off
 constexpr std::array<std::array<int, 2>, 32> phase_selection{{{2, 6},  {3, 7}, {4, 8}, {5, 9},  {1, 9}, {2, 10}, {1, 8}, {2, 9},
                                                               {3, 10}, {2, 3}, {3, 4}, {5, 6},  {6, 7}, {7, 8},  {8, 9}, {9, 10},
                                                               {1, 4},  {2, 5}, {3, 6}, {4, 7},  {5, 8}, {6, 9},  {1, 3}, {4, 6},
                                                               {5, 7},  {6, 8}, {7, 9}, {8, 10}, {1, 6}, {2, 7},  {3, 8}, {4, 9}}};
+// clang-format on
 
 /// A ten-stage register, all ones to begin with; stage 1 is the one fed.
 struct Register {

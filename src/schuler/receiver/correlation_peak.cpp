@@ -14,8 +14,8 @@ namespace schuler::receiver {
 namespace {
 
 using std::numbers::pi;
-constexpr double reach = 2.0;     ///< chips
-constexpr double nodes = 256.0;   ///< of the table, a chip
+constexpr double reach = 2.0;    ///< chips
+constexpr double nodes = 256.0;  ///< of the table, a chip
 
 /// With 1 - cos(2 pi f x) over (pi f)^2 integrated from -b to b; R is a second difference of it, since
 /// sin^2(pi f) cos(2 pi f tau) is one of cosines.

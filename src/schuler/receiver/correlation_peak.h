@@ -16,7 +16,7 @@ public:
     CorrelationPeak(double chip_rate, double bandwidth = std::numeric_limits<double>::infinity());
 
     [[nodiscard]] double operator()(double tau) const;  ///< tau in chips
-    [[nodiscard]] double slope(double tau) const;  ///< dR/dtau, 1/chip; of the triangle at its tip 0
+    [[nodiscard]] double slope(double tau) const;       ///< dR/dtau, 1/chip; of the triangle at its tip 0
     [[nodiscard]] bool triangle() const { return table_.empty(); }
 
 private:

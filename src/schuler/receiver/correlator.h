@@ -13,9 +13,9 @@ namespace schuler::receiver {
 
 /// Replica minus signal over one dump.
 struct ReplicaError {
-    double code = 0.0;        ///< chips, mean over the dump; positive: the replica is ahead
-    double phase = 0.0;       ///< rad, in the middle of the dump
-    double frequency = 0.0;   ///< Hz, mean
+    double code = 0.0;       ///< chips, mean over the dump; positive: the replica is ahead
+    double phase = 0.0;      ///< rad, in the middle of the dump
+    double frequency = 0.0;  ///< Hz, mean
 };
 
 /// Complex outputs I + jQ. Scale: white noise without band limit has unit variance in I and in Q, whatever the dump's length, so
@@ -28,8 +28,8 @@ struct Correlators {
 /// range.
 struct Replica {
     double code_phase = 0.0;  ///< chips, of the replica minus a code that left at range zero: -range / chip length when aligned
-    double code_rate = 0.0;  ///< chips/s beyond the nominal rate
-    double carrier_phase = 0.0;  ///< cycles, likewise
+    double code_rate = 0.0;   ///< chips/s beyond the nominal rate
+    double carrier_phase = 0.0;      ///< cycles, likewise
     double carrier_frequency = 0.0;  ///< Hz of Doppler
 
     /// The same generators `dt` s later.

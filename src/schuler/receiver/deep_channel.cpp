@@ -81,7 +81,7 @@ void DeepChannel::steer(const LineOfSight& predicted) {
 std::optional<ChannelMeasurement> DeepChannel::step(const Correlators& dump) {
     replica_ = replica_.after(period_);
     predicted_ = predicted_.after(period_);
-    const bool whole = counted_ == dump_;   // a symbol joined in its middle is let pass
+    const bool whole = counted_ == dump_;  // a symbol joined in its middle is let pass
     Correlators& half = halves_[2 * dump_ / symbol_];
     half.early += dump.early;
     half.prompt += dump.prompt;
@@ -125,7 +125,7 @@ void DeepChannel::judge_power(double both) {
     // A signal that comes back or breaks off is not averaged in: residuals scaled by the old power would be wrong by the ratio of
     // both.
     constexpr double appears = 8.0, breaks_off = 5.0;  // sigmas of two squared prompts
-    constexpr double changes = 4.0;  // of the quick mean
+    constexpr double changes = 4.0;                    // of the quick mean
     const double half = signal_.symbol_duration / 2.0, power = 2.0 * cn0_.cn0() * half * peak_ * peak_;
     const double expected = 2.0 * (power + 2.0 * peak_), sigma = std::sqrt(8.0 * peak_ * (peak_ + power));
     if (both > expected + appears * sigma || both < expected - breaks_off * sigma) {
@@ -171,7 +171,9 @@ void DeepChannel::measure(ChannelMeasurement& out) const {
     // Code from the whole symbol (its halves are out of step by 43 degrees at 12 Hz, which costs 0.6 dB); the turn from half to half
     // by its sine, whose noise stays what the formula says however weak the signal is.
     const double half = out.duration / 2.0, power = 2.0 * out.cn0 * half;  // of each half symbol
-    const auto whole = [&](std::complex<double> Correlators::*sum) { return (halves_[0].*sum + halves_[1].*sum) / std::sqrt(2.0); };
+    const auto whole = [&](std::complex<double> Correlators::*sum) {
+        return (halves_[0].*sum + halves_[1].*sum) / std::sqrt(2.0);
+    };
     const Correlators symbol{whole(&Correlators::early), whole(&Correlators::prompt), whole(&Correlators::late)};
     const double aligned = power * peak_ * peak_, per_turn = -1.0 / (turn * half * aligned);
     const double frequency = per_turn * (halves_[1].prompt * std::conj(halves_[0].prompt)).imag();

@@ -13,16 +13,16 @@ namespace schuler::receiver {
 
 enum class Prefilter {
     Noncoherent,  ///< powers and products of neighbouring sums: blind to phase, works down into the noise
-    Coherent,  ///< a small filter follows the phase about the navigation's word; while it cannot, as Noncoherent
+    Coherent,     ///< a small filter follows the phase about the navigation's word; while it cannot, as Noncoherent
 };
 
 struct DeepSettings {
     Prefilter prefilter = Prefilter::Coherent;
-    double spacing = 0.5;  ///< chips, early to late
-    double cn0_time = 1.0;  ///< s, time constant of the C/N0 estimate
-    double lowest_db = 12.0;  ///< dB-Hz below which a channel gives no measurement
+    double spacing = 0.5;       ///< chips, early to late
+    double cn0_time = 1.0;      ///< s, time constant of the C/N0 estimate
+    double lowest_db = 12.0;    ///< dB-Hz below which a channel gives no measurement
     double acceleration = 0.2;  ///< m/s^2/sqrt(Hz), what the navigation does not know of the line of sight's acceleration
-    double followed = 0.3;  ///< rad, largest one sigma of the phase that counts as followed
+    double followed = 0.3;      ///< rad, largest one sigma of the phase that counts as followed
 
     /// Throws Error(Input) naming the setting.
     void check() const;
@@ -33,14 +33,14 @@ struct DeepSettings {
 /// noise.
 struct ChannelMeasurement {
     enum class Status { NoSignal, Noncoherent, Coherent } status = Status::NoSignal;
-    double range = 0.0;  ///< m
+    double range = 0.0;           ///< m
     double range_variance = 0.0;  ///< m^2
-    double rate = 0.0;  ///< m/s
-    double rate_variance = 0.0;  ///< (m/s)^2
+    double rate = 0.0;            ///< m/s
+    double rate_variance = 0.0;   ///< (m/s)^2
     double carrier = 0.0;  ///< m, integral of the rate up to the symbol's end by the phase, from any constant; coherent only
     double carrier_variance = 0.0;  ///< m^2
-    double cn0 = 0.0;  ///< Hz
-    double duration = 0.0;  ///< s
+    double cn0 = 0.0;               ///< Hz
+    double duration = 0.0;          ///< s
 };
 
 /// Linear within half a chip and a quarter of the inverse symbol (12 Hz for GPS): the navigation has to be better than that.
@@ -83,17 +83,17 @@ private:
     Replica replica_;
     LineOfSight predicted_;
     int dump_ = 0;
-    int counted_ = 0;  ///< dumps of this symbol
-    double std_rate_ = 0.0;  ///< m/s
-    double turns_ = 0.0;  ///< rad taken out of carrier_
+    int counted_ = 0;         ///< dumps of this symbol
+    double std_rate_ = 0.0;   ///< m/s
+    double turns_ = 0.0;      ///< rad taken out of carrier_
     double agreement_ = 0.0;  ///< mean cosine of the turn from half to half of a symbol
-    double listened_ = 0.0;  ///< s
-    double steady_ = 0.0;  ///< s since the strength changed at once
+    double listened_ = 0.0;   ///< s
+    double steady_ = 0.0;     ///< s since the strength changed at once
     Correlators halves_[2]{};
     /// Phase (rad) and frequency (Hz) of replica minus signal at the end of the last half symbol.
     Eigen::Vector2d carrier_ = Eigen::Vector2d::Zero();
     Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity();
-    Eigen::Matrix2d scatter_ = Eigen::Matrix2d::Identity();   ///< what of P_ the noise of the sums has made
+    Eigen::Matrix2d scatter_ = Eigen::Matrix2d::Identity();  ///< what of P_ the noise of the sums has made
 };
 
 }  // namespace schuler::receiver

@@ -29,7 +29,7 @@ namespace schuler::receiver {
 
 enum class CodeDiscriminator {
     EarlyLatePower,  ///< |E|^2 - |L|^2
-    DotProduct,  ///< Re((E - L) P*): quasi-coherent
+    DotProduct,      ///< Re((E - L) P*): quasi-coherent
 };
 
 /// Code error in chips, for a peak and a spacing. Scaled by the power of the signal, known or estimated beforehand, and not by

@@ -35,9 +35,7 @@ double mean_beside(std::span<const float> power, std::size_t peak) {
 
 }  // namespace
 
-double Acquired::cn0(int periods) const {
-    return std::max(0.0, statistic / (2.0 * periods) - 1.0) / gps_l1_ca().code_period();
-}
+double Acquired::cn0(int periods) const { return std::max(0.0, statistic / (2.0 * periods) - 1.0) / gps_l1_ca().code_period(); }
 
 FftAcquisition::FftAcquisition(const IfFormat& format, double doppler, int periods, double false_alarm)
     : format_((format.check(), format)),

@@ -12,9 +12,9 @@ namespace schuler::receiver {
 
 namespace {
 
-constexpr double period = 1e-3;       ///< s
+constexpr double period = 1e-3;  ///< s
 constexpr double chip_rate = 1.023e6;
-constexpr int guard = 2;              ///< chips before the period in a correlator's table
+constexpr int guard = 2;  ///< chips before the period in a correlator's table
 
 double fraction(double x) { return x - std::floor(x); }
 

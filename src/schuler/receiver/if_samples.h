@@ -16,8 +16,8 @@ namespace schuler::receiver {
 using IfSample = std::complex<std::int8_t>;
 
 struct IfFormat {
-    double sample_rate = 4e6;              ///< complex samples/s
-    double intermediate_frequency = 0.0;   ///< Hz
+    double sample_rate = 4e6;             ///< complex samples/s
+    double intermediate_frequency = 0.0;  ///< Hz
 
     /// Throws Error(Input) below two samples a chip, above 200 MHz, or when the signal's main lobe does not fit between the
     /// frequencies of half the sample rate.
@@ -29,7 +29,7 @@ struct IfFormat {
 struct IfSatellite {
     int prn;
     LineOfSight motion;
-    double cn0;  ///< Hz
+    double cn0;             ///< Hz
     std::uint64_t message;  ///< seed of its random message
 };
 
@@ -76,7 +76,7 @@ private:
 
 struct Acquired {
     bool found = false;
-    Replica replica;  ///< at the first sample
+    Replica replica;         ///< at the first sample
     double statistic = 0.0;  ///< twice the largest cell over the mean of all: chi-square for noise
     double threshold = 0.0;
     double noise = 0.0;  ///< of I and of Q, steps: what white noise needs for the mean of the cells, as the code's band sees it

@@ -30,7 +30,7 @@ PllResponse pll_response(double bandwidth, int integration, double period) {
     // mean and mean square, over all the instants within a sum, of the command `age` periods after the clock's phase grew by a cycle
     std::vector<double> mean(static_cast<std::size_t>(periods), 0.0);
     double square = 0.0;
-    for (int first = 0; first < integration; ++first) {   // period of its sum in which it grew
+    for (int first = 0; first < integration; ++first) {  // period of its sum in which it grew
         CarrierLoop loop(bandwidth, 0.0, interval);
         double phase = 0.0, command = 0.0, sum = 0.0;
         for (int age = 0; age < periods; ++age) {

@@ -12,7 +12,7 @@ namespace schuler::receiver::theory {
 /// What a third-order phase loop makes of noise in the frequency that it commands: sums over its impulse responses as it is sampled, which a
 /// loop of 15 Hz updated every 10 ms passes on half as much again as the continuous one.
 struct PllResponse {
-    double noise = 0.0;          ///< Hz^2: variance of the command where the phase of each sum errs by one cycle, one sigma
+    double noise = 0.0;  ///< Hz^2: variance of the command where the phase of each sum errs by one cycle, one sigma
     /// 1/s: variance of the command (cycles^2/s^2) by a white frequency noise of density 1 (cycles^2/s): what the commands of all channels at one
     /// instant have in common, and what each has by itself, because their sums do not end together.
     double clock_common = 0.0, clock_own = 0.0;

@@ -32,7 +32,7 @@ public:
     void hand_over(double frequency, double rate);
 
     [[nodiscard]] double frequency() const { return frequency_; }  ///< Hz, without the proportional part
-    [[nodiscard]] double rate() const { return rate_; }  ///< Hz/s
+    [[nodiscard]] double rate() const { return rate_; }            ///< Hz/s
 
 private:
     double interval_, w_phase_, w_frequency_;

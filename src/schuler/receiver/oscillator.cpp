@@ -12,7 +12,7 @@ namespace schuler::receiver {
 
 namespace {
 
-constexpr double shortest = 0.01;   ///< s, time constant of the fastest part of the flicker; a decade between neighbours
+constexpr double shortest = 0.01;  ///< s, time constant of the fastest part of the flicker; a decade between neighbours
 
 }  // namespace
 

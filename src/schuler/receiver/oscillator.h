@@ -11,11 +11,11 @@ namespace schuler::receiver {
 
 /// Spectrum of the fractional frequency S_y(f) = h0 + h_1 / f + h_2 / f^2 [IEEE1139:3.1], one-sided.
 struct OscillatorSettings {
-    double h0 = 2e-21;                ///< s, white frequency noise
-    double h_1 = 1e-22;               ///< flicker of frequency
-    double h_2 = 2e-20;               ///< Hz, random walk of frequency
-    double frequency_std = 0.0;       ///< fractional offset at the start, one sigma
-    Eigen::Vector3d g_sensitivity = Eigen::Vector3d::Zero();   ///< fractional frequency per m/s^2 of specific force, b axes
+    double h0 = 2e-21;                                        ///< s, white frequency noise
+    double h_1 = 1e-22;                                       ///< flicker of frequency
+    double h_2 = 2e-20;                                       ///< Hz, random walk of frequency
+    double frequency_std = 0.0;                               ///< fractional offset at the start, one sigma
+    Eigen::Vector3d g_sensitivity = Eigen::Vector3d::Zero();  ///< fractional frequency per m/s^2 of specific force, b axes
 
     /// Throws Error(Input) naming the setting.
     void check() const;
@@ -37,7 +37,7 @@ public:
     void step(double dt, const Eigen::Vector3d& f_b, math::Random& random);
 
     [[nodiscard]] double offset() const { return offset_; }  ///< s; times the speed of light it adds to every pseudorange
-    [[nodiscard]] double drift() const { return drift_; }  ///< mean fractional frequency over the last step
+    [[nodiscard]] double drift() const { return drift_; }    ///< mean fractional frequency over the last step
 
 private:
     static constexpr std::size_t decades = 7;
@@ -51,7 +51,7 @@ private:
     double offset_ = 0.0, drift_ = 0.0;
     double walk_ = 0.0;
     std::array<double, decades> flicker_{};
-    double flicker_std_ = 0.0;  ///< of each part
+    double flicker_std_ = 0.0;                       ///< of each part
     std::array<Transition, decades> transitions_{};  ///< for steps of prepared_ s
     double prepared_ = 0.0;
 };

@@ -12,7 +12,7 @@ std::optional<RateSpan::Rate> RateSpan::add(const ChannelMeasurement& symbol, do
     if (open_ && coherent && !ends) return std::nullopt;
     Rate out = of_symbols();
     if (open_ && coherent) {
-        constexpr double agree = 4.0;   // sigmas
+        constexpr double agree = 4.0;  // sigmas
         const double duration = now - begin_, ahead = symbol.carrier - carrier_;
         const double variance = (symbol.carrier_variance + carrier_variance_) / (duration * duration);
         // a phase that slips says nothing of the rate

@@ -16,8 +16,9 @@ public:
         double rate = 0.0;      ///< m/s, predicted minus received, a mean over `duration`; by phase: as received
         double variance = 0.0;  ///< (m/s)^2
         double duration = 0.0;  ///< s
-        double phase_variance = 0.0;  ///< m^2, of the phase at the span's end, and about that at its begin; 0: the symbols' own rates
-        bool goes_on = false;   ///< the phase at its begin is that of the end of the last rate
+        double phase_variance =
+            0.0;               ///< m^2, of the phase at the span's end, and about that at its begin; 0: the symbols' own rates
+        bool goes_on = false;  ///< the phase at its begin is that of the end of the last rate
     };
     /// A symbol's measurement, in order of time. `now`: when it is read, s, a symbol after its end at most; `generated`: the carrier
     /// that the generator has made until then, m of range. `ends`: so does the span, and the next begins. The phase that was received is the

@@ -11,7 +11,7 @@ namespace schuler::receiver {
 
 namespace {
 
-constexpr double averaged = 1.0;   ///< s, of the means at the end
+constexpr double averaged = 1.0;  ///< s, of the means at the end
 
 double within_period(double chips) { return chips - 1023.0 * std::floor(chips / 1023.0); }
 

@@ -23,15 +23,15 @@ struct SampleReceiverSettings {
 
 /// A channel after a symbol's duration, aligned to the message once its symbols are known.
 struct ChannelSample {
-    double time;           ///< s since the first sample, of the end
+    double time;  ///< s since the first sample, of the end
     int prn;
     TrackState state;
-    bool locked;           ///< in phase
-    double phase_lock;     ///< detector, near 1 when locked
-    double cn0;            ///< Hz
-    double doppler;        ///< Hz
-    double code_delay;     ///< chips, 0 to 1023: the code begins so long after the milliseconds of the recording
-    double carrier_phase;  ///< cycles since the start of tracking, growing with Doppler
+    bool locked;                  ///< in phase
+    double phase_lock;            ///< detector, near 1 when locked
+    double cn0;                   ///< Hz
+    double doppler;               ///< Hz
+    double code_delay;            ///< chips, 0 to 1023: the code begins so long after the milliseconds of the recording
+    double carrier_phase;         ///< cycles since the start of tracking, growing with Doppler
     std::complex<double> prompt;  ///< coherent sum, noise of unit variance in I and in Q
 };
 
@@ -41,14 +41,14 @@ struct SatelliteRecord {
 
     int prn = 0;
     bool found = false;
-    Acquired acquired{};        ///< of the search that found it, otherwise of the best one
-    double found_at = never;    ///< s
-    double locked_at = never;   ///< s, first phase lock
-    bool tracked = false;       ///< at the end
-    bool locked = false;        ///< in phase at the end
-    int losses = 0;             ///< of all tracking
-    long symbols = 0;           ///< whole ones received in phase
-    long changes = 0;           ///< of sign between neighbouring ones
+    Acquired acquired{};                      ///< of the search that found it, otherwise of the best one
+    double found_at = never;                  ///< s
+    double locked_at = never;                 ///< s, first phase lock
+    bool tracked = false;                     ///< at the end
+    bool locked = false;                      ///< in phase at the end
+    int losses = 0;                           ///< of all tracking
+    long symbols = 0;                         ///< whole ones received in phase
+    long changes = 0;                         ///< of sign between neighbouring ones
     long dump_changes = 0, edge_changes = 0;  ///< of sign between single code periods: all, and those at symbols' edges
 
     /// Means over the last second (or what there is) in phase; NaN without any.

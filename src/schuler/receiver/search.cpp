@@ -39,7 +39,7 @@ Search::Search(const SignalStructure& signal, const CorrelatorModel& model, cons
         throw input_error("an empty search window", {.key = "window"}, "give half widths above zero");
     const double coherent = settings.coherent * signal.code_period();
     dwell_ = coherent * settings.noncoherent;
-    frequency_step_ = 1.0 / (2.0 * coherent);   // at the edge of a cell 0.9 dB are lost
+    frequency_step_ = 1.0 / (2.0 * coherent);  // at the edge of a cell 0.9 dB are lost
     bins_ = 2 * static_cast<int>(std::ceil(std::max(0.0, window.frequency / frequency_step_ - 0.5))) + 1;
     cells_ = 2 * static_cast<int>(std::ceil(std::max(0.0, window.code / settings.code_step - 0.5))) + 1;
     batches_ = (cells_ + settings.parallel - 1) / settings.parallel;

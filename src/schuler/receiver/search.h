@@ -9,8 +9,8 @@ namespace schuler::receiver {
 
 /// Where a signal may be, about a replica that says where it is thought to be.
 struct SearchWindow {
-    double code;        ///< chips, half width; half a period at most
-    double frequency;   ///< Hz, half width
+    double code;       ///< chips, half width; half a period at most
+    double frequency;  ///< Hz, half width
 };
 
 /// Nothing known: the whole code, and Doppler of satellite and receiver up to `doppler` Hz with the oscillator's fractional
@@ -21,12 +21,12 @@ struct SearchWindow {
 [[nodiscard]] SearchWindow predicted_window(const SignalStructure& signal, double std_range, double std_rate);
 
 struct SearchSettings {
-    int coherent = 1;  ///< code periods a coherent sum, 20 at most
-    int noncoherent = 10;  ///< such sums a dwell
-    double code_step = 0.5;  ///< chips between cells
-    int parallel = 1023;  ///< code cells looked at in one dwell
+    int coherent = 1;           ///< code periods a coherent sum, 20 at most
+    int noncoherent = 10;       ///< such sums a dwell
+    double code_step = 0.5;     ///< chips between cells
+    int parallel = 1023;        ///< code cells looked at in one dwell
     double false_alarm = 1e-7;  ///< probability in one cell and dwell
-    int confirmations = 3;  ///< further dwells that a false alarm costs
+    int confirmations = 3;      ///< further dwells that a false alarm costs
 
     /// Throws Error(Input) naming the setting.
     void check() const;
@@ -46,7 +46,7 @@ public:
     /// largest at the end of the dwell. An `aid` moves the window by what its rate changes.
     bool step(const LineOfSight& truth, double cn0, math::Random& random, const LineOfSight* aid = nullptr);
     [[nodiscard]] const Replica& replica() const { return centre_; }
-    [[nodiscard]] double elapsed() const { return elapsed_; }  ///< s
+    [[nodiscard]] double elapsed() const { return elapsed_; }                ///< s
     [[nodiscard]] double frequency_step() const { return frequency_step_; }  ///< Hz
 
     [[nodiscard]] bool candidate() const { return candidate_.has_value(); }

@@ -7,18 +7,18 @@
 
 namespace schuler::receiver {
 
-inline constexpr double turn = 2.0 * std::numbers::pi;   ///< rad, a cycle of the carrier
+inline constexpr double turn = 2.0 * std::numbers::pi;  ///< rad, a cycle of the carrier
 
 /// A code-division or frequency-division signal with a binary code, one period a millisecond.
 struct SignalStructure {
-    double carrier_frequency;   ///< Hz
-    double chip_rate;           ///< chips/s
-    int code_length;            ///< chips
-    double symbol_duration;     ///< s over which the navigation message keeps its sign
+    double carrier_frequency;  ///< Hz
+    double chip_rate;          ///< chips/s
+    int code_length;           ///< chips
+    double symbol_duration;    ///< s over which the navigation message keeps its sign
 
-    [[nodiscard]] double wavelength() const { return gnss::speed_of_light / carrier_frequency; }   ///< m
-    [[nodiscard]] double chip_length() const { return gnss::speed_of_light / chip_rate; }          ///< m
-    [[nodiscard]] double code_period() const { return code_length / chip_rate; }                   ///< s
+    [[nodiscard]] double wavelength() const { return gnss::speed_of_light / carrier_frequency; }  ///< m
+    [[nodiscard]] double chip_length() const { return gnss::speed_of_light / chip_rate; }         ///< m
+    [[nodiscard]] double code_period() const { return code_length / chip_rate; }                  ///< s
     /// Chips/s of code Doppler for one hertz of carrier Doppler.
     [[nodiscard]] double chips_per_cycle() const { return chip_rate / carrier_frequency; }
 };

@@ -10,13 +10,13 @@ namespace schuler::receiver {
 struct ThresholdStudy {
     SignalStructure signal = gps_l1_ca();
     TrackingSettings tracking;
-    double bandwidth = std::numeric_limits<double>::infinity();   ///< Hz, front end
-    double duration = 10.0;                                       ///< s at the C/N0 in question
+    double bandwidth = std::numeric_limits<double>::infinity();  ///< Hz, front end
+    double duration = 10.0;                                      ///< s at the C/N0 in question
     int seeds = 100;
-    double resolution = 0.5;                                      ///< dB
-    double jerk_amplitude = 0.0;       ///< m/s^3 along the line of sight, a sine of 1 Hz
-    bool aided = false;                ///< by the true rate and
-    double aid_noise = 0.0;            ///< m/s, constant error of each run, one sigma
+    double resolution = 0.5;      ///< dB
+    double jerk_amplitude = 0.0;  ///< m/s^3 along the line of sight, a sine of 1 Hz
+    bool aided = false;           ///< by the true rate and
+    double aid_noise = 0.0;       ///< m/s, constant error of each run, one sigma
 
     /// Throws Error(Input) naming the setting.
     void check() const;

@@ -11,15 +11,15 @@ namespace schuler::receiver {
 
 namespace {
 
-constexpr double cn0_time = 0.5;        ///< s, time constant of the C/N0 estimate
-constexpr double cn0_guess = 3000.0;    ///< Hz, until there is an estimate
-constexpr double lock_time = 0.25;      ///< s, of the phase lock detector
-constexpr double settled_aided = 2.0;   ///< s, of the frequency kept for after a loss
-constexpr double settled_alone = 0.2;   ///< s, likewise: without an aid it moves
-constexpr double assist = 3.0;          ///< Hz, frequency loop beside the phase loop while it locks
-constexpr double retry_time = 2.0;      ///< s between attempts at a lost carrier
-constexpr int most_attempts = 3;        ///< at the carrier without an aid
-constexpr int most_escapes = 4;         ///< from false locks in one attempt
+constexpr double cn0_time = 0.5;       ///< s, time constant of the C/N0 estimate
+constexpr double cn0_guess = 3000.0;   ///< Hz, until there is an estimate
+constexpr double lock_time = 0.25;     ///< s, of the phase lock detector
+constexpr double settled_aided = 2.0;  ///< s, of the frequency kept for after a loss
+constexpr double settled_alone = 0.2;  ///< s, likewise: without an aid it moves
+constexpr double assist = 3.0;         ///< Hz, frequency loop beside the phase loop while it locks
+constexpr double retry_time = 2.0;     ///< s between attempts at a lost carrier
+constexpr int most_attempts = 3;       ///< at the carrier without an aid
+constexpr int most_escapes = 4;        ///< from false locks in one attempt
 
 int dumps_per_symbol(const SignalStructure& signal) {
     return static_cast<int>(std::lround(signal.symbol_duration / signal.code_period()));
@@ -96,7 +96,7 @@ void Tracker::start(const Replica& replica, std::optional<int> dumps_into_symbol
     dump_ = dumps_into_symbol ? ((*dumps_into_symbol % symbol_) + symbol_) % symbol_ : 0;
     attempts_ = escapes_ = 0;
     aided_ = false;
-    code_rate_ = 0.0;   // a search tells the rate of the code by that of the carrier alone
+    code_rate_ = 0.0;  // a search tells the rate of the code by that of the carrier alone
     loop_frequency_ = settled_ = replica.carrier_frequency;
     aligned_.start(loop_frequency_);
     sync_ = SymbolSync(symbol_);
@@ -135,10 +135,8 @@ void Tracker::enter(Mode mode) {
 
 void Tracker::fail() {
     escapes_ = 0;
-    if (aided_)
-        enter(Mode::CodeOnly);
-    else
-        enter(++attempts_ < most_attempts ? Mode::Aligned : Mode::Lost);
+    if (aided_) enter(Mode::CodeOnly);
+    else enter(++attempts_ < most_attempts ? Mode::Aligned : Mode::Lost);
 }
 
 void Tracker::step(const Correlators& dump, const LineOfSight* aid) {
@@ -186,7 +184,7 @@ void Tracker::update() {
     const Correlators c{sums_.all.early * scale, sums_.all.prompt * scale, sums_.all.late * scale};
     const std::complex<double> second = sums_.all.prompt - sums_.first;
     time_in_mode_ += interval;
-    const double power = 2.0 * std::max(cn0_.cn0(), 10.0) * interval;   // 10 dB-Hz: a weak signal must not blow the gain up
+    const double power = 2.0 * std::max(cn0_.cn0(), 10.0) * interval;  // 10 dB-Hz: a weak signal must not blow the gain up
     const double across = before_ == 0.0 ? 0.0 : frequency_across_bits(before_, c.prompt, interval);
     const double phase = costas_phase(c.prompt) / (2.0 * std::numbers::pi);
     switch (mode_) {
@@ -256,10 +254,8 @@ void Tracker::transitions() {
             if (time_in_mode_ < settings_.pull_in_time) break;
             if (leave_false_lock()) {
                 // noise alone looks so again and again
-                if (++escapes_ > most_escapes)
-                    fail();
-                else
-                    enter(Mode::Assisted);
+                if (++escapes_ > most_escapes) fail();
+                else enter(Mode::Assisted);
             } else if (lock_.value() >= settings_.phase_lock) {
                 settled_ = assisted_.frequency();
                 escapes_ = 0;

@@ -11,22 +11,22 @@
 namespace schuler::receiver {
 
 struct TrackingSettings {
-    double pll_bandwidth = 15.0;      ///< Hz
-    double fll_bandwidth = 0.0;       ///< Hz, frequency loop that goes on assisting the phase loop
-    double dll_bandwidth = 0.5;       ///< Hz, carrier-aided
-    int integration = 10;             ///< code periods a coherent sum, a divisor of the symbol
-    double spacing = 0.5;             ///< chips, early to late
+    double pll_bandwidth = 15.0;  ///< Hz
+    double fll_bandwidth = 0.0;   ///< Hz, frequency loop that goes on assisting the phase loop
+    double dll_bandwidth = 0.5;   ///< Hz, carrier-aided
+    int integration = 10;         ///< code periods a coherent sum, a divisor of the symbol
+    double spacing = 0.5;         ///< chips, early to late
     CodeDiscriminator discriminator = CodeDiscriminator::EarlyLatePower;
-    double pull_in_fll = 8.0;         ///< Hz, on single code periods, after a start without known symbols
-    double pull_in_dll = 2.0;         ///< Hz
-    double pull_in_time = 0.5;        ///< s, of each step of pulling in
-    double sync_time = 1.0;           ///< s of listening for the message's symbols
-    double code_only_dll = 0.1;       ///< Hz, code loop on inertial aid while the carrier is lost
-    double phase_lock = 0.4;          ///< of the phase lock detector
-    double phase_patience = 0.5;      ///< s below it before the phase counts as lost
-    double retry_db = 24.0;           ///< dB-Hz from which a lost carrier is tried again
-    double code_lost_db = 12.0;       ///< dB-Hz below which the code counts as lost
-    double code_patience = 5.0;       ///< s below it
+    double pull_in_fll = 8.0;     ///< Hz, on single code periods, after a start without known symbols
+    double pull_in_dll = 2.0;     ///< Hz
+    double pull_in_time = 0.5;    ///< s, of each step of pulling in
+    double sync_time = 1.0;       ///< s of listening for the message's symbols
+    double code_only_dll = 0.1;   ///< Hz, code loop on inertial aid while the carrier is lost
+    double phase_lock = 0.4;      ///< of the phase lock detector
+    double phase_patience = 0.5;  ///< s below it before the phase counts as lost
+    double retry_db = 24.0;       ///< dB-Hz from which a lost carrier is tried again
+    double code_lost_db = 12.0;   ///< dB-Hz below which the code counts as lost
+    double code_patience = 5.0;   ///< s below it
 
     /// Throws Error(Input) naming the setting.
     void check(const SignalStructure& signal) const;
@@ -34,10 +34,10 @@ struct TrackingSettings {
 
 enum class TrackState {
     Idle,
-    PullIn,     ///< frequency and code loops
-    Phase,      ///< phase loop locked or locking
-    CodeOnly,   ///< carrier lost, code loop goes on with the inertial rate
-    Lost,       ///< nothing followed: search
+    PullIn,    ///< frequency and code loops
+    Phase,     ///< phase loop locked or locking
+    CodeOnly,  ///< carrier lost, code loop goes on with the inertial rate
+    Lost,      ///< nothing followed: search
 };
 
 /// One channel. The owner forms correlators of each code period with replica() and gives them to step(), which returns nothing
@@ -101,13 +101,13 @@ private:
     Replica replica_;
     Mode mode_ = Mode::Idle;
     Sums sums_;
-    std::complex<double> before_ = 0.0;  ///< prompt of the last update, for the assisting frequency loop
+    std::complex<double> before_ = 0.0;             ///< prompt of the last update, for the assisting frequency loop
     std::complex<double> slip_ = 0.0, last_ = 0.0;  ///< turn of the prompts of single code periods while the phase locks
     int dump_ = 0;
     int attempts_ = 0, escapes_ = 0;
     double time_in_mode_ = 0.0, unlocked_ = 0.0, weak_ = 0.0;
     double loop_frequency_ = 0.0, code_rate_ = 0.0;  ///< commands beyond the aids, Hz and chips/s
-    double settled_ = 0.0;  ///< Hz, loop frequency while locked, slowly averaged
+    double settled_ = 0.0;                           ///< Hz, loop frequency while locked, slowly averaged
     bool aided_ = false;
     LineOfSight aid_{};
 };

@@ -18,8 +18,9 @@ std::string carrier_csv(const dataset::CarrierPhase& solution) {
     for (std::size_t i = 0; i < solution.epochs.size(); ++i) {
         const ppk::EpochSolution& e = solution.epochs[i];
         const Eigen::Vector3d d = C_ne * (e.position.r - solution.base.r);
-        fmt::format_to(std::back_inserter(text), "{:.9f},{},{},{},{},{:.1f},{:.6f},{:.3f},{},{:.4f},{:.4f},{:.4f}\n", solution.fixes[i].time.seconds(),
-                       quality_number(e.quality), e.satellites, e.ambiguities, e.fixed, e.ratio, e.success, e.age, e.rejected, d.x(), d.y(), -d.z());
+        fmt::format_to(std::back_inserter(text), "{:.9f},{},{},{},{},{:.1f},{:.6f},{:.3f},{},{:.4f},{:.4f},{:.4f}\n",
+                       solution.fixes[i].time.seconds(), quality_number(e.quality), e.satellites, e.ambiguities, e.fixed, e.ratio,
+                       e.success, e.age, e.rejected, d.x(), d.y(), -d.z());
     }
     return text;
 }
@@ -32,9 +33,9 @@ std::string solution_csv_with_quality(std::span<const SolutionRow> rows, const d
         while (k < solution.fixes.size() && solution.fixes[k].time < of_fix) ++k;
         text += io::solution_csv_row(row);
         if (k < solution.fixes.size() && solution.fixes[k].time == of_fix)
-            fmt::format_to(std::back_inserter(text), ",{},{}\n", quality_number(solution.epochs[k].quality), solution.epochs[k].satellites);
-        else
-            text += ",,\n";
+            fmt::format_to(std::back_inserter(text), ",{},{}\n", quality_number(solution.epochs[k].quality),
+                           solution.epochs[k].satellites);
+        else text += ",,\n";
     }
     return text;
 }

@@ -17,6 +17,7 @@ namespace schuler::report {
 
 /// solution.csv of the fixes themselves, with columns `q` (1 fixed, 2 float, 5 single) and `satellites` at the end; `latency`: by which rows
 /// are earlier than their fixes, s.
-[[nodiscard]] std::string solution_csv_with_quality(std::span<const SolutionRow> rows, const dataset::CarrierPhase& solution, double latency);
+[[nodiscard]] std::string solution_csv_with_quality(std::span<const SolutionRow> rows, const dataset::CarrierPhase& solution,
+                                                    double latency);
 
 }  // namespace schuler::report

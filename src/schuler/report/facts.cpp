@@ -60,7 +60,8 @@ std::string facts_table(const std::vector<Fact>& facts, bool notes) {
     std::string out;
     for (const Fact& fact : facts) {
         if (!solution::is_news(fact)) continue;
-        const std::string span = std::isfinite(fact.from) ? fmt::format("  {:.0f} to {:.0f} s", fact.from, fact.to) : std::string();
+        const std::string span =
+            std::isfinite(fact.from) ? fmt::format("  {:.0f} to {:.0f} s", fact.from, fact.to) : std::string();
         out += fmt::format("  {:<6} {:<30} {}{}\n", name_of(fact.how), fact.key, fact_text(fact), span);
         if (notes && !fact.note.empty()) out += fmt::format("  {:<6} {:<30}   {}\n", "", "", fact.note);
     }

@@ -45,8 +45,8 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void check_overwrite_of_outputs(const std::filesystem::path& folder) {
-    for (const char* name : {"solution.csv", "point.csv", "events.csv", "protection.csv", "receiver.csv", "run.h5", "run.mat", "report.html", "track.kml",
-                             "config.toml", "summary.json"})
+    for (const char* name : {"solution.csv", "point.csv", "events.csv", "protection.csv", "receiver.csv", "run.h5", "run.mat",
+                             "report.html", "track.kml", "config.toml", "summary.json"})
         io::check_overwrite(folder / name);
 }
 
@@ -58,10 +58,8 @@ std::vector<std::filesystem::path> write_outputs(solution::ResultBundle& b, cons
     if (c.output.wants("solution")) {
         const std::filesystem::path& file = add("solution.csv");
         const bool of_phases = c.scheme == settings::Scheme::Gnss && !b.data.carrier.epochs.empty();
-        if (of_phases)
-            write_text(file, solution_csv_with_quality(b.solution().rows, b.data.carrier, c.filter.gnss.latency));
-        else if (!streamed)
-            io::write_solution_csv(file, b.solution().rows, b.result.legs);
+        if (of_phases) write_text(file, solution_csv_with_quality(b.solution().rows, b.data.carrier, c.filter.gnss.latency));
+        else if (!streamed) io::write_solution_csv(file, b.solution().rows, b.result.legs);
     }
     if (!b.solution().point.empty()) io::write_solution_csv(add("point.csv"), b.solution().point, b.result.legs);
     if (!b.data.events.empty() && c.scheme != settings::Scheme::Gnss) {

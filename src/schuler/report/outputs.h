@@ -37,6 +37,7 @@ void check_overwrite_of_outputs(const std::filesystem::path& folder);
 /// Writes the outputs that the settings choose into a folder, each under its name only when complete, summary.json last.
 /// solution.csv only where it is not there already, `streamed` while the filter ran.
 /// Returns their paths. @throws Error(Input) where the folder cannot be written.
-std::vector<std::filesystem::path> write_outputs(solution::ResultBundle& bundle, const std::filesystem::path& folder, bool streamed);
+std::vector<std::filesystem::path> write_outputs(solution::ResultBundle& bundle, const std::filesystem::path& folder,
+                                                 bool streamed);
 
 }  // namespace schuler::report

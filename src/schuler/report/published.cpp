@@ -32,10 +32,10 @@ std::string published_table(const settings::Published& published, const settings
         const char* axes;
     };
     static constexpr std::array<Row, settings::published_blocks> rows{{{"position, m", 1.0, "east, north, up"},
-                                                             {"velocity, m/s", 1.0, "east, north, up"},
-                                                             {"attitude, rad", 1.0, "about east, north, up"},
-                                                             {"gyro bias, rad/s", 1.0, "x, y, z"},
-                                                             {"accelerometer bias, ug", units::ug, "x, y, z"}}};
+                                                                       {"velocity, m/s", 1.0, "east, north, up"},
+                                                                       {"attitude, rad", 1.0, "about east, north, up"},
+                                                                       {"gyro bias, rad/s", 1.0, "x, y, z"},
+                                                                       {"accelerometer bias, ug", units::ug, "x, y, z"}}};
     std::string out = fmt::format("{:<26}{:<36}{:<36}\n", "root mean square", heading, published.source);
     const auto cells = [](const Eigen::Vector3d& v, double unit) {
         std::string text;
@@ -44,8 +44,8 @@ std::string published_table(const settings::Published& published, const settings
         return text;
     };
     for (std::size_t b = 0; b < settings::published_blocks; ++b)
-        out += fmt::format("  {:<24}{:<36}{:<36}{}\n", rows[b].name, cells(ours[b], rows[b].unit), cells(published.rms[b], rows[b].unit),
-                           rows[b].axes);
+        out += fmt::format("  {:<24}{:<36}{:<36}{}\n", rows[b].name, cells(ours[b], rows[b].unit),
+                           cells(published.rms[b], rows[b].unit), rows[b].axes);
     return out;
 }
 

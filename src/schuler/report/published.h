@@ -13,6 +13,7 @@ namespace schuler::report {
 [[nodiscard]] settings::BlockRms rms_of(const std::vector<solution::StateErrors>& states, Time settled);
 
 /// The table for people; empty where nothing is published. `heading`: what `ours` is.
-[[nodiscard]] std::string published_table(const settings::Published& published, const settings::BlockRms& ours, const std::string& heading);
+[[nodiscard]] std::string published_table(const settings::Published& published, const settings::BlockRms& ours,
+                                          const std::string& heading);
 
 }  // namespace schuler::report

@@ -17,12 +17,12 @@ enum class Mark { Line, Dashed, Dots, Squares };
 
 /// One curve. x and y have the same length; an entry with a value that is not finite is a gap in the line.
 struct Series {
-    std::string name;               ///< in the legend; empty: no entry there
+    std::string name;  ///< in the legend; empty: no entry there
     std::vector<double> x, y;
     Ink ink = Ink::Blue;
     Mark mark = Mark::Line;
-    double width = 1.5;             ///< px, of lines
-    bool clamp = false;             ///< values beyond the y limits are drawn at the edge instead of cut off
+    double width = 1.5;          ///< px, of lines
+    bool clamp = false;          ///< values beyond the y limits are drawn at the edge instead of cut off
     std::vector<double> time{};  ///< time of each point (empty: none) on the axis of the time panels, which links their cursors
 };
 
@@ -46,14 +46,15 @@ struct Panel {
     std::vector<Series> series{};
     std::vector<Band> bands{};
     std::vector<Span> spans{};
-    bool time_axis = true;          ///< x is the common time: cursors and zoom are linked with the other panels of that kind
-    bool equal_axes = false;        ///< one unit has the same length on both axes (a map); with a scale bar
-    bool log_y = false;             ///< values that are not positive are gaps, or at the lower edge where clamped
+    bool time_axis = true;    ///< x is the common time: cursors and zoom are linked with the other panels of that kind
+    bool equal_axes = false;  ///< one unit has the same length on both axes (a map); with a scale bar
+    bool log_y = false;       ///< values that are not positive are gaps, or at the lower edge where clamped
     std::optional<std::pair<double, double>> x_limits{};  ///< otherwise from the data; what is outside is cut off
     std::optional<std::pair<double, double>> y_limits{};  ///< otherwise from the data, see data_range in detail/axis.h
-    std::vector<std::pair<double, std::string>> row_names{};  ///< rows instead of a scale of y: a text at the left edge, above that y
-    double y_step = 0.0;            ///< whole distance of the y ticks (90 deg); 0: by the range
-    int height = 200;               ///< px at a width of 1100
+    std::vector<std::pair<double, std::string>>
+        row_names{};      ///< rows instead of a scale of y: a text at the left edge, above that y
+    double y_step = 0.0;  ///< whole distance of the y ticks (90 deg); 0: by the range
+    int height = 200;     ///< px at a width of 1100
 };
 
 /// Rows of text; a column whose cells all start like numbers is aligned to the right.
@@ -65,7 +66,7 @@ struct TableBlock {
 
 /// A heading of the page. A group is a subheading with its panels and, under them, its tables.
 struct Group {
-    std::string title;              ///< may be empty
+    std::string title;  ///< may be empty
     std::vector<Panel> panels{};
     std::vector<TableBlock> tables{};
 };
@@ -77,7 +78,7 @@ struct Section {
 
 struct Card {
     std::string label, value;
-    std::string note{};             ///< small print under the value
+    std::string note{};  ///< small print under the value
 };
 
 struct ReportInput {
@@ -85,7 +86,7 @@ struct ReportInput {
     std::vector<Card> cards{};
     std::vector<Section> sections{};
     std::vector<std::string> warnings{};
-    std::string settings{};         ///< config.toml as used
+    std::string settings{};  ///< config.toml as used
     std::string version{};
 };
 

@@ -26,7 +26,9 @@ std::string table_cell(double x) {
 
 std::string table_text(const ResultTable& table) {
     // A column is as wide as its numbers need, or its title.
-    const auto width = [](const TableColumn& column) { return std::max<std::size_t>(13, std::string_view(column.title).size() + 2); };
+    const auto width = [](const TableColumn& column) {
+        return std::max<std::size_t>(13, std::string_view(column.title).size() + 2);
+    };
     std::size_t names = std::max<std::size_t>(34, table.title.size());
     for (const ResultRow& row : table.rows) names = std::max(names, row.name.size());
     std::string out = fmt::format("{:<{}}", table.title, names + 2), group;
@@ -36,7 +38,8 @@ std::string table_text(const ResultTable& table) {
         if (row.group != group) out += row.group + "\n";
         group = row.group;
         out += fmt::format("  {:<{}}", row.name, names);
-        for (std::size_t i = 0; i < table.columns.size(); ++i) out += fmt::format("{:>{}}", table_cell(number_of(row, i)), width(table.columns[i]));
+        for (std::size_t i = 0; i < table.columns.size(); ++i)
+            out += fmt::format("{:>{}}", table_cell(number_of(row, i)), width(table.columns[i]));
         out += "\n";
     }
     return out;

@@ -11,19 +11,20 @@ namespace schuler::report {
 
 /// A quantity of every row.
 struct TableColumn {
-    const char* key;     ///< of JSON and CSV
-    const char* title;   ///< for people, with its unit
+    const char* key;    ///< of JSON and CSV
+    const char* title;  ///< for people, with its unit
 };
 
 struct ResultRow {
-    std::string name;                                          ///< for people
-    std::string group{};                                       ///< for people: heads the rows that share it; empty: none
-    std::vector<std::pair<std::string, std::string>> labels{}; ///< of CSV, before the numbers: {"scheme", "loose"}; the first stands for the name
-    std::vector<double> numbers{};                             ///< one a column; further ones are left out, missing ones are NaN
+    std::string name;     ///< for people
+    std::string group{};  ///< for people: heads the rows that share it; empty: none
+    std::vector<std::pair<std::string, std::string>>
+        labels{};                   ///< of CSV, before the numbers: {"scheme", "loose"}; the first stands for the name
+    std::vector<double> numbers{};  ///< one a column; further ones are left out, missing ones are NaN
 };
 
 struct ResultTable {
-    std::string title;                                         ///< heads the names
+    std::string title;  ///< heads the names
     std::vector<TableColumn> columns{};
     std::vector<ResultRow> rows{};
 };

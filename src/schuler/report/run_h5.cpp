@@ -41,7 +41,8 @@ void add_times(io::TableWriter& file, const std::string& group, const Rows& rows
     file.table(group + "/time_s", s, 1, {{"units", "s"}});
 }
 
-void add_solution(io::TableWriter& file, const std::string& group, const std::vector<SolutionRow>& rows, const std::vector<Time>& legs = {}) {
+void add_solution(io::TableWriter& file, const std::string& group, const std::vector<SolutionRow>& rows,
+                  const std::vector<Time>& legs = {}) {
     if (rows.empty()) return;
     add_times(file, group, rows);
     if (legs.size() > 1) {
@@ -86,10 +87,13 @@ void add_separation(io::TableWriter& file, const std::vector<analysis::Separatio
     using Row = analysis::SeparationRow;
     if (rows.empty()) return;
     add_times(file, "/separation", rows);
-    const auto add = [&](const char* name, const char* columns, const char* unit, double si, Vector3d Row::*value, Vector3d Row::*sigma) {
+    const auto add = [&](const char* name, const char* columns, const char* unit, double si, Vector3d Row::*value,
+                         Vector3d Row::*sigma) {
         const std::string group = "/separation/";
-        add_table(file, group + name, rows, 3, columns, unit, [=](const Row& r, std::vector<double>& out) { push(out, r.*value, si); });
-        add_table(file, group + "std_" + name, rows, 3, columns, unit, [=](const Row& r, std::vector<double>& out) { push(out, r.*sigma, si); });
+        add_table(file, group + name, rows, 3, columns, unit,
+                  [=](const Row& r, std::vector<double>& out) { push(out, r.*value, si); });
+        add_table(file, group + "std_" + name, rows, 3, columns, unit,
+                  [=](const Row& r, std::vector<double>& out) { push(out, r.*sigma, si); });
     };
     add("position", "north,east,down", "m", 1.0, &Row::position, &Row::std_position);
     add("velocity", "north,east,down", "m/s", 1.0, &Row::velocity, &Row::std_velocity);
@@ -122,8 +126,8 @@ void add_states(io::TableWriter& file, const std::string& group, const std::vect
         if (block.offset < navigation) continue;
         const auto first = static_cast<std::ptrdiff_t>(block.offset - navigation);
         const auto add = [&](const std::string& name, std::vector<double> filter::ParameterRow::*values) {
-            add_table(file, group + "/" + name, rows, static_cast<std::size_t>(block.size), std::string(block.name), std::string(block.unit),
-                      [=](const filter::ParameterRow& r, std::vector<double>& out) {
+            add_table(file, group + "/" + name, rows, static_cast<std::size_t>(block.size), std::string(block.name),
+                      std::string(block.unit), [=](const filter::ParameterRow& r, std::vector<double>& out) {
                           const auto begin = (r.*values).begin() + first;
                           out.insert(out.end(), begin, begin + block.size);
                       });
@@ -168,10 +172,12 @@ void add_fixes(io::TableWriter& file, const std::vector<GnssFix>& rows) {
     add_table(file, "/gnss/position", rows, 3, "lat,lon,height", "deg,deg,m", [](const GnssFix& r, std::vector<double>& out) {
         push(out, {r.position.lat / units::deg, r.position.lon / units::deg, r.position.h});
     });
-    add_table(file, "/gnss/quality", rows, 4, "fix,satellites,std_horizontal,std_down", "1,1,m,m", [](const GnssFix& r, std::vector<double>& out) {
-        out.insert(out.end(), {static_cast<double>(r.fix), r.satellites >= 0 ? static_cast<double>(r.satellites) : not_given,
-                               r.std_position.head<2>().maxCoeff(), r.std_position.z()});
-    });
+    add_table(file, "/gnss/quality", rows, 4, "fix,satellites,std_horizontal,std_down", "1,1,m,m",
+              [](const GnssFix& r, std::vector<double>& out) {
+                  out.insert(out.end(),
+                             {static_cast<double>(r.fix), r.satellites >= 0 ? static_cast<double>(r.satellites) : not_given,
+                              r.std_position.head<2>().maxCoeff(), r.std_position.z()});
+              });
 }
 
 void add_innovations(io::TableWriter& file, const std::vector<fusion::AidRecord>& records) {
@@ -207,7 +213,9 @@ void add_sky(io::TableWriter& file, const RangingLog& log, const std::vector<Sky
         out.push_back(r.elevation / units::deg);
     });
     add_table(file, "/sky/range", rows, 3, "status (0 used 1 rejected 2 not asked),residual,sigma", "1,m,m",
-              [](const SkyRow& r, std::vector<double>& out) { push(out, {static_cast<double>(r.use), r.residual, r.sigma}); });
+              [](const SkyRow& r, std::vector<double>& out) {
+                  push(out, {static_cast<double>(r.use), r.residual, r.sigma});
+              });
     std::string names;
     for (const RangeSource& s : log.sources) names += (names.empty() ? "" : ",") + s.name;
     file.attribute("/sky/source", "names", names);

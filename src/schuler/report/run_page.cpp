@@ -115,8 +115,10 @@ void add_findings(const solution::ResultBundle& b, report::RunReportData& data) 
         out.emplace_back("lever arm forward, right, down", fmt::format("{:.3f}, {:.3f}, {:.3f} m", l.x(), l.y(), l.z()));
     for (const Fact& fact : b.facts) {
         if (!solution::is_news(fact)) continue;
-        const std::string span = std::isfinite(fact.from) ? fmt::format(", {:.0f} to {:.0f} s", fact.from, fact.to) : std::string();
-        out.emplace_back(fact.key, fmt::format("{} ({}{}{}{})", fact_text(fact), name_of(fact.how), span, fact.note.empty() ? "" : ": ", fact.note));
+        const std::string span =
+            std::isfinite(fact.from) ? fmt::format(", {:.0f} to {:.0f} s", fact.from, fact.to) : std::string();
+        out.emplace_back(fact.key, fmt::format("{} ({}{}{}{})", fact_text(fact), name_of(fact.how), span,
+                                               fact.note.empty() ? "" : ": ", fact.note));
     }
 }
 
@@ -154,12 +156,16 @@ report::CheckEntry check_of(const std::optional<solution::SelfCheck>& check) {
         out.intro = fmt::format("The sigmas were not checked on this log: {}.", c.why_not);
         return out;
     }
-    out.intro = fmt::format("Fixes were withheld in windows of {:.0f} s, every other one in a run of its own, and compared with the filter; the "
-                            "sigma is its own and the fix's together.", c.length);
-    report::TableBlock table{"Inside 3σ", {"noise", "windows", "held", "epochs", "inside", "horizontal", "vertical", "end, RMS m", "sigma, m"}, {}};
+    out.intro = fmt::format(
+        "Fixes were withheld in windows of {:.0f} s, every other one in a run of its own, and compared with the filter; the "
+        "sigma is its own and the fix's together.",
+        c.length);
+    report::TableBlock table{
+        "Inside 3σ", {"noise", "windows", "held", "epochs", "inside", "horizontal", "vertical", "end, RMS m", "sigma, m"}, {}};
     const auto add = [&](const char* name, const solution::Coverage& x) {
-        table.rows.push_back({name, fmt::format("{}", x.windows.epochs), percent(x.held), fmt::format("{}", x.epochs.epochs), percent(x.epochs),
-                              percent(x.horizontal), percent(x.vertical), report::number(x.end_rms, 3), report::number(x.sigma_rms, 3)});
+        table.rows.push_back({name, fmt::format("{}", x.windows.epochs), percent(x.held), fmt::format("{}", x.epochs.epochs),
+                              percent(x.epochs), percent(x.horizontal), percent(x.vertical), report::number(x.end_rms, 3),
+                              report::number(x.sigma_rms, 3)});
     };
     if (c.before) {
         out.growth.push_back(curve_of(*c.before, " before widening"));
@@ -168,17 +174,21 @@ report::CheckEntry check_of(const std::optional<solution::SelfCheck>& check) {
     out.growth.push_back(curve_of(c.coverage, c.widened ? " with wider noise" : ""));
     if (c.all) add("wider, in all windows", *c.all);
     add(c.widened ? "wider, in windows that had no part in it" : "as it is", c.coverage);
-    report::TableBlock motion{"By motion", {"motion", "fixes", "refused", "inside 3σ", "NIS a component", "withheld", "inside 3σ"}, {}};
+    report::TableBlock motion{
+        "By motion", {"motion", "fixes", "refused", "inside 3σ", "NIS a component", "withheld", "inside 3σ"}, {}};
     for (std::size_t k = 0; k < solution::regimes; ++k) {
         const solution::FixRegime& f = c.fixes[k];
         const solution::Inside& w = c.coverage.by_regime[k];
-        motion.rows.push_back({name_of(static_cast<solution::Regime>(k)), fmt::format("{}", f.fixes), fmt::format("{}", f.refused), percent(f.inside),
-                               report::number(f.nis, 3), fmt::format("{}", w.epochs), percent(w)});
+        motion.rows.push_back({name_of(static_cast<solution::Regime>(k)), fmt::format("{}", f.fixes),
+                               fmt::format("{}", f.refused), percent(f.inside), report::number(f.nis, 3),
+                               fmt::format("{}", w.epochs), percent(w)});
     }
     out.tables = {std::move(table), std::move(motion)};
     if (c.tried)
-        out.intro += fmt::format(" The windows ask for {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers{}.", c.tried->gyro,
-                                 c.tried->accel, c.widened ? ", which is in force" : ", which makes the others no truer and was left out");
+        out.intro +=
+            fmt::format(" The windows ask for {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers{}.",
+                        c.tried->gyro, c.tried->accel,
+                        c.widened ? ", which is in force" : ", which makes the others no truer and was left out");
     return out;
 }
 

@@ -18,9 +18,9 @@ namespace schuler::report {
 /// Estimate minus reference at a reference epoch with the filter's one sigma. NaN members are absent. rpy errors lie in +-pi.
 struct ErrorPoint {
     Time time;
-    Eigen::Vector3d position = not_given3();       ///< north, east, down, m
-    Eigen::Vector3d velocity = not_given3();       ///< north, east, down, m/s
-    Eigen::Vector3d rpy = not_given3();            ///< roll, pitch, heading, rad
+    Eigen::Vector3d position = not_given3();  ///< north, east, down, m
+    Eigen::Vector3d velocity = not_given3();  ///< north, east, down, m/s
+    Eigen::Vector3d rpy = not_given3();       ///< roll, pitch, heading, rad
     Eigen::Vector3d std_position = not_given3();
     Eigen::Vector3d std_velocity = not_given3();
     Eigen::Vector3d std_rpy = not_given3();
@@ -32,20 +32,20 @@ enum class InnovationStatus { Accepted, Rejected, Withheld };
 struct InnovationPoint {
     Time time;
     InnovationStatus status = InnovationStatus::Accepted;
-    int dof = 0;                                   ///< how many components nis counts
+    int dof = 0;  ///< how many components nis counts
     Eigen::Vector3d innovation = not_given3();
-    Eigen::Vector3d sigma = not_given3();          ///< predicted one sigma of the innovation
-    double nis = not_given;                        ///< normalised innovation squared
+    Eigen::Vector3d sigma = not_given3();  ///< predicted one sigma of the innovation
+    double nis = not_given;                ///< normalised innovation squared
 };
 
 /// All epochs of one kind of aid.
 struct InnovationGroup {
-    std::string name;                              ///< "GNSS position"
-    std::string unit;                              ///< of the plots: "m"
-    double unit_si = 1.0;                          ///< size of that unit in SI (core/units.h)
-    std::vector<std::string> components;           ///< at most three: "north", "east", "down"
+    std::string name;                     ///< "GNSS position"
+    std::string unit;                     ///< of the plots: "m"
+    double unit_si = 1.0;                 ///< size of that unit in SI (core/units.h)
+    std::vector<std::string> components;  ///< at most three: "north", "east", "down"
     std::vector<InnovationPoint> points;
-    double lag1 = not_given;                       ///< lag-1 autocorrelation of the normalised innovations
+    double lag1 = not_given;  ///< lag-1 autocorrelation of the normalised innovations
 };
 
 /// Estimated sensor errors, body axes, with one sigma; SI units. Scale factors are shown where a sigma is above zero.
@@ -59,11 +59,11 @@ struct SensorErrorPoint {
 
 /// One GNSS outage and what became of the solution in it, m.
 struct OutageEntry {
-    double start_s = 0.0, duration_s = 0.0;        ///< start on the report's time axis
+    double start_s = 0.0, duration_s = 0.0;  ///< start on the report's time axis
     double end_horizontal = not_given, max_horizontal = not_given, end_vertical = not_given, max_3d = not_given;
-    bool compared = false;                         ///< something to compare with was there: inside_3sigma counts
-    bool inside_3sigma = false;                    ///< north and east at every epoch
-    std::vector<double> into_s, horizontal;        ///< horizontal error against the time since the outage began (may be empty)
+    bool compared = false;                   ///< something to compare with was there: inside_3sigma counts
+    bool inside_3sigma = false;              ///< north and east at every epoch
+    std::vector<double> into_s, horizontal;  ///< horizontal error against the time since the outage began (may be empty)
 };
 
 /// Growth of errors since the fixes were withheld, RMS over windows, m, and its stated sigma.
@@ -94,33 +94,33 @@ struct AccuracyEntry {
 
 struct RunReportData {
     std::string title, subtitle, version;
-    std::vector<Card> cards;                       ///< further ones come after those made here from the accuracy and outages
-    Time zero;                                     ///< instant of 0 s on the time axes
-    double settled_after_s = 0.0;                  ///< errors are counted from here, on the report's axis; shaded before
+    std::vector<Card> cards;       ///< further ones come after those made here from the accuracy and outages
+    Time zero;                     ///< instant of 0 s on the time axes
+    double settled_after_s = 0.0;  ///< errors are counted from here, on the report's axis; shaded before
 
-    bool smoothed = false;                         ///< `solution` and `errors` are the smoother's
+    bool smoothed = false;  ///< `solution` and `errors` are the smoother's
     std::vector<SolutionRow> solution;
-    std::vector<GnssFix> gnss;                     ///< at the antenna
+    std::vector<GnssFix> gnss;  ///< at the antenna
     std::vector<ReferenceSample> reference;
-    std::string reference_name;                    ///< "truth", "reference file", "withheld GNSS"
+    std::string reference_name;  ///< "truth", "reference file", "withheld GNSS"
     /// North-east-down of a position in the local-level frame of the map's origin, from the earth room. Without it: no map.
     std::function<Ned(const Geodetic&)> local;
 
-    std::vector<ErrorPoint> errors;                ///< of `solution`
-    std::vector<ErrorPoint> forward_errors;        ///< of the filter before smoothing, thinly drawn; empty unless smoothed
-    std::vector<ErrorPoint> separation;            ///< forward minus backward filter with the sigma of that; may be empty
+    std::vector<ErrorPoint> errors;          ///< of `solution`
+    std::vector<ErrorPoint> forward_errors;  ///< of the filter before smoothing, thinly drawn; empty unless smoothed
+    std::vector<ErrorPoint> separation;      ///< forward minus backward filter with the sigma of that; may be empty
     std::vector<AccuracyEntry> accuracy;
-    std::vector<InnovationGroup> innovations;      ///< of the forward pass
+    std::vector<InnovationGroup> innovations;  ///< of the forward pass
     std::vector<SensorErrorPoint> sensor_errors;
-    std::vector<SensorErrorPoint> sensor_truth;    ///< simulations: the true errors (sigmas not used)
+    std::vector<SensorErrorPoint> sensor_truth;  ///< simulations: the true errors (sigmas not used)
     std::vector<OutageEntry> outages;
-    std::string verdict;                           ///< "trustworthy", ...: the first card; empty: none
-    std::vector<std::string> reasons;              ///< of it, the most severe first
+    std::string verdict;               ///< "trustworthy", ...: the first card; empty: none
+    std::vector<std::string> reasons;  ///< of it, the most severe first
     CheckEntry check;
-    std::vector<HealthEntry> health;               ///< in order of source and time
+    std::vector<HealthEntry> health;                            ///< in order of source and time
     std::vector<std::pair<std::string, std::string>> findings;  ///< what start-up found: (what, value)
     std::vector<std::string> warnings;
-    std::string settings;                          ///< config.toml
+    std::string settings;  ///< config.toml
 };
 
 /// The page's content in the order a reviewer reads: track, verdict and self-check, health of the sources, errors (or the uncertainty where there is no reference), separation

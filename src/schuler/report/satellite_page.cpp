@@ -124,13 +124,15 @@ Group numbers_group(const dataset::SatelliteViews& views, const Clock& clock) {
     Series seen{.name = "tracked", .x = {}, .y = {}, .ink = Ink::Muted}, used{.name = "used", .x = {}, .y = {}};
     Series position{.name = "position", .x = {}, .y = {}}, horizontal{.name = "horizontal", .x = {}, .y = {}, .ink = Ink::Green},
         vertical{.name = "vertical", .x = {}, .y = {}, .ink = Ink::Vermillion};
-    Series hpl{.name = "horizontal", .x = {}, .y = {}, .ink = Ink::Green}, vpl{.name = "vertical", .x = {}, .y = {}, .ink = Ink::Vermillion};
+    Series hpl{.name = "horizontal", .x = {}, .y = {}, .ink = Ink::Green},
+        vpl{.name = "vertical", .x = {}, .y = {}, .ink = Ink::Vermillion};
     for (const EpochView& e : views.epochs) {
         const double t = clock(e);
-        for (const auto& [series, value] : {std::pair{&seen, static_cast<double>(e.satellites.size())}, std::pair{&used, static_cast<double>(e.solution.used())},
-                                            std::pair{&position, e.dilution.position}, std::pair{&horizontal, e.dilution.horizontal},
-                                            std::pair{&vertical, e.dilution.vertical}, std::pair{&hpl, e.protection.horizontal},
-                                            std::pair{&vpl, e.protection.vertical}}) {
+        for (const auto& [series, value] :
+             {std::pair{&seen, static_cast<double>(e.satellites.size())},
+              std::pair{&used, static_cast<double>(e.solution.used())}, std::pair{&position, e.dilution.position},
+              std::pair{&horizontal, e.dilution.horizontal}, std::pair{&vertical, e.dilution.vertical},
+              std::pair{&hpl, e.protection.horizontal}, std::pair{&vpl, e.protection.vertical}}) {
             series->x.push_back(t);
             series->y.push_back(value);
         }
@@ -165,7 +167,8 @@ Panel scatter(const dataset::SatelliteViews& views) {
         s.y.push_back(d[0]);
     };
     Series single{.name = "single point", .x = {}, .y = {}, .ink = Ink::Sky, .mark = Mark::Dots};
-    Series fixed{.name = "fixed", .x = {}, .y = {}, .ink = Ink::Green, .mark = Mark::Dots}, floating{.name = "float", .x = {}, .y = {}, .ink = Ink::Orange, .mark = Mark::Dots};
+    Series fixed{.name = "fixed", .x = {}, .y = {}, .ink = Ink::Green, .mark = Mark::Dots},
+        floating{.name = "float", .x = {}, .y = {}, .ink = Ink::Orange, .mark = Mark::Dots};
     if (views.carrier)
         for (const ppk::EpochSolution& e : views.carrier->epochs) {
             if (e.quality == ppk::Quality::Fixed) add(fixed, e.position);
@@ -179,8 +182,10 @@ Panel scatter(const dataset::SatelliteViews& views) {
 }
 
 Section residual_section(const dataset::SatelliteViews& views, const Clock& clock) {
-    Section section{"Residuals", "Measured minus modelled, of the satellites that were used. A satellite whose residuals keep to one side has a slow error: "
-                                 "of its orbit or clock, of the atmosphere, or of a reflection.",
+    Section section{"Residuals",
+                    "Measured minus modelled, of the satellites that were used. A satellite whose residuals keep to one side has "
+                    "a slow error: "
+                    "of its orbit or clock, of the atmosphere, or of a reflection.",
                     {}};
     for (std::size_t i = 0; i < gnss::system_count; ++i) {
         const auto system = static_cast<gnss::System>(i);
@@ -193,7 +198,8 @@ Section residual_section(const dataset::SatelliteViews& views, const Clock& cloc
             }
         }
         Group g{.title = fmt::format("system {}", gnss::letter_of(system)), .panels = {}, .tables = {}};
-        for (const auto& [title, label, by] : {std::tuple{"pseudoranges", "residual, m", &code}, std::tuple{"range rates", "residual, m/s", &rate}}) {
+        for (const auto& [title, label, by] :
+             {std::tuple{"pseudoranges", "residual, m", &code}, std::tuple{"range rates", "residual, m/s", &rate}}) {
             Panel p = panel(title, label);
             p.series = by->curves(Mark::Dots);
             // satellites of one system share a plot: their colours go round
@@ -208,11 +214,14 @@ Section residual_section(const dataset::SatelliteViews& views, const Clock& cloc
 
 /// Phases against the base, and the state of their integers.
 Section carrier_section(const dataset::CarrierPhase& carrier, Time zero) {
-    Section section{"Carrier phase against the base", "Residuals of differences rover less base, less the median of their system and carrier.", {}};
+    Section section{"Carrier phase against the base",
+                    "Residuals of differences rover less base, less the median of their system and carrier.",
+                    {}};
     Group g;
-    Panel quality = panel("solution", "1 fixed, 2 float, 5 single"), ratio = panel("ratio test of the integers", "ratio"), phase = panel("phases", "residual, m"),
-          slips = panel("arcs of phases begun anew", "arcs");
-    Series q{.name = "", .x = {}, .y = {}, .mark = Mark::Dots}, r{.name = "", .x = {}, .y = {}}, n{.name = "", .x = {}, .y = {}, .ink = Ink::Vermillion, .mark = Mark::Squares};
+    Panel quality = panel("solution", "1 fixed, 2 float, 5 single"), ratio = panel("ratio test of the integers", "ratio"),
+          phase = panel("phases", "residual, m"), slips = panel("arcs of phases begun anew", "arcs");
+    Series q{.name = "", .x = {}, .y = {}, .mark = Mark::Dots}, r{.name = "", .x = {}, .y = {}},
+        n{.name = "", .x = {}, .y = {}, .ink = Ink::Vermillion, .mark = Mark::Squares};
     std::map<std::pair<gnss::SatelliteId, char>, Series> phases;
     const auto begun = slips_of(carrier);
     for (std::size_t i = 0; i < carrier.epochs.size(); ++i) {
@@ -256,8 +265,10 @@ ReportInput satellite_page(const SatelliteReportInput& in) {
     page.subtitle = "single-point solution of the receiver's raw measurements, epoch by epoch";
     page.version = in.version;
     page.warnings = in.warnings;
-    const auto solved = std::ranges::count(views.epochs, gnss::SinglePointStatus::Solved, [](const EpochView& e) { return e.solution.status; });
-    page.cards = {{"epochs", std::to_string(views.epochs.size())}, {"solved", std::to_string(solved)},
+    const auto solved =
+        std::ranges::count(views.epochs, gnss::SinglePointStatus::Solved, [](const EpochView& e) { return e.solution.status; });
+    page.cards = {{"epochs", std::to_string(views.epochs.size())},
+                  {"solved", std::to_string(solved)},
                   {"satellites", std::to_string(satellites_of(views).size()), "tracked at any time"}};
     BySatellite cn0;
     for (const EpochView& e : views.epochs)
@@ -265,7 +276,8 @@ ReportInput satellite_page(const SatelliteReportInput& in) {
             if (std::isfinite(v.cn0)) cn0.add(v, clock(e), v.cn0);
     Panel strength = panel("carrier to noise density ratio", "C/N0, dB-Hz");
     strength.series = cn0.curves(Mark::Dots);
-    page.sections.push_back({"Sky", "", {{.title = "", .panels = {sky_plot(views), scatter(views)}, .tables = {satellite_table(views)}}}});
+    page.sections.push_back(
+        {"Sky", "", {{.title = "", .panels = {sky_plot(views), scatter(views)}, .tables = {satellite_table(views)}}}});
     Section numbers{"Geometry", "", {numbers_group(views, clock)}};
     if (!strength.series.empty()) numbers.groups.front().panels.push_back(std::move(strength));
     page.sections.push_back(std::move(numbers));

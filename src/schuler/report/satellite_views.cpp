@@ -42,10 +42,8 @@ private:
 
 /// A field of a table; empty where there is none.
 void field(std::string& text, double x, int decimals) {
-    if (std::isfinite(x))
-        fmt::format_to(std::back_inserter(text), ",{:.{}f}", x, decimals);
-    else
-        text += ',';
+    if (std::isfinite(x)) fmt::format_to(std::back_inserter(text), ",{:.{}f}", x, decimals);
+    else text += ',';
 }
 
 Time time_of(const EpochView& e) { return e.solution.status == gnss::SinglePointStatus::Solved ? e.solution.time : e.tag; }
@@ -56,7 +54,8 @@ struct LocalSolution {
     Geodetic position{not_given, not_given, not_given};
     Eigen::Vector3d std_position = not_given3(), velocity = not_given3(), std_velocity = not_given3();
 };
-LocalSolution local(const Ecef& position, const Eigen::Matrix3d& covariance, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& of_velocity) {
+LocalSolution local(const Ecef& position, const Eigen::Matrix3d& covariance, const Eigen::Vector3d& velocity,
+                    const Eigen::Matrix3d& of_velocity) {
     LocalSolution out;
     out.position = earth::geodetic_from_ecef(earth::wgs84, position);
     const Eigen::Matrix3d C_ne = earth::C_en(out.position.lat, out.position.lon).transpose();
@@ -95,7 +94,7 @@ struct Totals {
     std::map<gnss::SinglePointStatus, std::size_t> by_status;
     std::array<std::size_t, gnss::fate_count> fates{};
     std::vector<double> used, gdop, pdop, hdop, vdop, hpl, vpl;
-    std::vector<double> north, east, down, std_north, std_east, std_down;   ///< from the first solution, m
+    std::vector<double> north, east, down, std_north, std_east, std_down;  ///< from the first solution, m
     std::optional<Geodetic> first;
     std::map<ppk::Quality, std::size_t> by_quality;
     std::size_t slips = 0;
@@ -121,7 +120,8 @@ Totals totals_of(const SatelliteViews& views) {
             t.first = earth::geodetic_from_ecef(earth::wgs84, origin);
             C_ne = earth::C_en(t.first->lat, t.first->lon).transpose();
         }
-        const Eigen::Vector3d d = C_ne * (e.solution.position.r - origin.r), s = (C_ne * e.solution.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
+        const Eigen::Vector3d d = C_ne * (e.solution.position.r - origin.r),
+                              s = (C_ne * e.solution.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
         t.north.push_back(d[0]);
         t.east.push_back(d[1]);
         t.down.push_back(d[2]);
@@ -131,7 +131,8 @@ Totals totals_of(const SatelliteViews& views) {
     }
     if (views.carrier) {
         for (const ppk::EpochSolution& e : views.carrier->epochs) ++t.by_quality[e.quality];
-        for (const std::vector<bool>& epoch : slips_of(*views.carrier)) t.slips += static_cast<std::size_t>(std::ranges::count(epoch, true));
+        for (const std::vector<bool>& epoch : slips_of(*views.carrier))
+            t.slips += static_cast<std::size_t>(std::ranges::count(epoch, true));
     }
     return t;
 }
@@ -139,7 +140,7 @@ Totals totals_of(const SatelliteViews& views) {
 /// The median place, and its spread beside the sigma that is claimed.
 struct MedianPlace {
     Geodetic position;
-    Eigen::Vector3d spread, sigma;   ///< north, east, down, m
+    Eigen::Vector3d spread, sigma;  ///< north, east, down, m
 };
 std::optional<MedianPlace> median_place(const Totals& t) {
     if (!t.first) return std::nullopt;
@@ -159,16 +160,21 @@ std::optional<MedianPlace> median_place(const Totals& t) {
 
 ResultTable table_of(const std::vector<SatelliteSummary>& satellites, bool slips) {
     ResultTable table{"satellite",
+                      // clang-format off
                       {{"epochs", "epochs"}, {"used", "used"}, {"cn0_db_hz", "C/N0, dB-Hz"}, {"mean_m", "mean, m"}, {"rms_m", "RMS, m"},
                        {"normalised_rms", "RMS/sigma"}, {"rate_rms_m_s", "rate, m/s"}},
                       {}};
+    // clang-format on
     if (slips) table.columns.push_back({"slips", "slips"});
     for (const SatelliteSummary& s : satellites) {
         std::string name = gnss::name_of(s.satellite), reasons;
         for (std::size_t f = 1; f < gnss::fate_count; ++f)
-            if (s.fates[f] > 0) reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", gnss::name_of(static_cast<Fate>(f)), s.fates[f]);
-        ResultRow row{reasons.empty() ? name : fmt::format("{}  {}", name, reasons), {}, {{"satellite", name}, {"not used", reasons}}, {}};
-        row.numbers = {static_cast<double>(s.seen), static_cast<double>(s.fates[0]), s.cn0, s.mean, s.rms, s.normalised, s.rate_rms};
+            if (s.fates[f] > 0)
+                reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", gnss::name_of(static_cast<Fate>(f)), s.fates[f]);
+        ResultRow row{
+            reasons.empty() ? name : fmt::format("{}  {}", name, reasons), {}, {{"satellite", name}, {"not used", reasons}}, {}};
+        row.numbers = {
+            static_cast<double>(s.seen), static_cast<double>(s.fates[0]), s.cn0, s.mean, s.rms, s.normalised, s.rate_rms};
         if (slips) row.numbers.push_back(static_cast<double>(s.slips));
         table.rows.push_back(std::move(row));
     }
@@ -231,8 +237,11 @@ std::vector<SatelliteSummary> satellites_of(const SatelliteViews& views) {
 }
 
 std::string gnss_csv(const SatelliteViews& views) {
-    std::string text = "time_s,q,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,std_n_m,std_e_m,std_d_m,std_vn_m_s,std_ve_m_s,std_vd_m_s,"
-                       "status,seen,used,faulty,gdop,pdop,hdop,vdop,tdop,statistic,redundancy,protection_horizontal_m,protection_vertical_m,clock_m,drift_m_s";
+    std::string text =
+        "time_s,q,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,std_n_m,std_e_m,std_d_m,std_vn_m_s,std_ve_m_s,std_vd_m_"
+        "s,"
+        "status,seen,used,faulty,gdop,pdop,hdop,vdop,tdop,statistic,redundancy,protection_horizontal_m,protection_vertical_m,"
+        "clock_m,drift_m_s";
     text += views.carrier ? ",ratio,success_rate,ambiguities,integers,age_s\n" : "\n";
     CarrierAt carrier_at(views);
     for (const EpochView& e : views.epochs) {
@@ -240,15 +249,18 @@ std::string gnss_csv(const SatelliteViews& views) {
         const ppk::EpochSolution* c = carrier_at(e.tag);
         const bool phase = c != nullptr && (c->quality == ppk::Quality::Fixed || c->quality == ppk::Quality::Float);
         LocalSolution place;
-        if (phase)
-            place = local(c->position, c->covariance, c->velocity, c->velocity_covariance);
-        else if (solved(e))
-            place = local(s.position, s.covariance, s.velocity, s.velocity_covariance);
+        if (phase) place = local(c->position, c->covariance, c->velocity, c->velocity_covariance);
+        else if (solved(e)) place = local(s.position, s.covariance, s.velocity, s.velocity_covariance);
         fmt::format_to(std::back_inserter(text), "{:.9f},{}", (phase ? c->time : time_of(e)).seconds(),
-                       phase ? quality_number(c->quality) : solved(e) ? quality_number(ppk::Quality::Single) : 0);
+                       phase       ? quality_number(c->quality)
+                       : solved(e) ? quality_number(ppk::Quality::Single)
+                                   : 0);
         solution_fields(text, place);
-        fmt::format_to(std::back_inserter(text), ",{},{},{},{}", gnss::name_of(s.status), e.satellites.size(), s.used(), s.excluded());
-        for (const double x : {e.dilution.geometry, e.dilution.position, e.dilution.horizontal, e.dilution.vertical, e.dilution.time}) field(text, x, 3);
+        fmt::format_to(std::back_inserter(text), ",{},{},{},{}", gnss::name_of(s.status), e.satellites.size(), s.used(),
+                       s.excluded());
+        for (const double x :
+             {e.dilution.geometry, e.dilution.position, e.dilution.horizontal, e.dilution.vertical, e.dilution.time})
+            field(text, x, 3);
         field(text, solved(e) ? s.statistic : not_given, 3);
         fmt::format_to(std::back_inserter(text), ",{}", s.redundancy);
         field(text, e.protection.horizontal, 2);
@@ -257,9 +269,9 @@ std::string gnss_csv(const SatelliteViews& views) {
         field(text, clock == s.clock.end() ? not_given : *clock, 3);
         field(text, s.drift, 4);
         if (views.carrier && c != nullptr)
-            fmt::format_to(std::back_inserter(text), ",{:.1f},{:.6f},{},{},{:.3f}", c->ratio, c->success, c->ambiguities, c->fixed, c->age);
-        else if (views.carrier)
-            text += ",,,,,";
+            fmt::format_to(std::back_inserter(text), ",{:.1f},{:.6f},{},{},{:.3f}", c->ratio, c->success, c->ambiguities,
+                           c->fixed, c->age);
+        else if (views.carrier) text += ",,,,,";
         text += '\n';
     }
     return text;
@@ -269,12 +281,14 @@ std::string satellites_csv(const SatelliteViews& views) {
     std::string text = "time_s,satellite,signal,azimuth_deg,elevation_deg,cn0_db_hz,used,reason\n";
     for (const EpochView& e : views.epochs) {
         for (const SatelliteView& v : e.satellites) {
-            fmt::format_to(std::back_inserter(text), "{:.9f},{},{}{}", time_of(e).seconds(), gnss::name_of(v.satellite), v.signal.band, v.signal.attribute);
+            fmt::format_to(std::back_inserter(text), "{:.9f},{},{}{}", time_of(e).seconds(), gnss::name_of(v.satellite),
+                           v.signal.band, v.signal.attribute);
             const double azimuth = v.direction.azimuth / units::deg;
             field(text, azimuth < 0.0 ? azimuth + 360.0 : azimuth, 2);
             field(text, v.direction.elevation / units::deg, 2);
             field(text, v.cn0, 1);
-            fmt::format_to(std::back_inserter(text), ",{},{}\n", v.fate == Fate::Used ? 1 : 0, v.fate == Fate::Used ? "" : gnss::name_of(v.fate));
+            fmt::format_to(std::back_inserter(text), ",{},{}\n", v.fate == Fate::Used ? 1 : 0,
+                           v.fate == Fate::Used ? "" : gnss::name_of(v.fate));
         }
     }
     return text;
@@ -282,13 +296,16 @@ std::string satellites_csv(const SatelliteViews& views) {
 
 std::string residuals_csv(const SatelliteViews& views) {
     std::string text = "time_s,satellite,signal,quantity,residual,sigma,used,whole,slip\n";
-    const auto row = [&text](Time t, gnss::SatelliteId id, std::string_view signal, std::string_view quantity, double residual, double sigma, bool used) {
-        fmt::format_to(std::back_inserter(text), "{:.9f},{},{},{},{:.4f},{:.4f},{}", t.seconds(), gnss::name_of(id), signal, quantity, residual, sigma, used ? 1 : 0);
+    const auto row = [&text](Time t, gnss::SatelliteId id, std::string_view signal, std::string_view quantity, double residual,
+                             double sigma, bool used) {
+        fmt::format_to(std::back_inserter(text), "{:.9f},{},{},{},{:.4f},{:.4f},{}", t.seconds(), gnss::name_of(id), signal,
+                       quantity, residual, sigma, used ? 1 : 0);
     };
     for (const EpochView& e : views.epochs) {
         for (const SatelliteView& v : e.satellites) {
             const std::string signal{v.signal.band, v.signal.attribute};
-            for (const auto& [quantity, residual, sigma] : {std::tuple{"code_m", v.residual, v.sigma}, std::tuple{"rate_m_s", v.rate_residual, v.rate_sigma}}) {
+            for (const auto& [quantity, residual, sigma] :
+                 {std::tuple{"code_m", v.residual, v.sigma}, std::tuple{"rate_m_s", v.rate_residual, v.rate_sigma}}) {
                 if (!std::isfinite(residual)) continue;
                 row(time_of(e), v.satellite, signal, quantity, residual, sigma, v.fate == Fate::Used);
                 text += ",,\n";
@@ -321,29 +338,39 @@ std::string satellite_json(const SatelliteReportInput& in) {
     j["command"] = "gnss";
     j["version"] = in.version;
     j["epochs"] = views.epochs.size();
-    for (const gnss::SinglePointStatus s : {gnss::SinglePointStatus::Solved, gnss::SinglePointStatus::TooFew, gnss::SinglePointStatus::WeakGeometry,
-                                            gnss::SinglePointStatus::Inconsistent}) {
+    for (const gnss::SinglePointStatus s : {gnss::SinglePointStatus::Solved, gnss::SinglePointStatus::TooFew,
+                                            gnss::SinglePointStatus::WeakGeometry, gnss::SinglePointStatus::Inconsistent}) {
         const auto it = t.by_status.find(s);
         j["status"][std::string(gnss::name_of(s))] = it == t.by_status.end() ? 0 : it->second;
     }
     j["duration_s"] = (views.epochs.back().tag - views.epochs.front().tag).seconds();
     if (const auto place = median_place(t)) {
-        const auto axes = [](const Eigen::Vector3d& v) { return Json{{"north", json_number(v[0])}, {"east", json_number(v[1])}, {"down", json_number(v[2])}}; };
-        j["position"] = {{"lat_deg", place->position.lat / units::deg}, {"lon_deg", place->position.lon / units::deg}, {"height_m", place->position.h}};
+        const auto axes = [](const Eigen::Vector3d& v) {
+            return Json{{"north", json_number(v[0])}, {"east", json_number(v[1])}, {"down", json_number(v[2])}};
+        };
+        j["position"] = {{"lat_deg", place->position.lat / units::deg},
+                         {"lon_deg", place->position.lon / units::deg},
+                         {"height_m", place->position.h}};
         j["sigma_m"] = axes(place->sigma);
         j["spread_m"] = axes(place->spread);
     } else {
         j["position"] = j["sigma_m"] = j["spread_m"] = nullptr;
     }
     j["used_satellites"] = {{"median", json_number(math::median(t.used))}, {"least", json_number(math::quantile(t.used, 0.0))}};
-    j["dop"] = {{"geometry", json_number(math::median(t.gdop))}, {"position", json_number(math::median(t.pdop))},
-                {"horizontal", json_number(math::median(t.hdop))}, {"vertical", json_number(math::median(t.vdop))}};
-    j["protection"] = {{"horizontal_m", json_number(math::median(t.hpl))}, {"vertical_m", json_number(math::median(t.vpl))},
-                       {"false_alarm", in.false_alarm}, {"missed_detection", in.missed_detection}};
+    j["dop"] = {{"geometry", json_number(math::median(t.gdop))},
+                {"position", json_number(math::median(t.pdop))},
+                {"horizontal", json_number(math::median(t.hdop))},
+                {"vertical", json_number(math::median(t.vdop))}};
+    j["protection"] = {{"horizontal_m", json_number(math::median(t.hpl))},
+                       {"vertical_m", json_number(math::median(t.vpl))},
+                       {"false_alarm", in.false_alarm},
+                       {"missed_detection", in.missed_detection}};
     if (views.carrier) {
         const auto count = [&t](ppk::Quality q) { return t.by_quality.contains(q) ? t.by_quality.at(q) : 0; };
+        // clang-format off
         j["carrier"] = {{"epochs", views.carrier->epochs.size()}, {"fixed", count(ppk::Quality::Fixed)}, {"float", count(ppk::Quality::Float)},
                         {"single", count(ppk::Quality::Single)}, {"slips", t.slips}};
+        // clang-format on
     } else {
         j["carrier"] = nullptr;
     }
@@ -370,19 +397,24 @@ std::string satellite_json(const SatelliteReportInput& in) {
 std::string satellite_text(const SatelliteReportInput& in) {
     const SatelliteViews& views = *in.views;
     const Totals t = totals_of(views);
-    std::string text = fmt::format("{}: {} epochs over {:.1f} s", in.name, views.epochs.size(), (views.epochs.back().tag - views.epochs.front().tag).seconds());
+    std::string text = fmt::format("{}: {} epochs over {:.1f} s", in.name, views.epochs.size(),
+                                   (views.epochs.back().tag - views.epochs.front().tag).seconds());
     for (const auto& [status, count] : t.by_status) text += fmt::format(", {} {}", count, gnss::name_of(status));
     text += "\n";
     if (const auto place = median_place(t)) {
-        text += fmt::format("median position {:.8f}, {:.8f} deg, height {:.3f} m\n", place->position.lat / units::deg, place->position.lon / units::deg,
-                            place->position.h);
-        text += fmt::format("sigma of an epoch (north, east, down): {:.2f}, {:.2f}, {:.2f} m; spread around the median: {:.2f}, {:.2f}, {:.2f} m\n",
-                            place->sigma[0], place->sigma[1], place->sigma[2], place->spread[0], place->spread[1], place->spread[2]);
+        text += fmt::format("median position {:.8f}, {:.8f} deg, height {:.3f} m\n", place->position.lat / units::deg,
+                            place->position.lon / units::deg, place->position.h);
+        text += fmt::format(
+            "sigma of an epoch (north, east, down): {:.2f}, {:.2f}, {:.2f} m; spread around the median: {:.2f}, {:.2f}, {:.2f} "
+            "m\n",
+            place->sigma[0], place->sigma[1], place->sigma[2], place->spread[0], place->spread[1], place->spread[2]);
     }
-    text += fmt::format("satellites used: median {:.0f}, least {:.0f}; DOP: {} position, {} horizontal, {} vertical\n", math::median(t.used),
-                        math::quantile(t.used, 0.0), table_cell(math::median(t.pdop)), table_cell(math::median(t.hdop)), table_cell(math::median(t.vdop)));
-    text += fmt::format("protection level: {} m horizontal, {} m vertical (median; one fault, false alarm {:g}, missed detection {:g})\n",
-                        table_cell(math::median(t.hpl)), table_cell(math::median(t.vpl)), in.false_alarm, in.missed_detection);
+    text += fmt::format("satellites used: median {:.0f}, least {:.0f}; DOP: {} position, {} horizontal, {} vertical\n",
+                        math::median(t.used), math::quantile(t.used, 0.0), table_cell(math::median(t.pdop)),
+                        table_cell(math::median(t.hdop)), table_cell(math::median(t.vdop)));
+    text += fmt::format(
+        "protection level: {} m horizontal, {} m vertical (median; one fault, false alarm {:g}, missed detection {:g})\n",
+        table_cell(math::median(t.hpl)), table_cell(math::median(t.vpl)), in.false_alarm, in.missed_detection);
     if (views.carrier) {
         text += "against the base:";
         for (const auto& [quality, name] : {std::pair{ppk::Quality::Fixed, "fixed"}, std::pair{ppk::Quality::Float, "float"},
@@ -393,6 +425,8 @@ std::string satellite_text(const SatelliteReportInput& in) {
     return text + "\n" + table_text(table_of(satellites_of(views), views.carrier.has_value()));
 }
 
-TableBlock satellite_table(const SatelliteViews& views) { return table_block(table_of(satellites_of(views), views.carrier.has_value())); }
+TableBlock satellite_table(const SatelliteViews& views) {
+    return table_block(table_of(satellites_of(views), views.carrier.has_value()));
+}
 
 }  // namespace schuler::report

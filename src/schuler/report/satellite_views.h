@@ -21,12 +21,12 @@ struct SatelliteReportInput {
 struct SatelliteSummary {
     gnss::SatelliteId satellite;
     std::size_t seen = 0;
-    std::array<std::size_t, gnss::fate_count> fates{};   ///< epochs, by gnss::Fate
-    double cn0 = not_given;                              ///< dB-Hz, median
-    double mean = not_given, rms = not_given;            ///< m, of the residuals of used ranges
-    double normalised = not_given;                       ///< RMS of residual over sigma
-    double rate_rms = not_given;                         ///< m/s
-    std::size_t slips = 0;                               ///< of all carriers, against a base
+    std::array<std::size_t, gnss::fate_count> fates{};  ///< epochs, by gnss::Fate
+    double cn0 = not_given;                             ///< dB-Hz, median
+    double mean = not_given, rms = not_given;           ///< m, of the residuals of used ranges
+    double normalised = not_given;                      ///< RMS of residual over sigma
+    double rate_rms = not_given;                        ///< m/s
+    std::size_t slips = 0;                              ///< of all carriers, against a base
 };
 /// In the order of systems and numbers.
 [[nodiscard]] std::vector<SatelliteSummary> satellites_of(const dataset::SatelliteViews& views);

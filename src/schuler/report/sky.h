@@ -7,18 +7,18 @@
 
 namespace schuler::report {
 
-enum class RangeUse { Used, Rejected, NotAsked };   ///< NotAsked: withheld, or the scheme does not use ranges
+enum class RangeUse { Used, Rejected, NotAsked };  ///< NotAsked: withheld, or the scheme does not use ranges
 
 /// One source at one epoch of ranges.
 struct SkyRow {
-    Time time;                           ///< of the epoch
-    int source = 0;                      ///< index into RangingLog::sources
+    Time time;       ///< of the epoch
+    int source = 0;  ///< index into RangingLog::sources
     bool station = false;
-    double azimuth = 0.0;                ///< rad, from north over east, 0 to 2 pi
-    double elevation = 0.0;              ///< rad, above the plane square to the ellipsoid's normal
+    double azimuth = 0.0;    ///< rad, from north over east, 0 to 2 pi
+    double elevation = 0.0;  ///< rad, above the plane square to the ellipsoid's normal
     RangeUse use = RangeUse::NotAsked;
-    double residual = not_given;         ///< of the pseudorange: computed minus measured, before its own update, m
-    double sigma = not_given;            ///< predicted one sigma of the residual, m
+    double residual = not_given;  ///< of the pseudorange: computed minus measured, before its own update, m
+    double sigma = not_given;     ///< predicted one sigma of the residual, m
 };
 
 inline constexpr std::size_t most_sky_epochs = 300;

@@ -67,7 +67,7 @@ void SolutionStream::write_all() {
         taken.clear();
         lock.lock();
         if (!failure) continue;
-        failure_ = std::move(failure);   // no second owner: the caller's thread ends the exception
+        failure_ = std::move(failure);  // no second owner: the caller's thread ends the exception
         waiting_.clear();
         lock.unlock();
         emptied_.notify_one();

@@ -36,7 +36,7 @@ private:
     io::SolutionCsvWriter writer_;
     std::mutex mutex_;
     std::condition_variable filled_, emptied_;
-    std::vector<SolutionRow> waiting_;    ///< handed over, not yet taken; guarded, as all below
+    std::vector<SolutionRow> waiting_;  ///< handed over, not yet taken; guarded, as all below
     bool closed_ = false;
     std::exception_ptr failure_;
     std::thread thread_;

@@ -44,7 +44,10 @@ Json errors_of(const solution::Evaluation& e) {
 }
 
 Json of(const analysis::NeesStatistics& s) {
-    return {{"mean", json_number(s.mean)}, {"expected", json_number(s.expected)}, {"low95", json_number(s.low95)}, {"high95", json_number(s.high95)}};
+    return {{"mean", json_number(s.mean)},
+            {"expected", json_number(s.expected)},
+            {"low95", json_number(s.low95)},
+            {"high95", json_number(s.high95)}};
 }
 
 Json consistency_of(const solution::Evaluation& e) {
@@ -173,7 +176,8 @@ Json self_check_of(const solution::ResultBundle& b) {
     out["widened"] = c.widened;
     out["before"] = c.before ? of(*c.before) : Json(nullptr);
     out["all"] = c.all ? of(*c.all) : Json(nullptr);
-    out["noise_scale"] = c.tried ? Json{{"gyro", c.tried->gyro}, {"accel", c.tried->accel}, {"apart", c.tried->apart}} : Json(nullptr);
+    out["noise_scale"] =
+        c.tried ? Json{{"gyro", c.tried->gyro}, {"accel", c.tried->accel}, {"apart", c.tried->apart}} : Json(nullptr);
     out["growth"] = Json::array();
     for (const solution::GrowthPoint& p : c.coverage.growth)
         out["growth"].push_back({{"since_s", p.since}, {"error_rms_m", p.error}, {"sigma_rms_m", p.sigma}, {"epochs", p.epochs}});
@@ -206,12 +210,16 @@ Json carrier_of(const solution::ResultBundle& b) {
 Json health_json(const solution::ResultBundle& b) {
     Json list = Json::array();
     for (const solution::HealthInterval& h : solution::health_of(b.data, b.result))
+        // clang-format off
         list.push_back({{"source", h.source}, {"state", name_of(h.state)}, {"from_s", json_number(b.relative(h.from))},
                         {"to_s", json_number(b.relative(h.to))}, {"samples", h.samples}});
+    // clang-format on
     return list;
 }
 
-Json verdict_json(const solution::SolutionVerdict& verdict) { return {{"word", solution::word_of(verdict.word)}, {"reasons", verdict.reasons}}; }
+Json verdict_json(const solution::SolutionVerdict& verdict) {
+    return {{"word", solution::word_of(verdict.word)}, {"reasons", verdict.reasons}};
+}
 
 Json ignored_json(const std::vector<solution::Ignored>& ignored) {
     Json list = Json::array();

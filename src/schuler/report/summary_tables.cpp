@@ -15,9 +15,11 @@ std::string alert_text(const fusion::Alert& a) {
     const std::string size = fmt::format("{:.3g} {}", a.size, a.kind == fusion::AidKind::GnssVelocity ? "m/s" : "m");
     switch (a.test) {
         case IntegrityTest::Readmitted: return "used again";
-        case IntegrityTest::Jump: return fmt::format("the receiver jumps by {}, not felt by the IMU: sigmas cover both levels", size);
+        case IntegrityTest::Jump:
+            return fmt::format("the receiver jumps by {}, not felt by the IMU: sigmas cover both levels", size);
         case IntegrityTest::JumpBack: return fmt::format("the receiver is back from a jump of {}", size);
-        case IntegrityTest::OtherLevel: return fmt::format("the receiver has stayed {} away for longer than before: that counts now", size);
+        case IntegrityTest::OtherLevel:
+            return fmt::format("the receiver has stayed {} away for longer than before: that counts now", size);
         case IntegrityTest::Navigation: return fmt::format("the navigation was wrong ({}): attitude and biases found anew", size);
         case IntegrityTest::Receiver: return fmt::format("the receiver was wrong ({}) and agrees again", size);
         default: return fmt::format("excluded ({} test)", integrity_test_name(a.test));
@@ -103,8 +105,9 @@ std::string separation_table(const solution::Evaluation& e) {
         return fmt::format("  {:<22}{:>11}{:>15.1f} %\n", name, cell(s.rms / unit), 100.0 * s.inside_3sigma);
     };
     const analysis::SeparationSummary& s = e.separated;
-    return fmt::format("{:<24}{:>11}{:>17}\n", "forward minus backward", "rms", "inside 3 sigma") + line("north, m", s.north, 1.0) +
-           line("east, m", s.east, 1.0) + line("up, m", s.up, 1.0) + line("heading, deg", s.heading, units::deg);
+    return fmt::format("{:<24}{:>11}{:>17}\n", "forward minus backward", "rms", "inside 3 sigma") +
+           line("north, m", s.north, 1.0) + line("east, m", s.east, 1.0) + line("up, m", s.up, 1.0) +
+           line("heading, deg", s.heading, units::deg);
 }
 
 }  // namespace
@@ -133,8 +136,8 @@ std::string summary_tables(const solution::ResultBundle& b) {
     constexpr std::size_t most_lines = 20;
     for (std::size_t i = 0; i < std::min(most_lines, b.result.alerts.size()); ++i) {
         const fusion::Alert& a = b.result.alerts[i];
-        out += fmt::format("  {:>8.1f} s  {:<9} {}\n", b.relative(a.time), a.kind == fusion::AidKind::GnssVelocity ? "velocity" : "position",
-                           alert_text(a));
+        out += fmt::format("  {:>8.1f} s  {:<9} {}\n", b.relative(a.time),
+                           a.kind == fusion::AidKind::GnssVelocity ? "velocity" : "position", alert_text(a));
     }
     if (b.result.alerts.size() > most_lines)
         out += fmt::format("  and {} more (summary.json has them all)\n", b.result.alerts.size() - most_lines);
@@ -145,7 +148,8 @@ std::string summary_tables(const solution::ResultBundle& b) {
         out += "\n" + published_table(b.published, rms_of(e.states, e.settled),
                                       fmt::format("{}, from {:.0f} s", b.name, b.relative(e.settled)));
     if (b.self_check) out += "\n" + solution::self_check_table(*b.self_check);
-    const std::string checked = b.self_check && b.self_check->done() ? fmt::format("self-check {:.2f} s, ", b.timing.check_s) : std::string();
+    const std::string checked =
+        b.self_check && b.self_check->done() ? fmt::format("self-check {:.2f} s, ", b.timing.check_s) : std::string();
     out += fmt::format("\nread {:.2f} s, filter {:.2f} s ({:.3g} million IMU epochs/s forward), {}write {:.2f} s\n",
                        b.timing.read_s, b.timing.filter_s,
                        b.result.filter_seconds > 0.0 ? 1e-6 * static_cast<double>(n.imu_epochs) / b.result.filter_seconds : 0.0,

@@ -218,7 +218,8 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
         c.ranges.file = "ranges.csv";
         if (!s.ranging.settings.stations.empty()) c.station_coordinates = "stations.csv";
         c.filter.ranging.errors = s.ranging.settings.errors;
-        if (s.receiver_channels.rate > 0.0) c.filter.ranging.errors.rate_span = receiver::shared_rate_span(s.receiver_channels.bank);
+        if (s.receiver_channels.rate > 0.0)
+            c.filter.ranging.errors.rate_span = receiver::shared_rate_span(s.receiver_channels.bank);
         gnss::RangeSettings& corrections = c.raw.solver.ranges;
         corrections.elevation_mask = s.ranging.settings.masks.elevation - 1.0 * units::deg;
         if (!s.ranging.settings.atmosphere) corrections.troposphere = gnss::TroposphereModel::None;
@@ -267,8 +268,8 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
 }
 
 /// The initial state of the filter: truth with errors drawn from the stated sigmas.
-void give_initial_state(settings::Config& c, const settings::InitialError& e, const ReferenceSample& truth, const earth::Earth& earth,
-                        std::uint64_t seed) {
+void give_initial_state(settings::Config& c, const settings::InitialError& e, const ReferenceSample& truth,
+                        const earth::Earth& earth, std::uint64_t seed) {
     math::Random random(seed, "filter.initial_error");
     const Eigen::Vector3d dp = e.position * random.normal3(), dv = e.velocity * random.normal3();
     const Eigen::Vector3d std_rpy(e.level, e.level, e.heading);
@@ -294,8 +295,7 @@ bool is_relevant(const std::string& key, const settings::Config& c, bool gravime
     if (key.starts_with("log.")) return !c.aids.log.file.empty();
     if (key.starts_with("compass.")) return !c.aids.compass.file.empty();
     if (key.starts_with("gravity.")) return gravimetry;
-    return !key.starts_with("output.") && !key.ends_with(".time_offset_s") &&
-           key != "reference.quaternion";
+    return !key.starts_with("output.") && !key.ends_with(".time_offset_s") && key != "reference.quaternion";
 }
 
 }  // namespace
@@ -345,12 +345,16 @@ SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, cons
         state_initial_sigmas(c.filter.initial, assumed_scenario.initial_error);
     }
     // Fixes that will be made of the ranges have those' slow errors, which follow from the geometry: nothing is assumed instead.
-    const bool by_ranges = out.recording.gnss.empty() && !out.recording.ranges.empty() && !assumed_scenario.given.contains("gnss.correlated_m") &&
+    const bool by_ranges = out.recording.gnss.empty() && !out.recording.ranges.empty() &&
+                           !assumed_scenario.given.contains("gnss.correlated_m") &&
                            !assumed_scenario.given.contains("gnss.receiver");
-    const bool gravimetry = scenario.sim.disturbed() ||
-                            std::ranges::any_of(assumed_scenario.given, [](const std::string& key) { return key.starts_with("gravity."); });
+    const bool gravimetry = scenario.sim.disturbed() || std::ranges::any_of(assumed_scenario.given, [](const std::string& key) {
+                                return key.starts_with("gravity.");
+                            });
     for (settings::Setting& s : settings::config_table().used(c)) {
-        if (by_ranges && (s.key.starts_with("gnss.correlated_") || s.key.starts_with("gnss.change_")) && !assumed_scenario.given.contains(s.key)) continue;
+        if (by_ranges && (s.key.starts_with("gnss.correlated_") || s.key.starts_with("gnss.change_")) &&
+            !assumed_scenario.given.contains(s.key))
+            continue;
         if (is_relevant(s.key, c, gravimetry)) out.settings.push_back(std::move(s));
     }
     out.settings.insert(out.settings.end(), assumed_scenario.assumed.begin(), assumed_scenario.assumed.end());

@@ -13,7 +13,7 @@ namespace schuler::scenario {
 struct SimulatedRanging {
     sim::SimulatedRanges ranges;
     gnss::Navigation navigation;
-    Time gps;                      ///< GPS time of the scenario's first instant
+    Time gps;  ///< GPS time of the scenario's first instant
 };
 [[nodiscard]] std::optional<SimulatedRanging> simulate_ranging(const settings::ScenarioConfig& scenario);
 

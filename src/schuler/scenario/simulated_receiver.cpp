@@ -18,8 +18,8 @@ namespace schuler::scenario {
 namespace {
 
 constexpr double c = gnss::speed_of_light;
-constexpr double deep_interval = 0.02;   // s, a symbol of GPS
-constexpr int row_ticks = 100;           // ms
+constexpr double deep_interval = 0.02;  // s, a symbol of GPS
+constexpr int row_ticks = 100;          // ms
 
 /// Earth-fixed axes of transmission as they are turned at reception, `tau` s later.
 fusion::EarthFixedMotion at_reception(const gnss::SatelliteState& s, const earth::Ellipsoid& earth, double tau) {
@@ -88,11 +88,11 @@ void SimulatedReceiver::run(const fusion::Guide& guide, Time until, RangingLog& 
         const fusion::LineOfSightAid aid =
             fusion::line_of_sight_aid(guide.antenna, at_reception(*sent, ellipsoid, tau), guide.C_en, guide.P);
         const double jerk = guide.jerk_e.dot((guide.antenna.r_e - sent->position.r).normalized());
-        predictions_[i] = {{aid.range + guide.clock - c * sent->clock, aid.rate + guide.drift - c * sent->clock_rate,
-                            aid.acceleration, jerk},
-                           std::hypot(aid.std_range, guide.std_clock),
-                           std::hypot(aid.std_rate, guide.std_drift),
-                           guide.drift};
+        predictions_[i] = {
+            {aid.range + guide.clock - c * sent->clock, aid.rate + guide.drift - c * sent->clock_rate, aid.acceleration, jerk},
+            std::hypot(aid.std_range, guide.std_clock),
+            std::hypot(aid.std_rate, guide.std_drift),
+            guide.drift};
     }
     bank_->guide(predictions_, now);
     listen(sky_.seconds(until), log);
@@ -120,12 +120,12 @@ void SimulatedReceiver::listen(double until, RangingLog& log) {
 void SimulatedReceiver::measure(RangingLog& log) {
     bank_->measure(measured_, interval_);
     RangeEpoch epoch{sky_.time(bank_->now()), log.samples.size(), 0};
-    const double t = bank_->now() - bank_->clock() / c;   // true time when the receiver's clock shows now
+    const double t = bank_->now() - bank_->clock() / c;  // true time when the receiver's clock shows now
     sensor::Oscillator clock;
     clock.h0 = settings_.oscillator.h0;
     const double clock_density = clock.phase_psd();
     for (const receiver::BankMeasurement& m : measured_) {
-        const double left = bank_->now() - m.range / c;   // by the satellite's clock: the receiver's error is in both
+        const double left = bank_->now() - m.range / c;  // by the satellite's clock: the receiver's error is in both
         const auto guess = sky_.satellite(m.signal, left);
         if (!guess) continue;
         const auto sent = sky_.satellite(m.signal, left - guess->clock);

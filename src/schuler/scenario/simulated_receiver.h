@@ -53,7 +53,7 @@ public:
     void run(const fusion::Guide& guide, Time until, RangingLog& log);
     /// The whole flight without guidance.
     [[nodiscard]] RangingLog run_alone();
-    [[nodiscard]] double rate_span() const { return rate_span_; }   ///< s, sensor::RangingErrorModel::rate_span
+    [[nodiscard]] double rate_span() const { return rate_span_; }  ///< s, sensor::RangingErrorModel::rate_span
     [[nodiscard]] const std::vector<ReceiverRow>& rows() const { return rows_; }
 
 private:
@@ -64,7 +64,7 @@ private:
 
     const SimulatedSky& sky_;
     receiver::BankSettings settings_;
-    double interval_;                                   ///< s between epochs
+    double interval_;  ///< s between epochs
     double rate_span_;
     std::optional<receiver::Bank> bank_;
     std::vector<receiver::Prediction> predictions_;

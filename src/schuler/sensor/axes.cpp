@@ -2,8 +2,8 @@
 
 #include "schuler/core/error.h"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>

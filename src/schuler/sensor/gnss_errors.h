@@ -10,16 +10,16 @@ namespace schuler::sensor {
 /// flown over the ground: correlation exp(-(dt/time + ds/distance)). Where the set of satellites changes, the process and the
 /// white noise of that one fix get an extra jump. All zero: white noise only.
 struct GnssErrorModel {
-    Eigen::Vector3d correlated_position = Eigen::Vector3d::Zero();   ///< m
-    double correlated_time = 300.0;                                  ///< s, 1/lambda_st of the paper
-    double correlated_distance = 0.0;                                ///< m, 1/lambda_s; 0: distance does not matter
-    Eigen::Vector3d correlated_velocity = Eigen::Vector3d::Zero();   ///< m/s
-    double correlated_velocity_time = 300.0;                         ///< s, 1/lambda_V
+    Eigen::Vector3d correlated_position = Eigen::Vector3d::Zero();  ///< m
+    double correlated_time = 300.0;                                 ///< s, 1/lambda_st of the paper
+    double correlated_distance = 0.0;                               ///< m, 1/lambda_s; 0: distance does not matter
+    Eigen::Vector3d correlated_velocity = Eigen::Vector3d::Zero();  ///< m/s
+    double correlated_velocity_time = 300.0;                        ///< s, 1/lambda_V
 
-    Eigen::Vector3d change_white_position = Eigen::Vector3d::Zero();        ///< m, at a change of constellation
-    Eigen::Vector3d change_correlated_position = Eigen::Vector3d::Zero();   ///< m
-    Eigen::Vector3d change_white_velocity = Eigen::Vector3d::Zero();        ///< m/s
-    Eigen::Vector3d change_correlated_velocity = Eigen::Vector3d::Zero();   ///< m/s
+    Eigen::Vector3d change_white_position = Eigen::Vector3d::Zero();       ///< m, at a change of constellation
+    Eigen::Vector3d change_correlated_position = Eigen::Vector3d::Zero();  ///< m
+    Eigen::Vector3d change_white_velocity = Eigen::Vector3d::Zero();       ///< m/s
+    Eigen::Vector3d change_correlated_velocity = Eigen::Vector3d::Zero();  ///< m/s
 
     /// Rate at which the position's process forgets (1/s) at a ground speed in m/s.
     [[nodiscard]] double position_decay(double ground_speed) const {

@@ -14,30 +14,30 @@ namespace schuler::sensor {
 /// misalignments off its diagonal, the turn-on bias is constant in a run and the in-run bias is a stationary first-order
 /// Gauss-Markov process (correlation exp(-t/bias_time)).
 struct ImuErrorModel {
-    double gyro_noise = 0.0;            ///< angle random walk: root of the two-sided density of the rate noise, rad/sqrt(s)
-    double gyro_bias = 0.0;             ///< in-run bias, rad/s
-    double gyro_bias_time = 3600.0;     ///< its correlation time, s
-    double gyro_turn_on_bias = 0.0;     ///< constant bias, new at each switch-on, rad/s
-    double gyro_scale = 0.0;            ///< scale-factor error
-    double gyro_misalignment = 0.0;     ///< each of the six axis misalignments, rad
-    double gyro_quantum = 0.0;          ///< least count of the accumulated angle, rad (0: none)
-    double gyro_rate_walk = 0.0;        ///< random walk of the bias, rad/s/sqrt(s)
-    double gyro_flicker = 0.0;          ///< bias instability B of [IEEE952]: 1/f noise, the Allan deviation's floor is 0.664 B, rad/s
-    double gyro_temperature = 0.0;      ///< bias a kelvin off the temperature of calibration, each axis, rad/s/K
-    double gyro_g = 0.0;                ///< bias a unit of specific force, each of nine coefficients, rad/s/(m/s^2)
-    double gyro_range = 0.0;            ///< largest rate that is measured, rad/s (0: no limit)
+    double gyro_noise = 0.0;         ///< angle random walk: root of the two-sided density of the rate noise, rad/sqrt(s)
+    double gyro_bias = 0.0;          ///< in-run bias, rad/s
+    double gyro_bias_time = 3600.0;  ///< its correlation time, s
+    double gyro_turn_on_bias = 0.0;  ///< constant bias, new at each switch-on, rad/s
+    double gyro_scale = 0.0;         ///< scale-factor error
+    double gyro_misalignment = 0.0;  ///< each of the six axis misalignments, rad
+    double gyro_quantum = 0.0;       ///< least count of the accumulated angle, rad (0: none)
+    double gyro_rate_walk = 0.0;     ///< random walk of the bias, rad/s/sqrt(s)
+    double gyro_flicker = 0.0;      ///< bias instability B of [IEEE952]: 1/f noise, the Allan deviation's floor is 0.664 B, rad/s
+    double gyro_temperature = 0.0;  ///< bias a kelvin off the temperature of calibration, each axis, rad/s/K
+    double gyro_g = 0.0;            ///< bias a unit of specific force, each of nine coefficients, rad/s/(m/s^2)
+    double gyro_range = 0.0;        ///< largest rate that is measured, rad/s (0: no limit)
 
-    double accel_noise = 0.0;           ///< velocity random walk, m/s/sqrt(s)
-    double accel_bias = 0.0;            ///< in-run bias, m/s^2
-    double accel_bias_time = 3600.0;    ///< its correlation time, s
-    double accel_turn_on_bias = 0.0;    ///< constant bias, new at each switch-on, m/s^2
-    double accel_scale = 0.0;           ///< scale-factor error
-    double accel_misalignment = 0.0;    ///< each of the six axis misalignments, rad
-    double accel_quantum = 0.0;         ///< least count of the accumulated velocity, m/s (0: none)
-    double accel_rate_walk = 0.0;       ///< random walk of the bias, m/s^2/sqrt(s)
-    double accel_flicker = 0.0;         ///< bias instability B, m/s^2
-    double accel_temperature = 0.0;     ///< bias a kelvin off the temperature of calibration, m/s^2/K
-    double accel_range = 0.0;           ///< largest specific force that is measured, m/s^2 (0: no limit)
+    double accel_noise = 0.0;         ///< velocity random walk, m/s/sqrt(s)
+    double accel_bias = 0.0;          ///< in-run bias, m/s^2
+    double accel_bias_time = 3600.0;  ///< its correlation time, s
+    double accel_turn_on_bias = 0.0;  ///< constant bias, new at each switch-on, m/s^2
+    double accel_scale = 0.0;         ///< scale-factor error
+    double accel_misalignment = 0.0;  ///< each of the six axis misalignments, rad
+    double accel_quantum = 0.0;       ///< least count of the accumulated velocity, m/s (0: none)
+    double accel_rate_walk = 0.0;     ///< random walk of the bias, m/s^2/sqrt(s)
+    double accel_flicker = 0.0;       ///< bias instability B, m/s^2
+    double accel_temperature = 0.0;   ///< bias a kelvin off the temperature of calibration, m/s^2/K
+    double accel_range = 0.0;         ///< largest specific force that is measured, m/s^2 (0: no limit)
 
     /// One sigma of the whole bias at switch-on (turn-on, in-run, flicker): what a filter must start with. rad/s.
     [[nodiscard]] double gyro_initial_bias() const;

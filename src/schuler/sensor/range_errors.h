@@ -14,10 +14,10 @@ struct RangeErrorModel {
 
 /// A receiver's oscillator by its Allan coefficients: white and random-walk frequency noise (math.md 5.2).
 struct Oscillator {
-    double h0 = 8e-20;       ///< s
-    double h_minus2 = 4e-23; ///< 1/s
-    double bias = 300.0;     ///< m, c times its error at first, one sigma
-    double drift = 10.0;     ///< m/s, likewise of its rate
+    double h0 = 8e-20;        ///< s
+    double h_minus2 = 4e-23;  ///< 1/s
+    double bias = 300.0;      ///< m, c times its error at first, one sigma
+    double drift = 10.0;      ///< m/s, likewise of its rate
 
     /// Densities of c times bias, m^2/s, and of its rate, m^2/s^3: c^2 h0/2 and 2 pi^2 c^2 h_-2.
     [[nodiscard]] double phase_psd() const { return 0.5 * c2 * h0; }
@@ -35,9 +35,9 @@ inline constexpr Oscillator tcxo{2e-19, 2e-20};
 struct RangingErrorModel {
     RangeErrorModel satellite;
     RangeErrorModel station{10.0, 5.0, 600.0, 0.1};
-    double network = 10.0;            ///< m
-    double network_time = 3600.0;     ///< s
-    double intersystem = 30.0;        ///< m, constant offset of each further satellite system
+    double network = 10.0;         ///< m
+    double network_time = 3600.0;  ///< s
+    double intersystem = 30.0;     ///< m, constant offset of each further satellite system
     Oscillator clock;
     /// s that a range rate is a mean over: the clock's white frequency noise over it is in all the rates of an epoch alike, and in none of
     /// their stated sigmas. 0: the sigmas have all of it.

@@ -61,7 +61,8 @@ Value value_from_words(const OptionSpec& spec, const std::vector<std::string>& w
 
 std::vector<std::string> words_from_value(const OptionSpec& spec, const Value& value) {
     const std::string name = "--" + spec.key;
-    if (spec.shape == Shape::Flag) return value.flag() != nullptr && *value.flag() ? std::vector<std::string>{name} : std::vector<std::string>{};
+    if (spec.shape == Shape::Flag)
+        return value.flag() != nullptr && *value.flag() ? std::vector<std::string>{name} : std::vector<std::string>{};
     if (spec.line.positional) return {word_of(value)};
     const ValueList* list = value.list();
     if (list == nullptr) return {name, word_of(value)};

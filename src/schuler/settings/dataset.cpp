@@ -37,7 +37,7 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     inspect::Given g = given_of(said, given, d.folder);
     g.find_aids = may_find_aids;
     g.weighs_field = needs == dataset::Needs::Attitude;
-    if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) needs = dataset::Needs::Imu;   // nothing to look for
+    if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) needs = dataset::Needs::Imu;  // nothing to look for
     dataset::Recognised r = dataset::recognise(path, needs, g);
     if (!d.folder.empty() && !g.find_logs) {
         // axes of time are the loader's where it knows dates; names are the folder's
@@ -49,7 +49,7 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     }
     const std::string origin = "found in " + path.string();
     d.contradictions = std::move(r.report.contradictions);
-    SettingList believed = given;   // all but what is refuted
+    SettingList believed = given;  // all but what is refuted
     for (inspect::Contradiction& c : d.contradictions) {
         if (said.run.keep_given) c.refuted = false;
         if (!c.refuted) continue;
@@ -109,11 +109,11 @@ Dataset open_dataset(const fs::path& path, dataset::Needs needs, const SettingLi
     std::error_code ec;
     if (!fs::exists(path, ec)) throw input_error("no such file or folder", {path.string(), 0, 0, {}}, "check the path");
     const bool folder = fs::is_directory(path, ec);
-    Dataset d = folder && fs::exists(path / "dataset.toml", ec)                   ? from_toml(path / "dataset.toml", needs, above)
-                : folder                                                          ? from_files(path, needs, above)
-                : path.extension() == ".toml"                                     ? from_toml(path, needs, above)
-                : path.extension() == ".yaml" || path.extension() == ".yml"       ? from_kfgins(path, above)
-                                                                                  : from_files(path, needs, above);
+    Dataset d = folder && fs::exists(path / "dataset.toml", ec)             ? from_toml(path / "dataset.toml", needs, above)
+                : folder                                                    ? from_files(path, needs, above)
+                : path.extension() == ".toml"                               ? from_toml(path, needs, above)
+                : path.extension() == ".yaml" || path.extension() == ".yml" ? from_kfgins(path, above)
+                                                                            : from_files(path, needs, above);
     const auto named = std::find_if(d.settings.rbegin(), d.settings.rend(), [](const Setting& s) { return s.key == "name"; });
     if (named != d.settings.rend() && named->value.text() != nullptr && !named->value.text()->empty())
         d.name = *named->value.text();

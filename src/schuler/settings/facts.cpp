@@ -29,7 +29,7 @@ struct ToValue {
 };
 
 inspect::GivenFile file_of(const dataset::FileSource& source, const std::filesystem::path& folder, const std::string& key) {
-    if (source.file.empty()) return {{}, {}, {}, {}, source.time_offset};   // of the log that takes this role
+    if (source.file.empty()) return {{}, {}, {}, {}, source.time_offset};  // of the log that takes this role
     return {dataset::resolved(folder, source.file, key), source.file, source.columns, source.scale, source.time_offset};
 }
 
@@ -74,7 +74,8 @@ FactValue fact_value_of(const Value& value) {
 SettingList settings_of(const std::vector<Fact>& facts, const std::string& origin) {
     SettingList out;
     for (const Fact& fact : facts)
-        if (fact.how != Known::File || config_table().find(fact.key) != nullptr) out.push_back({fact.key, value_of(fact.value), {origin, 0, 0, fact.key}});
+        if (fact.how != Known::File || config_table().find(fact.key) != nullptr)
+            out.push_back({fact.key, value_of(fact.value), {origin, 0, 0, fact.key}});
     return out;
 }
 

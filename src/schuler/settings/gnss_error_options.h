@@ -41,7 +41,8 @@ void add_gnss_error_options(OptionTable<Target>& table, Errors errors) {
         {"change_white_m", 1e4, "extra white position error where the set of satellites changes", &M::change_white_position},
         {"change_correlated_m", 1e4, "jump of the slowly varying position error there", &M::change_correlated_position},
         {"change_white_velocity_m_s", 1e3, "extra white velocity error there", &M::change_white_velocity},
-        {"change_correlated_velocity_m_s", 1e3, "jump of the slowly varying velocity error there", &M::change_correlated_velocity},
+        {"change_correlated_velocity_m_s", 1e3, "jump of the slowly varying velocity error there",
+         &M::change_correlated_velocity},
     };
     for (const auto& r : sigmas)
         table.add(per_axis<Target>(std::string("gnss.") + r.name, r.high, r.help,

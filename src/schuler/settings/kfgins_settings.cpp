@@ -31,7 +31,7 @@ SettingList kfgins_settings(const io::KfGinsProject& p, const std::filesystem::p
     c.imu.file = relative_to(p.imu_path, file.parent_path());
     c.gnss.file = relative_to(p.gnss_path, file.parent_path());
     c.filter.vehicle = fusion::VehicleKind::Car;
-    c.nonholonomic = false;   // the project does not say what vehicle it is: the log must
+    c.nonholonomic = false;  // the project does not say what vehicle it is: the log must
     c.filter.aids.nonholonomic_auto = true;
     c.filter.earth.gravity = earth::GravityModel::KfGins;
     c.filter.earth.ellipsoid.w_ie = 7.2921151467e-5;

@@ -31,16 +31,14 @@ inline void fill(const Value& v, const std::vector<Entry>& entries, const char* 
         if (e == entries.end()) throw input_error(fmt::format("has no \"{}\"", name), {}, form);
         const bool names =
             x.list() != nullptr && std::ranges::all_of(*x.list(), [](const Value& item) { return item.text() != nullptr; });
-        if (e->number != nullptr && x.is_number() && std::abs(x.number()) < 1e12)
-            *e->number = x.number() * e->factor;
-        else if (e->count != nullptr && x.is_number() && x.number() >= 0.0 && x.number() <= 1e6 && std::fmod(x.number(), 1.0) == 0.0)
+        if (e->number != nullptr && x.is_number() && std::abs(x.number()) < 1e12) *e->number = x.number() * e->factor;
+        else if (e->count != nullptr && x.is_number() && x.number() >= 0.0 && x.number() <= 1e6 &&
+                 std::fmod(x.number(), 1.0) == 0.0)
             *e->count = static_cast<std::size_t>(x.number());
-        else if (e->text != nullptr && x.text() != nullptr)
-            *e->text = *x.text();
+        else if (e->text != nullptr && x.text() != nullptr) *e->text = *x.text();
         else if (e->texts != nullptr && names)
             for (const Value& item : *x.list()) e->texts->push_back(*item.text());
-        else
-            throw input_error(fmt::format("{} = {} has another kind", name, to_toml(x)), {}, form);
+        else throw input_error(fmt::format("{} = {} has another kind", name, to_toml(x)), {}, form);
     }
 }
 

@@ -39,7 +39,7 @@ bool abbreviates(std::string_view a, std::string_view b) {
 }
 
 std::string range_text(const OptionSpec& spec) {
-    constexpr double huge = 1e9;   // a bound that only keeps nonsense out is not worth a word
+    constexpr double huge = 1e9;  // a bound that only keeps nonsense out is not worth a word
     const bool low = spec.low > -huge, high = spec.high < huge;
     if (low && high) return fmt::format(" from {} to {}", spec.low, spec.high);
     if (low) return fmt::format(" of at least {}", spec.low);
@@ -49,14 +49,16 @@ std::string range_text(const OptionSpec& spec) {
 
 void check_number(const OptionSpec& spec, const Value& value, const SourcePlace& place) {
     if (!value.is_number() || (spec.shape == Shape::Integer && value.integer() == nullptr)) {
-        if (value.text() != nullptr && place.file.starts_with("-"))   // a word of a command line
-            throw input_error(fmt::format("\"{}\" is not {}", *value.text(), accepted_form(spec)), place, fmt::format("give {}", accepted_form(spec)));
+        if (value.text() != nullptr && place.file.starts_with("-"))  // a word of a command line
+            throw input_error(fmt::format("\"{}\" is not {}", *value.text(), accepted_form(spec)), place,
+                              fmt::format("give {}", accepted_form(spec)));
         throw input_error(fmt::format("is {}, expected {}", kind_of(value), accepted_form(spec)), place,
                           value.text() != nullptr ? "write it without quotes" : fmt::format("give {}", accepted_form(spec)));
     }
     const double x = value.number();
     if (!std::isfinite(x) && !(x >= spec.low && x <= spec.high))
-        throw input_error(fmt::format("{} is out of range: not a finite number", to_toml(value)), place, fmt::format("give {}", accepted_form(spec)));
+        throw input_error(fmt::format("{} is out of range: not a finite number", to_toml(value)), place,
+                          fmt::format("give {}", accepted_form(spec)));
     if (!(x >= spec.low && x <= spec.high)) {
         throw input_error(fmt::format("{} is out of range", to_toml(value)), place, fmt::format("give {}", accepted_form(spec)));
     }

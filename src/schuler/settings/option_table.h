@@ -23,21 +23,21 @@ enum class Shape { Number, Integer, Flag, Text, Numbers, Texts, Table, Tables, A
 
 /// How an option is written on a command line.
 struct CommandLine {
-    char letter = 0;                   ///< -n beside --runs
+    char letter = 0;  ///< -n beside --runs
     bool positional = false;
     bool required = false;
-    bool repeated = false;             ///< of Texts: once for each, instead of a list with commas
-    bool hidden = false;               ///< help leaves it out
-    bool file = false;                 ///< it names a file or folder, or settings that may: no field of a form
-    std::string placeholder;           ///< "T:DUR"; otherwise made of the unit
+    bool repeated = false;    ///< of Texts: once for each, instead of a list with commas
+    bool hidden = false;      ///< help leaves it out
+    bool file = false;        ///< it names a file or folder, or settings that may: no field of a form
+    std::string placeholder;  ///< "T:DUR"; otherwise made of the unit
 };
 
 /// What an option is, whatever it sets.
 struct OptionSpec {
-    std::string key;                   ///< "imu.gyro_noise_deg_sqrt_h": section, name, unit
+    std::string key;  ///< "imu.gyro_noise_deg_sqrt_h": section, name, unit
     Shape shape = Shape::Any;
-    std::size_t length = 0;            ///< of a list; 0 = any
-    double low = -std::numeric_limits<double>::infinity();   ///< in the unit of the key
+    std::size_t length = 0;                                 ///< of a list; 0 = any
+    double low = -std::numeric_limits<double>::infinity();  ///< in the unit of the key
     double high = std::numeric_limits<double>::infinity();
     std::vector<std::string> choices;  ///< of a text; empty = any
     std::string form;                  ///< of Any, for people: "[roll, pitch, yaw] or \"estimate\""
@@ -68,8 +68,8 @@ void check_value(const OptionSpec& spec, const Value& value, const SourcePlace& 
 template <class Target>
 struct Option {
     OptionSpec spec;
-    std::function<void(Target&, const Value&)> set;                     ///< the value has passed check_value
-    std::function<std::optional<Value>(const Target&)> get;             ///< nothing: not set and without a default
+    std::function<void(Target&, const Value&)> set;          ///< the value has passed check_value
+    std::function<std::optional<Value>(const Target&)> get;  ///< nothing: not set and without a default
 };
 
 /// All options of one kind of settings file, in the order in which they are applied, listed and dumped.
@@ -125,10 +125,10 @@ public:
                 option.set(target, last->value);
             } catch (const Error& e) {
                 if (!e.place().file.empty()) throw;
-                SourcePlace place = last->place;   // or a place within the value, where the setter names one
+                SourcePlace place = last->place;  // or a place within the value, where the setter names one
                 if (e.place().line > 0) place.line = e.place().line;
                 if (e.place().key.starts_with(place.key)) place.key = e.place().key;
-                throw Error(e.kind(), e.reason(), place, e.mend());
+                throw Error(e.kind(), e.reason(), place, e.hint());
             }
         }
     }

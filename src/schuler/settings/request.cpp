@@ -17,6 +17,8 @@ bool ProcessRequest::names_a_scheme() const {
     return std::ranges::any_of(over({}), [](const Setting& s) { return s.key == "filter.scheme"; });
 }
 
-std::filesystem::path ProcessRequest::folder_for(const std::string& name) const { return output.empty() ? std::filesystem::path("out") / name : output; }
+std::filesystem::path ProcessRequest::folder_for(const std::string& name) const {
+    return output.empty() ? std::filesystem::path("out") / name : output;
+}
 
 }  // namespace schuler::settings

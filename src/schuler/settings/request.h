@@ -13,13 +13,13 @@ namespace schuler::settings {
 
 /// Common part of the requests of all commands that fuse data. `above` are the settings of the command line, which override all others.
 struct ProcessRequest {
-    std::filesystem::path input;                 ///< data set or scenario
-    std::filesystem::path output;                ///< folder; empty: out/NAME
-    std::filesystem::path config;                ///< --config; empty: none
+    std::filesystem::path input;   ///< data set or scenario
+    std::filesystem::path output;  ///< folder; empty: out/NAME
+    std::filesystem::path config;  ///< --config; empty: none
     SettingList above;
-    std::optional<std::uint64_t> seed;           ///< of a scenario
+    std::optional<std::uint64_t> seed;  ///< of a scenario
     std::string version;
-    std::function<void(double)> progress;        ///< may be empty
+    std::function<void(double)> progress;  ///< may be empty
 
     /// All settings of the run: those of the data set, over them --config, over them `above`.
     [[nodiscard]] SettingList over(const SettingList& base) const;

@@ -68,7 +68,7 @@ std::size_t after_string(std::string_view text, std::size_t at) {
 /// The parser descends a level for each part of a dotted key, however many there are: a stack overflow for a hostile file.
 /// @throws Error(Input) where a key has more than `most_parts` parts
 void check_dotted_keys(std::string_view text, const std::string& origin) {
-    constexpr int most_parts = 32;   // settings have four
+    constexpr int most_parts = 32;  // settings have four
     int dots = 0;
     for (std::size_t i = 0; i < text.size();) {
         const char c = text[i];
@@ -80,11 +80,13 @@ void check_dotted_keys(std::string_view text, const std::string& origin) {
             i = std::min(text.find('\n', i), text.size());
             continue;
         }
-        const bool part_of_key = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == ' ' || c == '\t' || c == '.';
+        const bool part_of_key =
+            std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == ' ' || c == '\t' || c == '.';
         dots = part_of_key ? dots + (c == '.' ? 1 : 0) : 0;
         if (dots >= most_parts) {
             const long line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(i), '\n');
-            throw input_error(fmt::format("a key of more than {} parts", most_parts), {origin, line, 0, {}}, "settings have at most four: section.part.key");
+            throw input_error(fmt::format("a key of more than {} parts", most_parts), {origin, line, 0, {}},
+                              "settings have at most four: section.part.key");
         }
         ++i;
     }

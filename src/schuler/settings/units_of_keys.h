@@ -7,8 +7,8 @@ namespace schuler::settings {
 
 struct KeyUnit {
     std::string_view ending;
-    std::string_view plain;    ///< of files, ASCII: "deg/sqrt(h)"
-    std::string_view symbol;   ///< of forms and help: "°/√h"
+    std::string_view plain;   ///< of files, ASCII: "deg/sqrt(h)"
+    std::string_view symbol;  ///< of forms and help: "°/√h"
 };
 
 /// Empty members where the key names no unit.

@@ -14,19 +14,19 @@ namespace schuler::sim {
 /// Rates in Hz, 0: none. Constant errors are drawn once a run, one sigma; white ones at every sample.
 struct GaugeErrors {
     double rate = 0.0;
-    double white = 0.05, bias = 0.0;             ///< m; a bias for each gauge
-    std::vector<Eigen::Vector3d> lever_arms_b{Eigen::Vector3d::Zero()};   ///< IMU to gauge, one to three, m
+    double white = 0.05, bias = 0.0;                                     ///< m; a bias for each gauge
+    std::vector<Eigen::Vector3d> lever_arms_b{Eigen::Vector3d::Zero()};  ///< IMU to gauge, one to three, m
 };
 /// The log shows (1 + scale) (v + misalignment x v), misaligned about the right and down axes.
 struct LogErrors {
     double rate = 0.0;
-    double white = 0.01;                         ///< m/s
-    double scale = 0.0, misalignment = 0.0;      ///< misalignment in rad
-    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();                ///< IMU to log, m
+    double white = 0.01;                                    ///< m/s
+    double scale = 0.0, misalignment = 0.0;                 ///< misalignment in rad
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< IMU to log, m
 };
 struct CompassErrors {
     double rate = 0.0;
-    double white = 0.01, bias = 0.0;             ///< rad
+    double white = 0.01, bias = 0.0;  ///< rad
 };
 struct AidErrors {
     GaugeErrors gauges;

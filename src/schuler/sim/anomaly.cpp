@@ -66,9 +66,11 @@ AnomalyTrack::AnomalyTrack(std::vector<AnomalyPart> parts, double extent, double
     for (std::size_t i = 0; i < parts.size(); ++i) {
         const AnomalyPart& part = parts[i];
         if (!part.size_n.allFinite())
-            throw input_error("the size of an anomaly is not a number", {{}, 0, 0, "anomaly.size_mgal"}, "give three numbers in mGal");
+            throw input_error("the size of an anomaly is not a number", {{}, 0, 0, "anomaly.size_mgal"},
+                              "give three numbers in mGal");
         if (!(part.length > 0.0))
-            throw input_error("the length of an anomaly must be positive", {{}, 0, 0, "anomaly.length_m"}, "give metres or seconds");
+            throw input_error("the length of an anomaly must be positive", {{}, 0, 0, "anomaly.length_m"},
+                              "give metres or seconds");
         const double reach = part.by_time ? duration : extent;
         if (is_random(part.kind) && points_a_length * reach > 1e7 * part.length)
             throw input_error("the correlation length of an anomaly is too short for this track", {{}, 0, 0, "anomaly.length_m"},

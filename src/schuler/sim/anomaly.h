@@ -22,7 +22,7 @@ struct AnomalyPart {
         GaussMarkov2,  ///< sigma size, correlation (1 + d/length) exp(-d/length): smooth
     };
     Kind kind = Kind::Constant;
-    Eigen::Vector3d size_n = Eigen::Vector3d::Zero();   ///< north, east, down, m/s^2
+    Eigen::Vector3d size_n = Eigen::Vector3d::Zero();  ///< north, east, down, m/s^2
     double start = 0.0;
     double length = 1.0;
     bool by_time = false;
@@ -49,7 +49,7 @@ public:
 private:
     struct Drawn {
         AnomalyPart part;
-        std::vector<Eigen::Vector3d> values;   ///< of a random part
+        std::vector<Eigen::Vector3d> values;  ///< of a random part
     };
     std::vector<Drawn> parts_;
     std::vector<Eigen::Vector3d> under_path_;  ///< of the field, at whole seconds; empty: there is none

@@ -22,7 +22,7 @@ public:
     [[nodiscard]] bool any(FaultKind kind, double t) const;
 
 private:
-    std::vector<Fault> faults_;   ///< of the channel, directions made unit vectors
+    std::vector<Fault> faults_;  ///< of the channel, directions made unit vectors
     math::Random random_;
 };
 

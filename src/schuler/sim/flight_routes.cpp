@@ -33,15 +33,16 @@ private:
 };
 
 constexpr double right_angle = 0.5 * std::numbers::pi;
-constexpr double rate_one = std::numbers::pi / 60.0;   // rad/s, two minutes a circle
+constexpr double rate_one = std::numbers::pi / 60.0;  // rad/s, two minutes a circle
 
 RoutePath aircraft(const FlightPhase& s) {
     const auto require = [](bool ok, const char* key, const char* what, const char* mend) {
         if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
     };
-    require(std::isfinite(s.speed) && s.speed >= 20.0 && s.speed <= 400.0, "trajectory.speed_m_s", "is not the speed of an aircraft",
-            "give 20 to 400 m/s");
-    require(std::isfinite(s.height_change) && s.height_change > 0.0, "trajectory.height_change_m", "is not positive", "give metres");
+    require(std::isfinite(s.speed) && s.speed >= 20.0 && s.speed <= 400.0, "trajectory.speed_m_s",
+            "is not the speed of an aircraft", "give 20 to 400 m/s");
+    require(std::isfinite(s.height_change) && s.height_change > 0.0, "trajectory.height_change_m", "is not positive",
+            "give metres");
     require(std::isfinite(s.heading), "trajectory.heading_deg", "is not a number", "give degrees");
     RoutePath route;
     route.start = s.start;
@@ -78,8 +79,14 @@ RoutePath holding_route(const FlightPhase& s) {
     const double leg = 60.0 * s.speed + 2.0 * route.corner_radius, width = 2.0 * route.corner_radius / 0.9;
     Pilot pilot(route, s.heading);
     for (double left = s.duration + 60.0; left > 0.0; left -= 2.0 * (leg + width) / s.speed)
-        pilot.fly(leg, 0.0, s.speed).turn(right_angle).fly(width, 0.0, s.speed).turn(right_angle).fly(leg, 0.0, s.speed).turn(right_angle).fly(
-            width, 0.0, s.speed).turn(right_angle);
+        pilot.fly(leg, 0.0, s.speed)
+            .turn(right_angle)
+            .fly(width, 0.0, s.speed)
+            .turn(right_angle)
+            .fly(leg, 0.0, s.speed)
+            .turn(right_angle)
+            .fly(width, 0.0, s.speed)
+            .turn(right_angle);
     return route;
 }
 
@@ -96,7 +103,7 @@ RoutePath approach_route(const FlightPhase& s) {
         .turn(right_angle)
         .fly(base, 0.0, 0.8 * s.speed)
         .turn(right_angle)
-        .fly(glide + route.corner_radius, -s.height_change, touchdown)   // the turn takes a radius of the leg
+        .fly(glide + route.corner_radius, -s.height_change, touchdown)  // the turn takes a radius of the leg
         .fly(std::max(1.2 * stop, 600.0), 0.0, touchdown);
     return route;
 }

@@ -60,8 +60,7 @@ Eigen::Vector3d SensorTriad::measure(const Eigen::Vector3d& exact, double dt, co
     flicker_.advance(dt);
     if (sigmas_.rate_walk > 0.0) walked_ += sigmas_.rate_walk * std::sqrt(dt) * walk_.normal3();
     if (sigmas_.temperature > 0.0) warm_ = around.warmth * by_warmth_;
-    Eigen::Vector3d out =
-        gain_ * exact + 0.5 * dt * (before + bias()) + sigmas_.noise * std::sqrt(dt) * noise_.normal3();
+    Eigen::Vector3d out = gain_ * exact + 0.5 * dt * (before + bias()) + sigmas_.noise * std::sqrt(dt) * noise_.normal3();
     if (sigmas_.cross > 0.0) out += by_g_ * around.dv;
     if (sigmas_.range > 0.0) out = out.cwiseMax(-sigmas_.range * dt).cwiseMin(sigmas_.range * dt);
     if (sigmas_.quantum > 0.0) {
@@ -75,13 +74,15 @@ Eigen::Vector3d SensorTriad::measure(const Eigen::Vector3d& exact, double dt, co
 SensorTriad gyro_triad(const sensor::ImuErrorModel& m, std::uint64_t seed) {
     return {{m.gyro_noise, m.gyro_bias, m.gyro_bias_time, m.gyro_turn_on_bias, m.gyro_scale, m.gyro_misalignment, m.gyro_quantum,
              m.gyro_rate_walk, m.gyro_flicker, m.gyro_temperature, m.gyro_g, m.gyro_range},
-            seed, "imu.gyro"};
+            seed,
+            "imu.gyro"};
 }
 
 SensorTriad accel_triad(const sensor::ImuErrorModel& m, std::uint64_t seed) {
     return {{m.accel_noise, m.accel_bias, m.accel_bias_time, m.accel_turn_on_bias, m.accel_scale, m.accel_misalignment,
              m.accel_quantum, m.accel_rate_walk, m.accel_flicker, m.accel_temperature, 0.0, m.accel_range},
-            seed, "imu.accel"};
+            seed,
+            "imu.accel"};
 }
 
 }  // namespace schuler::sim

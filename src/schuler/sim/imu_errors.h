@@ -41,7 +41,7 @@ public:
     void advance(double dt);
 
 private:
-    std::vector<GaussMarkov> parts_;   ///< none without instability
+    std::vector<GaussMarkov> parts_;  ///< none without instability
 };
 
 /// Three gyros or three accelerometers: the constants of a run, its changing biases and its noise.
@@ -53,8 +53,8 @@ public:
     };
     /// What an instrument feels besides what it measures.
     struct Surroundings {
-        double warmth = 0.0;                                    ///< K above the temperature of calibration
-        Eigen::Vector3d dv = Eigen::Vector3d::Zero();           ///< velocity increment of the sample, for a gyro's g errors
+        double warmth = 0.0;                           ///< K above the temperature of calibration
+        Eigen::Vector3d dv = Eigen::Vector3d::Zero();  ///< velocity increment of the sample, for a gyro's g errors
     };
     SensorTriad(const Sigmas& sigmas, std::uint64_t seed, const std::string& channel);
 
@@ -75,7 +75,7 @@ private:
     Flicker flicker_;
     math::Random noise_, walk_;
     Eigen::Vector3d walked_ = Eigen::Vector3d::Zero(), warm_ = Eigen::Vector3d::Zero();
-    Eigen::Vector3d by_warmth_;         ///< a kelvin
+    Eigen::Vector3d by_warmth_;  ///< a kelvin
     Eigen::Matrix3d by_g_;
     Eigen::Vector3d unsent_ = Eigen::Vector3d::Zero();  ///< below the quantum, kept for the next sample
 };

@@ -25,8 +25,8 @@ struct InertialInput {
 /// Integrals of both over (from, to], seconds of the path: what gyros and accelerometers that count increments deliver.
 /// Four-point Gauss-Legendre: relative error (w dt)^8 / 2e9 of a motion at w rad/s.
 struct ExactIncrement {
-    Eigen::Vector3d dtheta;   ///< rad
-    Eigen::Vector3d dv;       ///< m/s
+    Eigen::Vector3d dtheta;  ///< rad
+    Eigen::Vector3d dv;      ///< m/s
 };
 [[nodiscard]] ExactIncrement exact_increment(const earth::Earth& earth, const TruthPath& path, double from, double to);
 

@@ -26,12 +26,13 @@ bool positive(double x) { return std::isfinite(x) && x > 0.0; }
 /// Lemniscate of Gerono, its long axis along the heading, entered at the crossing.
 class FigureEight final : public TruthPath {
 public:
-    FigureEight(const FigureEightPath& s, const earth::Ellipsoid& ellipsoid) : s_(s), ellipsoid_(ellipsoid), chart_(ellipsoid, s.start) {
+    FigureEight(const FigureEightPath& s, const earth::Ellipsoid& ellipsoid)
+        : s_(s), ellipsoid_(ellipsoid), chart_(ellipsoid, s.start) {
         require(positive(s.length), "trajectory.length_m", "is not a length", "give metres");
         require(positive(s.width), "trajectory.width_m", "is not a width", "give metres");
         require(positive(s.period), "trajectory.period_s", "is not a period", "give the seconds of one figure");
-        require(std::isfinite(s.heading + s.height_amplitude + s.roll_per_lateral_accel), "trajectory", "a setting is not a number",
-                "give numbers");
+        require(std::isfinite(s.heading + s.height_amplitude + s.roll_per_lateral_accel), "trajectory",
+                "a setting is not a number", "give numbers");
     }
     Kinematics at(double t) const override {
         const SinCos<3> angle = sincos(two_pi / s_.period * Jet<3>::variable(t));
@@ -54,12 +55,14 @@ public:
         require(std::isfinite(s.speed) && s.speed >= 0.0, "trajectory.speed_m_s", "is not a speed", "give metres a second");
         for (const Wave* w : {&s.roll, &s.pitch, &s.yaw, &s.heave}) {
             require(positive(w->period), "trajectory.waves", "a wave has no positive period", "give seconds");
-            require(std::isfinite(w->amplitude + w->phase), "trajectory.waves", "a wave is not a number", "give amplitude and phase");
+            require(std::isfinite(w->amplitude + w->phase), "trajectory.waves", "a wave is not a number",
+                    "give amplitude and phase");
         }
     }
     Kinematics at(double t) const override {
         const Jet<3> sailed = s_.speed * Jet<3>::variable(t);
-        const GeodeticJet<3> p = chart_.at<3>(std::cos(s_.heading) * sailed, std::sin(s_.heading) * sailed, swing<3>(s_.heave, t));
+        const GeodeticJet<3> p =
+            chart_.at<3>(std::cos(s_.heading) * sailed, std::sin(s_.heading) * sailed, swing<3>(s_.heave, t));
         const VelocityJet<2> v = velocity(ellipsoid_, p);
         return kinematics({p.lat.to<1>(), p.lon.to<1>(), p.h.to<1>()}, {v.north.to<1>(), v.east.to<1>(), v.up.to<1>()},
                           {swing<1>(s_.roll, t), swing<1>(s_.pitch, t), s_.heading + swing<1>(s_.yaw, t)});
@@ -88,7 +91,8 @@ public:
             require(m.turn.allFinite() && positive(m.duration) && std::isfinite(m.dwell) && m.dwell >= 0.0, key,
                     "needs finite turns, a positive duration and a dwell", "give degrees and seconds");
             pitch += m.turn.y();
-            require(std::abs(pitch) < 1.5533, key, "pitches the table within a degree of 90 deg", "turn it about another axis first");
+            require(std::abs(pitch) < 1.5533, key, "pitches the table within a degree of 90 deg",
+                    "turn it about another axis first");
             begins_.push_back(begin);
             begin += m.duration + m.dwell;
         }

@@ -68,8 +68,7 @@ public:
         const GeodeticJet<3> p{atan2(n[2], sqrt(n[0] * n[0] + n[1] * n[1])), atan2(n[1], n[0]), Jet<3>(h_)};
         const VelocityJet<2> v = velocity(ellipsoid_, p);
         const AttitudeJet attitude{0.0, 0.0, atan2(v.east, v.north).to<1>()};
-        return kinematics({p.lat.to<1>(), p.lon.to<1>(), p.h.to<1>()}, {v.north.to<1>(), v.east.to<1>(), v.up.to<1>()},
-                          attitude);
+        return kinematics({p.lat.to<1>(), p.lon.to<1>(), p.h.to<1>()}, {v.north.to<1>(), v.east.to<1>(), v.up.to<1>()}, attitude);
     }
 
 private:
@@ -85,8 +84,8 @@ public:
         for (const Oscillation* o : {&s.lat, &s.lon, &s.height}) {
             require(std::isfinite(o->period) && o->period > 0.0, "trajectory.period_s", "a period is not positive",
                     "give three periods in seconds");
-            require(std::isfinite(o->rate) && std::isfinite(o->amplitude) && std::isfinite(o->phase),
-                    "trajectory", "a rate, amplitude or phase is not a number", "give numbers");
+            require(std::isfinite(o->rate) && std::isfinite(o->amplitude) && std::isfinite(o->phase), "trajectory",
+                    "a rate, amplitude or phase is not a number", "give numbers");
         }
     }
     Kinematics at(double t) const override {
@@ -98,10 +97,9 @@ public:
         const Jet<1> vn = v.north.to<1>(), ve = v.east.to<1>();
         const Jet<1> pitch = atan2(v.up, horizontal).to<1>();
         // (4.2.5); cos(pitch) there is of the pitch angle.
-        const Jet<1> roll = s_.roll_per_accel * (vn * derivative(v.east) - ve * derivative(v.north)) /
-                            (horizontal.to<1>() * sincos(pitch).cos);
-        return kinematics({p.lat.to<1>(), p.lon.to<1>(), p.h.to<1>()}, {vn, ve, v.up.to<1>()},
-                          {roll, pitch, atan2(ve, vn)});
+        const Jet<1> roll =
+            s_.roll_per_accel * (vn * derivative(v.east) - ve * derivative(v.north)) / (horizontal.to<1>() * sincos(pitch).cos);
+        return kinematics({p.lat.to<1>(), p.lon.to<1>(), p.h.to<1>()}, {vn, ve, v.up.to<1>()}, {roll, pitch, atan2(ve, vn)});
     }
 
 private:
@@ -141,7 +139,7 @@ std::unique_ptr<const TruthPath> make_path(const PathSettings& settings, const e
 }
 
 void require_above_ground(const TruthPath& path, double duration, double ground) {
-    constexpr double allowed = 0.5;   // m: paths that touch the ground do
+    constexpr double allowed = 0.5;  // m: paths that touch the ground do
     for (double t = 0.0; t <= duration; t += std::max(1.0, 1e-4 * duration)) {
         const double h = path.at(t).position.h;
         if (h < ground - allowed)
@@ -151,8 +149,6 @@ void require_above_ground(const TruthPath& path, double duration, double ground)
     }
 }
 
-NavState nav_state(const Kinematics& k, Time time) {
-    return {time, k.position, k.v_eb_n, math::quaternion_from_rpy(k.rpy)};
-}
+NavState nav_state(const Kinematics& k, Time time) { return {time, k.position, k.v_eb_n, math::quaternion_from_rpy(k.rpy)}; }
 
 }  // namespace schuler::sim

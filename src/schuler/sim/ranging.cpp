@@ -16,8 +16,8 @@ namespace {
 
 constexpr double c = gnss::speed_of_light;
 
-using detail::Transmitter;
 using detail::require;
+using detail::Transmitter;
 
 void check(const RangingSettings& s) {
     require(s.rate > 0.0 && s.rate <= 1000.0, "ranges.rate_hz", "is not a rate", "give a positive number of Hz");
@@ -32,7 +32,10 @@ struct Source {
     double correlated = 0.0, phase = 0.0;
 
     Source(const Transmitter& of, const sensor::RangeErrorModel& model, std::uint64_t seed)
-        : transmitter(of), errors(model), white(seed, "ranges.white." + of.name), slow(seed, "ranges.slow." + of.name),
+        : transmitter(of),
+          errors(model),
+          white(seed, "ranges.white." + of.name),
+          slow(seed, "ranges.slow." + of.name),
           rate(seed, "ranges.rate." + of.name) {
         correlated = errors.correlated * slow.normal();
         phase = 2.0 * std::numbers::pi * slow.uniform();
@@ -86,7 +89,7 @@ private:
         const double white = source.white.normal(), rate_noise = source.rate.normal();
         const Transmitter& from = source.transmitter;
         if (!lines_.allowed(from)) return;
-        const double instant = t - bias / c;   // true time when the receiver's clock shows t
+        const double instant = t - bias / c;  // true time when the receiver's clock shows t
         const auto p = lines_.to(from, instant);
         if (!p || !lines_.above_masks(from, *p, instant) || lines_.silent(from, t)) return;
         constexpr double h = 0.05;
@@ -103,12 +106,13 @@ private:
         }
         const double reflected = r_.multipath.amplitude * std::cos(p->direction.elevation) *
                                  std::sin(2.0 * std::numbers::pi * t / r_.multipath.period + source.phase);
-        m.pseudorange = p->range + bias - c * p->transmitter.clock + source.errors.white * white + source.correlated + fault + reflected;
+        m.pseudorange =
+            p->range + bias - c * p->transmitter.clock + source.errors.white * white + source.correlated + fault + reflected;
         m.range_rate = (after->range - before->range) / (2.0 * h) + drift - c * p->transmitter.clock_rate +
                        source.errors.rate * rate_noise + fault_rate;
         if (!from.satellite) {
             m.pseudorange += network;
-            m.range_rate = RangeSample::none;   // extended squitter carries none
+            m.range_rate = RangeSample::none;  // extended squitter carries none
         } else {
             m.frequency = gnss::frequency_of(from.satellite->system, '1');
         }

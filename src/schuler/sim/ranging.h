@@ -39,32 +39,32 @@ struct SatelliteLimit {
 /// A pseudorange that is wrong: offset + ramp (t - start); its rate by `ramp` and `rate`.
 struct RangeFault {
     std::string source;
-    double start = 0.0, duration = 1e9;   ///< s
-    double offset = 0.0;                  ///< m
-    double ramp = 0.0, rate = 0.0;        ///< m/s
+    double start = 0.0, duration = 1e9;  ///< s
+    double offset = 0.0;                 ///< m
+    double ramp = 0.0, rate = 0.0;       ///< m/s
 };
 
 /// Reflections: amplitude cos(elevation) sin(2 pi t/period + phase), a phase for each source.
 struct Multipath {
-    double amplitude = 0.0;               ///< m
-    double period = 60.0;                 ///< s
+    double amplitude = 0.0;  ///< m
+    double period = 60.0;    ///< s
 };
 
 /// What hides satellites: an elevation mask, one that changes with azimuth, one of the antenna's own plane.
 struct Masks {
-    double elevation = 0.13089969389957470;   ///< rad (7.5 degrees)
-    bool throughout = false;              ///< only satellites above `elevation` during the whole scenario
+    double elevation = 0.13089969389957470;  ///< rad (7.5 degrees)
+    bool throughout = false;                 ///< only satellites above `elevation` during the whole scenario
     struct Sector {
-        double azimuth, elevation;        ///< rad: from this azimuth to the next sector's
+        double azimuth, elevation;  ///< rad: from this azimuth to the next sector's
     };
-    std::vector<Sector> terrain;          ///< in order of azimuth, 0 to 2 pi; empty: flat
-    std::optional<double> antenna;        ///< rad above the antenna's plane (body axes), for a vehicle that banks
+    std::vector<Sector> terrain;    ///< in order of azimuth, 0 to 2 pi; empty: flat
+    std::optional<double> antenna;  ///< rad above the antenna's plane (body axes), for a vehicle that banks
 };
 
 struct RangingSettings {
-    double rate = 1.0;                                         ///< Hz
-    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();     ///< IMU to antenna, m
-    gnss::Navigation navigation;                               ///< satellites; none: stations alone
+    double rate = 1.0;                                      ///< Hz
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< IMU to antenna, m
+    gnss::Navigation navigation;                            ///< satellites; none: stations alone
     std::vector<GroundStation> stations;
     sensor::RangingErrorModel errors;
     Masks masks;
@@ -72,34 +72,35 @@ struct RangingSettings {
     std::vector<SatelliteLimit> limits;
     std::vector<RangeFault> faults;
     Multipath multipath;
-    bool atmosphere = false;              ///< troposphere, and the ionosphere of the navigation data's coefficients
+    bool atmosphere = false;  ///< troposphere, and the ionosphere of the navigation data's coefficients
 };
 
 /// The frame of the simulation: what simulate() and the ranges share.
 struct RangingScenario {
     std::uint64_t seed = 1;
-    double duration = 600.0;              ///< s
-    Time origin;                          ///< time of the first instant in the logs
-    Time gps;                             ///< GPS time of the first instant
+    double duration = 600.0;  ///< s
+    Time origin;              ///< time of the first instant in the logs
+    Time gps;                 ///< GPS time of the first instant
     earth::Earth earth;
 };
 
 /// Clock and offset at each epoch, for judging the filter.
 struct RangingTruth {
     Time time;
-    double clock, drift;                  ///< m, m/s
-    double network;                       ///< m
+    double clock, drift;  ///< m, m/s
+    double network;       ///< m
 };
 
 struct SimulatedRanges {
     RangingLog log;
-    std::vector<RangingTruth> truth;      ///< one an epoch
+    std::vector<RangingTruth> truth;  ///< one an epoch
 };
 
 /// Ranges at k/rate, k = 1, 2, ..., by the receiver's clock. Light time is iterated on the path and the orbits themselves, range rates are
 /// differences of the ranges; no formula of the filter's rows is used. Each error has a random stream of its own.
 /// @throws Error(Input) naming the setting that is unusable.
-[[nodiscard]] SimulatedRanges simulate_ranges(const RangingScenario& scenario, const TruthPath& path, const RangingSettings& settings);
+[[nodiscard]] SimulatedRanges simulate_ranges(const RangingScenario& scenario, const TruthPath& path,
+                                              const RangingSettings& settings);
 
 /// The satellites' ranges as a receiver's log of code, Doppler and C/N0 in GPS time (`shift` is added to the epochs).
 [[nodiscard]] gnss::ObservationLog observations_of(const RangingLog& ranges, Duration shift);

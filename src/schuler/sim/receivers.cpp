@@ -78,7 +78,7 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
         dv += slow_velocity.value() + faults.velocity_offset(t);
         if (silent(scenario, Channel::Gnss, t) || faults.any(FaultKind::Dropout, t)) continue;
         const double at_position = t - s.position_latency, at_velocity = t - s.velocity_latency;
-        if (std::min(at_position, at_velocity) < -1e-9) continue;   // of before the flight
+        if (std::min(at_position, at_velocity) < -1e-9) continue;  // of before the flight
         const PointMotion point = point_motion(scenario.earth, path.at(at_position), s.lever_arm_b);
         const PointMotion moving =
             at_velocity == at_position ? point : point_motion(scenario.earth, path.at(at_velocity), s.lever_arm_b);
@@ -118,10 +118,11 @@ std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath&
         BaroSample sample;
         sample.time = scenario.origin + Duration::from_seconds(t);
         const double h = path.at(t).position.h;
-        double weather = 0.0;   // what the day's air adds to the height of the standard atmosphere
+        double weather = 0.0;  // what the day's air adds to the height of the standard atmosphere
         if (s.pressure) {
             const auto pressure = [&s](double height) {
-                return earth::static_pressure(earth::geopotential_from_geometric(height), s.sea_level_pressure, s.temperature_offset);
+                return earth::static_pressure(earth::geopotential_from_geometric(height), s.sea_level_pressure,
+                                              s.temperature_offset);
             };
             sample.pressure = pressure(h + error);
             weather = earth::geometric_from_geopotential(earth::geopotential_height_from_pressure(pressure(h))) - h;
@@ -145,13 +146,15 @@ std::vector<MagSample> simulate_mag(const Scenario& scenario, const TruthPath& p
     Eigen::Matrix3d soft = Eigen::Matrix3d::Identity();
     for (Eigen::Index i = 0; i < 9; ++i) soft(i) += s.soft_iron * iron.normal();
     const double level = s.field * std::cos(s.inclination);
-    const Eigen::Vector3d field_n(level * std::cos(s.declination), level * std::sin(s.declination), s.field * std::sin(s.inclination));
+    const Eigen::Vector3d field_n(level * std::cos(s.declination), level * std::sin(s.declination),
+                                  s.field * std::sin(s.inclination));
     const Eigen::Matrix3d C_sb = math::dcm_from_rpy(scenario.imu.mounting).transpose();
     std::vector<MagSample> samples;
     for (std::size_t k = 0; k < epochs(s.rate, scenario.duration); ++k) {
         const double t = static_cast<double>(k) / s.rate;
         const Eigen::Vector3d field_b = math::dcm_from_rpy(path.at(t).rpy).transpose() * field_n;
-        samples.push_back({scenario.origin + Duration::from_seconds(t), C_sb * (soft * field_b + hard) + s.white * white.normal3()});
+        samples.push_back(
+            {scenario.origin + Duration::from_seconds(t), C_sb * (soft * field_b + hard) + s.white * white.normal3()});
     }
     return samples;
 }

@@ -11,7 +11,7 @@ namespace schuler::sim {
 /// Position and velocity of a point fixed to the body.
 struct PointMotion {
     Geodetic position;
-    Eigen::Vector3d v_n;   ///< relative to the Earth, in the local level of the point, m/s
+    Eigen::Vector3d v_n;  ///< relative to the Earth, in the local level of the point, m/s
 };
 
 /// Motion of a point at a lever arm (body axes, m) from the IMU.

@@ -23,16 +23,18 @@ void check(const RecordedPath& s) {
     const auto fail = [](std::string what, const char* key, const char* mend) {
         return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = key}, mend);
     };
-    if (s.points.size() < 2) throw fail("the recorded trajectory has fewer than two points", "trajectory.file", "give another file");
+    if (s.points.size() < 2)
+        throw fail("the recorded trajectory has fewer than two points", "trajectory.file", "give another file");
     if (!(std::isfinite(s.spacing) && s.spacing > 0.0))
         throw fail("is not a time", "trajectory.smoothing_s", "give the seconds between the points kept");
     for (std::size_t i = 0; i < s.points.size(); ++i) {
         const RecordedPoint& p = s.points[i];
         if (!std::isfinite(p.time + p.position.lat + p.position.lon + p.position.h))
-            throw fail(fmt::format("point {} of the recorded trajectory is not a number", i + 1), "trajectory.file", "leave it out");
+            throw fail(fmt::format("point {} of the recorded trajectory is not a number", i + 1), "trajectory.file",
+                       "leave it out");
         if (i > 0 && !(p.time > s.points[i - 1].time))
-            throw fail(fmt::format("point {} of the recorded trajectory is not later than the one before", i + 1), "trajectory.file",
-                       "sort it by time");
+            throw fail(fmt::format("point {} of the recorded trajectory is not later than the one before", i + 1),
+                       "trajectory.file", "sort it by time");
     }
     if (s.points.back().time - s.points.front().time < 8.0 * s.spacing)
         throw fail(fmt::format("the recorded trajectory lasts {:.3g} s", s.points.back().time - s.points.front().time),
@@ -70,7 +72,7 @@ Channels gridded(const RecordedPath& s) {
 
 /// Attitude of a body that moves along its x axis, banked in its turns, where the recording has none.
 void add_attitude(Channels& c, const RecordedPath& s, const earth::Ellipsoid& ellipsoid) {
-    constexpr double least_move = 0.5;   // m between two points, below which the course is not known
+    constexpr double least_move = 0.5;  // m between two points, below which the course is not known
     double course = 0.0;
     bool known = false;
     for (std::size_t k = 0; k < c[0].size(); ++k) {
@@ -109,7 +111,8 @@ public:
     Recorded(const RecordedPath& s, const earth::Ellipsoid& ellipsoid)
         : ellipsoid_(ellipsoid), start_(s.points.front().position), lead_(margin * s.spacing) {
         Channels channels = gridded(s);
-        if (!std::ranges::all_of(s.points, [](const RecordedPoint& p) { return p.rpy.allFinite(); })) add_attitude(channels, s, ellipsoid);
+        if (!std::ranges::all_of(s.points, [](const RecordedPoint& p) { return p.rpy.allFinite(); }))
+            add_attitude(channels, s, ellipsoid);
         for (const std::vector<double>& c : channels) splines_.emplace_back(s.spacing, continued(c));
     }
     Kinematics at(double since_first) const override {

@@ -10,12 +10,12 @@ namespace schuler::sim {
 
 /// Equidistant control values of the curve (north, east, up over the length u) and of the motion (u over time).
 struct RoutePlan {
-    double length_spacing;                       ///< m
-    std::vector<double> north, east, up;         ///< m, at u = -3, -2, ... spacings: see lead
-    double time_spacing;                         ///< s
-    std::vector<double> length;                  ///< m, at t = 0, 1, ... spacings
-    static constexpr int lead = 3;               ///< knots before the start, so that the start itself is on a straight line
-    double lead_time = 0.0;                      ///< s of `length` before the start, where that is not at rest
+    double length_spacing;                ///< m
+    std::vector<double> north, east, up;  ///< m, at u = -3, -2, ... spacings: see lead
+    double time_spacing;                  ///< s
+    std::vector<double> length;           ///< m, at t = 0, 1, ... spacings
+    static constexpr int lead = 3;        ///< knots before the start, so that the start itself is on a straight line
+    double lead_time = 0.0;               ///< s of `length` before the start, where that is not at rest
 };
 
 /// Rounds the corners and plans speeds and stops. Throws Error(Input) naming the waypoint that cannot be driven.

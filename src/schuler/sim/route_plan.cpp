@@ -36,7 +36,7 @@ struct Piece {
     Vector2d from, direction;  ///< at its start
     double length, curvature;  ///< 1/m, positive to the right
     double up_from, up_to, speed;
-    double stop;               ///< s at rest at its middle (arcs, which may have no length)
+    double stop;  ///< s at rest at its middle (arcs, which may have no length)
 
     [[nodiscard]] RoadPoint at(double s) const {
         const double angle = curvature * s;
@@ -83,7 +83,8 @@ std::vector<Piece> rounded(const RoutePath& s) {
         const double length = leg.norm();
         constexpr double rounding = 1e-9;
         if (length < (1.0 - rounding) * 10.0 * s.knot_spacing)
-            throw waypoint_error(i, fmt::format("is less than {:g} m from the one before", 10.0 * s.knot_spacing), "leave it out");
+            throw waypoint_error(i, fmt::format("is less than {:g} m from the one before", 10.0 * s.knot_spacing),
+                                 "leave it out");
         const Vector2d direction = leg / length;
         double radius = 0.0, turn = 0.0, tangent = 0.0;
         if (i + 1 < s.waypoints.size()) {
@@ -99,8 +100,8 @@ std::vector<Piece> rounded(const RoutePath& s) {
         pieces.push_back({corner + used * direction, direction, straight, 0.0, corner_up, w.up, w.speed, 0.0});
         const double curvature = radius > 0.0 ? (turn > 0.0 ? 1.0 : -1.0) / radius : 0.0;
         const double stop = i + 1 < s.waypoints.size() ? w.stop : 0.0;
-        pieces.push_back({corner + (length - tangent) * direction, direction, radius * std::abs(turn), curvature, w.up, w.up,
-                          w.speed, stop});
+        pieces.push_back(
+            {corner + (length - tangent) * direction, direction, radius * std::abs(turn), curvature, w.up, w.up, w.speed, stop});
         corner = {w.north, w.east};
         corner_up = w.up;
         used = tangent;
@@ -110,7 +111,7 @@ std::vector<Piece> rounded(const RoutePath& s) {
 
 /// The road sampled at equal lengths, with a straight run before the start and behind the end, and where to stop.
 struct Road {
-    std::vector<RoadPoint> points;                    ///< spacing_u apart, the first at u = 0
+    std::vector<RoadPoint> points;                      ///< spacing_u apart, the first at u = 0
     std::vector<std::pair<std::size_t, double>> stops;  ///< index of a point, seconds
 };
 
@@ -191,7 +192,8 @@ RoutePlan plan_route(const RoutePath& settings) {
     check(settings);
     const std::vector<Piece> pieces = rounded(settings);
     const Road road = sampled(pieces, settings.knot_spacing);
-    RoutePlan plan{settings.knot_spacing, {}, {}, {}, spacing_t, motion(road, speeds(road, settings), settings), lead_time_of(settings)};
+    RoutePlan plan{settings.knot_spacing, {}, {}, {}, spacing_t, motion(road, speeds(road, settings), settings),
+                   lead_time_of(settings)};
     const auto add = [&plan](const Vector2d& at, double up) {
         plan.north.push_back(at.x());
         plan.east.push_back(at.y());

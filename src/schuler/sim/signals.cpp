@@ -14,10 +14,10 @@ namespace schuler::sim {
 
 namespace {
 
-constexpr double rate = 20.0;                 // Hz
-constexpr std::size_t lead = 2;               // samples before the start, for the slopes
-constexpr double chip_rate = 1.023e6;         // chips/s, of GPS L1 C/A
-constexpr double received_power = -158.5;     // dBW, its least [ISGPS200:6.3.1]
+constexpr double rate = 20.0;              // Hz
+constexpr std::size_t lead = 2;            // samples before the start, for the slopes
+constexpr double chip_rate = 1.023e6;      // chips/s, of GPS L1 C/A
+constexpr double received_power = -158.5;  // dBW, its least [ISGPS200:6.3.1]
 
 using detail::require;
 
@@ -115,7 +115,7 @@ SignalMotion Signals::motion(std::size_t i, double t) const {
     double s = 0.0;
     const std::size_t k = index(t, s);
     const double* r = tracks_[i].range.data() + k;
-    const auto slope = [](const double* x) { return (8.0 * (x[1] - x[-1]) - (x[2] - x[-2])) / 12.0; };   // a sample
+    const auto slope = [](const double* x) { return (8.0 * (x[1] - x[-1]) - (x[2] - x[-2])) / 12.0; };  // a sample
     // Hermite's cubic between samples k and k + 1
     const double m0 = slope(r), m1 = slope(r + 1), d = r[1] - r[0];
     const double c2 = 3.0 * d - 2.0 * m0 - m1, c3 = m0 + m1 - 2.0 * d;

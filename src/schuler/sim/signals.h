@@ -20,8 +20,8 @@ struct Jammer {
 
 /// Carrier to noise density at a time, linear in dB from point to point and constant before and behind them.
 struct StrengthPoint {
-    double time = 0.0;                   ///< s of the scenario
-    double cn0 = 45.0;                   ///< dB-Hz
+    double time = 0.0;  ///< s of the scenario
+    double cn0 = 45.0;  ///< dB-Hz
 };
 
 struct SignalSettings {
@@ -37,7 +37,7 @@ void check(const SignalSettings& settings);
 
 /// Range of one signal less the receiver's clock, with derivatives.
 struct SignalMotion {
-    double range, rate, acceleration, jerk;   ///< m, m/s, m/s^2, m/s^3
+    double range, rate, acceleration, jerk;  ///< m, m/s, m/s^2, m/s^3
 };
 
 /// Immutable. Between samples at 20 Hz ranges are cubics whose slopes are differences of fourth order: off by 2e-5 m and 1e-3 m/s
@@ -46,7 +46,7 @@ class Signals {
 public:
     Signals(const RangingScenario& scenario, const TruthPath& path, const SignalSettings& settings);
 
-    [[nodiscard]] std::size_t size() const { return tracks_.size(); }   ///< satellites that are in view at some time
+    [[nodiscard]] std::size_t size() const { return tracks_.size(); }  ///< satellites that are in view at some time
     [[nodiscard]] gnss::SatelliteId satellite(std::size_t i) const { return tracks_[i].satellite; }
     /// `t` in seconds of the scenario.
     [[nodiscard]] SignalMotion motion(std::size_t i, double t) const;
@@ -62,15 +62,15 @@ public:
 private:
     struct Track {
         gnss::SatelliteId satellite;
-        std::vector<double> range;        ///< m, from two samples before the start on
-        std::vector<float> delay;         ///< m
-        std::vector<char> state;          ///< 0 out of view, 1 blocked, 2 heard
+        std::vector<double> range;  ///< m, from two samples before the start on
+        std::vector<float> delay;   ///< m
+        std::vector<char> state;    ///< 0 out of view, 1 blocked, 2 heard
     };
     [[nodiscard]] std::size_t index(double t, double& part) const;
 
     std::vector<Track> tracks_;
-    std::vector<float> clean_, jammed_;   ///< C/N0 without and with jammers, dB-Hz
-    std::vector<float> ratio_;            ///< J/S, dB
+    std::vector<float> clean_, jammed_;  ///< C/N0 without and with jammers, dB-Hz
+    std::vector<float> ratio_;           ///< J/S, dB
 };
 
 }  // namespace schuler::sim

@@ -27,10 +27,11 @@ void check(const Scenario& s) {
     require(s.duration * s.imu.rate <= 1e8, "imu.rate_hz", "gives more than 1e8 samples", "lower it or the duration");
     require(s.imu.mounting.allFinite(), "imu.mounting_deg", "is not a number", "give roll, pitch and yaw");
     const sensor::ImuErrorModel& m = s.imu.errors;
-    for (const double sigma : {m.gyro_noise, m.gyro_bias, m.gyro_turn_on_bias, m.gyro_scale, m.gyro_misalignment, m.gyro_quantum,
-                               m.accel_noise, m.accel_bias, m.accel_turn_on_bias, m.accel_scale, m.accel_misalignment,
-                               m.accel_quantum, m.gyro_rate_walk, m.gyro_flicker, m.gyro_temperature, m.gyro_g, m.gyro_range,
-                               m.accel_rate_walk, m.accel_flicker, m.accel_temperature, m.accel_range}) {
+    for (const double sigma :
+         {m.gyro_noise,     m.gyro_bias,         m.gyro_turn_on_bias,  m.gyro_scale,  m.gyro_misalignment,  m.gyro_quantum,
+          m.accel_noise,    m.accel_bias,        m.accel_turn_on_bias, m.accel_scale, m.accel_misalignment, m.accel_quantum,
+          m.gyro_rate_walk, m.gyro_flicker,      m.gyro_temperature,   m.gyro_g,      m.gyro_range,         m.accel_rate_walk,
+          m.accel_flicker,  m.accel_temperature, m.accel_range}) {
         require(not_negative(sigma), "imu", "an error of the instrument is negative or not a number", "errors are one sigma");
     }
     require(m.gyro_bias_time > 0.0 && m.accel_bias_time > 0.0, "imu", "a bias correlation time is not positive", "give seconds");
@@ -47,22 +48,25 @@ void check(const Scenario& s) {
             "gnss", "a sigma is negative or not a number", "give one sigma north, east, down");
     require(g.errors.correlated_time > 0.0, "gnss.correlated_time_s", "is not positive", "give seconds");
     require(g.errors.correlated_velocity_time > 0.0, "gnss.correlated_velocity_time_s", "is not positive", "give seconds");
-    require(not_negative(g.errors.correlated_distance), "gnss.correlated_distance_m", "is negative", "give metres, or 0 for none");
+    require(not_negative(g.errors.correlated_distance), "gnss.correlated_distance_m", "is negative",
+            "give metres, or 0 for none");
     require(not_negative(g.position_latency) && not_negative(g.velocity_latency), "gnss.latency_s", "is negative",
             "give seconds");
     const BaroSettings& b = s.baro;
     require(not_negative(b.rate) && b.rate <= 1000.0, "baro.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(not_negative(b.white) && not_negative(b.bias) && not_negative(b.bias_walk), "baro", "a sigma is negative",
             "give metres");
-    require(!b.pressure || (positive(b.sea_level_pressure) && std::abs(b.temperature_offset) < 100.0), "baro.sea_level_pressure_pa",
-            "is no pressure of a day on the Earth", "give pascals, and kelvin for baro.temperature_offset_k");
+    require(!b.pressure || (positive(b.sea_level_pressure) && std::abs(b.temperature_offset) < 100.0),
+            "baro.sea_level_pressure_pa", "is no pressure of a day on the Earth",
+            "give pascals, and kelvin for baro.temperature_offset_k");
     const MagSettings& mag = s.mag;
     require(not_negative(mag.rate) && mag.rate <= 1000.0, "mag.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(positive(mag.field) && not_negative(mag.white) && not_negative(mag.hard_iron) && not_negative(mag.soft_iron) &&
                 std::isfinite(mag.declination + mag.inclination),
             "mag", "a number is negative or not one", "give the field and sigmas");
     for (const Fault& f : s.faults)
-        require(std::isfinite(f.start + f.duration + f.size) && f.duration >= 0.0 && f.direction.allFinite() && f.direction.norm() > 0.0,
+        require(std::isfinite(f.start + f.duration + f.size) && f.duration >= 0.0 && f.direction.allFinite() &&
+                    f.direction.norm() > 0.0,
                 "fault", "lacks a finite start, duration, size or direction", "give start_s, kind and size");
     require(positive(s.reference_rate) && s.reference_rate <= 1e5, "reference_rate_hz", "is not a rate", "give a positive rate");
     for (const SimulatedOutage& outage : s.outages) {
@@ -120,7 +124,7 @@ SimulatedData simulate(const Scenario& s) {
     for (std::size_t k = 1; k <= samples; ++k) {
         const double t = static_cast<double>(k) / s.imu.rate;
         ExactIncrement exact = exact_increment(s.earth, *path, static_cast<double>(k - 1) / s.imu.rate, t);
-        if (disturbed) {   // an accelerometer feels the reaction to gravity: what the Earth's model does not have comes with a minus
+        if (disturbed) {  // an accelerometer feels the reaction to gravity: what the Earth's model does not have comes with a minus
             const Kinematics middle = path->at(t - 0.5 * dt);
             const double step = dt * middle.v_eb_n.norm();
             exact.dv -= dt * (math::dcm_from_rpy(middle.rpy).transpose() * anomaly.at(distance + 0.5 * step, t - 0.5 * dt));
@@ -139,8 +143,7 @@ SimulatedData simulate(const Scenario& s) {
         const Time stamp = s.origin + Duration::from_seconds(t);
         if (faults.any(FaultKind::Freeze, t) && !out.recording.imu.empty())
             out.recording.imu.push_back({stamp, out.recording.imu.back().gyro, out.recording.imu.back().accel});
-        else if (!faults.any(FaultKind::Dropout, t))
-            out.recording.imu.push_back({stamp, unit * dtheta, unit * dv});
+        else if (!faults.any(FaultKind::Dropout, t)) out.recording.imu.push_back({stamp, unit * dtheta, unit * dv});
         tell_until(t);
     }
     tell_until(s.duration);

@@ -16,25 +16,25 @@
 namespace schuler::sim {
 
 struct ImuSettings {
-    double rate = 100.0;                                       ///< Hz
-    ImuKind kind = ImuKind::Increments;                        ///< rates are increments divided by the sample time
-    sensor::ImuErrorModel errors;                              ///< all zero: perfect
-    Eigen::Vector3d mounting = Eigen::Vector3d::Zero();        ///< roll, pitch, yaw from body to sensor axes, rad
-    double warm_up = 0.0;                                      ///< K by which it warms above the temperature of calibration
-    double warm_up_time = 600.0;                               ///< s, time constant of that
+    double rate = 100.0;                                 ///< Hz
+    ImuKind kind = ImuKind::Increments;                  ///< rates are increments divided by the sample time
+    sensor::ImuErrorModel errors;                        ///< all zero: perfect
+    Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw from body to sensor axes, rad
+    double warm_up = 0.0;                                ///< K by which it warms above the temperature of calibration
+    double warm_up_time = 600.0;                         ///< s, time constant of that
 };
 
 /// A receiver's own solution. Position and velocity errors are white plus Gauss-Markov (paper A, (3.2.1) and (3.2.2)), north,
 /// east, down.
 struct GnssSettings {
-    double rate = 1.0;                                                         ///< Hz; 0: no receiver
-    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();                     ///< IMU to antenna, body axes, m
-    Eigen::Vector3d white_position = Eigen::Vector3d(1.0, 1.0, 2.0);           ///< sigma, m
-    Eigen::Vector3d white_velocity = Eigen::Vector3d(0.05, 0.05, 0.1);         ///< sigma, m/s
-    sensor::GnssErrorModel errors;                                             ///< the slowly varying parts
-    std::vector<double> constellation_changes;                                 ///< s, in order: the first fix at or after each
-    double position_latency = 0.0;                                             ///< s: the fix stamped t holds for t - latency
-    double velocity_latency = 0.0;                                             ///< s
+    double rate = 1.0;                                                  ///< Hz; 0: no receiver
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();              ///< IMU to antenna, body axes, m
+    Eigen::Vector3d white_position = Eigen::Vector3d(1.0, 1.0, 2.0);    ///< sigma, m
+    Eigen::Vector3d white_velocity = Eigen::Vector3d(0.05, 0.05, 0.1);  ///< sigma, m/s
+    sensor::GnssErrorModel errors;                                      ///< the slowly varying parts
+    std::vector<double> constellation_changes;                          ///< s, in order: the first fix at or after each
+    double position_latency = 0.0;                                      ///< s: the fix stamped t holds for t - latency
+    double velocity_latency = 0.0;                                      ///< s
     FixType fix = FixType::Autonomous;
 };
 
@@ -44,25 +44,25 @@ struct GnssSettings {
 
 /// A barometric altimeter at the IMU.
 struct BaroSettings {
-    double rate = 0.0;               ///< Hz; 0: none
-    double white = 0.5;              ///< sigma, m
-    double bias = 0.0;               ///< constant, sigma over runs, m
-    double bias_walk = 0.0;          ///< m/sqrt(s)
-    double bias_time = 0.0;          ///< s; not 0: the bias is a Gauss-Markov process with that correlation time, and does not walk
-    bool pressure = false;           ///< the log has the static pressure, which its reader takes as that of the standard atmosphere
-    double sea_level_pressure = 101325.0;   ///< Pa, of the day
-    double temperature_offset = 0.0;        ///< K, of the day against the standard atmosphere at every height
+    double rate = 0.0;       ///< Hz; 0: none
+    double white = 0.5;      ///< sigma, m
+    double bias = 0.0;       ///< constant, sigma over runs, m
+    double bias_walk = 0.0;  ///< m/sqrt(s)
+    double bias_time = 0.0;  ///< s; not 0: the bias is a Gauss-Markov process with that correlation time, and does not walk
+    bool pressure = false;   ///< the log has the static pressure, which its reader takes as that of the standard atmosphere
+    double sea_level_pressure = 101325.0;  ///< Pa, of the day
+    double temperature_offset = 0.0;       ///< K, of the day against the standard atmosphere at every height
 };
 
 /// A magnetometer in the axes of the IMU. The field is that of a place; iron of the body adds a constant (hard) and distorts (soft).
 struct MagSettings {
-    double rate = 0.0;               ///< Hz; 0: none
-    double field = 50e-6;            ///< T
-    double declination = 0.0;        ///< rad, east positive
-    double inclination = 1.1;        ///< rad, down positive
-    double white = 0.0;              ///< sigma, T
-    double hard_iron = 0.0;          ///< sigma over runs of each component, T
-    double soft_iron = 0.0;          ///< sigma over runs of each of nine coefficients
+    double rate = 0.0;         ///< Hz; 0: none
+    double field = 50e-6;      ///< T
+    double declination = 0.0;  ///< rad, east positive
+    double inclination = 1.1;  ///< rad, down positive
+    double white = 0.0;        ///< sigma, T
+    double hard_iron = 0.0;    ///< sigma over runs of each component, T
+    double soft_iron = 0.0;    ///< sigma over runs of each of nine coefficients
 };
 
 enum class Channel { Gnss, Baro, Imu };
@@ -76,40 +76,40 @@ struct SimulatedOutage {
 
 /// What goes wrong. Sizes: m (receiver, barometer); rad/s or m/s^2 of an IMU's gyros or accelerometers; a rate is that a second.
 enum class FaultKind {
-    Step,       ///< an offset
-    Ramp,       ///< an offset that grows by `size` a second, position alone
-    Drift,      ///< the same with the velocity that belongs to it
-    Velocity,   ///< an offset of the receiver's velocity
-    Freeze,     ///< the values of the last good sample
-    Noise,      ///< white noise of one sigma `size`
-    Dropout,    ///< no samples
-    Gyro,       ///< an offset of the gyros
-    Accel,      ///< an offset of the accelerometers
-    Saturate    ///< gyros that measure no more than `size`
+    Step,      ///< an offset
+    Ramp,      ///< an offset that grows by `size` a second, position alone
+    Drift,     ///< the same with the velocity that belongs to it
+    Velocity,  ///< an offset of the receiver's velocity
+    Freeze,    ///< the values of the last good sample
+    Noise,     ///< white noise of one sigma `size`
+    Dropout,   ///< no samples
+    Gyro,      ///< an offset of the gyros
+    Accel,     ///< an offset of the accelerometers
+    Saturate   ///< gyros that measure no more than `size`
 };
 struct Fault {
     Channel channel = Channel::Gnss;
     FaultKind kind = FaultKind::Step;
-    double start = 0.0;                                         ///< s of the scenario
-    double duration = 1e9;                                      ///< s
+    double start = 0.0;     ///< s of the scenario
+    double duration = 1e9;  ///< s
     double size = 0.0;
-    Eigen::Vector3d direction = Eigen::Vector3d::UnitX();       ///< north, east, down (receiver) or sensor axes; made a unit vector
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< north, east, down (receiver) or sensor axes; made a unit vector
 };
 
 struct Scenario {
     std::uint64_t seed = 1;
-    double duration = 600.0;         ///< s
-    Time origin;                     ///< time of the first instant
+    double duration = 600.0;  ///< s
+    Time origin;              ///< time of the first instant
     earth::Earth earth;
     PathSettings path;
-    std::vector<AnomalyPart> anomaly;   ///< of gravity along the path, beyond the Earth's model
-    GroundField anomaly_field;  ///< and of gravity over the ground; empty: none
+    std::vector<AnomalyPart> anomaly;  ///< of gravity along the path, beyond the Earth's model
+    GroundField anomaly_field;         ///< and of gravity over the ground; empty: none
     ImuSettings imu;
     GnssSettings gnss;
     BaroSettings baro;
     MagSettings mag;
-    std::vector<Fault> faults;       ///< in the log, as the readers will meet them
-    double reference_rate = 10.0;    ///< of the truth, Hz
+    std::vector<Fault> faults;     ///< in the log, as the readers will meet them
+    double reference_rate = 10.0;  ///< of the truth, Hz
     std::vector<SimulatedOutage> outages;
 
     /// Gravity is not that of the Earth's model alone.
@@ -119,30 +119,30 @@ struct Scenario {
 /// True sensor errors in sensor axes, and the disturbance of gravity, at the instants of the reference.
 struct SensorTruth {
     Time time;
-    Eigen::Vector3d gyro_bias;       ///< turn-on plus in-run, rad/s
-    Eigen::Vector3d accel_bias;      ///< m/s^2
-    Eigen::Vector3d disturbance_n = Eigen::Vector3d::Zero();   ///< north, east, down, m/s^2
+    Eigen::Vector3d gyro_bias;                                ///< turn-on plus in-run, rad/s
+    Eigen::Vector3d accel_bias;                               ///< m/s^2
+    Eigen::Vector3d disturbance_n = Eigen::Vector3d::Zero();  ///< north, east, down, m/s^2
 };
 
 /// Slowly varying errors of the receiver at the instants of its fixes, and of the barometer at those of its samples.
 struct GnssTruth {
     Time time;
-    Eigen::Vector3d position;        ///< north, east, down, m
-    Eigen::Vector3d velocity;        ///< m/s
+    Eigen::Vector3d position;  ///< north, east, down, m
+    Eigen::Vector3d velocity;  ///< m/s
 };
 struct BaroTruth {
     Time time;
-    double bias;                     ///< m
+    double bias;  ///< m
 };
 
 struct SimulatedData {
     /// imu stamped at the end of each sample, sensor axes; gnss at the antenna; reference of the IMU, from the first instant on.
     Recording recording;
     ImuKind imu_kind = ImuKind::Increments;
-    std::vector<SensorTruth> sensor_truth;   ///< as many as the reference
-    std::vector<GnssTruth> gnss_truth;       ///< as many as the fixes
-    std::vector<BaroTruth> baro_truth;       ///< as many as the barometer's samples
-    Eigen::Matrix3d gyro_gain = Eigen::Matrix3d::Identity();    ///< I plus scale errors and misalignments
+    std::vector<SensorTruth> sensor_truth;                    ///< as many as the reference
+    std::vector<GnssTruth> gnss_truth;                        ///< as many as the fixes
+    std::vector<BaroTruth> baro_truth;                        ///< as many as the barometer's samples
+    Eigen::Matrix3d gyro_gain = Eigen::Matrix3d::Identity();  ///< I plus scale errors and misalignments
     Eigen::Matrix3d accel_gain = Eigen::Matrix3d::Identity();
 };
 

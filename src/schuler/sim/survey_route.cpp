@@ -13,10 +13,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double roll_per_lateral_accel = 0.102;   // a coordinated turn, rad/(m/s^2)
-constexpr double smoothing_margin = 1.25;          // the smoothed curve passes the planned acceleration by up to a fifth
-constexpr double slowest_turn = 20.0;              // s to go one radius: ships turn so, whatever their bank
-constexpr double leg_per_tangent = 2.3;            // a route gives a corner at most 0.45 of a leg
+constexpr double roll_per_lateral_accel = 0.102;  // a coordinated turn, rad/(m/s^2)
+constexpr double smoothing_margin = 1.25;         // the smoothed curve passes the planned acceleration by up to a fifth
+constexpr double slowest_turn = 20.0;             // s to go one radius: ships turn so, whatever their bank
+constexpr double leg_per_tangent = 2.3;           // a route gives a corner at most 0.45 of a leg
 
 using detail::require;
 
@@ -92,7 +92,7 @@ RoutePath survey_route(const SurveyPattern& p) {
         std::max(smoothing_margin * roll_per_lateral_accel * p.speed * p.speed / p.bank, slowest_turn * p.speed);
     route.corner_radius = radius;
     route.knot_spacing = std::clamp(radius / 30.0, 0.5, 50.0);
-    route.lateral_accel = smoothing_margin * p.speed * p.speed / radius;   // turns are not what slows it down
+    route.lateral_accel = smoothing_margin * p.speed * p.speed / radius;  // turns are not what slows it down
     route.longitudinal_accel = 1.0;
     route.roll_per_lateral_accel = roll_per_lateral_accel;
     route.pitch_per_accel = 0.0;

@@ -24,8 +24,7 @@ double de_boor(std::array<double, degree + 1> d, int m, double x) {
 
 }  // namespace
 
-UniformSpline::UniformSpline(double spacing, std::vector<double> controls)
-    : spacing_(spacing), controls_(std::move(controls)) {}
+UniformSpline::UniformSpline(double spacing, std::vector<double> controls) : spacing_(spacing), controls_(std::move(controls)) {}
 
 Jet<4> UniformSpline::at(double x) const {
     const double knots = x / spacing_;

@@ -23,7 +23,7 @@ double turn_rate(const WeavingFlight& f, double t) {
 }  // namespace
 
 RecordedPath weaving_path(const WeavingFlight& f, const earth::Ellipsoid& ellipsoid) {
-    constexpr int steps = 20;   // a second
+    constexpr int steps = 20;  // a second
     constexpr double two_pi = 2.0 * std::numbers::pi, dt = 1.0 / steps, margin = 10.0, g = 9.8, incidence = 2.0 * units::deg;
     RecordedPath out;
     double lat = f.start.lat, lon = f.start.lon, heading = f.heading;

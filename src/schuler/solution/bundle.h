@@ -32,22 +32,23 @@ struct Ignored {
 };
 
 struct ResultBundle {
-    std::string command;                         ///< "process", "run"
+    std::string command;  ///< "process", "run"
     std::string version;
     std::string name;
     std::optional<std::uint64_t> seed;
     LoadedDataset data;
-    std::shared_ptr<const scenario::SimulatedSky> sky;     ///< a simulated receiver's, which takes part in medium and deep runs; or null
-    std::vector<scenario::ReceiverRow> receiver_rows;      ///< what became of its channels
+    std::shared_ptr<const scenario::SimulatedSky>
+        sky;  ///< a simulated receiver's, which takes part in medium and deep runs; or null
+    std::vector<scenario::ReceiverRow> receiver_rows;  ///< what became of its channels
     fusion::Result result;
-    HiddenTruth truth;                           ///< simulated data
+    HiddenTruth truth;  ///< simulated data
     Evaluation evaluation;
-    settings::Published published;                         ///< for the scenario, to compare with
-    std::string config_toml;                     ///< every setting as used
-    std::vector<Fact> facts;                     ///< how each setting of the data is known
-    std::vector<Ignored> ignored;                ///< what was given and had no effect
+    settings::Published published;  ///< for the scenario, to compare with
+    std::string config_toml;        ///< every setting as used
+    std::vector<Fact> facts;        ///< how each setting of the data is known
+    std::vector<Ignored> ignored;   ///< what was given and had no effect
     std::vector<std::string> warnings;
-    std::optional<SelfCheck> self_check;         ///< of `process`
+    std::optional<SelfCheck> self_check;  ///< of `process`
     SolutionVerdict verdict;
     Timing timing;
 

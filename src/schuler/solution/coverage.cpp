@@ -28,9 +28,10 @@ double pause_after(double length) { return std::max(length, 10.0); }
 
 /// A window may follow an outage of the user's as soon as the filter has some fixes again: its sigmas are to hold then, too.
 bool clear_of(std::span<const fusion::Outage> outages, double start, double stop) {
-    constexpr double some_fixes = 3.0;   // s
-    return std::ranges::none_of(
-        outages, [&](const fusion::Outage& o) { return start < o.start + o.duration + some_fixes && stop + some_fixes > o.start; });
+    constexpr double some_fixes = 3.0;  // s
+    return std::ranges::none_of(outages, [&](const fusion::Outage& o) {
+        return start < o.start + o.duration + some_fixes && stop + some_fixes > o.start;
+    });
 }
 
 /// Fixes all through, used before and after, and most of them good; most of them `in_motion` where that is asked for.
@@ -114,7 +115,8 @@ CheckWindows check_windows(std::span<const CheckFix> fixes, double from, double 
     }
     return {std::numeric_limits<double>::quiet_NaN(),
             {},
-            fixes.size() < 2 ? "there are no fixes to withhold" : "the log is too short, or has too few good fixes, for windows without GNSS"};
+            fixes.size() < 2 ? "there are no fixes to withhold"
+                             : "the log is too short, or has too few good fixes, for windows without GNSS"};
 }
 
 Coverage coverage_of(std::span<const WithheldEpoch> epochs, double length) {
@@ -148,11 +150,11 @@ namespace {
 
 /// One component of a withheld fix for the fit of growth factors.
 struct Sample {
-    double weight;    ///< a window counts as much as any other
-    double since;     ///< s
-    double error2;    ///< m^2
-    double fixed;     ///< m^2, of the fix and of the position at loss: no noise since then changes it
-    double growth;    ///< m^2, of the filter's own variance since loss
+    double weight;  ///< a window counts as much as any other
+    double since;   ///< s
+    double error2;  ///< m^2
+    double fixed;   ///< m^2, of the fix and of the position at loss: no noise since then changes it
+    double growth;  ///< m^2, of the filter's own variance since loss
 };
 
 /// A window is worth about so many independent epochs: its errors grow smoothly.
@@ -167,13 +169,15 @@ std::vector<Sample> samples_of(std::span<const WithheldEpoch> epochs, int axes) 
         const std::size_t every = std::max<std::size_t>(1, (end - begin) / most_per_window);
         const double weight = independent * static_cast<double>(every) / static_cast<double>(end - begin);
         const WithheldEpoch& first = epochs[begin];
-        for (std::size_t i = end; i > begin; i -= std::min(every, i - begin)) {   // the ends count
+        for (std::size_t i = end; i > begin; i -= std::min(every, i - begin)) {  // the ends count
             const WithheldEpoch& e = epochs[i - 1];
             for (int axis = 0; axis < axes; ++axis) {
                 if (!(e.sigma(axis) > 0.0)) continue;
-                const double own = e.sigma_state(axis) * e.sigma_state(axis), at_loss = first.sigma_state(axis) * first.sigma_state(axis);
+                const double own = e.sigma_state(axis) * e.sigma_state(axis),
+                             at_loss = first.sigma_state(axis) * first.sigma_state(axis);
                 const double growth = std::max(0.0, own - at_loss);
-                samples.push_back({weight, e.since, e.error(axis) * e.error(axis), e.sigma(axis) * e.sigma(axis) - growth, growth});
+                samples.push_back(
+                    {weight, e.since, e.error(axis) * e.error(axis), e.sigma(axis) * e.sigma(axis) - growth, growth});
             }
         }
         begin = end;
@@ -275,7 +279,7 @@ NoiseScale NoiseScale::times(const NoiseScale& more) const {
 NoiseScale missing_noise(std::span<const WithheldEpoch> epochs, int axes) {
     const Fit fit(epochs, axes);
     const double most = std::pow(NoiseScale::most, 2.0 * power);
-    constexpr double step = 1.1, much_better = 0.5 * 6.6;   // chi-square of one degree of freedom, 1 %
+    constexpr double step = 1.1, much_better = 0.5 * 6.6;  // chi-square of one degree of freedom, 1 %
     double common = 1.0, accel = 1.0, gyro = 1.0;
     double best = fit.likelihood(1.0, 1.0);
     for (double k = step; k < most * step; k *= step) {
@@ -288,7 +292,8 @@ NoiseScale missing_noise(std::span<const WithheldEpoch> epochs, int axes) {
         double both = best;
         for (double a = 1.0; a < most * step; a *= step)
             for (double g = 1.0; g < most * step; g *= step)
-                if (const double l = fit.likelihood(a, g); l > std::max(both, best + much_better)) both = l, accel = a, gyro = g, apart = true;
+                if (const double l = fit.likelihood(a, g); l > std::max(both, best + much_better))
+                    both = l, accel = a, gyro = g, apart = true;
     }
     if (std::max(accel, gyro) == 1.0 && fit.coverage(1.0, 1.0) >= wanted_coverage) return {};
     const double found = fit.likelihood(accel, gyro);

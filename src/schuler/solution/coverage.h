@@ -18,16 +18,16 @@ namespace schuler::solution {
 /// A fix of the undisturbed run; t: s after the origin of the command line's times.
 struct CheckFix {
     double t = 0.0;
-    bool good = true;     ///< it was not refused
-    bool moving = true;   ///< the vehicle moved
+    bool good = true;    ///< it was not refused
+    bool moving = true;  ///< the vehicle moved
 };
 
 /// Which fixes to withhold. Even and odd windows are withheld in runs of their own, so that between two windows of a run lies at least
 /// three times their length.
 struct CheckWindows {
-    double length = 0.0;                   ///< s; NaN without windows
-    std::vector<fusion::Outage> windows;   ///< in order
-    std::string why_none;                  ///< empty: there are windows
+    double length = 0.0;                  ///< s; NaN without windows
+    std::vector<fusion::Outage> windows;  ///< in order
+    std::string why_none;                 ///< empty: there are windows
 };
 
 /// Windows between `from` and `to` of the longest of 60, 15 and 5 s of which there are eight at least, or else of 5 s, four at least:
@@ -44,11 +44,11 @@ inline constexpr std::size_t regimes = 3;
 /// A withheld fix against the filter, north, east, down; components that were not compared have sigma 0.
 struct WithheldEpoch {
     std::size_t window = 0;
-    double since = 0.0;   ///< s after the window's start
+    double since = 0.0;  ///< s after the window's start
     Regime regime = Regime::Straight;
-    Eigen::Vector3d error = Eigen::Vector3d::Zero();         ///< estimate minus fix, m
-    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();         ///< one sigma of that difference: the filter's own and the fix's, m
-    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero();   ///< the filter's own part, m
+    Eigen::Vector3d error = Eigen::Vector3d::Zero();        ///< estimate minus fix, m
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();        ///< one sigma of that difference: the filter's own and the fix's, m
+    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero();  ///< the filter's own part, m
 };
 
 /// Counts of epochs by what became of them.
@@ -56,25 +56,25 @@ struct Inside {
     std::size_t epochs = 0, inside = 0;
 
     void add(bool is_inside);
-    [[nodiscard]] double share() const;   ///< NaN of nothing
+    [[nodiscard]] double share() const;  ///< NaN of nothing
 };
 
 /// Horizontal error and its stated sigma, RMS over the windows.
 struct GrowthPoint {
-    double since = 0.0;   ///< s, mean
-    double error = 0.0, sigma = 0.0;   ///< m
+    double since = 0.0;               ///< s, mean
+    double error = 0.0, sigma = 0.0;  ///< m
     std::size_t epochs = 0;
 };
 
 /// What windows show. An epoch is inside where every component is within three sigma, a window where north and east are at all epochs.
 struct Coverage {
     Inside epochs, windows;
-    Inside horizontal, vertical;                                   ///< epochs by what of them is within three sigma
-    Inside held;                                                   ///< windows: nine epochs of ten are inside horizontally. The fixes' own
-                                                                   ///< noise puts a few epochs of many outside
-    double end_rms = std::numeric_limits<double>::quiet_NaN();     ///< m, horizontal error of the windows' last fixes
-    double sigma_rms = std::numeric_limits<double>::quiet_NaN();   ///< m, stated sigma of it
-    std::vector<GrowthPoint> growth;                               ///< some points over the length of a window
+    Inside horizontal, vertical;  ///< epochs by what of them is within three sigma
+    Inside held;                  ///< windows: nine epochs of ten are inside horizontally. The fixes' own
+                                  ///< noise puts a few epochs of many outside
+    double end_rms = std::numeric_limits<double>::quiet_NaN();    ///< m, horizontal error of the windows' last fixes
+    double sigma_rms = std::numeric_limits<double>::quiet_NaN();  ///< m, stated sigma of it
+    std::vector<GrowthPoint> growth;                              ///< some points over the length of a window
     std::array<Inside, regimes> by_regime;
 };
 
@@ -89,7 +89,7 @@ struct NoiseScale {
     static constexpr double most = 10.0;
 
     double gyro = 1.0, accel = 1.0;
-    bool apart = false;   ///< the growth of the errors separates them
+    bool apart = false;  ///< the growth of the errors separates them
 
     [[nodiscard]] bool is_one() const { return gyro == 1.0 && accel == 1.0; }
     /// One after the other, within `most`, as a settings file has it.

@@ -28,7 +28,7 @@ bool has_position(const std::vector<ReferenceSample>& reference) {
 /// Does the reference lie where the fixes lie? An autopilot's own estimate may count its heights from elsewhere: then the withheld
 /// fixes are what an outage is judged by.
 bool among_the_fixes(const LoadedDataset& data, const std::vector<ReferenceSample>& reference) {
-    constexpr double far = 10.0;   // m, median
+    constexpr double far = 10.0;  // m, median
     std::vector<double> distance;
     for (const GnssFix& fix : data.recording.gnss) {
         const auto next = std::ranges::lower_bound(reference, fix.time, {}, &ReferenceSample::time);

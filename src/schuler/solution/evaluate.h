@@ -24,21 +24,21 @@ struct AidConsistency {
 };
 
 struct Evaluation {
-    std::string reference;                              ///< "truth", "file", "gnss" or empty
-    Time settled;                                       ///< errors are counted from here
-    std::vector<analysis::ErrorRow> errors;             ///< of the solution (smoothed where there is one)
-    std::vector<analysis::ErrorRow> errors_forward;     ///< of the filter, where smoothed
+    std::string reference;                           ///< "truth", "file", "gnss" or empty
+    Time settled;                                    ///< errors are counted from here
+    std::vector<analysis::ErrorRow> errors;          ///< of the solution (smoothed where there is one)
+    std::vector<analysis::ErrorRow> errors_forward;  ///< of the filter, where smoothed
     analysis::ErrorSummary summary;
     std::optional<analysis::ErrorSummary> forward;
     std::optional<analysis::ConsistencySummary> consistency;
     std::vector<AidConsistency> aids;
     std::vector<analysis::OutageStatistics> outages;          ///< of the solution
     std::vector<analysis::OutageStatistics> outages_forward;  ///< of the filter, where smoothed
-    std::optional<Eigen::Vector3d> gyro_bias_error;     ///< estimate minus truth at the end, rad/s (simulated data)
-    std::optional<Eigen::Vector3d> accel_bias_error;    ///< m/s^2
-    std::vector<analysis::SeparationRow> separation;    ///< forward minus backward filter, where requested
-    analysis::SeparationSummary separated;              ///< of it, without the settling of both
-    std::vector<StateErrors> states;                    ///< of the filter, once a second (simulated data)
+    std::optional<Eigen::Vector3d> gyro_bias_error;           ///< estimate minus truth at the end, rad/s (simulated data)
+    std::optional<Eigen::Vector3d> accel_bias_error;          ///< m/s^2
+    std::vector<analysis::SeparationRow> separation;          ///< forward minus backward filter, where requested
+    analysis::SeparationSummary separated;                    ///< of it, without the settling of both
+    std::vector<StateErrors> states;                          ///< of the filter, once a second (simulated data)
 };
 
 /// Judges a result by the reference of the data set, or by withheld GNSS in outages where there is none.

@@ -20,7 +20,8 @@ EventRows event_rows(const ResultBundle& b) {
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return events[i].line; });
     EventRows out;
     for (const std::size_t i : order) {
-        SolutionRow row{{}, {not_given, not_given, not_given}, not_given3(), not_given3(), not_given3(), not_given3(), not_given3()};
+        SolutionRow row{{},          {not_given, not_given, not_given}, not_given3(), not_given3(), not_given3(), not_given3(),
+                        not_given3()};
         if (found[i]) row = *found[i];
         else out.outside.push_back(events[i]);
         row.time = events[i].time;
@@ -39,15 +40,19 @@ void warn_of_events_outside(const ResultBundle& b, WarningLog& warnings) {
         lines += fmt::format("{}{} ({:.3f} s)", i > 0 ? ", " : "", outside[i].line, outside[i].time.seconds());
     if (outside.size() > most) lines += fmt::format(" and {} more", outside.size() - most);
     const std::vector<SolutionRow>& rows = b.solution().rows;
-    warnings.add("events.outside", fmt::format("{}: {} of {} times lie outside the solution ({:.3f} to {:.3f} s), their rows of events.csv are "
-                                               "empty: line{} {}", b.data.config.output.events, outside.size(), b.data.events.size(),
-                                               rows.front().time.seconds(), rows.back().time.seconds(), outside.size() > 1 ? "s" : "", lines));
+    warnings.add("events.outside",
+                 fmt::format("{}: {} of {} times lie outside the solution ({:.3f} to {:.3f} s), their rows of events.csv are "
+                             "empty: line{} {}",
+                             b.data.config.output.events, outside.size(), b.data.events.size(), rows.front().time.seconds(),
+                             rows.back().time.seconds(), outside.size() > 1 ? "s" : "", lines));
 }
 
 void leave_out_chosen(LoadedDataset& data, WarningLog& warnings) {
     fusion::Settings& f = data.config.filter;
     const auto tell = [&](bool given, const std::string& key) {
-        if (given) warnings.add("ignored." + key, fmt::format("{} is given and has no effect: it belongs to `schuler process` and `run`", key));
+        if (given)
+            warnings.add("ignored." + key,
+                         fmt::format("{} is given and has no effect: it belongs to `schuler process` and `run`", key));
     };
     tell(!f.output_lever_arm_b.isZero(0.0), "output.lever_arm_m");
     tell(!data.events.empty(), "output.events");

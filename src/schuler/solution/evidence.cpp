@@ -42,11 +42,13 @@ public:
         const fusion::GnssSettings& g = b_.data.config.filter.gnss;
         explained_away("gnss_position_error", "slow error", "m", g.errors.correlated_position);
         explained_away("gnss_latency_error", "latency", "s", Eigen::Vector3d::Constant(g.latency_std));
-        explained_away("gnss_velocity_latency_error", "velocity's latency", "s", Eigen::Vector3d::Constant(g.velocity_latency_std));
+        explained_away("gnss_velocity_latency_error", "velocity's latency", "s",
+                       Eigen::Vector3d::Constant(g.velocity_latency_std));
         constexpr double vague = 20.0 * units::deg;
         const double heading = rows.back().std_rpy.z();
         const bool moves = std::ranges::any_of(rows, [](const SolutionRow& r) { return r.v_eb_n.head<2>().norm() > 1.0; });
-        if (moves && heading > vague) add("solution.heading", "the heading is known to {:.0f} deg only at the end", heading / units::deg);
+        if (moves && heading > vague)
+            add("solution.heading", "the heading is known to {:.0f} deg only at the end", heading / units::deg);
     }
 
     void of_fixes() {
@@ -60,23 +62,26 @@ public:
             add("gnss.refused", "{} of {} fixes were refused", n.gnss_rejected, met);
         longest_refusal();
         explained_refusals();
-        constexpr double long_hole = 1.0;   // s
+        constexpr double long_hole = 1.0;  // s
         if (n.longest_imu_gap > long_hole) add("imu.hole", "a hole of {:.1f} s in the IMU log was bridged", n.longest_imu_gap);
     }
 
     /// Who was found to be wrong where fixes were refused. What is below a metre is no fault: the first metres of a motion do as much.
     void explained_refusals() {
         using fusion::IntegrityTest;
-        constexpr double least = 1.0;   // m or m/s
+        constexpr double least = 1.0;  // m or m/s
         int excluded = 0, jumps = 0, lost = 0;
         double largest = 0.0;
         for (const fusion::Alert& a : b_.result.alerts) {
-            if (a.test == IntegrityTest::Tolerance || a.test == IntegrityTest::Innovation || a.test == IntegrityTest::Slow) ++excluded;
+            if (a.test == IntegrityTest::Tolerance || a.test == IntegrityTest::Innovation || a.test == IntegrityTest::Slow)
+                ++excluded;
             if (a.test == IntegrityTest::Jump) ++jumps, largest = std::max(largest, a.size);
             if (a.test == IntegrityTest::Navigation && a.size > least) ++lost;
         }
         if (excluded > 0) add("gnss.alert", "the receiver was taken for faulty {}", times(excluded));
-        if (jumps > 0) add("gnss.jump", "the receiver's positions jumped {}, by {:.3g} m at most, without the IMU feeling it", times(jumps), largest);
+        if (jumps > 0)
+            add("gnss.jump", "the receiver's positions jumped {}, by {:.3g} m at most, without the IMU feeling it", times(jumps),
+                largest);
         if (lost > 0) add("navigation.lost", "the navigation was found wrong {} by the fixes and begun anew", times(lost));
     }
     static std::string times(int n) { return n == 1 ? "once" : fmt::format("{} times", n); }
@@ -99,21 +104,19 @@ public:
         const Coverage& worst = c.worst();
         const double share = worst.epochs.share();
         const std::size_t lost = worst.held.epochs - worst.held.inside;
-        const std::string told =
-            fmt::format("{:.1f} % of {} withheld fixes{} are inside three sigma (horizontal {:.1f} %, vertical {:.1f} %; {:.3g} m at sigma {:.3g} m "
-                        "after {:.0f} s)",
-                        100.0 * share, worst.epochs.epochs, c.widened ? ", judged with wider noise," : "", 100.0 * worst.horizontal.share(),
-                        100.0 * worst.vertical.share(), worst.end_rms, worst.sigma_rms, c.length);
-        if (share < poor && lost > 1)
-            add("self_check.failed", "only {}", told);
-        else if (share < wanted_coverage)
-            add("self_check.low", "only {}", told);
+        const std::string told = fmt::format(
+            "{:.1f} % of {} withheld fixes{} are inside three sigma (horizontal {:.1f} %, vertical {:.1f} %; {:.3g} m at sigma "
+            "{:.3g} m "
+            "after {:.0f} s)",
+            100.0 * share, worst.epochs.epochs, c.widened ? ", judged with wider noise," : "", 100.0 * worst.horizontal.share(),
+            100.0 * worst.vertical.share(), worst.end_rms, worst.sigma_rms, c.length);
+        if (share < poor && lost > 1) add("self_check.failed", "only {}", told);
+        else if (share < wanted_coverage) add("self_check.low", "only {}", told);
         else if (!covers(worst))
             add("self_check.low", "{} of {} windows without fixes are outside three sigma; {}", lost, worst.held.epochs, told);
         else if (worst.end_rms > 2.0 * worst.sigma_rms)
             add("self_check.growth", "errors grow twice as fast as the sigmas: {}", told);
-        else
-            add("evidence.self_check", "{}", told);
+        else add("evidence.self_check", "{}", told);
     }
 
     /// Simulated data: the truth is the judge.
@@ -123,13 +126,15 @@ public:
         for (const analysis::ErrorRow& e : b_.evaluation.errors) {
             if (e.time < b_.evaluation.settled || !e.std_position.allFinite()) continue;
             inside.add((e.position.array().abs() <= 3.0 * e.std_position.array()).all());
-            constexpr double far = 10.0, lost = 100.0;   // sigmas, m
+            constexpr double far = 10.0, lost = 100.0;  // sigmas, m
             near.add((e.position.array().abs() <= (far * e.std_position.array()).max(lost)).all());
         }
         if (inside.epochs == 0) return;
         const double share = 100.0 * inside.share();
-        if (near.share() < 0.5) return add("truth.lost", "it has lost the truth: {:.1f} % of the epochs are inside three sigma", share);
-        if (inside.share() < 0.90) return add("truth.outside", "{:.1f} % of the epochs are inside three sigma of the truth", share);
+        if (near.share() < 0.5)
+            return add("truth.lost", "it has lost the truth: {:.1f} % of the epochs are inside three sigma", share);
+        if (inside.share() < 0.90)
+            return add("truth.outside", "{:.1f} % of the epochs are inside three sigma of the truth", share);
         add("evidence.truth", "{:.1f} % of {} epochs are inside three sigma of the truth", share, inside.epochs);
     }
 
@@ -138,7 +143,7 @@ public:
 private:
     /// The solution goes on without fixes until it is of no use.
     void adrift(const std::vector<SolutionRow>& rows) {
-        constexpr double useless = 100.0;   // m, one sigma
+        constexpr double useless = 100.0;  // m, one sigma
         double seconds = 0.0, worst = 0.0;
         for (std::size_t i = 1; i < rows.size(); ++i) {
             if (rows[i].time < b_.result.findings.aligned_at) continue;
@@ -150,7 +155,9 @@ private:
         // With fixes to go by, such a solution of most of a log says that they cannot be believed.
         const bool most = rows.size() > 1 && seconds > 0.5 * (rows.back().time - rows.front().time).seconds();
         const bool fixes = b_.command == "process" && b_.result.counters.gnss_accepted > 0;
-        if (seconds > 0.0) add(most && fixes ? "solution.useless" : "solution.adrift", "for {:.0f} s the position is uncertain by more than {:.0f} m, up to {:.3g} m", seconds, useless, worst);
+        if (seconds > 0.0)
+            add(most && fixes ? "solution.useless" : "solution.adrift",
+                "for {:.0f} s the position is uncertain by more than {:.0f} m, up to {:.3g} m", seconds, useless, worst);
     }
 
     /// Fixes that are late in an unknown way drag the solution along, and withheld ones cannot tell: no solution is known better than what
@@ -167,8 +174,11 @@ private:
         if (ratios.empty()) return;
         const double ratio = math::median(std::move(ratios));
         if (ratio > much)
-            add("gnss.latency", "the receiver's latency is known to {:.2f} s only, which at this speed is {:.1f} times the sigma of the position: give "
-                                "gnss.latency_s and gnss.latency_std_s", g.latency_std, ratio);
+            add("gnss.latency",
+                "the receiver's latency is known to {:.2f} s only, which at this speed is {:.1f} times the sigma of the "
+                "position: give "
+                "gnss.latency_s and gnss.latency_std_s",
+                g.latency_std, ratio);
     }
 
     /// The filter explains fixes that contradict it by errors of the receiver far beyond what these are said to be: withheld ones, less the
@@ -176,7 +186,7 @@ private:
     void explained_away(std::string_view block, const char* what, const char* unit, const Eigen::Vector3d& sigma) {
         const auto it = std::ranges::find(b_.result.states, block, &fusion::LayoutBlock::name);
         if (it == b_.result.states.end()) return;
-        constexpr int navigation = 9;   // states before the first parameter
+        constexpr int navigation = 9;  // states before the first parameter
         double most = 0.0;
         Inside inside;
         for (const fusion::ParameterRow& r : b_.result.forward.parameters) {
@@ -191,13 +201,14 @@ private:
         }
         constexpr double enough = 0.95;
         if (inside.share() < enough)
-            add("gnss.explained", "the receiver's {} is estimated at up to {:.2g} {}, beyond three sigma of what it is taken for ({:.2g} {})", what, most, unit,
-                sigma.maxCoeff(), unit);
+            add("gnss.explained",
+                "the receiver's {} is estimated at up to {:.2g} {}, beyond three sigma of what it is taken for ({:.2g} {})", what,
+                most, unit, sigma.maxCoeff(), unit);
     }
 
     /// Good and bad fixes mix; refused for many seconds in a row, either the receiver or the navigation was wrong all that time.
     void longest_refusal() {
-        constexpr double many = 5.0;   // s
+        constexpr double many = 5.0;  // s
         Time since{}, from{};
         double longest = 0.0;
         bool running = false;

@@ -52,8 +52,8 @@ double internal_rate(const LoadedDataset& data) {
     return every || !(rate > 0.0) ? 0.0 : std::max(rate, least_internal_rate);
 }
 
-void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output_rate, const std::function<void(double)>& progress,
-                       const fusion::RowSink& rows) {
+void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output_rate,
+                       const std::function<void(double)>& progress, const fusion::RowSink& rows) {
     const auto begin = std::chrono::steady_clock::now();
     if (bundle.data.config.scheme == settings::Scheme::Gnss) {
         bundle.result = gnss_solution(bundle.data.recording, bundle.data.config.filter);
@@ -65,7 +65,8 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         using fusion::Coupling;
         if (bundle.sky && settings.coupling == Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);
         if (bundle.sky && settings.coupling == Coupling::Medium) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
-        if (receiver) settings.ranging.errors.rate_span = bundle.data.config.filter.ranging.errors.rate_span = receiver->rate_span();
+        if (receiver)
+            settings.ranging.errors.rate_span = bundle.data.config.filter.ranging.errors.rate_span = receiver->rate_span();
         fusion::ReceiverInLoop in_loop;
         if (receiver) in_loop = std::bind_front(&scenario::SimulatedReceiver::run, &*receiver);
         bundle.result = fusion::run_filter(bundle.data.recording, settings, warnings, progress, rows, in_loop);

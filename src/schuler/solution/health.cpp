@@ -38,7 +38,7 @@ double usual_step(const std::vector<Instant>& instants) {
 
 /// Short intervals between two of one state are counted with these.
 std::vector<HealthInterval> without_brief_ones(const std::vector<HealthInterval>& all) {
-    constexpr double brief = 1.0;   // s
+    constexpr double brief = 1.0;  // s
     std::vector<HealthInterval> out;
     for (std::size_t i = 0; i < all.size(); ++i) {
         const HealthInterval& now = all[i];
@@ -55,14 +55,15 @@ std::vector<HealthInterval> without_brief_ones(const std::vector<HealthInterval>
 }
 
 std::vector<HealthInterval> intervals_of(std::string_view source, const std::vector<Instant>& instants) {
-    constexpr double least_silence = 1.0;   // s
+    constexpr double least_silence = 1.0;  // s
     const double silence = std::max(least_silence, 3.0 * usual_step(instants));
     std::vector<HealthInterval> out;
     for (std::size_t i = 0; i < instants.size(); ++i) {
         const Instant& now = instants[i];
         const bool after_silence = i > 0 && (now.time - instants[i - 1].time).seconds() > silence;
         if (after_silence) out.push_back({source, SourceState::Silent, instants[i - 1].time, now.time, 0});
-        if (out.empty() || after_silence || out.back().state != now.state) out.push_back({source, now.state, now.time, now.time, 0});
+        if (out.empty() || after_silence || out.back().state != now.state)
+            out.push_back({source, now.state, now.time, now.time, 0});
         out.back().to = now.time;
         ++out.back().samples;
     }
@@ -74,7 +75,7 @@ std::vector<HealthInterval> imu_intervals(const std::vector<ImuSample>& samples,
     constexpr std::string_view source = "imu";
     if (samples.size() < 2) return {};
     std::vector<double> steps;
-    const std::size_t every = std::max<std::size_t>(1, samples.size() / 10'000);   // enough for their median
+    const std::size_t every = std::max<std::size_t>(1, samples.size() / 10'000);  // enough for their median
     for (std::size_t i = 1; i < samples.size(); i += every) steps.push_back((samples[i].time - samples[i - 1].time).seconds());
     const double nominal = math::median(std::move(steps));
     filter::HangWatch watch(std::max(nominal, 1e-6));
@@ -115,7 +116,8 @@ std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::R
         for (const AidRecord& r : result.aids)
             if (r.kind == kind) records.push_back({r.stamp, state_of(r)});
         std::ranges::stable_sort(records, {}, &Instant::time);
-        for (const Instant& r : records) {   // parts of a fix that are of different ages are one sample: what was refused of it counts
+        for (const Instant& r :
+             records) {  // parts of a fix that are of different ages are one sample: what was refused of it counts
             if (instants.empty() || instants.back().time != r.time) instants.push_back(r);
             else if (r.state == SourceState::Refused) instants.back().state = r.state;
         }
@@ -124,7 +126,8 @@ std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::R
             const Time first = instants.front().time, last = instants.back().time;
             for (const GnssFix& fix : data.recording.gnss)
                 if (fix.time >= first && fix.time <= last &&
-                    !std::binary_search(instants.begin(), instants.begin() + static_cast<std::ptrdiff_t>(met), Instant{fix.time, {}},
+                    !std::binary_search(instants.begin(), instants.begin() + static_cast<std::ptrdiff_t>(met),
+                                        Instant{fix.time, {}},
                                         [](const Instant& x, const Instant& y) { return x.time < y.time; }))
                     instants.push_back({fix.time, SourceState::LeftOut});
             std::ranges::stable_sort(instants, {}, &Instant::time);

@@ -12,21 +12,21 @@ namespace schuler::solution {
 
 enum class SourceState {
     Used,
-    Refused,      ///< by its gate
-    Distrusted,   ///< by the integrity monitor, or used less a jump of the receiver
-    LeftOut,      ///< before the run: no fix, frozen, strayed, another height than the barometer's
-    Withheld,     ///< by the user, in an outage
-    Hanging,      ///< inertial unit: values that repeat to the last digit
-    Silent        ///< no samples for three times the usual step, one second at least (inertial unit: a gap)
+    Refused,     ///< by its gate
+    Distrusted,  ///< by the integrity monitor, or used less a jump of the receiver
+    LeftOut,     ///< before the run: no fix, frozen, strayed, another height than the barometer's
+    Withheld,    ///< by the user, in an outage
+    Hanging,     ///< inertial unit: values that repeat to the last digit
+    Silent       ///< no samples for three times the usual step, one second at least (inertial unit: a gap)
 };
 [[nodiscard]] std::string_view name_of(SourceState state);
 
 /// A source was in one state from its first sample in it to the last one; a silence lasts from the sample before to the one after it.
 struct HealthInterval {
-    std::string_view source;   ///< as files call it: "imu", "gnss_position", "baro", ...
+    std::string_view source;  ///< as files call it: "imu", "gnss_position", "baro", ...
     SourceState state = SourceState::Used;
     Time from{}, to{};
-    std::size_t samples = 0;   ///< none of a silence
+    std::size_t samples = 0;  ///< none of a silence
 };
 
 /// In order of source, the inertial unit first, and time. States that last for less than a second and two samples (a single refused fix)

@@ -17,7 +17,7 @@ namespace {
 /// Keys that begin so have no effect where `idle` says why.
 struct Rule {
     std::vector<std::string_view> keys;
-    std::string reason;      ///< empty: they have an effect
+    std::string reason;  ///< empty: they have an effect
 };
 
 std::string unless(bool effect, std::string reason) { return effect ? std::string() : std::move(reason); }
@@ -39,38 +39,50 @@ bool ranges_state_all(const RangingLog& log, double RangeSample::*std) {
 std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
     const fusion::Settings& f = c.filter;
-    const bool tight = c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Medium || c.scheme == settings::Scheme::Deep;
-    return {{{"filter.aggressive_parts"}, unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
-            {{"gnss.consider_errors"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
-            {{"gnss.consider_errors"},
-             unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
-                    "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
-            {{"filter.separate."}, unless(c.scheme == settings::Scheme::Separate, "the scheme is not \"separate\"")},
-            {{"filter.integrity."},
-             tight ? "it watches a receiver's fixes; ranges are watched by filter.protection" : unless(f.integrity.use, "filter.integrity.use is not on")},
-            {{"filter.preset"}, unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off")},
-            {{"filter.loose"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
-            {{"filter.loop"}, unless(c.scheme != settings::Scheme::Separate, "the corrections of the separate scheme are its coupling: the loop is closed")},
-            {{"filter.protection."}, unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},
-            {{"filter.feedback_"}, unless(f.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
-            {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
-             unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
-            {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"}, unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
-            {{"filter.zero_", "filter.nonholonomic_std_", "filter.constraint_rate_hz", "filter.floor_", "mag.heading_"},
-             unless(c.scheme != settings::Scheme::Separate, "the separate scheme is corrected by position, velocity and height alone")},
-            {{"gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_"},
-             unless(!tight, "the coupling takes ranges instead of fixes")},
-            {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
-             unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
-                    "no standstill was found")},
-            {{"ranges.receiver_acceleration_m_s_sqrt_s"}, unless(c.scheme == settings::Scheme::Medium, "the scheme is not \"medium\"")},
-            {{"ranges.white_m"},
-             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std), "the log states the sigmas of all ranges")},
-            {{"ranges.rate_m_s"},
-             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate), "the log states the sigmas of all rates")},
-            {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
-            {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
-            {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
+    const bool tight =
+        c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Medium || c.scheme == settings::Scheme::Deep;
+    return {
+        {{"filter.aggressive_parts"},
+         unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
+        {{"gnss.consider_errors"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
+        {{"gnss.consider_errors"},
+         unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
+                "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
+        {{"filter.separate."}, unless(c.scheme == settings::Scheme::Separate, "the scheme is not \"separate\"")},
+        {{"filter.integrity."},
+         tight ? "it watches a receiver's fixes; ranges are watched by filter.protection"
+               : unless(f.integrity.use, "filter.integrity.use is not on")},
+        {{"filter.preset"}, unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off")},
+        {{"filter.loose"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
+        {{"filter.loop"},
+         unless(c.scheme != settings::Scheme::Separate,
+                "the corrections of the separate scheme are its coupling: the loop is closed")},
+        {{"filter.protection."},
+         unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},
+        {{"filter.feedback_"}, unless(f.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
+        {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
+         unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
+        {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
+         unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
+        {{"filter.zero_", "filter.nonholonomic_std_", "filter.constraint_rate_hz", "filter.floor_", "mag.heading_"},
+         unless(c.scheme != settings::Scheme::Separate,
+                "the separate scheme is corrected by position, velocity and height alone")},
+        {{"gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_"},
+         unless(!tight, "the coupling takes ranges instead of fixes")},
+        {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
+         unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
+                "no standstill was found")},
+        {{"ranges.receiver_acceleration_m_s_sqrt_s"},
+         unless(c.scheme == settings::Scheme::Medium, "the scheme is not \"medium\"")},
+        {{"ranges.white_m"},
+         unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std),
+                "the log states the sigmas of all ranges")},
+        {{"ranges.rate_m_s"},
+         unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate),
+                "the log states the sigmas of all rates")},
+        {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
+        {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
+        {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
 }
 
 /// `schuler gravity`: what gravimetry::gravity27 switches off. Without [initial] a run before it finds the start, with all of this.
@@ -100,7 +112,8 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
     const fusion::Settings& f = c.filter;
     const Recording& r = b.data.recording;
     const bool baro = f.baro.use && !r.baro.empty(), mag = f.mag.use && !r.mag.empty();
-    const bool raw = c.gnss.file.empty() || c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Medium || c.scheme == settings::Scheme::Deep;
+    const bool raw = c.gnss.file.empty() || c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Medium ||
+                     c.scheme == settings::Scheme::Deep;
     const bool velocities = std::ranges::any_of(r.gnss, [](const GnssFix& x) { return x.velocity_n.allFinite(); });
     const fusion::InitialSettings& i = f.initial;
     const bool position = std::isfinite(i.position.lat) && std::isfinite(i.position.lon) && std::isfinite(i.position.h);
@@ -115,7 +128,8 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
             {{"compass."}, unless(f.heading.use && !r.heading.empty(), "no compass is used")},
             {{"gnss.observations", "gnss.navigation"},
              unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
-            {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise", "gnss.phase_velocity"},
+            {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise",
+              "gnss.phase_velocity"},
              unless(raw && (!c.raw.observations.empty() || !r.ranges.empty()), "no raw measurements are used")},
             {{"base."},
              b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "base.observations names no base station"
@@ -129,11 +143,13 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
             {{"gnss.default_std_velocity_m_s"},
              unless(f.gnss.use_velocity && velocities && !states_all(r.gnss, &GnssFix::std_velocity, true),
                     velocities ? "the log states the sigmas of all velocities" : "the log has no velocities")},
-            {{"gnss.velocity_latency_s", "gnss.velocity_down_latency_s", "gnss.use_velocity"}, unless(velocities, "the log has no velocities")},
+            {{"gnss.velocity_latency_s", "gnss.velocity_down_latency_s", "gnss.use_velocity"},
+             unless(velocities, "the log has no velocities")},
             {{"initial.lat_deg", "initial.lon_deg", "initial.height_m"},
              unless(position, "only latitude, longitude and height together are a position to start from")},
             {{"reference."}, unless(!r.reference.empty(), "there is no reference")},
-            {{"stations.coordinates", "stations.columns", "stations.scale"}, unless(!c.ranges.file.empty(), "there is no stations.file")}};
+            {{"stations.coordinates", "stations.columns", "stations.scale"},
+             unless(!c.ranges.file.empty(), "there is no stations.file")}};
 }
 
 }  // namespace
@@ -145,15 +161,14 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
         const auto it = std::ranges::find(list, key, &settings::Setting::key);
         return it == list.end() ? std::string() : settings::to_toml(it->value);
     };
-    std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};   // the first that fits speaks
+    std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};  // the first that fits speaks
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
         rules.insert(rules.begin(), {{"filter.", "output.lever_arm_m", "output.events", "vehicle.", "mag.", "baro.", "odometer.",
-                                      "heading.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s",
-                                      "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},
+                                      "heading.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s",
+                                      "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},
                                      "the scheme is \"gnss\": there is no filter"});
-    else if (b.command != "gravity")
-        std::ranges::move(inertial_rules(b), std::back_inserter(rules));
+    else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {
         if ((key == "filter.scheme" && b.command != "gravity") || value_in(used, key) == value_in(defaults, key)) continue;
@@ -167,12 +182,13 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
 
 void warn_of_ignored(const std::vector<Ignored>& ignored, WarningLog& warnings) {
     constexpr std::size_t shown = 4;
-    std::map<std::string, std::vector<std::string>> keys;   // by reason
+    std::map<std::string, std::vector<std::string>> keys;  // by reason
     for (const Ignored& i : ignored) keys[i.reason].push_back(i.key);
     for (const Ignored& i : ignored) {
         const std::vector<std::string>& same = keys[i.reason];
         if (same.front() != i.key) continue;
-        std::string names = fmt::format("{}", fmt::join(same.begin(), same.begin() + static_cast<std::ptrdiff_t>(std::min(shown, same.size())), ", "));
+        std::string names = fmt::format(
+            "{}", fmt::join(same.begin(), same.begin() + static_cast<std::ptrdiff_t>(std::min(shown, same.size())), ", "));
         if (same.size() > shown) names += fmt::format(" and {} more", same.size() - shown);
         warnings.add("ignored." + i.key, fmt::format("{} {} given and {} no effect: {}", names, same.size() == 1 ? "is" : "are",
                                                      same.size() == 1 ? "has" : "have", i.reason));

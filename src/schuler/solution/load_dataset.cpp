@@ -47,12 +47,14 @@ void take_stated(const dataset::ReadFiles& files, settings::Config& c) {
 void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     settings::Config& c = out.config;
     const bool csv = !c.ranges.file.empty();
-    if (!csv && (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Medium))) return;
+    if (!csv && (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Medium)))
+        return;
     RangingLog& log = out.recording.ranges;
     log = csv ? dataset::ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, out.given, warnings);
     const auto axis = dataset::own_axis(out.recording);
     if (!csv && !log.empty() && axis) {
-        const Duration shift = Duration::from_seconds(c.gnss.time_offset) + -dataset::axis_zero(c.time, log.epochs.front().time, *axis);
+        const Duration shift =
+            Duration::from_seconds(c.gnss.time_offset) + -dataset::axis_zero(c.time, log.epochs.front().time, *axis);
         for (RangeEpoch& e : log.epochs) e.time = e.time + shift;
     }
     if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
@@ -75,7 +77,8 @@ void settle_heights(LoadedDataset& out, WarningLog& warnings) {
 /// Instants at which the solution is wanted, in order.
 void settle_events(LoadedDataset& out, const fs::path& folder) {
     settings::Config& c = out.config;
-    if (!c.output.events.empty()) out.events = io::read_events_csv(io::TextInput(dataset::resolved(folder, c.output.events, "output.events")));
+    if (!c.output.events.empty())
+        out.events = io::read_events_csv(io::TextInput(dataset::resolved(folder, c.output.events, "output.events")));
     std::ranges::stable_sort(out.events, {}, &NamedInstant::time);
     c.filter.output_instants.clear();
     for (const NamedInstant& e : out.events) c.filter.output_instants.push_back(e.time);
@@ -138,7 +141,8 @@ void choose_mechanization(LoadedDataset& data) {
 
 }  // namespace
 
-LoadedDataset settled_dataset(Recording recording, const settings::Config& config, WarningLog& warnings, std::set<std::string> given) {
+LoadedDataset settled_dataset(Recording recording, const settings::Config& config, WarningLog& warnings,
+                              std::set<std::string> given) {
     LoadedDataset out;
     out.given = std::move(given);
     out.recording = std::move(recording);
@@ -176,9 +180,9 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
     for (const inspect::Contradiction& c : dataset.contradictions)
         warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; {}", c.key, c.text,
-                                                            !c.refuted ? std::string("the given value is used")
-                                                            : c.better ? fmt::format("{} is used", to_text(*c.better))
-                                                                       : std::string("it is left out")));
+                                                           !c.refuted ? std::string("the given value is used")
+                                                           : c.better ? fmt::format("{} is used", to_text(*c.better))
+                                                                      : std::string("it is left out")));
     out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return out;
 }

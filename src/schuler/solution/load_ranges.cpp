@@ -16,7 +16,7 @@ RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config
     f.sigma_by_elevation = true;
     if (!given.contains("ranges.slow_by_model")) f.slow_by_model = !given.contains("ranges.correlated_m");
     // Receivers run on temperature-compensated crystals, off by a millionth or so, and let their clock wander within a millisecond.
-    constexpr double wander = 3e5, off = 1000.0;   // m, m/s
+    constexpr double wander = 3e5, off = 1000.0;  // m, m/s
     sensor::Oscillator& clock = f.errors.clock;
     const bool kind = given.contains("ranges.clock");
     if (!kind && !given.contains("ranges.clock_h0_s")) clock.h0 = sensor::tcxo.h0;

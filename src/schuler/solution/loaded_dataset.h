@@ -16,15 +16,15 @@ namespace schuler::solution {
 
 /// A recording with what loading has found about its settings.
 struct LoadedDataset {
-    Recording recording;                 ///< times on the data set's own axis
-    dataset::CarrierPhase carrier;       ///< whose fixes are those of the recording, where there is a base
-    std::vector<NamedInstant> events;    ///< in order of time: those of filter.output_instants
+    Recording recording;               ///< times on the data set's own axis
+    dataset::CarrierPhase carrier;     ///< whose fixes are those of the recording, where there is a base
+    std::vector<NamedInstant> events;  ///< in order of time: those of filter.output_instants
     settings::Config config;
-    Time origin;                         ///< zero of the command line's times: first GNSS epoch, else first IMU epoch
-    std::set<std::string> given;         ///< keys of the settings that a user or a scenario gave
-    std::vector<Fact> facts;             ///< what the files state or show
+    Time origin;                  ///< zero of the command line's times: first GNSS epoch, else first IMU epoch
+    std::set<std::string> given;  ///< keys of the settings that a user or a scenario gave
+    std::vector<Fact> facts;      ///< what the files state or show
     fusion::HeightKind logged_height = fusion::HeightKind::Ellipsoidal;  ///< before an undulation was added
-    bool true_reference = false;         ///< the reference is simulated truth
+    bool true_reference = false;                                         ///< the reference is simulated truth
     double read_seconds = 0.0;
 };
 

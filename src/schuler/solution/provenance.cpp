@@ -17,15 +17,39 @@ namespace schuler::solution {
 namespace {
 
 /// What is reported of every run, in this order; further keys of these sections where they are given or found.
-constexpr std::array reported = {"time.scale", "vehicle.kind", "imu.file", "imu.kind", "imu.stamp", "imu.axes", "imu.mounting_deg",
-                                 "imu.grade", "imu.gyro_noise_deg_sqrt_h", "imu.accel_noise_m_s_sqrt_h", "gnss.file", "gnss.observations",
-                                 "gnss.lever_arm_m", "gnss.latency_s", "gnss.velocity_latency_s", "gnss.height_latency_s",
-                                 "gnss.velocity_down_latency_s", "gnss.height", "gnss.default_std_m", "gnss.default_std_velocity_m_s",
-                                 "gnss.correlated_m", "baro.file", "baro.white_m", "baro.bias_walk_m", "mag.file", "mag.declination_deg",
-                                 "mag.heading_std_deg", "mag.heading_bias_walk_deg", "reference.file"};
+constexpr std::array reported = {"time.scale",
+                                 "vehicle.kind",
+                                 "imu.file",
+                                 "imu.kind",
+                                 "imu.stamp",
+                                 "imu.axes",
+                                 "imu.mounting_deg",
+                                 "imu.grade",
+                                 "imu.gyro_noise_deg_sqrt_h",
+                                 "imu.accel_noise_m_s_sqrt_h",
+                                 "gnss.file",
+                                 "gnss.observations",
+                                 "gnss.lever_arm_m",
+                                 "gnss.latency_s",
+                                 "gnss.velocity_latency_s",
+                                 "gnss.height_latency_s",
+                                 "gnss.velocity_down_latency_s",
+                                 "gnss.height",
+                                 "gnss.default_std_m",
+                                 "gnss.default_std_velocity_m_s",
+                                 "gnss.correlated_m",
+                                 "baro.file",
+                                 "baro.white_m",
+                                 "baro.bias_walk_m",
+                                 "mag.file",
+                                 "mag.declination_deg",
+                                 "mag.heading_std_deg",
+                                 "mag.heading_bias_walk_deg",
+                                 "reference.file"};
 
 bool describes_data(std::string_view key) {
-    return std::ranges::any_of(std::array{"time.", "vehicle.", "imu.", "gnss.", "baro.", "mag.", "stations.", "reference.", "initial.", "filter.mechanization"},
+    return std::ranges::any_of(std::array{"time.", "vehicle.", "imu.", "gnss.", "baro.", "mag.", "stations.", "reference.",
+                                          "initial.", "filter.mechanization"},
                                [&](std::string_view section) { return key.starts_with(section); });
 }
 
@@ -79,14 +103,10 @@ public:
         Fact fact;
         fact.key = key;
         const std::optional<double> latency = b_.result.findings.in_force ? latency_in_force(f, key) : std::nullopt;
-        if (latency)
-            fact.value = *latency;
-        else if (value != used_.end())
-            fact.value = settings::fact_value_of(value->value);
-        else if (found != nullptr)
-            fact.value = found->value;
-        else
-            return std::nullopt;
+        if (latency) fact.value = *latency;
+        else if (value != used_.end()) fact.value = settings::fact_value_of(value->value);
+        else if (found != nullptr) fact.value = found->value;
+        else return std::nullopt;
         fact.how = given ? Known::Given : Known::Default;
         if (!given && found != nullptr) {
             fact.how = found->how;
@@ -101,7 +121,8 @@ public:
             fact.sigma = tuned->relative ? tuned->sigma * size_of(fact.value) : tuned->sigma;
             fact.from = b_.relative(f.tuned_from);
             fact.to = b_.relative(f.tuned_to);
-            fact.note = tuned->at_floor ? "the innovations would allow less: what such a device reaches at best" : "fitted to the innovations";
+            fact.note = tuned->at_floor ? "the innovations would allow less: what such a device reaches at best"
+                                        : "fitted to the innovations";
         }
         if (key == "imu.mounting_deg" && f.std_mounting_rpy.norm() > 0.0) {
             fact.how = Known::Found;
@@ -112,7 +133,7 @@ public:
             fact.how = Known::Found;
             fact.note = fmt::format("from fixes withheld in windows of {:.0f} s", b_.self_check->length);
         }
-        if (latency && value == used_.end()) {   // it follows another one
+        if (latency && value == used_.end()) {  // it follows another one
             const Fact leader = *of(key == "gnss.velocity_down_latency_s" ? "gnss.velocity_latency_s" : "gnss.latency_s");
             fact.how = leader.how == Known::Given ? Known::Default : leader.how;
             fact.sigma = leader.sigma;
@@ -163,7 +184,7 @@ void take_in_force(settings::Config& c, const fusion::Findings& findings) {
 
 std::string config_in_force(const LoadedDataset& data) {
     settings::Config c = data.config;
-    c.filter.gnss.height = data.logged_height;   // the log is read once more, with its heights as they are
+    c.filter.gnss.height = data.logged_height;  // the log is read once more, with its heights as they are
     return settings::to_toml(settings::config_table().used(c), settings::config_table().specs(), true);
 }
 
@@ -172,7 +193,7 @@ std::vector<Fact> facts_of(const ResultBundle& b) {
     std::vector<std::string> keys(reported.begin(), reported.end());
     const auto add = [&](const std::string& key) {
         if (!describes_data(key) || std::ranges::find(keys, key) != keys.end()) return;
-        const std::string section = key.substr(0, key.find('.') + 1);   // beside those of its section
+        const std::string section = key.substr(0, key.find('.') + 1);  // beside those of its section
         const auto last = std::find_if(keys.rbegin(), keys.rend(), [&](const std::string& k) { return k.starts_with(section); });
         keys.insert(last == keys.rend() ? keys.end() : last.base(), key);
     };

@@ -24,7 +24,7 @@ public:
     explicit Regimes(const std::vector<SolutionRow>& rows) : rows_(rows) {}
 
     [[nodiscard]] Regime at(Time t) const {
-        constexpr double slow = 0.5, turn = 5.0 * units::deg;   // m/s, rad/s
+        constexpr double slow = 0.5, turn = 5.0 * units::deg;  // m/s, rad/s
         const auto next = std::ranges::lower_bound(rows_, t, {}, &SolutionRow::time);
         if (next == rows_.begin() || next == rows_.end()) return Regime::Rest;
         const SolutionRow &after = *next, &before = *std::prev(next);
@@ -47,8 +47,9 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
         if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld)
             fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level, regime.at(r.stamp) != Regime::Rest});
     if (!fusion::uses_ranges(data.config.filter.coupling)) return fixes;
-    for (const GnssFix& fix : data.recording.gnss)   // which are only compared with
-        if (fix.fix != FixType::None && std::isfinite(fix.position.lat)) fixes.push_back({t(fix.time), true, regime.at(fix.time) != Regime::Rest});
+    for (const GnssFix& fix : data.recording.gnss)  // which are only compared with
+        if (fix.fix != FixType::None && std::isfinite(fix.position.lat))
+            fixes.push_back({t(fix.time), true, regime.at(fix.time) != Regime::Rest});
     return fixes;
 }
 
@@ -56,7 +57,9 @@ std::array<FixRegime, regimes> by_regime(const fusion::Result& result, const Reg
     std::array<FixRegime, regimes> out;
     for (const fusion::AidRecord& r : result.aids) {
         const bool used = r.status == AidStatus::Accepted;
-        if (r.kind != AidKind::GnssPosition || r.status == AidStatus::Withheld || r.dof == 0 || r.time < result.findings.aligned_at) continue;
+        if (r.kind != AidKind::GnssPosition || r.status == AidStatus::Withheld || r.dof == 0 ||
+            r.time < result.findings.aligned_at)
+            continue;
         FixRegime& f = out[static_cast<std::size_t>(motion.at(r.time))];
         ++f.fixes;
         f.refused += used ? 0 : 1;
@@ -91,15 +94,16 @@ public:
     }
 
     /// The withheld fixes of these windows that were not refused in the undisturbed run; `motion` gets the run's rows.
-    std::vector<WithheldEpoch> run(fusion::Settings settings, const std::vector<std::size_t>& chosen, std::vector<SolutionRow>& motion) const {
+    std::vector<WithheldEpoch> run(fusion::Settings settings, const std::vector<std::size_t>& chosen,
+                                   std::vector<SolutionRow>& motion) const {
         settings.smooth = settings.state_rows = settings.covariance_rows = settings.backward = false;
         settings.output_instants.clear();
         settings.output_lever_arm_b.setZero();
-        constexpr double rate = 5.0;   // Hz: enough to see how it moves
+        constexpr double rate = 5.0;  // Hz: enough to see how it moves
         settings.output_rate = rate;
         const std::size_t first = settings.outages.size();
         for (const std::size_t k : chosen) settings.outages.push_back(windows_.windows[k]);
-        WarningLog heard;   // already
+        WarningLog heard;  // already
         fusion::Result r = fusion::run_filter(data_.recording, settings, heard);
         motion = std::move(r.forward.rows);
         const Regimes regime(motion);
@@ -119,7 +123,7 @@ private:
     const LoadedDataset& data_;
     const CheckWindows& windows_;
     fusion::Settings base_;
-    std::set<std::int64_t> refused_;   ///< us after the origin
+    std::set<std::int64_t> refused_;  ///< us after the origin
 };
 
 std::vector<WithheldEpoch> both(const std::vector<WithheldEpoch>& a, const std::vector<WithheldEpoch>& b) {
@@ -136,14 +140,16 @@ bool height_is_free(const LoadedDataset& data, const fusion::Settings& s) {
 using Halves = std::array<std::vector<WithheldEpoch>, 2>;
 
 /// Both halves of the windows with wider noise until the half that speaks is covered, asks for no more, or is none the better for it.
-Halves with_wider_noise(const Checker& checker, const std::array<std::vector<std::size_t>, 2>& windows, double length, std::size_t speaks,
-                        int axes, int trials, double share, NoiseScale& scale) {
+Halves with_wider_noise(const Checker& checker, const std::array<std::vector<std::size_t>, 2>& windows, double length,
+                        std::size_t speaks, int axes, int trials, double share, NoiseScale& scale) {
     Halves now;
     for (int trial = 1;; ++trial) {
-        for_each_run(2, 2, [&](std::size_t i) {
-            std::vector<SolutionRow> unread;
-            now[i] = checker.run(checker.with(scale), windows[i], unread);
-        }, {});
+        for_each_run(2, 2,
+                     [&](std::size_t i) {
+                         std::vector<SolutionRow> unread;
+                         now[i] = checker.run(checker.with(scale), windows[i], unread);
+                     },
+                     {});
         const Coverage c = coverage_of(now[speaks], length);
         if (trial >= trials || covers(c) || c.epochs.share() <= share) return now;
         share = c.epochs.share();
@@ -155,7 +161,7 @@ Halves with_wider_noise(const Checker& checker, const std::array<std::vector<std
 }
 
 void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& result, std::optional<fusion::Settings>& wider) {
-    constexpr double settle = 20.0;   // s after alignment
+    constexpr double settle = 20.0;  // s after alignment
     const fusion::Findings& found = result.findings;
     const double from = ((found.heading_found ? found.aligned_at : found.started_at) - data.origin).seconds() + settle;
     const double to = (result.forward.rows.back().time - data.origin).seconds();
@@ -171,7 +177,8 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     out.motion = std::move(motion[0]);
     out.coverage = coverage_of(both(epochs[0], epochs[1]), windows.length);
     const fusion::ImuSettings& imu = data.config.filter.imu;
-    if (covers(out.coverage) || imu.gyro_noise_scale || imu.accel_noise_scale || data.config.scheme == settings::Scheme::Separate) return;
+    if (covers(out.coverage) || imu.gyro_noise_scale || imu.accel_noise_scale || data.config.scheme == settings::Scheme::Separate)
+        return;
 
     // The second half speaks where the first has nothing to ask for.
     const int axes = height_is_free(data, *found.in_force) ? 3 : 2;
@@ -179,7 +186,7 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     NoiseScale scale = missing_noise(epochs[0], axes);
     if (scale.is_one()) scale = missing_noise(epochs[speaks = 1], axes);
     if (scale.is_one()) return;
-    constexpr std::size_t short_log = 300'000;   // IMU epochs: a walk along them takes a fraction of what start-up took
+    constexpr std::size_t short_log = 300'000;  // IMU epochs: a walk along them takes a fraction of what start-up took
     const int trials = data.recording.imu.size() <= short_log ? 3 : 1;
     const double share = coverage_of(epochs[speaks], windows.length).epochs.share();
     Halves now = with_wider_noise(checker, halves, windows.length, speaks, axes, trials, share, scale);
@@ -190,16 +197,19 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     const NoiseScale others = covers(with) ? NoiseScale{} : missing_noise(epochs[judges], axes);
     if (others.gyro > scale.gyro || others.accel > scale.accel) {
         NoiseScale second = others;
-        const Halves then = with_wider_noise(checker, halves, windows.length, judges, axes, trials, without.epochs.share(), second);
+        const Halves then =
+            with_wider_noise(checker, halves, windows.length, judges, axes, trials, without.epochs.share(), second);
         without = out.coverage;
         with = coverage_of(both(then[speaks], now[judges]), windows.length);
         now = then;
         const NoiseScale larger = scale.or_larger(second);
         if (larger.gyro != second.gyro || larger.accel != second.accel)
-            for_each_run(2, 2, [&](std::size_t i) {
-                std::vector<SolutionRow> unread;
-                now[i] = checker.run(checker.with(larger), halves[i], unread);
-            }, {});
+            for_each_run(2, 2,
+                         [&](std::size_t i) {
+                             std::vector<SolutionRow> unread;
+                             now[i] = checker.run(checker.with(larger), halves[i], unread);
+                         },
+                         {});
         scale = larger;
     }
     out.tried = scale;
@@ -233,12 +243,10 @@ void judge_fixes(SelfCheck& check, const fusion::Result& result) {
 SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result, std::optional<fusion::Settings>& wider) {
     const auto begin = std::chrono::steady_clock::now();
     SelfCheck out;
-    if (!data.config.run.self_check)
-        out.why_not = "it is switched off (filter.self_check)";
+    if (!data.config.run.self_check) out.why_not = "it is switched off (filter.self_check)";
     else if (data.config.scheme == settings::Scheme::Gnss || !result.findings.in_force)
         out.why_not = "the scheme is \"gnss\": there is no filter";
-    else if (data.recording.gnss.empty())
-        out.why_not = "there are no fixes to withhold";
+    else if (data.recording.gnss.empty()) out.why_not = "there are no fixes to withhold";
     else {
         try {
             check(out, data, result, wider);
@@ -254,26 +262,30 @@ SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result, st
 std::string self_check_table(const SelfCheck& c) {
     if (!c.done()) return fmt::format("self-check: none, {}\n", c.why_not);
     const auto percent = [](const Inside& x) { return fmt::format("{:.1f} %", 100.0 * x.share()); };
-    std::string out = fmt::format("self-check: fixes withheld in {} windows of {:.0f} s{} ({:.2f} s)\n", c.coverage.windows.epochs, c.length,
-                                  c.widened ? " that had no part in widening" : "", c.seconds);
+    std::string out =
+        fmt::format("self-check: fixes withheld in {} windows of {:.0f} s{} ({:.2f} s)\n", c.coverage.windows.epochs, c.length,
+                    c.widened ? " that had no part in widening" : "", c.seconds);
     const auto line = [&](const char* what, const Coverage& x) {
-        out += fmt::format("  {:<24} {:>8} of {} epochs inside 3 sigma (horizontal {}, vertical {}), {} of {} windows held; at the end {:.3g} m "
-                           "at sigma {:.3g} m\n",
-                           what, percent(x.epochs), x.epochs.epochs, percent(x.horizontal), percent(x.vertical), x.held.inside,
-                           x.held.epochs, x.end_rms, x.sigma_rms);
+        out += fmt::format(
+            "  {:<24} {:>8} of {} epochs inside 3 sigma (horizontal {}, vertical {}), {} of {} windows held; at the end {:.3g} m "
+            "at sigma {:.3g} m\n",
+            what, percent(x.epochs), x.epochs.epochs, percent(x.horizontal), percent(x.vertical), x.held.inside, x.held.epochs,
+            x.end_rms, x.sigma_rms);
     };
     if (c.before) line("before widening", *c.before);
     line(c.widened ? "with wider noise" : "as it is", c.coverage);
     if (c.all) line("  in all windows", *c.all);
     if (c.tried)
-        out += fmt::format("  the other windows ask for {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers: {}\n",
-                           c.tried->gyro, c.tried->accel, c.widened ? "in force" : "it makes these no truer, left out");
+        out += fmt::format(
+            "  the other windows ask for {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers: {}\n",
+            c.tried->gyro, c.tried->accel, c.widened ? "in force" : "it makes these no truer, left out");
     for (std::size_t k = 0; k < regimes; ++k) {
         const FixRegime& f = c.fixes[k];
         if (f.fixes == 0) continue;
         const Inside& w = c.coverage.by_regime[k];
-        out += fmt::format("  {:<24} {} fixes, {} refused, NIS {:.2f} a component; withheld {}\n", name_of(static_cast<Regime>(k)), f.fixes,
-                           f.refused, f.nis, w.epochs > 0 ? percent(w) + " inside" : "none");
+        out +=
+            fmt::format("  {:<24} {} fixes, {} refused, NIS {:.2f} a component; withheld {}\n", name_of(static_cast<Regime>(k)),
+                        f.fixes, f.refused, f.nis, w.epochs > 0 ? percent(w) + " inside" : "none");
     }
     return out;
 }

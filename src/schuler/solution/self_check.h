@@ -16,21 +16,21 @@ namespace schuler::solution {
 /// The undisturbed solution at its fixes in one regime.
 struct FixRegime {
     std::size_t fixes = 0, refused = 0;
-    Inside inside;      ///< three sigma of the innovation, refused ones too
-    double nis = 0.0;   ///< mean normalised innovation squared of a component, of those used
+    Inside inside;     ///< three sigma of the innovation, refused ones too
+    double nis = 0.0;  ///< mean normalised innovation squared of a component, of those used
 };
 
 struct SelfCheck {
-    std::string why_not;                    ///< empty: it was done
-    double length = 0.0;                    ///< s, of the windows
-    Coverage coverage;                      ///< of the solution as it is, in windows that had no part in widening
-    std::optional<Coverage> before;         ///< of the same windows without the wider noise, where it was tried
-    std::optional<Coverage> all;            ///< of all windows with the wider noise, where it is in force
-    std::optional<NoiseScale> tried;        ///< the noise that the other windows require
-    bool widened = false;                   ///< it is in force
-    std::array<FixRegime, regimes> fixes;   ///< positions
-    std::vector<SolutionRow> motion;        ///< of a run with windows, some a second
-    double seconds = 0.0;                   ///< wall time of it all
+    std::string why_not;                   ///< empty: it was done
+    double length = 0.0;                   ///< s, of the windows
+    Coverage coverage;                     ///< of the solution as it is, in windows that had no part in widening
+    std::optional<Coverage> before;        ///< of the same windows without the wider noise, where it was tried
+    std::optional<Coverage> all;           ///< of all windows with the wider noise, where it is in force
+    std::optional<NoiseScale> tried;       ///< the noise that the other windows require
+    bool widened = false;                  ///< it is in force
+    std::array<FixRegime, regimes> fixes;  ///< positions
+    std::vector<SolutionRow> motion;       ///< of a run with windows, some a second
+    double seconds = 0.0;                  ///< wall time of it all
 
     [[nodiscard]] bool done() const { return why_not.empty(); }
     /// The wider noise is not in force after all.
@@ -43,7 +43,8 @@ struct SelfCheck {
 /// than wanted_coverage of the epochs are inside, once more with the noise that one half of the windows asks for (on short logs, where
 /// walks are cheap, up to three times until that half is covered), and the other half judges. Where that is truer `wider` has the
 /// settings with which to repeat the run. A noise scale that is given stays.
-[[nodiscard]] SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result, std::optional<fusion::Settings>& wider);
+[[nodiscard]] SelfCheck self_check(const LoadedDataset& data, const fusion::Result& result,
+                                   std::optional<fusion::Settings>& wider);
 
 /// Fixes of the undisturbed solution by how it moved: filled in for the run that is kept.
 void judge_fixes(SelfCheck& check, const fusion::Result& result);

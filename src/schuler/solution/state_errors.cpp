@@ -80,8 +80,8 @@ std::vector<StateErrors> state_errors(const std::vector<fusion::StateRow>& rows,
         add(earth::ned_difference(earth, row.nav.position, r->position), row.P_position, 3, true);
         add(row.nav.v_eb_n - r->velocity_n, row.P_velocity, 3, true);
         // C_est = (I - [phi x]) C
-        add(-math::rotation_vector_from_quaternion(row.nav.q_nb * math::quaternion_from_rpy(r->rpy).conjugate()), row.P_attitude, 3,
-            true);
+        add(-math::rotation_vector_from_quaternion(row.nav.q_nb * math::quaternion_from_rpy(r->rpy).conjugate()), row.P_attitude,
+            3, true);
         const sim::SensorTruth* sensors = at(truth.sensors, row.time);
         add_block(row.gyro_bias, sensors != nullptr ? &sensors->gyro_bias : nullptr, false);
         add_block(row.accel_bias, sensors != nullptr ? &sensors->accel_bias : nullptr, false);

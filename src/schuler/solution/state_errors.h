@@ -27,10 +27,10 @@ struct HiddenTruth {
 
 /// Blocks in the order of StateErrors.
 struct StateBlockName {
-    std::string_view name;               ///< in files: "position", "gyro_bias", ...
+    std::string_view name;  ///< in files: "position", "gyro_bias", ...
     std::array<std::string_view, 3> axis;
-    std::string_view unit;               ///< of tables and files
-    double si;                           ///< size of that unit
+    std::string_view unit;  ///< of tables and files
+    double si;              ///< size of that unit
     int dof;
 };
 inline constexpr std::size_t state_blocks = 8;
@@ -41,8 +41,8 @@ inline constexpr std::size_t state_blocks = 8;
 /// truth.
 struct StateErrors {
     Time time;
-    std::array<Eigen::Vector3d, state_blocks> error;   ///< SI
-    std::array<double, state_blocks> nees;             ///< normalised squared by the block's covariance
+    std::array<Eigen::Vector3d, state_blocks> error;  ///< SI
+    std::array<double, state_blocks> nees;            ///< normalised squared by the block's covariance
 };
 
 /// One row for each state row whose time is a time of the reference.

@@ -20,12 +20,12 @@ struct Estimate {
 
 /// The lever arm at the end of a run that has it as a state.
 std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings settings) {
-    WarningLog heard;   // already
+    WarningLog heard;  // already
     settings.smooth = settings.covariance_rows = settings.backward = false;
     settings.state_rows = true;
     settings.output_instants.clear();
     settings.output_lever_arm_b.setZero();
-    constexpr double rate = 1.0;   // Hz
+    constexpr double rate = 1.0;  // Hz
     settings.output_rate = rate;
     fusion::Result r;
     try {
@@ -35,7 +35,7 @@ std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings s
     }
     const auto block = std::ranges::find(r.states, std::string_view("lever_arm"), &fusion::LayoutBlock::name);
     if (block == r.states.end() || r.forward.parameters.empty()) return std::nullopt;
-    constexpr int navigation = 9;   // states before the first parameter
+    constexpr int navigation = 9;  // states before the first parameter
     Estimate e;
     const fusion::ParameterRow& last = r.forward.parameters.back();
     for (int i = 0; i < 3; ++i) {
@@ -51,19 +51,22 @@ std::string numbers(const Vector3d& v) { return fmt::format("[{:.2f}, {:.2f}, {:
 }  // namespace
 
 std::string LeverArmDoubt::text() const {
-    return fmt::format("the data contradict gnss.lever_arm_m: {} m is given; the fixes show {} +- {} m; {}", numbers(given_b), numbers(found_b), numbers(std_b),
+    return fmt::format("the data contradict gnss.lever_arm_m: {} m is given; the fixes show {} +- {} m; {}", numbers(given_b),
+                       numbers(found_b), numbers(std_b),
                        refuted ? "what they show is used, and is a state" : "the given one is used, and is a state");
 }
 
 std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const fusion::Result& result) {
-    if (!data.given.contains("gnss.lever_arm_m") || data.config.scheme != settings::Scheme::Loose || !result.findings.in_force || !data.config.run.self_check) return std::nullopt;
+    if (!data.given.contains("gnss.lever_arm_m") || data.config.scheme != settings::Scheme::Loose || !result.findings.in_force ||
+        !data.config.run.self_check)
+        return std::nullopt;
     LeverArmDoubt doubt;
     doubt.settings = *result.findings.in_force;
     if (doubt.settings.estimate_lever_arm) return std::nullopt;
     doubt.settings.estimate_lever_arm = true;
     doubt.given_b = doubt.settings.gnss.lever_arm_b;
     constexpr int walks = 3;
-    constexpr double settled = 0.5;   // m, half the sigma with which the state begins
+    constexpr double settled = 0.5;  // m, half the sigma with which the state begins
     for (int k = 0; k < walks; ++k) {
         fusion::Settings trial = doubt.settings;
         if (k > 0) trial.gnss.lever_arm_b = doubt.found_b;
@@ -75,8 +78,10 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     }
     const Vector3d off = (doubt.found_b - doubt.given_b).cwiseAbs();
     // down goes into the height of the unit where nothing tilts; centimetres are the receiver's
-    constexpr double least = 0.1, sure = 0.3;   // m
-    const auto beyond = [&](double sigmas, double metres) { return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any(); };
+    constexpr double least = 0.1, sure = 0.3;  // m
+    const auto beyond = [&](double sigmas, double metres) {
+        return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any();
+    };
     if (!beyond(3.0, least)) return std::nullopt;
     doubt.refuted = beyond(10.0, sure) && !data.config.run.keep_given;
     if (doubt.refuted) doubt.settings.gnss.lever_arm_b = doubt.found_b;

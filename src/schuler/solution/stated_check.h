@@ -11,10 +11,10 @@ namespace schuler::solution {
 
 /// Three sigma and more between a given lever arm and the log.
 struct LeverArmDoubt {
-    Eigen::Vector3d given_b = Eigen::Vector3d::Zero(), found_b = Eigen::Vector3d::Zero();   ///< m, forward-right-down
-    Eigen::Vector3d std_b = Eigen::Vector3d::Zero();   ///< m, of what was found
-    bool refuted = false;                ///< beyond doubt: what was found is used
-    fusion::Settings settings;           ///< with which to repeat the run: the lever arm is a state
+    Eigen::Vector3d given_b = Eigen::Vector3d::Zero(), found_b = Eigen::Vector3d::Zero();  ///< m, forward-right-down
+    Eigen::Vector3d std_b = Eigen::Vector3d::Zero();                                       ///< m, of what was found
+    bool refuted = false;       ///< beyond doubt: what was found is used
+    fusion::Settings settings;  ///< with which to repeat the run: the lever arm is a state
     [[nodiscard]] std::string text() const;
 };
 

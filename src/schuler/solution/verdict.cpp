@@ -17,34 +17,34 @@ struct Row {
 /// was done about them is of no gravity and left out.
 constexpr std::array table{
     // of the solution (evidence.h)
-    Row{"solution.sigma", Gravity::DoNotUse},          // zero or not a number
-    Row{"solution.useless", Gravity::DoNotUse},        // uncertain beyond use for most of the log, in spite of fixes
-    Row{"solution.adrift", Gravity::Care},             // uncertain beyond use for a while
-    Row{"solution.heading", Gravity::Care},            // it moves, and its heading is not known in the end
-    Row{"truth.lost", Gravity::DoNotUse},              // simulated: far outside the sigmas most of the time
+    Row{"solution.sigma", Gravity::DoNotUse},    // zero or not a number
+    Row{"solution.useless", Gravity::DoNotUse},  // uncertain beyond use for most of the log, in spite of fixes
+    Row{"solution.adrift", Gravity::Care},       // uncertain beyond use for a while
+    Row{"solution.heading", Gravity::Care},      // it moves, and its heading is not known in the end
+    Row{"truth.lost", Gravity::DoNotUse},        // simulated: far outside the sigmas most of the time
     Row{"truth.outside", Gravity::Care},
     // of the fixes
-    Row{"gnss.rejected", Gravity::DoNotUse},           // more refused than used
-    Row{"gnss.contradicted", Gravity::DoNotUse},       // the solution is another one than the receiver's
+    Row{"gnss.rejected", Gravity::DoNotUse},      // more refused than used
+    Row{"gnss.contradicted", Gravity::DoNotUse},  // the solution is another one than the receiver's
     Row{"gnss.none", Gravity::Care},
     Row{"gnss.refused", Gravity::Care},
-    Row{"gnss.outside", Gravity::Care},                // used, and outside their sigmas too often
-    Row{"gnss.lost", Gravity::Care},                   // refused for many seconds in a row
-    Row{"gnss.latency", Gravity::Care},                // not known well enough for the speed
-    Row{"gnss.explained", Gravity::Care},              // by larger errors of the receiver than were believed
-    Row{"gnss.alert", Gravity::Care},                  // the receiver was taken for faulty
-    Row{"gnss.jump", Gravity::Care},                   // its positions moved to another level
-    Row{"navigation.lost", Gravity::Care},             // attitude and biases were found anew
-    Row{"navigation.realigned", Gravity::Care},        // and all of the start
+    Row{"gnss.outside", Gravity::Care},          // used, and outside their sigmas too often
+    Row{"gnss.lost", Gravity::Care},             // refused for many seconds in a row
+    Row{"gnss.latency", Gravity::Care},          // not known well enough for the speed
+    Row{"gnss.explained", Gravity::Care},        // by larger errors of the receiver than were believed
+    Row{"gnss.alert", Gravity::Care},            // the receiver was taken for faulty
+    Row{"gnss.jump", Gravity::Care},             // its positions moved to another level
+    Row{"navigation.lost", Gravity::Care},       // attitude and biases were found anew
+    Row{"navigation.realigned", Gravity::Care},  // and all of the start
     // of the self-check
-    Row{"self_check.failed", Gravity::DoNotUse},       // nine tenths or less inside three sigma
+    Row{"self_check.failed", Gravity::DoNotUse},  // nine tenths or less inside three sigma
     Row{"self_check.low", Gravity::Care},
     Row{"self_check.growth", Gravity::Care},
     Row{"self_check.none", Gravity::Care},
     // of start-up and of the logs (warnings)
     Row{"start.heading", Gravity::Care},
     Row{"time.overlap", Gravity::Care},
-    Row{"imu.saturated", Gravity::DoNotUse},           // so often that the log does not hold the motion
+    Row{"imu.saturated", Gravity::DoNotUse},  // so often that the log does not hold the motion
     Row{"imu.hole", Gravity::Care},
     Row{"legs.left_out", Gravity::Care},
     Row{"imu.stuck", Gravity::Care},

@@ -18,7 +18,7 @@ struct Concern {
 
 struct SolutionVerdict {
     Gravity word = Gravity::Care;
-    std::vector<std::string> reasons;   ///< the most severe first; of a trustworthy solution: the evidence for it
+    std::vector<std::string> reasons;  ///< the most severe first; of a trustworthy solution: the evidence for it
 };
 
 /// Its severity, by the one table of all topics; a topic that is not in it has none.

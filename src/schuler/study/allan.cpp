@@ -25,7 +25,7 @@ namespace schuler::study {
 namespace {
 
 constexpr std::size_t least_samples = 64, longest_segment = 16384;
-constexpr double lines_per_decade = 48.0;   // of the spectrum that is given out
+constexpr double lines_per_decade = 48.0;  // of the spectrum that is given out
 
 /// Units in which the field tells a sensor's noise, as divisors of SI.
 struct SensorUnits {
@@ -58,7 +58,8 @@ bool is_scenario_file(const std::filesystem::path& path) {
 
 ImuLog imu_of(const settings::ProcessRequest& request, WarningLog& warnings) {
     if (is_scenario_file(request.input)) {
-        solution::ResultBundle b = solution::simulated_bundle(settings::read_scenario(request.input, request.seed), request.over({}), warnings);
+        solution::ResultBundle b =
+            solution::simulated_bundle(settings::read_scenario(request.input, request.seed), request.over({}), warnings);
         return {b.name, std::move(b.data)};
     }
     const settings::Dataset dataset = settings::open_dataset(request.input, dataset::Needs::Imu, request.over({}));
@@ -92,7 +93,9 @@ report::Json axis_json(const AxisNoise& a) {
         relative.push_back(p.relative_sigma);
     }
     const analysis::AllanCoefficients c = analysis::fitted(points);
-    const auto with = [](double value, const char* unit) { return report::Json{{"value", report::json_number(value)}, {"unit", unit}}; };
+    const auto with = [](double value, const char* unit) {
+        return report::Json{{"value", report::json_number(value)}, {"unit", unit}};
+    };
     return {{"sensor", a.unit.name},
             {"axis", std::string(1, a.axis)},
             {"unit", a.unit.rate},
@@ -102,8 +105,10 @@ report::Json axis_json(const AxisNoise& a) {
             {"bias_instability", with(c.bias_instability / a.unit.si_rate, a.unit.rate)},
             {"random_walk", with(c.random_walk / a.unit.si_rate * root_hour, a.unit.walk)},
             {"ramp", with(c.ramp / a.unit.si_rate * hour, a.unit.ramp)},
+            // clang-format off
             {"allan", {{"tau_s", tau}, {"deviation", deviation}, {"relative_sigma", relative}}},
             {"spectrum", spectrum_of(a)}};
+    // clang-format on
 }
 
 std::string tables_of(const report::Json& out) {
@@ -154,9 +159,11 @@ report::Outcome analyze_allan(const settings::ProcessRequest& request) {
         }
         if (request.progress && i % 65536 == 0) request.progress(static_cast<double>(i) / static_cast<double>(n));
     }
+    // clang-format off
     report::Json out{{"name", log.name},     {"rate_hz", 1.0 / dt}, {"duration_s", dt * static_cast<double>(n)},
              {"samples", n},         {"gaps", imu.gaps},    {"segments", axes.front().spectrum.segments()},
              {"axes", report::Json::array()}};
+    // clang-format on
     for (const AxisNoise& a : axes) out["axes"].push_back(axis_json(a));
     report::Outcome done;
     done.tables = tables_of(out);

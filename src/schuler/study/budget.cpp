@@ -46,69 +46,74 @@ void keep_initial(const settings::ScenarioConfig& full, settings::ScenarioConfig
     bare.initial_error.*Field = full.initial_error.*Field;
 }
 
-const std::array<Source, 20> all_sources{{
-    {"initial_position", "initial position", keep_initial<&settings::InitialError::position>},
-    {"initial_velocity", "initial velocity", keep_initial<&settings::InitialError::velocity>},
-    {"initial_level", "initial level", keep_initial<&settings::InitialError::level>},
-    {"initial_heading", "initial heading", keep_initial<&settings::InitialError::heading>},
-    {"gyro_bias", "gyro bias",
-     keep_imu<&ImuErrorModel::gyro_bias, &ImuErrorModel::gyro_turn_on_bias, &ImuErrorModel::gyro_rate_walk, &ImuErrorModel::gyro_flicker>},
-    {"gyro_noise", "gyro noise", keep_imu<&ImuErrorModel::gyro_noise>},
-    {"gyro_scale", "gyro scale and axes", keep_imu<&ImuErrorModel::gyro_scale, &ImuErrorModel::gyro_misalignment>},
-    {"accel_bias", "accelerometer bias",
-     keep_imu<&ImuErrorModel::accel_bias, &ImuErrorModel::accel_turn_on_bias, &ImuErrorModel::accel_rate_walk, &ImuErrorModel::accel_flicker>},
-    {"accel_noise", "accelerometer noise", keep_imu<&ImuErrorModel::accel_noise>},
-    {"accel_scale", "accelerometer scale and axes", keep_imu<&ImuErrorModel::accel_scale, &ImuErrorModel::accel_misalignment>},
-    {"other_imu", "temperature, g, quantization",
-     keep_imu<&ImuErrorModel::gyro_temperature, &ImuErrorModel::accel_temperature, &ImuErrorModel::gyro_g, &ImuErrorModel::gyro_quantum,
-              &ImuErrorModel::accel_quantum>},
-    {"gnss_white", "receiver, white",
-     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-         bare.sim.gnss.white_position = full.sim.gnss.white_position;
-         bare.sim.gnss.white_velocity = full.sim.gnss.white_velocity;
-     },
-     has_fixes},
-    {"gnss_position", "receiver, slow position",
-     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-         bare.sim.gnss.errors.correlated_position = full.sim.gnss.errors.correlated_position;
-         bare.sim.gnss.errors.change_correlated_position = full.sim.gnss.errors.change_correlated_position;
-         bare.sim.gnss.errors.change_white_position = full.sim.gnss.errors.change_white_position;
-     },
-     has_fixes},
-    {"gnss_velocity", "receiver, slow velocity",
-     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-         bare.sim.gnss.errors.correlated_velocity = full.sim.gnss.errors.correlated_velocity;
-         bare.sim.gnss.errors.change_correlated_velocity = full.sim.gnss.errors.change_correlated_velocity;
-         bare.sim.gnss.errors.change_white_velocity = full.sim.gnss.errors.change_white_velocity;
-     },
-     has_fixes},
-    {"range_white", "ranges, white", keep_range<&sensor::RangeErrorModel::white>, has_satellites},
-    {"range_slow", "ranges, slow and reflections",
-     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-         keep_range<&sensor::RangeErrorModel::correlated>(full, bare);
-         bare.ranging.settings.multipath.amplitude = full.ranging.settings.multipath.amplitude;
-     },
-     has_satellites},
-    {"range_rate", "range rates", keep_range<&sensor::RangeErrorModel::rate>, has_satellites},
-    {"stations", "ground stations",
-     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-         bare.ranging.settings.errors.station = full.ranging.settings.errors.station;
-         bare.ranging.settings.errors.network = full.ranging.settings.errors.network;
-     },
-     has_stations},
-    {"clock", "receiver's clock",
-     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) { bare.ranging.settings.errors.clock = full.ranging.settings.errors.clock; },
-     [](const settings::ScenarioConfig& s) { return s.ranging.rate > 0.0; }},
-    {"baro", "barometer",
-     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-         bare.sim.baro.white = full.sim.baro.white;
-         bare.sim.baro.bias = full.sim.baro.bias;
-         bare.sim.baro.bias_walk = full.sim.baro.bias_walk;
-     },
-     has_baro}}};
+const std::array<Source, 20> all_sources{
+    {{"initial_position", "initial position", keep_initial<&settings::InitialError::position>},
+     {"initial_velocity", "initial velocity", keep_initial<&settings::InitialError::velocity>},
+     {"initial_level", "initial level", keep_initial<&settings::InitialError::level>},
+     {"initial_heading", "initial heading", keep_initial<&settings::InitialError::heading>},
+     {"gyro_bias", "gyro bias",
+      keep_imu<&ImuErrorModel::gyro_bias, &ImuErrorModel::gyro_turn_on_bias, &ImuErrorModel::gyro_rate_walk,
+               &ImuErrorModel::gyro_flicker>},
+     {"gyro_noise", "gyro noise", keep_imu<&ImuErrorModel::gyro_noise>},
+     {"gyro_scale", "gyro scale and axes", keep_imu<&ImuErrorModel::gyro_scale, &ImuErrorModel::gyro_misalignment>},
+     {"accel_bias", "accelerometer bias",
+      keep_imu<&ImuErrorModel::accel_bias, &ImuErrorModel::accel_turn_on_bias, &ImuErrorModel::accel_rate_walk,
+               &ImuErrorModel::accel_flicker>},
+     {"accel_noise", "accelerometer noise", keep_imu<&ImuErrorModel::accel_noise>},
+     {"accel_scale", "accelerometer scale and axes", keep_imu<&ImuErrorModel::accel_scale, &ImuErrorModel::accel_misalignment>},
+     {"other_imu", "temperature, g, quantization",
+      keep_imu<&ImuErrorModel::gyro_temperature, &ImuErrorModel::accel_temperature, &ImuErrorModel::gyro_g,
+               &ImuErrorModel::gyro_quantum, &ImuErrorModel::accel_quantum>},
+     {"gnss_white", "receiver, white",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.sim.gnss.white_position = full.sim.gnss.white_position;
+          bare.sim.gnss.white_velocity = full.sim.gnss.white_velocity;
+      },
+      has_fixes},
+     {"gnss_position", "receiver, slow position",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.sim.gnss.errors.correlated_position = full.sim.gnss.errors.correlated_position;
+          bare.sim.gnss.errors.change_correlated_position = full.sim.gnss.errors.change_correlated_position;
+          bare.sim.gnss.errors.change_white_position = full.sim.gnss.errors.change_white_position;
+      },
+      has_fixes},
+     {"gnss_velocity", "receiver, slow velocity",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.sim.gnss.errors.correlated_velocity = full.sim.gnss.errors.correlated_velocity;
+          bare.sim.gnss.errors.change_correlated_velocity = full.sim.gnss.errors.change_correlated_velocity;
+          bare.sim.gnss.errors.change_white_velocity = full.sim.gnss.errors.change_white_velocity;
+      },
+      has_fixes},
+     {"range_white", "ranges, white", keep_range<&sensor::RangeErrorModel::white>, has_satellites},
+     {"range_slow", "ranges, slow and reflections",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          keep_range<&sensor::RangeErrorModel::correlated>(full, bare);
+          bare.ranging.settings.multipath.amplitude = full.ranging.settings.multipath.amplitude;
+      },
+      has_satellites},
+     {"range_rate", "range rates", keep_range<&sensor::RangeErrorModel::rate>, has_satellites},
+     {"stations", "ground stations",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.ranging.settings.errors.station = full.ranging.settings.errors.station;
+          bare.ranging.settings.errors.network = full.ranging.settings.errors.network;
+      },
+      has_stations},
+     {"clock", "receiver's clock",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.ranging.settings.errors.clock = full.ranging.settings.errors.clock;
+      },
+      [](const settings::ScenarioConfig& s) { return s.ranging.rate > 0.0; }},
+     {"baro", "barometer",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.sim.baro.white = full.sim.baro.white;
+          bare.sim.baro.bias = full.sim.baro.bias;
+          bare.sim.baro.bias_walk = full.sim.baro.bias_walk;
+      },
+      has_baro}}};
 
 constexpr std::size_t measures = 6;
-constexpr std::array<const char*, measures> keys{"horizontal_m", "up_m", "velocity_m_s", "tilt_deg", "heading_deg", "outage_end_horizontal_m"};
+constexpr std::array<const char*, measures> keys{"horizontal_m", "up_m",        "velocity_m_s",
+                                                 "tilt_deg",     "heading_deg", "outage_end_horizontal_m"};
 using Measures = std::array<double, measures>;
 
 /// Root mean squares of one run.
@@ -152,12 +157,12 @@ report::Outcome analyze_budget(const StudyRequest& request) {
     const settings::SettingList base = settings::scenario_settings(request.scenario, request.seed);
     const settings::ScenarioConfig first = settings::scenario_from(base);
     if (first.receiver_channels.rate > 0.0)
-        throw input_error("a receiver at correlator level has no errors that could be taken one at a time", {.file = {}, .key = "receiver.rate_hz"},
-                          "give ranges.rate_hz and their errors instead");
+        throw input_error("a receiver at correlator level has no errors that could be taken one at a time",
+                          {.file = {}, .key = "receiver.rate_hz"}, "give ranges.rate_hz and their errors instead");
     std::vector<const Source*> sources;
     for (const Source& s : all_sources)
         if (s.present(first)) sources.push_back(&s);
-    const std::size_t rows = sources.size() + 1;   // the last one: everything at once
+    const std::size_t rows = sources.size() + 1;  // the last one: everything at once
     std::vector<std::vector<Measures>> all(rows, std::vector<Measures>(request.runs));
     for_each_run(
         rows * request.runs, request.jobs,
@@ -179,7 +184,8 @@ report::Outcome analyze_budget(const StudyRequest& request) {
         request.progress);
 
     report::Outcome out;
-    out.tables = fmt::format("{}: root mean squares over {} runs, one source at a time\n{:<32}", first.name, request.runs, "  source");
+    out.tables =
+        fmt::format("{}: root mean squares over {} runs, one source at a time\n{:<32}", first.name, request.runs, "  source");
     for (const char* key : keys) out.tables += fmt::format("{:>24}", key);
     out.tables += "\n";
     report::Json list = report::Json::array();

@@ -33,9 +33,9 @@ struct Finding {
 
 struct Verdict {
     bool detected = false, false_alarm = false;
-    double time_to_alert = 0.0;       ///< s, where detected
-    double controlled = 0.0;          ///< m, largest horizontal error from the fault on
-    double uncontrolled = 0.0;        ///< m, likewise without integrity control and gates
+    double time_to_alert = 0.0;  ///< s, where detected
+    double controlled = 0.0;     ///< m, largest horizontal error from the fault on
+    double uncontrolled = 0.0;   ///< m, likewise without integrity control and gates
     double healthy_hours = 0.0;
 };
 
@@ -58,7 +58,7 @@ std::vector<Finding> findings_of(const solution::ResultBundle& b) {
         if (a.test != fusion::IntegrityTest::Readmitted) out.push_back({a.time, -1});
     for (const fusion::ProtectionRow& row : b.result.forward.protection)
         if (row.alarm >= 0) out.push_back({row.time, row.alarm});
-    std::map<int, bool> left_out;   // whether a source was at its last epoch
+    std::map<int, bool> left_out;  // whether a source was at its last epoch
     for (const fusion::AidRecord& r : b.result.aids) {
         if (r.kind != fusion::AidKind::Pseudorange) continue;
         const bool now = r.status == fusion::AidStatus::Rejected;
@@ -76,7 +76,9 @@ void spoil_range(settings::ScenarioConfig& s, const Case& c, const std::string& 
     if (c.kind == "step") fault.offset = c.size;
     else if (c.kind == "ramp") fault = {source, start, duration, 0.0, c.size, -c.size};
     else if (c.kind == "drift") fault.ramp = c.size;
-    else throw input_error(fmt::format("ranges do not fail by \"{}\"", c.kind), {.file = {}, .key = "--kind"}, "give step, ramp or drift");
+    else
+        throw input_error(fmt::format("ranges do not fail by \"{}\"", c.kind), {.file = {}, .key = "--kind"},
+                          "give step, ramp or drift");
     s.ranging.settings.faults.push_back(fault);
 }
 
@@ -108,7 +110,8 @@ solution::ResultBundle run_with(const settings::ScenarioConfig& scenario, const 
 }
 
 /// A run against the same one in health: what both find is no detection of the fault.
-Verdict judged(const settings::ScenarioConfig& scenario, const settings::SettingList& over, const std::vector<Finding>& in_health, double start, double duration) {
+Verdict judged(const settings::ScenarioConfig& scenario, const settings::SettingList& over, const std::vector<Finding>& in_health,
+               double start, double duration) {
     Verdict v;
     const solution::ResultBundle bundle = run_with(scenario, over, true);
     v.controlled = largest_error(bundle, start);
@@ -139,49 +142,54 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
     const settings::SettingList base = settings::scenario_settings(request.scenario, request.seed);
     const settings::ScenarioConfig first = settings::scenario_from(base);
     const double start = request.start > 0.0 ? request.start : std::floor(0.5 * first.sim.duration);
-    const std::vector<std::string> kinds = request.kinds.empty() ? std::vector<std::string>{"step", "ramp", "drift"} : request.kinds;
+    const std::vector<std::string> kinds =
+        request.kinds.empty() ? std::vector<std::string>{"step", "ramp", "drift"} : request.kinds;
     std::vector<Case> cases;
     for (const std::string& kind : kinds) {
         std::vector<double> sizes = request.sizes;
-        if (sizes.empty()) sizes = kind == "step" ? std::vector<double>{5, 10, 20, 50, 100} : std::vector<double>{0.1, 0.2, 0.5, 1, 2};
+        if (sizes.empty())
+            sizes = kind == "step" ? std::vector<double>{5, 10, 20, 50, 100} : std::vector<double>{0.1, 0.2, 0.5, 1, 2};
         for (const double size : sizes) cases.push_back({kind, size});
     }
     if (first.receiver_channels.rate > 0.0)
-        throw input_error("the signals of a receiver at correlator level are not faulted", {.file = {}, .key = "receiver.rate_hz"},
-                          "give ranges.rate_hz and their errors instead");
+        throw input_error("the signals of a receiver at correlator level are not faulted",
+                          {.file = {}, .key = "receiver.rate_hz"}, "give ranges.rate_hz and their errors instead");
     const Victim victim = victim_of(first, request.above);
     const auto healthy_of = [&](std::size_t run) {
         settings::SettingList settings = base;
         settings.push_back({"seed", {static_cast<std::int64_t>(first.sim.seed + run)}, {}});
         return settings;
     };
+    // clang-format off
     const auto faulty_fixes = [&](settings::SettingList settings, const Case& c) {
         const settings::ValueTable fault{{"start_s", {start}}, {"duration_s", {request.duration}}, {"sensor", {std::string("gnss")}},
                                {"kind", {c.kind}},   {"size", {c.size}},                 {"direction", {settings::ValueList{{1.0}, {1.0}, {0.0}}}}};
+        // clang-format on
         settings.push_back({"fault", {settings::ValueList{settings::Value{fault}}}, {"--kind", 0, 0, {}}});
         return settings::scenario_from(settings);
     };
-    for (const Case& c : cases) {   // an unknown kind fails here
+    for (const Case& c : cases) {  // an unknown kind fails here
         settings::ScenarioConfig unused = faulty_fixes(base, c);
         if (victim == Victim::Range) spoil_range(unused, c, "", start, request.duration);
     }
     // the same runs without a fault: what is found in them anyway, and which satellites there are
     std::vector<std::vector<Finding>> in_health(request.runs);
     std::vector<std::vector<std::string>> satellites(request.runs);
-    for_each_run(
-        request.runs, request.jobs,
-        [&](std::size_t run) {
-            const solution::ResultBundle b = run_with(settings::scenario_from(healthy_of(run)), request.above, true);
-            in_health[run] = findings_of(b);
-            const Time begin = b.data.origin + Duration::from_seconds(start), end = begin + Duration::from_seconds(request.duration);
-            if (victim == Victim::Range) satellites[run] = satellites_throughout(b.data.recording.ranges, begin, end);
-        },
-        {});
+    for_each_run(request.runs, request.jobs,
+                 [&](std::size_t run) {
+                     const solution::ResultBundle b = run_with(settings::scenario_from(healthy_of(run)), request.above, true);
+                     in_health[run] = findings_of(b);
+                     const Time begin = b.data.origin + Duration::from_seconds(start),
+                                end = begin + Duration::from_seconds(request.duration);
+                     if (victim == Victim::Range) satellites[run] = satellites_throughout(b.data.recording.ranges, begin, end);
+                 },
+                 {});
     const auto scenario_of = [&](const Case& c, std::size_t run) {
         settings::SettingList settings = healthy_of(run);
         if (victim == Victim::Range) {
             if (satellites[run].empty())
-                throw input_error("no satellite is in view while its range should be wrong", {.file = {}, .key = "--start"}, "give another time");
+                throw input_error("no satellite is in view while its range should be wrong", {.file = {}, .key = "--start"},
+                                  "give another time");
             settings::ScenarioConfig s = settings::scenario_from(settings);
             spoil_range(s, c, satellites[run][run % satellites[run].size()], start, request.duration);
             return s;
@@ -193,15 +201,17 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
         verdicts.size(), request.jobs,
         [&](std::size_t job) {
             const std::size_t run = job % request.runs;
-            verdicts[job] = judged(scenario_of(cases[job / request.runs], run), request.above, in_health[run], start, request.duration);
+            verdicts[job] =
+                judged(scenario_of(cases[job / request.runs], run), request.above, in_health[run], start, request.duration);
         },
         request.progress);
 
     report::Outcome out;
     report::Json rows = report::Json::array();
-    out.tables = fmt::format("{}: faults from {:g} s for {:g} s, {} runs each, {}\n  {:<20}{:>11}{:>14}{:>12}{:>16}{:>18}\n", first.name, start,
-                             request.duration, request.runs, victim == Victim::Range ? "one satellite's range" : "north-east", "fault", "detected",
-                             "to alert, s", "95 %, s", "largest, m", "uncontrolled, m");
+    out.tables =
+        fmt::format("{}: faults from {:g} s for {:g} s, {} runs each, {}\n  {:<20}{:>11}{:>14}{:>12}{:>16}{:>18}\n", first.name,
+                    start, request.duration, request.runs, victim == Victim::Range ? "one satellite's range" : "north-east",
+                    "fault", "detected", "to alert, s", "95 %, s", "largest, m", "uncontrolled, m");
     double alarms = 0.0, hours = 0.0;
     for (std::size_t k = 0; k < cases.size(); ++k) {
         std::vector<double> times, with, without;
@@ -212,7 +222,7 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
             if (v.detected) times.push_back(v.time_to_alert);
             with.push_back(v.controlled);
             without.push_back(v.uncontrolled);
-            alarms += k == 0 && v.false_alarm ? 1.0 : 0.0;   // the healthy part is the same in every case
+            alarms += k == 0 && v.false_alarm ? 1.0 : 0.0;  // the healthy part is the same in every case
             hours += k == 0 ? v.healthy_hours : 0.0;
         }
         const analysis::Quantiles t = times.empty() ? analysis::Quantiles{} : analysis::quantiles_of(times);
@@ -226,18 +236,19 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
                         {"largest_horizontal_uncontrolled_m", wild}});
         const auto shown = [&](double x) { return times.empty() ? std::string("-") : fmt::format("{:.1f}", x); };
         out.tables += fmt::format("  {:<20}{:>11}{:>14}{:>12}{:>16.1f}{:>18.1f}\n",
-                                  fmt::format("{} {:g} {}", cases[k].kind, cases[k].size, cases[k].kind == "step" || cases[k].kind == "noise" ? "m" : "m/s"),
+                                  fmt::format("{} {:g} {}", cases[k].kind, cases[k].size,
+                                              cases[k].kind == "step" || cases[k].kind == "noise" ? "m" : "m/s"),
                                   fmt::format("{:.0f} %", 100.0 * detected), shown(t.median), shown(t.q95), most, wild);
     }
     out.tables += fmt::format("false alarms before the faults: {:g} of {} runs, {:.2f} h\n", alarms, request.runs, hours);
     out.json = report::text_of(report::Json{{"name", first.name},
-                    {"runs", request.runs},
-                    {"victim", victim == Victim::Range ? "range" : "fixes"},
-                    {"fault_start_s", start},
-                    {"fault_duration_s", request.duration},
-                    {"rows", rows},
-                    {"false_alarm_runs", alarms},
-                    {"healthy_h", hours}});
+                                            {"runs", request.runs},
+                                            {"victim", victim == Victim::Range ? "range" : "fixes"},
+                                            {"fault_start_s", start},
+                                            {"fault_duration_s", request.duration},
+                                            {"rows", rows},
+                                            {"false_alarm_runs", alarms},
+                                            {"healthy_h", hours}});
     return out;
 }
 

@@ -24,7 +24,7 @@ auto with_option_names(Work work) {
             std::ranges::replace(place.key, '_', '-');
             place.key.insert(0, "--");
         }
-        throw Error(e.kind(), e.reason(), place, e.mend());
+        throw Error(e.kind(), e.reason(), place, e.hint());
     }
 }
 

@@ -1,10 +1,10 @@
+#include "schuler/theory/requirements.h"
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
 #include "schuler/sensor/grades.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/studies.h"
-#include "schuler/theory/requirements.h"
 
 #include <fmt/format.h>
 
@@ -23,9 +23,13 @@ report::Outcome analyze_requirements(const RequirementsRequest& request) {
     with_option_names([&] {
         for (const double t : outages) {
             const theory::Requirement r = theory::requirement(pendulum, request.budget, t);
-            rows.push_back({{"outage_s", t}, {"accel_m_s2", r.accel}, {"accel_ug", r.accel / units::ug}, {"gyro_deg_h", r.gyro / units::deg_per_hour}});
-            out.tables += table_line("  " + short_number(t), 14,
-                                     {short_number(r.accel), short_number(r.accel / units::ug), short_number(r.gyro / units::deg_per_hour)}, 16);
+            rows.push_back({{"outage_s", t},
+                            {"accel_m_s2", r.accel},
+                            {"accel_ug", r.accel / units::ug},
+                            {"gyro_deg_h", r.gyro / units::deg_per_hour}});
+            out.tables += table_line(
+                "  " + short_number(t), 14,
+                {short_number(r.accel), short_number(r.accel / units::ug), short_number(r.gyro / units::deg_per_hour)}, 16);
         }
         return 0;
     });
@@ -35,8 +39,9 @@ report::Outcome analyze_requirements(const RequirementsRequest& request) {
             if (name != "perfect") names.emplace_back(name);
     out.tables += "\noutage after which a device, started perfectly and calibrated, has used the budget (one sigma an axis)\n";
     for (const std::string& name : names) {
-        const sensor::ImuErrorModel m = sensor::imu_grade(name);   // its turn-on parts are calibrated away
-        const double t = theory::longest_outage(pendulum, {m.accel_bias, m.gyro_bias, m.accel_noise, m.gyro_noise}, request.budget);
+        const sensor::ImuErrorModel m = sensor::imu_grade(name);  // its turn-on parts are calibrated away
+        const double t =
+            theory::longest_outage(pendulum, {m.accel_bias, m.gyro_bias, m.accel_noise, m.gyro_noise}, request.budget);
         devices.push_back({{"device", name}, {"outage_s", t}});
         out.tables += table_line("  " + name, 20, {short_number(t, 4) + " s"}, 14);
     }

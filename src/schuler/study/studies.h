@@ -14,9 +14,9 @@
 namespace schuler::study {
 
 struct RequirementsRequest {
-    double budget = 5.0;                          ///< m
-    std::vector<double> outages;                  ///< s; empty: the usual ones
-    std::vector<std::string> devices;             ///< names; empty: all
+    double budget = 5.0;               ///< m
+    std::vector<double> outages;       ///< s; empty: the usual ones
+    std::vector<std::string> devices;  ///< names; empty: all
 };
 /// Accelerometer and gyro errors that a position budget allows over outages, and outages that devices allow.
 [[nodiscard]] report::Outcome analyze_requirements(const RequirementsRequest& request);
@@ -24,14 +24,14 @@ struct RequirementsRequest {
 /// A study on a scenario.
 struct StudyRequest {
     std::filesystem::path scenario;
-    settings::SettingList above;                            ///< of the command line
+    settings::SettingList above;  ///< of the command line
     std::optional<std::uint64_t> seed;
     std::size_t runs = 10;
     int jobs = 0;
-    std::vector<std::string> kinds;               ///< integrity: of faults
-    std::vector<double> sizes;                    ///< integrity: m or m/s
-    double start = 0.0;                           ///< integrity: s; 0: half of the scenario
-    double duration = 100.0;                      ///< integrity: s
+    std::vector<std::string> kinds;  ///< integrity: of faults
+    std::vector<double> sizes;       ///< integrity: m or m/s
+    double start = 0.0;              ///< integrity: s; 0: half of the scenario
+    double duration = 100.0;         ///< integrity: s
     std::function<void(double)> progress;
 };
 /// Error budget: one source at a time is simulated, the filter goes on assuming all of them.
@@ -45,14 +45,14 @@ struct StudyRequest {
 
 /// The experiments of paper D over geometries and seeds. Run j has geometry j mod 48 and the seed `seed` + j / 48.
 struct TriadRequest {
-    std::string cases;                            ///< letters of arrangements; empty: all
-    std::string grade, oscillator;                ///< navigation | tactical, ocxo | tcxo; empty with no baro: the cases of math.md 5.5
-    std::optional<double> baro;                   ///< m, sigma of the barometer's bias; 0: no barometer
+    std::string cases;              ///< letters of arrangements; empty: all
+    std::string grade, oscillator;  ///< navigation | tactical, ocxo | tcxo; empty with no baro: the cases of math.md 5.5
+    std::optional<double> baro;     ///< m, sigma of the barometer's bias; 0: no barometer
     std::size_t runs = 48;
     std::uint64_t seed = 1;
     int jobs = 0;
     std::string mechanization = "geographic";
-    std::filesystem::path output;                 ///< folder of CSV files and a report; empty: none
+    std::filesystem::path output;  ///< folder of CSV files and a report; empty: none
     std::string version;
     std::function<void(double)> progress;
 };

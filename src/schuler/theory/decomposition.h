@@ -9,10 +9,10 @@ namespace schuler::theory {
 
 /// x(t) = constant + sum over the columns of part_i exp(root_i t) for dx/dt = F x + d.
 struct Decomposition {
-    Eigen::VectorXcd root;       ///< eigenvalues of F, 1/s, n
-    Eigen::MatrixXcd vectors;    ///< eigenvectors of F of unit length, n x n, one a column
-    Eigen::MatrixXcd part;       ///< n x n; column i: what mode i has of x at t = 0
-    Eigen::VectorXd constant;    ///< n
+    Eigen::VectorXcd root;     ///< eigenvalues of F, 1/s, n
+    Eigen::MatrixXcd vectors;  ///< eigenvectors of F of unit length, n x n, one a column
+    Eigen::MatrixXcd part;     ///< n x n; column i: what mode i has of x at t = 0
+    Eigen::VectorXd constant;  ///< n
 };
 
 /// F (n x n) and the state x and driving d (n) at t = 0. @throws Error(Computation) where the modes are not distinct.

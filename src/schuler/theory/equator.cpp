@@ -34,14 +34,19 @@ struct Squared {
 };
 
 Squared squared(const EquatorConstants& c, double v) {
-    return {c.a24 - 2.0 * c.w_n * c.k,      -c.a_h / c.R,      -2.0 * c.w_n * c.k - c.a_h / c.R, -2.0 * c.w_n * c.a_h,
-            -2.0 * c.w_n / c.R, -c.k * c.a24 + c.a_h * v / (c.R * c.R), 2.0 * c.w_n};
+    return {c.a24 - 2.0 * c.w_n * c.k,
+            -c.a_h / c.R,
+            -2.0 * c.w_n * c.k - c.a_h / c.R,
+            -2.0 * c.w_n * c.a_h,
+            -2.0 * c.w_n / c.R,
+            -c.k * c.a24 + c.a_h * v / (c.R * c.R),
+            2.0 * c.w_n};
 }
 
 /// What the two roots contribute: spectral projectors' diagonals on the squared block, cosh and sinh(x t)/x of the roots.
 template <class T>
 struct Modes {
-    T difference;                                ///< rho1 - rho2
+    T difference;                                     ///< rho1 - rho2
     T first_h, first_lon, first_e, first_height;      ///< diagonal of the projector on the first root
     T second_h, second_lon, second_e, second_height;  ///< on the second
 };
@@ -51,15 +56,27 @@ Modes<double> modes_within(const EquatorConstants& c, const Squared& s) {
     const double r1 = c.rho1.real(), r2 = c.rho2.real(), d = r1 - r2;
     const double m = s.h_by_lon * s.lon_by_h, n = s.e_by_height * s.height_by_e;
     return {d,
-            (s.p - r2) / d, m / ((s.p - r2) * d), n / ((c.a24 - r2) * d), (c.a24 - r2) / d,
-            m / ((r1 - s.q) * d), (r1 - s.q) / d, (r1 - s.r) / d, n / ((r1 - s.r) * d)};
+            (s.p - r2) / d,
+            m / ((s.p - r2) * d),
+            n / ((c.a24 - r2) * d),
+            (c.a24 - r2) / d,
+            m / ((r1 - s.q) * d),
+            (r1 - s.q) / d,
+            (r1 - s.r) / d,
+            n / ((r1 - s.r) * d)};
 }
 
 Modes<Complex> modes_beyond(const EquatorConstants& c, const Squared& s, Complex r1, Complex r2) {
     const Complex d = r1 - r2;
     return {d,
-            (s.p - r2) / d, (s.q - r2) / d, (s.r - r2) / d, (c.a24 - r2) / d,
-            (r1 - s.p) / d, (r1 - s.q) / d, (r1 - s.r) / d, (r1 - c.a24) / d};
+            (s.p - r2) / d,
+            (s.q - r2) / d,
+            (s.r - r2) / d,
+            (c.a24 - r2) / d,
+            (r1 - s.p) / d,
+            (r1 - s.q) / d,
+            (r1 - s.r) / d,
+            (r1 - c.a24) / d};
 }
 
 /// Even and odd functions of the roots at t.
@@ -71,9 +88,9 @@ struct RootFunctions {
 
 RootFunctions<double> functions_within(double beta, double mu, double t) {
     const double sh = std::sinh(0.5 * beta * t), s = std::sin(0.5 * mu * t);
-    return {std::cosh(beta * t), std::cos(mu * t), 2.0 * (sh * sh + s * s),
-            std::sinh(beta * t) / beta, std::sin(mu * t) / mu,
-            detail::sinh_minus_argument(beta * t) / beta + detail::argument_minus_sin(mu * t) / mu};
+    return {std::cosh(beta * t),     std::cos(mu * t),
+            2.0 * (sh * sh + s * s), std::sinh(beta * t) / beta,
+            std::sin(mu * t) / mu,   detail::sinh_minus_argument(beta * t) / beta + detail::argument_minus_sin(mu * t) / mu};
 }
 
 RootFunctions<Complex> functions_beyond(Complex r1, Complex r2, double t) {
@@ -230,8 +247,8 @@ EquatorFlight::Oscillation EquatorFlight::oscillation(const Vector6& initial) co
 
 Vector6 EquatorFlight::integration_constants(const Vector6& x) const {
     const Quadratures s = quadratures(*this, x);
-    const double sum = x(theory::height) - s.p(theory::height);           // C_3 + C_4
-    const double difference = (x(vh) - s.p(vh)) / c_.beta3;               // C_3 - C_4
+    const double sum = x(theory::height) - s.p(theory::height);  // C_3 + C_4
+    const double difference = (x(vh) - s.p(vh)) / c_.beta3;      // C_3 - C_4
     Vector6 C;
     C << s.p(lat), s.q(lat), 0.5 * (sum + difference), 0.5 * (sum - difference), s.p(theory::height), s.q(theory::height);
     return C;

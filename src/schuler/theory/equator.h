@@ -13,10 +13,10 @@ namespace schuler::theory {
 
 /// The Earth of paper C, section 1, as a value: gravity g_eo (1 + delta sin^2 lat) a^2/(a + H)^2.
 struct PaperCEarth {
-    double u = earth::paper_c.w_ie;    ///< rotation, rad/s
-    double a = earth::paper_c.a;       ///< semi-major axis, m
-    double e2 = earth::paper_c.e2();   ///< first eccentricity squared; sections 4 and 5 of the paper take 0
-    double g_eo = 9.78049;             ///< m/s^2
+    double u = earth::paper_c.w_ie;   ///< rotation, rad/s
+    double a = earth::paper_c.a;      ///< semi-major axis, m
+    double e2 = earth::paper_c.e2();  ///< first eccentricity squared; sections 4 and 5 of the paper take 0
+    double g_eo = 9.78049;            ///< m/s^2
     double delta = 5.317e-3;
 };
 
@@ -27,16 +27,16 @@ enum EquatorError { vn = 0, vh = 1, ve = 2, height = 3, lat = 4, lon = 5 };
 
 /// The constants of (17), corrected: math.md 1.2.
 struct EquatorConstants {
-    double R;           ///< a + H, m
-    double g;           ///< m/s^2
-    double a_h;         ///< specific force, up, m/s^2: changes its sign at the limiting speeds
-    double w_n;         ///< rate of the local level about north, u + v/R, rad/s
-    double k;           ///< 2 u + v/R, rad/s
-    double a24;         ///< 1/s^2
-    double omega;       ///< frequency of the north channel, sqrt(g/R), rad/s
+    double R;                         ///< a + H, m
+    double g;                         ///< m/s^2
+    double a_h;                       ///< specific force, up, m/s^2: changes its sign at the limiting speeds
+    double w_n;                       ///< rate of the local level about north, u + v/R, rad/s
+    double k;                         ///< 2 u + v/R, rad/s
+    double a24;                       ///< 1/s^2
+    double omega;                     ///< frequency of the north channel, sqrt(g/R), rad/s
     std::complex<double> rho1, rho2;  ///< squared roots of the east-vertical channel, 1/s^2; Re rho1 >= Re rho2
-    double beta3;       ///< growing root, 1/s; NaN beyond a limiting speed
-    double mu;          ///< frequency of the east-vertical channel, rad/s; NaN beyond a limiting speed
+    double beta3;                     ///< growing root, 1/s; NaN beyond a limiting speed
+    double mu;                        ///< frequency of the east-vertical channel, rad/s; NaN beyond a limiting speed
 };
 
 /// Speeds at which the specific force vanishes: only between them has the east-vertical channel two real and two imaginary roots.

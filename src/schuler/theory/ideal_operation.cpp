@@ -30,9 +30,11 @@ Matrix6 error_dynamics(const PaperCEarth& earth, const Vector6& x, const Eigen::
         a(0) - 2.0 * k.u_H * vE - 2.0 * earth.g_eo * earth.a * earth.a * earth.delta * sc / (r * r) -
             3.0 * vN * vN * e2 * sc / (R1 * (1.0 - e2)) - vE * vE * e2 * sc / (r * alpha),
         a(2) * c;
+    // clang-format off
     A.row(ve) << k.u_H + k.w_H, -k.u_N - k.w_N, (vN * s / c - vH) / R1, (own_N * vH - own_H * vN) / r,
         2.0 * k.u_N * vN + 2.0 * k.u_H * vH + own_N * vN / (c * c) + vE * e2 * s * (vH * c - vN * s) / (r * alpha),
         a(0) * s - a(1) * c;
+    // clang-format on
     A.row(height) << 0.0, 1.0 / alpha, 0.0, 0.0, vH * e2 * sc / (alpha * alpha * alpha), 0.0;
     A.row(lat) << 1.0 / R2, 0.0, 0.0, -vN / (R2 * r), -3.0 * vN * e2 * sc / (R1 * (1.0 - e2)), 0.0;
     A.row(lon) << 0.0, 0.0, 1.0 / (R1 * c), -vE / (R1 * c * r), vE * s / (R1 * c * c) - vE * e2 * s / (r * alpha), 0.0;
@@ -87,12 +89,12 @@ std::vector<Comparison> compare_integrations(const PaperCEarth& earth, const Vec
     // Inertial attitude is right: what the geographic frame is off by goes into kappa.
     const Eigen::Vector4d truly = geographic_frame(start(lat), start(lon)), believed = geographic_frame(wrong(lat), wrong(lon));
     Joint y;
+    // clang-format off
     y << start.tail<3>(), start, 1.0, 0.0, 0.0, 0.0, wrong, quaternion_product<double>(conjugated<double>(believed), truly),
         initial;
+    // clang-format on
     std::vector<Comparison> out;
-    const auto sample = [&](double t) {
-        out.push_back({t, y.segment<6>(13) - y.segment<6>(3), y.tail<6>()});
-    };
+    const auto sample = [&](double t) { out.push_back({t, y.segment<6>(13) - y.segment<6>(3), y.tail<6>()}); };
     sample(0.0);
     const long steps = std::max(1L, std::lround(std::ceil(duration / count)));
     const double h = duration / count / static_cast<double>(steps);

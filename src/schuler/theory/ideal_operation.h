@@ -33,8 +33,8 @@ template <class T>
 template <class T>
 struct IdealRates {
     T alpha, R1, R2, g;
-    T u_N, u_H;                 ///< Earth rate, rad/s
-    T w_N, w_H, w_E;            ///< rate of the geographic frame, rad/s
+    T u_N, u_H;       ///< Earth rate, rad/s
+    T w_N, w_H, w_E;  ///< rate of the geographic frame, rad/s
 };
 
 /// x: first six entries of the state.
@@ -63,8 +63,10 @@ template <class T>
     const IdealRates<T> k = ideal_rates(earth, x);
     const T up = k.u_H + k.w_H, north = k.u_N + k.w_N;
     Eigen::Matrix<T, 6, 1> d;
+    // clang-format off
     d << a(0) + k.w_E * x(vh) - up * x(ve), a(1) - k.w_E * x(vn) + north * x(ve) - k.g, a(2) + up * x(vn) - north * x(vh),
         x(vh) / k.alpha, x(vn) / k.R2, x(ve) / (k.R1 * cos(x(lat)));
+    // clang-format on
     return d;
 }
 
@@ -75,8 +77,8 @@ template <class T>
     using Quaternion = Eigen::Matrix<T, 4, 1>;
     const Quaternion kappa = x.template tail<4>();
     const Eigen::Matrix<T, 6, 1> place = x.template head<6>();
-    const Quaternion a = quaternion_product<T>(quaternion_product<T>(kappa, {T(0.0), a_body(0), a_body(1), a_body(2)}),
-                                               conjugated<T>(kappa));
+    const Quaternion a =
+        quaternion_product<T>(quaternion_product<T>(kappa, {T(0.0), a_body(0), a_body(1), a_body(2)}), conjugated<T>(kappa));
     const IdealRates<T> k = ideal_rates(earth, place);
     IdealState<T> d;
     d.template head<6>() = navigation_rates<T>(earth, place, a.template tail<3>());
@@ -98,9 +100,9 @@ template <class T>
 
 /// The same errors three ways at one instant (estimate minus truth).
 struct Comparison {
-    double t;             ///< s
-    Vector6 nonlinear;    ///< difference of two integrations of the complete equations
-    Vector6 linear;       ///< integration of dx/dt = A x along the flight
+    double t;           ///< s
+    Vector6 nonlinear;  ///< difference of two integrations of the complete equations
+    Vector6 linear;     ///< integration of dx/dt = A x along the flight
 };
 
 /// A flight at constant velocity components in the geographic frame from `start` (v_N, v_H, v_E, H, lat, lon): the complete

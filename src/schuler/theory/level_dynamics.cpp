@@ -80,7 +80,7 @@ double Pendulum::from_tilt(double tilt, double t) const {
     return 2.0 * R * tilt * s * s;
 }
 double Pendulum::from_gyro(double drift, double t) const {
-    const double x = frequency() * t;   // the difference of nearly equal numbers by its series
+    const double x = frequency() * t;  // the difference of nearly equal numbers by its series
     return R * drift / frequency() * (x < 0.02 ? x * x * x / 6.0 * (1.0 - x * x / 20.0) : x - std::sin(x));
 }
 double Pendulum::from_velocity(double dv, double t) const { return dv * std::sin(frequency() * t) / frequency(); }

@@ -27,13 +27,13 @@ using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
 /// One horizontal channel at rest on a sphere: paper A, (1.4.4) to (1.4.7). Metres.
 struct Pendulum {
-    double g = 9.80665;        ///< m/s^2
-    double R = 6371000.0;      ///< m
+    double g = 9.80665;    ///< m/s^2
+    double R = 6371000.0;  ///< m
 
-    [[nodiscard]] double frequency() const;                              ///< sqrt(g/R), rad/s
-    [[nodiscard]] double from_tilt(double tilt, double t) const;         ///< R tilt (1 - cos w t)
-    [[nodiscard]] double from_gyro(double drift, double t) const;        ///< R drift (t - sin(w t)/w), drift in rad/s
-    [[nodiscard]] double from_velocity(double dv, double t) const;       ///< dv sin(w t)/w
+    [[nodiscard]] double frequency() const;                                ///< sqrt(g/R), rad/s
+    [[nodiscard]] double from_tilt(double tilt, double t) const;           ///< R tilt (1 - cos w t)
+    [[nodiscard]] double from_gyro(double drift, double t) const;          ///< R drift (t - sin(w t)/w), drift in rad/s
+    [[nodiscard]] double from_velocity(double dv, double t) const;         ///< dv sin(w t)/w
     [[nodiscard]] double from_accelerometer(double bias, double t) const;  ///< bias (1 - cos w t)/w^2
 };
 

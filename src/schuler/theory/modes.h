@@ -20,18 +20,18 @@ enum class VerticalChannel { Fixed, Free, SecondOrder, ThirdOrder };
 
 /// Constant errors of the instruments, MEASURED MINUS TRUE, in east-north-up axes of the local level.
 struct ConstantErrors {
-    Eigen::Vector3d gyro = Eigen::Vector3d::Zero();    ///< rad/s
-    Eigen::Vector3d accel = Eigen::Vector3d::Zero();   ///< m/s^2
-    double baro = 0.0;                                 ///< m
+    Eigen::Vector3d gyro = Eigen::Vector3d::Zero();   ///< rad/s
+    Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< m/s^2
+    double baro = 0.0;                                ///< m
 };
 
 /// Where the errors grow: dynamics are frozen at this state (exact at rest and along a parallel at constant height).
 struct LevelFlight {
     earth::Earth earth;
     Geodetic position;
-    Eigen::Vector3d v_enu = Eigen::Vector3d::Zero();   ///< m/s
+    Eigen::Vector3d v_enu = Eigen::Vector3d::Zero();  ///< m/s
     VerticalChannel vertical = VerticalChannel::Fixed;
-    double time_constant = 100.0;                      ///< of the barometer loop, s
+    double time_constant = 100.0;  ///< of the barometer loop, s
 };
 
 /// The nine errors of level_dynamics.h and, tenth, the integral of the third-order loop (m/s^2).
@@ -40,18 +40,18 @@ using Matrix10 = Eigen::Matrix<double, 10, 10>;
 
 /// One mode: a pair of conjugate roots or a real root, and the errors it carries.
 struct Mode {
-    std::string name;               ///< "Schuler, faster", "Schuler, slower", "24-hour", "vertical", "vertical loop", ...
-    std::complex<double> root;      ///< 1/s, Im >= 0
+    std::string name;           ///< "Schuler, faster", "Schuler, slower", "24-hour", "vertical", "vertical loop", ...
+    std::complex<double> root;  ///< 1/s, Im >= 0
     /// Amplitude at t = 0 of east, north, up error (m), velocity east, north, up (m/s), attitude about east, north, up (rad).
     Vector9 amplitude;
 };
 
 struct ModalAnalysis {
-    std::vector<Mode> modes;        ///< fastest oscillation first, then the real ones
-    Vector9 offset;                 ///< constant part of each error (longitude: 0), units as in Mode
-    Vector9 drift;                  ///< what grows with the time: east only, m/s; the others zero
-    double foucault;                ///< half the difference of the two Schuler frequencies, rad/s; NaN without two of them
-    double foucault_expected;       ///< (u + v_e/((R + h) cos lat)) |sin lat|, rad/s
+    std::vector<Mode> modes;   ///< fastest oscillation first, then the real ones
+    Vector9 offset;            ///< constant part of each error (longitude: 0), units as in Mode
+    Vector9 drift;             ///< what grows with the time: east only, m/s; the others zero
+    double foucault;           ///< half the difference of the two Schuler frequencies, rad/s; NaN without two of them
+    double foucault_expected;  ///< (u + v_e/((R + h) cos lat)) |sin lat|, rad/s
 };
 
 /// Errors at an instant, as in Mode.

@@ -31,6 +31,7 @@ constexpr auto Si = Unit::Si, Deg = Unit::Degrees, Met = Unit::Metres;
 const std::vector<Cell>& cells() {
     static const std::vector<Cell> all{
         // Table 2: the fighter.
+        // clang-format off
         {0, 1, V, vh, Si, "0.45"}, {0, 1, A, vh, Si, "1.17e-5"}, {0, 1, P, vh, Si, "0"},
         {0, 1, V, ve, Si, "-0.03"}, {0, 1, A, ve, Si, "1.3e-4"}, {0, 1, P, ve, Si, "pi/2"},
         {0, 1, V, height, Si, "258"}, {0, 1, A, height, Si, "-9.4e-3"}, {0, 1, P, height, Si, "pi/2"},
@@ -45,7 +46,9 @@ const std::vector<Cell>& cells() {
         {0, 3, V, lon, Si, "2.91e-7"}, {0, 3, V, lon, Deg, "1.67e-5"}, {0, 3, V, lon, Met, "1.87", "the last digit"},
         {0, 3, A, lon, Si, "1.57e-7", "its degrees and metres are right"}, {0, 3, A, lon, Deg, "8.92e-6"},
         {0, 3, A, lon, Met, "0.99"}, {0, 3, P, lon, Si, "pi/2"},
+        // clang-format on
         // Table 3: the ship.
+        // clang-format off
         {1, 1, V, vh, Si, "0.47"}, {1, 1, A, vh, Si, "3.93e-6"}, {1, 1, P, vh, Si, "0"},
         {1, 1, V, ve, Si, "-0.03"}, {1, 1, A, ve, Si, "9.79e-5"}, {1, 1, P, ve, Si, "pi/2"},
         {1, 1, V, height, Si, "270"}, {1, 1, A, height, Si, "-3e-3"}, {1, 1, P, height, Si, "pi/2"},
@@ -60,6 +63,7 @@ const std::vector<Cell>& cells() {
         {1, 3, V, height, Si, "-7.72"}, {1, 3, A, height, Si, "0.04"}, {1, 3, P, height, Si, "0"},
         {1, 3, V, lon, Si, "3.04e-8"}, {1, 3, V, lon, Deg, "1.74e-6"}, {1, 3, V, lon, Met, "0.19"},
         {1, 3, A, lon, Si, "1.57e-7"}, {1, 3, A, lon, Deg, "8.98e-6"}, {1, 3, A, lon, Met, "1"}, {1, 3, P, lon, Si, "pi/2"},
+        // clang-format on
     };
     return all;
 }

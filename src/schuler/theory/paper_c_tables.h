@@ -22,8 +22,8 @@ inline constexpr double paper_time = 3600.0;  ///< s, of tables 2 and 3
 /// One printed number.
 struct PaperEntry {
     std::string vehicle;
-    int set;              ///< I = 1, ...; 0: not of a set (roots, periods, speeds)
-    std::string quantity; ///< "dvN(3600)", "amplitude of dlambda", ...
+    int set;               ///< I = 1, ...; 0: not of a set (roots, periods, speeds)
+    std::string quantity;  ///< "dvN(3600)", "amplitude of dlambda", ...
     std::string unit;
     std::string printed;  ///< as in the paper, decimal point instead of comma
     double right;         ///< from the corrected equations

@@ -10,7 +10,8 @@ namespace schuler::theory {
 
 Requirement requirement(const Pendulum& p, double budget, double outage) {
     const auto check = [](double x, const char* key) {
-        if (!(std::isfinite(x) && x > 0.0)) throw input_error("is not positive", {.file = {}, .line = 0, .column = 0, .key = key}, "give a positive number");
+        if (!(std::isfinite(x) && x > 0.0))
+            throw input_error("is not positive", {.file = {}, .line = 0, .column = 0, .key = key}, "give a positive number");
     };
     check(budget, "budget");
     check(outage, "outage");
@@ -21,7 +22,8 @@ Requirement requirement(const Pendulum& p, double budget, double outage) {
 double position_sigma(const Pendulum& p, const SensorSigmas& s, double t) {
     const double noise_a = s.accel_noise * std::pow(t, 1.5) / std::sqrt(3.0);
     const double noise_g = p.g * s.gyro_noise * std::pow(t, 2.5) / std::sqrt(20.0);
-    return std::hypot(std::hypot(p.from_accelerometer(s.accel_bias, t), p.from_gyro(s.gyro_bias, t)), std::hypot(noise_a, noise_g));
+    return std::hypot(std::hypot(p.from_accelerometer(s.accel_bias, t), p.from_gyro(s.gyro_bias, t)),
+                      std::hypot(noise_a, noise_g));
 }
 
 double longest_outage(const Pendulum& p, const SensorSigmas& s, double budget, double longest) {

@@ -55,7 +55,8 @@ AhrsEvaluation evaluate(const std::vector<ahrs::AttitudeRow>& rows, const std::v
 
 report::Outcome ahrs_dataset(const AhrsRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
-    const settings::Dataset dataset = settings::open_dataset(request.common.input, dataset::Needs::Attitude, request.common.over({}));
+    const settings::Dataset dataset =
+        settings::open_dataset(request.common.input, dataset::Needs::Attitude, request.common.over({}));
     const settings::Config config = settings::config_from(dataset.settings);
     WarningLog warnings;
     AhrsBundle b;

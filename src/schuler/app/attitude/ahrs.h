@@ -16,7 +16,7 @@ namespace schuler::app {
 
 struct AhrsRequest {
     settings::ProcessRequest common;
-    std::string filter = "mekf";                 ///< dcm, quaternion, quaternion-printed, quaternion-coupled, mekf
+    std::string filter = "mekf";  ///< dcm, quaternion, quaternion-printed, quaternion-coupled, mekf
     bool six_axis = false;
     bool offline = false;
     bool calibrate = false;  ///< ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree
@@ -29,8 +29,8 @@ struct AhrsInput {
     std::vector<ahrs::SpeedSample> speed;
     ahrs::RunSettings settings;
     bool field_from_model = false;
-    ahrs::MagnetometerAxes axes;                 ///< already applied to `mag`
-    std::vector<std::string> calibration;        ///< what was applied or refused, and why
+    ahrs::MagnetometerAxes axes;           ///< already applied to `mag`
+    std::vector<std::string> calibration;  ///< what was applied or refused, and why
 };
 
 /// @throws Error(Input) for an unknown filter, or options that do not go together.

@@ -9,7 +9,7 @@
 namespace schuler::app {
 namespace {
 
-constexpr double enough_turned = 0.5;            // rad, below which nothing is said about units and axes
+constexpr double enough_turned = 0.5;  // rad, below which nothing is said about units and axes
 
 void check_times(const AhrsInput& input) {
     std::vector<double> steps;
@@ -24,8 +24,8 @@ void check_times(const AhrsInput& input) {
 /// Rates in deg/s under a name that says rad/s make every direction turn 57 times too little.
 bool rates_in_degrees(const analysis::TurnAgreement& a) {
     constexpr double least_agreement = 0.3;
-    return a.turned > enough_turned && a.correlation > least_agreement &&
-           a.factor > 0.3 * units::deg && a.factor < 3.0 * units::deg;
+    return a.turned > enough_turned && a.correlation > least_agreement && a.factor > 0.3 * units::deg &&
+           a.factor < 3.0 * units::deg;
 }
 
 void check_gyro(const AhrsInput& input, const analysis::TurnAgreement& field, WarningLog& warnings) {
@@ -33,8 +33,9 @@ void check_gyro(const AhrsInput& input, const analysis::TurnAgreement& field, Wa
     const auto force = analysis::turn_agreement(
         imu, imu.size(), [&](std::size_t k) { return imu[k].time; }, [&](std::size_t k) { return imu[k].accel; });
     if (!rates_in_degrees(field) && !rates_in_degrees(force)) return;
-    warnings.add("ahrs.gyro.unit", "the gyro's rates are some 57 times those that accelerometer and magnetometer show: deg/s? "
-                                   "write it into the columns' names, as in gyro_x_deg_s");
+    warnings.add("ahrs.gyro.unit",
+                 "the gyro's rates are some 57 times those that accelerometer and magnetometer show: deg/s? "
+                 "write it into the columns' names, as in gyro_x_deg_s");
 }
 
 void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& field, WarningLog& warnings) {
@@ -58,11 +59,11 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
                                  field.correlation));
     }
     constexpr double longest_without = 10.0;
-    const double without = std::max((mag.front().time - input.imu.front().time).seconds(),
-                                    (input.imu.back().time - mag.back().time).seconds());
+    const double without =
+        std::max((mag.front().time - input.imu.front().time).seconds(), (input.imu.back().time - mag.back().time).seconds());
     if (without > longest_without) {
-        warnings.add("ahrs.mag.span", fmt::format("no magnetometer for {:.0f} s at one end of the IMU log: heading drifts there",
-                                                  without));
+        warnings.add("ahrs.mag.span",
+                     fmt::format("no magnetometer for {:.0f} s at one end of the IMU log: heading drifts there", without));
     }
 }
 

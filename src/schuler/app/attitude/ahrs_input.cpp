@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double slow = 3.0;                     // m/s, below which a receiver's course does not say where the vehicle points
-constexpr double default_speed_std = 0.5;        // m/s
+constexpr double slow = 3.0;               // m/s, below which a receiver's course does not say where the vehicle points
+constexpr double default_speed_std = 0.5;  // m/s
 
 ahrs::FilterKind filter_from_name(const std::string& name) {
     static const std::map<std::string, ahrs::FilterKind> kinds{{"dcm", ahrs::FilterKind::Dcm},
@@ -117,11 +117,12 @@ void straighten(AhrsInput& out, WarningLog& warnings) {
     out.axes = ahrs::recognise_axes(out.imu, out.mag, out.settings.mekf.heading.known_field_n.z());
     if (!out.axes.swapped) return;
     for (MagSample& s : out.mag) s.field_b = (out.axes.C_bs * s.field_b).eval();
-    warnings.add("ahrs.mag.axes.turned",
-                 fmt::format("the magnetometer turns with the gyro only as {} (body axis = reading; the gyro explains {:.0f} % of its "
-                             "changes, {:.0f} % as given): it was turned so{}; name its columns accordingly",
-                             ahrs::axes_text(out.axes.C_bs), 100.0 * out.axes.explained, 100.0 * out.axes.as_given,
-                             out.axes.sign_assumed ? ", the field taken to point down, as north of the equator" : ""));
+    warnings.add(
+        "ahrs.mag.axes.turned",
+        fmt::format("the magnetometer turns with the gyro only as {} (body axis = reading; the gyro explains {:.0f} % of its "
+                    "changes, {:.0f} % as given): it was turned so{}; name its columns accordingly",
+                    ahrs::axes_text(out.axes.C_bs), 100.0 * out.axes.explained, 100.0 * out.axes.as_given,
+                    out.axes.sign_assumed ? ", the field taken to point down, as north of the equator" : ""));
 }
 
 void calibrate(AhrsInput& out, WarningLog& warnings) {

@@ -35,7 +35,9 @@ report::Json errors_of(const AhrsBundle& b) {
     report::Json out;
     out["position_m"] = nullptr;
     out["velocity_m_s"] = nullptr;
-    out["attitude_deg"] = {{"roll", report::spread(e.roll, units::deg)}, {"pitch", report::spread(e.pitch, units::deg)}, {"heading", report::spread(e.heading, units::deg)}};
+    out["attitude_deg"] = {{"roll", report::spread(e.roll, units::deg)},
+                           {"pitch", report::spread(e.pitch, units::deg)},
+                           {"heading", report::spread(e.heading, units::deg)}};
     out["broad_deg"] = {{"total", rms_of(e.broad.total)},
                         {"heading", rms_of(e.broad.heading)},
                         {"inclination", rms_of(e.broad.inclination)},

@@ -17,15 +17,15 @@ namespace schuler::app {
 /// Errors against an attitude reference; heading with its constant offset taken off, as in BROAD.
 struct AhrsEvaluation {
     analysis::BroadErrors broad;
-    analysis::Spread roll, pitch, heading;       ///< rad
+    analysis::Spread roll, pitch, heading;  ///< rad
 };
 
 struct AhrsBundle {
     std::string name, version, filter;
     bool offline = false, six_axis = false, field_from_model = false;
-    double declination = 0.0;                    ///< rad, of the model
+    double declination = 0.0;  ///< rad, of the model
     ahrs::MagnetometerAxes axes;
-    std::vector<std::string> calibration;        ///< what was applied or refused, and why
+    std::vector<std::string> calibration;  ///< what was applied or refused, and why
     std::size_t imu_epochs = 0;
     solution::LoadedDataset data;
     ahrs::RunResult result;

@@ -80,8 +80,10 @@ std::string ahrs_report_html(const AhrsBundle& b) {
     section.groups.push_back(attitude_panels(b));
     const analysis::BroadErrors& e = b.evaluation.broad;
     if (e.epochs > 0) {
-        page.cards = {{"total error", fmt::format("{} deg", report::number(e.total / units::deg, 3)), "RMS in movement, constant heading offset taken off"},
-                      {"total error, raw", fmt::format("{} deg", report::number(e.raw_total / units::deg, 3)), "RMS in movement, nothing taken off"},
+        page.cards = {{"total error", fmt::format("{} deg", report::number(e.total / units::deg, 3)),
+                       "RMS in movement, constant heading offset taken off"},
+                      {"total error, raw", fmt::format("{} deg", report::number(e.raw_total / units::deg, 3)),
+                       "RMS in movement, nothing taken off"},
                       {"heading", fmt::format("{} deg", report::number(e.heading / units::deg, 3)), "constant offset taken off"},
                       {"inclination", fmt::format("{} deg", report::number(e.inclination / units::deg, 3)), "RMS"}};
         section.groups.push_back(error_panels(b));

@@ -64,7 +64,8 @@ template <class R, class Access>
 Option<R> path(std::string key, std::string help, Access access) {
     settings::OptionSpec spec = settings::detail::spec(std::move(key), Shape::Text, std::move(help));
     spec.line.file = true;
-    return {std::move(spec), [=](R& r, const Value& v) { access(r) = *v.text(); }, [](const R&) { return std::optional<Value>(); }};
+    return {std::move(spec), [=](R& r, const Value& v) { access(r) = *v.text(); },
+            [](const R&) { return std::optional<Value>(); }};
 }
 
 /// Numbers with commas between them.
@@ -111,7 +112,9 @@ Option<R> of_setting(std::string key, const char* setting, std::string help, Acc
     spec.help = std::move(help);
     const std::string origin = "--" + spec.key;
     return {std::move(spec),
-            [=](R& r, const Value& v) { request(r).above.push_back({setting, v, {origin, 0, 0, {}}}); },
+            [=](R& r, const Value& v) {
+                request(r).above.push_back({setting, v, {origin, 0, 0, {}}});
+            },
             [](const R&) { return std::optional<Value>(); }};
 }
 
@@ -122,7 +125,8 @@ Option<R> seed_option(std::string help, Access access) {
 
 template <class R, class Access>
 Option<R> jobs_option(Access access) {
-    return lettered('j', written("J", settings::integer<R>("jobs", 0, 1024, "runs at once; 0: one for each processor core", access)));
+    return lettered('j',
+                    written("J", settings::integer<R>("jobs", 0, 1024, "runs at once; 0: one for each processor core", access)));
 }
 
 /// key=value, any number of times; options of their own override them.
@@ -145,10 +149,15 @@ Option<R> output_option(std::string help, const char* usual, Access access) {
 
 /// A command of a request: its options set the request, its function is called with it.
 template <class Request, class Function>
-Command command(std::string name, std::string purpose, std::string examples, OptionTable<Request> table, std::string json, bool runs,
-                Function function) {
-    Command c{.name = std::move(name), .purpose = std::move(purpose), .examples = std::move(examples), .options = table.specs(),
-              .defaults = table.used(Request{}), .json = std::move(json), .runs = runs};
+Command command(std::string name, std::string purpose, std::string examples, OptionTable<Request> table, std::string json,
+                bool runs, Function function) {
+    Command c{.name = std::move(name),
+              .purpose = std::move(purpose),
+              .examples = std::move(examples),
+              .options = table.specs(),
+              .defaults = table.used(Request{}),
+              .json = std::move(json),
+              .runs = runs};
     c.perform = [table = std::move(table), function](const settings::SettingList& given, const CommandContext& context) {
         Request request;
         if constexpr (requires { request.common; }) {
@@ -158,7 +167,8 @@ Command command(std::string name, std::string purpose, std::string examples, Opt
         if constexpr (requires { request.team; }) {
             request.team = context.team;
         } else if (context.team) {
-            throw input_error("this command does not share its work among processes", {}, "start it without mpirun; `schuler montecarlo` does");
+            throw input_error("this command does not share its work among processes", {},
+                              "start it without mpirun; `schuler montecarlo` does");
         }
         if constexpr (requires { request.version; }) request.version = context.version;
         if constexpr (requires { request.progress; }) request.progress = context.progress;
@@ -190,8 +200,10 @@ void add_settings(OptionTable<R>& table) {
     table.add(set_option<R>([=](auto& r) -> auto& { return common(r).above; }))
         .add(written("FILE.toml", path<R>("config", "settings over those of the data set: keys as in dataset.toml",
                                           [=](auto& r) -> auto& { return common(r).config; })))
-        .add(written("T", of_setting<R>("start", "run.start_s",
-                                        "leave out what is before; seconds after the first GNSS (without one: IMU) epoch, or abs:T", common)))
+        .add(written(
+            "T",
+            of_setting<R>("start", "run.start_s",
+                          "leave out what is before; seconds after the first GNSS (without one: IMU) epoch, or abs:T", common)))
         .add(written("T", of_setting<R>("stop", "run.stop_s", "leave out what is after", common)));
 }
 
@@ -206,18 +218,20 @@ void add_run(OptionTable<R>& table) {
                          for (const Value& text : *v.list())
                              for (const settings::OutageSpan& s : settings::outages_from_text(*text.text()))
                                  spans.push_back({settings::ValueTable{
-                                     {"start_s", s.absolute ? Value{fmt::format("abs:{}", s.start)} : Value{s.start}}, {"duration_s", {s.duration}}}});
+                                     {"start_s", s.absolute ? Value{fmt::format("abs:{}", s.start)} : Value{s.start}},
+                                     {"duration_s", {s.duration}}}});
                          common(r).above.push_back({"outage", {std::move(spans)}, {"--outage", 0, 0, {}}});
                      },
                      [](const R&) { return std::optional<Value>(); }};
     outage.spec.line.repeated = true;
     table.add(written("T:DUR[,T:DUR...]", std::move(outage)))
-        .add(otherwise("alignment + 60 s", written("S", of_setting<R>("settle", "run.settle_s", "count errors from here", common))))
-        .add(otherwise("the first six",
-                       written("LIST", of_setting<R>("outputs", "output.files",
-                                                     "what is written: solution,summary,h5,report,kml,config; or mat (run.mat: the tables of run.h5 for Octave and "
-                                                     "MATLAB), covariance (the whole of it, in run.h5)",
-                                                     common))));
+        .add(otherwise("alignment + 60 s",
+                       written("S", of_setting<R>("settle", "run.settle_s", "count errors from here", common))))
+        .add(otherwise("the first six", written("LIST", of_setting<R>("outputs", "output.files",
+                                                                      "what is written: solution,summary,h5,report,kml,config; "
+                                                                      "or mat (run.mat: the tables of run.h5 for Octave and "
+                                                                      "MATLAB), covariance (the whole of it, in run.h5)",
+                                                                      common))));
 }
 
 /// Commands of the parts, see their files.

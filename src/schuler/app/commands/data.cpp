@@ -19,26 +19,31 @@ template <class R>
 void add_processing(OptionTable<R>& table) {
     add_settings(table);
     table
-        .add(written("SCHEME", of_setting<R>("scheme", "filter.scheme",
-                                             "coupling: loose, separate (uncoupled), tight, intermediate, deep (of a scenario with [receiver]), or gnss "
-                                             "for the receiver's own solution",
-                                             common)))
+        .add(written(
+            "SCHEME",
+            of_setting<R>(
+                "scheme", "filter.scheme",
+                "coupling: loose, separate (uncoupled), tight, intermediate, deep (of a scenario with [receiver]), or gnss "
+                "for the receiver's own solution",
+                common)))
         .add(written("FRAME", of_setting<R>("mechanization", "filter.mechanization", "axes of the mechanization", common)))
         .add(of_setting<R>("smooth", "filter.smooth", "fixed-interval smoother after the filter", common))
         .add(of_setting<R>("backward", "filter.backward",
                            "a filter backward in time as well, and its difference from the forward one with its sigma", common));
     add_run(table);
-    Option<R> check = of_setting<R>("self-check", "filter.self_check",
-                                    "on (default): process withholds fixes in windows of its own, measures how true the sigmas are, and widens the noise "
-                                    "of the inertial unit where they are too small",
-                                    common);
+    Option<R> check = of_setting<R>(
+        "self-check", "filter.self_check",
+        "on (default): process withholds fixes in windows of its own, measures how true the sigmas are, and widens the noise "
+        "of the inertial unit where they are too small",
+        common);
     check.spec.shape = Shape::Text;
     check.spec.choices = {"on", "off"};
     check.set = [](R& r, const Value& v) {
         common(r).above.push_back({"filter.self_check", {*v.text() == "on"}, {"--self-check", 0, 0, {}}});
     };
     table.add(written("on|off", std::move(check)))
-        .add(otherwise("10", written("HZ", of_setting<R>("output-rate", "output.rate_hz", "rate of the solution; 0 = every IMU epoch", common))));
+        .add(otherwise("10", written("HZ", of_setting<R>("output-rate", "output.rate_hz",
+                                                         "rate of the solution; 0 = every IMU epoch", common))));
 }
 
 template <class R>
@@ -65,18 +70,21 @@ Command demo() {
     OptionTable<ProcessRequest> t;
     t.add(output<ProcessRequest>("folder to write to", "out/demo"));
     add_processing(t);
-    return command<ProcessRequest>("demo", "simulate a drive, process its logs, evaluate, write a report", "  schuler demo\n  schuler demo -o /tmp/demo",
-                                   std::move(t), table_json, true, run_demonstration);
+    return command<ProcessRequest>("demo", "simulate a drive, process its logs, evaluate, write a report",
+                                   "  schuler demo\n  schuler demo -o /tmp/demo", std::move(t), table_json, true,
+                                   run_demonstration);
 }
 
 Command simulate() {
     using R = SimulateRequest;
     OptionTable<R> t;
     t.add(argument("SCENARIO", path<R>("scenario", "scenario file", [](auto& r) -> auto& { return r.scenario; })))
-        .add(required(lettered('o', written("DIR", path<R>("output", "folder of the data set", [](auto& r) -> auto& { return r.output; })))))
+        .add(required(lettered(
+            'o', written("DIR", path<R>("output", "folder of the data set", [](auto& r) -> auto& { return r.output; })))))
         .add(seed_option<R>("instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));
     return command<R>("simulate", "write the sensor logs and the truth of a scenario as a data set",
-                      "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper-a-flight.toml -o /tmp/flight --seed 7\n"
+                      "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper-a-flight.toml -o "
+                      "/tmp/flight --seed 7\n"
                       "`schuler help scenario` lists the keys of a scenario file.",
                       std::move(t), "", false, [](const R& r) { return simulate_to_folder(r.scenario, r.output, r.seed); });
 }
@@ -103,10 +111,11 @@ Command run() {
         .add(output<ProcessRequest>("folder to write to", "out/NAME"))
         .add(seed<ProcessRequest>("instead of the scenario's"));
     add_processing(t);
-    return command<ProcessRequest>("run", "simulate a scenario, process and evaluate it in one go",
-                                   "  schuler run examples/paper-a-flight.toml\n  schuler run examples/demo.toml --seed 3 --smooth --json\n"
-                                   "`schuler help scenario` lists the keys of a scenario file.",
-                                   std::move(t), table_json, true, run_scenario);
+    return command<ProcessRequest>(
+        "run", "simulate a scenario, process and evaluate it in one go",
+        "  schuler run examples/paper-a-flight.toml\n  schuler run examples/demo.toml --seed 3 --smooth --json\n"
+        "`schuler help scenario` lists the keys of a scenario file.",
+        std::move(t), table_json, true, run_scenario);
 }
 
 Command attitude() {
@@ -114,25 +123,33 @@ Command attitude() {
     OptionTable<R> t;
     t.add(input<R>("DATASET", "dataset", "folder, dataset.toml, or a log"))
         .add(output<R>("folder to write to", "out/NAME"))
-        .add(written("FILTER", one_of<R>("filter", {"dcm", "quaternion", "quaternion-printed", "quaternion-coupled", "mekf"},
-                                         "direction cosines, quaternion, quaternion as the paper prints it, quaternion whose horizon a magnet can tilt, "
-                                         "or multiplicative Kalman filter",
-                                         [](auto& r) -> auto& { return r.filter; })))
-        .add(settings::flag<R>("six-axis", "leave the magnetometer out; heading starts at zero", [](auto& r) -> auto& { return r.six_axis; }))
-        .add(settings::flag<R>("offline", "forward filter and backward smoother (mekf)", [](auto& r) -> auto& { return r.offline; }))
-        .add(settings::flag<R>("calibrate", "ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree",
+        .add(written(
+            "FILTER",
+            one_of<R>(
+                "filter", {"dcm", "quaternion", "quaternion-printed", "quaternion-coupled", "mekf"},
+                "direction cosines, quaternion, quaternion as the paper prints it, quaternion whose horizon a magnet can tilt, "
+                "or multiplicative Kalman filter",
+                [](auto& r) -> auto& { return r.filter; })))
+        .add(settings::flag<R>("six-axis", "leave the magnetometer out; heading starts at zero",
+                               [](auto& r) -> auto& { return r.six_axis; }))
+        .add(settings::flag<R>("offline", "forward filter and backward smoother (mekf)",
+                               [](auto& r) -> auto& { return r.offline; }))
+        .add(settings::flag<R>("calibrate",
+                               "ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree",
                                [](auto& r) -> auto& { return r.calibrate; }))
-        .add(otherwise("all", written("LIST", of_setting<R>("outputs", "output.files", "what is written beside summary.json: solution,report,config",
-                                                            common))));
+        .add(otherwise("all",
+                       written("LIST", of_setting<R>("outputs", "output.files",
+                                                     "what is written beside summary.json: solution,report,config", common))));
     add_settings(t);
-    return command<R>("ahrs", "attitude and heading from gyro, accelerometer and magnetometer",
-                      "  schuler ahrs hand/                              the multiplicative filter, nine axes\n"
-                      "  schuler ahrs hand/ --offline                    forwards and backwards\n"
-                      "  schuler ahrs hand/ --six-axis --json            without the magnetometer\n"
-                      "  schuler ahrs hand/ --filter quaternion-coupled  the filter whose horizon a magnet can tilt\n"
-                      "  schuler ahrs flight/ --calibrate                magnetometer and accelerometer calibrated from this log\n"
-                      "Heading is true where position and date are known (World Magnetic Model), magnetic otherwise.",
-                      std::move(t), table_json, true, ahrs_dataset);
+    return command<R>(
+        "ahrs", "attitude and heading from gyro, accelerometer and magnetometer",
+        "  schuler ahrs hand/                              the multiplicative filter, nine axes\n"
+        "  schuler ahrs hand/ --offline                    forwards and backwards\n"
+        "  schuler ahrs hand/ --six-axis --json            without the magnetometer\n"
+        "  schuler ahrs hand/ --filter quaternion-coupled  the filter whose horizon a magnet can tilt\n"
+        "  schuler ahrs flight/ --calibrate                magnetometer and accelerometer calibrated from this log\n"
+        "Heading is true where position and date are known (World Magnetic Model), magnetic otherwise.",
+        std::move(t), table_json, true, ahrs_dataset);
 }
 
 Command satellites() {
@@ -140,60 +157,73 @@ Command satellites() {
     OptionTable<R> t;
     t.add(input<R>("DATASET", "dataset", "folder, dataset.toml, or a log of raw measurements"))
         .add(output<R>("folder to write to", "out/NAME"))
-        .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.4, "of the protection levels: share of faults of the worst size that the fault test may miss",
+        .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.4,
+                                 "of the protection levels: share of faults of the worst size that the fault test may miss",
                                  [](auto& r) -> auto& { return r.missed_detection; }));
     add_settings(t);
-    return command<R>("gnss", "satellites of a receiver's raw measurements: sky, residuals, dilution, protection levels, phases against a base",
-                      "  schuler gnss receiver.ubx                       the log of a receiver\n"
-                      "  schuler gnss survey/ -o out/survey              a folder with dataset.toml, or one that is recognised\n"
-                      "  schuler gnss survey/ --set gnss.systems=GE --json\n"
-                      "  schuler gnss rover.obs --set base.observations=base.obs    and slips and integers against a base\n"
-                      "Writes gnss.csv, satellites.csv, residuals.csv, report.html and summary.json; with a base carrier.csv. Exit status 1 where no epoch\n"
-                      "has a solution.",
-                      std::move(t), "summary.json on standard output instead of the tables", true, gnss_dataset);
+    return command<R>(
+        "gnss", "satellites of a receiver's raw measurements: sky, residuals, dilution, protection levels, phases against a base",
+        "  schuler gnss receiver.ubx                       the log of a receiver\n"
+        "  schuler gnss survey/ -o out/survey              a folder with dataset.toml, or one that is recognised\n"
+        "  schuler gnss survey/ --set gnss.systems=GE --json\n"
+        "  schuler gnss rover.obs --set base.observations=base.obs    and slips and integers against a base\n"
+        "Writes gnss.csv, satellites.csv, residuals.csv, report.html and summary.json; with a base carrier.csv. Exit status 1 "
+        "where no epoch\n"
+        "has a solution.",
+        std::move(t), "summary.json on standard output instead of the tables", true, gnss_dataset);
 }
 
 Command montecarlo() {
     using R = study::CampaignRequest;
     OptionTable<R> t;
     t.add(input<R>("SCENARIO", "scenario", "scenario file"))
-        .add(lettered('n', written("RUNS", otherwise("the scenario's, else the points of its sweeps, else 100", settings::integer<R>("runs", 1, 100'000'000, "number of Monte Carlo runs",
-                                                                                                      [](auto& r) -> auto& { return r.runs; })))))
+        .add(lettered('n', written("RUNS", otherwise("the scenario's, else the points of its sweeps, else 100",
+                                                     settings::integer<R>("runs", 1, 100'000'000, "number of Monte Carlo runs",
+                                                                          [](auto& r) -> auto& { return r.runs; })))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
         .add(output<R>("folder to write to", "out/NAME-montecarlo"))
-        .add(settings::flag<R>("resume", "go on with the interrupted campaign in the folder; begin one where there is none", [](auto& r) -> auto& { return r.resume; }))
-        .add(written("K", settings::integer<R>("first", 0, 9.0e15, "number of the first run: a part of a campaign, or one run of it again",
-                                               [](auto& r) -> auto& { return r.first; })))
+        .add(settings::flag<R>("resume", "go on with the interrupted campaign in the folder; begin one where there is none",
+                               [](auto& r) -> auto& { return r.resume; }))
+        .add(written(
+            "K", settings::integer<R>("first", 0, 9.0e15, "number of the first run: a part of a campaign, or one run of it again",
+                                      [](auto& r) -> auto& { return r.first; })))
         .add(seed<R>("of run 0, instead of the scenario's"));
     add_processing(t);
-    return command<R>("montecarlo", "many runs of a scenario with seeds of their own: errors and consistency over the runs",
-                      "  schuler montecarlo examples/paper-a-flight.toml -n 100\n"
-                      "  schuler montecarlo examples/paper-a-flight.toml -n 20 --jobs 2 --set filter.loop=open\n"
-                      "  schuler montecarlo examples/paper-a-flight.toml -n 10000 -o out/many --resume    go on after an interruption\n"
-                      "  schuler montecarlo examples/paper-a-flight.toml --first 17 -n 1                 run 17 again\n"
-                      "Run k has the seed of the scenario plus k: `schuler run SCENARIO --seed ...` repeats it. The files do not depend on --jobs\n"
-                      "(but for the speed in summary.json), nor on interruptions. [montecarlo] vary draws or sweeps settings from run to run.",
-                      std::move(t), table_json, true, study::run_montecarlo);
+    return command<R>(
+        "montecarlo", "many runs of a scenario with seeds of their own: errors and consistency over the runs",
+        "  schuler montecarlo examples/paper-a-flight.toml -n 100\n"
+        "  schuler montecarlo examples/paper-a-flight.toml -n 20 --jobs 2 --set filter.loop=open\n"
+        "  schuler montecarlo examples/paper-a-flight.toml -n 10000 -o out/many --resume    go on after an interruption\n"
+        "  schuler montecarlo examples/paper-a-flight.toml --first 17 -n 1                 run 17 again\n"
+        "Run k has the seed of the scenario plus k: `schuler run SCENARIO --seed ...` repeats it. The files do not depend on "
+        "--jobs\n"
+        "(but for the speed in summary.json), nor on interruptions. [montecarlo] vary draws or sweeps settings from run to run.",
+        std::move(t), table_json, true, study::run_montecarlo);
 }
 
 Command batch() {
     using R = BatchRequest;
     OptionTable<R> t;
-    Option<R> inputs = words<R>("list", "text file with the path of a data set in each line (relative to the file; # comments), data sets, or a folder of them",
-                                [](auto& r) -> auto& { return r.inputs; });
+    Option<R> inputs = words<R>(
+        "list",
+        "text file with the path of a data set in each line (relative to the file; # comments), data sets, or a folder of them",
+        [](auto& r) -> auto& { return r.inputs; });
     inputs.spec.line.file = inputs.spec.line.repeated = true;
     t.add(argument("LIST", std::move(inputs)))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
-        .add(settings::flag<R>("resume", "keep the results of the data sets that an interrupted batch has finished with the same settings",
+        .add(settings::flag<R>("resume",
+                               "keep the results of the data sets that an interrupted batch has finished with the same settings",
                                [](auto& r) -> auto& { return r.resume; }))
         .add(output<R>("folder to write to: a folder for each data set, and the table of all", "out/batch"));
     add_processing(t);
-    return command<R>("batch", "many data sets, each as `process` does it; one table of all, worst first",
-                      "  schuler batch logs.txt -o out/logs                      a path in each line\n"
-                      "  schuler batch archive/ --jobs 2 --resume                a folder of data sets; go on after an interruption\n"
-                      "A data set that fails does not stop the others. The exit status is 1 where one failed or is not to be used. batch.csv, batch.json\n"
-                      "and index.html, which links the reports, do not depend on --jobs.",
-                      std::move(t), "batch.json on standard output instead of the table", true, process_batch);
+    return command<R>(
+        "batch", "many data sets, each as `process` does it; one table of all, worst first",
+        "  schuler batch logs.txt -o out/logs                      a path in each line\n"
+        "  schuler batch archive/ --jobs 2 --resume                a folder of data sets; go on after an interruption\n"
+        "A data set that fails does not stop the others. The exit status is 1 where one failed or is not to be used. batch.csv, "
+        "batch.json\n"
+        "and index.html, which links the reports, do not depend on --jobs.",
+        std::move(t), "batch.json on standard output instead of the table", true, process_batch);
 }
 
 }  // namespace

@@ -1,20 +1,24 @@
 // `schuler paper`.
-#include "schuler/app/commands/builders.h"
 #include "schuler/study/papers/papers.h"
+#include "schuler/app/commands/builders.h"
 
 namespace schuler::app {
 
 void add_paper_command(std::vector<Command>& list) {
     using R = study::PaperRequest;
     OptionTable<R> t;
-    t.add(argument("PAPER", one_of<R>("paper", {"A", "B", "C", "D", "E"}, "letter of the paper", [](auto& r) -> auto& { return r.paper; })));
+    t.add(argument(
+        "PAPER", one_of<R>("paper", {"A", "B", "C", "D", "E"}, "letter of the paper", [](auto& r) -> auto& { return r.paper; })));
     Option<R> item = settings::text<R>("item", "a table or figure of it, or all", [](auto& r) -> auto& { return r.item; });
     item.spec.line.positional = true;
     item.spec.line.placeholder = "ITEM";
     t.add(otherwise("list them", std::move(item)))
-        .add(output_option<R>("folder of report.html, CSV files and summary.json", "none", [](auto& r) -> auto& { return r.output; }))
-        .add(lettered('n', written("RUNS", settings::integer<R>("runs", 0, 100'000, "runs of an item that is a Monte Carlo campaign; 0: as the list says",
-                                                                [](auto& r) -> auto& { return r.runs; }))))
+        .add(output_option<R>("folder of report.html, CSV files and summary.json", "none",
+                              [](auto& r) -> auto& { return r.output; }))
+        .add(lettered('n',
+                      written("RUNS", settings::integer<R>("runs", 0, 100'000,
+                                                           "runs of an item that is a Monte Carlo campaign; 0: as the list says",
+                                                           [](auto& r) -> auto& { return r.runs; }))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
         .add(seed_option<R>("of the first run", [](auto& r) -> auto& { return r.seed; }));
     list.push_back(command<R>("paper", "the tables and figures of the five papers: ours beside the printed, misprints named",

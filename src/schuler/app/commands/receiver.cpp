@@ -9,13 +9,17 @@ Command generate() {
     using R = GenerateRequest;
     OptionTable<R> t;
     t.add(argument("FILE", path<R>("file", "file to write", [](auto& r) -> auto& { return r.file; })))
-        .add(in_units("s", settings::number<R>("seconds", 1.0, -1e10, 1e10, "length", [](auto& r) -> auto& { return r.seconds; })))
+        .add(
+            in_units("s", settings::number<R>("seconds", 1.0, -1e10, 1e10, "length", [](auto& r) -> auto& { return r.seconds; })))
         .add(in_units("Hz", settings::number<R>("intermediate-frequency", 1.0, -1e12, 1e12, "of the carrier without Doppler",
                                                 [](auto& r) -> auto& { return r.intermediate_frequency; })))
-        .add(in_units("Hz", settings::number<R>("sample-rate", 1.0, -1e12, 1e12, "complex samples a second", [](auto& r) -> auto& { return r.sample_rate; })))
-        .add(written("G07:45:1200:300.5[,...]",
-                     otherwise("six satellites", words<R>("satellites", "number, C/N0 in dB-Hz, Doppler in Hz, code delay in chips at the first sample",
-                                                          [](auto& r) -> auto& { return r.satellites; }))))
+        .add(in_units("Hz", settings::number<R>("sample-rate", 1.0, -1e12, 1e12, "complex samples a second",
+                                                [](auto& r) -> auto& { return r.sample_rate; })))
+        .add(written(
+            "G07:45:1200:300.5[,...]",
+            otherwise("six satellites",
+                      words<R>("satellites", "number, C/N0 in dB-Hz, Doppler in Hz, code delay in chips at the first sample",
+                               [](auto& r) -> auto& { return r.satellites; }))))
         .add(seed_option<R>("of noise and messages", [](auto& r) -> auto& { return r.seed; }));
     return command<R>("receiver generate", "write a recording of GPS L1 C/A signals in noise",
                       "  schuler receiver generate sky.ibyte                     six satellites, 5 s at 4 MHz\n"
@@ -28,29 +32,36 @@ Command generate() {
 Command track() {
     using R = TrackRequest;
     OptionTable<R> t;
-    t.add(argument("FILE", path<R>("file", "recording: complex samples without a header", [](auto& r) -> auto& { return r.file; })))
+    t.add(argument("FILE",
+                   path<R>("file", "recording: complex samples without a header", [](auto& r) -> auto& { return r.file; })))
         .add(in_units("Hz", settings::number<R>("intermediate-frequency", 1.0, -1e12, 1e12, "of the carrier without Doppler",
                                                 [](auto& r) -> auto& { return r.intermediate_frequency; })))
         .add(required(in_units("Hz", settings::number<R>("sample-rate", 1.0, -1e12, 1e12, "complex samples a second",
                                                          [](auto& r) -> auto& { return r.sample_rate; }))))
-        .add(written("FORMAT", settings::text<R>("format", "ibyte, ubyte, ishort or gr_complex: signed or unsigned bytes, 16-bit words, floats",
-                                                 [](auto& r) -> auto& { return r.format; })))
-        .add(in_units("s", settings::number<R>("start", 1.0, -1e9, 1e9, "leave out what is before", [](auto& r) -> auto& { return r.start; })))
+        .add(written("FORMAT", settings::text<R>(
+                                   "format", "ibyte, ubyte, ishort or gr_complex: signed or unsigned bytes, 16-bit words, floats",
+                                   [](auto& r) -> auto& { return r.format; })))
+        .add(in_units("s", settings::number<R>("start", 1.0, -1e9, 1e9, "leave out what is before",
+                                               [](auto& r) -> auto& { return r.start; })))
         .add(in_units("s", otherwise("all", settings::number<R>("seconds", 1.0, -1e9, 1e9, "length of the part that is processed",
                                                                 [](auto& r) -> auto& { return r.seconds; }))))
-        .add(written("G07[,...]", otherwise("G01 to G32", words<R>("satellites", "look for these only", [](auto& r) -> auto& { return r.satellites; }))))
-        .add(in_units("Hz", settings::number<R>("doppler", 1.0, -1e9, 1e9, "half width of the search", [](auto& r) -> auto& { return r.doppler; })))
-        .add(written("MS", settings::integer<R>("search-ms", -1e6, 1e6, "samples that a search sums; ten times as many find 5 dB weaker signals",
+        .add(written("G07[,...]", otherwise("G01 to G32", words<R>("satellites", "look for these only",
+                                                                   [](auto& r) -> auto& { return r.satellites; }))))
+        .add(in_units("Hz", settings::number<R>("doppler", 1.0, -1e9, 1e9, "half width of the search",
+                                                [](auto& r) -> auto& { return r.doppler; })))
+        .add(written("MS", settings::integer<R>("search-ms", -1e6, 1e6,
+                                                "samples that a search sums; ten times as many find 5 dB weaker signals",
                                                 [](auto& r) -> auto& { return r.search_ms; })))
         .add(output_option<R>("folder to write to", "out/NAME", [](auto& r) -> auto& { return r.output; }));
-    return command<R>("receiver track", "find the satellites of a recording and track them",
-                      "  schuler receiver track sky.ibyte --sample-rate 4e6\n"
-                      "  schuler receiver track rtl.bin --sample-rate 2.048e6 --format ubyte --doppler 50000      a receiver with a poor "
-                      "oscillator\n"
-                      "  schuler receiver track if.dat --sample-rate 16.3676e6 --intermediate-frequency 4.1304e6 --format ishort --seconds 30\n"
-                      "  schuler receiver track weak.ibyte --sample-rate 4e6 --search-ms 100 --satellites G03,G22 --json\n"
-                      "Writes tracking.csv, summary.json and report.html. Exit status 1 where no satellite is found.",
-                      std::move(t), "summary.json on standard output instead of the table", true, track_recording);
+    return command<R>(
+        "receiver track", "find the satellites of a recording and track them",
+        "  schuler receiver track sky.ibyte --sample-rate 4e6\n"
+        "  schuler receiver track rtl.bin --sample-rate 2.048e6 --format ubyte --doppler 50000      a receiver with a poor "
+        "oscillator\n"
+        "  schuler receiver track if.dat --sample-rate 16.3676e6 --intermediate-frequency 4.1304e6 --format ishort --seconds 30\n"
+        "  schuler receiver track weak.ibyte --sample-rate 4e6 --search-ms 100 --satellites G03,G22 --json\n"
+        "Writes tracking.csv, summary.json and report.html. Exit status 1 where no satellite is found.",
+        std::move(t), "summary.json on standard output instead of the table", true, track_recording);
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // `schuler analyze`: studies of designs, of faults and of instruments.
+#include "schuler/study/studies.h"
 #include "schuler/app/commands/builders.h"
 #include "schuler/study/allan.h"
 #include "schuler/study/covariance/covariance.h"
-#include "schuler/study/studies.h"
 #include "schuler/study/triad/protection.h"
 
 namespace schuler::app {
@@ -13,14 +13,17 @@ constexpr const char* json_document = "one JSON document";
 Command requirements() {
     using R = study::RequirementsRequest;
     OptionTable<R> t;
-    t.add(in_units("m", settings::number<R>("budget", 1.0, 0, 1e7, "horizontal position error that is allowed", [](auto& r) -> auto& { return r.budget; })))
-        .add(in_units("s", otherwise("10 s to an hour", written("S[,S...]", numbers<R>("outage", 0, 1e7, "lengths of outages",
-                                                                                        [](auto& r) -> auto& { return r.outages; })))))
+    t.add(in_units("m", settings::number<R>("budget", 1.0, 0, 1e7, "horizontal position error that is allowed",
+                                            [](auto& r) -> auto& { return r.budget; })))
+        .add(in_units("s",
+                      otherwise("10 s to an hour", written("S[,S...]", numbers<R>("outage", 0, 1e7, "lengths of outages",
+                                                                                  [](auto& r) -> auto& { return r.outages; })))))
         .add(otherwise("all", written("NAME", words<R>("device", "inertial units whose longest tolerable outage is computed",
                                                        [](auto& r) -> auto& { return r.devices; }))));
-    return command<R>("analyze requirements", "sensors for a position budget over an outage, and outages for devices (paper A, 1.4)",
-                      "  schuler analyze requirements --budget 5 --outage 60\n  schuler analyze requirements --budget 5 --device hg9900 --json",
-                      std::move(t), json_document, false, study::analyze_requirements);
+    return command<R>(
+        "analyze requirements", "sensors for a position budget over an outage, and outages for devices (paper A, 1.4)",
+        "  schuler analyze requirements --budget 5 --outage 60\n  schuler analyze requirements --budget 5 --device hg9900 --json",
+        std::move(t), json_document, false, study::analyze_requirements);
 }
 
 /// What the studies of a scenario share.
@@ -28,7 +31,8 @@ OptionTable<study::StudyRequest> study_of_scenario() {
     using R = study::StudyRequest;
     OptionTable<R> t;
     t.add(argument("SCENARIO", path<R>("scenario", "scenario file", [](auto& r) -> auto& { return r.scenario; })))
-        .add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "runs of each case", [](auto& r) -> auto& { return r.runs; }))))
+        .add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "runs of each case",
+                                                                [](auto& r) -> auto& { return r.runs; }))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
         .add(otherwise("the scenario's", seed_option<R>("of the first run", [](auto& r) -> auto& { return r.seed; })))
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }));
@@ -36,7 +40,8 @@ OptionTable<study::StudyRequest> study_of_scenario() {
 }
 
 Command budget() {
-    return command<study::StudyRequest>("analyze budget", "error budget: one source at a time is simulated, the filter assumes all of them",
+    return command<study::StudyRequest>("analyze budget",
+                                        "error budget: one source at a time is simulated, the filter assumes all of them",
                                         "  schuler analyze budget examples/paper-a-flight.toml\n"
                                         "  schuler analyze budget examples/airliner-hg9900.toml -n 20 --json",
                                         study_of_scenario(), json_document, true, study::analyze_budget);
@@ -45,33 +50,51 @@ Command budget() {
 Command covariance() {
     using R = study::CovarianceRequest;
     OptionTable<R> t;
-    t.add(argument("SCENARIO", path<R>("scenario", "scenario file, with filter.initial_error", [](auto& r) -> auto& { return r.scenario; })))
+    t.add(argument("SCENARIO",
+                   path<R>("scenario", "scenario file, with filter.initial_error", [](auto& r) -> auto& { return r.scenario; })))
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
         .add(seed_option<R>("of changes of the satellites in view", [](auto& r) -> auto& { return r.seed; }))
-        .add(in_units("Hz", settings::number<R>("rate", 1.0, 0.1, 1e4, "rate of the inertial unit, at most: the path is followed so finely", [](auto& r) -> auto& { return r.rate; })))
-        .add(in_units("s", settings::number<R>("outage", 1.0, 0, 1e6, "withhold GNSS for so long at the end of the scenario, instead of its own outages; 0: its own",
-                                               [](auto& r) -> auto& { return r.outage; })))
-        .add(written("KEY", settings::text<R>("find", "the value of this key of the scenario at which the horizontal error is --target, by bisection",
-                                              [](auto& r) -> auto& { return r.find; })))
-        .add(in_units("m", settings::number<R>("target", 1.0, 0, 1e9, "horizontal error (one sigma, radial) at the end of the first outage, or of the path",
-                                               [](auto& r) -> auto& { return r.target; })))
-        .add(output_option<R>("folder of covariance.csv and a report with plots", "none", [](auto& r) -> auto& { return r.output; }));
-    return command<R>("analyze covariance", "errors of the filter without Monte Carlo: true covariance under its gains, its own, and the share of each source",
-                      "  schuler analyze covariance examples/paper-a-flight.toml\n"
-                      "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 -o out/covariance\n"
-                      "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 --find imu.gyro_bias_deg_h --target 5\n"
-                      "[filter] assumed gives the filter another error model than the true one: the table then shows how far its sigmas are off.",
-                      std::move(t), json_document, false, study::analyze_covariance);
+        .add(in_units(
+            "Hz", settings::number<R>("rate", 1.0, 0.1, 1e4, "rate of the inertial unit, at most: the path is followed so finely",
+                                      [](auto& r) -> auto& { return r.rate; })))
+        .add(in_units("s", settings::number<R>(
+                               "outage", 1.0, 0, 1e6,
+                               "withhold GNSS for so long at the end of the scenario, instead of its own outages; 0: its own",
+                               [](auto& r) -> auto& { return r.outage; })))
+        .add(written("KEY",
+                     settings::text<R>(
+                         "find", "the value of this key of the scenario at which the horizontal error is --target, by bisection",
+                         [](auto& r) -> auto& { return r.find; })))
+        .add(in_units("m",
+                      settings::number<R>("target", 1.0, 0, 1e9,
+                                          "horizontal error (one sigma, radial) at the end of the first outage, or of the path",
+                                          [](auto& r) -> auto& { return r.target; })))
+        .add(output_option<R>("folder of covariance.csv and a report with plots", "none",
+                              [](auto& r) -> auto& { return r.output; }));
+    return command<R>(
+        "analyze covariance",
+        "errors of the filter without Monte Carlo: true covariance under its gains, its own, and the share of each source",
+        "  schuler analyze covariance examples/paper-a-flight.toml\n"
+        "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 -o out/covariance\n"
+        "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 --find imu.gyro_bias_deg_h --target 5\n"
+        "[filter] assumed gives the filter another error model than the true one: the table then shows how far its sigmas are "
+        "off.",
+        std::move(t), json_document, false, study::analyze_covariance);
 }
 
 Command integrity() {
     using R = study::StudyRequest;
     OptionTable<R> t = study_of_scenario();
-    t.add(otherwise("all", written("KIND", words<R>("kind", "step, ramp (position alone), drift (with its velocity), velocity, noise, freeze",
-                                                    [](auto& r) -> auto& { return r.kinds; }))))
-        .add(otherwise("by the kind", written("SIZE", numbers<R>("size", -1e9, 1e9, "m, or m/s", [](auto& r) -> auto& { return r.sizes; }))))
-        .add(in_units("s", settings::number<R>("start", 1.0, 0, 1e9, "start of the fault; 0: half of the scenario", [](auto& r) -> auto& { return r.start; })))
-        .add(in_units("s", settings::number<R>("duration", 1.0, 0, 1e9, "duration of the fault", [](auto& r) -> auto& { return r.duration; })));
+    t.add(otherwise(
+              "all",
+              written("KIND", words<R>("kind", "step, ramp (position alone), drift (with its velocity), velocity, noise, freeze",
+                                       [](auto& r) -> auto& { return r.kinds; }))))
+        .add(otherwise("by the kind",
+                       written("SIZE", numbers<R>("size", -1e9, 1e9, "m, or m/s", [](auto& r) -> auto& { return r.sizes; }))))
+        .add(in_units("s", settings::number<R>("start", 1.0, 0, 1e9, "start of the fault; 0: half of the scenario",
+                                               [](auto& r) -> auto& { return r.start; })))
+        .add(in_units("s", settings::number<R>("duration", 1.0, 0, 1e9, "duration of the fault",
+                                               [](auto& r) -> auto& { return r.duration; })));
     return command<R>("analyze integrity", "faults of the receiver: detection, time to alert, false alarms",
                       "  schuler analyze integrity examples/paper-a-flight.toml\n"
                       "  schuler analyze integrity examples/paper-a-flight.toml --kind ramp --size 0.1,0.5 -n 50",
@@ -81,23 +104,31 @@ Command integrity() {
 Command triad() {
     using R = study::TriadRequest;
     OptionTable<R> t;
-    t.add(otherwise("all", written("LETTERS", settings::text<R>("cases", "letters: a 4, b 3, c 2 satellites, d 4 stations, e 2 and 2, s those from 300 s on, f all, g f and 4 stations",
+    t.add(otherwise("all", written("LETTERS", settings::text<R>("cases",
+                                                                "letters: a 4, b 3, c 2 satellites, d 4 stations, e 2 and 2, s "
+                                                                "those from 300 s on, f all, g f and 4 stations",
                                                                 [](auto& r) -> auto& { return r.cases; }))))
-        .add(written("GRADE", one_of<R>("grade", {"navigation", "tactical"}, "of the inertial unit", [](auto& r) -> auto& { return r.grade; })))
-        .add(written("KIND", one_of<R>("oscillator", {"ocxo", "tcxo"}, "of the receiver", [](auto& r) -> auto& { return r.oscillator; })))
-        .add(in_units("m", otherwise("30", settings::number<R>("baro", 1.0, 0, 1e5, "standard deviation of the barometer's bias; 0: no barometer",
+        .add(written("GRADE", one_of<R>("grade", {"navigation", "tactical"}, "of the inertial unit",
+                                        [](auto& r) -> auto& { return r.grade; })))
+        .add(written("KIND",
+                     one_of<R>("oscillator", {"ocxo", "tcxo"}, "of the receiver", [](auto& r) -> auto& { return r.oscillator; })))
+        .add(in_units("m", otherwise("30", settings::number<R>("baro", 1.0, 0, 1e5,
+                                                               "standard deviation of the barometer's bias; 0: no barometer",
                                                                [](auto& r) -> auto& { return r.baro; }))))
-        .add(written("FRAME", one_of<R>("mechanization", {"geographic", "ecef"}, "axes of the mechanization", [](auto& r) -> auto& { return r.mechanization; })))
-        .add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "runs of each case: run j has geometry j mod 48",
-                                                                [](auto& r) -> auto& { return r.runs; }))))
+        .add(written("FRAME", one_of<R>("mechanization", {"geographic", "ecef"}, "axes of the mechanization",
+                                        [](auto& r) -> auto& { return r.mechanization; })))
+        .add(lettered('n',
+                      written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "runs of each case: run j has geometry j mod 48",
+                                                           [](auto& r) -> auto& { return r.runs; }))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
         .add(seed_option<R>("of the first 48 runs", [](auto& r) -> auto& { return r.seed; }))
         .add(output_option<R>("folder of CSV files and a report with plots", "none", [](auto& r) -> auto& { return r.output; }));
-    return command<R>("analyze triad", "satellites, ADS-B stations and INS in one filter: paper D's experiments over 48 geometries",
-                      "  schuler analyze triad                                    the cases of the reference simulation, 48 runs each\n"
-                      "  schuler analyze triad --cases ce -n 480 -o out/triad     ten seeds on each geometry, with plots\n"
-                      "  schuler analyze triad --grade tactical --oscillator tcxo --baro 0",
-                      std::move(t), json_document, true, study::analyze_triad);
+    return command<R>(
+        "analyze triad", "satellites, ADS-B stations and INS in one filter: paper D's experiments over 48 geometries",
+        "  schuler analyze triad                                    the cases of the reference simulation, 48 runs each\n"
+        "  schuler analyze triad --cases ce -n 480 -o out/triad     ten seeds on each geometry, with plots\n"
+        "  schuler analyze triad --grade tactical --oscillator tcxo --baro 0",
+        std::move(t), json_document, true, study::analyze_triad);
 }
 
 Command allan() {
@@ -105,22 +136,26 @@ Command allan() {
     OptionTable<R> t;
     t.add(argument("INPUT", path<R>("input", "data set or scenario file", [](auto& r) -> auto& { return r.input; })))
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
-        .add(written("FILE.toml", path<R>("config", "settings over those of the data set", [](auto& r) -> auto& { return r.config; })))
+        .add(written("FILE.toml",
+                     path<R>("config", "settings over those of the data set", [](auto& r) -> auto& { return r.config; })))
         .add(seed_option<R>("instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));
-    return command<R>("analyze allan", "noise of the inertial sensors: Allan deviation, its coefficients, spectra",
-                      "  schuler analyze allan bench/                              a log of an instrument at rest\n"
-                      "  schuler analyze allan drive/ --set run.stop_s=300 --json   its first minutes, with the points of the curves\n"
-                      "  schuler analyze allan examples/static.toml                the instrument of a scenario\n"
-                      "Axes are those of the body. Only an instrument at rest shows its noise alone.",
-                      std::move(t), json_document, true, study::analyze_allan);
+    return command<R>(
+        "analyze allan", "noise of the inertial sensors: Allan deviation, its coefficients, spectra",
+        "  schuler analyze allan bench/                              a log of an instrument at rest\n"
+        "  schuler analyze allan drive/ --set run.stop_s=300 --json   its first minutes, with the points of the curves\n"
+        "  schuler analyze allan examples/static.toml                the instrument of a scenario\n"
+        "Axes are those of the body. Only an instrument at rest shows its noise alone.",
+        std::move(t), json_document, true, study::analyze_allan);
 }
 
 Command protection() {
     using R = study::ProtectionRequest;
     OptionTable<R> t;
-    t.add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "faults, each in a flight of its own", [](auto& r) -> auto& { return r.runs; }))))
+    t.add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "faults, each in a flight of its own",
+                                                             [](auto& r) -> auto& { return r.runs; }))))
         .add(settings::flag<R>("double", "two satellites wrong at once", [](auto& r) -> auto& { return r.kind.twice; }))
-        .add(settings::flag<R>("ramp", "faults that grow by 0.1 to 5 m/s instead of constant ones", [](auto& r) -> auto& { return r.kind.ramp; }))
+        .add(settings::flag<R>("ramp", "faults that grow by 0.1 to 5 m/s instead of constant ones",
+                               [](auto& r) -> auto& { return r.kind.ramp; }))
         .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.1, "stated risk of a missed detection in an epoch",
                                  [](auto& r) -> auto& { return r.settings.missed_detection; }))
         .add(settings::number<R>("false-alarm", 1.0, 1e-15, 0.1, "stated risk of a false alarm in one test",
@@ -128,7 +163,8 @@ Command protection() {
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
         .add(seed_option<R>("of the first flight", [](auto& r) -> auto& { return r.seed; }))
         .add(output_option<R>("folder of trials.csv", "none", [](auto& r) -> auto& { return r.output; }));
-    return command<R>("analyze protection", "wrong pseudoranges in the tight filter: missed detections, false alarms, protection levels",
+    return command<R>("analyze protection",
+                      "wrong pseudoranges in the tight filter: missed detections, false alarms, protection levels",
                       "  schuler analyze protection -n 10000                       single faults on the flights of paper D\n"
                       "  schuler analyze protection -n 2000 --double --json\n"
                       "  schuler analyze protection -n 500 --ramp                 faults that grow slowly",

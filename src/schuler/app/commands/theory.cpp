@@ -23,7 +23,8 @@ Option<R> time_option(std::string help, Access access) {
 
 /// Three numbers of a vector, one option each.
 template <class R>
-void add_vector(OptionTable<R>& table, Eigen::Vector3d R::* field, const std::array<const char*, 3>& keys, const char* what, const char* unit) {
+void add_vector(OptionTable<R>& table, Eigen::Vector3d R::*field, const std::array<const char*, 3>& keys, const char* what,
+                const char* unit) {
     constexpr std::array axes{"east", "north", "up"};
     for (Eigen::Index i = 0; i < 3; ++i)
         table.add(quantity<R>(keys[static_cast<std::size_t>(i)], unit, std::string(what) + axes[static_cast<std::size_t>(i)],
@@ -41,35 +42,41 @@ Command equator() {
     constexpr std::array unit{"m/s", "m/s", "m/s", "m", "rad", "rad"};
     for (Eigen::Index i = 0; i < 6; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        t.add(quantity<R>(keys[k], unit[k], std::string("initial error of ") + what[k], [i](auto& r) -> auto& { return r.errors[i]; }));
+        t.add(quantity<R>(keys[k], unit[k], std::string("initial error of ") + what[k],
+                          [i](auto& r) -> auto& { return r.errors[i]; }));
     }
-    t.add(in_units("rad", settings::vector3<R>("misalignment", 1.0, -10, 10,
-                                               "initial attitude error about the pole, the start's meridian, east of it: three numbers",
-                                               [](auto& r) -> auto& { return r.misalignment; })))
-        .add(settings::flag<R>("paper", "tables 1 to 3 of the paper: printed, right, marked where off", [](auto& r) -> auto& { return r.paper; }))
+    t.add(in_units("rad",
+                   settings::vector3<R>("misalignment", 1.0, -10, 10,
+                                        "initial attitude error about the pole, the start's meridian, east of it: three numbers",
+                                        [](auto& r) -> auto& { return r.misalignment; })))
+        .add(settings::flag<R>("paper", "tables 1 to 3 of the paper: printed, right, marked where off",
+                               [](auto& r) -> auto& { return r.paper; }))
         .add(settings::flag<R>("compare", "integrate the complete and the linear equations too; writes a report with plots",
                                [](auto& r) -> auto& { return r.compare; }))
         .add(in_units("deg", settings::number<R>("latitude-deg", 1.0, -90, 90, "latitude of a comparison away from the equator",
                                                  [](auto& r) -> auto& { return r.latitude_deg; })))
         .add(quantity<R>("vn", "m/s", "north velocity of a comparison", [](auto& r) -> auto& { return r.north_speed; }))
         .add(quantity<R>("vh", "m/s", "up velocity of a comparison", [](auto& r) -> auto& { return r.up_speed; }))
-        .add(settings::flag<R>("ellipsoid", "a comparison with the paper's e^2 instead of a sphere", [](auto& r) -> auto& { return r.ellipsoid; }))
+        .add(settings::flag<R>("ellipsoid", "a comparison with the paper's e^2 instead of a sphere",
+                               [](auto& r) -> auto& { return r.ellipsoid; }))
         .add(output_option<R>("folder of the comparison's report", "out/equator", [](auto& r) -> auto& { return r.output; }));
-    return command<R>("analyze equator", "errors of an INS that follows the equator, in closed form (paper C, corrected)",
-                      "  schuler analyze equator --speed 600 --height 10000 --time 3600 --dh 1\n"
-                      "  schuler analyze equator --paper                          the paper's tables, its misprints marked\n"
-                      "  schuler analyze equator --speed 600 --height 10000 --time 7200 --dvn 0.01 --dh 1 --dphi 1.57e-7 --json\n"
-                      "  schuler analyze equator --speed 250 --dh 100 --compare -o out/equator     complete, linear and closed side by side\n"
-                      "  schuler analyze equator --speed 200 --vn 100 --latitude-deg 45 --dvn 0.1 --compare --ellipsoid\n"
-                      "  schuler analyze equator --speed 8000                     beyond the limiting speed\n"
-                      "Errors are estimate minus truth. The exit status is 0 also where the flight is unstable: the verdict states it.",
-                      std::move(t), json_document, false, study::analyze_equator);
+    return command<R>(
+        "analyze equator", "errors of an INS that follows the equator, in closed form (paper C, corrected)",
+        "  schuler analyze equator --speed 600 --height 10000 --time 3600 --dh 1\n"
+        "  schuler analyze equator --paper                          the paper's tables, its misprints marked\n"
+        "  schuler analyze equator --speed 600 --height 10000 --time 7200 --dvn 0.01 --dh 1 --dphi 1.57e-7 --json\n"
+        "  schuler analyze equator --speed 250 --dh 100 --compare -o out/equator     complete, linear and closed side by side\n"
+        "  schuler analyze equator --speed 200 --vn 100 --latitude-deg 45 --dvn 0.1 --compare --ellipsoid\n"
+        "  schuler analyze equator --speed 8000                     beyond the limiting speed\n"
+        "Errors are estimate minus truth. The exit status is 0 also where the flight is unstable: the verdict states it.",
+        std::move(t), json_document, false, study::analyze_equator);
 }
 
 Command modes() {
     using R = study::SchulerRequest;
     OptionTable<R> t;
-    t.add(in_units("deg", settings::number<R>("latitude-deg", 1.0, -90, 90, "latitude", [](auto& r) -> auto& { return r.latitude_deg; })))
+    t.add(in_units("deg", settings::number<R>("latitude-deg", 1.0, -90, 90, "latitude",
+                                              [](auto& r) -> auto& { return r.latitude_deg; })))
         .add(quantity<R>("height", "m", "height above the ellipsoid", [](auto& r) -> auto& { return r.height; }));
     add_vector(t, &R::v_enu, {"ve", "vn", "vh"}, "velocity over the Earth, ", "m/s");
     t.add(time_option<R>("errors are followed up to this time", [](auto& r) -> auto& { return r.time; }));
@@ -78,19 +85,22 @@ Command modes() {
     add_vector(t, &R::attitude, {"tilt-east", "tilt-north", "azimuth"}, "initial attitude error about ", "rad");
     add_vector(t, &R::gyro_deg_h, {"gyro-east-deg-h", "gyro-north-deg-h", "gyro-up-deg-h"}, "constant drift about ", "deg/h");
     add_vector(t, &R::accel_ug, {"accel-east-ug", "accel-north-ug", "accel-up-ug"}, "constant accelerometer error ", "ug");
-    t.add(written("KIND", one_of<R>("vertical", {"fixed", "free", "second", "third"}, "height: fixed, free, or a barometer loop of that order",
+    t.add(written("KIND", one_of<R>("vertical", {"fixed", "free", "second", "third"},
+                                    "height: fixed, free, or a barometer loop of that order",
                                     [](auto& r) -> auto& { return r.vertical; })))
-        .add(in_units("s", settings::number<R>("baro-time", 1.0, 1e-3, 1e6, "time constant of the loop", [](auto& r) -> auto& { return r.baro_time; })))
+        .add(in_units("s", settings::number<R>("baro-time", 1.0, 1e-3, 1e6, "time constant of the loop",
+                                               [](auto& r) -> auto& { return r.baro_time; })))
         .add(quantity<R>("baro", "m", "constant error of the barometer", [](auto& r) -> auto& { return r.baro; }))
         .add(settings::flag<R>("paper", "cases of paper A, section 4.1", [](auto& r) -> auto& { return r.paper; }))
         .add(output_option<R>("folder of a report with plots", "none", [](auto& r) -> auto& { return r.output; }));
-    return command<R>("analyze schuler", "Schuler, Foucault, 24-hour and vertical modes of an INS's errors at any place and velocity",
-                      "  schuler analyze schuler --tilt-east 1e-3 --time 5064      a pendulum of 84.4 minutes\n"
-                      "  schuler analyze schuler --gyro-north-deg-h 0.01 --time 3600 -o out/drift\n"
-                      "  schuler analyze schuler --paper                          the cases of paper A, section 4.1, with the right numbers\n"
-                      "  schuler analyze schuler --ve 250 --height 10000 --vertical third --accel-up-ug 50\n"
-                      "Errors are estimate minus truth; errors of instruments are measured minus true, in east-north-up.",
-                      std::move(t), json_document, false, study::analyze_schuler);
+    return command<R>(
+        "analyze schuler", "Schuler, Foucault, 24-hour and vertical modes of an INS's errors at any place and velocity",
+        "  schuler analyze schuler --tilt-east 1e-3 --time 5064      a pendulum of 84.4 minutes\n"
+        "  schuler analyze schuler --gyro-north-deg-h 0.01 --time 3600 -o out/drift\n"
+        "  schuler analyze schuler --paper                          the cases of paper A, section 4.1, with the right numbers\n"
+        "  schuler analyze schuler --ve 250 --height 10000 --vertical third --accel-up-ug 50\n"
+        "Errors are estimate minus truth; errors of instruments are measured minus true, in east-north-up.",
+        std::move(t), json_document, false, study::analyze_schuler);
 }
 
 Command observability() {
@@ -111,15 +121,19 @@ Command observability() {
                                                [](auto& r) -> auto& { return r.correlation_time; })))
         .add(written("N", settings::integer<R>("polynomial", 0, 2, "degree of its systematic part along the track",
                                                [](auto& r) -> auto& { return r.polynomial; })))
-        .add(settings::number<R>("tolerance", 1.0, 0, 1, "smallest pivot that counts; 0: exact rank", [](auto& r) -> auto& { return r.tolerance; }))
-        .add(settings::flag<R>("rhumb", "constant course and velocity against north instead of a great circle", [](auto& r) -> auto& { return r.rhumb; }))
+        .add(settings::number<R>("tolerance", 1.0, 0, 1, "smallest pivot that counts; 0: exact rank",
+                                 [](auto& r) -> auto& { return r.tolerance; }))
+        .add(settings::flag<R>("rhumb", "constant course and velocity against north instead of a great circle",
+                               [](auto& r) -> auto& { return r.rhumb; }))
         .add(settings::flag<R>("frozen", "hold the model as it is at the start", [](auto& r) -> auto& { return r.frozen; }))
         .add(settings::flag<R>("paper", "the paper's motions too", [](auto& r) -> auto& { return r.paper; }));
-    return command<R>("analyze observability", "which states of strapdown gravimetry position and velocity fixes make observable (paper E)",
+    return command<R>("analyze observability",
+                      "which states of strapdown gravimetry position and velocity fixes make observable (paper E)",
                       "  schuler analyze observability --paper                     at rest and at 1 m/s, beside the paper\n"
                       "  schuler analyze observability --vn 1 --ve 1 --json        exact rank, pivots, combinations\n"
                       "  schuler analyze observability --vn 1 --ve 1 --tolerance 1e-7\n"
-                      "Ranks are decided with fifty digits along the motion, a great circle. A pivot is a share of what gravity does in 13 minutes.",
+                      "Ranks are decided with fifty digits along the motion, a great circle. A pivot is a share of what gravity "
+                      "does in 13 minutes.",
                       std::move(t), json_document, false, study::analyze_observability);
 }
 

@@ -13,23 +13,21 @@
 namespace schuler::app {
 namespace {
 
-constexpr double longest = 3600.0;     // s
-constexpr double transit = 67.0;       // code periods of the shortest way from a satellite
+constexpr double longest = 3600.0;  // s
+constexpr double transit = 67.0;    // code periods of the shortest way from a satellite
 const std::vector<std::string> six_satellites{"G03:47:-2210:118.25",    "G07:45:1200:300.5", "G11:43:-640.5:871.75",
                                               "G18:40:3105.25:512.125", "G22:48:310:42",     "G30:38:-4020:990.5"};
 
 struct Wanted {
     int prn = 0;
-    double cn0_db = 45.0, doppler = 0.0, code_delay = 0.0;   ///< dB-Hz, Hz, chips
+    double cn0_db = 45.0, doppler = 0.0, code_delay = 0.0;  ///< dB-Hz, Hz, chips
 };
 
 std::vector<std::string> split(const std::string& text, char at) {
     std::vector<std::string> parts(1);
     for (const char c : text) {
-        if (c == at)
-            parts.emplace_back();
-        else
-            parts.back() += c;
+        if (c == at) parts.emplace_back();
+        else parts.back() += c;
     }
     return parts;
 }
@@ -59,8 +57,7 @@ std::vector<Wanted> all_wanted(const std::vector<std::string>& texts) {
         out.push_back(wanted_from(text));
         for (std::size_t i = 0; i + 1 < out.size(); ++i)
             if (out[i].prn == out.back().prn)
-                throw input_error(fmt::format("G{:02} is given twice", out.back().prn), {.key = "--satellites"},
-                                  "give it once");
+                throw input_error(fmt::format("G{:02} is given twice", out.back().prn), {.key = "--satellites"}, "give it once");
     }
     return out;
 }
@@ -99,13 +96,13 @@ report::Outcome generated(const GenerateRequest& request) {
 
     const double seconds = static_cast<double>(periods) * 1e-3;
     report::Json json{{"command", "receiver generate"},
-              {"file", request.file.string()},
-              {"format", "ibyte"},
-              {"sample_rate_hz", format.sample_rate},
-              {"intermediate_frequency_hz", format.intermediate_frequency},
-              {"duration_s", seconds},
-              {"seed", request.seed},
-              {"satellites", report::Json::array()}};
+                      {"file", request.file.string()},
+                      {"format", "ibyte"},
+                      {"sample_rate_hz", format.sample_rate},
+                      {"intermediate_frequency_hz", format.intermediate_frequency},
+                      {"duration_s", seconds},
+                      {"seed", request.seed},
+                      {"satellites", report::Json::array()}};
     report::Outcome out;
     out.tables = fmt::format(
         "{:g} s at {:g} samples/s, intermediate frequency {:g} Hz, signed bytes I and Q (ibyte)\n{:<9}{:>12}{:>12}{:>18}\n",
@@ -136,8 +133,8 @@ int gps_number(std::string_view name) {
 
 report::Outcome generate_recording(const GenerateRequest& request) {
     study::check_finite({{"--seconds", request.seconds},
-                  {"--sample-rate", request.sample_rate},
-                  {"--intermediate-frequency", request.intermediate_frequency}});
+                         {"--sample-rate", request.sample_rate},
+                         {"--intermediate-frequency", request.intermediate_frequency}});
     return study::with_option_names([&] { return generated(request); });
 }
 

@@ -17,8 +17,8 @@ namespace schuler::app {
 struct GenerateRequest {
     std::filesystem::path file;
     double seconds = 5.0;
-    double sample_rate = 4e6;               ///< complex samples/s
-    double intermediate_frequency = 0.0;    ///< Hz
+    double sample_rate = 4e6;             ///< complex samples/s
+    double intermediate_frequency = 0.0;  ///< Hz
     std::vector<std::string> satellites;  ///< "G07:45:1200:300.5": number, C/N0 in dB-Hz, Doppler in Hz, code delay in chips; the
         ///< last ones may be missing; empty: six satellites
     std::uint64_t seed = 1;
@@ -34,12 +34,12 @@ struct TrackRequest {
     std::string format = "ibyte";
     double sample_rate = 0.0;
     double intermediate_frequency = 0.0;
-    double start = 0.0;  ///< s of the recording, whole milliseconds
-    std::optional<double> seconds;  ///< from `start` on; nothing: to the end
+    double start = 0.0;                   ///< s of the recording, whole milliseconds
+    std::optional<double> seconds;        ///< from `start` on; nothing: to the end
     std::vector<std::string> satellites;  ///< "G07"; empty: all
-    double doppler = 5000.0;  ///< Hz, half width of the search
-    int search_ms = 10;  ///< code periods summed in a search
-    std::filesystem::path output;  ///< folder; empty: out/NAME
+    double doppler = 5000.0;              ///< Hz, half width of the search
+    int search_ms = 10;                   ///< code periods summed in a search
+    std::filesystem::path output;         ///< folder; empty: out/NAME
     std::string version;
     std::function<void(double)> progress;
 };

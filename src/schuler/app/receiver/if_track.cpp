@@ -19,8 +19,8 @@ namespace {
 using receiver::ChannelSample;
 using receiver::SatelliteRecord;
 
-constexpr double pulling_in = 3.0;             // s from the search to phase lock
-constexpr double shown = 4000.0;               // epochs of a satellite in the report
+constexpr double pulling_in = 3.0;  // s from the search to phase lock
+constexpr double shown = 4000.0;    // epochs of a satellite in the report
 
 /// tracking.csv, begun when there is a row, so that a recording without a satellite leaves nothing behind.
 class TrackingFile {
@@ -61,9 +61,9 @@ private:
 
 report::Json json_of(const SatelliteRecord& r, int search_periods) {
     report::Json row{{"satellite", fmt::format("G{:02}", r.prn)},
-             {"found", r.found},
-             {"statistic", report::json_number(r.acquired.statistic)},
-             {"threshold", report::json_number(r.acquired.threshold)}};
+                     {"found", r.found},
+                     {"statistic", report::json_number(r.acquired.statistic)},
+                     {"threshold", report::json_number(r.acquired.threshold)}};
     if (!r.found) return row;
     row["found_at_s"] = report::json_number(r.found_at);
     row["search"] = {{"doppler_hz", r.acquired.replica.carrier_frequency},
@@ -89,10 +89,10 @@ std::vector<int> numbers_of(const std::vector<std::string>& names) {
 
 void check(const TrackRequest& request) {
     study::check_finite({{"--sample-rate", request.sample_rate},
-                  {"--intermediate-frequency", request.intermediate_frequency},
-                  {"--start", request.start},
-                  {"--seconds", request.seconds.value_or(1.0)},
-                  {"--doppler", request.doppler}});
+                         {"--intermediate-frequency", request.intermediate_frequency},
+                         {"--start", request.start},
+                         {"--seconds", request.seconds.value_or(1.0)},
+                         {"--doppler", request.doppler}});
     if (request.start < 0.0) throw input_error(fmt::format("{} s", request.start), {.key = "--start"}, "give 0 or more");
     if (request.seconds && *request.seconds <= 0.0)
         throw input_error(fmt::format("{} s", *request.seconds), {.key = "--seconds"}, "give more than 0, or leave it out");
@@ -167,16 +167,16 @@ report::Outcome tracked(const TrackRequest& request) {
     table.close(out);
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     report::Json json{{"command", "receiver track"},
-              {"file", request.file.string()},
-              {"format", request.format},
-              {"sample_rate_hz", format.sample_rate},
-              {"intermediate_frequency_hz", format.intermediate_frequency},
-              {"start_s", zero},
-              {"duration_s", seconds},
-              {"search", {{"doppler_hz", request.doppler}, {"duration_ms", request.search_ms}}},
-              {"found", found},
-              {"satellites", report::Json::array()},
-              {"timing", {{"wall_s", wall}, {"times_real_time", report::json_number(seconds / wall)}}}};
+                      {"file", request.file.string()},
+                      {"format", request.format},
+                      {"sample_rate_hz", format.sample_rate},
+                      {"intermediate_frequency_hz", format.intermediate_frequency},
+                      {"start_s", zero},
+                      {"duration_s", seconds},
+                      {"search", {{"doppler_hz", request.doppler}, {"duration_ms", request.search_ms}}},
+                      {"found", found},
+                      {"satellites", report::Json::array()},
+                      {"timing", {{"wall_s", wall}, {"times_real_time", report::json_number(seconds / wall)}}}};
     for (SatelliteRecord& r : run.satellites) {
         for (double* time : {&r.found_at, &r.locked_at, &r.last.time}) *time += zero;
         json["satellites"].push_back(json_of(r, request.search_ms));
@@ -198,7 +198,7 @@ report::Outcome track_recording(const TrackRequest& request) {
         if (e.kind() != ErrorKind::Input || !e.place().file.empty()) throw;
         SourcePlace place = e.place();
         place.file = request.file.string();
-        throw Error(e.kind(), e.reason(), place, e.mend());
+        throw Error(e.kind(), e.reason(), place, e.hint());
     }
 }
 

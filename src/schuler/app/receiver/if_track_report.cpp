@@ -112,10 +112,8 @@ std::string tracking_table(const TrackedRecording& run) {
     };
     line(columns);
     for (const SatelliteRecord& r : run.satellites) {
-        if (r.found)
-            line(cells_of(r, run.search_periods));
-        else
-            missing.push_back(fmt::format("G{:02}", r.prn));
+        if (r.found) line(cells_of(r, run.search_periods));
+        else missing.push_back(fmt::format("G{:02}", r.prn));
     }
     if (!missing.empty()) out += fmt::format("not found: {}\n", fmt::join(missing, " "));
     return out +

@@ -50,9 +50,11 @@ struct GeodeticTrig {
 
 [[nodiscard]] inline Eigen::Matrix3d C_en_from_trig(double sin_lat, double cos_lat, double sin_lon, double cos_lon) {
     Eigen::Matrix3d C;
+    // clang-format off
     C << -sin_lat * cos_lon, -sin_lon, -cos_lat * cos_lon,
          -sin_lat * sin_lon, cos_lon, -cos_lat * sin_lon,
          cos_lat, 0.0, -sin_lat;
+    // clang-format on
     return C;
 }
 

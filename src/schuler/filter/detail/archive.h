@@ -28,7 +28,7 @@ public:
 
     template <class... Types>
     void operator()(Types&... parts) {
-        (archive(*this, parts), ...);   // found by the namespace of the archive
+        (archive(*this, parts), ...);  // found by the namespace of the archive
     }
     void raw(void* data, std::size_t n) {
         if (way_ != Way::Measure && good && bytes_.size() - at < n) good = false;
@@ -59,7 +59,8 @@ void archive(Archive& a, Eigen::PlainObjectBase<Derived>& m) {
     auto rows = static_cast<std::int32_t>(m.rows()), columns = static_cast<std::int32_t>(m.cols());
     if constexpr (Derived::SizeAtCompileTime == Eigen::Dynamic) {
         a(rows, columns);
-        const bool fits = rows >= 0 && columns >= 0 && rows <= Derived::MaxRowsAtCompileTime && columns <= Derived::MaxColsAtCompileTime;
+        const bool fits =
+            rows >= 0 && columns >= 0 && rows <= Derived::MaxRowsAtCompileTime && columns <= Derived::MaxColsAtCompileTime;
         if (!fits) a.good = false;
         if (a.reads() && a.good) m.resize(rows, columns);
     }
@@ -108,16 +109,16 @@ inline void archive(Archive& a, std::string& text) {
     a.raw(text.data(), text.size());
 }
 
-#define SCHULER_ARCHIVED(Type, ...)               \
+#define SCHULER_ARCHIVED(Type, ...)                \
     inline void archive(Archive& a, Type& whole) { \
-        auto& [__VA_ARGS__] = whole;              \
-        a(__VA_ARGS__);                           \
+        auto& [__VA_ARGS__] = whole;               \
+        a(__VA_ARGS__);                            \
     }
-#define SCHULER_ARCHIVED_IN_FRAME(Type, ...)             \
-    template <class Frame>                               \
-    void archive(Archive& a, Type<Frame>& whole) {       \
-        auto& [__VA_ARGS__] = whole;                     \
-        a(__VA_ARGS__);                                  \
+#define SCHULER_ARCHIVED_IN_FRAME(Type, ...)       \
+    template <class Frame>                         \
+    void archive(Archive& a, Type<Frame>& whole) { \
+        auto& [__VA_ARGS__] = whole;               \
+        a(__VA_ARGS__);                            \
     }
 
 SCHULER_ARCHIVED(Time, ns)
@@ -136,8 +137,8 @@ SCHULER_ARCHIVED(HeadingSample, time, heading, std)
 SCHULER_ARCHIVED(GaugeSample, time, height)
 SCHULER_ARCHIVED(BodyVelocitySample, time, velocity)
 SCHULER_ARCHIVED(RangeSource, name, station)
-SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, phase_std, phase_span, phase_goes_on, cn0, tx, velocity,
-                 clock, clock_rate, frequency, variance, noise)
+SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, phase_std, phase_span, phase_goes_on, cn0, tx, velocity, clock,
+                 clock_rate, frequency, variance, noise)
 SCHULER_ARCHIVED(RangeEpoch, time, first, count)
 SCHULER_ARCHIVED(SolutionRow, time, position, v, rpy, std_position, std_velocity, std_rpy)
 
@@ -155,22 +156,24 @@ SCHULER_ARCHIVED(RecentMotion::Memory, last, next, filled, rate, force, rate2, f
 SCHULER_ARCHIVED(EventMaker::Memory, any, fix, position, satellites, change, baro, mag, odometer, height, repeated)
 SCHULER_ARCHIVED(FeedCounters, by_status, reordered, holes, restarts, events_lost, rows_lost)
 SCHULER_ARCHIVED(NavigatorEvent, time, kind, phase, source, status, aid, aid_status, test, seconds)
-SCHULER_ARCHIVED(StreamTimeline::Memory, any_imu, newest, last_settled, released, stranger, strangers, has_before, before, slots_start,
-                 first_slot, current_slot, next_judged, moved, has_precise, precise, precise_time, order_changed)
+SCHULER_ARCHIVED(StreamTimeline::Memory, any_imu, newest, last_settled, released, stranger, strangers, has_before, before,
+                 slots_start, first_slot, current_slot, next_judged, moved, has_precise, precise, precise_time, order_changed)
 SCHULER_ARCHIVED(StartUp::Fit, since, N, y, sum2, rows, v_w, p_w, has_origin, origin)
-SCHULER_ARCHIVED(StartUp::Memory, any, now, first, last, recent_dv, recent_time, still, still_end, rate, force, level, at_rest, q_wb,
-                 std_level, gyro_bias, std_gyro_bias, rest_bias, fit, has_position, has_velocity, position, position_time, std_position,
-                 velocity, std_velocity, has_height, velocity_given, velocity_time, has_heading, by_mag, by_sensor, psi, std_heading, tilt, std_tilt)
+SCHULER_ARCHIVED(StartUp::Memory, any, now, first, last, recent_dv, recent_time, still, still_end, rate, force, level, at_rest,
+                 q_wb, std_level, gyro_bias, std_gyro_bias, rest_bias, fit, has_position, has_velocity, position, position_time,
+                 std_position, velocity, std_velocity, has_height, velocity_given, velocity_time, has_heading, by_mag, by_sensor,
+                 psi, std_heading, tilt, std_tilt)
 
 template <class Sample>
 void archive(Archive& a, SamplePool<Sample>& pool) {
     a(pool.memory.order, pool.memory.free, pool.memory.uses, pool.memory.first);
 }
 
-SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, turn, turn2, v_g, p_g, gain_turn, gain_v_g, gain_p_g, gain_v_a, gain_p_a, gyro, accel)
+SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, turn, turn2, v_g, p_g, gain_turn, gain_v_g, gain_p_g, gain_v_a,
+                 gain_p_a, gyro, accel)
 SCHULER_ARCHIVED(StateProcess, decay, psd)
-SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, mean_force, recent_force,
-                          cached_time, cached_diagonal, cached_q, slot_process)
+SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, mean_force,
+                          recent_force, cached_time, cached_diagonal, cached_q, slot_process)
 SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
 SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, every)
@@ -182,7 +185,7 @@ SCHULER_ARCHIVED_IN_FRAME(Shadow, filter, since, alive)
 SCHULER_ARCHIVED(RangeTracking::Slot, source, station, last, doubted)
 SCHULER_ARCHIVED(FaultHypothesis, source, since, response, information, evidence)
 SCHULER_ARCHIVED(FaultWatch, on, all)
-inline void archive(Archive& a, RangeEpochWork& work) {   // the rest is made anew at each epoch
+inline void archive(Archive& a, RangeEpochWork& work) {  // the rest is made anew at each epoch
     auto& [scalars, count, excluded, clock_jump, alarm, disagreeing, disagreeing_since] = work;
     a(excluded, clock_jump, alarm, disagreeing, disagreeing_since);
     if (a.reads()) count = 0;
@@ -203,9 +206,8 @@ void archive(Archive& a, AtMostOne<T>& one) {
     one.use();
 }
 SCHULER_ARCHIVED_IN_FRAME(Walk, filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint,
-                          next_feedback, feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges,
-                          undecided_heading, fixes, suspect, wanted,
-                          openings, sides_changed, rival, challenged)
+                          next_feedback, feedback_period, gates, wheels, vibration, last_still, carried, corrected, health,
+                          shadows, ranges, undecided_heading, fixes, suspect, wanted, openings, sides_changed, rival, challenged)
 SCHULER_ARCHIVED_IN_FRAME(Rival, walk, since, challenger, explained, accepted, refused, in_row, attempts, patience, opening)
 
 #undef SCHULER_ARCHIVED

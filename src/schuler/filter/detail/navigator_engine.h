@@ -55,7 +55,9 @@ public:
     FeedStatus feed(Source source, const Sample& sample) {
         return told(source, sample.time, stream.feed(sample));
     }
-    FeedStatus feed(Time time, std::span<const RangeSample> samples) { return told(Source::Ranges, time, stream.feed(time, samples)); }
+    FeedStatus feed(Time time, std::span<const RangeSample> samples) {
+        return told(Source::Ranges, time, stream.feed(time, samples));
+    }
 
     [[nodiscard]] virtual std::optional<NavigatorState> state() = 0;
     [[nodiscard]] virtual std::optional<NavigatorState> lagged() const = 0;
@@ -94,8 +96,8 @@ private:
     virtual void set_out(const Start& start, double baro_height) = 0;
     virtual void archive_walk(Archive& a) = 0;
 
-    bool given_ = false;               // a given start is still to come
-    double baro_height_ = not_given;   // m, the last before the start
+    bool given_ = false;              // a given start is still to come
+    double baro_height_ = not_given;  // m, the last before the start
 };
 
 [[nodiscard]] std::unique_ptr<NavigatorEngine> make_engine(const NavigatorSettings& settings);

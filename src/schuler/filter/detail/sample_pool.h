@@ -20,7 +20,7 @@ public:
         memory.free.reserve(capacity);
         clear();
     }
-    SamplePool(SamplePool&&) = default;   // a copy would have no room
+    SamplePool(SamplePool&&) = default;  // a copy would have no room
     SamplePool& operator=(SamplePool&&) = default;
 
     void clear() {
@@ -56,7 +56,7 @@ public:
     /// Takes the first from those that wait. It keeps its place in the store until it is let go as often as it is `held`.
     std::size_t take() {
         const std::size_t at = memory.order[memory.first++];
-        if (memory.first == memory.uses.size() || empty()) {   // moved together now and then
+        if (memory.first == memory.uses.size() || empty()) {  // moved together now and then
             memory.order.erase(memory.order.begin(), memory.order.begin() + static_cast<std::ptrdiff_t>(memory.first));
             memory.first = 0;
         }
@@ -72,17 +72,18 @@ public:
     struct Memory {
         std::vector<std::uint32_t> order, free;
         std::vector<std::uint8_t> uses;
-        std::size_t first = 0;   ///< of those in `order` that wait
+        std::size_t first = 0;  ///< of those in `order` that wait
     };
     Memory memory;
 
 private:
-    [[nodiscard]] std::vector<std::uint32_t>::const_iterator place(const std::vector<Sample>& store, Time time, bool behind) const {
+    [[nodiscard]] std::vector<std::uint32_t>::const_iterator place(const std::vector<Sample>& store, Time time,
+                                                                   bool behind) const {
         const auto begin = memory.order.begin() + static_cast<std::ptrdiff_t>(memory.first);
-        return behind ? std::upper_bound(begin, memory.order.end(), time,
-                                         [&](Time t, std::uint32_t i) { return t < store[i].time; })
-                      : std::lower_bound(begin, memory.order.end(), time,
-                                         [&](std::uint32_t i, Time t) { return store[i].time < t; });
+        return behind
+                   ? std::upper_bound(begin, memory.order.end(), time, [&](Time t, std::uint32_t i) { return t < store[i].time; })
+                   : std::lower_bound(begin, memory.order.end(), time,
+                                      [&](std::uint32_t i, Time t) { return store[i].time < t; });
     }
 };
 

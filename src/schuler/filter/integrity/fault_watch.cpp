@@ -14,7 +14,7 @@ ProtectionLimits::ProtectionLimits(const ProtectionSettings& s) {
     const auto two_sided = [](double p) { return std::sqrt(math::chi_square_quantile(1.0 - p, 1.0)); };
     const auto radial = [](double p) { return std::sqrt(-2.0 * std::log(p)); };
     test = two_sided(s.false_alarm);
-    bias = two_sided(2.0 * s.missed_detection);   // on one side: the fault has a sign
+    bias = two_sided(2.0 * s.missed_detection);  // on one side: the fault has a sign
     horizontal = radial(s.missed_detection);
     vertical = two_sided(s.missed_detection);
     horizontal_free = radial(s.fault_free);
@@ -55,8 +55,7 @@ void FaultWatch::propagate(const estim::Transition& phi) {
     for (FaultHypothesis& h : all) h.response = phi.times(h.response);
 }
 
-void FaultWatch::follow(const estim::StateMatrix& P, const estim::Row& row, double innovation, double r, int used,
-                        int source) {
+void FaultWatch::follow(const estim::StateMatrix& P, const estim::Row& row, double innovation, double r, int used, int source) {
     if (all.empty()) return;
     estim::StateVector gain = row.times(P, used);
     const double s = row.dot(gain) + r;
@@ -83,7 +82,7 @@ const FaultHypothesis* FaultWatch::found(double limit) const {
 }
 
 ProtectionLevels FaultWatch::levels(const ProtectionLimits& limits, const Eigen::Matrix3d& P,
-                                          const Eigen::Matrix<double, 3, 9>& T) const {
+                                    const Eigen::Matrix<double, 3, 9>& T) const {
     const Eigen::Matrix2d level = P.topLeftCorner<2, 2>();
     const double horizontal = std::sqrt(level.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff()),
                  vertical = std::sqrt(P(2, 2));

@@ -23,16 +23,16 @@ namespace schuler::filter {
 struct FaultHypothesis {
     int source = -1;  ///< index into RangingLog::sources
     Time since{};
-    estim::StateVector response;   ///< empty: none
-    double information = 0.0;  ///< 1/m^2
-    double evidence = 0.0;  ///< 1/m
+    estim::StateVector response;  ///< empty: none
+    double information = 0.0;     ///< 1/m^2
+    double evidence = 0.0;        ///< 1/m
 };
 
 /// Limits from probabilities.
 struct ProtectionLimits {
     double test = 0.0;  ///< of |evidence|/sqrt(information), by the false alarm
     double bias = 0.0;  ///< standard deviations of the estimated fault that are missed with the stated probability
-    double horizontal = 0.0, vertical = 0.0;  ///< standard deviations of the error with a fault
+    double horizontal = 0.0, vertical = 0.0;            ///< standard deviations of the error with a fault
     double horizontal_free = 0.0, vertical_free = 0.0;  ///< likewise without
     ProtectionLimits() = default;
     explicit ProtectionLimits(const ProtectionSettings& settings);

@@ -17,10 +17,11 @@ GateDecision decide(GateState& state, const GateLimits& limits, Time time, int d
     const double tolerance = 4.0 * std::sqrt(2.0) * measurement_sigma.maxCoeff() + 4.0 * drift_sigma * dt;
     const Eigen::Vector3d change = innovation - state.innovation;
     const double allowed = tolerance + 0.1 * innovation.norm();
-    const bool agrees = state.run > 0 && (change.norm() < allowed || (state.run > 1 && (change - dt * state.rate).norm() < allowed));
+    const bool agrees =
+        state.run > 0 && (change.norm() < allowed || (state.run > 1 && (change - dt * state.rate).norm() < allowed));
     state.rate = state.run > 0 && dt > 0.0 ? Eigen::Vector3d(change / dt) : Eigen::Vector3d(Eigen::Vector3d::Zero());
     if (!agrees) {
-        state.run = state.run > 0 ? 1 : 0;   // the last one and this one may begin a new run
+        state.run = state.run > 0 ? 1 : 0;  // the last one and this one may begin a new run
         state.since = state.run > 0 ? state.last : time;
     }
     ++state.run;

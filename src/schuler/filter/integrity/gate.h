@@ -9,18 +9,18 @@ namespace schuler::filter {
 
 /// Memory of one channel; plain and copyable.
 struct GateState {
-    int run = 0;                                         ///< consecutive rejected, mutually consistent measurements
-    Time since{};                                        ///< of the first of them
+    int run = 0;   ///< consecutive rejected, mutually consistent measurements
+    Time since{};  ///< of the first of them
     Time last{};
-    Eigen::Vector3d innovation = Eigen::Vector3d::Zero();///< of the last of them
-    Eigen::Vector3d rate = Eigen::Vector3d::Zero();      ///< its change per second since the one before; zero for the first
+    Eigen::Vector3d innovation = Eigen::Vector3d::Zero();  ///< of the last of them
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();        ///< its change per second since the one before; zero for the first
 };
 
 enum class GateDecision { Accept, Reject, Recover };
 
 struct GateLimits {
-    double chi_square[4] = {0, 0, 0, 0};   ///< limit of the normalised innovation squared for 1, 2, 3 degrees of freedom
-    double recovery_time = 10.0;           ///< s
+    double chi_square[4] = {0, 0, 0, 0};  ///< limit of the normalised innovation squared for 1, 2, 3 degrees of freedom
+    double recovery_time = 10.0;          ///< s
     int recovery_count = 10;
 };
 

@@ -66,7 +66,7 @@ Opening opening_of(const Walk<Frame>& walk) {
         const FixChannel& c = walk.fixes[k];
         if (c.run.count() == 0) continue;
         if (k % 2 == 0) {
-            o.position += c.run.latest();   // horizontal and vertical, where those are two channels
+            o.position += c.run.latest();  // horizontal and vertical, where those are two channels
             o.rate += c.run.rate();
         } else {
             o.velocity += c.run.latest();
@@ -113,8 +113,7 @@ Matrix9 Walk<Frame>::undecided(const InertialModel& model) const {
 
 template <class Frame>
 bool Pass<Frame>::contests(AidKind kind) const {
-    return rivalry_ != Rivalry::None && is_part_of_fix(kind) &&
-           settings_.coupling != Coupling::Separate;
+    return rivalry_ != Rivalry::None && is_part_of_fix(kind) && settings_.coupling != Coupling::Separate;
 }
 
 template <class Frame>
@@ -128,7 +127,8 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     double sigma = 0.0;
     for (int i = 0; i < m.dof; ++i) sigma = std::max(sigma, std::sqrt(m.variance(i)));
     const auto accept = [&](bool elsewhere) {
-        if (levels.two && levels.at_other && !elsewhere) observer.alert({record.stamp, channel.kind, IntegrityTest::JumpBack, levels.other.norm()});
+        if (levels.two && levels.at_other && !elsewhere)
+            observer.alert({record.stamp, channel.kind, IntegrityTest::JumpBack, levels.other.norm()});
         // After a long interruption the first fix decides where it goes on, and founds a level of its own.
         if (position && !levels.two && since_fit > 5.0 && record.sigma_state.maxCoeff() > 3.0 * sigma) levels.here = 0.0;
         if (position) levels.confirm(elsewhere, since_fit);
@@ -155,7 +155,8 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
                 Vector9 to_other = Vector9::Zero();
                 to_other.head<3>() = levels.other;
                 StateVector dx = StateVector::Zero(walk.filter.P.rows());
-                dx.template head<9>() = Frame::errors_are_geographic ? to_other : Vector9(walk.filter.to_local_level(model_).inverse() * to_other);
+                dx.template head<9>() =
+                    Frame::errors_are_geographic ? to_other : Vector9(walk.filter.to_local_level(model_).inverse() * to_other);
                 walk.filter.apply(model_, dx);
                 observer.alert({record.stamp, channel.kind, IntegrityTest::OtherLevel, levels.other.norm()});
                 levels.swap();
@@ -192,8 +193,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
     const bool positions_fit = !position && walk.fixes[channel.vertical_only ? 2 : 0].fits > 0 && !suspect;
     const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
     const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
-    if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough)
-        walk.wanted = opening_of(walk);
+    if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough) walk.wanted = opening_of(walk);
     return AidStatus::Rejected;
 }
 
@@ -227,8 +227,8 @@ void Pass<Frame>::open(Walk<Frame>& walk, const Opening& o) const {
     const double faster2 = std::max({size2 / (span * span), o.rate.squaredNorm(), o.velocity.squaredNorm()});
     P.diagonal().template segment<3>(Layout::position).array() += size2;
     P.diagonal().template segment<3>(Layout::velocity).array() += faster2;
-    if (settings_.coupling == Coupling::Separate) return;   // which estimates neither attitude nor biases
-    constexpr double most_tilt = 0.3, most_heading = 1.0;   // rad: beyond them the filter is not linear
+    if (settings_.coupling == Coupling::Separate) return;  // which estimates neither attitude nor biases
+    constexpr double most_tilt = 0.3, most_heading = 1.0;  // rad: beyond them the filter is not linear
     const double speed2 = std::max(1.0, walk.filter.geographic(model_).v_eb_n.squaredNorm());
     const double tilt2 = std::min(most_tilt * most_tilt, faster2 / std::pow(units::g0 * span, 2));
     const double heading2 = std::min(most_heading * most_heading, faster2 / speed2);
@@ -237,7 +237,7 @@ void Pass<Frame>::open(Walk<Frame>& walk, const Opening& o) const {
     const auto reopen = [&P](int offset, double sigma) { P.diagonal().template segment<3>(offset).array() += sigma * sigma; };
     double rate = settings_.imu.errors.gyro_initial_bias(), force = settings_.imu.errors.accel_initial_bias();
     if (o.bias_jump > 0.0) {
-        const double most_rate = 0.1 * o.bias_jump, most_force = 2.0 * o.bias_jump;   // rad/s, m/s^2
+        const double most_rate = 0.1 * o.bias_jump, most_force = 2.0 * o.bias_jump;  // rad/s, m/s^2
         rate = std::max(rate, std::min(most_rate, std::sqrt(tilt2 + heading2) / span));
         force = std::max(force, std::min(most_force, std::sqrt(faster2) / span));
     }
@@ -261,7 +261,7 @@ void Pass<Frame>::challenge(Walk<Frame>& walk) const {
     open(w, opening);
     w.openings.push_back(opening);
     rival.opening = opening;
-    constexpr double patience = 60.0;   // s
+    constexpr double patience = 60.0;  // s
     const std::optional<Time>& fitted = walk.fixes[opening.position.isZero() ? 1 : 0].fitted;
     rival.begin(walk.filter.time(), true, walk.suspect && (!fitted || *walk.suspect > *fitted), patience);
     walk.rival.use();
@@ -330,14 +330,15 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
     const FixChannel& main = positions.fitted || positions.run.count() > 0 ? positions : speeds;
     const bool main_refuses = std::ranges::any_of(walk.fixes, [](const FixChannel& c) { return c.run.count() > 0; });
     if (rival.challenger) {
-        if (!main_refuses && main.fits >= 2) {   // the receiver was wrong, and has come back
+        if (!main_refuses && main.fits >= 2) {  // the receiver was wrong, and has come back
             observer.alert(alert_of(rival.opening, walk.filter.time(), IntegrityTest::Receiver));
             walk.rival.clear();
             return;
         }
         // One that takes the velocities and refuses all positions, or the other way round, explains as little as one that refuses both.
         const bool half = rival.refused >= settings_.aids.recovery_count && 4 * rival.refused > rival.accepted;
-        if (half || (rival.refused > 0 && rival.accepted_in_row == 0)) {   // it does not explain them either: perhaps a bias has jumped
+        if (half ||
+            (rival.refused > 0 && rival.accepted_in_row == 0)) {  // it does not explain them either: perhaps a bias has jumped
             const int attempts = rival.attempts + 1;
             walk.rival.clear();
             if (!wanted) return;
@@ -384,14 +385,13 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
     if ((rival.accepted_in_row >= 2 && !main_refuses) || age > rival.patience) walk.rival.clear();
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                                                   \
-    template Matrix9 Walk<Frame>::undecided(const InertialModel&) const;                                             \
-    template bool Pass<Frame>::contests(AidKind) const;                                                              \
-    template AidStatus Pass<Frame>::judge(Walk<Frame>&, Channel, AidRecord&, Measurement&, Measurement&,             \
-                                           Observer&) const;                                                         \
-    template void Pass<Frame>::open(Walk<Frame>&, const Opening&) const;                                             \
-    template void Pass<Frame>::challenge(Walk<Frame>&) const;                                                        \
-    template void Pass<Frame>::change_sides(Walk<Frame>&) const;                                                     \
+#define SCHULER_INSTANTIATE(Frame)                                                                                         \
+    template Matrix9 Walk<Frame>::undecided(const InertialModel&) const;                                                   \
+    template bool Pass<Frame>::contests(AidKind) const;                                                                    \
+    template AidStatus Pass<Frame>::judge(Walk<Frame>&, Channel, AidRecord&, Measurement&, Measurement&, Observer&) const; \
+    template void Pass<Frame>::open(Walk<Frame>&, const Opening&) const;                                                   \
+    template void Pass<Frame>::challenge(Walk<Frame>&) const;                                                              \
+    template void Pass<Frame>::change_sides(Walk<Frame>&) const;                                                           \
     template void Pass<Frame>::contest(Walk<Frame>&, Observer&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)

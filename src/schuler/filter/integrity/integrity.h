@@ -15,7 +15,7 @@ namespace schuler::filter {
 
 /// A sub-vector of a fix, its position or its velocity, as the filter meets it; unused components are zero.
 struct Examined {
-    AidKind kind;                    ///< GnssPosition or GnssVelocity
+    AidKind kind;  ///< GnssPosition or GnssVelocity
     Time time;
     Eigen::Vector3d innovation;      ///< m or m/s
     Eigen::Vector3d sigma_measured;  ///< of the measurement alone
@@ -25,10 +25,10 @@ struct Examined {
 /// What is remembered of one sub-vector; plain and copyable.
 struct ChannelHealth {
     bool excluded = false;
-    std::optional<Time> used;        ///< the last one that was used
-    std::optional<Time> agrees;      ///< since then the excluded ones agree with the estimate
-    int failed_run = 0;              ///< fixes in a row that failed a test or the gate
-    int slow_run = 0;                ///< slow-ramp tests exceeded in a row
+    std::optional<Time> used;    ///< the last one that was used
+    std::optional<Time> agrees;  ///< since then the excluded ones agree with the estimate
+    int failed_run = 0;          ///< fixes in a row that failed a test or the gate
+    int slow_run = 0;            ///< slow-ramp tests exceeded in a row
 };
 
 /// Tolerance check [PaperA:3.4, first approach]: against navigation extrapolated from the fix used last, with what the vehicle is
@@ -40,7 +40,8 @@ struct ChannelHealth {
 [[nodiscard]] bool is_normal_innovation(const Examined& e, const IntegritySettings& settings);
 
 /// The first of the two tests that fails.
-[[nodiscard]] std::optional<IntegrityTest> failed_test(const Examined& e, const ChannelHealth& health, const IntegritySettings& settings);
+[[nodiscard]] std::optional<IntegrityTest> failed_test(const Examined& e, const ChannelHealth& health,
+                                                       const IntegritySettings& settings);
 
 /// Follows an excluded channel: true once its fixes have agreed with the estimate (`agrees`: this one does) for long enough.
 [[nodiscard]] bool readmits(ChannelHealth& health, bool agrees, Time time, const IntegritySettings& settings);

@@ -64,7 +64,7 @@ RunShape RefusedRun::shape(double drift) const {
 
 void FixLevels::confirm(bool other_one, double dt, double most) {
     (other_one ? there : here) += std::clamp(dt, 0.0, most);
-    const bool came_back = two && at_other && !other_one;   // that is where it belongs
+    const bool came_back = two && at_other && !other_one;  // that is where it belongs
     if (came_back || (!other_one && there < 0.01 * here)) {
         two = false;
         there = 0.0;
@@ -87,7 +87,7 @@ void FixLevels::swap() {
 
 Vector3d FixLevels::spread() const {
     if (!two) return Vector3d::Zero();
-    if (at_other) return 0.4 * other;   // undecided
+    if (at_other) return 0.4 * other;  // undecided
     const double w = there / std::max(here + there, 1.0);
     return std::min(0.4, std::sqrt(w * (1.0 - w))) * other;
 }

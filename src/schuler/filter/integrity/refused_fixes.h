@@ -14,11 +14,11 @@ namespace schuler::filter {
 /// How the innovations of a run go on. An inertial error shows first as an acceleration: its innovations grow, and faster and faster. A
 /// receiver jumps (constant from the first one on) or is dragged away (uniform).
 enum class RunShape {
-    Short,      ///< not enough of them to tell
+    Short,  ///< not enough of them to tell
     Constant,
-    Uniform,    ///< growing at one rate
-    Growing,    ///< ... at an increasing one
-    Erratic     ///< they do not agree with each other
+    Uniform,  ///< growing at one rate
+    Growing,  ///< ... at an increasing one
+    Erratic   ///< they do not agree with each other
 };
 
 /// Fixes of one channel refused in a row. Plain and copyable; of a long run evenly spread samples are kept.
@@ -59,7 +59,7 @@ private:
 
     std::array<Sample, 16> samples_{};
     std::size_t kept_ = 0;
-    int every_ = 1;      ///< one of so many is kept
+    int every_ = 1;  ///< one of so many is kept
     int count_ = 0;
     double sigma_ = 0.0;
     Sample last_{};
@@ -69,9 +69,9 @@ private:
 /// the two is right the shape of the track does not tell: what speaks for each is for how long it was held. Plain and copyable.
 struct FixLevels {
     bool two = false;
-    bool at_other = false;                               ///< the last fix was at the other level
-    Eigen::Vector3d other = Eigen::Vector3d::Zero();     ///< innovation of the fixes there: our level less that one, NED, m
-    double here = 0.0, there = 0.0;                      ///< s for which fixes confirmed each
+    bool at_other = false;                            ///< the last fix was at the other level
+    Eigen::Vector3d other = Eigen::Vector3d::Zero();  ///< innovation of the fixes there: our level less that one, NED, m
+    double here = 0.0, there = 0.0;                   ///< s for which fixes confirmed each
 
     /// Counts a fix `dt` seconds after the one before; fixes apart from each other confirm no more than `most` seconds.
     void confirm(bool other_one, double dt, double most = 5.0);
@@ -88,12 +88,12 @@ struct FixLevels {
 /// What is remembered of a receiver's channel.
 struct FixChannel {
     RefusedRun run;
-    FixLevels levels;                                    ///< of positions
-    std::optional<Time> fitted;                          ///< the last one that was used
+    FixLevels levels;            ///< of positions
+    std::optional<Time> fitted;  ///< the last one that was used
     Eigen::Vector3d fitted_innovation = Eigen::Vector3d::Zero();
-    double fitted_sigma = 0.0;                           ///< the largest one of that measurement's own
-    int fits = 0;                                        ///< used ones in a row
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();       ///< of the innovations of those
+    double fitted_sigma = 0.0;                      ///< the largest one of that measurement's own
+    int fits = 0;                                   ///< used ones in a row
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();  ///< of the innovations of those
 
     /// A fix at `time` that is used.
     void fit(Time time, const Eigen::Vector3d& innovation, double sigma);

@@ -11,6 +11,6 @@ namespace schuler::filter {
 /// Azimuth of the levelled magnetic field against the declination (rad, east positive); the constant offset is a state.
 /// field_b in any unit. variance in rad^2. dof is 0 where the horizontal field is too small to point anywhere.
 [[nodiscard]] Measurement magnetic_azimuth(const Estimate& estimate, const Eigen::Vector3d& field_b, double declination,
-                                                double variance);
+                                           double variance);
 
 }  // namespace schuler::filter

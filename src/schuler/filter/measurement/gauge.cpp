@@ -8,7 +8,8 @@ namespace schuler::filter {
 
 using Eigen::Vector3d;
 
-Measurement gauge_heights(const Estimate& e, const Vector3d& heights, double variance, const std::array<Vector3d, 3>& lever_arms_b) {
+Measurement gauge_heights(const Estimate& e, const Vector3d& heights, double variance,
+                          const std::array<Vector3d, 3>& lever_arms_b) {
     Measurement m;
     for (int i = 0; i < 3; ++i) {
         if (!std::isfinite(heights(i))) continue;

@@ -17,7 +17,7 @@ Vector3d lever_arm(const Estimate& e, const Vector3d& given) {
 }  // namespace
 
 Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
-                               Components use) {
+                          Components use) {
     const Vector3d l_n = e.C_nb * lever_arm(e, lever_arm_b);
     const Vector3d difference = earth::ned_difference(e.earth, e.nav.position, measured) + l_n;
     const Matrix3d by_attitude = skew(l_n);
@@ -28,7 +28,7 @@ Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vec
         position_of(row)(axis) = 1.0;
         attitude_of(row) = by_attitude.row(axis).transpose();
         if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, e.C_nb.row(axis).transpose());
-        if (e.layout.gnss_latency >= 0) {   // the fix shows where the antenna was that much earlier
+        if (e.layout.gnss_latency >= 0) {  // the fix shows where the antenna was that much earlier
             const double late = e.parameters(e.layout.gnss_latency);
             m.innovation(m.dof - 1) -= late * e.nav.v_eb_n(axis);
             velocity_of(row)(axis) = -late;
@@ -43,7 +43,7 @@ Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vec
 }
 
 Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
-                               int latency, Components use) {
+                          int latency, Components use) {
     const Vector3d l_b = lever_arm(e, lever_arm_b);
     const Vector3d w_ie_n = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
     const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * w_ie_n;

@@ -27,7 +27,9 @@ enum class AidKind : std::uint8_t {
 };
 
 /// Position and velocity of a receiver's fix: two sub-vectors, each controlled by itself.
-[[nodiscard]] constexpr bool is_part_of_fix(AidKind kind) { return kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity; }
+[[nodiscard]] constexpr bool is_part_of_fix(AidKind kind) {
+    return kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity;
+}
 
 /// One kind.
 struct MeasurementInfo {

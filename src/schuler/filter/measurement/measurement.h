@@ -22,9 +22,10 @@ struct Estimate {
     Layout layout;
     NavState nav;
     Eigen::Matrix3d C_nb;
-    Eigen::Vector3d w_ib_b;            ///< rad/s, corrected for the gyro errors
-    Eigen::Vector3d a_n = Eigen::Vector3d::Zero();   ///< m/s^2, mean acceleration over the last moments, the Coriolis part left out
-    estim::StateVector parameters;     ///< nominal values of the states from 9 on
+    Eigen::Vector3d w_ib_b;  ///< rad/s, corrected for the gyro errors
+    Eigen::Vector3d a_n =
+        Eigen::Vector3d::Zero();    ///< m/s^2, mean acceleration over the last moments, the Coriolis part left out
+    estim::StateVector parameters;  ///< nominal values of the states from 9 on
 };
 
 /// A measurement of up to three components with independent noise.

@@ -16,8 +16,9 @@ using math::skew;
 Measurement odometer_speed(const Estimate& e, double measured, double variance) {
     const Layout& L = e.layout;
     const bool mounted = L.mounting >= 0;
-    const Matrix3d C_vb =
-        mounted ? Matrix3d(body_from_vehicle(e.parameters(L.mounting), e.parameters(L.mounting + 1)).transpose()) : Matrix3d(Matrix3d::Identity());
+    const Matrix3d C_vb = mounted
+                              ? Matrix3d(body_from_vehicle(e.parameters(L.mounting), e.parameters(L.mounting + 1)).transpose())
+                              : Matrix3d(Matrix3d::Identity());
     const Vector3d arm(L.axle >= 0 ? e.parameters(L.axle) : 0.0, 0.0, 0.0);
     const double gain = 1.0 + (L.odometer_scale >= 0 ? e.parameters(L.odometer_scale) : 0.0);
     const Vector3d w_ie_n = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;

@@ -40,14 +40,14 @@ RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Ve
     Vector3d r_j = transmitter.r;
     double range = (a.r_e - r_j).norm();
     for (int i = 0; i < 2; ++i) {
-        const double angle = a.w_ie * range / speed_of_light;   // 1e-5: further terms of the series are below rounding
+        const double angle = a.w_ie * range / speed_of_light;  // 1e-5: further terms of the series are below rounding
         sine = angle * (1.0 - angle * angle / 6.0);
         cosine = 1.0 - 0.5 * angle * angle;
         r_j = turned(transmitter.r);
         range = (a.r_e - r_j).norm();
     }
     const Vector3d u_e = (a.r_e - r_j) / range;
-    const Vector3d vi_j = turned(velocity + w.cross(transmitter.r));   // against inertial space
+    const Vector3d vi_j = turned(velocity + w.cross(transmitter.r));  // against inertial space
     const double slower = 1.0 - u_e.dot(vi_j) / speed_of_light;
     RangeRows m;
     m.range = range;
@@ -68,8 +68,7 @@ RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Ve
         (u.cross(a.turning) - u.cross(a.w_ie_n).cross(a.l_n) + across.cross(a.l_n) + by_place.cross(a.l_n)) / slower;
     m.rate_by_gyro_bias = a.gyro_lever.transpose() * u / slower;
     m.range_by_lever_arm = a.C_nb.transpose() * u;
-    m.rate_by_lever_arm =
-        (a.lever_turn.transpose() * u + a.C_nb.transpose() * (across + by_place - u.cross(a.w_ie_n))) / slower;
+    m.rate_by_lever_arm = (a.lever_turn.transpose() * u + a.C_nb.transpose() * (across + by_place - u.cross(a.w_ie_n))) / slower;
     return m;
 }
 

@@ -10,8 +10,8 @@ namespace schuler::filter {
 
 /// The antenna of an estimate: what all rows of one epoch share.
 struct AntennaEstimate {
-    Eigen::Vector3d r_e, v_e;          ///< m, m/s, Earth-fixed
-    Geodetic place;                    ///< of the antenna
+    Eigen::Vector3d r_e, v_e;  ///< m, m/s, Earth-fixed
+    Geodetic place;            ///< of the antenna
     Eigen::Matrix3d C_en;
     Eigen::Vector3d l_n;               ///< lever arm, m
     Eigen::Vector3d v_n;               ///< of the antenna, relative to the Earth, m/s
@@ -30,9 +30,9 @@ struct AntennaEstimate {
 /// Computed values without clocks and delays, and their rows by errors north, east, down (estimate minus truth). Neglected in the rows:
 /// the change of the light time, 1e-6 of each entry.
 struct RangeRows {
-    double range = 0.0;                ///< m, the Earth's turn during the light time included
-    double rate = 0.0;                 ///< m/s, exact
-    Eigen::Vector3d u_n;               ///< unit vector from the transmitter to the antenna
+    double range = 0.0;   ///< m, the Earth's turn during the light time included
+    double rate = 0.0;    ///< m/s, exact
+    Eigen::Vector3d u_n;  ///< unit vector from the transmitter to the antenna
     Eigen::Vector3d range_by_position, range_by_attitude, range_by_lever_arm;
     Eigen::Vector3d rate_by_position, rate_by_velocity, rate_by_attitude, rate_by_gyro_bias, rate_by_lever_arm;
 };

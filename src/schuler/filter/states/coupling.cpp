@@ -63,11 +63,10 @@ StateVector Pass<Frame>::update(Walk<Frame>& walk, const Measurement& m, Observe
 }
 
 template <class Frame>
-bool Pass<Frame>::use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m,
-                                Time stamp, Observer& observer) const {
+bool Pass<Frame>::use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp,
+                      Observer& observer) const {
     if (settings_.coupling == Coupling::Separate) return use_separately(walk, channel, local, m, stamp);
-    const bool in_parts = settings_.loose_kind == LooseKind::Aggressive && !channel.vertical_only &&
-                          is_part_of_fix(channel.kind);
+    const bool in_parts = settings_.loose_kind == LooseKind::Aggressive && !channel.vertical_only && is_part_of_fix(channel.kind);
     Measurement part = m;
     if (in_parts) part.variance *= settings_.aggressive_parts;
     const StateVector dx = update(walk, part, observer);
@@ -96,7 +95,8 @@ void Pass<Frame>::carry(CarriedFix& fix, const estim::Transition& phi) const {
         // what a slow error of the fix has forgotten since is noise
         const auto forgotten = [&](int state, const Eigen::Vector3d& sigma) {
             for (int k = 0; state >= 0 && k < 3; ++k)
-                fix.measurement.variance(i) += std::pow(h(state + k) * sigma(k), 2) * (1.0 - std::pow(phi.diagonal(state + k), 2));
+                fix.measurement.variance(i) +=
+                    std::pow(h(state + k) * sigma(k), 2) * (1.0 - std::pow(phi.diagonal(state + k), 2));
         };
         forgotten(L.gnss_position, model_.gnss.correlated_position);
         forgotten(L.gnss_velocity, model_.gnss.correlated_velocity);
@@ -118,8 +118,8 @@ void Pass<Frame>::carry_on(Walk<Frame>& walk, Observer& observer) const {
 }
 
 template <class Frame>
-bool Pass<Frame>::use_separately(Walk<Frame>& walk, Channel channel, const Measurement& local,
-                                           const Measurement& m, Time stamp) const {
+bool Pass<Frame>::use_separately(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m,
+                                 Time stamp) const {
     const SeparateSettings& s = settings_.separate;
     const bool position = channel.kind == AidKind::GnssPosition;
     std::optional<Time>& last = walk.corrected[channel.gate()];
@@ -127,7 +127,8 @@ bool Pass<Frame>::use_separately(Walk<Frame>& walk, Channel channel, const Measu
     Gains K = Gains::Zero(walk.filter.P.rows(), 3);
     if (channel.kind == AidKind::Baro) {
         // A loop that is closed too seldom for its time constant would swing up.
-        K = barometer_gains(walk.filter.P.rows(), walk.filter.estimate(model_).C_nb, std::min(dt, 0.2 * s.baro_time), s.baro_time);
+        K = barometer_gains(walk.filter.P.rows(), walk.filter.estimate(model_).C_nb, std::min(dt, 0.2 * s.baro_time),
+                            s.baro_time);
     } else if (position || channel.kind == AidKind::GnssVelocity) {
         if (s.restart_period > 0.0 && last && dt < s.restart_period - 1e-3) return false;
         const double share = s.restart_period > 0.0 ? 1.0 : correction_share(dt, position ? s.position_time : s.velocity_time);
@@ -146,7 +147,7 @@ bool Pass<Frame>::use_separately(Walk<Frame>& walk, Channel channel, const Measu
 
 template <class Frame>
 AidStatus Pass<Frame>::examine(Walk<Frame>& walk, Channel channel, const AidRecord& record, const Examined& examined,
-                                         Observer& observer) const {
+                               Observer& observer) const {
     const IntegritySettings& s = settings_.integrity;
     ChannelHealth& health = walk.health[sub_vector(channel.kind)];
     std::optional<IntegrityTest> failed = failed_test(examined, health, s);
@@ -187,7 +188,7 @@ void Pass<Frame>::look_back(Walk<Frame>& walk, const Event& event, Observer& obs
     health.slow_run = nis > data_.slow_limits[static_cast<std::size_t>(m.dof)] ? health.slow_run + 1 : 0;
     if (health.slow_run < settings_.integrity.slow_count) return;
     observer.alert({event.stamp, event.kind, IntegrityTest::Slow});
-    walk.filter = oldest->filter;   // the solution from before the error
+    walk.filter = oldest->filter;  // the solution from before the error
     for (CarriedFix& c : walk.carried) c.left = 0;
     for (ChannelHealth& h : walk.health) {
         h = {};
@@ -199,7 +200,7 @@ void Pass<Frame>::look_back(Walk<Frame>& walk, const Event& event, Observer& obs
 template <class Frame>
 void Pass<Frame>::renew_shadows(Walk<Frame>& walk) const {
     if (walk.shadows.size() != 2 || walk.health[0].excluded || walk.health[1].excluded) return;
-    if (walk.health[0].slow_run > 0 || walk.health[1].slow_run > 0) return;   // not from under suspicion
+    if (walk.health[0].slow_run > 0 || walk.health[1].slow_run > 0) return;  // not from under suspicion
     const Time now = walk.filter.time();
     const double window = settings_.integrity.window;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -212,13 +213,13 @@ void Pass<Frame>::renew_shadows(Walk<Frame>& walk) const {
     }
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                                                                   \
-    template StateVector Pass<Frame>::update(Walk<Frame>&, const Measurement&, Observer&) const;                                     \
-    template bool Pass<Frame>::use(Walk<Frame>&, Channel, const Measurement&, const Measurement&, Time, Observer&) const;            \
-    template void Pass<Frame>::carry(CarriedFix&, const estim::Transition&) const;                                                   \
-    template void Pass<Frame>::carry_on(Walk<Frame>&, Observer&) const;                                                              \
-    template AidStatus Pass<Frame>::examine(Walk<Frame>&, Channel, const AidRecord&, const Examined&, Observer&) const;              \
-    template void Pass<Frame>::look_back(Walk<Frame>&, const Event&, Observer&) const;                                               \
+#define SCHULER_INSTANTIATE(Frame)                                                                                        \
+    template StateVector Pass<Frame>::update(Walk<Frame>&, const Measurement&, Observer&) const;                          \
+    template bool Pass<Frame>::use(Walk<Frame>&, Channel, const Measurement&, const Measurement&, Time, Observer&) const; \
+    template void Pass<Frame>::carry(CarriedFix&, const estim::Transition&) const;                                        \
+    template void Pass<Frame>::carry_on(Walk<Frame>&, Observer&) const;                                                   \
+    template AidStatus Pass<Frame>::examine(Walk<Frame>&, Channel, const AidRecord&, const Examined&, Observer&) const;   \
+    template void Pass<Frame>::look_back(Walk<Frame>&, const Event&, Observer&) const;                                    \
     template void Pass<Frame>::renew_shadows(Walk<Frame>&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)

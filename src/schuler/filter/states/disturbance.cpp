@@ -46,7 +46,8 @@ DisturbanceChain DisturbanceModel::random_part() const {
 
 void DisturbanceModel::check() const {
     if (!(sigma_n.array() >= 0.0).all() || !sigma_n.allFinite())
-        throw input_error("sigmas of the disturbance must be numbers >= 0", {{}, 0, 0, "sigma_mgal"}, "give three sigmas in mGal");
+        throw input_error("sigmas of the disturbance must be numbers >= 0", {{}, 0, 0, "sigma_mgal"},
+                          "give three sigmas in mGal");
     const bool chained = kind == DisturbanceKind::SecondOrder || kind == DisturbanceKind::ThirdOrder;
     if (kind != DisturbanceKind::Constant && (!(length > 0.0) || (chained && !std::isfinite(length))))
         throw input_error("the correlation length of the disturbance must be positive", {{}, 0, 0, "length_m"},
@@ -140,7 +141,8 @@ void fill_disturbance(const DisturbanceModel& model, const Layout& layout, doubl
         const Vector3d D = U.diagonal();
         for (int axis = 0; axis < 3; ++axis) {
             for (int to = 0; to < chain.order; ++to)
-                for (int from = to + 1; from < chain.order; ++from) shear(state(to) + axis, state(from) + axis, U(to, from) / D(to));
+                for (int from = to + 1; from < chain.order; ++from)
+                    shear(state(to) + axis, state(from) + axis, U(to, from) / D(to));
             for (int to = chain.order - 1; to > 0; --to)
                 for (int from = 0; from < to; ++from) shear(state(to) + axis, state(from) + axis, L(to, from) * D(from) / D(to));
         }
@@ -189,7 +191,8 @@ void start_disturbance(const DisturbanceSettings& settings, const Layout& layout
     const DisturbanceModel& model = settings.model;
     open_disturbance(settings, layout, C_en, P);
     if (model.degree() > 0) P.diagonal().segment<3>(layout.gravity_slope).setConstant(settings.slope * settings.slope);
-    if (model.degree() > 1) P.diagonal().segment<3>(layout.gravity_curvature).setConstant(settings.curvature * settings.curvature);
+    if (model.degree() > 1)
+        P.diagonal().segment<3>(layout.gravity_curvature).setConstant(settings.curvature * settings.curvature);
     if (!model.has_random_part()) return;
     const std::array<int, 3> at{layout.gravity_random, layout.gravity_slope, layout.gravity_curvature};
     const Matrix3d N = model.from_local_level(C_en), S = model.stationary();
@@ -201,7 +204,8 @@ void start_disturbance(const DisturbanceSettings& settings, const Layout& layout
 
 void open_disturbance(const DisturbanceSettings& settings, const Layout& layout, const Matrix3d& C_en, estim::StateMatrix& P) {
     const Matrix3d N = settings.model.from_local_level(C_en);
-    P.block<3, 3>(layout.gravity_constant, layout.gravity_constant) += N * settings.prior_n.cwiseAbs2().asDiagonal() * N.transpose();
+    P.block<3, 3>(layout.gravity_constant, layout.gravity_constant) +=
+        N * settings.prior_n.cwiseAbs2().asDiagonal() * N.transpose();
 }
 
 }  // namespace schuler::filter

@@ -13,12 +13,12 @@
 namespace schuler::filter {
 
 enum class DisturbanceKind {
-    Constant,           ///< the systematic part alone
-    FirstOrder,         ///< and a first-order Gauss-Markov process: the paper's
-    RampAndFirstOrder,  ///< constant + ramp + first order (no more than the polynomial where sigma is zero)
-    QuadraticAndFirstOrder,   ///< constant + ramp + parabola + first order
-    SecondOrder,        ///< constant + second-order Gauss-Markov, correlation (1 + x) exp(-x), x = distance / length
-    ThirdOrder,         ///< constant + third order, (1 + x + x^2/3) exp(-x): smooth enough for a slope of a slope
+    Constant,                ///< the systematic part alone
+    FirstOrder,              ///< and a first-order Gauss-Markov process: the paper's
+    RampAndFirstOrder,       ///< constant + ramp + first order (no more than the polynomial where sigma is zero)
+    QuadraticAndFirstOrder,  ///< constant + ramp + parabola + first order
+    SecondOrder,             ///< constant + second-order Gauss-Markov, correlation (1 + x) exp(-x), x = distance / length
+    ThirdOrder,              ///< constant + third order, (1 + x + x^2/3) exp(-x): smooth enough for a slope of a slope
 };
 
 /// In which axes the disturbance's components follow their model. The paper's are Earth-fixed: what is constant in them turns
@@ -27,9 +27,9 @@ enum class DisturbanceAxes { LocalLevel, EarthFixed };
 
 /// A component's value and the derivatives by distance that belong to it, each driving the one before.
 struct DisturbanceChain {
-    bool random = false;      ///< a process; otherwise a polynomial
-    int order = 1;            ///< value, slope, curvature: how many of them there are
-    double rate = 0.0;        ///< 1/m of a process: 1/length
+    bool random = false;  ///< a process; otherwise a polynomial
+    int order = 1;        ///< value, slope, curvature: how many of them there are
+    double rate = 0.0;    ///< 1/m of a process: 1/length
 
     /// Derivative of (value, slope, curvature) by distance.
     [[nodiscard]] Eigen::Matrix3d dynamics() const;
@@ -42,10 +42,10 @@ struct DisturbanceChain {
 /// How the disturbance of gravity changes along the track.
 struct DisturbanceModel {
     DisturbanceKind kind = DisturbanceKind::Constant;
-    double length = 0.0;    ///< correlation length of the random part, m (s where `by_time`); infinity: it is constant
-    Eigen::Vector3d sigma_n = Eigen::Vector3d::Zero();   ///< of the random part, north, east, down, m/s^2
-    bool by_time = false;   ///< the process runs with time, as the paper's mu = 1/length, instead of along the track
-    DisturbanceAxes axes = DisturbanceAxes::LocalLevel;   ///< of the states (north, east, down, or Earth-fixed)
+    double length = 0.0;  ///< correlation length of the random part, m (s where `by_time`); infinity: it is constant
+    Eigen::Vector3d sigma_n = Eigen::Vector3d::Zero();  ///< of the random part, north, east, down, m/s^2
+    bool by_time = false;  ///< the process runs with time, as the paper's mu = 1/length, instead of along the track
+    DisturbanceAxes axes = DisturbanceAxes::LocalLevel;  ///< of the states (north, east, down, or Earth-fixed)
 
     /// Throws Error(Input) naming the value that is unusable.
     void check() const;
@@ -92,8 +92,8 @@ void advance_disturbance(const DisturbanceModel& model, const Layout& layout, do
 
 /// What a span of `time` (s) and `distance` (m, or s) does to the states, in the form of a transition: D, the shears, and the rows of
 /// position and velocity, for which `to_frame` turns the disturbance's axes to the frame's. phi's shears are appended to.
-void fill_disturbance(const DisturbanceModel& model, const Layout& layout, double time, double distance, const Eigen::Matrix3d& to_frame,
-                      estim::Transition& phi);
+void fill_disturbance(const DisturbanceModel& model, const Layout& layout, double time, double distance,
+                      const Eigen::Matrix3d& to_frame, estim::Transition& phi);
 
 /// Covariance that the process's driving noise has made over that span: of its states, and of the velocity to its leading order.
 /// `from_local_level`: of the model.
@@ -101,9 +101,11 @@ void add_disturbance_noise(const DisturbanceModel& model, const Layout& layout, 
                            const Eigen::Matrix3d& from_local_level, const Eigen::Matrix3d& to_frame, estim::StateMatrix& P);
 
 /// Covariance at the start; the random part is in its stationary state.
-void start_disturbance(const DisturbanceSettings& settings, const Layout& layout, const Eigen::Matrix3d& C_en, estim::StateMatrix& P);
+void start_disturbance(const DisturbanceSettings& settings, const Layout& layout, const Eigen::Matrix3d& C_en,
+                       estim::StateMatrix& P);
 
 /// The systematic part may have changed by its prior.
-void open_disturbance(const DisturbanceSettings& settings, const Layout& layout, const Eigen::Matrix3d& C_en, estim::StateMatrix& P);
+void open_disturbance(const DisturbanceSettings& settings, const Layout& layout, const Eigen::Matrix3d& C_en,
+                      estim::StateMatrix& P);
 
 }  // namespace schuler::filter

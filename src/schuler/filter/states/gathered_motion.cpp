@@ -112,7 +112,7 @@ void GatheredMotion::add_earth(const ins::ErrorDynamics& earth, estim::Transitio
     // (I + F T/2) Phi (I + F T/2) less the product of the two small terms.
     const double h = 0.5 * time;
     Matrix9 F = ins::matrix(earth);
-    F.block<3, 3>(p, v).setZero();   // the velocity's own step is in Phi
+    F.block<3, 3>(p, v).setZero();  // the velocity's own step is in Phi
     // Phi F: the first nine columns of Phi are a unit matrix, T, and the skew matrices of the forces.
     Eigen::Matrix<double, 3, 9> by_p = F.topRows<3>(), by_v = F.middleRows<3>(v);
     const auto by_a = F.bottomRows<3>();
@@ -133,9 +133,9 @@ void GatheredMotion::add_earth(const ins::ErrorDynamics& earth, estim::Transitio
 
 Matrix9 GatheredMotion::noise(const BiasNoise& biases) const {
     const double T = time, T2 = T * T;
-    const double qg = gyro_variance, qa = accel_variance;   // times T
+    const double qg = gyro_variance, qa = accel_variance;  // times T
     const double wg = biases.gyro_bias_psd * T2, wa = biases.accel_bias_psd * T2;
-    const Matrix3d f = skew(force / T), f2 = -f * f, I = Matrix3d::Identity();   // f2: f f^T
+    const Matrix3d f = skew(force / T), f2 = -f * f, I = Matrix3d::Identity();  // f2: f f^T
     Matrix9 Q = Matrix9::Zero();
     const auto off_diagonal = [&Q](int row, int column, const Matrix3d& block) {
         Q.block<3, 3>(row, column) = block;

@@ -21,25 +21,25 @@ inline constexpr double longest_span = 0.1;
 
 /// Two-sided densities of what drives the biases of the inertial sensors.
 struct BiasNoise {
-    double gyro_bias_psd = 0.0;    ///< rad^2/s^3
-    double accel_bias_psd = 0.0;   ///< m^2/s^5
+    double gyro_bias_psd = 0.0;   ///< rad^2/s^3
+    double accel_bias_psd = 0.0;  ///< m^2/s^5
 };
 
 /// A plain copyable struct. Vectors and matrices are in the axes of the mechanization's frame.
 struct GatheredMotion {
     using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 9>;
 
-    double time = 0.0;                                           ///< s
-    double distance = 0.0;                                       ///< m (or s) of the way, where the disturbance of gravity is a state
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();             ///< integral of specific force, m/s
-    Eigen::Vector3d force_twice = Eigen::Vector3d::Zero();       ///< its integral, m
-    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();              ///< integral of C: attitude by gyro bias, s
-    Eigen::Matrix3d turn_twice = Eigen::Matrix3d::Zero();        ///< its integral, s^2
+    double time = 0.0;                                      ///< s
+    double distance = 0.0;                                  ///< m (or s) of the way, where the disturbance of gravity is a state
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();        ///< integral of specific force, m/s
+    Eigen::Vector3d force_twice = Eigen::Vector3d::Zero();  ///< its integral, m
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();         ///< integral of C: attitude by gyro bias, s
+    Eigen::Matrix3d turn_twice = Eigen::Matrix3d::Zero();   ///< its integral, s^2
     Eigen::Matrix3d velocity_by_gyro = Eigen::Matrix3d::Zero();  ///< by gyro bias, m
     Eigen::Matrix3d position_by_gyro = Eigen::Matrix3d::Zero();  ///< m s
     /// The same by scale factors and misalignments, scale first; no columns where they are no states.
     Columns gain_turn, gain_velocity_by_gyro, gain_position_by_gyro, gain_velocity_by_accel, gain_position_by_accel;
-    double gyro_variance = 0.0, accel_variance = 0.0;            ///< integrals of the white noises' densities, rad^2, m^2/s^2
+    double gyro_variance = 0.0, accel_variance = 0.0;  ///< integrals of the white noises' densities, rad^2, m^2/s^2
 
     GatheredMotion() = default;
     explicit GatheredMotion(const Layout& layout);

@@ -61,11 +61,12 @@ Matrix3d gain(const Vector3d& scale, const Eigen::Matrix<double, 6, 1>& m) {
 /// Scale factors and misalignments that are no states act where the vehicle turns and where its specific force is not that of rest, which
 /// the biases take over: as white noise that leaves, after a manoeuvre of `manoeuvre` seconds, the error that they do.
 BridgeNoise gain_noise(const InertialModel& model, const ImuIncrement& increment) {
-    constexpr double manoeuvre = 10.0;   // s
+    constexpr double manoeuvre = 10.0;  // s
     const double dt2 = increment.dt * increment.dt, g0 = units::g0;
     const double beyond_rest = std::max(0.0, increment.dv.squaredNorm() / dt2 - g0 * g0);
     const double turning = increment.dtheta.squaredNorm() / dt2;
-    return {model.gyro_gain * model.gyro_gain * turning * manoeuvre, model.accel_gain * model.accel_gain * beyond_rest * manoeuvre};
+    return {model.gyro_gain * model.gyro_gain * turning * manoeuvre,
+            model.accel_gain * model.accel_gain * beyond_rest * manoeuvre};
 }
 
 BiasNoise bias_noise(const InertialModel& model) {
@@ -99,9 +100,9 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     const ImuIncrement inc = corrected(model, raw);
     ins::CompensatedIncrement motion = ins::compensate(previous, inc);
     const Matrix3d C0 = C;
-    const Vector3d df = C0 * motion.dv;   // dv is resolved in the body axes of the start of the step
+    const Vector3d df = C0 * motion.dv;  // dv is resolved in the body axes of the start of the step
     if (model.layout.gravity_constant >= 0) {
-        follow_disturbance(model, 0.5 * dt);   // felt half way
+        follow_disturbance(model, 0.5 * dt);  // felt half way
         motion.dv += felt_disturbance(model, dt);
         set_nav(Frame::step(model.earth, nav, motion));
         follow_disturbance(model, 0.5 * dt);
@@ -110,19 +111,21 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     }
     previous = inc;
     w_ib_b = inc.dtheta / dt;
-    recent_force = recent_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(recent_force + (df - dt * recent_force) / (force_memory + dt));
+    recent_force =
+        recent_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(recent_force + (df - dt * recent_force) / (force_memory + dt));
     double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
     if (model.gyro_gain > 0.0 || model.accel_gain > 0.0) {
         const BridgeNoise more = gain_noise(model, raw);
         gyro_psd += more.gyro_psd;
         accel_psd += more.accel_psd;
     }
-    gathered.add(model.layout, dt, 0.5 * (C0 + C), bridge.standing ? vertical_part(model, df, dt) : df, w_ib_b, inc.dv / dt, gyro_psd, accel_psd);
+    gathered.add(model.layout, dt, 0.5 * (C0 + C), bridge.standing ? vertical_part(model, df, dt) : df, w_ib_b, inc.dv / dt,
+                 gyro_psd, accel_psd);
 }
 
 template <class Frame>
 Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const Vector3d& df, double dt) const {
-    constexpr double calm = 0.2;   // m/s^2: more than noise, bias and level that are known leave to a body at rest
+    constexpr double calm = 0.2;  // m/s^2: more than noise, bias and level that are known leave to a body at rest
     const Matrix3d C_en = Frame::errors_are_geographic ? Matrix3d(Matrix3d::Identity()) : Frame::C_en(model.earth, nav);
     const Vector3d down = C_en.col(2), vertical = down.dot(df) * down;
     const double horizontal = (df - vertical).norm() / dt;
@@ -130,7 +133,8 @@ Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const 
     // Not known yet, they may leave more: three sigma of their sum.
     constexpr int a = Layout::attitude, b = Layout::accel_bias;
     const Matrix3d F = math::skew(vertical / dt), cross = F * P.block<3, 3>(a, b) * C.transpose();
-    const Matrix3d M = F * P.block<3, 3>(a, a) * F.transpose() + C * P.block<3, 3>(b, b) * C.transpose() - cross - cross.transpose();
+    const Matrix3d M =
+        F * P.block<3, 3>(a, a) * F.transpose() + C * P.block<3, 3>(b, b) * C.transpose() - cross - cross.transpose();
     return horizontal * horizontal < 9.0 * (M.trace() - down.dot(M * down)) ? vertical : df;
 }
 
@@ -173,7 +177,8 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
         cached_time = T;
         for (int i = 9; i < n; ++i) {
             const bool slot = L.source >= 0 && i >= L.source && i < L.source + Layout::slots;
-            const StateProcess& s = slot ? slot_process[static_cast<std::size_t>(i - L.source)] : model.process[static_cast<std::size_t>(i)];
+            const StateProcess& s =
+                slot ? slot_process[static_cast<std::size_t>(i - L.source)] : model.process[static_cast<std::size_t>(i)];
             const double m = s.decay * T;
             cached_diagonal(i) = m == 0.0 ? 1.0 : std::exp(-m);
             cached_q(i) = m == 0.0 ? s.psd * T : s.psd * -std::expm1(-2.0 * m) / (2.0 * s.decay);
@@ -235,7 +240,8 @@ Matrix3d InertialFilter<Frame>::innovation_covariance(const Measurement& m) cons
 }
 
 template <class Frame>
-Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, const Measurement& m, const Matrix9& undecided) const {
+Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, const Measurement& m,
+                                                   const Matrix9& undecided) const {
     const int slow = model.layout.gnss_position;
     Vector3d sigma = Vector3d::Zero();
     for (int i = 0; i < m.dof; ++i) {
@@ -263,7 +269,8 @@ estim::Transition InertialFilter<Frame>::feed_back(const InertialModel& model) {
     estim::Transition turn;
     turn.diagonal = StateVector::Ones(P.rows());
     for (int i = 0; i < 9; ++i) turn.rows(i, i) = 1.0;
-    turn.rows.block<3, 3>(Layout::attitude, Layout::attitude) -= 0.5 * math::skew(error.segment<3>(Layout::attitude));   // transposed
+    turn.rows.block<3, 3>(Layout::attitude, Layout::attitude) -=
+        0.5 * math::skew(error.segment<3>(Layout::attitude));  // transposed
     set_nav(Frame::corrected(model.earth, nav, error.head<9>()));
     parameters.tail(error.size() - 9) -= error.tail(error.size() - 9);
     error.setZero();
@@ -314,13 +321,12 @@ Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
     e.earth = model.earth;
     e.layout = model.layout;
     e.nav = geographic(model);
-    if (Frame::errors_are_geographic && fed_back)
-        e.C_nb = C;
-    else
-        e.C_nb = e.nav.q_nb.toRotationMatrix();
+    if (Frame::errors_are_geographic && fed_back) e.C_nb = C;
+    else e.C_nb = e.nav.q_nb.toRotationMatrix();
     e.w_ib_b = w_ib_b;
-    const Vector3d force_n = Frame::errors_are_geographic ? recent_force
-                                                          : Vector3d(earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * recent_force);
+    const Vector3d force_n = Frame::errors_are_geographic
+                                 ? recent_force
+                                 : Vector3d(earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * recent_force);
     e.a_n = force_n + earth::terms_at(model.earth, e.nav.position, e.nav.v_eb_n).g_n;
     if (!fed_back) e.w_ib_b += error.segment<3>(Layout::gyro_bias);
     e.parameters = estimated_parameters();
@@ -329,10 +335,8 @@ Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
 
 template <class Frame>
 Matrix9 InertialFilter<Frame>::to_local_level(const InertialModel& model) const {
-    if constexpr (Frame::errors_are_geographic)
-        return Matrix9::Identity();
-    else
-        return ins::geographic_from_ecef_errors(model.earth, geographic(model));
+    if constexpr (Frame::errors_are_geographic) return Matrix9::Identity();
+    else return ins::geographic_from_ecef_errors(model.earth, geographic(model));
 }
 
 template <class Frame>

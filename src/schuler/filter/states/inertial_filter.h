@@ -24,8 +24,8 @@ using estim::StateVector;
 
 /// First-order process of one state: d' = -decay d + white; without decay a random walk.
 struct StateProcess {
-    double decay = 0.0;   ///< 1/s (0: constant or random walk)
-    double psd = 0.0;     ///< unit^2/s
+    double decay = 0.0;  ///< 1/s (0: constant or random walk)
+    double psd = 0.0;    ///< unit^2/s
 
     /// Stationary process of a sigma and a correlation time (s).
     [[nodiscard]] static StateProcess markov(double sigma, double time) { return {1.0 / time, 2.0 * sigma * sigma / time}; }
@@ -35,17 +35,17 @@ struct StateProcess {
 struct InertialModel {
     earth::Earth earth;
     Layout layout;
-    double gyro_psd = 0.0;    ///< rad^2/s
-    double accel_psd = 0.0;   ///< m^2/s^3
+    double gyro_psd = 0.0;   ///< rad^2/s
+    double accel_psd = 0.0;  ///< m^2/s^3
     /// One sigma of scale factors and misalignments where they are no states: noise while the vehicle manoeuvres.
     double gyro_gain = 0.0, accel_gain = 0.0;
-    double gyro_vibration = 0.0, accel_vibration = 0.0;   ///< ImuSettings, with the scale of the noise
-    std::array<StateProcess, estim::max_states> process{};   ///< of the states from 9 on
-    double clock_psd = 0.0, drift_psd = 0.0;   ///< m^2/s, m^2/s^3
-    sensor::GnssErrorModel gnss;               ///< of the receiver's states, whose decay may follow the speed
-    DisturbanceModel disturbance;              ///< of gravity, where the layout has it
+    double gyro_vibration = 0.0, accel_vibration = 0.0;     ///< ImuSettings, with the scale of the noise
+    std::array<StateProcess, estim::max_states> process{};  ///< of the states from 9 on
+    double clock_psd = 0.0, drift_psd = 0.0;                ///< m^2/s, m^2/s^3
+    sensor::GnssErrorModel gnss;                            ///< of the receiver's states, whose decay may follow the speed
+    DisturbanceModel disturbance;                           ///< of gravity, where the layout has it
     Loop loop = Loop::Closed;
-    StateVector floor;                         ///< least variances after an update
+    StateVector floor;  ///< least variances after an update
 
     InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu);
     /// Sets the process of `count` states from an offset on; nothing where the offset is negative.
@@ -56,7 +56,7 @@ struct InertialModel {
 struct BridgeNoise {
     double gyro_psd = 0.0;
     double accel_psd = 0.0;
-    bool standing = false;      ///< the body has stood still until now
+    bool standing = false;  ///< the body has stood still until now
 };
 
 /// s, time constant of the specific force by which rows with a latency see the acceleration: what a receiver's velocity is a mean over.
@@ -66,20 +66,21 @@ inline constexpr double force_memory = 0.05;
 template <class Frame>
 struct InertialFilter {
     typename Frame::State nav;
-    StateVector parameters;               ///< nominal values of the states from 9 on
-    StateVector error;                    ///< estimated errors of nav and parameters that are not fed back yet (zero in the closed loop)
-    StateMatrix P;                        ///< of the errors, estimate minus truth, before the motion gathered since
+    StateVector parameters;  ///< nominal values of the states from 9 on
+    StateVector error;       ///< estimated errors of nav and parameters that are not fed back yet (zero in the closed loop)
+    StateMatrix P;           ///< of the errors, estimate minus truth, before the motion gathered since
     GatheredMotion gathered;
-    int used = 0;                         ///< leading states in use, a multiple of four; the others are not correlated with them
+    int used = 0;  ///< leading states in use, a multiple of four; the others are not correlated with them
 
-    Eigen::Matrix3d C = Eigen::Matrix3d::Identity();        ///< body to frame, of nav
+    Eigen::Matrix3d C = Eigen::Matrix3d::Identity();                                   ///< body to frame, of nav
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
-    Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();       ///< corrected rate of the last step, rad/s
-    Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();   ///< specific force over the last span, frame axes, m/s^2
-    Eigen::Vector3d recent_force = Eigen::Vector3d::Zero(); ///< likewise, an exponential mean over force_memory, whatever the spans
-    double cached_time = -1.0;                              ///< of decay and noise below, s
+    Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();                                  ///< corrected rate of the last step, rad/s
+    Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last span, frame axes, m/s^2
+    Eigen::Vector3d recent_force =
+        Eigen::Vector3d::Zero();  ///< likewise, an exponential mean over force_memory, whatever the spans
+    double cached_time = -1.0;    ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
-    std::array<StateProcess, Layout::slots> slot_process{};   ///< of the source block, whose states change their sources
+    std::array<StateProcess, Layout::slots> slot_process{};  ///< of the source block, whose states change their sources
 
     /// Zero covariance and nominal values for the states of the model.
     explicit InertialFilter(const InertialModel& model);
@@ -130,7 +131,8 @@ struct InertialFilter {
     void correct(const InertialModel& model, const Measurement& m, const Gains& gains) {
         StateVector dx = StateVector::Zero(P.rows());
         for (int i = 0; i < m.dof; ++i)
-            (void)estim::update_with_gain(dx, P, m.rows[static_cast<std::size_t>(i)], m.innovation(i), m.variance(i), gains.col(i), used);
+            (void)estim::update_with_gain(dx, P, m.rows[static_cast<std::size_t>(i)], m.innovation(i), m.variance(i),
+                                          gains.col(i), used);
         apply(model, dx);
     }
 
@@ -152,7 +154,9 @@ struct InertialFilter {
     [[nodiscard]] typename Frame::State estimated(const InertialModel& model) const;
     [[nodiscard]] StateVector estimated_parameters() const;
     [[nodiscard]] Estimate estimate(const InertialModel& model) const;
-    [[nodiscard]] NavState geographic(const InertialModel& model) const { return Frame::geographic(model.earth, estimated(model)); }
+    [[nodiscard]] NavState geographic(const InertialModel& model) const {
+        return Frame::geographic(model.earth, estimated(model));
+    }
 
     /// 9 x 9 map of the filter's first nine errors to north-east-down errors (identity in the geographic frame).
     [[nodiscard]] Matrix9 to_local_level(const InertialModel& model) const;

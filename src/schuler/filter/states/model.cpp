@@ -21,8 +21,9 @@ Sensors sensors_of(const Recording& recording) {
     for (const GaugeSample& s : recording.gauges)
         for (int i = gauges; i < 3; ++i)
             if (std::isfinite(s.height(i))) gauges = i + 1;
-    return {!recording.baro.empty(),    !recording.mag.empty(), !recording.odometer.empty(),
-            !recording.heading.empty(), gauges,                 !recording.body_velocity.empty()};
+    return {
+        !recording.baro.empty(),         !recording.mag.empty(), !recording.odometer.empty(), !recording.heading.empty(), gauges,
+        !recording.body_velocity.empty()};
 }
 
 Layout layout_with(const Settings& settings, const Sensors& sensors) {
@@ -57,7 +58,8 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
     if (uses_ranges(settings.coupling)) {
         L.clock = L.add("clock_bias", "m", 1);
         L.drift = L.add("clock_drift", "m/s", 1);
-        if (settings.ranging.use_rates && settings.ranging.errors.rate_span > 0.0) L.rate_noise = L.add("range_rate_common_noise", "m/s", 1);
+        if (settings.ranging.use_rates && settings.ranging.errors.rate_span > 0.0)
+            L.rate_noise = L.add("range_rate_common_noise", "m/s", 1);
         if (settings.coupling == Coupling::Deep && settings.ranging.use_rates) {
             constexpr int most = 12, after = 4 + Layout::slots;
             L.phases = std::clamp((estim::max_states - after - L.size - 3) / 2, 0, most);
@@ -113,23 +115,26 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
     model.loop = settings.loop;
     model.disturbance = settings.disturbance.model;
     const BaroSettings& baro = settings.baro;
-    model.set_process(layout.baro_bias, 1, baro.bias_time > 0.0 ? StateProcess::markov(baro.bias_std, baro.bias_time)
-                                                               : StateProcess{0.0, baro.bias_walk * baro.bias_walk});
+    model.set_process(layout.baro_bias, 1,
+                      baro.bias_time > 0.0 ? StateProcess::markov(baro.bias_std, baro.bias_time)
+                                           : StateProcess{0.0, baro.bias_walk * baro.bias_walk});
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
     // Loggers and receivers do not keep it to the millisecond: what was learnt is forgotten, by some hundredths of a second in a minute.
     const auto latency = [](double sigma) {
-        constexpr double wander = 0.02, time = 60.0;   // s
+        constexpr double wander = 0.02, time = 60.0;  // s
         return StateProcess::markov(sigma, time * std::max(1.0, std::pow(sigma / wander, 2)));
     };
     if (layout.gnss_latency >= 0) model.set_process(layout.gnss_latency, 1, latency(settings.gnss.latency_std));
-    if (layout.gnss_velocity_latency >= 0) model.set_process(layout.gnss_velocity_latency, 1, latency(settings.gnss.velocity_latency_std));
+    if (layout.gnss_velocity_latency >= 0)
+        model.set_process(layout.gnss_velocity_latency, 1, latency(settings.gnss.velocity_latency_std));
     model.gnss = settings.gnss.errors;
     for (int i = 0; i < 3; ++i) {
         const sensor::GnssErrorModel& g = model.gnss;
         if (layout.gnss_position >= 0)
             model.set_process(layout.gnss_position + i, 1, StateProcess::markov(g.correlated_position(i), g.correlated_time));
         if (layout.gnss_velocity >= 0)
-            model.set_process(layout.gnss_velocity + i, 1, StateProcess::markov(g.correlated_velocity(i), g.correlated_velocity_time));
+            model.set_process(layout.gnss_velocity + i, 1,
+                              StateProcess::markov(g.correlated_velocity(i), g.correlated_velocity_time));
     }
     if (uses_ranges(settings.coupling)) {
         const sensor::RangingErrorModel& e = settings.ranging.errors;
@@ -138,9 +143,10 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
         model.set_process(layout.network, 1, StateProcess::markov(e.network, e.network_time));
         // What has no states of its own: fixes are too noisy to tell, ranges at ten hertz are not.
         const sensor::ImuErrorModel& imu = settings.imu.errors;
-        model.gyro_gain = std::hypot(layout.gyro_scale < 0 ? imu.gyro_scale : 0.0, layout.gyro_misalignment < 0 ? imu.gyro_misalignment : 0.0);
-        model.accel_gain =
-            std::hypot(layout.accel_scale < 0 ? imu.accel_scale : 0.0, layout.accel_misalignment < 0 ? imu.accel_misalignment : 0.0);
+        model.gyro_gain =
+            std::hypot(layout.gyro_scale < 0 ? imu.gyro_scale : 0.0, layout.gyro_misalignment < 0 ? imu.gyro_misalignment : 0.0);
+        model.accel_gain = std::hypot(layout.accel_scale < 0 ? imu.accel_scale : 0.0,
+                                      layout.accel_misalignment < 0 ? imu.accel_misalignment : 0.0);
     }
     model.gyro_vibration = settings.imu.gyro_vibration.value_or(0.0) * settings.imu.gyro_noise_scale.value_or(1.0);
     model.accel_vibration = settings.imu.accel_vibration.value_or(0.0) * settings.imu.accel_noise_scale.value_or(1.0);
@@ -167,7 +173,8 @@ namespace {
 template <class Frame>
 class StartCovariance {
 public:
-    StartCovariance(InertialFilter<Frame>& filter, const InertialModel& model, const Start& start) : f_(filter), L_(model.layout) {
+    StartCovariance(InertialFilter<Frame>& filter, const InertialModel& model, const Start& start)
+        : f_(filter), L_(model.layout) {
         P_n_.diagonal().segment<3>(Layout::position) = start.std_position.cwiseAbs2();
         P_n_.diagonal().segment<3>(Layout::velocity) = start.std_velocity.cwiseAbs2();
         const Eigen::Matrix3d J = math::rpy_error_from_phi(math::rpy_from_quaternion(start.nav.q_nb)).inverse();
@@ -197,7 +204,9 @@ public:
     }
 
     /// Adds a white error of this sigma to a navigation state of the local level.
-    void loosen(int state, double sigma) { f_.P.template topLeftCorner<9, 9>() += sigma * sigma * T_.col(state) * T_.col(state).transpose(); }
+    void loosen(int state, double sigma) {
+        f_.P.template topLeftCorner<9, 9>() += sigma * sigma * T_.col(state) * T_.col(state).transpose();
+    }
 
     /// Variance of a navigation state, local level.
     [[nodiscard]] double variance(int state) const { return P_n_(state, state); }
@@ -243,7 +252,7 @@ public:
 private:
     InertialFilter<Frame>& f_;
     const Layout& L_;
-    Matrix9 P_n_ = Matrix9::Zero(), T_ = Matrix9::Identity();   // T: local level to the filter's own errors
+    Matrix9 P_n_ = Matrix9::Zero(), T_ = Matrix9::Identity();  // T: local level to the filter's own errors
 };
 
 /// Specific force at the start, in the filter's axes: of an acceleration that fixes show, else of none.
@@ -262,7 +271,7 @@ void start_latencies(StartCovariance<Frame>& P, const GnssSettings& gnss, const 
     constexpr double alike = 0.9;
     Eigen::Matrix<double, 9, 2> rates = Eigen::Matrix<double, 9, 2>::Zero();
     rates.col(0).segment<3>(Layout::position) = start.position_rate;
-    const bool shared = L.gnss_velocity_latency < 0 && !gnss.velocity_latency;   // one latency for both
+    const bool shared = L.gnss_velocity_latency < 0 && !gnss.velocity_latency;  // one latency for both
     auto of_velocity = rates.col(shared ? 0 : 1);
     of_velocity.segment<3>(Layout::velocity) = start.velocity_rate;
     of_velocity(Layout::attitude + 2) = -start.heading_rate;
@@ -307,7 +316,7 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
     P.set(L.accel_scale, 3, imu.accel_scale);
     P.set(L.gyro_misalignment, 6, imu.gyro_misalignment);
     P.set(L.accel_misalignment, 6, imu.accel_misalignment);
-    if (settings.aids.nonholonomic) {   // otherwise known only once wheels are recognised
+    if (settings.aids.nonholonomic) {  // otherwise known only once wheels are recognised
         P.set(L.mounting, 2, start.std_mounting);
         P.set(L.axle, 1, 1.5);
     }
@@ -329,7 +338,7 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
     if (L.clock >= 0) {
         start_ranging(f, L, settings.ranging.errors);
         // A fix has the errors of the ranges in it, which are going to be used themselves: it only says about where to linearise.
-        constexpr double roomy = 10.0;   // sigmas
+        constexpr double roomy = 10.0;  // sigmas
         for (int i = 0; i < 3; ++i)
             if (start.position_of_fix(i) > 0.0) P.loosen(Layout::position + i, roomy * start.std_position(i));
     }

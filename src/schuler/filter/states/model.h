@@ -8,8 +8,8 @@ namespace schuler::filter {
 /// Where and how uncertain a run starts.
 struct Start {
     NavState nav;
-    Eigen::Vector3d std_position, std_velocity;   ///< NED
-    Eigen::Vector3d std_rpy;                      ///< rad, mapped to the attitude error by its Jacobian
+    Eigen::Vector3d std_position, std_velocity;  ///< NED
+    Eigen::Vector3d std_rpy;                     ///< rad, mapped to the attitude error by its Jacobian
     Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();
     Eigen::Vector3d std_gyro_bias, std_accel_bias;
     /// 1 where a component (north, east, down) comes from a fix and so has the receiver's slow error in it, 0 where it does not.
@@ -20,17 +20,17 @@ struct Start {
     double heading_rate = 0.0;
     /// The heading is what the magnetometer or the sensor of the heading showed: it has the constant error in it that is a state of theirs.
     bool heading_of_mag = false, heading_of_sensor = false;
-    double std_mounting = 0.03;                   ///< rad
+    double std_mounting = 0.03;  ///< rad
     /// rad: how far other headings lie that the fixes do not refute. What is reported covers them; the filter, which is linear, does not.
     double undecided_heading = 0.0;
-    std::size_t increment = 0;                    ///< first increment to consume
+    std::size_t increment = 0;  ///< first increment to consume
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 };
 
 /// Which instruments beside the inertial unit there are: those that states are made for.
 struct Sensors {
     bool baro = false, mag = false, odometer = false, heading = false;
-    int gauges = 0;                               ///< how many
+    int gauges = 0;  ///< how many
     bool log = false;
 };
 [[nodiscard]] Sensors sensors_of(const Recording& recording);
@@ -53,7 +53,8 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
 
 /// Likewise, a new one, with the barometer of the data's recording.
 template <class Frame>
-[[nodiscard]] Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start);
+[[nodiscard]] Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings,
+                                     const Start& start);
 
 /// Covariance of the states that ranges have in common.
 template <class Frame>

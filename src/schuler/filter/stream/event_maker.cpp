@@ -7,7 +7,7 @@ namespace schuler::filter {
 namespace {
 
 constexpr Duration baro_spacing{500'000'000}, mag_spacing{500'000'000};
-constexpr Duration odometer_spacing{100'000'000};   // wheels are read faster than their errors change
+constexpr Duration odometer_spacing{100'000'000};  // wheels are read faster than their errors change
 
 }  // namespace
 
@@ -55,7 +55,8 @@ void EventMaker::mark_outages(Event& e) const {
 }
 
 bool EventMaker::is_due(const BaroSample& s) {
-    if (!settings_.baro.use || !std::isfinite(s.height) || s.height == memory.height || s.time - memory.baro < baro_spacing) return false;
+    if (!settings_.baro.use || !std::isfinite(s.height) || s.height == memory.height || s.time - memory.baro < baro_spacing)
+        return false;
     memory.baro = s.time;
     memory.height = s.height;
     return true;

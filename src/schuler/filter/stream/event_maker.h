@@ -19,7 +19,8 @@ namespace schuler::filter {
 class EventMaker {
 public:
     /// origin: zero of the outages' times.
-    EventMaker(const Settings& settings, Time origin) : settings_(settings), origin_(origin), ended_(settings.outages.size(), false) {}
+    EventMaker(const Settings& settings, Time origin)
+        : settings_(settings), origin_(origin), ended_(settings.outages.size(), false) {}
 
     /// The events of a fix, none where there is no fix or it repeats the one before: `push(Event)` gets each, `index` is that of the fix.
     /// Components with latencies of their own are events of their own.
@@ -43,10 +44,10 @@ public:
         Time fix{INT64_MIN};
         Geodetic position{};
         int satellites = -1;
-        std::size_t next_change = 0;          ///< of Settings::gnss.constellation_changes
+        std::size_t next_change = 0;  ///< of Settings::gnss.constellation_changes
         Time baro{INT64_MIN / 2}, mag{INT64_MIN / 2}, odometer{INT64_MIN / 2};
         double height = not_given;
-        std::size_t repeated = 0;             ///< fixes
+        std::size_t repeated = 0;  ///< fixes
     };
     Memory memory;
 
@@ -59,7 +60,7 @@ private:
 
     const Settings& settings_;
     Time origin_;
-    std::vector<bool> ended_;   // outages
+    std::vector<bool> ended_;  // outages
 };
 
 /// A measurement that is valid at its stamp.
@@ -68,14 +69,15 @@ private:
 template <class Push>
 void EventMaker::gnss(const GnssFix& fix, std::size_t index, Push&& push) {
     if (fix.fix == FixType::None) return;
-    const bool same_position = memory.any_fix && memory.position.lat == fix.position.lat && memory.position.lon == fix.position.lon &&
-                               memory.position.h == fix.position.h;
+    const bool same_position = memory.any_fix && memory.position.lat == fix.position.lat &&
+                               memory.position.lon == fix.position.lon && memory.position.h == fix.position.h;
     if (fix.time == memory.fix && same_position) {
         ++memory.repeated;
         return;
     }
     Event e;
-    e.constellation_change = memory.any_fix && memory.satellites >= 0 && fix.satellites >= 0 && memory.satellites != fix.satellites;
+    e.constellation_change =
+        memory.any_fix && memory.satellites >= 0 && fix.satellites >= 0 && memory.satellites != fix.satellites;
     const std::vector<Time>& changes = settings_.gnss.constellation_changes;
     for (; memory.next_change < changes.size() && changes[memory.next_change] <= fix.time + Duration{1'000}; ++memory.next_change)
         e.constellation_change = true;

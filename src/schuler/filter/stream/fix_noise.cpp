@@ -14,7 +14,7 @@ double white_part(double stated, double slow) {
 bool is_stated(double sigma) { return std::isfinite(sigma) && sigma > 0.0; }
 
 FixNoise noise_of(const GnssFix& fix, const GnssSettings& settings) {
-    constexpr double floor_velocity = 0.005;   // m/s
+    constexpr double floor_velocity = 0.005;  // m/s
     FixNoise n;
     for (int i = 0; i < 3; ++i) {
         const bool position = is_stated(fix.std_position(i)), velocity = is_stated(fix.std_velocity(i));

@@ -32,12 +32,12 @@ public:
     /// What it remembers.
     struct Memory {
         bool begun = false;
-        Time sample{INT64_MIN}, end{};   ///< of the last one
+        Time sample{INT64_MIN}, end{};  ///< of the last one
     };
     Memory memory;
 
 private:
-    Eigen::Matrix3d C_;   // sensor to body
+    Eigen::Matrix3d C_;  // sensor to body
     ImuKind kind_;
     ImuStamp stamp_;
     double nominal_;
@@ -97,12 +97,12 @@ public:
         Eigen::Vector3d rate, force;
     };
     struct Memory {
-        std::vector<Motion> last;         ///< a second of them, a ring
+        std::vector<Motion> last;  ///< a second of them, a ring
         std::size_t next = 0, filled = 0;
-        Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();   ///< sums over this turn of the ring
-        double rate2 = 0.0, force2 = 0.0;                                                  ///< likewise of the squares
+        Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();  ///< sums over this turn of the ring
+        double rate2 = 0.0, force2 = 0.0;                                                 ///< likewise of the squares
         Agitation sum;
-        double seconds = 0.0;             ///< that `sum` is of
+        double seconds = 0.0;  ///< that `sum` is of
     };
     Memory memory;
 };
@@ -117,9 +117,9 @@ public:
     struct Memory {
         bool begun = false;
         Eigen::Vector3d gyro = Eigen::Vector3d::Zero(), accel = Eigen::Vector3d::Zero();
-        int gyro_run = 0, accel_run = 0;              ///< samples in a row that repeat the one before
-        std::int64_t samples = 0, fresh = 0;          ///< all, and those of which nothing repeats
-        std::int64_t repeats = 0;                     ///< in runs that were too short for a hang
+        int gyro_run = 0, accel_run = 0;      ///< samples in a row that repeat the one before
+        std::int64_t samples = 0, fresh = 0;  ///< all, and those of which nothing repeats
+        std::int64_t repeats = 0;             ///< in runs that were too short for a hang
     };
     Memory memory;
 

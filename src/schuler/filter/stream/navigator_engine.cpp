@@ -103,7 +103,7 @@ void NavigatorEngine::align() {
 }
 
 bool NavigatorEngine::align_as_given() {
-    constexpr Duration tolerance{100'000};   // as near as a batch takes it
+    constexpr Duration tolerance{100'000};  // as near as a batch takes it
     const RunData& data = stream.data();
     const std::vector<ImuIncrement>& increments = data.imu.increments;
     const Time from = settings.start->nav.time + tolerance;
@@ -137,8 +137,9 @@ bool NavigatorEngine::align_as_given() {
 bool NavigatorEngine::align_by_samples() {
     const RunData& data = stream.data();
     const std::vector<ImuIncrement>& increments = data.imu.increments;
-    for (std::size_t i = start_up.memory.any_increment ? 1 : 0; i < increments.size(); ++i) {   // one is left of those before
-        const bool interpolated = std::ranges::any_of(data.imu.bridges, [i](const Bridge& b) { return b.first <= i && i <= b.last; });
+    for (std::size_t i = start_up.memory.any_increment ? 1 : 0; i < increments.size(); ++i) {  // one is left of those before
+        const bool interpolated =
+            std::ranges::any_of(data.imu.bridges, [i](const Bridge& b) { return b.first <= i && i <= b.last; });
         start_up.add(increments[i], interpolated);
     }
     const Time now = increments.back().time;
@@ -166,7 +167,7 @@ bool NavigatorEngine::align_by_samples() {
     (void)stream.forget({increment, event, epoch, still, bridge}, true);
     std::optional<Start> start = start_up.ready();
     if (!start) return false;
-    start->increment = increments.size();   // one is left, which is over
+    start->increment = increments.size();  // one is left, which is over
     set_out(*start, baro_height_at(now));
     return true;
 }
@@ -198,7 +199,7 @@ public:
             if (increment.time <= ahead_.time()) return;
             estim::Transition phi;
             if (ahead_.gathered.is_full(increment.dt)) (void)ahead_.propagate_covariance(model_, phi);
-            ahead_.propagate(model_, increment, with_vibration(model_, walk_.vibration, noise));   // as it shakes now
+            ahead_.propagate(model_, increment, with_vibration(model_, walk_.vibration, noise));  // as it shakes now
         });
         return state_of(ahead_, walk_.undecided(model_));
     }
@@ -207,7 +208,8 @@ public:
     }
     std::optional<SensorErrorRow> sensor_errors() const override {
         if (!running()) return std::nullopt;
-        return sensor_error_row(walk_.filter.time(), model_.layout, walk_.filter.estimated_parameters(), walk_.filter.P.diagonal());
+        return sensor_error_row(walk_.filter.time(), model_.layout, walk_.filter.estimated_parameters(),
+                                walk_.filter.P.diagonal());
     }
     const InertialModel& model() const override { return model_; }
 
@@ -236,7 +238,7 @@ private:
         stream.judge_still(increments[end - 1].time);
         try {
             pass_.advance(walk_, end - 1, *this);
-        } catch (const Error&) {   // it is no longer a number
+        } catch (const Error&) {  // it is no longer a number
             return false;
         }
         if (walk_.sides_changed != sides_changed_) {
@@ -253,9 +255,9 @@ private:
 
     /// What both hypotheses of the walk have behind them.
     void forget_consumed() {
-        if (walk_.event == 0 && walk_.epoch == 0 && walk_.still == 0 && walk_.bridge == 0 && walk_.openings.empty() && walk_.rival.empty() &&
-            walk_.increment < StreamTimeline::idle_increments)
-            return;   // after nearly every sample
+        if (walk_.event == 0 && walk_.epoch == 0 && walk_.still == 0 && walk_.bridge == 0 && walk_.openings.empty() &&
+            walk_.rival.empty() && walk_.increment < StreamTimeline::idle_increments)
+            return;  // after nearly every sample
         const auto places = [](const Walk<Frame>& w) {
             return StreamTimeline::Places{w.increment, w.event, w.epoch, w.still, w.bridge};
         };
@@ -263,8 +265,8 @@ private:
         Walk<Frame>* other = walk_.rival.empty() ? nullptr : &walk_.rival.front().walk;
         if (other != nullptr) {
             const StreamTimeline::Places q = places(*other);
-            p = {std::min(p.increment, q.increment), std::min(p.event, q.event), std::min(p.epoch, q.epoch), std::min(p.still, q.still),
-                 std::min(p.bridge, q.bridge)};
+            p = {std::min(p.increment, q.increment), std::min(p.event, q.event), std::min(p.epoch, q.epoch),
+                 std::min(p.still, q.still), std::min(p.bridge, q.bridge)};
         }
         p = stream.forget(p, false);
         for (Walk<Frame>* w : {&walk_, other}) {
@@ -274,7 +276,7 @@ private:
             w->epoch -= p.epoch;
             w->still -= p.still;
             w->bridge -= p.bridge;
-            w->openings.clear();   // which are for the smoother
+            w->openings.clear();  // which are for the smoother
         }
     }
 
@@ -287,7 +289,7 @@ private:
     bool wants_all_states(Time time) const override { return time >= next_all_states_; }
     void output(const Walk<Frame>& walk, Time time) override {
         add_row(solution_row(walk.filter.geographic(model_), walk.covariance(model_)));
-        while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};   // as a batch keeps them
+        while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};  // as a batch keeps them
     }
     void aid(const AidRecord& r) override {
         changed_ = true;
@@ -313,8 +315,8 @@ private:
     Pass<Frame> pass_;
     Duration still_delay_;
     Walk<Frame> walk_;
-    InertialFilter<Frame> ahead_;      // the filter carried on to the newest sample
-    bool changed_ = true;              // the walk was corrected since
+    InertialFilter<Frame> ahead_;  // the filter carried on to the newest sample
+    bool changed_ = true;          // the walk was corrected since
     int sides_changed_ = 0;
     Time next_all_states_{};
 };

@@ -23,7 +23,7 @@ struct Fnv {
 
 /// Before the parts of a navigator.
 struct Header {
-    static constexpr std::uint64_t its_name = 0x56414e4c55484353;   // "SCHULNAV"
+    static constexpr std::uint64_t its_name = 0x56414e4c55484353;  // "SCHULNAV"
     static constexpr std::uint64_t its_version = 5;
     std::uint64_t name = its_name, version = its_version, settings = 0, size = 0, checksum = 0;
 };
@@ -46,6 +46,7 @@ std::uint64_t NavigatorEngine::fingerprint() const {
     const GnssSettings& g = s.gnss;
     const FeedRates& r = settings.rates;
     const auto latency = [](std::optional<double> x) { return x.value_or(-1.0); };
+    // clang-format off
     const double numbers[] = {m.gyro_psd, m.accel_psd, m.gyro_gain, m.accel_gain, m.gyro_vibration, m.accel_vibration, m.clock_psd, m.drift_psd,
                               settings.lag, settings.imu_interval, settings.still_delay, settings.longest_hole,
                               settings.still.force_std, settings.still.rate_std,
@@ -53,16 +54,26 @@ std::uint64_t NavigatorEngine::fingerprint() const {
                               g.std_scale, g.velocity_std_scale, g.consider_errors ? 1.0 : 0.0, s.baro.std, s.mag.heading_std, s.odometer.std, s.heading.std,
                               s.aids.gate_probability, s.aids.constraint_rate, s.output_rate,
                               r.gnss, r.baro, r.mag, r.odometer, r.heading, r.gauges, r.log, r.ranges, s.gauges.std, s.log.std};
+    // clang-format on
     for (const double x : numbers) f.number(x);
     const std::array<Eigen::Vector3d, 3>& gauges = s.gauges.lever_arms_b;
-    for (const Eigen::Vector3d& v : {g.lever_arm_b, s.imu.mounting_rpy, g.default_std_position, g.default_std_velocity, s.log.lever_arm_b,
-                                     gauges[0], gauges[1], gauges[2]})
+    for (const Eigen::Vector3d& v : {g.lever_arm_b, s.imu.mounting_rpy, g.default_std_position, g.default_std_velocity,
+                                     s.log.lever_arm_b, gauges[0], gauges[1], gauges[2]})
         for (int i = 0; i < 3; ++i) f.number(v(i));
     for (int i = 0; i < 9; ++i) f.number(s.imu.C_bs(i));
-    const int choices[] = {static_cast<int>(s.mechanization), static_cast<int>(s.loop), static_cast<int>(s.coupling),
-                           static_cast<int>(s.loose_kind), static_cast<int>(s.vehicle), static_cast<int>(s.imu.kind),
-                           static_cast<int>(s.imu.stamp), s.aggressive_parts, s.integrity.use, s.ranging.protection.use,
-                           s.aids.zero_velocity, s.aids.nonholonomic, g.use_velocity};
+    const int choices[] = {static_cast<int>(s.mechanization),
+                           static_cast<int>(s.loop),
+                           static_cast<int>(s.coupling),
+                           static_cast<int>(s.loose_kind),
+                           static_cast<int>(s.vehicle),
+                           static_cast<int>(s.imu.kind),
+                           static_cast<int>(s.imu.stamp),
+                           s.aggressive_parts,
+                           s.integrity.use,
+                           s.ranging.protection.use,
+                           s.aids.zero_velocity,
+                           s.aids.nonholonomic,
+                           g.use_velocity};
     for (const int x : choices) f.number(x);
     f.number(settings.rates.range_sources);
     return f.hash;
@@ -76,7 +87,7 @@ void NavigatorEngine::archive_all(Archive& a) {
 }
 
 std::size_t NavigatorEngine::save(std::span<std::byte> bytes) const {
-    auto& self = const_cast<NavigatorEngine&>(*this);   // one function for both ways; writing changes nothing
+    auto& self = const_cast<NavigatorEngine&>(*this);  // one function for both ways; writing changes nothing
     Archive measure(Archive::Way::Measure, {});
     self.archive_all(measure);
     const std::size_t size = sizeof(Header) + measure.at;
@@ -109,7 +120,7 @@ RestoreStatus NavigatorEngine::restore(std::span<const std::byte> bytes) {
     Archive read(Archive::Way::Read, {const_cast<std::byte*>(payload.data()), payload.size()});
     archive_all(read);
     if (read.good && read.at == payload.size()) return RestoreStatus::Restored;
-    restart();   // bytes that agree with their sum and do not fit: of a machine of another kind
+    restart();  // bytes that agree with their sum and do not fit: of a machine of another kind
     return RestoreStatus::Damaged;
 }
 

@@ -17,9 +17,9 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double longest_fit = 60.0;      // s: gyros drift, and what was gathered is not linear in their errors
-constexpr double moving_patience = 3.0;   // s without standing still after which the level is taken from the moving body
-constexpr double gyrocompass_time = 60.0, least_gyrocompass = 20.0;   // s
+constexpr double longest_fit = 60.0;     // s: gyros drift, and what was gathered is not linear in their errors
+constexpr double moving_patience = 3.0;  // s without standing still after which the level is taken from the moving body
+constexpr double gyrocompass_time = 60.0, least_gyrocompass = 20.0;  // s
 
 bool is_place(const Geodetic& p) { return std::isfinite(p.lat) && std::isfinite(p.lon) && std::isfinite(p.h); }
 
@@ -41,7 +41,7 @@ void StartUp::level_by(const Vector3d& force_b, double std, bool at_rest) {
     memory.std_level = std;
     memory.level = true;
     memory.level_at_rest = at_rest;
-    memory.has_heading = false;   // it was of another level frame
+    memory.has_heading = false;  // it was of another level frame
     begin_fit();
 }
 
@@ -60,7 +60,7 @@ void StartUp::add(const ImuIncrement& inc, bool interpolated) {
     m.any_increment = true;
     m.now = inc.time;
     m.last = inc;
-    if (interpolated) {   // nothing gathered so far may go on through a hole
+    if (interpolated) {  // nothing gathered so far may go on through a hole
         m.level = false;
         m.has_heading = false;
         m.still = m.recent_time = 0.0;
@@ -68,7 +68,7 @@ void StartUp::add(const ImuIncrement& inc, bool interpolated) {
         m.first = inc.time;
         return;
     }
-    const double keep = std::max(0.0, 1.0 - inc.dt);   // a mean over a second, the past fading
+    const double keep = std::max(0.0, 1.0 - inc.dt);  // a mean over a second, the past fading
     m.recent_dv = keep * m.recent_dv + inc.dv;
     m.recent_time = keep * m.recent_time + inc.dt;
     if (m.still > 0.0 && (m.now - m.still_end).seconds() > 1.0) {
@@ -80,7 +80,8 @@ void StartUp::add(const ImuIncrement& inc, bool interpolated) {
     if (!m.level) return;
     const Vector3d turn = inc.dtheta - m.gyro_bias * inc.dt;
     const Quaterniond half = math::quaternion_from_rotation_vector(0.5 * turn);
-    const Vector3d dv = (m.q_wb * half) * (inc.dv - settings_.filter.initial.accel_bias * inc.dt) + Vector3d(0.0, 0.0, units::g0 * inc.dt);
+    const Vector3d dv =
+        (m.q_wb * half) * (inc.dv - settings_.filter.initial.accel_bias * inc.dt) + Vector3d(0.0, 0.0, units::g0 * inc.dt);
     m.q_wb = (m.q_wb * half * half).normalized();
     m.fit.p_w += (m.fit.v_w + 0.5 * dv) * inc.dt;
     m.fit.v_w += dv;
@@ -204,9 +205,9 @@ void StartUp::solve() {
     constexpr double enough = 3.0 * units::deg;
     if (std_heading > enough || std::abs(size - 1.0) > 0.05 + 3.0 * std_size) return;
     const double g = units::g0;
-    const Eigen::Vector2d tilt(x(3) / g, -x(2) / g);   // phi_N = b_E/g, phi_E = -b_N/g
+    const Eigen::Vector2d tilt(x(3) / g, -x(2) / g);  // phi_N = b_E/g, phi_E = -b_N/g
     const double psi = std::atan2(x(1), x(0));
-    if (tilt.norm() > 3.0 * units::deg && !m.level_at_rest) {   // level anew, within what is linear, and gather again
+    if (tilt.norm() > 3.0 * units::deg && !m.level_at_rest) {  // level anew, within what is linear, and gather again
         const Vector3d phi_w = Eigen::AngleAxisd(-psi, Vector3d::UnitZ()) * Vector3d(tilt.x(), tilt.y(), 0.0);
         m.q_wb = (math::quaternion_from_rotation_vector(phi_w) * m.q_wb).normalized();
         m.std_level = std::max(1.0 * units::deg, 0.2 * tilt.norm());
@@ -243,11 +244,11 @@ void StartUp::compass() {
     const Geodetic place = start_place();
     const sensor::ImuErrorModel& imu = settings_.filter.imu.errors;
     const double gyro_std = std::hypot(imu.gyro_initial_bias(), imu.gyro_noise / std::sqrt(m.still));
-    const ins::Gyrocompass c = ins::gyrocompass(settings_.filter.earth, place, m.force / m.still, m.rate / m.still,
-                                                imu.accel_initial_bias(), gyro_std);
+    const ins::Gyrocompass c =
+        ins::gyrocompass(settings_.filter.earth, place, m.force / m.still, m.rate / m.still, imu.accel_initial_bias(), gyro_std);
     m.has_heading = true;
     m.heading_of_mag = m.heading_of_sensor = false;
-    m.psi = c.rpy.z();   // body x had no heading in the level frame when it stood
+    m.psi = c.rpy.z();  // body x had no heading in the level frame when it stood
     m.std_heading = 2.0 * c.std_rpy.z();
 }
 
@@ -267,7 +268,7 @@ Geodetic StartUp::start_place() const {
 void StartUp::add_mag(const Vector3d& field_b, double declination) {
     Memory& m = memory;
     // where the body moves, its motion may tell better
-    constexpr double patience = 20.0;   // s
+    constexpr double patience = 20.0;  // s
     if (!m.level || m.has_heading || phase() == Phase::Gyrocompassing) return;
     if (!stands() && (m.now - m.first).seconds() < patience) return;
     const Vector3d rpy = math::rpy_from_quaternion(m.q_wb);
@@ -334,7 +335,8 @@ Start StartUp::start_with(const Quaterniond& q_nb, const Vector3d& std_rpy) cons
         const double lead = (m.now - m.position_time).seconds();
         const Vector3d lever_n = start.nav.q_nb * s.gnss.lever_arm_b;
         start.nav.position = earth::moved_by_ned(s.earth, m.position, start.nav.v_eb_n * lead - lever_n);
-        std_position = m.std_position + 2.0 * s.gnss.lever_arm_b.norm() * std::min(1.0, start.std_rpy.maxCoeff()) * Vector3d::Ones() +
+        std_position = m.std_position +
+                       2.0 * s.gnss.lever_arm_b.norm() * std::min(1.0, start.std_rpy.maxCoeff()) * Vector3d::Ones() +
                        start.std_velocity * std::abs(lead);
         start.position_of_fix.setOnes();
         if (!m.has_height) {
@@ -366,7 +368,7 @@ std::optional<Start> StartUp::ready() const {
     // the fit has found a tilt as well: C_true = (I + [phi x]) C
     const Quaterniond q_nb = math::quaternion_from_rpy(Vector3d(rpy.x(), rpy.y(), heading));
     const Vector3d phi(m.tilt.x(), m.tilt.y(), 0.0);
-    const double tilt = std::max(3.0 * m.std_tilt.maxCoeff(), least_tilt());   // a bias of the accelerometers looks the same
+    const double tilt = std::max(3.0 * m.std_tilt.maxCoeff(), least_tilt());  // a bias of the accelerometers looks the same
     return start_with((math::quaternion_from_rotation_vector(phi) * q_nb).normalized(), Vector3d(tilt, tilt, m.std_heading));
 }
 

@@ -37,7 +37,7 @@ public:
     /// The start at the end of the last increment, once it is known.
     [[nodiscard]] std::optional<Start> ready() const;
 
-    static constexpr int unknowns = 8;   ///< cos psi, sin psi, b (2), v0 (2), p0 (2)
+    static constexpr int unknowns = 8;  ///< cos psi, sin psi, b (2), v0 (2), p0 (2)
     using Normal = Eigen::Matrix<double, unknowns, unknowns>;
     using Unknowns = Eigen::Matrix<double, unknowns, 1>;
 
@@ -46,9 +46,9 @@ public:
         Time since{};
         Normal N = Normal::Zero();
         Unknowns y = Unknowns::Zero();
-        double sum2 = 0.0;                        ///< of the normalised measurements
+        double sum2 = 0.0;  ///< of the normalised measurements
         int rows = 0;
-        Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), p_w = Eigen::Vector3d::Zero();   ///< gathered
+        Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), p_w = Eigen::Vector3d::Zero();  ///< gathered
         bool has_origin = false;
         Geodetic origin{};
     };
@@ -56,16 +56,16 @@ public:
         bool any_increment = false;
         Time now{}, first{};
         ImuIncrement last{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-        Eigen::Vector3d recent_dv = Eigen::Vector3d::Zero();   ///< of the last second or so, m/s
+        Eigen::Vector3d recent_dv = Eigen::Vector3d::Zero();  ///< of the last second or so, m/s
         double recent_time = 0.0;
         // standing
-        double still = 0.0;                       ///< s
+        double still = 0.0;  ///< s
         Time still_end{};
-        Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();   ///< sums over it
+        Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();  ///< sums over it
         // level frame
         bool level = false, level_at_rest = false;
         Eigen::Quaterniond q_wb = Eigen::Quaterniond::Identity();
-        double std_level = 0.0;                   ///< rad
+        double std_level = 0.0;  ///< rad
         Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
         double std_gyro_bias = 0.0;
         bool at_rest_bias = false;
@@ -74,15 +74,16 @@ public:
         bool has_position = false, has_velocity = false;
         Geodetic position{};
         Time position_time{};
-        Eigen::Vector3d std_position = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(), std_velocity = Eigen::Vector3d::Zero();
+        Eigen::Vector3d std_position = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
+                        std_velocity = Eigen::Vector3d::Zero();
         bool has_height = false;
         std::array<bool, 3> velocity_given{};
         Time velocity_time{};
         // heading
         bool has_heading = false;
         bool heading_of_mag = false, heading_of_sensor = false;
-        double psi = 0.0, std_heading = 0.0;      ///< rad, of the level frame
-        Eigen::Vector2d tilt = Eigen::Vector2d::Zero(), std_tilt = Eigen::Vector2d::Zero();   ///< about north and east, rad
+        double psi = 0.0, std_heading = 0.0;                                                 ///< rad, of the level frame
+        Eigen::Vector2d tilt = Eigen::Vector2d::Zero(), std_tilt = Eigen::Vector2d::Zero();  ///< about north and east, rad
     };
     Memory memory;
 

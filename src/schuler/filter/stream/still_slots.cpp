@@ -45,11 +45,14 @@ void add_statistics(std::span<StillSlot> slots, std::size_t i, double nominal_dt
     s.rate_norm = (r / n).norm();
 }
 
-double largest_still_rate(VehicleKind vehicle) { return vehicle == VehicleKind::Car || vehicle == VehicleKind::Static ? 0.2 : 0.5; }
+double largest_still_rate(VehicleKind vehicle) {
+    return vehicle == VehicleKind::Car || vehicle == VehicleKind::Static ? 0.2 : 0.5;
+}
 
 bool is_still(std::span<const StillSlot> slots, std::size_t i, const StillThresholds& thresholds, double largest_rate) {
     const auto calm = [&](const StillSlot& s) {
-        return s.force_std < thresholds.force_std && s.rate_std < thresholds.rate_std && s.rate_norm < largest_rate && !(s.speed > 0.3);
+        return s.force_std < thresholds.force_std && s.rate_std < thresholds.rate_std && s.rate_norm < largest_rate &&
+               !(s.speed > 0.3);
     };
     return slots[i].n > 0 && calm(slots[i]) && (i == 0 || calm(slots[i - 1])) && (i + 1 == slots.size() || calm(slots[i + 1]));
 }

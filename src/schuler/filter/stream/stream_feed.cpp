@@ -16,10 +16,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double most_age = 10.0;   // s, of a part of a fix at its stamp
+constexpr double most_age = 10.0;  // s, of a part of a fix at its stamp
 
 // What no vehicle does and no instrument means.
-constexpr std::int64_t most_ns = 4'000'000'000'000'000'000;   // a hundred years either way: differences of times are times
+constexpr std::int64_t most_ns = 4'000'000'000'000'000'000;  // a hundred years either way: differences of times are times
 bool is_bad(Time time) { return time.ns > most_ns || time.ns < -most_ns; }
 bool is_bad(double value, double most) { return !(std::abs(value) <= most); }
 bool is_bad_if_stated(double value, double most) { return !std::isnan(value) && is_bad(value, most); }
@@ -30,22 +30,21 @@ bool has_bad(const Vector3d& v, double most) {
 bool has_bad_sigma(const Vector3d& v) { return is_bad_sigma(v.x()) || is_bad_sigma(v.y()) || is_bad_sigma(v.z()); }
 
 bool is_bad(const GnssFix& f) {
-    constexpr double most_height = 1e6, most_speed = 1e4;   // m, m/s
+    constexpr double most_height = 1e6, most_speed = 1e4;  // m, m/s
     const Geodetic& p = f.position;
     if (is_bad_if_stated(p.lat, 0.5 * std::numbers::pi) || is_bad_if_stated(p.lon, 2.0 * std::numbers::pi) ||
         is_bad_if_stated(p.h, most_height))
         return true;
-    if (is_bad(f.time) || (p.lat == 0.0 && p.lon == 0.0)) return true;   // what receivers say that have no position
+    if (is_bad(f.time) || (p.lat == 0.0 && p.lon == 0.0)) return true;  // what receivers say that have no position
     return has_bad(f.velocity_n, most_speed) || has_bad_sigma(f.std_position) || has_bad_sigma(f.std_velocity) ||
            is_bad(f.position_age, most_age) || is_bad(f.velocity_age, most_age);
 }
 
 bool is_bad(const RangeSample& s, std::size_t sources) {
-    constexpr double far = 1e8, fast = 1e5;   // m, m/s
+    constexpr double far = 1e8, fast = 1e5;  // m, m/s
     return s.source >= sources || is_bad(s.tx.r.norm(), far) || is_bad_if_stated(s.pseudorange, far) ||
-           is_bad_if_stated(s.range_rate, fast) ||
-           has_bad(s.tx_velocity, fast) || is_bad_sigma(s.std) || is_bad_sigma(s.std_rate) || is_bad(s.tx_clock, 1.0) ||
-           is_bad(s.tx_clock_rate, 1.0) || is_bad(s.variance, 1e12);
+           is_bad_if_stated(s.range_rate, fast) || has_bad(s.tx_velocity, fast) || is_bad_sigma(s.std) ||
+           is_bad_sigma(s.std_rate) || is_bad(s.tx_clock, 1.0) || is_bad(s.tx_clock_rate, 1.0) || is_bad(s.variance, 1e12);
 }
 
 }  // namespace
@@ -58,7 +57,7 @@ FeedStatus StreamTimeline::count(Source source, FeedStatus status) {
 FeedStatus StreamTimeline::feed(const ImuSample& sample) {
     const bool rates = settings_.filter.imu.kind == ImuKind::Rates;
     const double per_second = rates ? 1.0 : 1.0 / settings_.imu_interval;
-    constexpr double most_rate = 200.0, most_force = 1e5;   // rad/s, m/s^2
+    constexpr double most_rate = 200.0, most_force = 1e5;  // rad/s, m/s^2
     const double scale2 = per_second * per_second;
     if (is_bad(sample.time) || is_bad(sample.gyro.squaredNorm() * scale2, most_rate * most_rate) ||
         is_bad(sample.accel.squaredNorm() * scale2, most_force * most_force))
@@ -73,7 +72,8 @@ FeedStatus StreamTimeline::feed(const ImuSample& sample) {
         const Duration ahead = sample.time - memory.newest;
         if (ahead > longest_hole_) return refuse(FeedStatus::TooFarAhead);
         if (-ahead > lag_ || sample.time < memory.last_settled) return refuse(FeedStatus::Late);
-        if (sample.time == memory.last_settled || imu_.has(imu_store_, sample.time)) return count(Source::Imu, FeedStatus::Duplicate);
+        if (sample.time == memory.last_settled || imu_.has(imu_store_, sample.time))
+            return count(Source::Imu, FeedStatus::Duplicate);
         if (imu_.full()) return count(Source::Imu, FeedStatus::Full);
     }
     memory.strangers = 0;
@@ -98,10 +98,12 @@ FeedStatus StreamTimeline::feed(Source source, const Sample& sample, Time valid,
                                 std::vector<Sample>& store) {
     FeedStatus status = check_time(valid);
     if (status == FeedStatus::Taken && sample.time < memory.released[static_cast<std::size_t>(source)]) status = FeedStatus::Late;
-    if (status == FeedStatus::Taken && (sample.time == memory.released[static_cast<std::size_t>(source)] || pool.has(store, sample.time)))
+    if (status == FeedStatus::Taken &&
+        (sample.time == memory.released[static_cast<std::size_t>(source)] || pool.has(store, sample.time)))
         status = FeedStatus::Duplicate;
     if (status != FeedStatus::Taken) return count(source, status);
-    if (pool.full() && !memory.any_imu && !pool.empty()) pool.let_go(pool.take());   // nothing to go by yet: the latest are worth most
+    if (pool.full() && !memory.any_imu && !pool.empty())
+        pool.let_go(pool.take());  // nothing to go by yet: the latest are worth most
     if (pool.full()) return count(source, store.empty() ? FeedStatus::NotUsed : FeedStatus::Full);
     if (!pool.insert(store, sample)) ++counters.reordered[static_cast<std::size_t>(source)];
     return count(source, FeedStatus::Taken);
@@ -163,7 +165,7 @@ std::optional<std::uint16_t> StreamTimeline::range_source(std::string_view name,
     std::vector<RangeSource>& sources = recording_.ranges.sources;
     for (std::size_t i = 0; i < sources.size(); ++i)
         if (sources[i].name == name && sources[i].station == station) return static_cast<std::uint16_t>(i);
-    constexpr std::size_t longest_name = 15;   // which a string holds without memory of its own
+    constexpr std::size_t longest_name = 15;  // which a string holds without memory of its own
     if (sources.size() == sources.capacity() || name.size() > longest_name) return std::nullopt;
     sources.push_back({std::string(name), station});
     return static_cast<std::uint16_t>(sources.size() - 1);

@@ -30,8 +30,9 @@ std::size_t aid_capacity(const NavigatorSettings& s, double rate) {
 }  // namespace
 
 template <class Sample>
-StreamTimeline::Instrument<Sample> StreamTimeline::instrument(const NavigatorSettings& s, Source source, AidKind kind, std::uint8_t components,
-                                                              double FeedRates::*rate, std::vector<Sample> Recording::*store) {
+StreamTimeline::Instrument<Sample> StreamTimeline::instrument(const NavigatorSettings& s, Source source, AidKind kind,
+                                                              std::uint8_t components, double FeedRates::*rate,
+                                                              std::vector<Sample> Recording::*store) {
     return {source, kind, components, rate, store, detail::SamplePool<Sample>(aid_capacity(s, s.rates.*rate))};
 }
 
@@ -116,7 +117,7 @@ bool StreamTimeline::settle() {
     const Time horizon = memory.newest - lag_ - tolerance;
     if (sample.time > horizon) return false;
     std::optional<Time> next;
-    if (settings_.filter.imu.stamp != ImuStamp::End) {   // which the next sample decides on
+    if (settings_.filter.imu.stamp != ImuStamp::End) {  // which the next sample decides on
         if (imu_.waiting() < 2 || imu_store_[imu_.index(1)].time > horizon) return false;
         next = imu_store_[imu_.index(1)].time;
     }
@@ -144,7 +145,8 @@ void StreamTimeline::bridge(const ImuIncrement& interval) {
               [&](const ImuIncrement& piece, bool interpolated) { add_increment(piece, interpolated && uncertain); });
     if (!uncertain) return;
     if (data_.imu.bridges.size() < data_.imu.bridges.capacity())
-        data_.imu.bridges.push_back({first, data_.imu.increments.size() - 2, bridge_noise(interval.dt, motion_.recent(), motion_.usual())});
+        data_.imu.bridges.push_back(
+            {first, data_.imu.increments.size() - 2, bridge_noise(interval.dt, motion_.recent(), motion_.usual())});
     ++data_.imu.gaps;
     ++counters.holes;
     hole_ = interval.dt;
@@ -169,7 +171,8 @@ StillSlot* StreamTimeline::slot(std::size_t number) {
             ++memory.first_slot;
         }
         StillSlot s;
-        s.end = memory.slots_start + Duration::from_seconds(StillSlot::length * static_cast<double>(memory.first_slot + slots_.size() + 1));
+        s.end = memory.slots_start +
+                Duration::from_seconds(StillSlot::length * static_cast<double>(memory.first_slot + slots_.size() + 1));
         slots_.push_back(s);
     }
     return number < memory.first_slot ? nullptr : &slots_[number - memory.first_slot];
@@ -187,11 +190,13 @@ void StreamTimeline::judge_still(Time until) {
         if (memory.moved && (vehicle == VehicleKind::Air || vehicle == VehicleKind::Hand)) continue;
         const std::size_t complete = std::clamp(memory.current_slot - memory.first_slot, i + 1, slots_.size());
         const std::span<StillSlot> known(slots_.data(), complete);
-        for (std::size_t k = i > 0 ? i - 1 : 0; k < std::min(i + 2, complete); ++k) add_statistics(known, k, settings_.imu_interval);
+        for (std::size_t k = i > 0 ? i - 1 : 0; k < std::min(i + 2, complete); ++k)
+            add_statistics(known, k, settings_.imu_interval);
         if (!is_still(known, i, thresholds_, largest_rate_)) continue;
-        if (!thresholds_.learnt) {   // an IMU does not feel steady motion: a receiver has to say so too
+        if (!thresholds_.learnt) {  // an IMU does not feel steady motion: a receiver has to say so too
             constexpr std::size_t back = 6;
-            const bool seen = std::ranges::any_of(known.subspan(i > back ? i - back : 0), [](const StillSlot& s) { return s.speed < 0.3; });
+            const bool seen =
+                std::ranges::any_of(known.subspan(i > back ? i - back : 0), [](const StillSlot& s) { return s.speed < 0.3; });
             if (!seen) continue;
         }
         if (data_.still.windows.size() == data_.still.windows.capacity()) data_.still.windows.erase(data_.still.windows.begin());

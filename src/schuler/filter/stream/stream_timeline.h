@@ -21,8 +21,8 @@ namespace schuler::filter {
 /// measurements that are valid by then. What comes out does not depend on the order in which samples came.
 class StreamTimeline {
 public:
-    static constexpr double most_ahead = 5.0;   ///< s that a measurement may be ahead of the IMU
-    static constexpr std::size_t idle_increments = 256;   ///< consumed ones that are kept until they are moved out
+    static constexpr double most_ahead = 5.0;            ///< s that a measurement may be ahead of the IMU
+    static constexpr std::size_t idle_increments = 256;  ///< consumed ones that are kept until they are moved out
 
     /// Settings are kept by reference. Takes all memory.
     explicit StreamTimeline(const NavigatorSettings& settings);
@@ -84,13 +84,13 @@ public:
         Time last_settled{INT64_MIN};             ///< stamp of the IMU sample
         std::array<Time, source_count> released;  ///< stamp of the last one of each channel
         Time stranger{};
-        int strangers = 0;                        ///< refused samples of the IMU in a row that follow each other
+        int strangers = 0;  ///< refused samples of the IMU in a row that follow each other
         bool has_before = false;
-        ImuIncrement before{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};   ///< last interval
+        ImuIncrement before{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< last interval
         Time slots_start{};
-        std::size_t first_slot = 0, current_slot = 0, next_judged = 0;   ///< counted from the first increment
+        std::size_t first_slot = 0, current_slot = 0, next_judged = 0;  ///< counted from the first increment
         bool moved = false;
-        bool has_precise = false;                 ///< position of a precise fix without velocity
+        bool has_precise = false;  ///< position of a precise fix without velocity
         Geodetic precise{};
         Time precise_time{};
         bool order_changed = false;
@@ -123,7 +123,8 @@ private:
     template <class Sample>
     FeedStatus take(const Sample& sample, bool used, bool bad);
     template <class Sample>
-    FeedStatus feed(Source source, const Sample& sample, Time valid, detail::SamplePool<Sample>& pool, std::vector<Sample>& store);
+    FeedStatus feed(Source source, const Sample& sample, Time valid, detail::SamplePool<Sample>& pool,
+                    std::vector<Sample>& store);
     void add_increment(const ImuIncrement& increment, bool interpolated);
     void bridge(const ImuIncrement& interval);
     void release(Time until);
@@ -145,14 +146,14 @@ private:
     Duration lag_, longest_hole_;
     double largest_rate_;
     RunData data_;
-    Recording recording_;                    // samples at the indices of the pools
+    Recording recording_;  // samples at the indices of the pools
     std::vector<ImuSample> imu_store_;
     detail::SamplePool<ImuSample> imu_;
     detail::SamplePool<GnssFix> gnss_;
     std::tuple<Instrument<BaroSample>, Instrument<MagSample>, Instrument<OdometerSample>, Instrument<HeadingSample>,
                Instrument<GaugeSample>, Instrument<BodyVelocitySample>>
         instruments_;
-    std::vector<std::uint32_t> free_ranges_; // runs of samples in the log of ranges
+    std::vector<std::uint32_t> free_ranges_;  // runs of samples in the log of ranges
     IntervalMaker interval_;
     HangWatch hang_;
     RecentMotion motion_;
@@ -168,7 +169,8 @@ void StreamTimeline::ahead(std::size_t from, Take&& take) const {
     const std::vector<Bridge>& bridges = data_.imu.bridges;
     for (std::size_t i = from; i < data_.imu.increments.size(); ++i) {
         while (bridge < bridges.size() && bridges[bridge].last < i) ++bridge;
-        take(data_.imu.increments[i], bridge < bridges.size() && bridges[bridge].first <= i ? bridges[bridge].noise : BridgeNoise{});
+        take(data_.imu.increments[i],
+             bridge < bridges.size() && bridges[bridge].first <= i ? bridges[bridge].noise : BridgeNoise{});
     }
     IntervalMaker maker = interval_;
     HangWatch hang = hang_;

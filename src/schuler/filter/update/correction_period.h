@@ -5,9 +5,9 @@ namespace schuler::filter {
 
 /// Largest errors of a start and of its sensors.
 struct InertialErrorBounds {
-    double attitude = 0.0;     ///< rad
-    double gyro = 0.0;         ///< rad/s
-    double accel = 0.0;        ///< m/s^2
+    double attitude = 0.0;  ///< rad
+    double gyro = 0.0;      ///< rad/s
+    double accel = 0.0;     ///< m/s^2
 };
 
 /// Bounds at three sigma.

@@ -13,7 +13,7 @@ namespace schuler::filter {
 
 namespace {
 
-constexpr Duration tolerance{100'000};   // an event this near to an increment's end needs no split of it
+constexpr Duration tolerance{100'000};  // an event this near to an increment's end needs no split of it
 constexpr Duration instant_tolerance{1'000};
 
 /// Puts the packed components of a record where they belong: north, east, down.
@@ -49,7 +49,8 @@ Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Setting
       rivalry_(rivalry),
       vibrates_(model.gyro_vibration > 0.0 || model.accel_vibration > 0.0),
       openings_(std::move(openings)),
-      range_test_(uses_ranges(settings.coupling) ? RangeTest(settings.aids.gate_probability, settings.aids.recovery_time) : RangeTest{}),
+      range_test_(uses_ranges(settings.coupling) ? RangeTest(settings.aids.gate_probability, settings.aids.recovery_time)
+                                                 : RangeTest{}),
       update_with_ranges_(model, settings.ranging, settings.gnss.lever_arm_b, range_test_, data.backward) {
     if (settings.ranging.protection.use) range_test_.watch = ProtectionLimits(settings.ranging.protection).test;
 }
@@ -92,7 +93,7 @@ ImuIncrement Pass<Frame>::run_to_events(Walk<Frame>& walk, ImuIncrement inc, con
         const Duration near = is_instant ? instant_tolerance : tolerance;
         if (valid >= inc.time + near) return inc;
         const std::size_t index = is_instant ? walk.instant++ : is_event ? walk.event++ : walk.epoch++;
-        if (valid < now - tolerance) continue;   // before the start
+        if (valid < now - tolerance) continue;  // before the start
         const double part = (valid - now).seconds(), rest = (inc.time - valid).seconds();
         if (part > near.seconds() && rest > near.seconds()) {
             const double share = part / inc.dt;
@@ -123,7 +124,7 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
             if (!bridged) walk.vibration.add(whole);
             noise = with_vibration(model_, walk.vibration, noise);
         }
-        constexpr double recently = 0.5;   // s
+        constexpr double recently = 0.5;  // s
         noise.standing = (whole.time - walk.last_still).seconds() < recently;
         const ImuIncrement inc = run_to_events(walk, whole, noise, observer);
         if (inc.dt > 0.0) step(walk, inc, noise, observer);
@@ -198,7 +199,7 @@ void Pass<Frame>::process(Walk<Frame>& walk, const RangeEpoch& epoch, Observer& 
     propagate_covariance(walk, observer);
     const RangingLog& log = data_.recording->ranges;
     RangeListener* listener = observer.records() ? &observer : nullptr;
-    if (in_outage(settings_, data_.origin, epoch.time)) {   // satellites are withheld, stations are not
+    if (in_outage(settings_, data_.origin, epoch.time)) {  // satellites are withheld, stations are not
         std::array<RangeSample, RangeEpochWork::most> stations;
         std::size_t n = 0;
         for (const RangeSample& s : log.of(epoch))

@@ -24,10 +24,10 @@ namespace schuler::filter {
 /// A fix that is used in parts until the next one (LooseKind::Aggressive). Carried on by the inertial motion since, it has the errors of
 /// that motion in it: it is a measurement of the error at its own time, `rows` times the error of now (docs/estimation.md).
 struct CarriedFix {
-    Measurement measurement;             ///< at the time of the fix; its variance is that of one part
-    StateVector corrected;               ///< sum of the corrections since, propagated
-    std::array<StateVector, 3> rows;     ///< of the measurement in the errors of now
-    int left = 0;                        ///< parts
+    Measurement measurement;          ///< at the time of the fix; its variance is that of one part
+    StateVector corrected;            ///< sum of the corrections since, propagated
+    std::array<StateVector, 3> rows;  ///< of the measurement in the errors of now
+    int left = 0;                     ///< parts
     Time stamp{}, next{};
     Duration every{1'000'000'000};
 };
@@ -41,7 +41,8 @@ struct Channel {
     bool vertical_only = false;
     std::uint8_t components = 7;
 
-    Channel(AidKind kind_, std::uint8_t components_ = 7) : kind(kind_), vertical_only(components_ == 4), components(components_) {}
+    Channel(AidKind kind_, std::uint8_t components_ = 7)
+        : kind(kind_), vertical_only(components_ == 4), components(components_) {}
     [[nodiscard]] std::size_t gate() const {
         const auto k = static_cast<std::size_t>(kind);
         return vertical_only && k < 2 ? measurement_kinds + k : k;
@@ -53,18 +54,18 @@ struct Channel {
 /// "The navigation was wrong": its covariance is opened at the end of an increment by what the refused fixes say.
 struct Opening {
     std::size_t increment = 0;
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();     ///< innovation NED, m; zero where no position is refused
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();     ///< likewise, m/s
-    Eigen::Vector3d rate = Eigen::Vector3d::Zero();         ///< of the position's, m/s
-    double span = 1.0;                   ///< s since the last fix that fitted
-    double bias_jump = 0.0;              ///< a bias may have jumped by what explains the innovation, up to so many tenths of a rad/s
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< innovation NED, m; zero where no position is refused
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< likewise, m/s
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();      ///< of the position's, m/s
+    double span = 1.0;                                   ///< s since the last fix that fitted
+    double bias_jump = 0.0;  ///< a bias may have jumped by what explains the innovation, up to so many tenths of a rad/s
 };
 
 /// Whether the walk asks who is wrong when fixes are refused.
 enum class Rivalry {
-    None,      ///< consistent refused fixes win in the end: trials of a start
-    Contest,   ///< two hypotheses go side by side until the data decide
-    Decided    ///< the openings that a contest ended with are told: the smoother's pass
+    None,     ///< consistent refused fixes win in the end: trials of a start
+    Contest,  ///< two hypotheses go side by side until the data decide
+    Decided   ///< the openings that a contest ended with are told: the smoother's pass
 };
 
 template <class Frame>
@@ -74,43 +75,46 @@ struct Rival;
 template <class Frame>
 struct Walk {
     InertialFilter<Frame> filter;
-    std::size_t increment = 0;           ///< next to be consumed
-    std::size_t event = 0, epoch = 0;    ///< next measurement, next epoch of ranges
+    std::size_t increment = 0;         ///< next to be consumed
+    std::size_t event = 0, epoch = 0;  ///< next measurement, next epoch of ranges
     std::size_t still = 0;
     std::size_t bridge = 0;
-    std::size_t instant = 0;             ///< next of RunData::instants
-    std::size_t outputs = 0;             ///< number of outputs made
+    std::size_t instant = 0;  ///< next of RunData::instants
+    std::size_t outputs = 0;  ///< number of outputs made
     Time next_output{};
     Time next_constraint{};
-    Time next_feedback{};                ///< of the mixed loop
+    Time next_feedback{};  ///< of the mixed loop
     Duration feedback_period{};
-    std::array<GateState, Channel::count> gates{};    ///< by Channel::gate()
+    std::array<GateState, Channel::count> gates{};  ///< by Channel::gate()
     WheelEvidence wheels;
     Vibration vibration;
     Time last_still{INT64_MIN / 2};
-    std::array<CarriedFix, 2> carried{};              ///< position, velocity: Aggressive
-    std::array<std::optional<Time>, Channel::count> corrected{};   ///< by Channel::gate(), when last: Separate
-    std::array<ChannelHealth, 2> health{};            ///< position, velocity: integrity
-    std::vector<Shadow<Frame>> shadows;               ///< two, or none where slow ramps are not looked for
+    std::array<CarriedFix, 2> carried{};                          ///< position, velocity: Aggressive
+    std::array<std::optional<Time>, Channel::count> corrected{};  ///< by Channel::gate(), when last: Separate
+    std::array<ChannelHealth, 2> health{};                        ///< position, velocity: integrity
+    std::vector<Shadow<Frame>> shadows;                           ///< two, or none where slow ramps are not looked for
     RangeTracking ranges;
 
-    double undecided_heading = 0.0;                   ///< rad, Start::undecided_heading
-    std::array<FixChannel, 4> fixes{};                ///< position, velocity, and where the vertical has an age of its own: of that
-    std::optional<Time> suspect;                      ///< the inertial unit was last bridged
-    std::optional<Opening> wanted;                    ///< a rival, at the end of this increment
-    std::vector<Opening> openings;                    ///< the hypothesis that this walk is
-    int sides_changed = 0;                            ///< how often a rival was believed
+    double undecided_heading = 0.0;     ///< rad, Start::undecided_heading
+    std::array<FixChannel, 4> fixes{};  ///< position, velocity, and where the vertical has an age of its own: of that
+    std::optional<Time> suspect;        ///< the inertial unit was last bridged
+    std::optional<Opening> wanted;      ///< a rival, at the end of this increment
+    std::vector<Opening> openings;      ///< the hypothesis that this walk is
+    int sides_changed = 0;              ///< how often a rival was believed
     AtMostOne<Rival<Frame>> rival;
-    bool challenged_by_fixes = true;                  ///< a rival is not
+    bool challenged_by_fixes = true;  ///< a rival is not
 
     /// What is not decided between the hypotheses, as a covariance of position, velocity and attitude, local level.
     [[nodiscard]] Matrix9 undecided(const InertialModel& model) const;
     /// Covariance of the same with it.
-    [[nodiscard]] Matrix9 covariance(const InertialModel& model) const { return filter.local_covariance(model) + undecided(model); }
+    [[nodiscard]] Matrix9 covariance(const InertialModel& model) const {
+        return filter.local_covariance(model) + undecided(model);
+    }
 };
 
 /// Noise of a step with what the unit shakes by.
-[[nodiscard]] inline BridgeNoise with_vibration(const InertialModel& model, const Vibration& vibration, const BridgeNoise& noise) {
+[[nodiscard]] inline BridgeNoise with_vibration(const InertialModel& model, const Vibration& vibration,
+                                                const BridgeNoise& noise) {
     return {noise.gyro_psd + model.gyro_vibration * model.gyro_vibration * vibration.gyro_psd,
             noise.accel_psd + model.accel_vibration * model.accel_vibration * vibration.accel_psd, noise.standing};
 }
@@ -122,12 +126,12 @@ struct Rival {
     Walk<Frame> walk;
     Time since{};
     bool challenger = true;
-    bool explained = false;              ///< the inertial log itself says that something happened
-    int accepted = 0, refused = 0;       ///< fixes since then
+    bool explained = false;         ///< the inertial log itself says that something happened
+    int accepted = 0, refused = 0;  ///< fixes since then
     int accepted_in_row = 0;
-    int attempts = 0;                    ///< challengers before it, of the same run
-    double patience = 60.0;              ///< s for which it goes on once it has lost
-    Opening opening;                     ///< with which it was opened as a challenger
+    int attempts = 0;        ///< challengers before it, of the same run
+    double patience = 60.0;  ///< s for which it goes on once it has lost
+    Opening opening;         ///< with which it was opened as a challenger
 
     /// From `now` on; `walk` is the caller's.
     void begin(Time now, bool challenger_, bool explained_, double patience_) {
@@ -187,7 +191,8 @@ public:
 private:
     void step(Walk<Frame>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const;
     /// The measurements that are due before the end of an increment; what is left of it is returned.
-    [[nodiscard]] ImuIncrement run_to_events(Walk<Frame>& walk, ImuIncrement increment, const BridgeNoise& noise, Observer& observer) const;
+    [[nodiscard]] ImuIncrement run_to_events(Walk<Frame>& walk, ImuIncrement increment, const BridgeNoise& noise,
+                                             Observer& observer) const;
     void process(Walk<Frame>& walk, const Event& event, Observer& observer) const;
     void process(Walk<Frame>& walk, const RangeEpoch& epoch, Observer& observer) const;
     /// Whether the coupling corrects with measurements of this kind.
@@ -210,7 +215,8 @@ private:
     [[nodiscard]] Measurement measurement_of(const InertialFilter<Frame>& filter, const Event& event) const;
     [[nodiscard]] Eigen::Matrix<double, 9, 1> of_latency(const InertialFilter<Frame>& filter, const Estimate& e, int state) const;
     /// Corrects the estimate by an accepted measurement as the coupling wants it. False: it is not used.
-    bool use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp, Observer& observer) const;
+    bool use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp,
+             Observer& observer) const;
     bool use_separately(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp) const;
     /// Updates the filter and what remembers its corrections. Returns the error that was found.
     StateVector update(Walk<Frame>& walk, const Measurement& m, Observer& observer) const;
@@ -219,7 +225,8 @@ private:
     /// The parts of the fixes carried on that are due.
     void carry_on(Walk<Frame>& walk, Observer& observer) const;
     /// Integrity of one sub-vector of a fix: whether it may be used.
-    AidStatus examine(Walk<Frame>& walk, Channel channel, const AidRecord& record, const Examined& examined, Observer& observer) const;
+    AidStatus examine(Walk<Frame>& walk, Channel channel, const AidRecord& record, const Examined& examined,
+                      Observer& observer) const;
     /// The slow-ramp test of a fix, before its own update.
     void look_back(Walk<Frame>& walk, const Event& event, Observer& observer) const;
     void renew_shadows(Walk<Frame>& walk) const;

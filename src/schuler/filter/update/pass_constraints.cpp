@@ -18,13 +18,14 @@ void Pass<Frame>::stand_still(Walk<Frame>& walk, Observer& observer) const {
         if (!aids.zero_velocity || (now - w.end).seconds() > 0.1) continue;
         walk.last_still = now;
         propagate_covariance(walk, observer);
-        const AidRecord velocity = try_update(walk, AidKind::ZeroVelocity, zero_velocity(walk.filter.estimate(model_), aids.zero_velocity_std),
-                                              now, false, observer);
+        const AidRecord velocity =
+            try_update(walk, AidKind::ZeroVelocity, zero_velocity(walk.filter.estimate(model_), aids.zero_velocity_std), now,
+                       false, observer);
         observer.aid(velocity);
         if (velocity.status != AidStatus::Accepted) continue;
         const double variance = model_.gyro_psd / w.length + aids.zero_rate_std * aids.zero_rate_std;
-        observer.aid(try_update(walk, AidKind::ZeroRate, zero_rate(walk.filter.estimate(model_), w.mean_rate_b, variance), now, false,
-                                observer));
+        observer.aid(try_update(walk, AidKind::ZeroRate, zero_rate(walk.filter.estimate(model_), w.mean_rate_b, variance), now,
+                                false, observer));
     }
 }
 
@@ -59,7 +60,7 @@ template <class Frame>
 void Pass<Frame>::observe_wheels(Walk<Frame>& walk, const Estimate& e) const {
     InertialFilter<Frame>& f = walk.filter;
     const int mounting = model_.layout.mounting;
-    const double along = data_.backward ? -1.0 : 1.0;   // wheels roll forward in the time of the log
+    const double along = data_.backward ? -1.0 : 1.0;  // wheels roll forward in the time of the log
     const Eigen::Vector3d v_b = along * (e.C_nb.transpose() * e.nav.v_eb_n);
     const bool good = f.P.diagonal().template segment<3>(Layout::velocity).maxCoeff() < 0.05 &&
                       f.P.diagonal().template segment<3>(Layout::attitude).maxCoeff() < 4e-4;
@@ -72,9 +73,9 @@ void Pass<Frame>::observe_wheels(Walk<Frame>& walk, const Estimate& e) const {
     f.P(model_.layout.axle, model_.layout.axle) = 1.5 * 1.5;
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                      \
-    template void Pass<Frame>::stand_still(Walk<Frame>&, Observer&) const;              \
-    template void Pass<Frame>::constrain(Walk<Frame>&, Observer&) const;                \
+#define SCHULER_INSTANTIATE(Frame)                                         \
+    template void Pass<Frame>::stand_still(Walk<Frame>&, Observer&) const; \
+    template void Pass<Frame>::constrain(Walk<Frame>&, Observer&) const;   \
     template void Pass<Frame>::observe_wheels(Walk<Frame>&, const Estimate&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)

@@ -10,8 +10,8 @@
 #include "schuler/filter/measurement/odometer.h"
 #include "schuler/math/rotation.h"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -44,9 +44,10 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             Eigen::Vector3d variance = (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
             // Where the latency had to be found it jitters from fix to fix as well, by some milliseconds.
-            const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));   // s
+            const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));  // s
             variance += jitter * jitter * e.nav.v_eb_n.cwiseAbs2();
-            if (model_.layout.gnss_latency >= 0) variance += of_latency(filter, e, model_.layout.gnss_latency).template segment<3>(Layout::position);
+            if (model_.layout.gnss_latency >= 0)
+                variance += of_latency(filter, e, model_.layout.gnss_latency).template segment<3>(Layout::position);
             return gnss_position(e, data_.recording->gnss[event.index].position, variance, settings_.gnss.lever_arm_b, use);
         }
         case AidKind::GnssVelocity: {
@@ -56,7 +57,8 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             // A latency that had to be found jitters from fix to fix; without a state it is off by what fits of it are good for.
             const GnssSettings& g = settings_.gnss;
             const bool own = model_.layout.gnss_velocity_latency >= 0;
-            const double off = g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));   // s
+            const double off =
+                g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));  // s
             variance += off * off * e.a_n.cwiseAbs2();
             const int latency = own ? model_.layout.gnss_velocity_latency : g.velocity_latency ? -1 : model_.layout.gnss_latency;
             if (latency >= 0) variance += of_latency(filter, e, latency).template segment<3>(Layout::velocity);
@@ -127,30 +129,36 @@ AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Meas
     // Unused components have zero innovations and unit variance: they add nothing.
     record.nis = m.innovation.dot(S.inverse() * m.innovation);
     if (!std::isfinite(record.nis))
-        throw computation_error(fmt::format("the filter diverged at {:.3f} s, channel {}", record.time.seconds(), info_of(kind).name),
-                                "check the IMU's units and axes with `schuler inspect`");
+        throw computation_error(
+            fmt::format("the filter diverged at {:.3f} s, channel {}", record.time.seconds(), info_of(kind).name),
+            "check the IMU's units and axes with `schuler inspect`");
     if (withheld) {
         record.status = AidStatus::Withheld;
         return record;
     }
-    const double drift = std::sqrt(walk.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
-                         (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
+    const double drift =
+        std::sqrt(walk.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
+        (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
     Eigen::Vector3d used = Eigen::Vector3d::Zero();
     for (int i = 0; i < m.dof; ++i) used(i) = std::sqrt(m.variance(i));
     if (settings_.integrity.use && is_part_of_fix(kind)) {
         const Examined examined{kind, record.time, m.innovation, used, record.sigma.squaredNorm()};
         record.status = examine(walk, channel, record, examined, observer);
-        if (record.status == AidStatus::Accepted && !use(walk, channel, local, m, stamp, observer)) record.status = AidStatus::Withheld;
+        if (record.status == AidStatus::Accepted && !use(walk, channel, local, m, stamp, observer))
+            record.status = AidStatus::Withheld;
         return record;
     }
     if (contests(kind)) {
         Measurement moved = local, own = m;
         record.status = judge(walk, channel, record, moved, own, observer);
-        if (record.status == AidStatus::Accepted && !use(walk, channel, moved, own, stamp, observer)) record.status = AidStatus::Withheld;
+        if (record.status == AidStatus::Accepted && !use(walk, channel, moved, own, stamp, observer))
+            record.status = AidStatus::Withheld;
         return record;
     }
-    const GateDecision decision = decide(walk.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
-    if (decision == GateDecision::Reject || (decision == GateDecision::Recover && !is_part_of_fix(kind) && kind != AidKind::Baro)) {
+    const GateDecision decision =
+        decide(walk.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
+    if (decision == GateDecision::Reject ||
+        (decision == GateDecision::Recover && !is_part_of_fix(kind) && kind != AidKind::Baro)) {
         record.status = AidStatus::Rejected;
         return record;
     }
@@ -169,11 +177,11 @@ void Pass<Frame>::change_constellation(Walk<Frame>& walk, const Event& event) co
         if ((event.components >> axis & 1) != 0) walk.filter.P(offset + axis, offset + axis) += jump(axis) * jump(axis);
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                                                                  \
-    template Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&, const Estimate&, int) const;         \
-    template Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>&, const Event&) const;                             \
-    template AidRecord Pass<Frame>::try_update(Walk<Frame>&, Channel, const Measurement&, Time, bool, Observer&) const;             \
-    template void Pass<Frame>::recover(Walk<Frame>&, Channel, const Measurement&) const;                                            \
+#define SCHULER_INSTANTIATE(Frame)                                                                                          \
+    template Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&, const Estimate&, int) const; \
+    template Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>&, const Event&) const;                     \
+    template AidRecord Pass<Frame>::try_update(Walk<Frame>&, Channel, const Measurement&, Time, bool, Observer&) const;     \
+    template void Pass<Frame>::recover(Walk<Frame>&, Channel, const Measurement&) const;                                    \
     template void Pass<Frame>::change_constellation(Walk<Frame>&, const Event&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)

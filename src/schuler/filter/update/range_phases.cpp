@@ -21,8 +21,9 @@ Vector3d orbital_acceleration(const earth::Ellipsoid& e, const Vector3d& r, cons
 
 template <class Frame>
 bool RangeUpdate<Frame>::spans_phases(const InertialFilter<Frame>& f, const RangeTracking& tracking, const RangeSample& m) const {
-    constexpr double rounding = 1e-6;   // s
-    return !backward_ && model_.layout.antenna >= 0 && tracking.cloned && std::abs((f.time() - *tracking.cloned).seconds() - m.phase_span) < rounding;
+    constexpr double rounding = 1e-6;  // s
+    return !backward_ && model_.layout.antenna >= 0 && tracking.cloned &&
+           std::abs((f.time() - *tracking.cloned).seconds() - m.phase_span) < rounding;
 }
 
 template <class Frame>
@@ -30,17 +31,18 @@ const RangeTracking::Phase* RangeUpdate<Frame>::phase_of(InertialFilter<Frame>& 
                                                          RangeListener* listener) const {
     const Layout& L = model_.layout;
     if (L.phase < 0 || !(m.phase_std > 0.0)) return nullptr;
-    constexpr double tolerance = 1e-3;   // s
+    constexpr double tolerance = 1e-3;  // s
     const auto carriers = std::span(tracking.phases).first(static_cast<std::size_t>(L.phases));
     auto found = std::ranges::find(carriers, static_cast<int>(m.source), &RangeTracking::Phase::source);
-    if (found == carriers.end())   // what has ended longer ago than a span is nobody's
+    if (found == carriers.end())  // what has ended longer ago than a span is nobody's
         found = std::ranges::find_if(carriers, [&](const RangeTracking::Phase& p) {
             return p.source < 0 || (f.time() - p.last).seconds() > m.phase_span + tolerance;
         });
     if (found == carriers.end()) return nullptr;
     RangeTracking::Phase& p = *found;
-    if (p.source == m.source && p.last == f.time()) return &p;   // linearised anew
-    const bool goes_on = m.phase_goes_on && p.source == m.source && std::abs((f.time() - p.last).seconds() - m.phase_span) < tolerance;
+    if (p.source == m.source && p.last == f.time()) return &p;  // linearised anew
+    const bool goes_on =
+        m.phase_goes_on && p.source == m.source && std::abs((f.time() - p.last).seconds() - m.phase_span) < tolerance;
     const int first = L.phase + 2 * static_cast<int>(found - carriers.begin());
     const Ecef unknown{Vector3d::Constant(RangeSample::none)};
     p = {m.source, f.time(), goes_on ? p.begin : first, goes_on ? p.end : first + 1, m.tx, goes_on ? p.tx_end : unknown};
@@ -51,23 +53,25 @@ const RangeTracking::Phase* RangeUpdate<Frame>::phase_of(InertialFilter<Frame>& 
 }
 
 template <class Frame>
-typename RangeUpdate<Frame>::PhaseRate RangeUpdate<Frame>::phase_rate(const InertialFilter<Frame>& f, const AntennaEstimate& a, const RangeRows& now,
-                                                                      const RangeSample& m, const RangeTracking::Phase* phase,
+typename RangeUpdate<Frame>::PhaseRate RangeUpdate<Frame>::phase_rate(const InertialFilter<Frame>& f, const AntennaEstimate& a,
+                                                                      const RangeRows& now, const RangeSample& m,
+                                                                      const RangeTracking::Phase* phase,
                                                                       const StateVector& dx) const {
     const double span = m.phase_span;
     Ecef from;
     if (phase != nullptr && phase->tx_begin.r.allFinite()) {
         from = phase->tx_begin;
-    } else {   // to a micrometre over a span of 0.2 s
+    } else {  // to a micrometre over a span of 0.2 s
         const Vector3d acceleration = orbital_acceleration(model_.earth.ellipsoid, m.tx.r, m.tx_velocity);
         from.r = m.tx.r - span * m.tx_velocity + 0.5 * span * span * acceleration;
     }
     const int clone = model_.layout.antenna;
-    AntennaEstimate begin = a;   // axes of now
+    AntennaEstimate begin = a;  // axes of now
     begin.r_e = f.parameters.template segment<3>(clone) - f.error.template segment<3>(clone) - dx.segment<3>(clone);
     const RangeRows then = range_rows(begin, from, m.tx_velocity);
     const Vector3d u_e = a.C_en * then.u_n;
-    return {(now.range - then.range) / span, now.range_by_position / span, now.range_by_attitude / span, now.range_by_lever_arm / span, -u_e / span};
+    return {(now.range - then.range) / span, now.range_by_position / span, now.range_by_attitude / span,
+            now.range_by_lever_arm / span, -u_e / span};
 }
 
 template <class Frame>
@@ -94,19 +98,23 @@ void RangeUpdate<Frame>::clone_antenna(InertialFilter<Frame>& f, RangeTracking& 
     tracking.cloned = f.time();
 }
 
-template bool RangeUpdate<GeographicFrame>::spans_phases(const InertialFilter<GeographicFrame>&, const RangeTracking&, const RangeSample&) const;
-template bool RangeUpdate<EarthFixedFrame>::spans_phases(const InertialFilter<EarthFixedFrame>&, const RangeTracking&, const RangeSample&) const;
-template const RangeTracking::Phase* RangeUpdate<GeographicFrame>::phase_of(InertialFilter<GeographicFrame>&, RangeTracking&, const RangeSample&,
-                                                                            RangeListener*) const;
-template const RangeTracking::Phase* RangeUpdate<EarthFixedFrame>::phase_of(InertialFilter<EarthFixedFrame>&, RangeTracking&, const RangeSample&,
-                                                                            RangeListener*) const;
+template bool RangeUpdate<GeographicFrame>::spans_phases(const InertialFilter<GeographicFrame>&, const RangeTracking&,
+                                                         const RangeSample&) const;
+template bool RangeUpdate<EarthFixedFrame>::spans_phases(const InertialFilter<EarthFixedFrame>&, const RangeTracking&,
+                                                         const RangeSample&) const;
+template const RangeTracking::Phase* RangeUpdate<GeographicFrame>::phase_of(InertialFilter<GeographicFrame>&, RangeTracking&,
+                                                                            const RangeSample&, RangeListener*) const;
+template const RangeTracking::Phase* RangeUpdate<EarthFixedFrame>::phase_of(InertialFilter<EarthFixedFrame>&, RangeTracking&,
+                                                                            const RangeSample&, RangeListener*) const;
 template RangeUpdate<GeographicFrame>::PhaseRate RangeUpdate<GeographicFrame>::phase_rate(const InertialFilter<GeographicFrame>&,
-                                                                                          const AntennaEstimate&, const RangeRows&,
-                                                                                          const RangeSample&, const RangeTracking::Phase*,
+                                                                                          const AntennaEstimate&,
+                                                                                          const RangeRows&, const RangeSample&,
+                                                                                          const RangeTracking::Phase*,
                                                                                           const StateVector&) const;
 template RangeUpdate<EarthFixedFrame>::PhaseRate RangeUpdate<EarthFixedFrame>::phase_rate(const InertialFilter<EarthFixedFrame>&,
-                                                                                          const AntennaEstimate&, const RangeRows&,
-                                                                                          const RangeSample&, const RangeTracking::Phase*,
+                                                                                          const AntennaEstimate&,
+                                                                                          const RangeRows&, const RangeSample&,
+                                                                                          const RangeTracking::Phase*,
                                                                                           const StateVector&) const;
 template void RangeUpdate<GeographicFrame>::clone_antenna(InertialFilter<GeographicFrame>&, RangeTracking&, RangeListener*) const;
 template void RangeUpdate<EarthFixedFrame>::clone_antenna(InertialFilter<EarthFixedFrame>&, RangeTracking&, RangeListener*) const;

@@ -46,7 +46,7 @@ int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& trackin
                                 RangeListener* listener) const {
     const sensor::RangeErrorModel& m = errors_of(station);
     if (!(m.correlated > 0.0)) return -1;
-    constexpr double forgotten = 5.0;   // correlation times after which a slot may go to another source
+    constexpr double forgotten = 5.0;  // correlation times after which a slot may go to another source
     std::size_t free = Layout::slots;
     for (std::size_t k = 0; k < Layout::slots; ++k) {
         const RangeTracking::Slot& slot = tracking.slots[k];
@@ -96,12 +96,13 @@ AntennaEstimate RangeUpdate<Frame>::antenna(const InertialFilter<Frame>& f, cons
 
 template <class Frame>
 void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& tracking, const RangingLog& log,
-                                      std::span<const RangeSample> samples, const StateVector& dx, RangeListener* listener) const {
+                                      std::span<const RangeSample> samples, const StateVector& dx,
+                                      RangeListener* listener) const {
     const Layout& L = model_.layout;
     const earth::Earth& earth = model_.earth;
-    const double way = backward_ ? -1.0 : 1.0;   // of the filter's time in that of the ranges
+    const double way = backward_ ? -1.0 : 1.0;  // of the filter's time in that of the ranges
     const Time time = backward_ ? Time{-f.time().ns} : f.time();
-    const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };   // states are renewed below
+    const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };  // states are renewed below
     const NavState nav = Frame::geographic(earth, Frame::corrected(earth, f.estimated(model_), dx.head<9>()));
     const AntennaEstimate a = antenna(f, dx, way);
     const Matrix9 from_local = local_rows(nav);
@@ -120,14 +121,15 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         const RangeRows now = range_rows(a, m.tx, velocity);
         // u points down to the receiver: what comes from above has a positive down component
         const bool delayed = air && !source.station;
-        const gnss::Direction direction{delayed ? std::atan2(-now.u_n.y(), -now.u_n.x()) : 0.0, std::asin(std::clamp(now.u_n.z(), -1.0, 1.0))};
+        const gnss::Direction direction{delayed ? std::atan2(-now.u_n.y(), -now.u_n.x()) : 0.0,
+                                        std::asin(std::clamp(now.u_n.z(), -1.0, 1.0))};
         if (!source.station && direction.elevation < settings_.corrections.elevation_mask) continue;
         const double clock = nominal(L.clock), drift = way * nominal(L.drift);
         gnss::AtmosphericDelay air_delay;
         if (delayed)
-            air_delay = gnss::atmospheric_delay(time, gnss::system_from_letter(source.name.front()).value_or(gnss::System::Gps), m.frequency,
-                                                a.place, direction, settings_.ionosphere ? &*settings_.ionosphere : nullptr,
-                                                settings_.corrections);
+            air_delay = gnss::atmospheric_delay(time, gnss::system_from_letter(source.name.front()).value_or(gnss::System::Gps),
+                                                m.frequency, a.place, direction,
+                                                settings_.ionosphere ? &*settings_.ionosphere : nullptr, settings_.corrections);
         const sensor::RangeErrorModel& errors = errors_of(source.station);
         const bool by_model = settings_.slow_by_model && !source.station;
         // reflections come and go in tens of seconds and more: a single fix has them as noise, a filter would average them away
@@ -139,7 +141,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
 
         const auto next = [&](bool is_rate) -> RangeScalar& {
-            RangeScalar& s = work.scalars[work.count++];   // of another epoch
+            RangeScalar& s = work.scalars[work.count++];  // of another epoch
             s.source = m.source;
             s.station = source.station;
             s.is_rate = is_rate;
@@ -162,7 +164,9 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             RangeScalar& s = next(false);
             // measured when the receiver's clock showed the time, which is bias/c after it was
             const double computed = now.range - now.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
-                                    (source.station ? nominal(L.network) : offset >= 0 ? nominal(L.intersystem + offset) : 0.0) +
+                                    (source.station ? nominal(L.network)
+                                     : offset >= 0  ? nominal(L.intersystem + offset)
+                                                    : 0.0) +
                                     (slot >= 0 ? nominal(slot) : 0.0);
             const double sigma = sigma_of(m.std, errors.white * m.noise, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma + more;
@@ -292,7 +296,7 @@ bool RangeUpdate<Frame>::leave_out_worst(const InertialFilter<Frame>& f, RangeEp
         worst = square;
         which = i;
     }
-    if (which < 0 && z.dot(w) > test_.whole[static_cast<std::size_t>(n)]) {   // together too large, none by itself
+    if (which < 0 && z.dot(w) > test_.whole[static_cast<std::size_t>(n)]) {  // together too large, none by itself
         (w.array().square() / inverse.diagonal().array()).maxCoeff(&which);
     }
     if (which < 0) return false;
@@ -317,7 +321,7 @@ void RangeUpdate<Frame>::open_sources(InertialFilter<Frame>& f, RangeTracking& t
         if (s.is_rate || s.slot < 0) continue;
         RangeTracking::Slot& slot = tracking.slots[static_cast<std::size_t>(s.slot - model_.layout.source)];
         if (s.use) slot.doubted.reset();
-        else if (!slot.doubted) slot.doubted = f.time();   // from here: silence before does not speak against the source
+        else if (!slot.doubted) slot.doubted = f.time();  // from here: silence before does not speak against the source
         if (!slot.doubted || (f.time() - *slot.doubted).seconds() < test_.recovery_time) continue;
         f.P(s.slot, s.slot) += s.innovation * s.innovation;
         slot.doubted.reset();
@@ -350,7 +354,7 @@ int RangeUpdate<Frame>::repair_faults(InertialFilter<Frame>& f, RangeTracking& t
     StateVector moved = found->response;
     for (const RangeScalar& s : work.all())
         if (s.source == source && s.slot >= 0) {
-            moved(s.slot) -= 1.0;   // what the slow error is from now on includes the fault
+            moved(s.slot) -= 1.0;  // what the slow error is from now on includes the fault
             break;
         }
     f.P += moved * moved.transpose() / found->information;
@@ -363,11 +367,12 @@ int RangeUpdate<Frame>::repair_faults(InertialFilter<Frame>& f, RangeTracking& t
 template <class Frame>
 void RangeUpdate<Frame>::doubt_the_estimate(InertialFilter<Frame>& f, RangeEpochWork& work) const {
     const int ranges = static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate; }));
-    const int good = static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate && s.use; }));
+    const int good =
+        static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate && s.use; }));
     if (2 * good >= ranges) work.disagreeing = 0;
     else if (work.disagreeing++ == 0) work.disagreeing_since = f.time();
     constexpr int long_run = 10;
-    constexpr double long_time = 1.0;   // s: a deep receiver's epochs come fifty a second
+    constexpr double long_time = 1.0;  // s: a deep receiver's epochs come fifty a second
     if (work.disagreeing < long_run || (f.time() - work.disagreeing_since).seconds() < long_time) return;
     double size = 0.0;
     for (const RangeScalar& s : work.all())
@@ -396,7 +401,7 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     while (!use_all(test_, update, work, dx, nullptr)) {
         if (!work.clock_jump && follow_clock_jump(f, work)) work.clock_jump = true;
         else if (!leave_out_worst(f, work)) {
-            agreed = false;   // each by itself is in order, in this order or another
+            agreed = false;  // each by itself is in order, in this order or another
             break;
         }
     }
@@ -417,7 +422,8 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     open_sources(f, tracking);
     doubt_the_estimate(f, work);
     f.apply(model_, dx);
-    if (std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; })) clone_antenna(f, tracking, listener);
+    if (std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
+        clone_antenna(f, tracking, listener);
     work.alarm = tracking.watch.on ? repair_faults(f, tracking) : -1;
     return taken;
 }

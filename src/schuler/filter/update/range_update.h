@@ -1,11 +1,11 @@
 // One epoch of ranges in the filter: rows, the test of each range against the inertial prediction, exclusion, update.
 #pragma once
 
-#include "schuler/filter/measurement/range.h"
 #include "schuler/core/ranging.h"
 #include "schuler/filter/integrity/fault_watch.h"
-#include "schuler/filter/states/inertial_filter.h"
+#include "schuler/filter/measurement/range.h"
 #include "schuler/filter/ranging_settings.h"
+#include "schuler/filter/states/inertial_filter.h"
 
 #include <array>
 #include <cstddef>
@@ -16,10 +16,10 @@ namespace schuler::filter {
 
 /// Limits of the tests, from one probability for a good measurement to be rejected.
 struct RangeTest {
-    double single = 0.0;                          ///< of a squared normalised innovation
-    std::array<double, 65> whole{};               ///< of their sum, by number
-    double watch = 0.0;                           ///< of the fault watch, 0: none is kept
-    double recovery_time = 10.0;                  ///< s after which a source that goes on disagreeing has its slow error opened
+    double single = 0.0;             ///< of a squared normalised innovation
+    std::array<double, 65> whole{};  ///< of their sum, by number
+    double watch = 0.0;              ///< of the fault watch, 0: none is kept
+    double recovery_time = 10.0;     ///< s after which a source that goes on disagreeing has its slow error opened
 
     RangeTest() = default;
     /// probability 0: everything is accepted.
@@ -28,26 +28,26 @@ struct RangeTest {
 
 /// One scalar of an epoch.
 struct RangeScalar {
-    int source = 0;                               ///< index into RangingLog::sources
+    int source = 0;  ///< index into RangingLog::sources
     bool station = false, is_rate = false, use = true;
-    int slot = -1;                                ///< state of the source's slow error
-    double innovation = 0.0;                      ///< computed minus measured, m or m/s
-    double variance = 1.0;                        ///< of its white noise
-    double distance = 0.0;                        ///< m
-    double sequential = 0.0;                      ///< normalised innovation after those before it in the epoch; white when all is well
-    double s = 1.0;                               ///< variance of that innovation
-    estim::Row row;                               ///< in the filter's own errors
+    int slot = -1;            ///< state of the source's slow error
+    double innovation = 0.0;  ///< computed minus measured, m or m/s
+    double variance = 1.0;    ///< of its white noise
+    double distance = 0.0;    ///< m
+    double sequential = 0.0;  ///< normalised innovation after those before it in the epoch; white when all is well
+    double s = 1.0;           ///< variance of that innovation
+    estim::Row row;           ///< in the filter's own errors
 };
 
 /// Rooms for one epoch, kept between epochs so that nothing is allocated.
 struct RangeEpochWork {
-    static constexpr std::size_t most = 64;       ///< scalars of an epoch; further sources are left out
+    static constexpr std::size_t most = 64;  ///< scalars of an epoch; further sources are left out
     std::array<RangeScalar, most> scalars;
     std::size_t count = 0;
-    int excluded = 0;                             ///< scalars
+    int excluded = 0;  ///< scalars
     bool clock_jump = false;
-    int alarm = -1;                               ///< source that the fault watch found wrong at this epoch
-    int disagreeing = 0;                          ///< epochs in a row in which most ranges were excluded
+    int alarm = -1;       ///< source that the fault watch found wrong at this epoch
+    int disagreeing = 0;  ///< epochs in a row in which most ranges were excluded
     Time disagreeing_since{};
 
     [[nodiscard]] std::span<RangeScalar> all() { return {scalars.data(), count}; }
@@ -58,21 +58,21 @@ struct RangeEpochWork {
 struct RangeTracking {
     /// The slot of a source: a state of the layout's source block.
     struct Slot {
-        int source = -1;                          ///< index into RangingLog::sources; -1: free
+        int source = -1;  ///< index into RangingLog::sources; -1: free
         bool station = false;
-        Time last{};                              ///< when it was measured last
-        std::optional<Time> doubted{};            ///< of the first that was rejected since one was accepted
+        Time last{};                    ///< when it was measured last
+        std::optional<Time> doubted{};  ///< of the first that was rejected since one was accepted
     };
     std::array<Slot, Layout::slots> slots{};
     /// A carrier whose phase errors are states: two, of which `end` is that of the phase at which its last rate ended.
     struct Phase {
-        int source = -1;                          ///< index into RangingLog::sources; -1: free
-        Time last{};                              ///< when that was
-        int end = 0, begin = 0;                   ///< states of the ends of the last rate
-        Ecef tx_end{}, tx_begin{};                ///< the transmitter then; not finite: not known
+        int source = -1;            ///< index into RangingLog::sources; -1: free
+        Time last{};                ///< when that was
+        int end = 0, begin = 0;     ///< states of the ends of the last rate
+        Ecef tx_end{}, tx_begin{};  ///< the transmitter then; not finite: not known
     };
     std::array<Phase, 12> phases{};
-    std::optional<Time> cloned{};                 ///< when the antenna was where the layout's antenna block has it
+    std::optional<Time> cloned{};  ///< when the antenna was where the layout's antenna block has it
     FaultWatch watch;
     RangeEpochWork work;
 };
@@ -109,8 +109,8 @@ public:
     /// agree: single and multiple faults. A jump of the receiver's clock, which all ranges share, is followed. Where a fault watch is
     /// kept, a source that it finds wrong raises an alarm: the estimate is freed of what the fault did, and the source's slow error
     /// takes it over. Returns the number of scalars used.
-    int operator()(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log, std::span<const RangeSample> samples,
-                   RangeListener* listener) const;
+    int operator()(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
+                   std::span<const RangeSample> samples, RangeListener* listener) const;
 
     /// Fills the scalars of an epoch for an estimate: that of `filter` corrected by `dx`. Rows refer to errors of the filter as it
     /// stands, so that innovation = row . error + noise to first order about the corrected estimate (an iterated update).
@@ -130,8 +130,8 @@ private:
     [[nodiscard]] AntennaEstimate antenna(const InertialFilter<Frame>& filter, const StateVector& dx, double way) const;
     [[nodiscard]] double sigma_of(double stated, double model_sigma, bool station, double elevation, double cn0) const;
     /// The states of the phases between which a rate was measured; null where it has none.
-    [[nodiscard]] const RangeTracking::Phase* phase_of(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangeSample& sample,
-                                                       RangeListener* listener) const;
+    [[nodiscard]] const RangeTracking::Phase* phase_of(InertialFilter<Frame>& filter, RangeTracking& tracking,
+                                                       const RangeSample& sample, RangeListener* listener) const;
     /// The rate between two phases, with rows by position and attitude in local level and those of the clone in Earth-fixed axes.
     struct PhaseRate {
         double rate = 0.0;
@@ -145,7 +145,8 @@ private:
     /// What turns the first nine entries of a row by errors in local level into those by the filter's own.
     [[nodiscard]] Matrix9 local_rows(const NavState& nav) const;
     /// Whether the place of the antenna at the begin of a rate's span is known.
-    [[nodiscard]] bool spans_phases(const InertialFilter<Frame>& filter, const RangeTracking& tracking, const RangeSample& sample) const;
+    [[nodiscard]] bool spans_phases(const InertialFilter<Frame>& filter, const RangeTracking& tracking,
+                                    const RangeSample& sample) const;
     /// Gives a state another meaning: an error of variance `variance` that is correlated with nothing.
     void renew(InertialFilter<Frame>& filter, RangeTracking& tracking, int state, double variance, RangeListener* listener) const;
     bool use_all(const RangeTest& test, estim::EpochUpdate& update, RangeEpochWork& work, StateVector& dx,

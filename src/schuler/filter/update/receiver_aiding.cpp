@@ -22,8 +22,8 @@ EarthFixedMotion antenna_motion(const earth::Earth& earth, const NavState& nav, 
     return m;
 }
 
-LineOfSightAid line_of_sight_aid(const EarthFixedMotion& antenna, const EarthFixedMotion& transmitter, const Eigen::Matrix3d& C_en,
-                                 const Eigen::Matrix<double, 6, 6>& P) {
+LineOfSightAid line_of_sight_aid(const EarthFixedMotion& antenna, const EarthFixedMotion& transmitter,
+                                 const Eigen::Matrix3d& C_en, const Eigen::Matrix<double, 6, 6>& P) {
     const Vector3d dr = antenna.r_e - transmitter.r_e, dv = antenna.v_e - transmitter.v_e, da = antenna.a_e - transmitter.a_e;
     LineOfSightAid aid{};
     aid.range = dr.norm();

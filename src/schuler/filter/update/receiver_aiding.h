@@ -10,9 +10,9 @@ namespace schuler::filter {
 
 /// Motion of a transmitter or of the antenna, Earth-fixed axes.
 struct EarthFixedMotion {
-    Eigen::Vector3d r_e;   ///< m
-    Eigen::Vector3d v_e;   ///< m/s, relative to the Earth
-    Eigen::Vector3d a_e;   ///< m/s^2, second derivative of r_e
+    Eigen::Vector3d r_e;  ///< m
+    Eigen::Vector3d v_e;  ///< m/s, relative to the Earth
+    Eigen::Vector3d a_e;  ///< m/s^2, second derivative of r_e
 };
 
 /// Motion of the antenna from the inertial solution: specific force f_b (m/s^2) and rate w_ib_b (rad/s) already corrected. The
@@ -22,11 +22,11 @@ struct EarthFixedMotion {
 
 /// What a tracking loop needs in order to follow a signal through the motion of the antenna, clocks and light time left to it.
 struct LineOfSightAid {
-    double range;          ///< m
-    double rate;           ///< m/s
-    double acceleration;   ///< m/s^2
-    double std_range;      ///< m, from the navigation's covariance
-    double std_rate;       ///< m/s
+    double range;         ///< m
+    double rate;          ///< m/s
+    double acceleration;  ///< m/s^2
+    double std_range;     ///< m, from the navigation's covariance
+    double std_rate;      ///< m/s
 };
 
 /// P: covariance of position and velocity of the antenna, north, east, down at `nav`'s place, 6 x 6.

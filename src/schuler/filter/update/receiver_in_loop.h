@@ -12,10 +12,10 @@ namespace schuler::filter {
 struct Guide {
     Time time;
     EarthFixedMotion antenna;
-    Eigen::Vector3d jerk_e = Eigen::Vector3d::Zero();   ///< m/s^3, of the specific force, which turns with the body
+    Eigen::Vector3d jerk_e = Eigen::Vector3d::Zero();  ///< m/s^3, of the specific force, which turns with the body
     Eigen::Matrix3d C_en;
-    Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();   ///< position, velocity, north, east, down
-    double clock = 0.0, drift = 0.0;             ///< c times the receiver's clock error, m, and its rate, m/s
+    Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();  ///< position, velocity, north, east, down
+    double clock = 0.0, drift = 0.0;  ///< c times the receiver's clock error, m, and its rate, m/s
     double std_clock = 0.0, std_drift = 0.0;
 };
 

@@ -9,9 +9,9 @@ namespace schuler::filter {
 /// Gains of the barometer's loop on height, vertical velocity and vertical acceleration: three equal real roots of time constant
 /// tau against the instability 2g/R of the free channel. [PaperA:1.4]; derived in docs/complex.md
 struct VerticalGains {
-    double height;         ///< 1/s
-    double velocity;       ///< 1/s^2
-    double acceleration;   ///< 1/s^3
+    double height;        ///< 1/s
+    double velocity;      ///< 1/s^2
+    double acceleration;  ///< 1/s^3
 };
 [[nodiscard]] VerticalGains vertical_gains(double tau);
 

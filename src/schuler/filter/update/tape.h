@@ -17,13 +17,13 @@ template <class Frame>
 class Tape : public PassObserver<Frame> {
 public:
     enum class Kind : std::uint8_t { Step, Scalar, Renewed, Cloned, Output, Instant, Outage };
-    struct Point {                       ///< a state to be smoothed and reported
+    struct Point {  ///< a state to be smoothed and reported
         InertialFilter<Frame> filter;
         Time time;
-        OutageEpoch outage;              ///< of an Outage point
-        Measurement measurement;         ///< of an Outage point, rows in local-level errors
-        Matrix9 undecided;               ///< Walk::undecided
-        std::size_t index = 0;           ///< of an Instant point
+        OutageEpoch outage;       ///< of an Outage point
+        Measurement measurement;  ///< of an Outage point, rows in local-level errors
+        Matrix9 undecided;        ///< Walk::undecided
+        std::size_t index = 0;    ///< of an Instant point
     };
 
     explicit Tape(const InertialModel& model) : model_(model) {}
@@ -74,7 +74,8 @@ public:
     template <class Report>
     void rewind(estim::StateAdjoint& adjoint, Report&& report) const {
         const auto size = static_cast<int>(adjoint.lambda.size());
-        std::size_t step = steps_.size(), scalar = scalars_.size(), renewed = renewed_.size(), cloned = cloned_.size(), point = points_.size();
+        std::size_t step = steps_.size(), scalar = scalars_.size(), renewed = renewed_.size(), cloned = cloned_.size(),
+                    point = points_.size();
         for (std::size_t i = order_.size(); i-- > 0;) {
             switch (order_[i]) {
                 case Kind::Step: {
@@ -116,7 +117,8 @@ void smooth_in_place(const InertialModel& model, InertialFilter<Frame>& filter, 
         const StateMatrix LP = adjoint.Lambda * filter.P, P = filter.P;
         filter.P.noalias() -= P * LP;
     } else {
-        const Eigen::Matrix<double, Eigen::Dynamic, 9, 0, estim::max_states, 9> LP = adjoint.Lambda * filter.P.template leftCols<9>();
+        const Eigen::Matrix<double, Eigen::Dynamic, 9, 0, estim::max_states, 9> LP =
+            adjoint.Lambda * filter.P.template leftCols<9>();
         const Matrix9 part = filter.P.template topRows<9>() * LP;
         filter.P.template topLeftCorner<9, 9>() -= part;
     }
@@ -126,8 +128,8 @@ void smooth_in_place(const InertialModel& model, InertialFilter<Frame>& filter, 
 /// The way back over the checkpoints of a walk whose last increment was `end`: each stretch is replayed onto the tape and rewound;
 /// `report(Kind, point, adjoint)` for each of its points, the last one first. The covariance of a checkpoint is of its own time.
 template <class Frame, class Report>
-void rewind_checkpoints(const Pass<Frame>& pass, const InertialModel& model, const std::vector<Walk<Frame>>& checkpoints, std::size_t end,
-                        Tape<Frame>& tape, const std::function<void(double)>& progress, Report&& report) {
+void rewind_checkpoints(const Pass<Frame>& pass, const InertialModel& model, const std::vector<Walk<Frame>>& checkpoints,
+                        std::size_t end, Tape<Frame>& tape, const std::function<void(double)>& progress, Report&& report) {
     estim::StateAdjoint adjoint(estim::padded(model.layout.size));
     std::size_t last = end;
     for (std::size_t k = checkpoints.size(); k-- > 0;) {

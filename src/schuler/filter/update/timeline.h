@@ -16,59 +16,59 @@ namespace schuler::filter {
 
 /// A stretch of increments that were interpolated because the log has a hole there.
 struct Bridge {
-    std::size_t first, last;     ///< indices of increments, inclusive
+    std::size_t first, last;  ///< indices of increments, inclusive
     BridgeNoise noise;
 };
 
 /// The IMU as body increments on a gapless axis.
 struct ImuTimeline {
     std::vector<ImuIncrement> increments;
-    std::vector<Bridge> bridges;         ///< in order
-    double median_dt = 0.0;              ///< s
+    std::vector<Bridge> bridges;  ///< in order
+    double median_dt = 0.0;       ///< s
     std::size_t gaps = 0;
     std::size_t duplicates = 0;
-    std::size_t doubtful = 0;            ///< half seconds among the bridges whose values were kept
+    std::size_t doubtful = 0;  ///< half seconds among the bridges whose values were kept
 };
 
 /// One measurement of the timeline. Components of a fix with different ages are separate events.
 struct Event {
-    Time valid;                  ///< when the measured quantity was true
-    Time stamp;                  ///< in the log
+    Time valid;  ///< when the measured quantity was true
+    Time stamp;  ///< in the log
     AidKind kind;
-    std::uint8_t components = 7; ///< bits: 1 north, 2 east, 4 down
-    bool withheld = false;       ///< inside an outage: compared, not used
-    int outage = -1;             ///< the outage whose table this epoch belongs to
-    bool outage_end = false;     ///< first epoch at or after the end of that outage
-    bool constellation_change = false;   ///< GNSS: the first fix with another set of satellites
-    std::size_t index = 0;       ///< into the channel of the recording
+    std::uint8_t components = 7;        ///< bits: 1 north, 2 east, 4 down
+    bool withheld = false;              ///< inside an outage: compared, not used
+    int outage = -1;                    ///< the outage whose table this epoch belongs to
+    bool outage_end = false;            ///< first epoch at or after the end of that outage
+    bool constellation_change = false;  ///< GNSS: the first fix with another set of satellites
+    std::size_t index = 0;              ///< into the channel of the recording
 };
 
 /// One window of standing still: the mean raw rate over it (rad/s, body), for the zero-rate update.
 struct StillWindow {
     Time end;
-    double length;                 ///< s
+    double length;  ///< s
     Eigen::Vector3d mean_rate_b;
     Eigen::Vector3d mean_force_b;  ///< m/s^2
 };
 
 /// How the thresholds came about.
 struct StillThresholds {
-    bool learnt = false;           ///< from GNSS speeds; otherwise from the noise of the IMU
-    double force_std = 0.0;        ///< m/s^2, standard deviation in a window
-    double rate_std = 0.0;         ///< rad/s
+    bool learnt = false;     ///< from GNSS speeds; otherwise from the noise of the IMU
+    double force_std = 0.0;  ///< m/s^2, standard deviation in a window
+    double rate_std = 0.0;   ///< rad/s
 };
 
 struct StillReport {
-    std::vector<StillWindow> windows;   ///< non-overlapping, 0.2 s apart
+    std::vector<StillWindow> windows;  ///< non-overlapping, 0.2 s apart
     StillThresholds thresholds;
 };
 
 /// Standard deviations used for each fix: the log's, or the defaults; resolved once, so that replays agree.
 struct FixNoise {
-    Eigen::Vector3d position;          ///< m, NED
-    Eigen::Vector3d velocity;          ///< m/s, NED
-    Eigen::Vector3d white_position;    ///< m, NED: what is left of it where its slow part is a state
-    Eigen::Vector3d white_velocity;    ///< m/s, NED
+    Eigen::Vector3d position;        ///< m, NED
+    Eigen::Vector3d velocity;        ///< m/s, NED
+    Eigen::Vector3d white_position;  ///< m, NED: what is left of it where its slow part is a state
+    Eigen::Vector3d white_velocity;  ///< m/s, NED
 };
 
 /// What one run has in common for all its passes; read only.
@@ -77,13 +77,13 @@ struct RunData {
     ImuTimeline imu;
     std::vector<Event> events;
     StillReport still;
-    std::vector<FixNoise> fix_noise;     ///< one per fix of the recording
-    double declination = 0.0;            ///< rad
+    std::vector<FixNoise> fix_noise;  ///< one per fix of the recording
+    double declination = 0.0;         ///< rad
     GateLimits gates;
-    std::array<double, 4> slow_limits{}; ///< of the slow-ramp test by degrees of freedom
-    Time origin{};                       ///< zero of the outages' times
-    std::vector<Time> instants;          ///< in order: the walk stops there for PassObserver::instant
-    bool backward = false;               ///< time runs backward (fusion/backward.h): an instant comes before the measurements of its time
+    std::array<double, 4> slow_limits{};  ///< of the slow-ramp test by degrees of freedom
+    Time origin{};                        ///< zero of the outages' times
+    std::vector<Time> instants;           ///< in order: the walk stops there for PassObserver::instant
+    bool backward = false;  ///< time runs backward (fusion/backward.h): an instant comes before the measurements of its time
 };
 
 }  // namespace schuler::filter

@@ -12,13 +12,13 @@ namespace schuler::filter {
 /// Power of the white noise by which successive samples would differ as much as they did over the last second. Motion of a vehicle is
 /// smooth over two samples and hardly part of their second difference; vibration that was sampled too slowly is. Plain and copyable.
 struct Vibration {
-    double gyro_psd = 0.0;    ///< rad^2/s, mean of the axes
-    double accel_psd = 0.0;   ///< m^2/s^3
+    double gyro_psd = 0.0;   ///< rad^2/s, mean of the axes
+    double accel_psd = 0.0;  ///< m^2/s^3
 
     /// Increments in order of time, interpolated ones left out.
     void add(const ImuIncrement& inc) {
-        constexpr double memory = 1.0;             // s
-        constexpr double of_white = 3.0 * 6.0;     // mean square of a second difference of three components
+        constexpr double memory = 1.0;          // s
+        constexpr double of_white = 3.0 * 6.0;  // mean square of a second difference of three components
         const Eigen::Vector3d new_rate = inc.dtheta / inc.dt, new_force = inc.dv / inc.dt;
         const Eigen::Vector3d new_rate_step = new_rate - rate, new_force_step = new_force - force;
         ++samples;
@@ -34,8 +34,9 @@ struct Vibration {
     }
 
     double samples = 0.0;
-    Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();             ///< last, rad/s, m/s^2
-    Eigen::Vector3d rate_step = Eigen::Vector3d::Zero(), force_step = Eigen::Vector3d::Zero();   ///< to the last from the one before
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();  ///< last, rad/s, m/s^2
+    Eigen::Vector3d rate_step = Eigen::Vector3d::Zero(),
+                    force_step = Eigen::Vector3d::Zero();  ///< to the last from the one before
 };
 
 }  // namespace schuler::filter

@@ -14,9 +14,9 @@ struct WheelEvidence {
     enum class Verdict : std::uint8_t { Open, Wheels, NoWheels };
     Verdict verdict = Verdict::Open;
     int n = 0;
-    double turned = 0.0;                                    ///< rad, total turn during the observation
-    double mean_side = 0.0, mean_down = 0.0;                ///< tangents of the direction of motion
-    double m2_side = 0.0, m2_down = 0.0;                    ///< sums of squared deviations
+    double turned = 0.0;                      ///< rad, total turn during the observation
+    double mean_side = 0.0, mean_down = 0.0;  ///< tangents of the direction of motion
+    double m2_side = 0.0, m2_down = 0.0;      ///< sums of squared deviations
 
     /// Takes one direction; decides after a minute of motion with at least a quarter turn.
     void add(const Eigen::Vector3d& v_b, double turn, double interval);

@@ -15,8 +15,8 @@ struct SeriesEntry {
 };
 struct ModelSeries {
     std::vector<SeriesEntry> F;
-    std::array<double, Observability::most> scale;   ///< a state in SI units = its scaled number times this
-    double time_scale;                                 ///< s
+    std::array<double, Observability::most> scale;  ///< a state in SI units = its scaled number times this
+    double time_scale;                              ///< s
 };
 
 [[nodiscard]] ModelSeries model_series(const earth::Earth& earth, const ObservedMotion& motion);

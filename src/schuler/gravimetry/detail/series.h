@@ -17,7 +17,7 @@ public:
     static constexpr std::size_t terms = 33;
 
     Series() = default;
-    Series(const Real& constant) { c_[0] = constant; }   // NOLINT: a number is a series
+    Series(const Real& constant) { c_[0] = constant; }  // NOLINT: a number is a series
     [[nodiscard]] static Series line(const Real& start, const Real& rate) {
         Series s(start);
         s.c_[1] = rate;
@@ -70,8 +70,7 @@ private:
 [[nodiscard]] inline Series power(const Series& x, const Real& a) {
     Series y(pow(x[0], a));
     for (std::size_t n = 1; n < Series::terms; ++n) {
-        for (std::size_t k = 1; k <= n; ++k)
-            y[n] += (a * static_cast<int>(k) - static_cast<int>(n - k)) * x[k] * y[n - k];
+        for (std::size_t k = 1; k <= n; ++k) y[n] += (a * static_cast<int>(k) - static_cast<int>(n - k)) * x[k] * y[n - k];
         y[n] /= x[0] * static_cast<int>(n);
     }
     return y;

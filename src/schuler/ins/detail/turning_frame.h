@@ -17,7 +17,7 @@ namespace schuler::ins::detail {
 /// for a body at rest on the turning Earth.
 [[nodiscard]] inline Eigen::Vector3d velocity_increment_in(const Eigen::Quaterniond& q_rb, const CompensatedIncrement& increment,
                                                            const Eigen::Vector3d& zeta) {
-    const Eigen::Matrix3d C = q_rb.toRotationMatrix();   // cheaper than two turns by the quaternion
+    const Eigen::Matrix3d C = q_rb.toRotationMatrix();  // cheaper than two turns by the quaternion
     const Eigen::Vector3d u = C * increment.dv;
     const Eigen::Vector3d theta = C * increment.theta;
     const Eigen::Vector3d mean = u + (1.0 / 6) * (theta - 2.0 * zeta).cross(u);

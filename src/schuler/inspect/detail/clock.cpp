@@ -13,7 +13,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double least_common = 10.0;            // s
+constexpr double least_common = 10.0;  // s
 
 /// Values on an even grid; where `known` is 0 there is none.
 struct Channel {
@@ -52,11 +52,13 @@ Channels imu_channels(const ImuSeries& imu, const Grid& grid, double width) {
     Channels out = empty_channels(grid);
     const std::vector<Eigen::Vector3d> w = sums_of(imu.w), f = sums_of(imu.f);
     const double full = width / std::max(imu.step, 1e-9);
-    constexpr double level = 20.0;   // s: over which the mean force is the vertical
+    constexpr double level = 20.0;  // s: over which the mean force is the vertical
     for (std::size_t i = 0; i < grid.size; ++i) {
         const auto mean = [&](const std::vector<Eigen::Vector3d>& sums, double span, std::size_t& n) {
-            const auto a = static_cast<std::size_t>(std::lower_bound(imu.t.begin(), imu.t.end(), grid.at(i) - 0.5 * span) - imu.t.begin());
-            const auto b = static_cast<std::size_t>(std::upper_bound(imu.t.begin(), imu.t.end(), grid.at(i) + 0.5 * span) - imu.t.begin());
+            const auto a =
+                static_cast<std::size_t>(std::lower_bound(imu.t.begin(), imu.t.end(), grid.at(i) - 0.5 * span) - imu.t.begin());
+            const auto b =
+                static_cast<std::size_t>(std::upper_bound(imu.t.begin(), imu.t.end(), grid.at(i) + 0.5 * span) - imu.t.begin());
             n = b - a;
             return Eigen::Vector3d((sums[b] - sums[a]) / std::max<double>(1.0, static_cast<double>(n)));
         };
@@ -88,7 +90,7 @@ std::vector<Eigen::Vector3d> velocities(const GnssSeries& gnss) {
 Channels gnss_channels(const GnssSeries& gnss, const Grid& grid, double width, double gravity) {
     Channels out = empty_channels(grid);
     const std::vector<Eigen::Vector3d> v = velocities(gnss);
-    const double slowest = gnss.has_velocity() ? 0.7 : 2.0;   // m/s: slower, the course is noise
+    const double slowest = gnss.has_velocity() ? 0.7 : 2.0;  // m/s: slower, the course is noise
     const auto at = [&](double t, Eigen::Vector3d& value) {
         if (t < gnss.t.front() || t > gnss.t.back()) return false;
         const std::size_t k = std::min(index_before(gnss.t, t), gnss.size() - 2);
@@ -120,7 +122,8 @@ void settle(Channel& c) {
     for (const double x : known) mean += x / static_cast<double>(known.size());
     for (const double x : known) square += (x - mean) * (x - mean) / static_cast<double>(known.size());
     const double limit = 4.0 * std::sqrt(square), centre = median(std::move(known));
-    for (std::size_t i = 0; i < c.value.size(); ++i) c.value[i] = c.known[i] > 0.0 ? std::clamp(c.value[i] - centre, -limit, limit) : 0.0;
+    for (std::size_t i = 0; i < c.value.size(); ++i)
+        c.value[i] = c.known[i] > 0.0 ? std::clamp(c.value[i] - centre, -limit, limit) : 0.0;
 }
 
 class Correlator {
@@ -163,8 +166,8 @@ struct ChannelScan {
 ChannelScan scan_channel(Correlator& by, const Channel& x, const Channel& y, double step) {
     const auto X = by.of(x.value), Y = by.of(y.value), MX = by.of(x.known), MY = by.of(y.known);
     const auto X2 = by.of(squares(x.value)), Y2 = by.of(squares(y.value));
-    const std::vector<double> n = by.correlate(MX, MY), xy = by.correlate(X, Y), sx = by.correlate(X, MY), sy = by.correlate(MX, Y),
-                              sxx = by.correlate(X2, MY), syy = by.correlate(MX, Y2);
+    const std::vector<double> n = by.correlate(MX, MY), xy = by.correlate(X, Y), sx = by.correlate(X, MY),
+                              sy = by.correlate(MX, Y), sxx = by.correlate(X2, MY), syy = by.correlate(MX, Y2);
     // Bartlett: the variance of a correlation of unrelated series is the sum of the products of their own correlations, over n.
     const std::vector<double> rx = by.correlate(X, X), ry = by.correlate(Y, Y);
     double memory = 1.0;
@@ -173,7 +176,7 @@ ChannelScan scan_channel(Correlator& by, const Channel& x, const Channel& y, dou
     memory = std::max(memory, 1.0 / step);
     double known = 0.0;
     for (const double m : x.known) known += m;
-    const double least = 1e-3 * rx[0] / std::max(known, 1.0);   // of the variance: at rest there is nothing to compare
+    const double least = 1e-3 * rx[0] / std::max(known, 1.0);  // of the variance: at rest there is nothing to compare
     ChannelScan out;
     out.support.assign(n.size(), 0.0);
     out.rho.assign(n.size(), 0.0);
@@ -254,7 +257,8 @@ std::optional<KnownShift> known_shift(double shift, double leap) {
         double left = hours;
         const auto add = [&](const std::string& text) { known.name += (known.name.empty() ? "" : " and ") + text; };
         if (std::abs(left) > 0.5 * epochs) {
-            add(left < 0.0 ? "the IMU's times count from 1970, the receiver's from 1980" : "the IMU's times count from 1980, the receiver's from 1970");
+            add(left < 0.0 ? "the IMU's times count from 1970, the receiver's from 1980"
+                           : "the IMU's times count from 1980, the receiver's from 1970");
             left -= std::copysign(epochs, left);
         }
         if (std::abs(left) >= week - 15.0 * hour && std::abs(std::remainder(left, week)) < 15.0 * hour) {
@@ -277,7 +281,7 @@ ClockDrift drift_of(const std::vector<LagCurve>& curves) {
     ClockDrift out;
     constexpr std::size_t least = 12;
     if (curves.size() < least) return out;
-    constexpr double most = 400.0, pitch = 10.0;   // ppm
+    constexpr double most = 400.0, pitch = 10.0;  // ppm
     constexpr int rates = 2 * static_cast<int>(most / pitch) + 1;
     const double middle = 0.5 * (curves.front().t + curves.back().t), span = curves.back().t - curves.front().t;
     if (span < 60.0) return out;
@@ -288,13 +292,14 @@ ClockDrift drift_of(const std::vector<LagCurve>& curves) {
         std::vector<double>& into = cost[w * groups / curves.size()];
         const std::vector<double>& c = curves[w].horizontal;
         for (int r = 0; r < rates; ++r) {
-            const double moved = (pitch * r - most) * 1e-6 * (curves[w].t - middle) / lag_step;   // in steps of lag
+            const double moved = (pitch * r - most) * 1e-6 * (curves[w].t - middle) / lag_step;  // in steps of lag
             for (std::size_t i = 0; i < lags; ++i) {
                 // parabolas between the lags: straight lines would favour the drifts that meet them
                 const double at = std::clamp(static_cast<double>(i) + moved, 0.0, static_cast<double>(lags - 1));
                 const auto k = std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(at)), 1, lags - 2);
                 const double x = at - static_cast<double>(k);
-                into[static_cast<std::size_t>(r) * lags + i] += c[k] + 0.5 * x * (c[k + 1] - c[k - 1]) + 0.5 * x * x * (c[k + 1] - 2.0 * c[k] + c[k - 1]);
+                into[static_cast<std::size_t>(r) * lags + i] +=
+                    c[k] + 0.5 * x * (c[k + 1] - c[k - 1]) + 0.5 * x * x * (c[k + 1] - 2.0 * c[k] + c[k - 1]);
             }
         }
     }

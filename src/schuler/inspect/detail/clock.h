@@ -34,15 +34,15 @@ struct ClockScan {
 
 /// A shift that differing clocks make: whole hours (time zones, days, weeks, the epochs of 1970 and 1980), with or without leap seconds.
 struct KnownShift {
-    double shift = 0.0;        ///< s
-    std::string name;          ///< "18 leap seconds", "GPS time counted from 1970", ...
+    double shift = 0.0;  ///< s
+    std::string name;    ///< "18 leap seconds", "GPS time counted from 1970", ...
 };
 /// The known shift that a measured one is, where the GNSS is late by earliest_lag to latest_lag beside it. @param leap seconds between UTC and GPS time
 [[nodiscard]] std::optional<KnownShift> known_shift(double shift, double leap);
 
 /// Drift of the IMU's clock against GNSS time.
 struct ClockDrift {
-    double ppm = 0.0;          ///< the IMU's seconds are shorter by this (its clock runs fast)
+    double ppm = 0.0;  ///< the IMU's seconds are shorter by this (its clock runs fast)
     double sigma = 0.0;
     bool found = false;
 };

@@ -1,7 +1,7 @@
 #include "schuler/inspect/detail/clock_steps.h"
 
-#include "schuler/inspect/detail/mounting.h"
 #include "schuler/inspect/detail/motion_fit.h"
+#include "schuler/inspect/detail/mounting.h"
 #include "schuler/inspect/detail/study.h"
 
 #include <fmt/format.h>
@@ -20,8 +20,8 @@ constexpr double reach = 240.0, far = 1200.0;  // s of each log that are compare
 
 struct Hole {
     bool imu = true;
-    double from = 0.0, to = 0.0;   // s, the samples around it
-    double step = 0.0;             // s longer than usual
+    double from = 0.0, to = 0.0;  // s, the samples around it
+    double step = 0.0;            // s longer than usual
 };
 
 template <class Series>
@@ -71,12 +71,14 @@ struct Sides {
     const GnssSeries& gnss;
     double gravity, unit, window;
 
-    [[nodiscard]] MotionFit fit(double imu_from, double imu_to, double imu_by, double gnss_from, double gnss_to, double gnss_by) const {
+    [[nodiscard]] MotionFit fit(double imu_from, double imu_to, double imu_by, double gnss_from, double gnss_to,
+                                double gnss_by) const {
         ImuSeries a = part_of(imu, imu_from, imu_to, imu_by);
         for (Eigen::Vector3d& w : a.w) w *= unit;
         const GnssSeries b = part_of(gnss, gnss_from, gnss_to, gnss_by);
         if (a.size() < 100 || b.size() < 8) return {};
-        return fit_motion(a, b, b.has_velocity() ? FitSource::Velocity : FitSource::Displacement, Eigen::Vector3d::Zero(), false, gravity, window);
+        return fit_motion(a, b, b.has_velocity() ? FitSource::Velocity : FitSource::Displacement, Eigen::Vector3d::Zero(), false,
+                          gravity, window);
     }
 };
 
@@ -100,13 +102,14 @@ double worse_at(const MotionFit& fit, double lag) {
     const long best = index(fit.horizontal.at), other = index(lag);
     if (other < 0 || other >= lag_count || best < 0 || best >= lag_count) return 0.0;
     double sum = 0.0;
-    for (const LagCurve& c : fit.curves) sum += c.horizontal[static_cast<std::size_t>(other)] - c.horizontal[static_cast<std::size_t>(best)];
+    for (const LagCurve& c : fit.curves)
+        sum += c.horizontal[static_cast<std::size_t>(other)] - c.horizontal[static_cast<std::size_t>(best)];
     return sum;
 }
 
 /// What speaks for a step, or nothing where the hole is one, or cannot be told.
 std::optional<std::string> evidence_of(const Sides& sides, const Hole& hole, double span) {
-    constexpr double margin = 2.0;   // s around what is compared, for the lags
+    constexpr double margin = 2.0;  // s around what is compared, for the lags
     const double imu_before = hole.imu ? hole.from : hole.from + margin, gnss_before = hole.imu ? hole.from + margin : hole.from;
     const MotionFit before = sides.fit(hole.from - span - margin, imu_before, 0.0, hole.from - span, gnss_before, 0.0);
     if (!tells(before, hole.step)) return std::nullopt;
@@ -119,14 +122,16 @@ std::optional<std::string> evidence_of(const Sides& sides, const Hole& hole, dou
     if (std::abs(moved.horizontal.at - before.horizontal.at) > std::min(tolerance, 0.4 * hole.step)) return std::nullopt;
     const MotionFit stated = sides.fit(imu_start, end + margin, 0.0, gnss_start, end, 0.0);
     const double other = stated.horizontal.at - before.horizontal.at;
-    const bool late = tells(stated, hole.step) && std::abs(other - (hole.imu ? -hole.step : hole.step)) < std::min(tolerance + 0.1, 0.4 * hole.step);
+    const bool late = tells(stated, hole.step) &&
+                      std::abs(other - (hole.imu ? -hole.step : hole.step)) < std::min(tolerance + 0.1, 0.4 * hole.step);
     const bool worse = stated.windows == 0 || stated.rms > 1.5 * moved.rms;
     constexpr double beyond_chance = 30.0;
     const bool earlier = hole.imu && worse_at(moved, before.horizontal.at + hole.step) > beyond_chance;
     if (!late && !worse && !earlier) return std::nullopt;
-    return fmt::format("put back, the lag between the logs is {:.2f} s as it was before ({:.2f} s); as stamped {}", moved.horizontal.at,
-                       before.horizontal.at,
-                       late ? fmt::format("it would be {:.2f} s", stated.horizontal.at) : std::string("turns and accelerations do not agree"));
+    return fmt::format(
+        "put back, the lag between the logs is {:.2f} s as it was before ({:.2f} s); as stamped {}", moved.horizontal.at,
+        before.horizontal.at,
+        late ? fmt::format("it would be {:.2f} s", stated.horizontal.at) : std::string("turns and accelerations do not agree"));
 }
 
 template <class Series>
@@ -153,7 +158,8 @@ std::vector<ClockStep> take_out_clock_steps(ImuSeries& imu, GnssSeries& gnss, do
             if (evidence) break;
         }
         if (!evidence) continue;
-        steps.push_back({hole.imu, hole.from - (hole.imu ? imu.t.front() : gnss.t.front()), hole.to - hole.from, hole.step, *evidence});
+        steps.push_back(
+            {hole.imu, hole.from - (hole.imu ? imu.t.front() : gnss.t.front()), hole.to - hole.from, hole.step, *evidence});
         hole.imu ? put_back(imu, hole) : put_back(gnss, hole);
         for (Hole& later : holes) {
             if (later.imu != hole.imu || later.from < hole.to) continue;

@@ -45,7 +45,8 @@ std::string Draft::text() const {
                 out += fmt::format("# {}\n", line.comment);
                 continue;
             }
-            const std::string entry = fmt::format("{}{} = {}", line.active && !s.left_out ? "" : "# ", line.key, to_text(line.value));
+            const std::string entry =
+                fmt::format("{}{} = {}", line.active && !s.left_out ? "" : "# ", line.key, to_text(line.value));
             out += line.comment.empty() ? entry + "\n" : fmt::format("{:<{}}  # {}\n", entry, width, line.comment);
         }
     }

@@ -13,7 +13,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double decisive = 25.0;     // support of a shift before it is looked at: above chance among all shifts of a day
+constexpr double decisive = 25.0;  // support of a shift before it is looked at: above chance among all shifts of a day
 constexpr double beyond_stated = 15.0;
 constexpr double beyond_rival = 6.0;  // a likelihood of 400 against the second best
 constexpr double trust_in_known = 5.0;
@@ -46,7 +46,7 @@ struct Choice {
     ClockPeak peak;
     std::optional<KnownShift> known;
     bool unique = false;
-    double rival = 0.0;        // support of the second best
+    double rival = 0.0;  // support of the second best
 };
 
 /// The best shift; one that clocks are known to make before one that is a little better.
@@ -72,10 +72,13 @@ std::optional<Choice> best_of(const ClockScan& scan, double leap) {
 bool plain(const Choice& best, const ClockScan& scan) {
     constexpr double much = 40.0;
     const double support = best.peak.support;
-    return support > much && support > scan.stated + 0.9 * much && (best.known || (support > 1.5 * much && support > best.rival + 0.75 * much));
+    return support > much && support > scan.stated + 0.9 * much &&
+           (best.known || (support > 1.5 * much && support > best.rival + 0.75 * much));
 }
 
-std::string words_of_shift(double shift) { return fmt::format("{:.10g} s {}", std::abs(shift), shift < 0.0 ? "earlier" : "later"); }
+std::string words_of_shift(double shift) {
+    return fmt::format("{:.10g} s {}", std::abs(shift), shift < 0.0 ? "earlier" : "later");
+}
 
 }  // namespace
 
@@ -88,9 +91,11 @@ void judge_clock_steps(Study& study) {
     study.clock_steps = take_out_clock_steps(study.imu, study.gnss, study.gravity);
     for (const ClockStep& step : study.clock_steps) {
         const std::string& file = (step.imu ? study.imu_file : study.gnss_file)->report.path;
-        study.doubts.push_back(fmt::format("{}: its clock steps by {:.6g} s {:.1f} s after its first sample ({}); what comes after is taken earlier by that",
-                                           file, step.seconds, step.after, step.evidence));
-        study.found(step.imu ? "imu.clock_step" : "gnss.clock_step", fmt::format("{:.6g} s", step.seconds), 0.9, study.doubts.back());
+        study.doubts.push_back(fmt::format(
+            "{}: its clock steps by {:.6g} s {:.1f} s after its first sample ({}); what comes after is taken earlier by that",
+            file, step.seconds, step.after, step.evidence));
+        study.found(step.imu ? "imu.clock_step" : "gnss.clock_step", fmt::format("{:.6g} s", step.seconds), 0.9,
+                    study.doubts.back());
         study.problem(Level::Warning, study.doubts.back(), "look at what sets the clock of that log");
     }
 }
@@ -119,10 +124,11 @@ void judge_clock(Study& study) {
     const double lag = fits ? there.horizontal.at - middle_lag : 0.0;
     const double shift = best->known ? sought : std::round(100.0 * (sought + lag)) / 100.0;
     const std::string fit_text =
-        fits ? fmt::format("; {} windows, left of {:.3g} m/s motion {:.2g} m/s", there.windows, there.motion, there.rms) : std::string();
-    const std::string evidence = fmt::format(
-        "at {:+.10g} s turns and accelerations of the IMU and of the track agree (correlation {:.2f}{}){}", shift,
-        best->peak.correlation, fit_text, best->known && !best->known->name.empty() ? ": " + best->known->name : "");
+        fits ? fmt::format("; {} windows, left of {:.3g} m/s motion {:.2g} m/s", there.windows, there.motion, there.rms)
+             : std::string();
+    const std::string evidence =
+        fmt::format("at {:+.10g} s turns and accelerations of the IMU and of the track agree (correlation {:.2f}{}){}", shift,
+                    best->peak.correlation, fit_text, best->known && !best->known->name.empty() ? ": " + best->known->name : "");
     const std::string stated = study.overlap ? "as they are they do not" : "as they are the logs do not overlap in time";
     if (is_given) {
         const bool of_imu = given.has("imu.time_offset_s");
@@ -140,9 +146,12 @@ void judge_clock(Study& study) {
     study.overlap = true;
     set_clock(study.imu, shift, 0.0, 0.0);
     study.found("imu.clock", words_of_shift(shift), best->known ? 0.95 : 0.8, study.clock_evidence);
-    study.doubts.push_back(fmt::format("the clocks of {} and {} differ: the IMU's times are taken {} ({})", study.imu_file->report.path,
-                                       study.gnss_file->report.path, words_of_shift(shift), study.clock_evidence));
-    std::erase_if(study.problems, [](const Problem& p) { return p.level == Level::Error && p.text.find("no time in common") != std::string::npos; });
+    study.doubts.push_back(fmt::format("the clocks of {} and {} differ: the IMU's times are taken {} ({})",
+                                       study.imu_file->report.path, study.gnss_file->report.path, words_of_shift(shift),
+                                       study.clock_evidence));
+    std::erase_if(study.problems, [](const Problem& p) {
+        return p.level == Level::Error && p.text.find("no time in common") != std::string::npos;
+    });
     study.problem(Level::Warning, study.doubts.back(), "nothing to do where that is right; else give [imu] time_offset_s");
 }
 

@@ -19,7 +19,7 @@ struct Misfit {
 };
 Misfit misfit(const LoadedFile& file, const char* lat, const char* lon) {
     const std::vector<double>&p = file[lat], &q = file[lon], &vn = file["vel_n_m_s"], &ve = file["vel_e_m_s"];
-    constexpr double span = 2.0;   // s
+    constexpr double span = 2.0;  // s
     const earth::Earth earth;
     Misfit sum;
     std::size_t first = 0;
@@ -33,7 +33,7 @@ Misfit misfit(const LoadedFile& file, const char* lat, const char* lon) {
         const Geodetic a{p[first] * units::deg, q[first] * units::deg, 0.0}, b{p[k] * units::deg, q[k] * units::deg, 0.0};
         const Eigen::Vector2d moved = earth::ned_difference(earth, b, a).head<2>();
         const double miss = (moved - Eigen::Vector2d(n, e)).squaredNorm();
-        constexpr double jump = 1e6;   // m^2: no vehicle's
+        constexpr double jump = 1e6;  // m^2: no vehicle's
         if (dt > 0.0 && dt < 2.5 && std::isfinite(miss) && miss < jump) {
             sum.miss += miss;
             sum.moved += n * n + e * e;
@@ -59,15 +59,17 @@ void judge_coordinates(Study& study) {
     constexpr double most = 90.0;
     if (std::ranges::any_of(file["lon_deg"], [](double x) { return std::abs(x) > most; })) return;
     const Misfit as_named = misfit(file, "lat_deg", "lon_deg");
-    constexpr double much = 400.0, wrong = 0.1, right = 0.05;   // m^2; shares of the motion
+    constexpr double much = 400.0, wrong = 0.1, right = 0.05;  // m^2; shares of the motion
     if (as_named.moved < much || as_named.miss < wrong * as_named.moved) return;
     const Misfit exchanged = misfit(file, "lon_deg", "lat_deg");
     if (exchanged.miss > right * exchanged.moved || exchanged.miss > right * as_named.miss) return;
     const io::ColumnMatch *lat = file.plan.find("lat_deg"), *lon = file.plan.find("lon_deg");
-    const std::string text = fmt::format("latitude and longitude are exchanged: the positions move as the velocities say only with {} as the latitude "
-                                         "(of the motion {:.1g} are left, else {:.1g})",
-                                         lon->file_name, std::sqrt(exchanged.miss / exchanged.moved), std::sqrt(as_named.miss / as_named.moved));
-    if (file.as.overrides.columns.contains("lat_deg") || file.as.overrides.columns.contains("lon_deg") || lat->file_name == lon->file_name) {
+    const std::string text = fmt::format(
+        "latitude and longitude are exchanged: the positions move as the velocities say only with {} as the latitude "
+        "(of the motion {:.1g} are left, else {:.1g})",
+        lon->file_name, std::sqrt(exchanged.miss / exchanged.moved), std::sqrt(as_named.miss / as_named.moved));
+    if (file.as.overrides.columns.contains("lat_deg") || file.as.overrides.columns.contains("lon_deg") ||
+        lat->file_name == lon->file_name) {
         study.contradicts("gnss.columns", text);
         return;
     }
@@ -84,7 +86,7 @@ namespace {
 /// Whether the vertical rate is that of the course, with the other sign.
 bool turns_against_course(const Study& study) {
     const Eigen::Vector3d up = study.still.any() ? study.still.f : mean_force(study.imu);
-    constexpr double against = -0.6;   // correlation of the course's rate with the rate about the vertical
+    constexpr double against = -0.6;  // correlation of the course's rate with the rate about the vertical
     return up.norm() > 0.0 && course_slope(study.imu, study.gnss, -up.normalized(), study.still.w).correlation < against;
 }
 
@@ -123,10 +125,14 @@ bool judge_gyro_signs(Study& study) {
     for (const Trial& t : trials)
         if (t.fit.rms < 1.15 * lowest && (best == nullptr || t.sign.sum() > best->sign.sum())) best = &t;
     constexpr double clearly = 0.5;
-    if (!shows_lag(best->fit) || best->fit.rms > (turns_against ? 0.9 : clearly) * fit.rms || best->fit.rms > clearly * best->fit.motion) return false;
+    if (!shows_lag(best->fit) || best->fit.rms > (turns_against ? 0.9 : clearly) * fit.rms ||
+        best->fit.rms > clearly * best->fit.motion)
+        return false;
     static constexpr std::array<const char*, 3> names{"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s"};
     std::string axes;
-    const std::string why = fmt::format("with the sign of its column the IMU leaves {:.2g} m/s of the track's motion, turned round {:.2g} m/s", fit.rms, best->fit.rms);
+    const std::string why =
+        fmt::format("with the sign of its column the IMU leaves {:.2g} m/s of the track's motion, turned round {:.2g} m/s",
+                    fit.rms, best->fit.rms);
     const bool all = best->sign.sum() < -2.5;
     double unit = 1.0;
     for (UnitChange& change : study.imu_units)
@@ -170,7 +176,9 @@ bool judge_accel_signs(Study& study) {
         best_fit = std::move(one);
     }
     // No vehicle leans out of its turns by as much as it would lean in: there the better fit has only to say which axis.
-    if (!shows_lag(best_fit) || best_fit.rms > clearly * best_fit.motion || best_fit.rms > (felt < to_the_wrong_side ? somewhat : clearly) * fit.rms) return false;
+    if (!shows_lag(best_fit) || best_fit.rms > clearly * best_fit.motion ||
+        best_fit.rms > (felt < to_the_wrong_side ? somewhat : clearly) * fit.rms)
+        return false;
     // Gyros of the other sign make half a mirror, too: what they explain as well is theirs.
     constexpr double better = 0.85;
     const std::vector<Trial> gyros = gyros_turned_round(study, source);
@@ -182,10 +190,11 @@ bool judge_accel_signs(Study& study) {
         if (change.key == "accel_m_s2") unit = change.factor / study.imu_file->plan.find(name)->factor;
     for (double& v : study.imu_file->columns[name]) v = -v;
     for (Eigen::Vector3d& f : study.imu.f) f(best) = -f(best);
-    const std::string why = fmt::format("{}with the sign of its column the IMU leaves {:.2g} m/s of the track's motion, turned round {:.2g} m/s",
-                                        felt < to_the_wrong_side ? fmt::format("the force of turns is felt to the wrong side ({:.0f} %); ", 100.0 * felt)
-                                                                 : std::string(),
-                                        fit.rms, best_fit.rms);
+    const std::string why = fmt::format(
+        "{}with the sign of its column the IMU leaves {:.2g} m/s of the track's motion, turned round {:.2g} m/s",
+        felt < to_the_wrong_side ? fmt::format("the force of turns is felt to the wrong side ({:.0f} %); ", 100.0 * felt)
+                                 : std::string(),
+        fit.rms, best_fit.rms);
     study.imu_units.push_back({name, -unit * study.imu_file->plan.find(name)->factor, "turned round", 0.9, why, false});
     study.doubts.push_back(fmt::format("{}: accelerometer {} turned round: {}", study.imu_file->report.path, name[6], why));
     study.problem(Level::Warning, study.doubts.back(), "check the sign of the column");

@@ -25,7 +25,8 @@ void judge_fix(Study& study) {
     for (const auto& [code, fix] : file.fix_codes)
         if (fix != FixType::Unknown && !io::fix_from_word(code)) codes[code] = io::name_of(fix);
     if (!codes.empty())
-        study.states("gnss.fix_codes", codes, text + "; codes read as " + file.fix_table, file.fix_by_evidence ? Known::Found : Known::File);
+        study.states("gnss.fix_codes", codes, text + "; codes read as " + file.fix_table,
+                     file.fix_by_evidence ? Known::Found : Known::File);
     study.found("gnss.fix", text, 0.9, "codes read as " + file.fix_table);
     study.draft.note("gnss",
                      fmt::format("fixes: {} (codes read as {}; other meanings: fix_codes = {{ ... }})", text, file.fix_table));
@@ -55,8 +56,8 @@ void judge_sigma(Study& study) {
                          fmt::format("defaults stand in for them ({})", defaults));
         }
         if (low_of(s) > 0.0)
-            study.states(std::string("gnss.stated_std_") + (std::string_view(what) == "position" ? "m" : "velocity_m_s"), median(s),
-                         std::string("column ") + column + ", the median");
+            study.states(std::string("gnss.stated_std_") + (std::string_view(what) == "position" ? "m" : "velocity_m_s"),
+                         median(s), std::string("column ") + column + ", the median");
         const double low = quantile(s, 0.0), high = quantile(s, 1.0);
         if (low > 0.0 && low == high && s.size() > 20) {
             file.problem(Level::Info,
@@ -87,8 +88,8 @@ void judge_height(Study& study) {
                      "do not count it as a second witness beside the barometer, nor judge vertical accuracy by it; log the "
                      "receiver's own height if you can");
     } else if (kind == io::HeightKind::Msl) {
-        study.draft.set("gnss", "height", std::string("msl"), "sure: column " + name + "; undulation_m = ... would make it ellipsoidal",
-                        true, Known::File);
+        study.draft.set("gnss", "height", std::string("msl"),
+                        "sure: column " + name + "; undulation_m = ... would make it ellipsoidal", true, Known::File);
         study.found("gnss.height", "msl", 0.95, "the name of column " + name);
     } else {
         const bool stated =
@@ -175,8 +176,7 @@ void judge_motion_content(Study& study) {
 
 void judge_gnss(Study& study) {
     if (study.gnss_file == nullptr) return;
-    study.draft.set("gnss", "file", study.gnss_file->report.path,
-                    fmt::format("{:.3g} Hz", study.gnss_file->report.rate_hz));
+    study.draft.set("gnss", "file", study.gnss_file->report.path, fmt::format("{:.3g} Hz", study.gnss_file->report.rate_hz));
     draft_columns(study, "gnss", *study.gnss_file, study.gnss_units);
     judge_fix(study);
     judge_sigma(study);

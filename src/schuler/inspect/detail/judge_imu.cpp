@@ -22,8 +22,8 @@ constexpr double per_deg = 1.0 / units::deg;
 void judge_axes(Study& study) {
     const Mounting& m = study.mounting;
     if (!m.found) {
-        study.draft.set("imu", "axes", std::string("frd"), "a guess: no gravity seen in the accelerometers",
-                        true, Known::Default);
+        study.draft.set("imu", "axes", std::string("frd"), "a guess: no gravity seen in the accelerometers", true,
+                        Known::Default);
         return;
     }
     std::string why = fmt::format("gravity when {} lies {:.0f} deg from the nearest sensor axis",
@@ -63,12 +63,14 @@ void judge_axes(Study& study) {
 void judge_mounting(Study& study) {
     const Mounting& m = study.mounting;
     if (m.forward_from != ForwardFrom::Travel) {
-        constexpr double telling = 5.0;   // m/s
+        constexpr double telling = 5.0;  // m/s
         std::vector<double> speeds;
         for (std::size_t k = 0; k < study.gnss.size(); ++k) speeds.push_back(study.gnss.speed(k));
         // In the air the mean force is no vertical: only what has rested knows its level.
-        if (m.found && study.still.any() && !study.gnss.has_velocity() && !speeds.empty() && quantile(std::move(speeds), 0.75) > telling)
-            study.draft.set("imu", "mounting_deg", std::string("estimate"), "forward is only supposed here; the filter finds the direction of travel");
+        if (m.found && study.still.any() && !study.gnss.has_velocity() && !speeds.empty() &&
+            quantile(std::move(speeds), 0.75) > telling)
+            study.draft.set("imu", "mounting_deg", std::string("estimate"),
+                            "forward is only supposed here; the filter finds the direction of travel");
         return;
     }
     const Eigen::Vector3d rpy = m.rest_rpy * per_deg;
@@ -112,7 +114,8 @@ void check_given_axes(Study& study) {
     if (study.still.any()) {
         const double off = angle(-C.row(2).transpose(), study.still.f);
         if (off > 3.0 * 5.0 + slack) {
-            study.contradicts(key, fmt::format("{} is given; at rest gravity lies {:.0f} deg from the down axis that this means", said, off));
+            study.contradicts(
+                key, fmt::format("{} is given; at rest gravity lies {:.0f} deg from the down axis that this means", said, off));
             return;
         }
     }
@@ -122,9 +125,10 @@ void check_given_axes(Study& study) {
     const double sigma = study.vehicle == "car" ? std::max(0.7, spread) : std::max(10.0, m.forward_spread * per_deg);
     const double off = angle(C.row(0).transpose(), study.travel.forward_s);
     if (off > 3.0 * sigma + slack) {
-        study.contradicts(key, fmt::format("{} is given; the direction of travel lies {:.1f} +- {:.1f} deg from the forward axis that "
-                                           "this means",
-                                           said, off, sigma));
+        study.contradicts(key,
+                          fmt::format("{} is given; the direction of travel lies {:.1f} +- {:.1f} deg from the forward axis that "
+                                      "this means",
+                                      said, off, sigma));
     }
 }
 
@@ -137,7 +141,8 @@ std::string grade_for(double gyro_noise, double accel_noise, double gyro_bias) {
     for (std::size_t i = 0; i + 1 < names.size(); ++i) {
         const sensor::ImuErrorModel worse = sensor::imu_grade(names[i + 1]);
         const bool quiet = gyro_noise < clearly * worse.gyro_noise || accel_noise < clearly * worse.accel_noise;
-        const bool possible = gyro_noise < 2.0 * sensor::imu_grade(names[i]).gyro_noise && accel_noise < 3.0 * sensor::imu_grade(names[i]).accel_noise;
+        const bool possible = gyro_noise < 2.0 * sensor::imu_grade(names[i]).gyro_noise &&
+                              accel_noise < 3.0 * sensor::imu_grade(names[i]).accel_noise;
         if (quiet && possible && gyro_bias < 4.0 * sensor::imu_grade(names[i]).gyro_initial_bias()) return names[i];
     }
     return gyro_bias < 4.0 * sensor::imu_grade("consumer").gyro_initial_bias() ? "consumer" : "adis16405";
@@ -151,12 +156,15 @@ void check_given_grade(Study& study, const std::string& found, double bias, doub
     constexpr double earth_rate = earth::wgs84.w_ie;
     if (bias > many * *given.gyro_bias + 2.0 * earth_rate) {
         study.refutes("imu.grade",
-                      fmt::format("its gyros' biases are {:.2g} deg/s at switch-on; at rest they turn at {:.2g} deg/s", *given.gyro_bias * per_deg, bias * per_deg),
+                      fmt::format("its gyros' biases are {:.2g} deg/s at switch-on; at rest they turn at {:.2g} deg/s",
+                                  *given.gyro_bias * per_deg, bias * per_deg),
                       FactValue(found));
     } else if (noise > louder * *given.gyro_noise && !given.has("imu.estimate_noise")) {
-        study.contradicts("imu.grade", fmt::format("its gyros' noise is {:.2g} deg/sqrt(h); at its quietest the log has {:.2g}, by noise or vibration: "
-                                                   "noise is measured",
-                                                   *given.gyro_noise / units::deg_per_sqrt_hour, noise / units::deg_per_sqrt_hour));
+        study.contradicts(
+            "imu.grade",
+            fmt::format("its gyros' noise is {:.2g} deg/sqrt(h); at its quietest the log has {:.2g}, by noise or vibration: "
+                        "noise is measured",
+                        *given.gyro_noise / units::deg_per_sqrt_hour, noise / units::deg_per_sqrt_hour));
         study.draft.set("imu", "estimate_noise", true, "the log is louder than the grade that is given");
     }
 }
@@ -219,10 +227,8 @@ std::size_t clipped_samples(const std::vector<Eigen::Vector3d>& values, int axis
         std::size_t clipped = 0, run = 0;
         for (const Eigen::Vector3d& v : values) {
             run = v(axis) == limit ? run + 1 : 0;
-            if (run == 3)
-                clipped += 3;
-            else if (run > 3)
-                ++clipped;
+            if (run == 3) clipped += 3;
+            else if (run > 3) ++clipped;
         }
         return clipped;
     };
@@ -265,7 +271,8 @@ void draft_clock(Study& study) {
     const double weeks = study.dated_fixes_move() ? 0.0 : study.imu_shift;
     const double offset = weeks + study.clock_shift;
     if (offset != 0.0 && !study.given.has("imu.time_offset_s")) {
-        const std::string why = study.clock_shift == 0.0 ? "likely: whole weeks, to meet the dated GNSS times" : "likely: " + study.clock_evidence;
+        const std::string why =
+            study.clock_shift == 0.0 ? "likely: whole weeks, to meet the dated GNSS times" : "likely: " + study.clock_evidence;
         const double sigma = study.clock_sigma > 0.0 ? study.clock_sigma : not_given;
         study.draft.set("imu", "time_offset_s", offset, why, true, Known::Found, sigma);
         const FileReport& imu = study.imu_file->report;
@@ -282,21 +289,20 @@ void draft_clock(Study& study) {
     }
     if (study.clock_drift != 0.0)
         study.draft.set("imu", "clock_drift_ppm", study.clock_drift,
-                        "likely: the lag of the GNSS behind the IMU grows by this along the log", true, Known::Found, study.clock_drift_sigma);
+                        "likely: the lag of the GNSS behind the IMU grows by this along the log", true, Known::Found,
+                        study.clock_drift_sigma);
 }
 
 }  // namespace
 
 void judge_imu(Study& study) {
     if (study.imu_file == nullptr) return;
-    study.draft.set("imu", "file", study.imu_file->report.path,
-                    fmt::format("{:.4g} Hz", study.imu_file->report.rate_hz));
+    study.draft.set("imu", "file", study.imu_file->report.path, fmt::format("{:.4g} Hz", study.imu_file->report.rate_hz));
     const bool increments = study.imu_file->has("dtheta_x_rad");
-    study.draft.set("imu", "kind", increments ? std::string("increments") : std::string("rates"),
-                    study.imu_file->report.kind == "kfgins_imu"
-                        ? "likely: the norm of the last three columns is gravity times the step"
-                        : "",
-                    true, Known::File);
+    study.draft.set(
+        "imu", "kind", increments ? std::string("increments") : std::string("rates"),
+        study.imu_file->report.kind == "kfgins_imu" ? "likely: the norm of the last three columns is gravity times the step" : "",
+        true, Known::File);
     if (increments) study.draft.set("imu", "stamp", std::string("end"), "usual for increments", true, Known::Default);
     draft_columns(study, "imu", *study.imu_file, study.imu_units);
     draft_clock(study);

@@ -48,8 +48,12 @@ struct Ages {
 
 Ages measured(const Study& study) {
     Ages ages;
-    const std::optional<Age> v = age_of(study.velocity_fit.horizontal, 0.2, std::hypot(floor_sigma, lag_by_gain(study.velocity_fit)), "fit of the IMU to the velocity");
-    const std::optional<Age> p = age_of(study.position_fit.horizontal, 0.2, std::hypot(floor_sigma, lag_by_gain(study.position_fit)), "fit of the IMU to the displacement");
+    const std::optional<Age> v =
+        age_of(study.velocity_fit.horizontal, 0.2, std::hypot(floor_sigma, lag_by_gain(study.velocity_fit)),
+               "fit of the IMU to the velocity");
+    const std::optional<Age> p =
+        age_of(study.position_fit.horizontal, 0.2, std::hypot(floor_sigma, lag_by_gain(study.position_fit)),
+               "fit of the IMU to the displacement");
     ages.relative = age_of(study.velocity_behind_position, 0.2, 0.005, "displacement against velocity");
     ages.relative_down = age_of(study.down_velocity_behind_height, 0.2, floor_sigma, "height change against vertical velocity");
     ages.position = better(p, sum(v, ages.relative, -1.0, "velocity against IMU and position"));
@@ -84,7 +88,8 @@ double draft_latency(Study& study, const char* key, const std::optional<Age>& ag
         return age->value - stated;
     }
     if (std::string_view(key) == "latency_s" && !is_stated && age->sigma > 0.003) {
-        study.draft.set("gnss", key, std::string("estimate"), fmt::format("{} measured here; the filter finds it better", text_of(*age)));
+        study.draft.set("gnss", key, std::string("estimate"),
+                        fmt::format("{} measured here; the filter finds it better", text_of(*age)));
         return used;
     }
     study.draft.set("gnss", key, rounded(used),
@@ -99,20 +104,22 @@ double draft_latency(Study& study, const char* key, const std::optional<Age>& ag
 /// they begin to.
 void draft_uncertainty(Study& study, const char* key, const std::optional<Age>& age, std::optional<double> stated) {
     const double off = stated && age ? std::abs(age->value - *stated) : 0.0;
-    constexpr double doubtful = 2.0;   // sigmas
+    constexpr double doubtful = 2.0;  // sigmas
     if (stated && !(age && off > doubtful * age->sigma)) return;
-    constexpr double least = 0.02, most = 0.15;   // s: what two fits of one log differ by, and what receivers are late by
+    constexpr double least = 0.02, most = 0.15;  // s: what two fits of one log differ by, and what receivers are late by
     const bool stays = stated && !significant(off, age->sigma);
     const double sigma = std::clamp(!age ? most : stays ? std::max(off, age->sigma) : age->sigma, least, most);
-    study.draft.set("gnss", key, std::round(1000.0 * sigma) / 1000.0,
-                    age ? "one sigma of it; the filter estimates what is left" : "it could not be measured; the filter looks for it", true);
+    study.draft.set(
+        "gnss", key, std::round(1000.0 * sigma) / 1000.0,
+        age ? "one sigma of it; the filter estimates what is left" : "it could not be measured; the filter looks for it", true);
 }
 
 /// `apart`: the data show a velocity with a latency of its own.
 void draft_uncertainties(Study& study, const Ages& ages, bool apart) {
     const Given& given = study.given;
     const auto stated = [](bool is_stated, double age) { return is_stated ? std::optional(age) : std::nullopt; };
-    if (!given.latency) draft_uncertainty(study, "latency_std_s", ages.position, stated(study.states_position_age, study.position_age));
+    if (!given.latency)
+        draft_uncertainty(study, "latency_std_s", ages.position, stated(study.states_position_age, study.position_age));
     // Who gives the one latency means both, unless the data show otherwise.
     if (study.gnss.has_velocity() && !given.velocity_latency && (!given.latency || apart))
         draft_uncertainty(study, "velocity_latency_std_s", ages.velocity, stated(study.states_velocity_age, study.velocity_age));
@@ -121,15 +128,16 @@ void draft_uncertainties(Study& study, const Ages& ages, bool apart) {
 /// A given latency counts on top of what the log states: the data may show that it is counted twice, or wrong. Beyond doubt they are
 /// believed; else the given one is used, and the filter has the difference for its sigma. Returns what is used.
 /// @param otherwise what would be used had nothing been given, and nothing been measured
-double check_given(Study& study, const char* key, double given, const std::optional<Age>& age, double stated, bool is_stated, double otherwise) {
+double check_given(Study& study, const char* key, double given, const std::optional<Age>& age, double stated, bool is_stated,
+                   double otherwise) {
     if (!age || !significant(age->value - stated - given, age->sigma)) return given;
     const std::string beyond =
         is_stated ? fmt::format(" on top of the {:.3f} s that a column of the file accounts for", stated) : std::string();
     const double shown = age->value - stated, off = std::abs(shown - given);
     const std::string full = std::string("gnss.") + key;
-    const std::string text = fmt::format("{:.3f} s is given{}; the data show {:.3f} +- {:.3f} s{} ({})", given, beyond, shown, age->sigma,
-                                         is_stated ? " beyond it" : "", age->from);
-    constexpr double beyond_doubt = 10.0, least = 0.1;   // sigmas; s
+    const std::string text = fmt::format("{:.3f} s is given{}; the data show {:.3f} +- {:.3f} s{} ({})", given, beyond, shown,
+                                         age->sigma, is_stated ? " beyond it" : "", age->from);
+    constexpr double beyond_doubt = 10.0, least = 0.1;  // sigmas; s
     const bool refuted = off > std::max(beyond_doubt * age->sigma, least);
     const std::string_view name(key);
     const bool has_sigma = name == "latency_s" || name == "velocity_latency_s";
@@ -146,7 +154,8 @@ double check_given(Study& study, const char* key, double given, const std::optio
         study.refutes(full, text, FactValue(rounded(shown)), age->sigma);
         return shown;
     }
-    study.refutes(full, text, name == "latency_s" && !is_stated ? std::optional<FactValue>(std::string("estimate")) : std::nullopt);
+    study.refutes(full, text,
+                  name == "latency_s" && !is_stated ? std::optional<FactValue>(std::string("estimate")) : std::nullopt);
     return otherwise;
 }
 
@@ -194,9 +203,12 @@ void judge_latency(Study& study) {
     }
     const Given& given = study.given;
     if (given.height_latency)
-        check_given(study, "height_latency_s", *given.height_latency, ages.height, study.position_age, study.states_position_age, 0.0);
-    const double used = given.latency ? check_given(study, "latency_s", *given.latency, ages.position, study.position_age, study.states_position_age, 0.0)
-                                      : draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
+        check_given(study, "height_latency_s", *given.height_latency, ages.height, study.position_age, study.states_position_age,
+                    0.0);
+    const double used =
+        given.latency
+            ? check_given(study, "latency_s", *given.latency, ages.position, study.position_age, study.states_position_age, 0.0)
+            : draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
     double used_velocity = used;
     if (study.gnss.has_velocity()) {
         // Against the position is the sharper comparison, where the position is where it is taken to be.
@@ -208,14 +220,15 @@ void judge_latency(Study& study) {
         if (given.velocity_down_latency)
             check_given(study, "velocity_down_latency_s", *given.velocity_down_latency, ages.velocity_down, study.velocity_age,
                         study.states_velocity_age, used);
-        used_velocity = given.velocity_latency
-                            ? check_given(study, "velocity_latency_s", *given.velocity_latency, velocity, study.velocity_age,
-                                          study.states_velocity_age, used)
-                            : draft_latency(study, "velocity_latency_s", velocity, study.velocity_age, study.states_velocity_age, used);
+        used_velocity = given.velocity_latency ? check_given(study, "velocity_latency_s", *given.velocity_latency, velocity,
+                                                             study.velocity_age, study.states_velocity_age, used)
+                                               : draft_latency(study, "velocity_latency_s", velocity, study.velocity_age,
+                                                               study.states_velocity_age, used);
         // One solution gives all three components. Receivers filter the vertical more than the horizontal, never less: a vertical
         // velocity that seems earlier is a period of steps or waves off.
         if (ages.velocity_down && ages.velocity_down->value < study.velocity_age + used_velocity) ages.velocity_down.reset();
-        draft_latency(study, "velocity_down_latency_s", ages.velocity_down, study.velocity_age, study.states_velocity_age, used_velocity);
+        draft_latency(study, "velocity_down_latency_s", ages.velocity_down, study.velocity_age, study.states_velocity_age,
+                      used_velocity);
     }
     draft_latency(study, "height_latency_s", ages.height, study.position_age, study.states_position_age, used);
     draft_uncertainties(study, ages, used_velocity != used);

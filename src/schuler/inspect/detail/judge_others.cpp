@@ -57,8 +57,7 @@ void place_in_time(Study& study, const LoadedFile& file) {
     constexpr double week = 604800.0;
     const double weeks = std::floor(data.start_s / week) * week;
     if (weeks > 0.0 && meets(weeks)) {
-        study.draft.set("reference", "time_offset_s", weeks,
-                        "likely: whole weeks, to meet the dated times");
+        study.draft.set("reference", "time_offset_s", weeks, "likely: whole weeks, to meet the dated times");
         return;
     }
     study.problem(Level::Warning, "the reference and the data have no time in common",
@@ -153,7 +152,9 @@ void judge_reference(Study& study) {
         const std::vector<std::string> have = io::words_of_name(match->file_name);
         return !have.empty() && std::any_of(words.begin(), words.end(), [&](const char* w) { return have.front() == w; });
     };
-    const auto is_autopilot = [&](const io::ColumnMatch* match) { return starts_like(match, {"onboard", "ahrs", "ekf", "nav", "est", "autopilot"}); };
+    const auto is_autopilot = [&](const io::ColumnMatch* match) {
+        return starts_like(match, {"onboard", "ahrs", "ekf", "nav", "est", "autopilot"});
+    };
     const bool attitude = roll != nullptr || qw != nullptr;
     const bool autopilot = is_autopilot(roll != nullptr ? roll : qw != nullptr ? qw : file.plan.find("lat_deg"));
     const bool position = file.has("lat_deg") || file.has("ecef_x_m");

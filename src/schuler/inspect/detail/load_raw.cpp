@@ -183,12 +183,14 @@ void read_squitters(LoadedFile& file) {
     const io::AdsbLog squitters = io::read_adsb(io::TextInput(file.path), {}, log);
     std::set<std::uint32_t> addresses;
     for (const io::SquitterPosition& p : squitters.positions) addresses.insert(p.address);
-    file.report.contents.push_back(fmt::format("{} of 1090 MHz, {}", counted(squitters.messages.read, "extended squitter", "extended squitters"),
+    file.report.contents.push_back(fmt::format("{} of 1090 MHz, {}",
+                                               counted(squitters.messages.read, "extended squitter", "extended squitters"),
                                                counted(squitters.positions.size(), "position", "positions")));
     file.report.contents.push_back(counted(addresses.size(), "address", "addresses") + " with a position");
     const std::vector<io::StationRow> stations = io::stations_of(squitters);
     for (const io::StationRow& s : stations)
-        file.report.contents.push_back(fmt::format("{} stays at {}", s.id, described(earth::ecef_from_geodetic(earth::wgs84, s.position))));
+        file.report.contents.push_back(
+            fmt::format("{} stays at {}", s.id, described(earth::ecef_from_geodetic(earth::wgs84, s.position))));
     if (stations.empty())
         file.problem(Level::Info, "no address stays where it is over five reports: these are aircraft, not stations", "");
     for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");

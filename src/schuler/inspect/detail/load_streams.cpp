@@ -35,8 +35,7 @@ std::vector<std::string> explained_columns(const LoadedFile& file) {
     try {
         if (const io::Format* format = io::format_of(io::stream_path(file.path).file))
             out.push_back(fmt::format("format {} ({}), recognised by its content", format->name, format->title));
-        else
-            out.emplace_back("of no format that is known (schuler help formats)");
+        else out.emplace_back("of no format that is known (schuler help formats)");
     } catch (const Error&) {
         return out;
     }
@@ -112,7 +111,8 @@ std::vector<LoadedFile> load_streams(const std::filesystem::path& path, const st
         streams = format.read(io::TextInput(path), log);
     } catch (const std::exception& e) {
         const auto* error = dynamic_cast<const Error*>(&e);
-        add("").problem(Level::Error, error != nullptr ? error->reason() : std::string(e.what()), error != nullptr ? error->mend() : "");
+        add("").problem(Level::Error, error != nullptr ? error->reason() : std::string(e.what()),
+                        error != nullptr ? error->hint() : "");
         return files;
     }
     for (const io::Stream& stream : streams.streams) {
@@ -144,13 +144,13 @@ LoadedFile load_given_stream(const std::filesystem::path& path, const std::strin
         WarningLog log;
         const io::StreamLog streams = format->read(io::TextInput(where.file), log);
         const io::Stream* stream = streams.find(where.stream);
-        if (stream == nullptr || stream->kind != as.kind) return file;   // its loader says what is wrong
+        if (stream == nullptr || stream->kind != as.kind) return file;  // its loader says what is wrong
         file.report.kind = io::name_of(stream->kind);
         take_stream(file, *stream, streams.clock);
         for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");
         finish(file);
     } catch (const Error& e) {
-        file.problem(Level::Error, e.reason(), e.mend());
+        file.problem(Level::Error, e.reason(), e.hint());
         file.table.reset();
     }
     return file;

@@ -89,10 +89,9 @@ Eigen::Vector3d LoadedFile::vector(const std::string& x, const std::string& y, c
 
 void read_table(LoadedFile& file, const io::TableLayout& layout) {
     const io::ColumnMatch* fix = file.plan.find("fix");
-    const io::FixCodes codes =
-        io::FixCodes::for_column(fix != nullptr ? fix->file_name : "fix", file.as.fix_codes, file.path.string(),
-                                 io::count_fix_codes(io::TextInput(file.path), layout, file.plan),
-                                 file.plan.find("carrier_solution") != nullptr);
+    const io::FixCodes codes = io::FixCodes::for_column(
+        fix != nullptr ? fix->file_name : "fix", file.as.fix_codes, file.path.string(),
+        io::count_fix_codes(io::TextInput(file.path), layout, file.plan), file.plan.find("carrier_solution") != nullptr);
     if (fix != nullptr) {
         file.fix_table = codes.table();
         file.fix_by_evidence = codes.by_evidence();
@@ -112,13 +111,14 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
             for (const Sink& sink : sinks) {
                 if (sink.kind == io::FieldKind::Text) {
                     file.fix.push_back(codes.of(reader.text(sink.slot)));
-                    if (!reader.text(sink.slot).empty()) file.fix_codes.try_emplace(std::string(reader.text(sink.slot)), file.fix.back());
+                    if (!reader.text(sink.slot).empty())
+                        file.fix_codes.try_emplace(std::string(reader.text(sink.slot)), file.fix.back());
                     if (file.fix.back() == FixType::Unknown && unknown_codes++ == 0) unknown_code = reader.text(sink.slot);
                 } else if (sink.kind == io::FieldKind::Time) {
                     const std::int64_t t = reader.time_ns(sink.slot);
                     sink.values->push_back(t == io::TableReader::no_time ? missing : static_cast<double>(t - ns) * 1e-9);
                 } else {
-                    const double x = reader.number(sink.slot);   // what no unit explains is an accident
+                    const double x = reader.number(sink.slot);  // what no unit explains is an accident
                     sink.values->push_back(std::abs(x) < 1e15 ? x : missing);
                 }
             }
@@ -129,7 +129,7 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
         }
     } catch (const Error& e) {
         file.problem(Level::Error, e.reason(),
-                     e.mend().empty() ? "copy the log completely, or delete the damaged line" : e.mend());
+                     e.hint().empty() ? "copy the log completely, or delete the damaged line" : e.hint());
     }
     if (without_time > 0) {
         file.problem(Level::Warning, fmt::format("{} rows without a usable time were left out", without_time),
@@ -215,17 +215,16 @@ namespace {
 void drop_strays(LoadedFile& file) {
     const io::TimeRepair repair = io::repair_times(file.time_ns);
     if (repair.rollovers > 0) {
-        file.problem(Level::Warning, fmt::format("the time begins anew after {:.0f} s", static_cast<double>(repair.period) * 1e-9),
+        file.problem(Level::Warning,
+                     fmt::format("the time begins anew after {:.0f} s", static_cast<double>(repair.period) * 1e-9),
                      "nothing to do: it is carried on");
     }
     if (repair.strays.empty()) return;
     const auto erase = [&](auto& rows) {
         std::size_t kept = 0, s = 0;
         for (std::size_t i = 0; i < rows.size(); ++i) {
-            if (s < repair.strays.size() && repair.strays[s] == i)
-                ++s;
-            else
-                rows[kept++] = rows[i];
+            if (s < repair.strays.size() && repair.strays[s] == i) ++s;
+            else rows[kept++] = rows[i];
         }
         rows.resize(kept);
     };
@@ -250,7 +249,7 @@ LoadedFile load_file(const std::filesystem::path& path, const std::string& name,
     } catch (const std::exception& e) {
         const auto* error = dynamic_cast<const Error*>(&e);
         file.problem(Level::Error, error != nullptr ? error->reason() : std::string(e.what()),
-                     error != nullptr ? error->mend() : "");
+                     error != nullptr ? error->hint() : "");
         file.table.reset();
         return file;
     }

@@ -16,10 +16,10 @@ namespace schuler::inspect::detail {
 
 /// How a file is to be read where the user says it.
 struct ReadAs {
-    std::optional<io::TableKind> kind;             ///< its role; else by its content
+    std::optional<io::TableKind> kind;  ///< its role; else by its content
     io::ColumnOverrides overrides;
     std::map<std::string, std::string> fix_codes;
-    double time_offset = 0.0;                      ///< s, added to its times
+    double time_offset = 0.0;  ///< s, added to its times
 };
 
 /// A table of numbers as logged: canonical columns in canonical units by what the names say (units not yet judged by value).
@@ -27,18 +27,18 @@ struct LoadedFile {
     FileReport report;
     std::filesystem::path path;
     ReadAs as;
-    std::optional<io::TableKind> table;            ///< what role in a data set it can take
+    std::optional<io::TableKind> table;  ///< what role in a data set it can take
     io::ColumnPlan plan;
-    std::map<std::string, std::string> column_map; ///< to be written into dataset.toml (files without header)
-    std::vector<std::int64_t> time_ns;             ///< in the order of the file
+    std::map<std::string, std::string> column_map;       ///< to be written into dataset.toml (files without header)
+    std::vector<std::int64_t> time_ns;                   ///< in the order of the file
     std::map<std::string, std::vector<double>> columns;  ///< by canonical name, NaN where missing; same length as time_ns
-    std::vector<FixType> fix;                      ///< same length, or empty
-    std::string fix_table;                         ///< how codes of fix quality were understood
-    bool fix_by_evidence = false;                  ///< ... by the codes that occur
-    std::map<std::string, FixType> fix_codes;      ///< those that occur
-    std::optional<io::TimeUnit> time_unit_judged;  ///< where the steps showed another unit than the name
-    bool gps_time = false;                         ///< times are GPS time since 1980 (RTKLIB, NMEA): certain
-    Cadence cadence;                               ///< times in s after `cadence_origin_ns`
+    std::vector<FixType> fix;                            ///< same length, or empty
+    std::string fix_table;                               ///< how codes of fix quality were understood
+    bool fix_by_evidence = false;                        ///< ... by the codes that occur
+    std::map<std::string, FixType> fix_codes;            ///< those that occur
+    std::optional<io::TimeUnit> time_unit_judged;        ///< where the steps showed another unit than the name
+    bool gps_time = false;                               ///< times are GPS time since 1980 (RTKLIB, NMEA): certain
+    Cadence cadence;                                     ///< times in s after `cadence_origin_ns`
     std::int64_t cadence_origin_ns = 0;
 
     [[nodiscard]] bool has(const std::string& canonical) const { return columns.contains(canonical); }

@@ -59,10 +59,8 @@ GnssSeries gnss_series(const std::vector<GnssFix>& fixes, Time origin) {
         Geodetic position = fix.position;
         if (!std::isfinite(position.lat) || !std::isfinite(position.lon) || fix.fix == FixType::None) continue;
         if (!s.t.empty() && t <= s.t.back()) continue;
-        if (!std::isfinite(position.h))
-            position.h = s.t.empty() ? 0.0 : first.h;
-        else
-            s.has_height = true;
+        if (!std::isfinite(position.h)) position.h = s.t.empty() ? 0.0 : first.h;
+        else s.has_height = true;
         if (s.t.empty()) first = position;
         s.t.push_back(t);
         s.p.push_back(earth::ned_difference(earth, position, first));

@@ -12,9 +12,9 @@ namespace schuler::inspect::detail {
 /// Rates and specific force in sensor axes, time ascending without duplicates; rows with NaN left out.
 struct ImuSeries {
     std::vector<double> t;
-    std::vector<Eigen::Vector3d> w;    ///< rad/s
-    std::vector<Eigen::Vector3d> f;    ///< m/s^2
-    double step = 0.0;                 ///< median, s
+    std::vector<Eigen::Vector3d> w;  ///< rad/s
+    std::vector<Eigen::Vector3d> f;  ///< m/s^2
+    double step = 0.0;               ///< median, s
     [[nodiscard]] std::size_t size() const { return t.size(); }
     [[nodiscard]] bool empty() const { return t.empty(); }
 };
@@ -22,10 +22,10 @@ struct ImuSeries {
 /// GNSS epochs by their time stamps (ages not applied), ascending without duplicates.
 struct GnssSeries {
     std::vector<double> t;
-    std::vector<Eigen::Vector3d> p;    ///< north, east, down from the first epoch, m (down 0 where there is no height)
-    std::vector<Eigen::Vector3d> v;    ///< north, east, down, m/s; empty where the log has none
-    double step = 0.0;                 ///< median, s
-    double lat = 0.0, h = 0.0;         ///< of the first epoch, rad and m
+    std::vector<Eigen::Vector3d> p;  ///< north, east, down from the first epoch, m (down 0 where there is no height)
+    std::vector<Eigen::Vector3d> v;  ///< north, east, down, m/s; empty where the log has none
+    double step = 0.0;               ///< median, s
+    double lat = 0.0, h = 0.0;       ///< of the first epoch, rad and m
     bool has_height = false;
     [[nodiscard]] std::size_t size() const { return t.size(); }
     [[nodiscard]] bool empty() const { return t.empty(); }

@@ -14,11 +14,11 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double sigma_horizontal = 0.1;         // m/s, weights of the rows against the priors
-constexpr double sigma_down = 0.3;               // m/s: the vertical channel may have a lag of its own
-constexpr double sigma_accel_bias = 0.15;        // m/s^2 about the median of all windows
-constexpr double sigma_gyro_bias = 0.004;        // rad/s likewise
-constexpr double sigma_gyro_bias_first = 0.06;   // rad/s in the first pass: uncalibrated MEMS
+constexpr double sigma_horizontal = 0.1;        // m/s, weights of the rows against the priors
+constexpr double sigma_down = 0.3;              // m/s: the vertical channel may have a lag of its own
+constexpr double sigma_accel_bias = 0.15;       // m/s^2 about the median of all windows
+constexpr double sigma_gyro_bias = 0.004;       // rad/s likewise
+constexpr double sigma_gyro_bias_first = 0.06;  // rad/s in the first pass: uncalibrated MEMS
 
 constexpr int at_attitude = 0, at_velocity = 3, at_gyro = 6, at_accel = 9;
 using Unknowns = Eigen::Matrix<double, 12, 1>;
@@ -26,17 +26,17 @@ using Normal = Eigen::Matrix<double, 12, 12>;
 using Rows = Eigen::Matrix<double, 3, 12>;
 
 struct Observation {
-    double begin, end;       // stamps; equal for an instantaneous velocity
+    double begin, end;  // stamps; equal for an instantaneous velocity
     Eigen::Vector3d v;
 };
 
 struct Window {
     std::vector<Observation> seen;
     std::size_t imu_first = 0, imu_last = 0;
-    double origin = 0.0;                 // s, where the model's time is zero
+    double origin = 0.0;  // s, where the model's time is zero
     Eigen::Matrix3d C_ns0 = Eigen::Matrix3d::Identity();
-    Unknowns x = Unknowns::Zero();       // v0 and biases; the attitude part stays zero
-    double heading_sigma = 1e9;          // rad
+    Unknowns x = Unknowns::Zero();  // v0 and biases; the attitude part stays zero
+    double heading_sigma = 1e9;     // rad
     double rms = 0.0, motion = 0.0;
 };
 
@@ -80,7 +80,8 @@ bool covers(const ImuSeries& imu, Window& w) {
     return true;
 }
 
-std::vector<Window> windows_of(const ImuSeries& imu, std::span<const Observation> all, double least_motion, double window_length) {
+std::vector<Window> windows_of(const ImuSeries& imu, std::span<const Observation> all, double least_motion,
+                               double window_length) {
     std::vector<Window> windows;
     for (std::size_t first = 0; first < all.size();) {
         std::size_t last = first;
@@ -286,7 +287,7 @@ void collect_pointings(const ImuSeries& imu, const Window& w, double lag, double
 }  // namespace
 
 double lag_by_gain(const MotionFit& fit) {
-    constexpr double gain = 0.005;   // of MEMS units: 0.3 to 1 % (Groves 2013, table 4.3)
+    constexpr double gain = 0.005;  // of MEMS units: 0.3 to 1 % (Groves 2013, table 4.3)
     return gain * fit.window_length / std::numbers::pi;
 }
 

@@ -13,17 +13,17 @@ namespace schuler::inspect::detail {
 
 /// What the GNSS side of the fit is.
 enum class FitSource {
-    Velocity,  ///< velocities at their stamps
+    Velocity,      ///< velocities at their stamps
     Displacement,  ///< mean velocities between consecutive positions
 };
 
 /// Directions at one GNSS epoch of a moving vehicle, in sensor axes, from the fitted attitude.
 struct Pointing {
     double t;
-    double speed;  ///< horizontal, m/s
+    double speed;              ///< horizontal, m/s
     Eigen::Vector3d travel_s;  ///< unit vector of the velocity
-    Eigen::Vector3d down_s;  ///< unit vector of the vertical
-    Eigen::Matrix3d C_ns;  ///< sensor to north-east-down
+    Eigen::Vector3d down_s;    ///< unit vector of the vertical
+    Eigen::Matrix3d C_ns;      ///< sensor to north-east-down
 };
 
 /// How badly one window fits at each lag, in units of its own residual.
@@ -33,15 +33,15 @@ struct LagCurve {
 };
 
 struct MotionFit {
-    int windows = 0;  ///< stretches with enough motion
+    int windows = 0;             ///< stretches with enough motion
     double window_length = 0.0;  ///< of those that the lags are from, s
-    Agreement horizontal;  ///< lag of the horizontal channels behind the IMU, s (positive: GNSS is late)
-    Agreement down;  ///< likewise of the vertical channel
-    double rms = 0.0;  ///< of the horizontal residuals at the best lag, median window, m/s
-    double motion = 0.0;  ///< of the horizontal velocity about its mean, median window, m/s
-    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< median over windows, rad/s
+    Agreement horizontal;        ///< lag of the horizontal channels behind the IMU, s (positive: GNSS is late)
+    Agreement down;              ///< likewise of the vertical channel
+    double rms = 0.0;            ///< of the horizontal residuals at the best lag, median window, m/s
+    double motion = 0.0;         ///< of the horizontal velocity about its mean, median window, m/s
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< median over windows, rad/s
     Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< likewise, m/s^2
-    std::vector<LagCurve> curves;  ///< of the windows, in order of time
+    std::vector<LagCurve> curves;                          ///< of the windows, in order of time
     std::vector<Pointing> pointings;  ///< epochs faster than `pointing_speed` in windows that show the heading
 };
 
@@ -66,7 +66,8 @@ inline constexpr double short_window = 10.0, long_window = 60.0;  // s
 /// @param gyro_bias rad/s; bias_known: it was measured at rest or by another fit (else it may be anything up to 3 deg/s)
 /// @param gravity m/s^2, local
 [[nodiscard]] MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource source,
-                                   const Eigen::Vector3d& gyro_bias, bool bias_known, double gravity, double window_length = short_window);
+                                   const Eigen::Vector3d& gyro_bias, bool bias_known, double gravity,
+                                   double window_length = short_window);
 
 /// How much later the velocity column is than the position column, s: displacements against the integral of the velocity.
 /// @param down the vertical channel instead of the horizontal ones

@@ -14,7 +14,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double concentrated = 8.0 * units::deg;   // one sigma of the travel about one direction: a vehicle with a nose
+constexpr double concentrated = 8.0 * units::deg;  // one sigma of the travel about one direction: a vehicle with a nose
 constexpr int enough_epochs = 30;
 
 std::string word_for(const Eigen::Vector3d& body_direction) {

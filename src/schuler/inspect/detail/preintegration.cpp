@@ -21,7 +21,7 @@ PreintegratedPath::PreintegratedPath(const ImuSeries& imu, std::size_t first, st
     at_sample_.reserve(n);
     rotation_.reserve(n);
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-    Eigen::Matrix3d angle_by_bias = Eigen::Matrix3d::Zero();   // attitude error in start axes: -(integral of R dt) * bias
+    Eigen::Matrix3d angle_by_bias = Eigen::Matrix3d::Zero();  // attitude error in start axes: -(integral of R dt) * bias
     Preintegral s = Preintegral::zero();
     Eigen::Vector3d f_before = R * (imu.f[first] - accel_bias);
     t_.push_back(imu.t[first]);

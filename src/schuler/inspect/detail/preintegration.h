@@ -10,9 +10,9 @@
 namespace schuler::inspect::detail {
 
 struct Preintegral {
-    Eigen::Vector3d u;                  ///< integral of R f, m/s (R: sensor axes now to sensor axes at the start)
-    Eigen::Matrix3d u_by_gyro_bias;     ///< s * m/s
-    Eigen::Matrix3d u_by_accel_bias;    ///< s
+    Eigen::Vector3d u;                ///< integral of R f, m/s (R: sensor axes now to sensor axes at the start)
+    Eigen::Matrix3d u_by_gyro_bias;   ///< s * m/s
+    Eigen::Matrix3d u_by_accel_bias;  ///< s
 
     [[nodiscard]] static Preintegral zero();
     void add(const Preintegral& other, double weight);

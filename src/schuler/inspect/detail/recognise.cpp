@@ -13,7 +13,6 @@
 namespace schuler::inspect::detail {
 namespace {
 
-
 // Numbers of the sample rows of a table without header, column by column.
 std::vector<std::vector<double>> sample_columns(const io::TableLayout& layout) {
     std::vector<std::vector<double>> columns(static_cast<std::size_t>(std::max(0, layout.columns)));
@@ -50,7 +49,8 @@ bool has_rotation(const std::vector<std::vector<double>>& c) {
     for (std::size_t first = 1; first + 4 <= c.size(); ++first) {
         bool unit = true;
         for (std::size_t i = 0; unit && i < c[0].size(); ++i)
-            unit = std::abs(std::hypot(std::hypot(c[first][i], c[first + 1][i]), std::hypot(c[first + 2][i], c[first + 3][i])) - 1.0) < 1e-3;
+            unit = std::abs(std::hypot(std::hypot(c[first][i], c[first + 1][i]), std::hypot(c[first + 2][i], c[first + 3][i])) -
+                            1.0) < 1e-3;
         if (unit) return true;
     }
     return false;
@@ -58,7 +58,7 @@ bool has_rotation(const std::vector<std::vector<double>>& c) {
 
 // The rates of an instrument that is carried about: neither positions nor angles that grow.
 bool could_be_rates(const std::vector<std::vector<double>>& c, double step, bool increments) {
-    constexpr double fastest = 35.0;   // rad/s, 2000 deg/s
+    constexpr double fastest = 35.0;  // rad/s, 2000 deg/s
     constexpr double as_degrees = 57.3;
     for (std::size_t k = 1; k <= 3; ++k)
         if (std::abs(median(c[k])) > fastest * (increments ? step : as_degrees)) return false;
@@ -72,7 +72,7 @@ void name_columns(LoadedFile& file, std::initializer_list<const char*> names) {
         match.canonical = name;
         match.file_name = fmt::format("#{}", column + 1);
         match.column = column++;
-        match.unit_stated = true;   // judged by value where it matters
+        match.unit_stated = true;  // judged by value where it matters
         file.plan.matches.push_back(match);
         file.column_map[name] = match.file_name;
     }
@@ -87,8 +87,7 @@ bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
         file.report.kind = "kfgins_gnss";
         file.table = io::TableKind::Gnss;
         file.plan.kind = io::TableKind::Gnss;
-        if (c.size() == 7)
-            name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m", "std_e_m", "std_d_m"});
+        if (c.size() == 7) name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m", "std_e_m", "std_d_m"});
         else {
             name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m", "std_e_m", "std_d_m", "vel_n_m_s",
                                 "vel_e_m_s", "vel_d_m_s", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s"});
@@ -159,7 +158,8 @@ std::string nearly(const io::TableLayout& layout) {
 void read_as_said(LoadedFile& file, const io::TableLayout& layout) {
     file.plan = io::match_columns(layout, *file.as.kind, file.as.overrides);
     const auto has = [&](const char* name) { return file.plan.find(name) != nullptr; };
-    const bool complete = *file.as.kind == io::TableKind::Imu    ? (has("gyro_x_rad_s") && has("accel_x_m_s2")) || has("dtheta_x_rad")
+    const bool complete = *file.as.kind == io::TableKind::Imu
+                              ? (has("gyro_x_rad_s") && has("accel_x_m_s2")) || has("dtheta_x_rad")
                           : *file.as.kind == io::TableKind::Gnss ? has("lat_deg") && has("lon_deg")
                           : *file.as.kind == io::TableKind::Baro ? has("height_m") || has("pressure_pa")
                           : *file.as.kind == io::TableKind::Mag  ? has("mag_x_ut")
@@ -194,7 +194,8 @@ bool recognise_plain_aid(LoadedFile& file, const io::TableLayout& layout) {
 
 /// The format of several instruments that files of this extension usually are of.
 const io::Format* format_by_name(const std::string& extension) {
-    if (extension.empty() || extension == ".log" || extension == ".txt" || extension == ".bin" || extension == ".out") return nullptr;   // of anything
+    if (extension.empty() || extension == ".log" || extension == ".txt" || extension == ".bin" || extension == ".out")
+        return nullptr;  // of anything
     for (const io::Format* format : io::formats()) {
         if (format->read == nullptr) continue;
         const std::string names = fmt::format(" {} ", format->extensions);
@@ -263,7 +264,8 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
     // Instruments sample every 0.1 ms to 2 s: a median "step" of 10 is 10 ms and one of 10000 is 10 ms in microseconds.
     const double step = steps.empty() ? 0.0 : median(std::move(steps));
     const bool slow = file.table == io::TableKind::Gnss || file.table == io::TableKind::Reference;
-    const bool fast = file.table == io::TableKind::Imu;   // four samples a second at least: 250 is 250 us and no quarter of a second
+    const bool fast =
+        file.table == io::TableKind::Imu;  // four samples a second at least: 250 is 250 us and no quarter of a second
     io::TimeUnit unit = io::TimeUnit::Seconds;
     if (step >= (slow ? 40.0 : 2.5)) unit = io::TimeUnit::Milliseconds;
     if (step >= (slow ? 20'000.0 : fast ? 250.0 : 1'200.0)) unit = io::TimeUnit::Microseconds;
@@ -296,16 +298,18 @@ void recognise_and_read(LoadedFile& file) {
     const io::RawFormat raw = io::raw_format(file.path);
     if (raw != io::RawFormat::None && read_raw(file, raw)) return;
     const io::Format* format = io::format_of(file.path);
-    if (format != nullptr && format->name == "ubx" && raw == io::RawFormat::Ubx) format = io::format_named("nmea");   // better read so
+    if (format != nullptr && format->name == "ubx" && raw == io::RawFormat::Ubx)
+        format = io::format_named("nmea");  // better read so
     if (head.bytes.substr(0, 200).find("RINEX VERSION") != std::string::npos) {
         file.report.kind = "rinex";
         file.problem(Level::Info, "RINEX of another kind than observations and navigation", "");
     } else if (format == nullptr) {
         if (const io::Format* by_name = format_by_name(head.extension))
-            file.problem(Level::Error, fmt::format("is no {}, which its name says: its content is another, or damaged at the beginning", by_name->title),
-                         "copy the log completely; `schuler help formats` lists what is read");
-        else
-            file.problem(Level::Info, "a binary file of no known format", "");
+            file.problem(
+                Level::Error,
+                fmt::format("is no {}, which its name says: its content is another, or damaged at the beginning", by_name->title),
+                "copy the log completely; `schuler help formats` lists what is read");
+        else file.problem(Level::Info, "a binary file of no known format", "");
     } else if (format->name == "sp3") {
         read_precise_orbits(file);
     } else if (format->name == "adsb") {

@@ -22,7 +22,8 @@ void take_stream(LoadedFile& file, const io::Stream& stream, io::Clock clock);
 /// Reads a file that is one log of its own format: RTKLIB .pos, NMEA.
 void read_one_stream(LoadedFile& file, const io::Format& format);
 /// Every stream of a log of several, named "FILE#STREAM"; the log itself with what is wrong with it where it cannot be read. Never throws on content.
-[[nodiscard]] std::vector<LoadedFile> load_streams(const std::filesystem::path& path, const std::string& name, const io::Format& format);
+[[nodiscard]] std::vector<LoadedFile> load_streams(const std::filesystem::path& path, const std::string& name,
+                                                   const io::Format& format);
 /// A stream whose role is given; without a role where it is not there.
 [[nodiscard]] LoadedFile load_given_stream(const std::filesystem::path& path, const std::string& name, const ReadAs& as);
 

@@ -28,7 +28,7 @@ struct Minimum {
 struct Agreement {
     double at = 0.0;
     double sigma = 0.0;
-    double contrast = 0.0;   ///< (mean of the curve - its lowest value) / lowest value: how deep the valley is
+    double contrast = 0.0;  ///< (mean of the curve - its lowest value) / lowest value: how deep the valley is
     int stretches = 0;
     bool found = false;
 };

@@ -12,10 +12,10 @@ namespace {
 
 struct Second {
     double start, stop;
-    std::size_t first, last;      // half-open range of samples
+    std::size_t first, last;  // half-open range of samples
     Eigen::Vector3d w_mean, f_mean;
     double w_std, f_std;
-    double speed = -1.0;          // largest horizontal GNSS speed about this second; negative: not known
+    double speed = -1.0;  // largest horizontal GNSS speed about this second; negative: not known
 };
 
 std::vector<Second> seconds_of(const ImuSeries& imu) {

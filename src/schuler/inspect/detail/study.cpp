@@ -22,7 +22,9 @@ void Study::states(std::string key, FactValue value, std::string note, Known how
     fact.note = std::move(note);
 }
 
-void Study::contradicts(std::string key, std::string text) { contradictions.push_back({std::move(key), std::move(text), false, {}, not_given}); }
+void Study::contradicts(std::string key, std::string text) {
+    contradictions.push_back({std::move(key), std::move(text), false, {}, not_given});
+}
 
 void Study::refutes(std::string key, std::string text, std::optional<FactValue> better, double sigma) {
     contradictions.push_back({std::move(key), std::move(text), true, std::move(better), sigma});
@@ -45,16 +47,17 @@ void draft_columns(Study& study, const std::string& section, const LoadedFile& f
     std::string why;
     const auto add = [&](const std::string& key, double factor, const std::string& reason) {
         if (file.as.overrides.scale.contains(key)) {
-            study.contradicts(fmt::format("{}.scale", section),
-                              fmt::format("{} = {} is given; the data show {:.6g} ({})", key, file.as.overrides.scale.at(key), factor, reason));
+            study.contradicts(fmt::format("{}.scale", section), fmt::format("{} = {} is given; the data show {:.6g} ({})", key,
+                                                                            file.as.overrides.scale.at(key), factor, reason));
             return;
         }
-        scale[key] = std::stod(fmt::format("{:.10g}", factor));   // as it is written
+        scale[key] = std::stod(fmt::format("{:.10g}", factor));  // as it is written
         if (why.find(reason) == std::string::npos) why += (why.empty() ? "" : "; ") + reason;
     };
     // of a data set that is described, a name that states a wrong unit is for its owner to mend: the run refuses it
     for (const UnitChange& unit : units)
-        if (!unit.against_name || study.given.find_logs || file.as.overrides.scale.contains(unit.key)) add(unit.key, unit.factor, fmt::format("{} {}: {}", unit.unit, how_sure(unit.confidence), unit.why));
+        if (!unit.against_name || study.given.find_logs || file.as.overrides.scale.contains(unit.key))
+            add(unit.key, unit.factor, fmt::format("{} {}: {}", unit.unit, how_sure(unit.confidence), unit.why));
     if (file.time_unit_judged) {
         const double factor = *file.time_unit_judged == io::TimeUnit::Milliseconds   ? 1e-3
                               : *file.time_unit_judged == io::TimeUnit::Microseconds ? 1e-6

@@ -18,33 +18,33 @@ namespace schuler::inspect::detail {
 struct Study {
     Given given;
     std::vector<LoadedFile> files;
-    LoadedFile* imu_file = nullptr;       ///< point into `files`; null where there is none
+    LoadedFile* imu_file = nullptr;  ///< point into `files`; null where there is none
     LoadedFile* gnss_file = nullptr;
     LoadedFile* baro_file = nullptr;
     LoadedFile* mag_file = nullptr;
     LoadedFile* reference_file = nullptr;
 
-    Time origin;                          ///< of the series' seconds
+    Time origin;  ///< of the series' seconds
     ImuSeries imu;
     GnssSeries gnss;
     std::vector<ReferenceSample> reference;
-    double imu_shift = 0.0;               ///< s that were added to the IMU's times to meet the GNSS (whole weeks)
-    double clock_shift = 0.0;             ///< s added beyond that, by motion
-    double clock_sigma = 0.0;             ///< s; 0 of a shift that clocks are known to make
+    double imu_shift = 0.0;    ///< s that were added to the IMU's times to meet the GNSS (whole weeks)
+    double clock_shift = 0.0;  ///< s added beyond that, by motion
+    double clock_sigma = 0.0;  ///< s; 0 of a shift that clocks are known to make
     std::string clock_evidence;
-    double clock_drift = 0.0;             ///< ppm by which the IMU's clock runs fast; taken out of `imu`
+    double clock_drift = 0.0;  ///< ppm by which the IMU's clock runs fast; taken out of `imu`
     double clock_drift_sigma = 0.0;
-    std::vector<ClockStep> clock_steps;   ///< taken out of `imu` and `gnss`
+    std::vector<ClockStep> clock_steps;  ///< taken out of `imu` and `gnss`
     std::optional<Refusal> refusal;
-    std::vector<std::string> doubts;      ///< what was taken otherwise than written
-    double gravity = 9.80665;             ///< m/s^2, local where the position is known
-    bool overlap = false;                 ///< IMU and GNSS have at least 10 s in common
+    std::vector<std::string> doubts;  ///< what was taken otherwise than written
+    double gravity = 9.80665;         ///< m/s^2, local where the position is known
+    bool overlap = false;             ///< IMU and GNSS have at least 10 s in common
 
     StillPeriods still;
     MotionFit velocity_fit, position_fit;
     Agreement velocity_behind_position, down_velocity_behind_height;
     CourseSlope course;
-    std::string vehicle;                  ///< "car", "air", "hand", "static"
+    std::string vehicle;  ///< "car", "air", "hand", "static"
     std::vector<UnitChange> imu_units, gnss_units, baro_units, mag_units;
     Travel travel;
     Mounting mounting;
@@ -54,7 +54,7 @@ struct Study {
     std::vector<Finding> findings;
     std::vector<Problem> problems;
     std::vector<Contradiction> contradictions;
-    std::vector<Fact> stated;             ///< what the files say beside the settings of the draft
+    std::vector<Fact> stated;  ///< what the files say beside the settings of the draft
     Draft draft;
 
     void found(std::string key, std::string value, double confidence, std::string why);
@@ -69,13 +69,13 @@ struct Study {
 };
 
 /// Each judge reads the study, adds findings, problems and lines of the draft. Order as listed.
-void judge_time(Study& study);           ///< scale, overlap, series
-void judge_clock_steps(Study& study);    ///< steps of one clock within its log; nothing without time in common, or done before
-void judge_clock(Study& study);          ///< shifts the IMU's series where the motion shows it
-void study_motion(Study& study);         ///< gyro unit, rest, fits, travel, mounting: what the others read
-void judge_vehicle(Study& study);        ///< rest, kind
-void judge_imu(Study& study);            ///< axes, mounting, noise, saturation
-void judge_gnss(Study& study);           ///< fixes, sigmas, height, outliers
+void judge_time(Study& study);         ///< scale, overlap, series
+void judge_clock_steps(Study& study);  ///< steps of one clock within its log; nothing without time in common, or done before
+void judge_clock(Study& study);        ///< shifts the IMU's series where the motion shows it
+void study_motion(Study& study);       ///< gyro unit, rest, fits, travel, mounting: what the others read
+void judge_vehicle(Study& study);      ///< rest, kind
+void judge_imu(Study& study);          ///< axes, mounting, noise, saturation
+void judge_gnss(Study& study);         ///< fixes, sigmas, height, outliers
 void judge_latency(Study& study);
 void judge_baro(Study& study);
 void judge_mag(Study& study);

@@ -15,7 +15,6 @@
 namespace schuler::inspect::detail {
 namespace {
 
-
 // Attitude of the reference file; quaternions of the sensor itself say nothing about a mounting and are left out.
 std::vector<ReferenceSample> reference_attitude(const LoadedFile& file) {
     std::vector<ReferenceSample> samples;
@@ -85,8 +84,8 @@ void fit_track(Study& study) {
     if (!study.overlap) return;
     study.velocity_fit = fitted(study, FitSource::Velocity, study.still.w, study.still.any());
     const bool biased = study.velocity_fit.windows >= 3;
-    study.position_fit =
-        fitted(study, FitSource::Displacement, biased ? study.velocity_fit.gyro_bias : study.still.w, biased || study.still.any());
+    study.position_fit = fitted(study, FitSource::Displacement, biased ? study.velocity_fit.gyro_bias : study.still.w,
+                                biased || study.still.any());
     study.travel = travel_of(study.gnss.has_velocity() ? study.velocity_fit : study.position_fit);
 }
 
@@ -100,13 +99,13 @@ void take_out_drift(Study& study) {
     // What gain errors make of the lags changes as slowly as the motion does: some windows in a row are wrong alike.
     const double apart = std::max(3.0, static_cast<double>(fit.curves.size()) / 4.0);
     if (span > 0.0) drift.sigma = std::hypot(drift.sigma, 1e6 * lag_by_gain(fit) * std::sqrt(12.0 / apart) / span);
-    constexpr double significant = 5.0, least = 0.01;   // sigmas; s over the log
+    constexpr double significant = 5.0, least = 0.01;  // sigmas; s over the log
     if (!drift.found || std::abs(drift.ppm) < significant * drift.sigma || std::abs(drift.ppm) * 1e-6 * span < least) return;
     study.clock_drift = std::round(10.0 * drift.ppm) / 10.0;
     study.clock_drift_sigma = drift.sigma;
     study.found("imu.clock_drift_ppm", fmt::format("{:.1f} +- {:.1f} ppm", drift.ppm, drift.sigma), 0.9,
-                fmt::format("the GNSS falls {} the IMU by {:.0f} ms over {:.0f} s of motion", drift.ppm > 0.0 ? "before" : "behind",
-                            std::abs(drift.ppm) * 1e-3 * span, span));
+                fmt::format("the GNSS falls {} the IMU by {:.0f} ms over {:.0f} s of motion",
+                            drift.ppm > 0.0 ? "before" : "behind", std::abs(drift.ppm) * 1e-3 * span, span));
     set_clock(study.imu, 0.0, study.clock_drift, study.imu.t.front());
     fit_track(study);
 }
@@ -117,8 +116,8 @@ double felt_in_turns(const Study& study) {
     const Travel& t = study.travel;
     if (t.epochs < 30) return not_given;
     const Eigen::Vector3d right = t.down_s.cross(t.forward_s);
-    constexpr double span = 2.0;   // s
-    std::vector<std::pair<double, double>> epochs;   // acceleration, force
+    constexpr double span = 2.0;                    // s
+    std::vector<std::pair<double, double>> epochs;  // acceleration, force
     double mean_force = 0.0;
     for (std::size_t i = 0; i < study.imu.size();) {
         Eigen::Vector3d w = Eigen::Vector3d::Zero(), f = Eigen::Vector3d::Zero();
@@ -208,11 +207,12 @@ Kind kind_of(const Study& study) {
     }
     const Travel& t = study.travel;
     const double deg = 1.0 / units::deg;
-    constexpr double fastest_car = 80.0;   // m/s
+    constexpr double fastest_car = 80.0;  // m/s
     const double felt = felt_in_turns(study);
     if (t.epochs >= 30 && t.concentration > 0.9 && (fast > fastest_car || felt < 0.5)) {
-        return {"air", 0.8, fast > fastest_car ? fmt::format("it reaches {:.0f} m/s", fast)
-                                               : fmt::format("it banks into its turns: {:.0f} % of their force is felt", 100.0 * felt)};
+        return {"air", 0.8,
+                fast > fastest_car ? fmt::format("it reaches {:.0f} m/s", fast)
+                                   : fmt::format("it banks into its turns: {:.0f} % of their force is felt", 100.0 * felt)};
     }
     if (t.epochs >= 30 && t.spread < 6.0 * units::deg && t.tilt95 < 15.0 * units::deg && t.slope95 < 15.0 * units::deg) {
         return {"car", 0.9,

@@ -18,7 +18,7 @@ namespace {
 
 struct Candidate {
     const char* unit;
-    double factor;       // to the canonical unit
+    double factor;  // to the canonical unit
 };
 
 // The candidate that brings a size nearest (in ratio) to what it should be.
@@ -139,7 +139,7 @@ void judge_position(LoadedFile& file, std::vector<UnitChange>& changes) {
     double factor = 1.0;
     std::string unit, why;
     double confidence = 0.95;
-    constexpr double near_equator = 1e5;   // in 1e-7 degrees: a kilometre; less is no such number but a wrong one
+    constexpr double near_equator = 1e5;  // in 1e-7 degrees: a kilometre; less is no such number but a wrong one
     if (lat > near_equator && lat <= 90e7 && lon <= 360e7) {
         factor = 1e-7;
         unit = "1e-7 deg";
@@ -291,13 +291,15 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
         why = "gravity in sensor axes turns with the integrated rates in this unit only";
     } else if (!stated(file, first)) {
         const NoiseLevel noise = noise_level(imu);
-        const double gyro = median({noise.gyro.x(), noise.gyro.y(), noise.gyro.z()}), accel = median({noise.accel.x(), noise.accel.y(), noise.accel.z()});
+        const double gyro = median({noise.gyro.x(), noise.gyro.y(), noise.gyro.z()}),
+                     accel = median({noise.accel.x(), noise.accel.y(), noise.accel.z()});
         confidence = 0.6;
         if (gyro > 0.0 && accel > 0.0) {
             constexpr std::array<Candidate, 2> candidates{{{"rad/s", 1.0}, {"deg/s", units::deg}}};
             const Candidate& best = nearest(candidates, gyro, gyro_noise_beside(accel));
             factor = best.factor;
-            why = fmt::format("the noise of the gyros fits that of the accelerometers in {}; there is too little motion to compare", best.unit);
+            why = fmt::format(
+                "the noise of the gyros fits that of the accelerometers in {}; there is too little motion to compare", best.unit);
         } else {
             const double typical = quantile(rates, 0.5);
             factor = typical > 0.3 ? units::deg : 1.0;
@@ -308,10 +310,8 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
     if (stated(file, first) && confidence < 0.9) return changes;
     for (Eigen::Vector3d& rate : imu.w) rate *= factor;
     const std::string key = increments ? "dtheta_rad" : "gyro_rad_s";
-    if (increments)
-        rescale(file, {"dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad"}, factor);
-    else
-        rescale(file, {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s"}, factor);
+    if (increments) rescale(file, {"dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad"}, factor);
+    else rescale(file, {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s"}, factor);
     const double in_file = factor * name_factor(file, first);
     const char* unit = std::abs(in_file - units::deg) < 1e-6 ? (increments ? "deg" : "deg/s")
                        : std::abs(in_file - 1.0) < 1e-9      ? (increments ? "rad" : "rad/s")

@@ -12,9 +12,9 @@ namespace schuler::inspect::detail {
 
 /// A factor to be written as `scale = { key = factor }`.
 struct UnitChange {
-    std::string key;            ///< canonical name, without axis for three columns ("accel_m_s2")
-    double factor = 1.0;        ///< number in the file to canonical unit
-    std::string unit;           ///< what the numbers are
+    std::string key;      ///< canonical name, without axis for three columns ("accel_m_s2")
+    double factor = 1.0;  ///< number in the file to canonical unit
+    std::string unit;     ///< what the numbers are
     double confidence = 0.0;
     std::string why;
     bool against_name = false;  ///< the name states another unit

@@ -39,7 +39,7 @@ Agreement velocity_behind_position(const GnssSeries& gnss, bool down) {
     const double last_lag = first_lag + lag_step * (lag_count - 1);
     std::vector<std::vector<double>> curves;
     std::vector<double> curve(lag_count, 0.0);
-    const double least_motion = down ? 0.08 : 0.2;   // m/s, root mean square change over a span
+    const double least_motion = down ? 0.08 : 0.2;  // m/s, root mean square change over a span
     double motion = 0.0, stretch_start = gnss.t.front();
     std::size_t rows = 0;
     const auto close = [&](double now) {

@@ -41,7 +41,8 @@ constexpr std::initializer_list<const char*> imu_columns = {"gyro_x_rad_s", "gyr
 
 void add_imu(const RawTables& tables, StreamLog& log) {
     for (const RawTable* t : tables_named(tables, "IMU")) {
-        const Columns w = {t->find("GyrX"), t->find("GyrY"), t->find("GyrZ")}, f = {t->find("AccX"), t->find("AccY"), t->find("AccZ")};
+        const Columns w = {t->find("GyrX"), t->find("GyrY"), t->find("GyrZ")},
+                      f = {t->find("AccX"), t->find("AccY"), t->find("AccZ")};
         const std::vector<double> time = times_of(*t);
         if (time.empty() || !complete(w) || !complete(f)) continue;
         Stream s("imu", TableKind::Imu, label(*t), imu_columns);
@@ -69,14 +70,16 @@ void add_imu(const RawTables& tables, StreamLog& log) {
 FixType fix_of(double status) {
     static constexpr std::array types = {FixType::None,         FixType::None,     FixType::Autonomous, FixType::Autonomous,
                                          FixType::Differential, FixType::RtkFloat, FixType::RtkFixed};
-    return status >= 0.0 && status < static_cast<double>(types.size()) ? types[static_cast<std::size_t>(status)] : FixType::Unknown;
+    return status >= 0.0 && status < static_cast<double>(types.size()) ? types[static_cast<std::size_t>(status)]
+                                                                       : FixType::Unknown;
 }
 
 void add_gnss(const RawTables& tables, StreamLog& log) {
     const auto accuracies = tables_named(tables, "GPA");
     for (const RawTable* t : tables_named(tables, "GPS")) {
-        const Column lat = t->find("Lat"), lon = t->find({"Lng", "Lon"}), height = t->find("Alt"), speed = t->find("Spd"), course = t->find({"GCrs", "GCr"}),
-                     down = t->find({"VZ", "VelZ"}), status = t->find("Status"), satellites = t->find({"NSats", "NSat"});
+        const Column lat = t->find("Lat"), lon = t->find({"Lng", "Lon"}), height = t->find("Alt"), speed = t->find("Spd"),
+                     course = t->find({"GCrs", "GCr"}), down = t->find({"VZ", "VelZ"}), status = t->find("Status"),
+                     satellites = t->find({"NSats", "NSat"});
         const std::vector<double> time = times_of(*t);
         if (time.empty() || lat == nullptr || lon == nullptr) continue;
         std::array<std::vector<double>, 3> sigma;
@@ -90,13 +93,15 @@ void add_gnss(const RawTables& tables, StreamLog& log) {
                 ++k;
             }
         }
-        Stream s("gnss", TableKind::Gnss, label(*t), {"lat_deg", "lon_deg", "height_msl_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_h_m", "std_d_m",
-                                                     "std_vel_m_s", "satellites"});
+        Stream s("gnss", TableKind::Gnss, label(*t),
+                 {"lat_deg", "lon_deg", "height_msl_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_h_m", "std_d_m",
+                  "std_vel_m_s", "satellites"});
         for (std::size_t i = 0; i < t->rows(); ++i) {
             const double v = value(speed, i), angle = value(course, i) * units::deg;
             const auto given = [](double x) { return x > 0.0 && x < 1000.0 ? x : not_given; };
-            s.add(ns_of(time[i]), {(*lat)[i], (*lon)[i], value(height, i), v * std::cos(angle), v * std::sin(angle), value(down, i), given(sigma[0][i]),
-                                   given(sigma[1][i]), given(sigma[2][i]), value(satellites, i)});
+            s.add(ns_of(time[i]),
+                  {(*lat)[i], (*lon)[i], value(height, i), v * std::cos(angle), v * std::sin(angle), value(down, i),
+                   given(sigma[0][i]), given(sigma[1][i]), given(sigma[2][i]), value(satellites, i)});
             s.fix.push_back(status == nullptr ? FixType::Unknown : fix_of((*status)[i]));
         }
         log.add(std::move(s));
@@ -113,7 +118,7 @@ void add_baro_and_mag(const RawTables& tables, StreamLog& log) {
         log.add(std::move(s));
     }
     for (const RawTable* t : tables_named(tables, "MAG")) {
-        const Columns m = {t->find("MagX"), t->find("MagY"), t->find("MagZ")};   // milligauss, the offsets OfsX, ... taken off
+        const Columns m = {t->find("MagX"), t->find("MagY"), t->find("MagZ")};  // milligauss, the offsets OfsX, ... taken off
         const std::vector<double> time = times_of(*t);
         if (time.empty() || !complete(m)) continue;
         Stream s("mag", TableKind::Mag, label(*t), {"mag_x_ut", "mag_y_ut", "mag_z_ut"});
@@ -132,7 +137,8 @@ void add_reference(const RawTables& tables, StreamLog& log) {
     if (time.empty() || !complete(angles)) return;
     std::array<std::vector<double>, 6> rest;
     rest.fill(std::vector<double>(t.rows(), not_given));
-    const auto fill = [&](std::initializer_list<const char*> messages, std::initializer_list<std::initializer_list<std::string_view>> fields, std::size_t first) {
+    const auto fill = [&](std::initializer_list<const char*> messages,
+                          std::initializer_list<std::initializer_list<std::string_view>> fields, std::size_t first) {
         for (const char* message : messages) {
             const auto others = tables_named(tables, message);
             if (others.empty()) continue;
@@ -147,20 +153,20 @@ void add_reference(const RawTables& tables, StreamLog& log) {
     fill({"POS"}, {{"Lat"}, {"Lng", "Lon"}, {"Alt"}}, 0);
     fill({"XKF1", "NKF1", "EKF1"}, {{"VN"}, {"VE"}, {"VD"}}, 3);
     Stream s("reference", TableKind::Reference, "ATT, POS, XKF1",
-             {"onboard_lat_deg", "onboard_lon_deg", "onboard_height_msl_m", "onboard_vel_n_m_s", "onboard_vel_e_m_s", "onboard_vel_d_m_s",
-              "onboard_roll_deg", "onboard_pitch_deg", "onboard_heading_deg"});
+             {"onboard_lat_deg", "onboard_lon_deg", "onboard_height_msl_m", "onboard_vel_n_m_s", "onboard_vel_e_m_s",
+              "onboard_vel_d_m_s", "onboard_roll_deg", "onboard_pitch_deg", "onboard_heading_deg"});
     for (std::size_t i = 0; i < t.rows(); ++i)
-        s.add(ns_of(time[i]), {rest[0][i], rest[1][i], rest[2][i], rest[3][i], rest[4][i], rest[5][i], (*angles[0])[i], (*angles[1])[i], (*angles[2])[i]});
+        s.add(ns_of(time[i]), {rest[0][i], rest[1][i], rest[2][i], rest[3][i], rest[4][i], rest[5][i], (*angles[0])[i],
+                               (*angles[1])[i], (*angles[2])[i]});
     log.add(std::move(s));
 }
 
-constexpr std::array<std::string_view, 12> messages = {"IMU", "ACC", "GYR", "GPS", "GPA", "BARO", "MAG", "ATT", "POS", "XKF1", "NKF1", "EKF1"};
+constexpr std::array<std::string_view, 12> messages = {"IMU", "ACC", "GYR", "GPS",  "GPA",  "BARO",
+                                                       "MAG", "ATT", "POS", "XKF1", "NKF1", "EKF1"};
 
 }  // namespace
 
-bool is_ardupilot_message(std::string_view name) {
-    return std::ranges::find(messages, name) != messages.end();
-}
+bool is_ardupilot_message(std::string_view name) { return std::ranges::find(messages, name) != messages.end(); }
 
 StreamLog ardupilot_streams(const RawTables& tables) {
     StreamLog log;

@@ -30,16 +30,26 @@ struct FieldType {
 };
 std::optional<FieldType> field_type(char c) {
     switch (c) {
-        case 'b': case 'B': case 'M': return FieldType{1};
-        case 'h': case 'H': return FieldType{2};
-        case 'c': case 'C': return FieldType{2, 0.01};
-        case 'i': case 'I': case 'f': return FieldType{4};
+        case 'b':
+        case 'B':
+        case 'M': return FieldType{1};
+        case 'h':
+        case 'H': return FieldType{2};
+        case 'c':
+        case 'C': return FieldType{2, 0.01};
+        case 'i':
+        case 'I':
+        case 'f': return FieldType{4};
         case 'n': return FieldType{4};
-        case 'e': case 'E': return FieldType{4, 0.01};
+        case 'e':
+        case 'E': return FieldType{4, 0.01};
         case 'L': return FieldType{4, 1e-7};
-        case 'd': case 'q': case 'Q': return FieldType{8};
+        case 'd':
+        case 'q':
+        case 'Q': return FieldType{8};
         case 'N': return FieldType{16};
-        case 'Z': case 'a': return FieldType{64};
+        case 'Z':
+        case 'a': return FieldType{64};
         default: return std::nullopt;
     }
 }
@@ -49,7 +59,8 @@ double number_at(const char* p, char type) {
     using detail::load;
     switch (type) {
         case 'b': return load<std::int8_t>(p);
-        case 'B': case 'M': return load<std::uint8_t>(p);
+        case 'B':
+        case 'M': return load<std::uint8_t>(p);
         case 'h': return load<std::int16_t>(p);
         case 'H': return load<std::uint16_t>(p);
         case 'c': return 0.01 * load<std::int16_t>(p);
@@ -98,14 +109,17 @@ public:
     static Message message(std::string name, std::string types, std::vector<std::string> fields) {
         Message m{std::move(name), std::move(types), std::move(fields), 0, false, -1, 0, {}, {}};
         const std::size_t stem = m.name.find_last_not_of("0123456789");
-        const bool numbered = stem != std::string::npos && stem + 1 < m.name.size() && m.name.size() - stem - 1 == 1 && is_ardupilot_message(m.name.substr(0, stem + 1));
+        const bool numbered = stem != std::string::npos && stem + 1 < m.name.size() && m.name.size() - stem - 1 == 1 &&
+                              is_ardupilot_message(m.name.substr(0, stem + 1));
         if (numbered) {
             m.first_instance = m.name.back() - '1';
             m.name.resize(stem + 1);
         }
         m.wanted = is_ardupilot_message(m.name);
         for (std::size_t i = 0; i < m.fields.size(); ++i)
-            if (m.fields[i] == "I" || m.fields[i] == "Instance" || (m.fields[i] == "C" && (m.name.starts_with("XKF") || m.name.starts_with("NKF")))) m.instance_field = static_cast<int>(i);
+            if (m.fields[i] == "I" || m.fields[i] == "Instance" ||
+                (m.fields[i] == "C" && (m.name.starts_with("XKF") || m.name.starts_with("NKF"))))
+                m.instance_field = static_cast<int>(i);
         std::size_t at = 0;
         for (std::size_t i = 0; i < m.types.size(); ++i) {
             m.offsets.push_back(at);
@@ -152,15 +166,13 @@ public:
                 continue;
             }
             if (at + length > bytes_.size()) {
-                if (damaged++ == 0) first_damaged = at;   // the log is cut in it
+                if (damaged++ == 0) first_damaged = at;  // the log is cut in it
                 return;
             }
             ++messages;
             const std::string_view body = bytes_.substr(at + header_size, length - header_size);
-            if (type == format_type)
-                define(body);
-            else if (messages_[type] && messages_[type]->wanted)
-                take(*messages_[type], body);
+            if (type == format_type) define(body);
+            else if (messages_[type] && messages_[type]->wanted) take(*messages_[type], body);
             at += length;
         }
     }
@@ -168,14 +180,17 @@ public:
 private:
     std::size_t recovered(std::size_t from) {
         if (damaged++ == 0) first_damaged = from;
-        for (std::size_t at = bytes_.find(mark, from + 1); at != std::string_view::npos && at + header_size <= bytes_.size(); at = bytes_.find(mark, at + 1)) {
+        for (std::size_t at = bytes_.find(mark, from + 1); at != std::string_view::npos && at + header_size <= bytes_.size();
+             at = bytes_.find(mark, at + 1)) {
             const std::size_t length = lengths_[static_cast<unsigned char>(bytes_[at + 2])];
             if (length > 0 && (at + length >= bytes_.size() || bytes_.substr(at + length, 2) == mark)) return at;
         }
         return bytes_.size();
     }
 
-    static std::string text(std::string_view bytes) { return std::string(bytes.substr(0, std::min(bytes.find('\0'), bytes.size()))); }
+    static std::string text(std::string_view bytes) {
+        return std::string(bytes.substr(0, std::min(bytes.find('\0'), bytes.size())));
+    }
 
     void define(std::string_view body) {
         const auto type = static_cast<unsigned char>(body[0]), length = static_cast<unsigned char>(body[1]);
@@ -187,7 +202,9 @@ private:
         lengths_[type] = length;
         const std::optional<Tables::Message>& before = messages_[type];
         // a log of several boots defines its messages again: the same tables go on
-        if (before && before->name == m.name && before->types == m.types && before->fields == m.fields && before->first_instance == m.first_instance) return;
+        if (before && before->name == m.name && before->types == m.types && before->fields == m.fields &&
+            before->first_instance == m.first_instance)
+            return;
         messages_[type] = std::move(m);
     }
 
@@ -213,7 +230,8 @@ StreamLog finished(const TextInput& input, Tables tables, const std::set<std::st
     std::string have;
     for (const std::string& name : names) have += (have.empty() ? "" : ", ") + name;
     throw input_error("holds no instrument that is used", place_in(input.name()),
-                      have.empty() ? "the log is cut or damaged: it has no data" : "it knows the messages " + have + "; log IMU and GPS (LOG_BITMASK)");
+                      have.empty() ? "the log is cut or damaged: it has no data"
+                                   : "it knows the messages " + have + "; log IMU and GPS (LOG_BITMASK)");
 }
 
 StreamLog read_binary(const TextInput& input, const std::string& bytes, WarningLog& warnings) {
@@ -221,7 +239,8 @@ StreamLog read_binary(const TextInput& input, const std::string& bytes, WarningL
     reader.read();
     if (reader.damaged > 0)
         warnings.add(input.name() + " dataflash.damaged",
-                     fmt::format("{}: damaged messages, the first at byte {}: skipped", input.name(), reader.first_damaged), reader.damaged);
+                     fmt::format("{}: damaged messages, the first at byte {}: skipped", input.name(), reader.first_damaged),
+                     reader.damaged);
     return finished(input, std::move(reader.tables), reader.names);
 }
 
@@ -287,11 +306,16 @@ const Format dataflash_format = {
     .name = "dataflash",
     .title = "ArduPilot DataFlash",
     .extensions = ".bin .log",
-    .holds = "IMU (`IMU`, `IMU2`, ..., else `GYR` with `ACC`), GNSS (`GPS` with the accuracies of `GPA`), barometer (`BARO`), magnetometer (`MAG`), the "
-             "autopilot's attitude, velocity and position (`ATT`, `XKF1` or `NKF1`, `POS`) as reference; binary, or as text",
+    .holds =
+        "IMU (`IMU`, `IMU2`, ..., else `GYR` with `ACC`), GNSS (`GPS` with the accuracies of `GPA`), barometer (`BARO`), "
+        "magnetometer (`MAG`), the "
+        "autopilot's attitude, velocity and position (`ATT`, `XKF1` or `NKF1`, `POS`) as reference; binary, or as text",
     .time = "boot of the autopilot",
-    .recognise = [](const FileHead& head) { return (head.starts_with(mark) && head.bytes.size() > header_size) || (head.starts_with("FMT,") && head.contains("TimeUS")) ||
-                                                   (head.starts_with("FMT,") && head.contains("TimeMS")); },
+    .recognise =
+        [](const FileHead& head) {
+            return (head.starts_with(mark) && head.bytes.size() > header_size) ||
+                   (head.starts_with("FMT,") && head.contains("TimeUS")) || (head.starts_with("FMT,") && head.contains("TimeMS"));
+        },
     .read = read_dataflash};
 
 }  // namespace schuler::io

@@ -149,9 +149,10 @@ void Hdf5Writer::matrices(const std::string& path, std::span<const double> value
     const hsize_t extent[3] = {values.size() / (size * size), size, size};
     const Handle space(H5Screate_simple(3, extent, nullptr), H5Sclose);
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    H5Pset_obj_track_times(properties.id(), false);   // same content, same bytes
-    const Handle made(H5Dcreate2(file_->file.id(), path.c_str(), H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
-                      H5Dclose);
+    H5Pset_obj_track_times(properties.id(), false);  // same content, same bytes
+    const Handle made(
+        H5Dcreate2(file_->file.id(), path.c_str(), H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+        H5Dclose);
     if (!made.ok() || H5Dwrite(made.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
         throw file_->failed("made", path);
     for (const auto& [name, value] : attributes) attribute(path, name, value);
@@ -193,7 +194,8 @@ struct Hdf5Reader::File {
         return input_error("there is no such object", place_in(name, 0, 0, object), "look at the names in the file");
     }
     [[nodiscard]] Error damaged(const std::string& object) const {
-        return input_error("cannot be read: the file is damaged there", place_in(name, 0, 0, object), "check that it was copied completely");
+        return input_error("cannot be read: the file is damaged there", place_in(name, 0, 0, object),
+                           "check that it was copied completely");
     }
     /// How many values an object says to have, where memory can hold them.
     [[nodiscard]] std::size_t count(hid_t space, const std::string& object) const {
@@ -224,13 +226,15 @@ Hdf5Table Hdf5Reader::read(const std::string& path, int largest_rank) const {
     if (!data.ok()) throw file_->no_such(path);
     const Handle space(H5Dget_space(data.id()), H5Sclose);
     std::array<hsize_t, 3> size = {0, 1, 1};
-    if (H5Sget_simple_extent_ndims(space.id()) > largest_rank) throw file_->no_such(fmt::format("{} with {} dimensions", path, largest_rank));
+    if (H5Sget_simple_extent_ndims(space.id()) > largest_rank)
+        throw file_->no_such(fmt::format("{} with {} dimensions", path, largest_rank));
     H5Sget_simple_extent_dims(space.id(), size.data(), nullptr);
     Hdf5Table result;
     const std::size_t count = file_->count(space.id(), path);
     result.rows = size[0];
     result.columns = size[1] * size[2];
-    if (count != 0 && (result.rows > count || result.columns > count || result.rows * result.columns != count)) throw file_->damaged(path);
+    if (count != 0 && (result.rows > count || result.columns > count || result.rows * result.columns != count))
+        throw file_->damaged(path);
     result.values.resize(count);
     if (!result.values.empty() &&
         H5Dread(data.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.values.data()) < 0) {
@@ -254,7 +258,8 @@ std::string Hdf5Reader::attribute(const std::string& path, const std::string& na
     if (!found.ok()) throw file_->no_such(path + "@" + name);
     const Handle type(H5Aget_type(found.id()), H5Tclose), space(H5Aget_space(found.id()), H5Sclose);
     constexpr std::size_t longest = 1'000'000;
-    if (file_->count(space.id(), path) != 1 || H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) != 0 || H5Tget_size(type.id()) > longest)
+    if (file_->count(space.id(), path) != 1 || H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) != 0 ||
+        H5Tget_size(type.id()) > longest)
         throw file_->damaged(path + "@" + name);
     std::string value(H5Tget_size(type.id()), '\0');
     if (H5Aread(found.id(), type.id(), value.data()) < 0) throw file_->no_such(path + "@" + name);

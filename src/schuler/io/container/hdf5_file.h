@@ -32,7 +32,8 @@ public:
     void table(const std::string& path, std::span<const double> values, std::size_t columns,
                const Hdf5Attributes& attributes = {}) override;
     /// Square matrices as one dataset of rank three in the root group, matrices x size x size, size * size values each.
-    void matrices(const std::string& path, std::span<const double> values, std::size_t size, const Hdf5Attributes& attributes = {}) override;
+    void matrices(const std::string& path, std::span<const double> values, std::size_t size,
+                  const Hdf5Attributes& attributes = {}) override;
     /// A column of whole numbers (times in ns).
     void integers(const std::string& path, std::span<const std::int64_t> values, const Hdf5Attributes& attributes = {}) override;
     /// A text attribute of an object that exists ("/" is the file itself).

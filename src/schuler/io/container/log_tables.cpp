@@ -49,10 +49,8 @@ StreamLog read_table(const TextInput& input, WarningLog& warnings) {
         row.clear();
         for (std::string_view rest = lines.line();;) {
             const std::string_view cell = rest.substr(0, std::min(rest.find(','), rest.size()));
-            if (header)
-                table.fields.emplace_back(trimmed(cell));
-            else
-                row.push_back(number_from(cell));
+            if (header) table.fields.emplace_back(trimmed(cell));
+            else row.push_back(number_from(cell));
             if (cell.size() == rest.size()) break;
             rest.remove_prefix(cell.size() + 1);
         }
@@ -66,14 +64,17 @@ StreamLog read_table(const TextInput& input, WarningLog& warnings) {
         }
         for (std::size_t i = 0; i < row.size(); ++i) table.values[i].push_back(row[i]);
     }
-    if (bad > 0) warnings.add(input.name() + " ulog2csv.bad", fmt::format("{}: damaged rows, the first in line {}: skipped", input.name(), first_bad), bad);
+    if (bad > 0)
+        warnings.add(input.name() + " ulog2csv.bad",
+                     fmt::format("{}: damaged rows, the first in line {}: skipped", input.name(), first_bad), bad);
     if (topic) {
         table.name = topic->topic;
         table.instance = topic->instance;
     }
     StreamLog log = px4_streams({table});
     if (log.streams.empty())
-        throw input_error("is a table of a PX4 topic that is no instrument by itself", place_in(input.name()), "put the tables of sensor_combined and vehicle_gps_position beside it");
+        throw input_error("is a table of a PX4 topic that is no instrument by itself", place_in(input.name()),
+                          "put the tables of sensor_combined and vehicle_gps_position beside it");
     return log;
 }
 
@@ -84,7 +85,8 @@ const Format ulog2csv_format = {
     .name = "ulog2csv",
     .title = "Tables of ulog2csv",
     .extensions = "_TOPIC_N.csv",
-    .holds = "what `ulog` holds, a topic a file by its name, `timestamp` in microseconds; setpoints are nothing that was measured",
+    .holds =
+        "what `ulog` holds, a topic a file by its name, `timestamp` in microseconds; setpoints are nothing that was measured",
     .time = "boot of the autopilot",
     .recognise = [](const FileHead& head) { return head.starts_with("timestamp,") && topic_of(head.path).has_value(); },
     .read = read_table};

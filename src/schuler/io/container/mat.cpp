@@ -25,7 +25,7 @@ using Variable = std::unique_ptr<matvar_t, void (*)(matvar_t*)>;
 struct Matrix {
     std::string name;
     std::size_t rows = 0, columns = 0;
-    std::vector<double> values;          ///< column by column
+    std::vector<double> values;  ///< column by column
     [[nodiscard]] double operator()(std::size_t row, std::size_t column) const { return values[column * rows + row]; }
 };
 /// A structure, or what lies beside each other in the file.
@@ -68,7 +68,7 @@ std::optional<Matrix> matrix_of(const matvar_t& v) {
         default: return std::nullopt;
     }
     if (v.class_type == MAT_C_CHAR || v.class_type == MAT_C_CELL || v.class_type == MAT_C_STRUCT) return std::nullopt;
-    if (m.rows == 1 && m.columns > 3) std::swap(m.rows, m.columns);   // a row of many is a column
+    if (m.rows == 1 && m.columns > 3) std::swap(m.rows, m.columns);  // a row of many is a column
     return m;
 }
 
@@ -89,10 +89,14 @@ void collect(matvar_t& v, std::vector<Group>& groups, std::size_t into, int dept
 }
 
 std::int64_t ns(double seconds) { return std::abs(seconds) < 9e9 ? Time::from_seconds(seconds).ns : 0; }
-bool is_column(const Matrix* m, std::size_t rows, std::size_t columns = 1) { return m != nullptr && m->rows == rows && m->columns == columns; }
+bool is_column(const Matrix* m, std::size_t rows, std::size_t columns = 1) {
+    return m != nullptr && m->rows == rows && m->columns == columns;
+}
 
-constexpr std::initializer_list<const char*> rate_columns = {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"};
-constexpr std::initializer_list<const char*> increment_columns = {"dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"};
+constexpr std::initializer_list<const char*> rate_columns = {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s",
+                                                             "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"};
+constexpr std::initializer_list<const char*> increment_columns = {"dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad",
+                                                                  "dv_x_m_s",     "dv_y_m_s",     "dv_z_m_s"};
 
 /// NaveGo: t in s, wb in rad/s, fb in m/s^2, forward-right-down; positions in radians, velocities north, east, down.
 bool add_navego(const Group& g, StreamLog& log) {
@@ -102,31 +106,36 @@ bool add_navego(const Group& g, StreamLog& log) {
     const Matrix *wb = g.find({"wb"}), *fb = g.find({"fb"});
     if (is_column(wb, n, 3) && is_column(fb, n, 3)) {
         Stream s("imu", TableKind::Imu, g.name + ".wb, .fb", rate_columns);
-        for (std::size_t i = 0; i < n; ++i) s.add(ns((*t)(i, 0)), {(*wb)(i, 0), (*wb)(i, 1), (*wb)(i, 2), (*fb)(i, 0), (*fb)(i, 1), (*fb)(i, 2)});
+        for (std::size_t i = 0; i < n; ++i)
+            s.add(ns((*t)(i, 0)), {(*wb)(i, 0), (*wb)(i, 1), (*wb)(i, 2), (*fb)(i, 0), (*fb)(i, 1), (*fb)(i, 2)});
         log.add(std::move(s));
         return true;
     }
     const Matrix *lat = g.find({"lat"}), *lon = g.find({"lon"}), *h = g.find({"h"}), *vel = g.find({"vel", "vel_n"});
     if (!is_column(lat, n) || !is_column(lon, n) || !is_column(h, n)) return false;
-    if (std::ranges::any_of(lat->values, [](double x) { return std::abs(x) > 1.6; })) return false;   // no radians
+    if (std::ranges::any_of(lat->values, [](double x) { return std::abs(x) > 1.6; })) return false;  // no radians
     const auto v = [&](std::size_t i, std::size_t k) { return is_column(vel, n, 3) ? (*vel)(i, k) : not_given; };
     const Matrix *roll = g.find({"roll"}), *pitch = g.find({"pitch"}), *yaw = g.find({"yaw", "heading"});
     if (is_column(roll, n) && is_column(pitch, n) && is_column(yaw, n)) {
         Stream s("reference", TableKind::Reference, g.name,
-                 {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"});
+                 {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg",
+                  "heading_deg"});
         for (std::size_t i = 0; i < n; ++i)
-            s.add(ns((*t)(i, 0)), {(*lat)(i, 0) / units::deg, (*lon)(i, 0) / units::deg, (*h)(i, 0), v(i, 0), v(i, 1), v(i, 2), (*roll)(i, 0) / units::deg,
-                                   (*pitch)(i, 0) / units::deg, (*yaw)(i, 0) / units::deg});
+            s.add(ns((*t)(i, 0)), {(*lat)(i, 0) / units::deg, (*lon)(i, 0) / units::deg, (*h)(i, 0), v(i, 0), v(i, 1), v(i, 2),
+                                   (*roll)(i, 0) / units::deg, (*pitch)(i, 0) / units::deg, (*yaw)(i, 0) / units::deg});
         log.add(std::move(s));
         return true;
     }
     const Matrix *stdm = g.find({"stdm"}), *stdv = g.find({"stdv"});
-    const auto sigma = [](const Matrix* m, std::size_t k) { return m != nullptr && m->values.size() == 3 && m->values[k] > 0.0 ? m->values[k] : not_given; };
+    const auto sigma = [](const Matrix* m, std::size_t k) {
+        return m != nullptr && m->values.size() == 3 && m->values[k] > 0.0 ? m->values[k] : not_given;
+    };
     Stream s("gnss", TableKind::Gnss, g.name,
-             {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m", "std_e_m", "std_d_m", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s"});
+             {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m", "std_e_m",
+              "std_d_m", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s"});
     for (std::size_t i = 0; i < n; ++i)
-        s.add(ns((*t)(i, 0)), {(*lat)(i, 0) / units::deg, (*lon)(i, 0) / units::deg, (*h)(i, 0), v(i, 0), v(i, 1), v(i, 2), sigma(stdm, 0), sigma(stdm, 1), sigma(stdm, 2),
-                               sigma(stdv, 0), sigma(stdv, 1), sigma(stdv, 2)});
+        s.add(ns((*t)(i, 0)), {(*lat)(i, 0) / units::deg, (*lon)(i, 0) / units::deg, (*h)(i, 0), v(i, 0), v(i, 1), v(i, 2),
+                               sigma(stdm, 0), sigma(stdm, 1), sigma(stdm, 2), sigma(stdv, 0), sigma(stdv, 1), sigma(stdv, 2)});
     log.add(std::move(s));
     return true;
 }
@@ -145,17 +154,20 @@ void add_psins(const Group& g, StreamLog& log) {
             log.add(std::move(s));
         } else if ((m.name.starts_with("gps") || m.name.starts_with("gnss")) && (m.columns == 4 || m.columns == 7)) {
             const std::size_t p = m.columns - 4;
-            Stream s("gnss", TableKind::Gnss, source, {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s"});
+            Stream s("gnss", TableKind::Gnss, source,
+                     {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s"});
             for (std::size_t i = 0; i < m.rows; ++i)
-                s.add(last(i), {m(i, p) / units::deg, m(i, p + 1) / units::deg, m(i, p + 2), p > 0 ? m(i, 1) : not_given, p > 0 ? m(i, 0) : not_given, p > 0 ? -m(i, 2) : not_given});
+                s.add(last(i), {m(i, p) / units::deg, m(i, p + 1) / units::deg, m(i, p + 2), p > 0 ? m(i, 1) : not_given,
+                                p > 0 ? m(i, 0) : not_given, p > 0 ? -m(i, 2) : not_given});
             log.add(std::move(s));
         } else if (m.name.starts_with("avp") && m.columns == 10) {
             Stream s("reference", TableKind::Reference, source,
-                     {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"});
+                     {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg",
+                      "pitch_deg", "heading_deg"});
             for (std::size_t i = 0; i < m.rows; ++i) {
                 const double heading = std::fmod(360.0 - m(i, 2) / units::deg, 360.0);
-                s.add(last(i), {m(i, 6) / units::deg, m(i, 7) / units::deg, m(i, 8), m(i, 4), m(i, 3), -m(i, 5), m(i, 1) / units::deg, m(i, 0) / units::deg,
-                                heading < 0.0 ? heading + 360.0 : heading});
+                s.add(last(i), {m(i, 6) / units::deg, m(i, 7) / units::deg, m(i, 8), m(i, 4), m(i, 3), -m(i, 5),
+                                m(i, 1) / units::deg, m(i, 0) / units::deg, heading < 0.0 ? heading + 360.0 : heading});
             }
             log.add(std::move(s));
         }
@@ -164,7 +176,9 @@ void add_psins(const Group& g, StreamLog& log) {
 
 /// Columns of one length whose names are those of tables of text.
 bool add_named(const Group& g, StreamLog& log) {
-    const auto time = std::ranges::find_if(g.matrices, [](const Matrix& m) { return m.columns == 1 && m.rows > 1 && (m.name == "time_s" || m.name == "time" || m.name == "t"); });
+    const auto time = std::ranges::find_if(g.matrices, [](const Matrix& m) {
+        return m.columns == 1 && m.rows > 1 && (m.name == "time_s" || m.name == "time" || m.name == "t");
+    });
     if (time == g.matrices.end()) return false;
     TableLayout layout;
     std::vector<const Matrix*> columns;
@@ -189,7 +203,8 @@ bool add_named(const Group& g, StreamLog& log) {
 StreamLog read_mat(const TextInput& input, WarningLog&) {
     if (input.in_memory()) throw input_error("a MAT-file cannot be read from memory", place_in(input.name()), "give the file");
     const File file(Mat_Open(input.name().c_str(), MAT_ACC_RDONLY), Mat_Close);
-    if (!file) throw input_error("is no MAT-file, or a damaged one", place_in(input.name()), "save it with -v7 and copy it completely");
+    if (!file)
+        throw input_error("is no MAT-file, or a damaged one", place_in(input.name()), "save it with -v7 and copy it completely");
     std::vector<Group> groups(1);
     std::string names;
     while (true) {
@@ -206,8 +221,10 @@ StreamLog read_mat(const TextInput& input, WarningLog&) {
     }
     if (log.streams.empty())
         throw input_error("holds no variables that are known", place_in(input.name()),
-                          fmt::format("structures of NaveGo (t, wb, fb; t, lat, lon, h, vel), matrices of PSINS (imu, gps, avp) and columns with the names of docs/files.md are; it "
-                                      "has {}", names.empty() ? "none, or is cut" : names));
+                          fmt::format("structures of NaveGo (t, wb, fb; t, lat, lon, h, vel), matrices of PSINS (imu, gps, avp) "
+                                      "and columns with the names of docs/files.md are; it "
+                                      "has {}",
+                                      names.empty() ? "none, or is cut" : names));
     return log;
 }
 
@@ -222,16 +239,19 @@ void write_mat(const std::filesystem::path& path, std::span<const SolutionRow> r
         const auto put = [&](const char* name, auto value) {
             for (std::size_t i = 0; i < rows.size(); ++i) values[i] = value(rows[i]);
             std::array<std::size_t, 2> size = {rows.size(), 1};
-            const Variable v(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size.data(), values.data(), MAT_F_DONT_COPY_DATA), Mat_VarFree);
+            const Variable v(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size.data(), values.data(), MAT_F_DONT_COPY_DATA),
+                             Mat_VarFree);
             good = good && v && Mat_VarWrite(file.get(), v.get(), MAT_COMPRESSION_NONE) == 0;
         };
         put("time_s", [](const SolutionRow& r) { return r.time.seconds(); });
         put("lat_deg", [](const SolutionRow& r) { return r.position.lat / units::deg; });
         put("lon_deg", [](const SolutionRow& r) { return r.position.lon / units::deg; });
         put("height_m", [](const SolutionRow& r) { return r.position.h; });
-        static constexpr std::array<const char*, 15> names = {"vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg",   "pitch_deg",  "heading_deg",  "std_n_m",      "std_e_m",
-                                                              "std_d_m",   "std_vn_m_s", "std_ve_m_s", "std_vd_m_s", "std_roll_deg", "std_pitch_deg", "std_heading_deg"};
-        static constexpr std::array members = {&SolutionRow::v_eb_n, &SolutionRow::rpy, &SolutionRow::std_position, &SolutionRow::std_velocity, &SolutionRow::std_rpy};
+        static constexpr std::array<const char*, 15> names = {
+            "vel_n_m_s", "vel_e_m_s",  "vel_d_m_s",  "roll_deg",   "pitch_deg",    "heading_deg",   "std_n_m",        "std_e_m",
+            "std_d_m",   "std_vn_m_s", "std_ve_m_s", "std_vd_m_s", "std_roll_deg", "std_pitch_deg", "std_heading_deg"};
+        static constexpr std::array members = {&SolutionRow::v_eb_n, &SolutionRow::rpy, &SolutionRow::std_position,
+                                               &SolutionRow::std_velocity, &SolutionRow::std_rpy};
         for (std::size_t k = 0; k < names.size(); ++k) {
             const auto member = members[k / 3];
             const double unit = k / 3 == 1 || k / 3 == 4 ? units::deg : 1.0;
@@ -254,8 +274,10 @@ const Format mat_format = {
     .name = "mat",
     .title = "MAT-file (MATLAB, Octave)",
     .extensions = ".mat",
-    .holds = "structures of NaveGo (`t`, `wb`, `fb`; `t`, `lat`, `lon`, `h`, `vel`, `stdm`, `stdv`; with `roll`, `pitch`, `yaw` a reference), matrices of PSINS "
-             "(`imu`, `gps`, `avp`), and column vectors with the names below; versions 5 and 7.3",
+    .holds =
+        "structures of NaveGo (`t`, `wb`, `fb`; `t`, `lat`, `lon`, `h`, `vel`, `stdm`, `stdv`; with `roll`, `pitch`, `yaw` a "
+        "reference), matrices of PSINS "
+        "(`imu`, `gps`, `avp`), and column vectors with the names below; versions 5 and 7.3",
     .time = "as in the file, s",
     .recognise = [](const FileHead& head) { return head.starts_with("MATLAB 5") || head.starts_with("MATLAB 7"); },
     .read = read_mat,

@@ -19,7 +19,7 @@ namespace schuler::io {
 namespace {
 
 constexpr const char* header = "MATLAB 5.0 MAT-file, written by schuler";
-constexpr std::size_t most_bytes = 2'000'000'000;   // of one variable, whose size is a number of 32 bits
+constexpr std::size_t most_bytes = 2'000'000'000;  // of one variable, whose size is a number of 32 bits
 
 /// A matrix by columns, as the file has it.
 template <class T>
@@ -54,14 +54,14 @@ Variable variable_of(const char* name, const Node& node) {
     constexpr int keep = MAT_F_DONT_COPY_DATA;
     const auto matrix = [&](const auto& m, matio_classes kind, matio_types type) {
         std::vector<std::size_t> size = m.size;
-        void* values = const_cast<void*>(static_cast<const void*>(m.values.data()));   // NOLINT: the library reads it only
+        void* values = const_cast<void*>(static_cast<const void*>(m.values.data()));  // NOLINT: the library reads it only
         return Variable(Mat_VarCreate(name, kind, type, static_cast<int>(size.size()), size.data(), values, keep));
     };
     if (const auto* m = std::get_if<Matrix<double>>(&node.data)) return matrix(*m, MAT_C_DOUBLE, MAT_T_DOUBLE);
     if (const auto* m = std::get_if<Matrix<std::int64_t>>(&node.data)) return matrix(*m, MAT_C_INT64, MAT_T_INT64);
     if (const auto* text = std::get_if<std::string>(&node.data)) {
         std::array<std::size_t, 2> size{text->empty() ? 0U : 1U, text->size()};
-        void* characters = const_cast<void*>(static_cast<const void*>(text->data()));   // NOLINT: likewise
+        void* characters = const_cast<void*>(static_cast<const void*>(text->data()));  // NOLINT: likewise
         return Variable(Mat_VarCreate(name, MAT_C_CHAR, MAT_T_UINT8, 2, size.data(), characters, keep));
     }
     std::vector<const char*> names;
@@ -71,7 +71,7 @@ Variable variable_of(const char* name, const Node& node) {
     for (const auto& [field, inner] : node.fields) {
         Variable value = variable_of(field.c_str(), inner);
         if (!structure || !value) return {};
-        Mat_VarSetStructFieldByName(structure.get(), field.c_str(), 0, value.release());   // which frees it from now on
+        Mat_VarSetStructFieldByName(structure.get(), field.c_str(), 0, value.release());  // which frees it from now on
     }
     return structure;
 }
@@ -96,7 +96,8 @@ struct MatWriter::File {
     template <class T>
     void put(const std::string& object, Matrix<T> matrix, const TableAttributes& attributes, MatWriter& writer) {
         Node& node = at(object);
-        if (node.data.index() != 0 || !node.fields.empty()) throw computation_error(fmt::format("{}: {} is there already", path.string(), object));
+        if (node.data.index() != 0 || !node.fields.empty())
+            throw computation_error(fmt::format("{}: {} is there already", path.string(), object));
         node.data = std::move(matrix);
         for (const auto& [name, value] : attributes) writer.attribute(object, name, value);
     }
@@ -113,7 +114,8 @@ MatWriter::~MatWriter() {
     if (!file_->temporary.empty()) std::filesystem::remove(file_->temporary, ignored);
 }
 
-void MatWriter::table(const std::string& path, std::span<const double> values, std::size_t columns, const TableAttributes& attributes) {
+void MatWriter::table(const std::string& path, std::span<const double> values, std::size_t columns,
+                      const TableAttributes& attributes) {
     const std::size_t rows = columns > 0 ? values.size() / columns : 0;
     Matrix<double> m{{rows, columns}, std::vector<double>(values.size())};
     for (std::size_t i = 0; i < rows; ++i)
@@ -121,7 +123,8 @@ void MatWriter::table(const std::string& path, std::span<const double> values, s
     file_->put(path, std::move(m), attributes, *this);
 }
 
-void MatWriter::matrices(const std::string& path, std::span<const double> values, std::size_t size, const TableAttributes& attributes) {
+void MatWriter::matrices(const std::string& path, std::span<const double> values, std::size_t size,
+                         const TableAttributes& attributes) {
     const std::size_t count = size > 0 ? values.size() / (size * size) : 0;
     Matrix<double> m{{size, size, count}, std::vector<double>(values.size())};
     for (std::size_t k = 0; k < count; ++k)
@@ -137,12 +140,10 @@ void MatWriter::integers(const std::string& path, std::span<const std::int64_t> 
 void MatWriter::attribute(const std::string& path, const std::string& name, const std::string& value) {
     const std::size_t slash = path.rfind('/');
     const std::string group = path.substr(0, slash), object = path.substr(slash + 1);
-    if (object.empty())
-        file_->at("/" + name).data = value;
-    else if (const Node& node = file_->at(path); node.data.index() == 0)   // of a group
+    if (object.empty()) file_->at("/" + name).data = value;
+    else if (const Node& node = file_->at(path); node.data.index() == 0)  // of a group
         file_->at(path + "/about/" + name).data = value;
-    else
-        file_->at(group + "/about/" + object + "/" + name).data = value;
+    else file_->at(group + "/about/" + object + "/" + name).data = value;
 }
 
 void MatWriter::commit() {
@@ -155,7 +156,8 @@ void MatWriter::commit() {
                                         "give a smaller --output-rate, or use run.h5");
             const Variable variable = variable_of(name.c_str(), node);
             if (!variable || Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_NONE) != 0)
-                throw computation_error(fmt::format("{}: {} cannot be written", file_->path.string(), name), "make room on the disk");
+                throw computation_error(fmt::format("{}: {} cannot be written", file_->path.string(), name),
+                                        "make room on the disk");
         }
     }
     std::error_code error;

@@ -16,9 +16,11 @@ public:
     explicit MatWriter(std::filesystem::path path);
     ~MatWriter() override;
 
-    void table(const std::string& path, std::span<const double> values, std::size_t columns, const TableAttributes& attributes) override;
+    void table(const std::string& path, std::span<const double> values, std::size_t columns,
+               const TableAttributes& attributes) override;
     /// As size x size x matrices: x(:, :, k) is one of them.
-    void matrices(const std::string& path, std::span<const double> values, std::size_t size, const TableAttributes& attributes) override;
+    void matrices(const std::string& path, std::span<const double> values, std::size_t size,
+                  const TableAttributes& attributes) override;
     void integers(const std::string& path, std::span<const std::int64_t> values, const TableAttributes& attributes) override;
     void attribute(const std::string& path, const std::string& name, const std::string& value) override;
     /// Throws Error(Computation) where the disk is full, or a variable larger than the format can hold (2 GB).

@@ -68,10 +68,8 @@ public:
             }
             const std::string_view body = bytes.substr(at + record_head, size);
             if (op == DataEnd || op == Footer) return;
-            if (op == Chunk)
-                chunk(body, at);
-            else
-                record(op, body, at);
+            if (op == Chunk) chunk(body, at);
+            else record(op, body, at);
             at += record_head + size;
         }
         cut_at = at;
@@ -97,7 +95,9 @@ private:
             (void)body.number<std::uint64_t>();
             const auto it = channels_.find(channel);
             if (!body.ok() || it == channels_.end()) return bad(at);
-            if (it->second.wanted) messages.add(it->second.topic, it->second.type, it->second.layout, body.rest(), static_cast<std::int64_t>(logged));
+            if (it->second.wanted)
+                messages.add(it->second.topic, it->second.type, it->second.layout, body.rest(),
+                             static_cast<std::int64_t>(logged));
         } else if (op == Schema) {
             const auto id = body.number<std::uint16_t>();
             const std::string_view name = body.text();
@@ -118,7 +118,7 @@ private:
         (void)body.number<std::uint64_t>();
         (void)body.number<std::uint64_t>();
         const auto size = body.number<std::uint64_t>();
-        const auto check = body.number<std::uint32_t>();   // zero: there is none
+        const auto check = body.number<std::uint32_t>();  // zero: there is none
         const std::string_view method = body.text();
         const std::string_view packed = body.text(body.number<std::uint64_t>());
         if (!body.ok()) return bad(at);
@@ -128,11 +128,12 @@ private:
             try {
                 own = decompressed(packed, method, size);
             } catch (const Error& e) {
-                throw input_error(fmt::format("the chunk at byte {}: {}", at, e.reason()), place_in(file_), e.mend());
+                throw input_error(fmt::format("the chunk at byte {}: {}", at, e.reason()), place_in(file_), e.hint());
             }
             records = own;
         }
-        if (check != 0 && ::crc32(0, reinterpret_cast<const Bytef*>(records.data()), static_cast<uInt>(records.size())) != check) return bad(at);
+        if (check != 0 && ::crc32(0, reinterpret_cast<const Bytef*>(records.data()), static_cast<uInt>(records.size())) != check)
+            return bad(at);
         std::size_t inside = 0;
         while (inside + record_head <= records.size()) {
             const auto length = detail::load<std::uint64_t>(records.data() + inside + 1);
@@ -149,21 +150,27 @@ private:
 
 StreamLog read_mcap(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
-    if (!bytes.starts_with(mcap_magic)) throw input_error("is no MCAP file: its first bytes are others", place_in(input.name()), "choose a .mcap file");
+    if (!bytes.starts_with(mcap_magic))
+        throw input_error("is no MCAP file: its first bytes are others", place_in(input.name()), "choose a .mcap file");
     McapReader reader(input.name());
     reader.read(bytes);
     StreamLog log;
     reader.messages.finish(log);
     const std::size_t damaged = reader.damaged + reader.messages.damaged;
     if (damaged > 0)
-        warnings.add(input.name() + " mcap.damaged", fmt::format("{}: damaged records, the first at byte {}: skipped", input.name(), reader.first_damaged), damaged);
+        warnings.add(input.name() + " mcap.damaged",
+                     fmt::format("{}: damaged records, the first at byte {}: skipped", input.name(), reader.first_damaged),
+                     damaged);
     if (reader.cut_at > 0)
-        warnings.add(input.name() + " mcap.cut", fmt::format("{}: the file is cut in the record at byte {}: read up to there", input.name(), reader.cut_at));
+        warnings.add(input.name() + " mcap.cut",
+                     fmt::format("{}: the file is cut in the record at byte {}: read up to there", input.name(), reader.cut_at));
     if (log.streams.empty() && reader.damaged > 0)
-        throw input_error(fmt::format("is damaged, the first time at byte {}, and nothing of use is left", reader.first_damaged), place_in(input.name()), "copy the log completely");
+        throw input_error(fmt::format("is damaged, the first time at byte {}, and nothing of use is left", reader.first_damaged),
+                          place_in(input.name()), "copy the log completely");
     if (log.streams.empty())
         throw input_error("holds no instrument that is used", place_in(input.name()),
-                          "it has the topics " + reader.messages.topics() + "; sensor_msgs Imu, NavSatFix, MagneticField, FluidPressure and nav_msgs Odometry are read");
+                          "it has the topics " + reader.messages.topics() +
+                              "; sensor_msgs Imu, NavSatFix, MagneticField, FluidPressure and nav_msgs Odometry are read");
     return log;
 }
 
@@ -192,11 +199,15 @@ private:
 };
 
 constexpr std::string_view header_definition =
-    "\n================================================================================\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
-    "================================================================================\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+    "\n================================================================================\nMSG: "
+    "std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    "================================================================================\nMSG: builtin_interfaces/Time\nint32 "
+    "sec\nuint32 nanosec\n";
 constexpr std::string_view fix_definition =
-    "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\nfloat64[9] position_covariance\n"
-    "uint8 position_covariance_type\n================================================================================\nMSG: sensor_msgs/NavSatStatus\n"
+    "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\nfloat64[9] "
+    "position_covariance\n"
+    "uint8 position_covariance_type\n================================================================================\nMSG: "
+    "sensor_msgs/NavSatStatus\n"
     "int8 status\nuint16 service\n";
 
 void record(std::string& out, Op op, const std::string& body) {
@@ -241,15 +252,20 @@ void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> 
     record(out, Header, header);
     define(out, 1, "/fix", "sensor_msgs/msg/NavSatFix", std::string(fix_definition) + std::string(header_definition));
     define(out, 2, "/attitude", "geometry_msgs/msg/QuaternionStamped",
-           "std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n================================================================================\n"
-           "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + std::string(header_definition));
+           "std_msgs/Header header\ngeometry_msgs/Quaternion "
+           "quaternion\n================================================================================\n"
+           "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" +
+               std::string(header_definition));
     std::uint32_t number = 0;
     for (const SolutionRow& r : rows) {
         const std::int64_t utc_seconds = r.time.ns / 1'000'000'000;
         // dated times become UTC from 1970, as ROS has them
         constexpr std::int64_t dated = 100'000'000;
-        const std::int64_t ns = utc_seconds < dated ? r.time.ns : r.time.ns + (unix_time_of_gps_epoch - gps_minus_utc(utc_seconds)) * std::int64_t{1'000'000'000};
-        if (ns < 0) throw input_error("a row has a time before zero, which MCAP cannot hold", {}, "give an output with another clock");
+        const std::int64_t ns =
+            utc_seconds < dated ? r.time.ns
+                                : r.time.ns + (unix_time_of_gps_epoch - gps_minus_utc(utc_seconds)) * std::int64_t{1'000'000'000};
+        if (ns < 0)
+            throw input_error("a row has a time before zero, which MCAP cannot hold", {}, "give an output with another clock");
         Cdr fix;
         fix.header(ns, "wgs84").put(std::int8_t{0}).put(std::uint16_t{1});
         fix.put(r.position.lat / units::deg).put(r.position.lon / units::deg).put(r.position.h);
@@ -286,8 +302,10 @@ const Format mcap_format = {
     .name = "mcap",
     .title = "MCAP (ROS 2, Foxglove)",
     .extensions = ".mcap",
-    .holds = "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
-             "their own; zstd and LZ4. Written: NavSatFix and the attitude (body to east-north-up) as QuaternionStamped",
+    .holds =
+        "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as "
+        "trajectories in a frame of "
+        "their own; zstd and LZ4. Written: NavSatFix and the attitude (body to east-north-up) as QuaternionStamped",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
     .recognise = [](const FileHead& head) { return head.starts_with(mcap_magic); },
     .read = read_mcap,

@@ -26,10 +26,11 @@ std::vector<const RawTable*> tables_named(const RawTables& tables, std::string_v
     return found;
 }
 
-std::vector<double> interpolated(const std::vector<double>& at, const std::vector<double>& times, const std::vector<double>& values, double reach) {
+std::vector<double> interpolated(const std::vector<double>& at, const std::vector<double>& times,
+                                 const std::vector<double>& values, double reach) {
     std::vector<double> out(at.size(), std::numeric_limits<double>::quiet_NaN());
     if (times.empty()) return out;
-    if (!std::ranges::is_sorted(times)) {   // several boots in one log, or damage
+    if (!std::ranges::is_sorted(times)) {  // several boots in one log, or damage
         std::vector<std::pair<double, double>> rows;
         for (std::size_t i = 0; i < times.size(); ++i)
             if (std::isfinite(times[i])) rows.emplace_back(times[i], values[i]);
@@ -41,7 +42,7 @@ std::vector<double> interpolated(const std::vector<double>& at, const std::vecto
         }
         return interpolated(at, t, v, reach);
     }
-    std::size_t k = 0;   // the first row after
+    std::size_t k = 0;  // the first row after
     for (std::size_t i = 0; i < at.size(); ++i) {
         if (i == 0 || at[i] < at[i - 1]) k = static_cast<std::size_t>(std::ranges::upper_bound(times, at[i]) - times.begin());
         while (k < times.size() && times[k] <= at[i]) ++k;

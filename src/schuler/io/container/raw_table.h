@@ -11,10 +11,10 @@
 namespace schuler::io {
 
 struct RawTable {
-    std::string name;                                ///< of the message: "sensor_combined", "IMU"
+    std::string name;  ///< of the message: "sensor_combined", "IMU"
     int instance = 0;
     std::vector<std::string> fields;
-    std::vector<std::vector<double>> values;         ///< a column a field, all of one length
+    std::vector<std::vector<double>> values;  ///< a column a field, all of one length
 
     [[nodiscard]] const std::vector<double>* find(std::string_view field) const;
     /// The first of several names that is there.
@@ -28,8 +28,8 @@ using RawTables = std::vector<RawTable>;
 [[nodiscard]] std::vector<const RawTable*> tables_named(const RawTables& tables, std::string_view name);
 
 /// Values of another table at the times of this one, by straight lines between its rows; NaN more than `reach` beyond a row.
-[[nodiscard]] std::vector<double> interpolated(const std::vector<double>& at, const std::vector<double>& times, const std::vector<double>& values,
-                                               double reach);
+[[nodiscard]] std::vector<double> interpolated(const std::vector<double>& at, const std::vector<double>& times,
+                                               const std::vector<double>& values, double reach);
 
 /// What PX4's topics mean, by their names; `timestamp` is in microseconds.
 [[nodiscard]] StreamLog px4_streams(const RawTables& tables);

@@ -68,15 +68,16 @@ private:
         const std::string_view op = text("op");
         if (op.size() != 1) return;
         switch (op[0]) {
-            case 2: {   // a message
+            case 2: {  // a message
                 const auto it = connections_.find(detail::load<std::uint32_t>(text("conn"), 0));
                 if (it == connections_.end() || !it->second.wanted) return;
                 const std::string_view time = text("time");
-                const std::int64_t logged = std::int64_t{detail::load<std::uint32_t>(time, 0)} * 1'000'000'000 + detail::load<std::uint32_t>(time, 4);
+                const std::int64_t logged =
+                    std::int64_t{detail::load<std::uint32_t>(time, 0)} * 1'000'000'000 + detail::load<std::uint32_t>(time, 4);
                 messages.add(it->second.topic, it->second.type, RosLayout::Packed, data, logged);
                 return;
             }
-            case 5: {   // a chunk
+            case 5: {  // a chunk
                 if (!outside) return;
                 const std::string_view method = text("compression");
                 if (method.empty() || method == "none") return records(data, 0, false);
@@ -84,11 +85,11 @@ private:
                     const std::string own = decompressed(data, method, detail::load<std::uint32_t>(text("size"), 0));
                     records(own, 0, false);
                 } catch (const Error& e) {
-                    throw input_error(fmt::format("the chunk at byte {}: {}", at, e.reason()), place_in(file_), e.mend());
+                    throw input_error(fmt::format("the chunk at byte {}: {}", at, e.reason()), place_in(file_), e.hint());
                 }
                 return;
             }
-            case 7: {   // a connection
+            case 7: {  // a connection
                 const auto inner = fields_of(data);
                 const auto type = inner.find("type");
                 Connection c{std::string(text("topic")), type == inner.end() ? std::string() : std::string(type->second), false};
@@ -111,19 +112,23 @@ StreamLog finished(const TextInput& input, RosMessages& messages, WarningLog& wa
     if (messages.damaged > 0)
         warnings.add(input.name() + " ros.damaged", fmt::format("{}: damaged messages: skipped", input.name()), messages.damaged);
     if (log.streams.empty())
-        throw input_error("holds no instrument that is used", place_in(input.name()),
-                          (messages.topics().empty() ? std::string("it has no topic") : "it has the topics " + messages.topics()) +
-                              "; sensor_msgs Imu, NavSatFix, MagneticField, FluidPressure and nav_msgs Odometry are read");
+        throw input_error(
+            "holds no instrument that is used", place_in(input.name()),
+            (messages.topics().empty() ? std::string("it has no topic") : "it has the topics " + messages.topics()) +
+                "; sensor_msgs Imu, NavSatFix, MagneticField, FluidPressure and nav_msgs Odometry are read");
     return log;
 }
 
 StreamLog read_bag(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
-    if (!bytes.starts_with(bag_magic)) throw input_error("is no ROS bag of version 2.0: its first line is another", place_in(input.name()), "convert older bags with `rosbag migrate`");
+    if (!bytes.starts_with(bag_magic))
+        throw input_error("is no ROS bag of version 2.0: its first line is another", place_in(input.name()),
+                          "convert older bags with `rosbag migrate`");
     BagReader reader(input.name());
     reader.read(bytes);
     if (reader.cut_at > 0)
-        warnings.add(input.name() + " bag.cut", fmt::format("{}: the bag is cut in the record at byte {}: read up to there", input.name(), reader.cut_at));
+        warnings.add(input.name() + " bag.cut",
+                     fmt::format("{}: the bag is cut in the record at byte {}: read up to there", input.name(), reader.cut_at));
     return finished(input, reader.messages, warnings);
 }
 
@@ -142,13 +147,14 @@ StreamLog read_db3(const TextInput& input, WarningLog& warnings) {
     const int opened = sqlite3_open_v2(uri.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     const Database database(raw, sqlite3_close);
     const auto refuse = [&](const char* what) {
-        return input_error(fmt::format("{} ({})", what, raw != nullptr ? sqlite3_errmsg(raw) : "no memory"), place_in(input.name()),
-                           "is it a database of rosbag2, copied completely?");
+        return input_error(fmt::format("{} ({})", what, raw != nullptr ? sqlite3_errmsg(raw) : "no memory"),
+                           place_in(input.name()), "is it a database of rosbag2, copied completely?");
     };
     if (opened != SQLITE_OK) throw refuse("the database cannot be opened");
     const auto prepare = [&](const char* query) {
         sqlite3_stmt* statement = nullptr;
-        if (sqlite3_prepare_v2(database.get(), query, -1, &statement, nullptr) != SQLITE_OK) throw refuse("the database has no tables of rosbag2");
+        if (sqlite3_prepare_v2(database.get(), query, -1, &statement, nullptr) != SQLITE_OK)
+            throw refuse("the database has no tables of rosbag2");
         return Statement(statement, sqlite3_finalize);
     };
     RosMessages messages;
@@ -176,29 +182,30 @@ StreamLog read_db3(const TextInput& input, WarningLog& warnings) {
         messages.add(it->second.name, it->second.type, RosLayout::Cdr, data, sqlite3_column_int64(rows.get(), 1));
     }
     if (state != SQLITE_DONE)
-        warnings.add(input.name() + " db3.damaged", fmt::format("{}: the database is damaged ({}): read up to there", input.name(), sqlite3_errmsg(database.get())));
+        warnings.add(input.name() + " db3.damaged", fmt::format("{}: the database is damaged ({}): read up to there",
+                                                                input.name(), sqlite3_errmsg(database.get())));
     return finished(input, messages, warnings);
 }
 
 }  // namespace
 
 extern const Format ros_bag_format, ros_db3_format;
-const Format ros_bag_format = {
-    .name = "rosbag",
-    .title = "ROS 1 bag",
-    .extensions = ".bag",
-    .holds = "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
-             "their own; bzip2 and LZ4",
-    .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
-    .recognise = [](const FileHead& head) { return head.starts_with("#ROSBAG V"); },
-    .read = read_bag};
-const Format ros_db3_format = {
-    .name = "rosbag2",
-    .title = "ROS 2 database",
-    .extensions = ".db3",
-    .holds = "as `mcap`, of the tables `topics` and `messages`; its folder may be given",
-    .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
-    .recognise = [](const FileHead& head) { return head.starts_with(sqlite_magic); },
-    .read = read_db3};
+const Format ros_bag_format = {.name = "rosbag",
+                               .title = "ROS 1 bag",
+                               .extensions = ".bag",
+                               .holds =
+                                   "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry "
+                                   "and `geometry_msgs` poses as trajectories in a frame of "
+                                   "their own; bzip2 and LZ4",
+                               .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
+                               .recognise = [](const FileHead& head) { return head.starts_with("#ROSBAG V"); },
+                               .read = read_bag};
+const Format ros_db3_format = {.name = "rosbag2",
+                               .title = "ROS 2 database",
+                               .extensions = ".db3",
+                               .holds = "as `mcap`, of the tables `topics` and `messages`; its folder may be given",
+                               .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
+                               .recognise = [](const FileHead& head) { return head.starts_with(sqlite_magic); },
+                               .read = read_db3};
 
 }  // namespace schuler::io

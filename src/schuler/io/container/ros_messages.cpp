@@ -22,7 +22,7 @@ public:
     Reader(std::string_view bytes, RosLayout layout) : bytes_(bytes), cdr_(layout == RosLayout::Cdr) {
         if (!cdr_) return;
         if (bytes.size() < 4) throw Short();
-        swapped_ = bytes[1] == 0;   // big-endian
+        swapped_ = bytes[1] == 0;  // big-endian
         start_ = at_ = 4;
     }
     template <class T>
@@ -44,7 +44,7 @@ public:
     }
     /// Time of a header, ns since 1970; its frame is passed over.
     std::int64_t header() {
-        if (!cdr_) (void)number<std::uint32_t>();   // ROS 1 has a counter first
+        if (!cdr_) (void)number<std::uint32_t>();  // ROS 1 has a counter first
         const auto seconds = number<std::uint32_t>(), ns = number<std::uint32_t>();
         (void)text();
         return std::int64_t{seconds} * 1'000'000'000 + ns;
@@ -69,23 +69,36 @@ Type type_of(std::string_view name) {
     if (slash == std::string_view::npos) return Type::None;
     const std::string_view package = name.substr(0, slash), message = name.substr(last + 1);
     if (package == "sensor_msgs")
-        return message == "Imu" ? Type::Imu : message == "NavSatFix" ? Type::Fix : message == "MagneticField" ? Type::Field : message == "FluidPressure" ? Type::Pressure : Type::None;
+        return message == "Imu"             ? Type::Imu
+               : message == "NavSatFix"     ? Type::Fix
+               : message == "MagneticField" ? Type::Field
+               : message == "FluidPressure" ? Type::Pressure
+                                            : Type::None;
     if (package == "nav_msgs") return message == "Odometry" ? Type::Odometry : Type::None;
     if (package == "geometry_msgs")
-        return message == "PoseStamped" ? Type::Pose : message == "PoseWithCovarianceStamped" ? Type::PoseWithCovariance : message == "TransformStamped" ? Type::Transform : Type::None;
+        return message == "PoseStamped"                 ? Type::Pose
+               : message == "PoseWithCovarianceStamped" ? Type::PoseWithCovariance
+               : message == "TransformStamped"          ? Type::Transform
+                                                        : Type::None;
     return Type::None;
 }
 
 Stream stream_for(Type type, const std::string& topic) {
     switch (type) {
         case Type::Imu:
-            return {"imu", TableKind::Imu, topic, {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"}};
-        case Type::Fix: return {"gnss", TableKind::Gnss, topic, {"lat_deg", "lon_deg", "height_ellipsoidal_m", "std_n_m", "std_e_m", "std_d_m"}};
+            return {"imu",
+                    TableKind::Imu,
+                    topic,
+                    {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"}};
+        case Type::Fix:
+            return {
+                "gnss", TableKind::Gnss, topic, {"lat_deg", "lon_deg", "height_ellipsoidal_m", "std_n_m", "std_e_m", "std_d_m"}};
         case Type::Field: return {"mag", TableKind::Mag, topic, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}};
         case Type::Pressure: return {"baro", TableKind::Baro, topic, {"pressure_pa"}};
         default: {
-            Stream s("trajectory", TableKind::Reference, topic, {"local_x_m", "local_y_m", "local_z_m", "quat_sensor_to_enu_w", "quat_sensor_to_enu_x",
-                                                                 "quat_sensor_to_enu_y", "quat_sensor_to_enu_z"});
+            Stream s("trajectory", TableKind::Reference, topic,
+                     {"local_x_m", "local_y_m", "local_z_m", "quat_sensor_to_enu_w", "quat_sensor_to_enu_x",
+                      "quat_sensor_to_enu_y", "quat_sensor_to_enu_z"});
             s.own_frame = true;
             return s;
         }
@@ -96,7 +109,7 @@ void add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
     const std::int64_t stamp = r.header();
     const std::int64_t t = stamp > 0 ? stamp : logged;
     if (type == Type::Imu) {
-        (void)r.doubles<4 + 9>();   // orientation, its covariance
+        (void)r.doubles<4 + 9>();  // orientation, its covariance
         const auto w = r.doubles<3>();
         (void)r.doubles<9>();
         const auto f = r.doubles<3>();
@@ -108,17 +121,20 @@ void add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
         const auto c = r.doubles<9>();
         const bool known = r.number<std::uint8_t>() != 0 && c[0] > 0.0;
         const auto sigma = [&](double variance) { return known && variance > 0.0 ? std::sqrt(variance) : not_given; };
-        s.add(t, {p[0], p[1], p[2], sigma(c[4]), sigma(c[0]), sigma(c[8])});   // the covariance is of east, north, up
-        s.fix.push_back(status < 0 ? FixType::None : status == 0 ? FixType::Autonomous : status == 1 ? FixType::Differential : FixType::RtkFixed);
+        s.add(t, {p[0], p[1], p[2], sigma(c[4]), sigma(c[0]), sigma(c[8])});  // the covariance is of east, north, up
+        s.fix.push_back(status < 0    ? FixType::None
+                        : status == 0 ? FixType::Autonomous
+                        : status == 1 ? FixType::Differential
+                                      : FixType::RtkFixed);
     } else if (type == Type::Field) {
-        const auto m = r.doubles<3>();   // tesla
+        const auto m = r.doubles<3>();  // tesla
         s.add(t, {1e6 * m[0], 1e6 * m[1], 1e6 * m[2]});
     } else if (type == Type::Pressure) {
         s.add(t, {r.number<double>()});
     } else {
         if (type == Type::Odometry || type == Type::Transform) (void)r.text();
         const auto p = r.doubles<3>();
-        const auto q = r.doubles<4>();   // x, y, z, w
+        const auto q = r.doubles<4>();  // x, y, z, w
         s.add(t, {p[0], p[1], p[2], q[3], q[0], q[1], q[2]});
     }
 }
@@ -127,7 +143,8 @@ void add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
 
 bool RosMessages::is_read(std::string_view type) { return type_of(type) != Type::None; }
 
-void RosMessages::add(const std::string& topic, const std::string& type_name, RosLayout layout, std::string_view message, std::int64_t logged) {
+void RosMessages::add(const std::string& topic, const std::string& type_name, RosLayout layout, std::string_view message,
+                      std::int64_t logged) {
     const Type type = type_of(type_name);
     if (type == Type::None) return;
     auto it = streams_.find(topic);

@@ -13,7 +13,7 @@
 namespace schuler::io {
 
 /// How the bytes of a message are laid out.
-enum class RosLayout { Packed, Cdr };   ///< ROS 1; ROS 2, each number at a multiple of its size, behind four bytes
+enum class RosLayout { Packed, Cdr };  ///< ROS 1; ROS 2, each number at a multiple of its size, behind four bytes
 
 /// Collects messages of topics into streams: sensor_msgs Imu, NavSatFix, MagneticField and FluidPressure, nav_msgs Odometry,
 /// geometry_msgs PoseStamped, PoseWithCovarianceStamped and TransformStamped. Times are those of the headers.

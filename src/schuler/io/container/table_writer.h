@@ -21,9 +21,11 @@ public:
 
     /// A complete table (rows x columns, row by row in memory) under a path such as "/solution/position"; the groups on the way are made.
     /// Attributes (units, names of the columns) are texts. Throws Error(Computation) where the path is taken or the disk is full.
-    virtual void table(const std::string& path, std::span<const double> values, std::size_t columns, const TableAttributes& attributes) = 0;
+    virtual void table(const std::string& path, std::span<const double> values, std::size_t columns,
+                       const TableAttributes& attributes) = 0;
     /// Square matrices, size * size values each.
-    virtual void matrices(const std::string& path, std::span<const double> values, std::size_t size, const TableAttributes& attributes) = 0;
+    virtual void matrices(const std::string& path, std::span<const double> values, std::size_t size,
+                          const TableAttributes& attributes) = 0;
     /// A column of whole numbers (times in ns).
     virtual void integers(const std::string& path, std::span<const std::int64_t> values, const TableAttributes& attributes) = 0;
     /// A text attribute of an object that exists ("/" is the file itself).

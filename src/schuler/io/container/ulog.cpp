@@ -32,11 +32,13 @@ std::size_t size_of(Number type) {
     return sizes[static_cast<std::size_t>(type)];
 }
 
+// clang-format off
 std::optional<Number> number_type(std::string_view name) {
     static const std::map<std::string_view, Number> types = {{"int8_t", Number::I8},   {"uint8_t", Number::U8},   {"bool", Number::U8},
                                                              {"char", Number::U8},     {"int16_t", Number::I16},  {"uint16_t", Number::U16},
                                                              {"int32_t", Number::I32}, {"uint32_t", Number::U32}, {"int64_t", Number::I64},
                                                              {"uint64_t", Number::U64}, {"float", Number::F32},   {"double", Number::F64}};
+    // clang-format on
     const auto it = types.find(name);
     return it == types.end() ? std::nullopt : std::optional(it->second);
 }
@@ -70,7 +72,8 @@ public:
 
     void read() {
         if (bytes_.size() < header_size)
-            throw input_error(fmt::format("the header of the ULog is cut at byte {}", bytes_.size()), place_in(file_), "copy the log completely");
+            throw input_error(fmt::format("the header of the ULog is cut at byte {}", bytes_.size()), place_in(file_),
+                              "copy the log completely");
         version = static_cast<unsigned char>(bytes_[7]);
         std::size_t at = header_size;
         while (at + prefix_size <= bytes_.size()) {
@@ -97,7 +100,7 @@ private:
     };
     struct Subscription {
         std::size_t table = 0;
-        std::size_t size = 0;                ///< bytes that its fields need
+        std::size_t size = 0;  ///< bytes that its fields need
         std::vector<Place> places;
     };
 
@@ -146,7 +149,8 @@ private:
             Field f{std::string(one.substr(0, blank)), std::string(one.substr(blank + 1)), 1};
             if (const std::size_t open = f.type.find('['); open != std::string::npos) {
                 f.count = 0;
-                for (std::size_t i = open + 1; i < f.type.size() && f.type[i] >= '0' && f.type[i] <= '9' && f.count < 100'000; ++i)
+                for (std::size_t i = open + 1; i < f.type.size() && f.type[i] >= '0' && f.type[i] <= '9' && f.count < 100'000;
+                     ++i)
                     f.count = 10 * f.count + static_cast<std::size_t>(f.type[i] - '0');
                 f.type.resize(open);
             }
@@ -156,7 +160,8 @@ private:
     }
 
     /// Places of the numbers of a message; the offset behind it. Nothing where a definition is missing or refers to itself.
-    std::optional<std::size_t> place(const std::string& definition, std::size_t offset, const std::string& prefix, std::vector<Place>& out, int depth) const {
+    std::optional<std::size_t> place(const std::string& definition, std::size_t offset, const std::string& prefix,
+                                     std::vector<Place>& out, int depth) const {
         const auto it = definitions_.find(definition);
         constexpr int deepest = 8;
         constexpr std::size_t most = 4096;
@@ -203,7 +208,8 @@ private:
             return;
         }
         RawTable& table = tables[s.table];
-        for (std::size_t i = 0; i < s.places.size(); ++i) table.values[i].push_back(number_at(body.data() + s.places[i].offset, s.places[i].type));
+        for (std::size_t i = 0; i < s.places.size(); ++i)
+            table.values[i].push_back(number_at(body.data() + s.places[i].offset, s.places[i].type));
     }
 
     std::string_view bytes_;
@@ -220,35 +226,42 @@ std::string list_of(const std::set<std::string>& names) {
 
 StreamLog read_ulog(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
-    if (!bytes.starts_with(ulog_magic)) throw input_error("is no ULog: its first bytes are others", place_in(input.name()), "choose a .ulg file of PX4");
+    if (!bytes.starts_with(ulog_magic))
+        throw input_error("is no ULog: its first bytes are others", place_in(input.name()), "choose a .ulg file of PX4");
     UlogReader reader(bytes, input.name());
     reader.read();
     StreamLog log = px4_streams(reader.tables);
     if (reader.dropouts > 0)
-        log.contents.push_back(fmt::format("{} drop-outs of the logger, {:.2f} s in all", reader.dropouts, reader.dropped_seconds));
+        log.contents.push_back(
+            fmt::format("{} drop-outs of the logger, {:.2f} s in all", reader.dropouts, reader.dropped_seconds));
     if (reader.damaged > 0)
         warnings.add(input.name() + " ulog.damaged",
-                     fmt::format("{}: damaged messages, the first at byte {}: skipped", input.name(), reader.first_damaged), reader.damaged);
+                     fmt::format("{}: damaged messages, the first at byte {}: skipped", input.name(), reader.first_damaged),
+                     reader.damaged);
     if (reader.cut_at > 0)
-        warnings.add(input.name() + " ulog.cut", fmt::format("{}: the log is cut in the message at byte {}: read up to there", input.name(), reader.cut_at));
+        warnings.add(input.name() + " ulog.cut",
+                     fmt::format("{}: the log is cut in the message at byte {}: read up to there", input.name(), reader.cut_at));
     if (log.streams.empty())
-        throw input_error("holds no instrument that is used", place_in(input.name()),
-                          reader.topics.empty() ? "the log is cut or damaged: it has no data" : "it has the topics " + list_of(reader.topics));
+        throw input_error(
+            "holds no instrument that is used", place_in(input.name()),
+            reader.topics.empty() ? "the log is cut or damaged: it has no data" : "it has the topics " + list_of(reader.topics));
     return log;
 }
 
 }  // namespace
 
 extern const Format ulog_format;
-const Format ulog_format = {
-    .name = "ulog",
-    .title = "PX4 ULog",
-    .extensions = ".ulg",
-    .holds = "IMU (`sensor_combined`, else `sensor_gyro` with `sensor_accel`, every instance), GNSS (`vehicle_gps_position`, `sensor_gps`), barometer "
-             "(`vehicle_air_data`, `sensor_baro`), magnetometer (`vehicle_magnetometer`, `sensor_mag`), the autopilot's attitude, velocity and position as "
-             "reference; drop-outs are counted",
-    .time = "boot of the autopilot",
-    .recognise = [](const FileHead& head) { return head.starts_with(ulog_magic); },
-    .read = read_ulog};
+const Format ulog_format = {.name = "ulog",
+                            .title = "PX4 ULog",
+                            .extensions = ".ulg",
+                            .holds =
+                                "IMU (`sensor_combined`, else `sensor_gyro` with `sensor_accel`, every instance), GNSS "
+                                "(`vehicle_gps_position`, `sensor_gps`), barometer "
+                                "(`vehicle_air_data`, `sensor_baro`), magnetometer (`vehicle_magnetometer`, `sensor_mag`), the "
+                                "autopilot's attitude, velocity and position as "
+                                "reference; drop-outs are counted",
+                            .time = "boot of the autopilot",
+                            .recognise = [](const FileHead& head) { return head.starts_with(ulog_magic); },
+                            .read = read_ulog};
 
 }  // namespace schuler::io

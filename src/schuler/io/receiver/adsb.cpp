@@ -19,8 +19,8 @@
 namespace schuler::io {
 namespace {
 
-constexpr double deg = units::deg, foot = 0.3048, fraction = 131072.0;   // 2^17
-constexpr int zones = 15;                                                // between equator and pole
+constexpr double deg = units::deg, foot = 0.3048, fraction = 131072.0;  // 2^17
+constexpr int zones = 15;                                               // between equator and pole
 constexpr Duration pair_age{10'000'000'000};
 
 using Message = std::array<std::uint8_t, 14>;
@@ -54,7 +54,7 @@ Time ticks(std::uint64_t count) {
 
 /// What is remembered of one address.
 struct Track {
-    std::array<std::optional<CompactPosition>, 2> last;   ///< even, odd
+    std::array<std::optional<CompactPosition>, 2> last;  ///< even, odd
     std::array<Time, 2> time{};
     std::optional<Geodetic> place;
     Time placed{};
@@ -106,8 +106,7 @@ private:
         std::optional<Geodetic> found;
         if (track.last[other] && time - track.time[other] <= pair_age)
             found = global_position(*track.last[0], *track.last[1], report.odd);
-        else if (track.place && time - track.placed <= pair_age)
-            found = local_position(report, *track.place, false);
+        else if (track.place && time - track.placed <= pair_age) found = local_position(report, *track.place, false);
         if (found) {
             track.place = found;
             track.placed = time;
@@ -136,7 +135,7 @@ void read_beast(std::string_view text, Decoder& decoder) {
         for (; n < 7 + length && i < text.size(); ++n, ++i) {
             const auto byte = static_cast<std::uint8_t>(text[i]);
             if (byte == 0x1a) {
-                if (i + 1 >= text.size() || static_cast<unsigned char>(text[i + 1]) != 0x1a) break;   // a new frame begins
+                if (i + 1 >= text.size() || static_cast<unsigned char>(text[i + 1]) != 0x1a) break;  // a new frame begins
                 ++i;
             }
             frame[n] = byte;
@@ -266,7 +265,8 @@ AdsbLog read_adsb(const TextInput& input, std::optional<Geodetic> near, WarningL
     if (decoder.out.messages.read == 0)
         throw input_error("has no extended squitter that is whole", place_in(input.name()), "give a log in AVR or Beast format");
     if (decoder.out.messages.bad > 0)
-        log.add("adsb.bad", fmt::format("{}: messages with wrong parity or length: skipped", input.name()), decoder.out.messages.bad);
+        log.add("adsb.bad", fmt::format("{}: messages with wrong parity or length: skipped", input.name()),
+                decoder.out.messages.bad);
     return std::move(decoder.out);
 }
 
@@ -290,23 +290,23 @@ std::vector<StationRow> stations_of(const AdsbLog& log) {
         s.high = {std::max(s.high.lat, p.position.lat), std::max(s.high.lon, p.position.lon), 0.0};
     }
     std::vector<StationRow> out;
-    constexpr double radius = 6.371e6, largest = 60.0;   // m
+    constexpr double radius = 6.371e6, largest = 60.0;  // m
     for (const auto& [address, s] : by_address) {
         const double lat = s.sum.lat / s.n;
         const double north = radius * (s.high.lat - s.low.lat), east = radius * std::cos(lat) * (s.high.lon - s.low.lon);
         if (s.n < 5.0 || std::hypot(north, east) > largest) continue;
-        out.push_back({fmt::format("ADSB-{:06X}", address & 0xffffff), {lat, s.sum.lon / s.n, s.heights > 0.0 ? s.sum.h / s.heights : not_given}});
+        out.push_back({fmt::format("ADSB-{:06X}", address & 0xffffff),
+                       {lat, s.sum.lon / s.n, s.heights > 0.0 ? s.sum.h / s.heights : not_given}});
     }
     return out;
 }
 
 extern const Format adsb_format;
-const Format adsb_format = {
-    .name = "adsb",
-    .title = "ADS-B squitters",
-    .extensions = ".bin .avr",
-    .holds = "extended squitters of 1090 MHz (Beast, AVR) as stations of [stations]",
-    .time = "the receiver's clock",
-    .recognise = [](const FileHead& head) { return is_adsb(TextInput(head.path)); }};
+const Format adsb_format = {.name = "adsb",
+                            .title = "ADS-B squitters",
+                            .extensions = ".bin .avr",
+                            .holds = "extended squitters of 1090 MHz (Beast, AVR) as stations of [stations]",
+                            .time = "the receiver's clock",
+                            .recognise = [](const FileHead& head) { return is_adsb(TextInput(head.path)); }};
 
 }  // namespace schuler::io

@@ -18,16 +18,16 @@ namespace schuler::io {
 
 /// A reported position. The time is the receiver's 12 MHz counter, zero where the log has none.
 struct SquitterPosition {
-    std::uint32_t address = 0;           ///< 24 bits, with bit 24 set where it is no ICAO address
+    std::uint32_t address = 0;  ///< 24 bits, with bit 24 set where it is no ICAO address
     Time time;
-    Geodetic position;                   ///< height NaN on the surface or where not told
-    bool geometric_height = false;       ///< above the ellipsoid; otherwise by pressure
+    Geodetic position;              ///< height NaN on the surface or where not told
+    bool geometric_height = false;  ///< above the ellipsoid; otherwise by pressure
     bool surface = false;
 };
 
 struct AdsbLog {
     std::vector<SquitterPosition> positions;
-    RecordCounts messages;               ///< extended squitters; bad: parity or length
+    RecordCounts messages;  ///< extended squitters; bad: parity or length
 };
 
 /// True where the first bytes look like Beast frames or AVR lines. Never throws on content.

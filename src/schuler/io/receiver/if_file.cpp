@@ -15,8 +15,8 @@ namespace schuler::io {
 namespace {
 
 constexpr std::size_t looked_at = 65536, least_looked_at = 1000;  // samples, to tell a format
-constexpr float wanted_rms = 24.0F;  // steps: quantization costs 0.001 dB, clipping is 5 sigma away
-constexpr unsigned sign_bit = 0x80U;  ///< turned over, signed bytes become unsigned ones less 128
+constexpr float wanted_rms = 24.0F;                               // steps: quantization costs 0.001 dB, clipping is 5 sigma away
+constexpr unsigned sign_bit = 0x80U;                              ///< turned over, signed bytes become unsigned ones less 128
 constexpr const char* own_format = "give the format it was written in: ibyte, ubyte, ishort or gr_complex";
 
 static_assert(std::endian::native == std::endian::little, "words and floats are read as they lie");

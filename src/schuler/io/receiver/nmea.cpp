@@ -86,7 +86,7 @@ struct Epoch {
     double speed = not_given, course = not_given;
     Eigen::Vector3d std_position = not_given3();
     FixType fix = FixType::Unknown;
-    bool invalid = false;              ///< a sentence says that there is no fix
+    bool invalid = false;  ///< a sentence says that there is no fix
     int satellites = -1;
 };
 
@@ -119,20 +119,13 @@ public:
         const std::string_view type = fields->front().substr(fields->front().size() - 3);
         bool good = true;
         if (fields->front().front() == 'P') return;  // proprietary
-        if (type == "GGA")
-            good = gga(*fields);
-        else if (type == "GNS")
-            good = gns(*fields);
-        else if (type == "RMC")
-            good = rmc(*fields);
-        else if (type == "GST")
-            good = gst(*fields);
-        else if (type == "ZDA")
-            good = zda(*fields);
-        else if (type == "VTG")
-            vtg(*fields);
-        else if (type == "GSA")
-            gsa(*fields);
+        if (type == "GGA") good = gga(*fields);
+        else if (type == "GNS") good = gns(*fields);
+        else if (type == "RMC") good = rmc(*fields);
+        else if (type == "GST") good = gst(*fields);
+        else if (type == "ZDA") good = zda(*fields);
+        else if (type == "VTG") vtg(*fields);
+        else if (type == "GSA") gsa(*fields);
         if (!good) ++log.bad_sentences;
     }
 
@@ -282,10 +275,8 @@ private:
         if (std::isnan(e.separation) && !std::isnan(e.msl)) log.height = HeightKind::Msl;
         if (e.speed >= 0.0) {
             // A receiver at rest leaves the course empty.
-            if (!std::isnan(e.course))
-                fix.velocity_n = {e.speed * std::cos(e.course), e.speed * std::sin(e.course), not_given};
-            else if (e.speed < 0.5)
-                fix.velocity_n = {0.0, 0.0, not_given};
+            if (!std::isnan(e.course)) fix.velocity_n = {e.speed * std::cos(e.course), e.speed * std::sin(e.course), not_given};
+            else if (e.speed < 0.5) fix.velocity_n = {0.0, 0.0, not_given};
         }
         fix.std_position = e.std_position;
         fix.fix = e.fix;

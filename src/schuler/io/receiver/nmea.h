@@ -13,11 +13,11 @@ namespace schuler::io {
 
 /// A log as GNSS fixes.
 struct NmeaLog {
-    std::vector<GnssFix> fixes;       ///< in GPS time where there is a date, else seconds of the first UTC day
+    std::vector<GnssFix> fixes;  ///< in GPS time where there is a date, else seconds of the first UTC day
     bool has_date = false;
-    HeightKind height = HeightKind::Ellipsoidal;   ///< Msl where the log gives no geoid separation
-    std::size_t sentences = 0;        ///< with a right checksum
-    std::size_t bad_sentences = 0;    ///< with a wrong or missing one, or damaged fields
+    HeightKind height = HeightKind::Ellipsoidal;  ///< Msl where the log gives no geoid separation
+    std::size_t sentences = 0;                    ///< with a right checksum
+    std::size_t bad_sentences = 0;                ///< with a wrong or missing one, or damaged fields
     RowCounts rows;
 };
 

@@ -30,32 +30,32 @@ struct ImuScale {
 const ImuScale* scale_of(int type) {
     constexpr double foot = 0.3048, arcsec = units::deg / 3600.0, p33 = 0x1p-33, p27 = 0x1p-27 * foot, mg = units::g0 / 1000.0;
     static const std::map<int, ImuScale> scales = {
-        {1, {p33, p27}},                                            // HG1700 AG11
-        {4, {p33, 2.0 * p27}},                                      // HG1700 AG17
-        {5, {p33, p27}},                                            // HG1900 CA29
-        {8, {0x1p-19, 0x1p-14}},                                    // LN200
-        {11, {p33, p27}},                                           // HG1700 AG58
-        {12, {p33, 2.0 * p27}},                                     // HG1700 AG62
-        {13, {0.1 * 0x1p-8 * arcsec, 0.05 * 0x1p-15}},              // iIMU-FSAS
-        {16, {0.1 / (3600.0 * 256.0), 0.05 * 0x1p-15}},             // KVH COTS (CPT)
-        {20, {p33, p27}},                                           // HG1930 AA99
-        {26, {1e-9, 2e-8}},                                         // ISA-100C
-        {27, {p33, p27}},                                           // HG1900 CA50
-        {28, {p33, p27}},                                           // HG1930 CA50
-        {31, {720.0 * 0x1p-31 * units::deg, 200.0 * 0x1p-31}},      // ADIS16488
-        {32, {0x1p-21 * units::deg, 0x1p-22}},                      // STIM300
-        {33, {0.1 / (3600.0 * 256.0), 0.05 * 0x1p-15}},             // KVH 1750
-        {34, {1e-9, 2e-8}},                                         // ISA-100
-        {38, {1e-9, 2e-8}},                                         // ISA-100, 400 Hz
-        {39, {1e-9, 2e-8}},                                         // ISA-100C, 400 Hz
-        {41, {0.008 / 65536.0 / 125.0 * units::deg, 0.2 / 65536.0 * mg / 125.0}},       // EPSON G320
-        {52, {1e-9, 2e-8}},                                         // LITEF uIMU
-        {56, {0x1p-21 * units::deg, 0x1p-22}},                      // STIM300D
-        {58, {p33, 0x1p-29}},                                       // HG4930 AN01
-        {61, {0.0151515 / 65536.0 / 200.0 * units::deg, 0.4 / 65536.0 * mg / 200.0}},   // EPSON G370
-        {62, {0.008 / 65536.0 / 200.0 * units::deg, 0.2 / 65536.0 * mg / 200.0}},       // EPSON G320, 200 Hz
-        {68, {p33, 0x1p-29}},                                       // HG4930 AN04
-        {69, {p33, 0x1p-29}},                                       // HG4930 AN04, 400 Hz
+        {1, {p33, p27}},                                                               // HG1700 AG11
+        {4, {p33, 2.0 * p27}},                                                         // HG1700 AG17
+        {5, {p33, p27}},                                                               // HG1900 CA29
+        {8, {0x1p-19, 0x1p-14}},                                                       // LN200
+        {11, {p33, p27}},                                                              // HG1700 AG58
+        {12, {p33, 2.0 * p27}},                                                        // HG1700 AG62
+        {13, {0.1 * 0x1p-8 * arcsec, 0.05 * 0x1p-15}},                                 // iIMU-FSAS
+        {16, {0.1 / (3600.0 * 256.0), 0.05 * 0x1p-15}},                                // KVH COTS (CPT)
+        {20, {p33, p27}},                                                              // HG1930 AA99
+        {26, {1e-9, 2e-8}},                                                            // ISA-100C
+        {27, {p33, p27}},                                                              // HG1900 CA50
+        {28, {p33, p27}},                                                              // HG1930 CA50
+        {31, {720.0 * 0x1p-31 * units::deg, 200.0 * 0x1p-31}},                         // ADIS16488
+        {32, {0x1p-21 * units::deg, 0x1p-22}},                                         // STIM300
+        {33, {0.1 / (3600.0 * 256.0), 0.05 * 0x1p-15}},                                // KVH 1750
+        {34, {1e-9, 2e-8}},                                                            // ISA-100
+        {38, {1e-9, 2e-8}},                                                            // ISA-100, 400 Hz
+        {39, {1e-9, 2e-8}},                                                            // ISA-100C, 400 Hz
+        {41, {0.008 / 65536.0 / 125.0 * units::deg, 0.2 / 65536.0 * mg / 125.0}},      // EPSON G320
+        {52, {1e-9, 2e-8}},                                                            // LITEF uIMU
+        {56, {0x1p-21 * units::deg, 0x1p-22}},                                         // STIM300D
+        {58, {p33, 0x1p-29}},                                                          // HG4930 AN01
+        {61, {0.0151515 / 65536.0 / 200.0 * units::deg, 0.4 / 65536.0 * mg / 200.0}},  // EPSON G370
+        {62, {0.008 / 65536.0 / 200.0 * units::deg, 0.2 / 65536.0 * mg / 200.0}},      // EPSON G320, 200 Hz
+        {68, {p33, 0x1p-29}},                                                          // HG4930 AN04
+        {69, {p33, 0x1p-29}},                                                          // HG4930 AN04, 400 Hz
     };
     const auto it = scales.find(type);
     return it == scales.end() ? nullptr : &it->second;
@@ -64,11 +64,13 @@ const ImuScale* scale_of(int type) {
 /// The type of an IMU by its name in CONNECTIMU, SETIMUTYPE and INSCONFIG; -1 where it is of none above.
 int type_of(std::string_view name) {
     if (name.starts_with("IMU_")) name.remove_prefix(4);
+    // clang-format off
     static const std::map<std::string_view, int> types = {
         {"HG1700_AG11", 1},  {"HG1700_AG17", 4},  {"HG1900_CA29", 5}, {"LN200", 8},         {"HG1700_AG58", 11}, {"HG1700_AG62", 12},      {"IMAR_FSAS", 13},
         {"KVH_COTS", 16},    {"HG1930_AA99", 20}, {"ISA100C", 26},    {"HG1900_CA50", 27},  {"HG1930_CA50", 28}, {"ADIS16488", 31},        {"STIM300", 32},
         {"KVH_1750", 33},    {"ISA100", 34},      {"ISA100_400HZ", 38}, {"ISA100C_400HZ", 39}, {"EPSON_G320", 41}, {"LITEF_MICROIMU", 52}, {"STIM300D", 56},
         {"HG4930_AN01", 58}, {"EPSON_G370", 61},  {"EPSON_G320_200HZ", 62}, {"HG4930_AN04", 68}, {"HG4930_AN04_400HZ", 69}};
+    // clang-format on
     const auto it = types.find(name);
     return it == types.end() ? -1 : it->second;
 }
@@ -93,18 +95,21 @@ int configured_imu(std::string_view bytes) {
 FixType fix_of_code(unsigned type) {
     if (type == 0) return FixType::None;
     if (type == 16 || type == 8 || type == 1 || type == 2 || type == 53) return FixType::Autonomous;
-    if (type == 17 || type == 18 || type == 52 || type == 54 || (type >= 68 && type <= 74) || (type >= 77 && type <= 80)) return FixType::Differential;
+    if (type == 17 || type == 18 || type == 52 || type == 54 || (type >= 68 && type <= 74) || (type >= 77 && type <= 80))
+        return FixType::Differential;
     if (type == 48 || type == 49 || type == 50 || type == 51 || type == 56) return FixType::RtkFixed;
     if (type == 32 || type == 33 || type == 34 || type == 55 || type == 19 || type == 20) return FixType::RtkFloat;
     return FixType::Unknown;
 }
 FixType fix_of_word(std::string_view word) {
+    // clang-format off
     static const std::map<std::string_view, unsigned> codes = {
         {"NONE", 0}, {"FIXEDPOS", 1}, {"FIXEDHEIGHT", 2}, {"DOPPLER_VELOCITY", 8}, {"SINGLE", 16}, {"PSRDIFF", 17}, {"WAAS", 18}, {"SBAS", 18},
         {"PROPAGATED", 19}, {"L1_FLOAT", 32}, {"IONOFREE_FLOAT", 33}, {"NARROW_FLOAT", 34}, {"L1_INT", 48}, {"WIDE_INT", 49}, {"NARROW_INT", 50},
         {"RTK_DIRECT_INS", 51}, {"INS_SBAS", 52}, {"INS_PSRSP", 53}, {"INS_PSRDIFF", 54}, {"INS_RTKFLOAT", 55}, {"INS_RTKFIXED", 56},
         {"PPP_CONVERGING", 68}, {"PPP", 69}, {"OPERATIONAL", 70}, {"WARNING", 71}, {"OUT_OF_BOUNDS", 72}, {"INS_PPP_CONVERGING", 73}, {"INS_PPP", 74},
         {"PPP_BASIC_CONVERGING", 77}, {"PPP_BASIC", 78}, {"INS_PPP_BASIC_CONVERGING", 79}, {"INS_PPP_BASIC", 80}};
+    // clang-format on
     const auto it = codes.find(word);
     return it == codes.end() ? FixType::Unknown : fix_of_code(it->second);
 }
@@ -114,13 +119,13 @@ public:
     std::set<std::string> others;
     std::optional<int> unknown_imu;
     detail::NovatelScan scan;
-    std::size_t corrected = 0;   ///< logs of IMU data without gravity
+    std::size_t corrected = 0;  ///< logs of IMU data without gravity
     bool encrypted = false;
 
     void read(std::string_view bytes) {
         imu_type_ = configured_imu(bytes);
         scan = detail::scan_novatel(bytes, [this](const NovatelMessage& m) {
-            if (m.secondary) return true;   // of the second antenna
+            if (m.secondary) return true;  // of the second antenna
             if (m.name.empty()) message(m.id, m.ns, m.payload);
             else sentence(m.name, m.ns, m.cells);
             return true;
@@ -134,11 +139,12 @@ public:
         static constexpr std::array<const char*, 3> sources = {"BESTGNSSPOS, BESTGNSSVEL", "BESTPOS, BESTVEL", "PSRPOS, PSRVEL"};
         for (std::size_t k = 0; k < sources.size(); ++k) {
             Stream fixes("gnss", TableKind::Gnss, sources[k],
-                         {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m", "std_e_m", "std_d_m", "satellites"});
+                         {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m",
+                          "std_e_m", "std_d_m", "satellites"});
             for (const auto& [ns, f] : fixes_[k]) {
                 if (!std::isfinite(f.position.lat)) continue;
-                fixes.add(ns, {f.position.lat, f.position.lon, f.position.h, f.velocity_n.x(), f.velocity_n.y(), f.velocity_n.z(), f.std_position.x(),
-                               f.std_position.y(), f.std_position.z(), static_cast<double>(f.satellites)});
+                fixes.add(ns, {f.position.lat, f.position.lon, f.position.h, f.velocity_n.x(), f.velocity_n.y(), f.velocity_n.z(),
+                               f.std_position.x(), f.std_position.y(), f.std_position.z(), static_cast<double>(f.satellites)});
                 fixes.fix.push_back(f.fix);
             }
             log.add(std::move(fixes));
@@ -153,33 +159,52 @@ private:
         const auto f = [&](std::size_t at) { return static_cast<double>(load<float>(p, at)); };
         const auto i = [&](std::size_t at) { return static_cast<double>(load<std::int32_t>(p, at)); };
         switch (id) {
-            case 42: case 47: case 1429:   // BESTPOS, PSRPOS, BESTGNSSPOS: undulation is of the geoid
+            case 42:
+            case 47:
+            case 1429:  // BESTPOS, PSRPOS, BESTGNSSPOS: undulation is of the geoid
                 if (p.size() >= 72)
-                    position(id == 1429 ? 0 : id == 42 ? 1 : 2, ns, load<std::uint32_t>(p, 0) == 0, fix_of_code(load<std::uint32_t>(p, 4)),
+                    position(id == 1429 ? 0
+                             : id == 42 ? 1
+                                        : 2,
+                             ns, load<std::uint32_t>(p, 0) == 0, fix_of_code(load<std::uint32_t>(p, 4)),
                              {d(8), d(16), d(24) + f(32)}, {f(40), f(44), f(48)}, static_cast<unsigned char>(p[65]));
                 break;
-            case 99: case 100: case 1430:   // BESTVEL, PSRVEL, BESTGNSSVEL
+            case 99:
+            case 100:
+            case 1430:  // BESTVEL, PSRVEL, BESTGNSSVEL
                 if (p.size() >= 44)
                     velocity(id == 1430 ? 0 : id == 99 ? 1 : 2, ns, load<std::uint32_t>(p, 0) == 0, d(16), d(24), d(32));
                 break;
-            case 507: case 508:   // INSPVA, INSPVAS
+            case 507:
+            case 508:  // INSPVA, INSPVAS
                 if (p.size() >= 88)
-                    solution(week_time(load<std::uint32_t>(p, 0), d(4)), {d(12), d(20), d(28), d(36), d(44), d(52), d(60), d(68), d(76)},
-                             load<std::uint32_t>(p, 84));
+                    solution(week_time(load<std::uint32_t>(p, 0), d(4)),
+                             {d(12), d(20), d(28), d(36), d(44), d(52), d(60), d(68), d(76)}, load<std::uint32_t>(p, 84));
                 break;
-            case 1465:   // INSPVAX
-                if (p.size() >= 88) solution(ns, {d(8), d(16), d(24) + f(32), d(36), d(44), d(52), d(60), d(68), d(76)}, load<std::uint32_t>(p, 0));
+            case 1465:  // INSPVAX
+                if (p.size() >= 88)
+                    solution(ns, {d(8), d(16), d(24) + f(32), d(36), d(44), d(52), d(60), d(68), d(76)},
+                             load<std::uint32_t>(p, 0));
                 break;
-            case 268: case 325:   // RAWIMU, RAWIMUS
-                if (p.size() >= 40) raw_imu(week_time(load<std::uint32_t>(p, 0), d(4)), imu_type_, i(16), i(20), i(24), i(28), i(32), i(36));
-                break;
-            case 1461: case 1462:   // RAWIMUX, RAWIMUSX
+            case 268:
+            case 325:  // RAWIMU, RAWIMUS
                 if (p.size() >= 40)
-                    raw_imu(week_time(load<std::uint16_t>(p, 2), d(4)), type_in(static_cast<unsigned char>(p[0]), static_cast<unsigned char>(p[1])), i(16), i(20),
-                            i(24), i(28), i(32), i(36));
+                    raw_imu(week_time(load<std::uint32_t>(p, 0), d(4)), imu_type_, i(16), i(20), i(24), i(28), i(32), i(36));
                 break;
-            case 812: case 813: case 1362: case 2264: ++corrected; break;   // CORRIMUDATA(S), IMURATECORRIMUS, CORRIMUS: gravity is taken out
-            case 1945: if (imu_type_ < 0 && p.size() >= 4) imu_type_ = load<std::int32_t>(p, 0); break;   // INSCONFIG
+            case 1461:
+            case 1462:  // RAWIMUX, RAWIMUSX
+                if (p.size() >= 40)
+                    raw_imu(week_time(load<std::uint16_t>(p, 2), d(4)),
+                            type_in(static_cast<unsigned char>(p[0]), static_cast<unsigned char>(p[1])), i(16), i(20), i(24),
+                            i(28), i(32), i(36));
+                break;
+            case 812:
+            case 813:
+            case 1362:
+            case 2264: ++corrected; break;  // CORRIMUDATA(S), IMURATECORRIMUS, CORRIMUS: gravity is taken out
+            case 1945:
+                if (imu_type_ < 0 && p.size() >= 4) imu_type_ = load<std::int32_t>(p, 0);
+                break;  // INSCONFIG
             default: others.insert(std::to_string(id)); break;
         }
     }
@@ -193,14 +218,18 @@ private:
 
     static std::int64_t week_time(std::uint32_t week, double seconds) { return detail::novatel_time(week, seconds); }
 
-    static double number(const std::vector<std::string_view>& cells, std::size_t i) { return i < cells.size() ? number_from(cells[i]) : not_given; }
+    static double number(const std::vector<std::string_view>& cells, std::size_t i) {
+        return i < cells.size() ? number_from(cells[i]) : not_given;
+    }
 
     void sentence(std::string_view name, std::int64_t ns, const std::vector<std::string_view>& c) {
         const auto n = [&](std::size_t i) { return number(c, i); };
         const auto time = [&] { return detail::novatel_time(n(0), n(1)); };
         if ((name == "BESTPOS" || name == "BESTGNSSPOS" || name == "PSRPOS") && c.size() >= 15) {
-            position(name == "BESTGNSSPOS" ? 0 : name == "BESTPOS" ? 1 : 2, ns, c[0] == "SOL_COMPUTED", fix_of_word(c[1]), {n(2), n(3), n(4) + n(5)},
-                     {n(7), n(8), n(9)}, n(14));
+            position(name == "BESTGNSSPOS" ? 0
+                     : name == "BESTPOS"   ? 1
+                                           : 2,
+                     ns, c[0] == "SOL_COMPUTED", fix_of_word(c[1]), {n(2), n(3), n(4) + n(5)}, {n(7), n(8), n(9)}, n(14));
         } else if ((name == "BESTVEL" || name == "BESTGNSSVEL" || name == "PSRVEL") && c.size() >= 7) {
             velocity(name == "BESTGNSSVEL" ? 0 : name == "BESTVEL" ? 1 : 2, ns, c[0] == "SOL_COMPUTED", n(4), n(5), n(6));
         } else if ((name == "INSPVA" || name == "INSPVAS") && c.size() >= 12) {
@@ -223,15 +252,19 @@ private:
     }
 
     static std::uint32_t status_of(std::string_view word) {
-        return word == "INS_SOLUTION_GOOD" ? 3 : word == "INS_HIGH_VARIANCE" || word == "INS_BAD_GPS_AGREEMENT" || word == "INS_SOLUTION_NOT_GOOD" ? 2
-               : word == "INS_SOLUTION_FREE" ? 6 : word == "INS_ALIGNMENT_COMPLETE" ? 7 : 0;
+        return word == "INS_SOLUTION_GOOD"                                                                         ? 3
+               : word == "INS_HIGH_VARIANCE" || word == "INS_BAD_GPS_AGREEMENT" || word == "INS_SOLUTION_NOT_GOOD" ? 2
+               : word == "INS_SOLUTION_FREE"                                                                       ? 6
+               : word == "INS_ALIGNMENT_COMPLETE"                                                                  ? 7
+                                                                                                                   : 0;
     }
 
-    void position(std::size_t source, std::int64_t ns, bool computed, FixType fix, const std::array<double, 3>& p, const std::array<double, 3>& sigma, double satellites) {
+    void position(std::size_t source, std::int64_t ns, bool computed, FixType fix, const std::array<double, 3>& p,
+                  const std::array<double, 3>& sigma, double satellites) {
         if (ns == 0) return;
         GnssFix& f = fixes_[source][ns];
         if (!computed) fix = FixType::None;
-        f.position = {p[0], p[1], p[2]};   // degrees, as the stream has them
+        f.position = {p[0], p[1], p[2]};  // degrees, as the stream has them
         f.std_position = {sigma[0], sigma[1], sigma[2]};
         f.satellites = satellites >= 0.0 && satellites < 1000.0 ? static_cast<int>(satellites) : -1;
         f.fix = fix;
@@ -244,7 +277,8 @@ private:
     }
     /// lat, lon, height, north, east, up, roll, pitch, azimuth
     void solution(std::int64_t ns, const std::array<double, 9>& s, std::uint32_t status) {
-        if (ns == 0 || (status != 2 && status != 3 && status != 6 && status != 7)) return;   // no attitude, or one that is only being found
+        if (ns == 0 || (status != 2 && status != 3 && status != 6 && status != 7))
+            return;  // no attitude, or one that is only being found
         solution_.add(ns, {s[0], s[1], s[2], s[3], s[4], -s[5], s[6], s[7], s[8]});
     }
     void raw_imu(std::int64_t ns, int type, double az, double minus_ay, double ax, double gz, double minus_gy, double gx) {
@@ -260,9 +294,13 @@ private:
         imu_.add(ns, {wy, wx, -wz, vy, vx, -vz});
     }
 
-    Stream imu_{"imu", TableKind::Imu, "RAWIMU", {"dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"}};
-    Stream solution_{"reference", TableKind::Reference, "INSPVA",
-                     {"lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"}};
+    Stream imu_{
+        "imu", TableKind::Imu, "RAWIMU", {"dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"}};
+    Stream solution_{
+        "reference",
+        TableKind::Reference,
+        "INSPVA",
+        {"lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"}};
     std::array<std::map<std::int64_t, GnssFix>, 3> fixes_;
     int imu_type_ = -1;
 };
@@ -274,16 +312,23 @@ StreamLog read_novatel(const TextInput& input, WarningLog& warnings) {
     StreamLog log;
     reader.finish(log);
     if (reader.scan.damaged > 0)
-        warnings.add(input.name() + " novatel.damaged", fmt::format("{}: damaged logs, the first at byte {}: skipped", input.name(), reader.scan.first_damaged),
+        warnings.add(input.name() + " novatel.damaged",
+                     fmt::format("{}: damaged logs, the first at byte {}: skipped", input.name(), reader.scan.first_damaged),
                      reader.scan.damaged);
     if (reader.unknown_imu)
         warnings.add(input.name() + " novatel.imu",
-                     reader.encrypted        ? fmt::format("{}: the raw IMU logs are encrypted: not used", input.name())
-                     : *reader.unknown_imu < 0 ? fmt::format("{}: the raw IMU logs are not used: RAWIMU does not say of which IMU it is (log RAWIMUX, or INSCONFIG once)", input.name())
-                                             : fmt::format("{}: the raw IMU logs are not used: the scale of IMU type {} is not known", input.name(), *reader.unknown_imu));
+                     reader.encrypted ? fmt::format("{}: the raw IMU logs are encrypted: not used", input.name())
+                     : *reader.unknown_imu < 0
+                         ? fmt::format("{}: the raw IMU logs are not used: RAWIMU does not say of which IMU it is (log RAWIMUX, "
+                                       "or INSCONFIG once)",
+                                       input.name())
+                         : fmt::format("{}: the raw IMU logs are not used: the scale of IMU type {} is not known", input.name(),
+                                       *reader.unknown_imu));
     if (reader.corrected > 0)
         warnings.add(input.name() + " novatel.corrected",
-                     fmt::format("{}: CORRIMUDATA is without gravity and the Earth's rotation: not used as an IMU (log RAWIMUX)", input.name()), reader.corrected);
+                     fmt::format("{}: CORRIMUDATA is without gravity and the Earth's rotation: not used as an IMU (log RAWIMUX)",
+                                 input.name()),
+                     reader.corrected);
     if (!log.streams.empty()) return log;
     std::string names;
     for (const std::string& name : reader.others) names += (names.empty() ? "" : ", ") + name;
@@ -303,15 +348,18 @@ bool is_novatel(const FileHead& head) {
 }  // namespace
 
 extern const Format novatel_format;
-const Format novatel_format = {
-    .name = "novatel",
-    .title = "NovAtel OEM",
-    .extensions = ".gps .novatel .asc",
-    .holds = "BESTGNSSPOS and BESTGNSSVEL, else BESTPOS and BESTVEL, else PSRPOS and PSRVEL as fixes; RAWIMUX, RAWIMUSX and, where the log tells the IMU, RAWIMU(S) as "
-             "increments (of IMUs whose scale is known; CORRIMUDATA is without gravity and no IMU); INSPVA(S) and INSPVAX as reference; raw measurements (RANGE) and "
-             "ephemerides (GPSEPHEM, RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC); ASCII and binary, mixed; axes forward-right-down; of two antennas the first",
-    .time = "GPS time",
-    .recognise = is_novatel,
-    .read = read_novatel};
+const Format novatel_format = {.name = "novatel",
+                               .title = "NovAtel OEM",
+                               .extensions = ".gps .novatel .asc",
+                               .holds =
+                                   "BESTGNSSPOS and BESTGNSSVEL, else BESTPOS and BESTVEL, else PSRPOS and PSRVEL as fixes; "
+                                   "RAWIMUX, RAWIMUSX and, where the log tells the IMU, RAWIMU(S) as "
+                                   "increments (of IMUs whose scale is known; CORRIMUDATA is without gravity and no IMU); "
+                                   "INSPVA(S) and INSPVAX as reference; raw measurements (RANGE) and "
+                                   "ephemerides (GPSEPHEM, RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC); ASCII "
+                                   "and binary, mixed; axes forward-right-down; of two antennas the first",
+                               .time = "GPS time",
+                               .recognise = is_novatel,
+                               .read = read_novatel};
 
 }  // namespace schuler::io

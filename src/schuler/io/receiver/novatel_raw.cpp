@@ -23,14 +23,24 @@ using gnss::SatelliteId;
 using gnss::Signal;
 using gnss::System;
 
-enum Log : int { gps_ephemeris = 7, ionosphere_utc = 8, raw_ephemeris = 41, range = 43, glonass_ephemeris = 723, galileo_ephemeris = 1122, beidou_ephemeris = 1696 };
+enum Log : int {
+    gps_ephemeris = 7,
+    ionosphere_utc = 8,
+    raw_ephemeris = 41,
+    range = 43,
+    glonass_ephemeris = 723,
+    galileo_ephemeris = 1122,
+    beidou_ephemeris = 1696
+};
 
 bool is_raw(int id) {
-    return id == gps_ephemeris || id == raw_ephemeris || id == range || id == glonass_ephemeris || id == galileo_ephemeris || id == beidou_ephemeris;
+    return id == gps_ephemeris || id == raw_ephemeris || id == range || id == glonass_ephemeris || id == galileo_ephemeris ||
+           id == beidou_ephemeris;
 }
 
 std::optional<SatelliteId> satellite_of(unsigned system, int prn) {
-    static constexpr std::array<System, 7> systems = {System::Gps, System::Glonass, System::Sbas, System::Galileo, System::BeiDou, System::Qzss, System::Navic};
+    static constexpr std::array<System, 7> systems = {System::Gps,    System::Glonass, System::Sbas, System::Galileo,
+                                                      System::BeiDou, System::Qzss,    System::Navic};
     if (system >= systems.size()) return std::nullopt;
     int number = prn;
     if (systems[system] == System::Glonass) number -= 37;
@@ -48,6 +58,7 @@ std::optional<Signal> signal_of(System system, unsigned type) {
         unsigned type;
         Signal signal;
     };
+    // clang-format off
     static constexpr std::array<Known, 33> known = {{
         {System::Gps, 0, {'1', 'C'}},     {System::Gps, 5, {'2', 'P'}},     {System::Gps, 9, {'2', 'W'}},      {System::Gps, 14, {'5', 'Q'}},
         {System::Gps, 16, {'1', 'L'}},    {System::Gps, 17, {'2', 'S'}},    {System::Glonass, 0, {'1', 'C'}},  {System::Glonass, 1, {'2', 'C'}},
@@ -58,6 +69,7 @@ std::optional<Signal> signal_of(System system, unsigned type) {
         {System::BeiDou, 7, {'1', 'P'}},  {System::BeiDou, 9, {'5', 'P'}},  {System::BeiDou, 11, {'7', 'D'}},  {System::Qzss, 0, {'1', 'C'}},
         {System::Qzss, 14, {'5', 'Q'}},   {System::Qzss, 16, {'1', 'L'}},   {System::Qzss, 17, {'2', 'S'}},    {System::Qzss, 27, {'6', 'L'}},
         {System::Navic, 0, {'5', 'A'}},
+        // clang-format on
     }};
     const auto at = std::ranges::find_if(known, [&](const Known& k) { return k.system == system && k.type == type; });
     return at == known.end() ? std::nullopt : std::optional<Signal>(at->signal);
@@ -110,10 +122,11 @@ private:
     void measurement(NovatelFields& f, Time now) {
         const int prn = f.next<std::uint16_t>(), frequency = f.next<std::uint16_t>();
         const double psr = f.next<double>();
-        f.skip(4, 1);   // its sigma
+        f.skip(4, 1);  // its sigma
         const double adr = f.next<double>();
         f.skip(4, 1);
-        const double doppler = static_cast<double>(f.next<float>()), cn0 = static_cast<double>(f.next<float>()), locked = static_cast<double>(f.next<float>());
+        const double doppler = static_cast<double>(f.next<float>()), cn0 = static_cast<double>(f.next<float>()),
+                     locked = static_cast<double>(f.next<float>());
         const std::uint32_t status = f.hex();
         if (f.is_short()) return;
         const auto satellite = satellite_of(status >> 16 & 7U, prn);
@@ -122,19 +135,21 @@ private:
             ++unknown_signals;
             return;
         }
-        const bool phase_locked = (status & 1U << 10) != 0, parity_known = (status & 1U << 11) != 0, code_locked = (status & 1U << 12) != 0,
-                   half_added = (status & 1U << 28) != 0;
+        const bool phase_locked = (status & 1U << 10) != 0, parity_known = (status & 1U << 11) != 0,
+                   code_locked = (status & 1U << 12) != 0, half_added = (status & 1U << 28) != 0;
         gnss::SignalObservation o;
         o.satellite = *satellite;
         o.signal = *signal;
         if (code_locked && psr > 1e6 && psr < 1e9) o.pseudorange = psr;
-        if (phase_locked && std::isfinite(adr) && std::abs(adr) < 1e10 && adr != 0.0) o.phase = -adr;   // the log's falls as the range grows
+        if (phase_locked && std::isfinite(adr) && std::abs(adr) < 1e10 && adr != 0.0)
+            o.phase = -adr;  // the log's falls as the range grows
         if (std::isfinite(doppler) && std::abs(doppler) < 1e6) o.doppler = doppler;
         if (cn0 > 0.0 && cn0 < 100.0) o.cn0 = cn0;
         Held& before = held_[{o.satellite, o.signal}];
         if (std::isfinite(o.phase)) {
             const double since = 1e-9 * static_cast<double>((now - before.time).ns);
-            const bool lost = before.time.ns == 0 || locked + 0.05 < before.locked + std::min(since, 1e6) || half_added != before.half_added;
+            const bool lost =
+                before.time.ns == 0 || locked + 0.05 < before.locked + std::min(since, 1e6) || half_added != before.half_added;
             o.loss_of_lock = static_cast<std::uint8_t>((lost ? 1 : 0) | (parity_known ? 0 : 2));
             before = {now, locked, half_added};
         } else {
@@ -163,7 +178,7 @@ private:
         k.health = static_cast<int>(u() & 0x3FU);
         k.iode = static_cast<int>(u() & 0xFFU);
         const auto other_issue = static_cast<int>(u() & 0xFFU);
-        (void)u();   // the week, and the week of the reference: the header's time tells both
+        (void)u();  // the week, and the week of the reference: the header's time tells both
         (void)u();
         const double toe = d();
         k.sqrt_a = std::sqrt(d());
@@ -174,8 +189,8 @@ private:
         const double toc = d();
         k.group_delay[0] = d();
         k.af0 = d(), k.af1 = d(), k.af2 = d();
-        f.skip(4, 1);   // whether the code is encrypted
-        (void)d();      // the corrected mean motion
+        f.skip(4, 1);  // whether the code is encrypted
+        (void)d();     // the corrected mean motion
         k.accuracy = std::sqrt(d());
         if (f.is_short() || other_issue != k.iode || !(std::abs(toc) <= 604'800.0)) return;
         k.toc = detail::nearest_in_week(toc, now);
@@ -193,8 +208,14 @@ private:
             std::string bytes(m.name.empty() ? m.payload.substr(head + s * size, size) : std::string_view{});
             if (!m.name.empty()) {
                 const std::string_view text = m.cells[head_cells + s];
-                const auto digit = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : 0; };
-                for (std::size_t i = 0; i + 1 < text.size(); i += 2) bytes += static_cast<char>(digit(text[i]) << 4 | digit(text[i + 1]));
+                const auto digit = [](char c) {
+                    return c >= '0' && c <= '9'   ? c - '0'
+                           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                                  : 0;
+                };
+                for (std::size_t i = 0; i + 1 < text.size(); i += 2)
+                    bytes += static_cast<char>(digit(text[i]) << 4 | digit(text[i + 1]));
             }
             if (bytes.size() != size) return;
             std::array<std::uint32_t, 10> words{};
@@ -213,16 +234,16 @@ private:
         if (!satellite) return;
         g.satellite = *satellite;
         g.channel = f.next<std::uint16_t>() - 7;
-        f.skip(2, 2);   // kind of satellite
+        f.skip(2, 2);  // kind of satellite
         const double week = f.next<std::uint16_t>();
         const double toe = std::round(1e-3 * f.next<std::uint32_t>());
-        f.skip(4 + 2 + 1 + 1 + 4, 5);   // offset to GLONASS time, day, two reserved, issue
+        f.skip(4 + 2 + 1 + 1 + 4, 5);  // offset to GLONASS time, day, two reserved, issue
         g.health = f.next<std::uint32_t>() < 4 ? 0 : 1;
         vector(g.position), vector(g.velocity), vector(g.acceleration);
         g.clock = -f.next<double>();
         g.l2_delay = f.next<double>();
         g.clock_rate = f.next<double>();
-        f.skip(4 + 4 + 4, 3);   // when it was sent, technology, accuracy
+        f.skip(4 + 4 + 4, 3);  // when it was sent, technology, accuracy
         g.age_days = static_cast<int>(std::min<std::uint32_t>(f.next<std::uint32_t>(), 1000));
         g.toe = g.transmission = Time{detail::novatel_time(week, toe)};
         if (f.is_short() || g.toe.ns == 0 || g.channel < -7 || g.channel > 13 || !detail::is_sound(g)) return;
@@ -280,7 +301,7 @@ private:
         if (!satellite) return;
         k.satellite = *satellite;
         k.message = gnss::is_geostationary_beidou(*satellite) ? gnss::NavMessage::D2 : gnss::NavMessage::D1;
-        (void)u();   // week
+        (void)u();  // week
         k.accuracy = d();
         k.health = static_cast<int>(u() & 1U);
         k.group_delay = {d(), d()};
@@ -315,7 +336,7 @@ private:
 
     struct Held {
         Time time;
-        double locked = 0.0;   ///< s
+        double locked = 0.0;  ///< s
         bool half_added = false;
     };
     std::map<std::pair<SatelliteId, Signal>, Held> held_;
@@ -332,11 +353,14 @@ NovatelRaw read_novatel_raw(const TextInput& input, WarningLog& log) {
         return true;
     });
     if (scan.damaged > 0)
-        log.add(input.name() + " novatel.damaged", fmt::format("{}: damaged logs, the first at byte {}: skipped", input.name(), scan.first_damaged), scan.damaged);
+        log.add(input.name() + " novatel.damaged",
+                fmt::format("{}: damaged logs, the first at byte {}: skipped", input.name(), scan.first_damaged), scan.damaged);
     if (reader.unknown_signals > 0)
-        log.add(input.name() + " novatel.signals", fmt::format("{}: measurements of unknown signals: skipped", input.name()), reader.unknown_signals);
+        log.add(input.name() + " novatel.signals", fmt::format("{}: measurements of unknown signals: skipped", input.name()),
+                reader.unknown_signals);
     if (reader.repeated > 0)
-        log.add(input.name() + " novatel.repeated", fmt::format("{}: epochs not later than the one before: skipped", input.name()), reader.repeated);
+        log.add(input.name() + " novatel.repeated",
+                fmt::format("{}: epochs not later than the one before: skipped", input.name()), reader.repeated);
     return std::move(reader.result);
 }
 

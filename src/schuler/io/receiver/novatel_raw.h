@@ -9,8 +9,8 @@
 namespace schuler::io {
 
 struct NovatelRaw {
-    gnss::ObservationLog observations;   ///< of RANGE, of the first antenna
-    gnss::Navigation navigation;         ///< of GPSEPHEM or RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC
+    gnss::ObservationLog observations;  ///< of RANGE, of the first antenna
+    gnss::Navigation navigation;        ///< of GPSEPHEM or RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC
 };
 
 /// Reads a log, ASCII or binary, in one pass [NovAtelOEM7]. Logs with a wrong check sum are skipped and told with their byte offset; epochs not

@@ -162,9 +162,8 @@ Rtcm3Log read_rtcm3(const TextInput& input, Time near, WarningLog& log) {
     reader.read(bytes);
     if (!date && !reader.result.observations.epochs.empty()) {
         const Calendar c = utc_from_gps(reader.result.observations.epochs.front().time);
-        log.add(input.name() + " rtcm.date",
-                fmt::format("{}: no ephemeris dates the stream: taken as of {:04}-{:02}-{:02}",
-                            input.name(), c.year, c.month, c.day));
+        log.add(input.name() + " rtcm.date", fmt::format("{}: no ephemeris dates the stream: taken as of {:04}-{:02}-{:02}",
+                                                         input.name(), c.year, c.month, c.day));
     }
     const RecordCounts& r = reader.result.records;
     if (r.read == 0)
@@ -191,12 +190,11 @@ bool is_rtcm3(const TextInput& input) {
 }
 
 extern const Format rtcm3_format;
-const Format rtcm3_format = {
-    .name = "rtcm3",
-    .title = "RTCM 3 stream",
-    .extensions = ".rtcm3 .rtcm",
-    .holds = "raw measurements (MSM4 to MSM7) and ephemerides",
-    .time = "GPS time",
-    .recognise = [](const FileHead& head) { return is_rtcm3(TextInput(head.path)); }};
+const Format rtcm3_format = {.name = "rtcm3",
+                             .title = "RTCM 3 stream",
+                             .extensions = ".rtcm3 .rtcm",
+                             .holds = "raw measurements (MSM4 to MSM7) and ephemerides",
+                             .time = "GPS time",
+                             .recognise = [](const FileHead& head) { return is_rtcm3(TextInput(head.path)); }};
 
 }  // namespace schuler::io

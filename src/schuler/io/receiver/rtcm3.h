@@ -9,9 +9,9 @@
 namespace schuler::io {
 
 struct Rtcm3Log {
-    gnss::ObservationLog observations;   ///< of MSM4 to MSM7
-    gnss::Navigation navigation;         ///< of 1019, 1020, 1042, 1044, 1045, 1046
-    RecordCounts records;                ///< messages; first_bad_line is a byte offset
+    gnss::ObservationLog observations;  ///< of MSM4 to MSM7
+    gnss::Navigation navigation;        ///< of 1019, 1020, 1042, 1044, 1045, 1046
+    RecordCounts records;               ///< messages; first_bad_line is a byte offset
 };
 
 /// Reads a stream [RTCM10403]. Measurements carry no date. Where there are ephemerides (1019, 1042, 1045, 1046) their weeks date

@@ -46,6 +46,7 @@ std::optional<Signal> signal_of(System system, int id) {
         int id;
         Signal signal;
     };
+    // clang-format off
     static constexpr std::array<Known, 33> known = {{
         {System::Gps, 0, {'1', 'C'}},     {System::Gps, 3, {'2', 'X'}},     {System::Gps, 4, {'2', 'X'}},
         {System::Gps, 6, {'5', 'X'}},     {System::Gps, 7, {'5', 'X'}},     {System::Sbas, 0, {'1', 'C'}},
@@ -58,6 +59,7 @@ std::optional<Signal> signal_of(System system, int id) {
         {System::Qzss, 4, {'2', 'X'}},    {System::Qzss, 5, {'2', 'X'}},    {System::Qzss, 8, {'5', 'X'}},
         {System::Qzss, 9, {'5', 'X'}},    {System::Glonass, 0, {'1', 'C'}}, {System::Glonass, 2, {'2', 'C'}},
         {System::Navic, 0, {'5', 'A'}},
+        // clang-format on
     }};
     const auto at = std::ranges::find_if(known, [&](const Known& k) { return k.system == system && k.id == id; });
     return at == known.end() ? std::nullopt : std::optional<Signal>(at->signal);
@@ -268,7 +270,8 @@ UbxLog read_ubx(const TextInput& input, WarningLog& log) {
                 fmt::format("{}: damaged UBX messages: skipped, the first at byte {}", input.name(), r.records.first_bad_line),
                 r.records.bad);
     if (r.unknown_signals > 0)
-        log.add(input.name() + " ubx.signals", fmt::format("{}: measurements of unknown signals: skipped", input.name()), r.unknown_signals);
+        log.add(input.name() + " ubx.signals", fmt::format("{}: measurements of unknown signals: skipped", input.name()),
+                r.unknown_signals);
     if (r.records.repeated > 0)
         log.add(input.name() + " ubx.repeated", fmt::format("{}: epochs not later than the one before: skipped", input.name()),
                 r.records.repeated);

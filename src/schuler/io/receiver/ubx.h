@@ -12,12 +12,12 @@
 namespace schuler::io {
 
 struct UbxLog {
-    gnss::ObservationLog observations;   ///< of RXM-RAWX
-    gnss::Navigation navigation;         ///< of RXM-SFRBX: GPS and QZSS LNAV, Galileo I/NAV, BeiDou D1 and D2, GLONASS
-    std::vector<GnssFix> fixes;          ///< of NAV-PVT with a fix, in GPS time
-    RecordCounts records;                ///< messages; first_bad_line is a byte offset
-    std::size_t empty_epochs = 0;        ///< RAWX without measurements
-    std::size_t unknown_signals = 0;     ///< measurements of satellites or signals that have no place here
+    gnss::ObservationLog observations;  ///< of RXM-RAWX
+    gnss::Navigation navigation;        ///< of RXM-SFRBX: GPS and QZSS LNAV, Galileo I/NAV, BeiDou D1 and D2, GLONASS
+    std::vector<GnssFix> fixes;         ///< of NAV-PVT with a fix, in GPS time
+    RecordCounts records;               ///< messages; first_bad_line is a byte offset
+    std::size_t empty_epochs = 0;       ///< RAWX without measurements
+    std::size_t unknown_signals = 0;    ///< measurements of satellites or signals that have no place here
 };
 
 /// Reads a log in one pass [UBloxF9]: RXM-RAWX, RXM-SFRBX, NAV-PVT; other messages are counted as foreign, other bytes (NMEA between

@@ -54,7 +54,8 @@ public:
     std::array<Axis, 3> raw_gyro, raw_accel, gyro, accel;
     std::vector<Mark> marks;
     Stream solution{"reference", TableKind::Reference, "NAV-ATT", {"roll_deg", "pitch_deg", "heading_deg"}};
-    Stream fast{"hnr", TableKind::Reference, "HNR-PVT", {"ekf_lat_deg", "ekf_lon_deg", "ekf_height_m", "ekf_vel_n_m_s", "ekf_vel_e_m_s"}};
+    Stream fast{
+        "hnr", TableKind::Reference, "HNR-PVT", {"ekf_lat_deg", "ekf_lon_deg", "ekf_height_m", "ekf_vel_n_m_s", "ekf_vel_e_m_s"}};
 
 private:
     void message(const detail::UbxMessage& m) {
@@ -69,11 +70,14 @@ private:
         }
     }
 
-    static std::optional<Time> date_time(std::string_view p) {   // of NAV-PVT and HNR-PVT
-        const int year = number_at<std::uint16_t>(p, 4), month = number_at<std::uint8_t>(p, 6), day = number_at<std::uint8_t>(p, 7);
-        const int hour = number_at<std::uint8_t>(p, 8), minute = number_at<std::uint8_t>(p, 9), second = number_at<std::uint8_t>(p, 10);
+    static std::optional<Time> date_time(std::string_view p) {  // of NAV-PVT and HNR-PVT
+        const int year = number_at<std::uint16_t>(p, 4), month = number_at<std::uint8_t>(p, 6),
+                  day = number_at<std::uint8_t>(p, 7);
+        const int hour = number_at<std::uint8_t>(p, 8), minute = number_at<std::uint8_t>(p, 9),
+                  second = number_at<std::uint8_t>(p, 10);
         if (!detail::is_date(year, month, day) || hour > 23 || minute > 59 || second > 60) return std::nullopt;
-        return gps_from_utc({year, month, day, hour, minute, static_cast<double>(second)}) + Duration{number_at<std::int32_t>(p, 16)};
+        return gps_from_utc({year, month, day, hour, minute, static_cast<double>(second)}) +
+               Duration{number_at<std::int32_t>(p, 16)};
     }
 
     void fix(std::string_view p) {
@@ -98,14 +102,17 @@ private:
             const std::string_view clock = cells[0], date = cells[8];
             if (clock.size() < 6 || date.size() != 6) continue;
             const auto two = [](std::string_view s, std::size_t i) { return (s[i] - '0') * 10 + (s[i + 1] - '0'); };
-            const int day = two(date, 0), month = two(date, 2), year = 2000 + two(date, 4), hour = two(clock, 0), minute = two(clock, 2), second = two(clock, 4);
-            if (!detail::is_date(year, month, day) || hour < 0 || hour > 23 || minute < 0 || minute > 59 || second < 0 || second > 60) continue;
+            const int day = two(date, 0), month = two(date, 2), year = 2000 + two(date, 4), hour = two(clock, 0),
+                      minute = two(clock, 2), second = two(clock, 4);
+            if (!detail::is_date(year, month, day) || hour < 0 || hour > 23 || minute < 0 || minute > 59 || second < 0 ||
+                second > 60)
+                continue;
             now_ = gps_from_utc({year, month, day, hour, minute, static_cast<double>(second)}).seconds();
         }
     }
 
     static double signed24(std::uint32_t word) {
-        return static_cast<double>(static_cast<std::int32_t>(word << 8) >> 8);   // the sign of 24 bits
+        return static_cast<double>(static_cast<std::int32_t>(word << 8) >> 8);  // the sign of 24 bits
     }
 
     void value(std::uint32_t word, double time, std::array<Axis, 3>& w, std::array<Axis, 3>& f) {
@@ -135,7 +142,7 @@ private:
     }
 
     void raw(std::string_view p) {
-        constexpr double tick = 1.0 / 25'600.0;   // s, of the sensors' clock
+        constexpr double tick = 1.0 / 25'600.0;  // s, of the sensors' clock
         double latest = 0.0;
         bool any = false;
         for (std::size_t at = 4; at + 8 <= p.size(); at += 8) {
@@ -162,13 +169,16 @@ private:
 
     void high_rate(std::string_view p) {
         if (p.size() < 72 || number_at<std::uint8_t>(p, 16) < 2) return;
-        const int year = number_at<std::uint16_t>(p, 4), month = number_at<std::uint8_t>(p, 6), day = number_at<std::uint8_t>(p, 7);
-        const int hour = number_at<std::uint8_t>(p, 8), minute = number_at<std::uint8_t>(p, 9), second = number_at<std::uint8_t>(p, 10);
+        const int year = number_at<std::uint16_t>(p, 4), month = number_at<std::uint8_t>(p, 6),
+                  day = number_at<std::uint8_t>(p, 7);
+        const int hour = number_at<std::uint8_t>(p, 8), minute = number_at<std::uint8_t>(p, 9),
+                  second = number_at<std::uint8_t>(p, 10);
         if (!detail::is_date(year, month, day) || hour > 23 || minute > 59 || second > 60) return;
-        const Time t = gps_from_utc({year, month, day, hour, minute, static_cast<double>(second)}) + Duration{number_at<std::int32_t>(p, 12)};
+        const Time t = gps_from_utc({year, month, day, hour, minute, static_cast<double>(second)}) +
+                       Duration{number_at<std::int32_t>(p, 12)};
         const double speed = 1e-3 * number_at<std::int32_t>(p, 36), course = 1e-5 * units::deg * number_at<std::int32_t>(p, 48);
-        fast.add(t.ns, {1e-7 * number_at<std::int32_t>(p, 24), 1e-7 * number_at<std::int32_t>(p, 20), 1e-3 * number_at<std::int32_t>(p, 28),
-                        speed * std::cos(course), speed * std::sin(course)});
+        fast.add(t.ns, {1e-7 * number_at<std::int32_t>(p, 24), 1e-7 * number_at<std::int32_t>(p, 20),
+                        1e-3 * number_at<std::int32_t>(p, 28), speed * std::cos(course), speed * std::sin(course)});
         now(t, number_at<std::uint32_t>(p, 0));
     }
 
@@ -185,7 +195,9 @@ public:
 struct ClockLine {
     double offset = 0.0, drift = 0.0, from = 0.0;
     /// The offset apart: a sum of both would be rounded to 0.2 us.
-    [[nodiscard]] std::int64_t ns(double sensor) const { return Time::from_seconds(offset).ns + Duration::from_seconds(sensor + drift * (sensor - from)).ns; }
+    [[nodiscard]] std::int64_t ns(double sensor) const {
+        return Time::from_seconds(offset).ns + Duration::from_seconds(sensor + drift * (sensor - from)).ns;
+    }
 };
 ClockLine line_of(const std::vector<Mark>& marks) {
     if (marks.empty()) return {};
@@ -197,21 +209,23 @@ ClockLine line_of(const std::vector<Mark>& marks) {
         return best;
     };
     const double early = largest(first, first + third), late = largest(last - third, last);
-    constexpr double long_enough = 180.0, much = 500e-6;   // s; no oscillator is worse
+    constexpr double long_enough = 180.0, much = 500e-6;  // s; no oscillator is worse
     const double drift = last - first > long_enough ? (late - early) / (2.0 * third) : 0.0;
     if (drift == 0.0 || std::abs(drift) > much) return {largest(first, last), 0.0, first};
     return {early, drift, first + 0.5 * third};
 }
 
 Stream imu_stream(const std::array<Axis, 3>& w, const std::array<Axis, 3>& f, const ClockLine& clock, std::string source) {
-    Stream s("imu", TableKind::Imu, std::move(source), {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
+    Stream s("imu", TableKind::Imu, std::move(source),
+             {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
     const std::vector<double>& time = w[0].time;
     std::array<std::vector<double>, 6> v;
     for (std::size_t k = 0; k < 3; ++k) {
         v[k] = interpolated(time, w[k].time, w[k].value, 0.2);
         v[k + 3] = interpolated(time, f[k].time, f[k].value, 0.2);
     }
-    for (std::size_t i = 0; i < time.size(); ++i) s.add(clock.ns(time[i]), {v[0][i], v[1][i], v[2][i], v[3][i], v[4][i], v[5][i]});
+    for (std::size_t i = 0; i < time.size(); ++i)
+        s.add(clock.ns(time[i]), {v[0][i], v[1][i], v[2][i], v[3][i], v[4][i], v[5][i]});
     return s;
 }
 
@@ -235,8 +249,7 @@ StreamLog ubx_streams(const TextInput& input, WarningLog& warnings) {
             if (nmea.has_date) fixes = std::move(nmea.fixes);
             height = nmea.height;
             source = "NMEA between the messages";
-        } catch (const Error&) {
-        }
+        } catch (const Error&) {}
     }
     const bool raw = !sensors.raw_gyro[0].time.empty();
     const std::vector<Mark>& marks = raw ? sensors.marks : sensors.measured_marks;
@@ -250,8 +263,8 @@ StreamLog ubx_streams(const TextInput& input, WarningLog& warnings) {
     log.add(std::move(sensors.solution));
     log.add(std::move(sensors.fast));
     if (log.streams.empty())
-        throw input_error("has no fix of the receiver itself (NAV-PVT) and no inertial sensor (ESF-RAW, ESF-MEAS)", place_in(input.name()),
-                          "its raw measurements, if any, are used as [gnss] observations");
+        throw input_error("has no fix of the receiver itself (NAV-PVT) and no inertial sensor (ESF-RAW, ESF-MEAS)",
+                          place_in(input.name()), "its raw measurements, if any, are used as [gnss] observations");
     return log;
 }
 
@@ -262,8 +275,10 @@ const Format ubx_format = {
     .name = "ubx",
     .title = "u-blox UBX",
     .extensions = ".ubx .log",
-    .holds = "raw measurements (RXM-RAWX), satellites' messages (RXM-SFRBX), fixes (NAV-PVT, or NMEA between the messages), the receiver's inertial sensors "
-             "(ESF-RAW, else ESF-MEAS) on the time of the fixes, its attitude (NAV-ATT) and fast solution (HNR-PVT) as reference",
+    .holds =
+        "raw measurements (RXM-RAWX), satellites' messages (RXM-SFRBX), fixes (NAV-PVT, or NMEA between the messages), the "
+        "receiver's inertial sensors "
+        "(ESF-RAW, else ESF-MEAS) on the time of the fixes, its attitude (NAV-ATT) and fast solution (HNR-PVT) as reference",
     .time = "GPS time; the sensors' own clock where nothing gives the time",
     .recognise = [](const FileHead& head) { return is_ubx(TextInput(head.path)); },
     .read = ubx_streams};

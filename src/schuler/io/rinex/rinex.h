@@ -12,11 +12,11 @@ namespace schuler::io {
 
 /// What became of the records of a file.
 struct RecordCounts {
-    std::size_t read = 0;                ///< used
-    std::size_t bad = 0;                 ///< damaged, cut or absurd: skipped
-    std::size_t repeated = 0;            ///< epochs not later than the one before, ephemerides already there: skipped
-    std::size_t foreign = 0;             ///< of a kind that is not used: skipped
-    long first_bad_line = 0;             ///< line (text) or byte (binary) of the first bad one
+    std::size_t read = 0;      ///< used
+    std::size_t bad = 0;       ///< damaged, cut or absurd: skipped
+    std::size_t repeated = 0;  ///< epochs not later than the one before, ephemerides already there: skipped
+    std::size_t foreign = 0;   ///< of a kind that is not used: skipped
+    long first_bad_line = 0;   ///< line (text) or byte (binary) of the first bad one
 };
 
 enum class RinexKind { None, Observation, Navigation, CompactObservation };
@@ -26,8 +26,8 @@ enum class RinexKind { None, Observation, Navigation, CompactObservation };
 
 struct RinexObservations {
     gnss::ObservationLog log;
-    RecordCounts records;                ///< epochs
-    std::size_t bad_lines = 0;           ///< satellite lines skipped inside good epochs
+    RecordCounts records;       ///< epochs
+    std::size_t bad_lines = 0;  ///< satellite lines skipped inside good epochs
 };
 
 /// Reads observations in one pass; gz-compressed files too, and Hatanaka-compressed ones where the program crx2rnx is installed.

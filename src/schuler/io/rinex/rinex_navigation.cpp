@@ -25,8 +25,8 @@ struct Record {
     std::array<std::string_view, most_lines> lines;
     std::size_t count = 0;
     long first_line = 0;
-    std::string_view message;            ///< of RINEX 4, empty before
-    char letter = ' ';                   ///< system, of RINEX 4
+    std::string_view message;  ///< of RINEX 4, empty before
+    char letter = ' ';         ///< system, of RINEX 4
 };
 
 class NavigationReader {

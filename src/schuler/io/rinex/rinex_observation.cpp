@@ -314,6 +314,9 @@ const Format rinex_observation_format = {
     .extensions = ".obs .rnx .YYo .crx .YYd",
     .holds = "raw measurements, versions 2 to 4, Hatanaka-compressed ones where crx2rnx is installed",
     .time = "GPS time",
-    .recognise = [](const FileHead& head) { return rinex_kind(TextInput(head.path)) == RinexKind::Observation || rinex_kind(TextInput(head.path)) == RinexKind::CompactObservation; }};
+    .recognise = [](const FileHead& head) {
+        return rinex_kind(TextInput(head.path)) == RinexKind::Observation ||
+               rinex_kind(TextInput(head.path)) == RinexKind::CompactObservation;
+    }};
 
 }  // namespace schuler::io

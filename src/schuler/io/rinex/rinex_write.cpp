@@ -202,7 +202,7 @@ std::string record(const gnss::KeplerEphemeris& k) {
                k.group_delay[0],
                gps ? static_cast<double>(k.iodc) : k.group_delay[1],
                sent,
-               gps                       ? k.fit_interval / 3600.0
+               gps                        ? k.fit_interval / 3600.0
                : system == System::BeiDou ? static_cast<double>(k.iodc)
                                           : 0.0});
     return out;
@@ -253,9 +253,9 @@ std::string rinex_navigation_text(const gnss::Navigation& n) {
                          {static_cast<double>(g.health), static_cast<double>(g.channel), static_cast<double>(g.age_days)}));
     }
     for (const auto& g : n.sbas)
-        records.emplace_back(g.toe, g.satellite,
-                             state_record(g, gnss::week_second(g.transmission).second,
-                                          {static_cast<double>(g.health), g.accuracy, 0.0}));
+        records.emplace_back(
+            g.toe, g.satellite,
+            state_record(g, gnss::week_second(g.transmission).second, {static_cast<double>(g.health), g.accuracy, 0.0}));
     std::ranges::stable_sort(records, [](const auto& a, const auto& b) {
         return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
     });

@@ -90,12 +90,14 @@ Sp3File read_sp3(const TextInput& input, WarningLog& log) {
 }
 
 extern const Format sp3_format;
-const Format sp3_format = {
-    .name = "sp3",
-    .title = "SP3 precise orbits",
-    .extensions = ".sp3",
-    .holds = "orbits and clocks, versions a to d",
-    .time = "GPS time",
-    .recognise = [](const FileHead& head) { return head.bytes.size() > 2 && head.bytes[0] == '#' && head.bytes[1] >= 'a' && head.bytes[1] <= 'd' && (head.bytes[2] == 'P' || head.bytes[2] == 'V'); }};
+const Format sp3_format = {.name = "sp3",
+                           .title = "SP3 precise orbits",
+                           .extensions = ".sp3",
+                           .holds = "orbits and clocks, versions a to d",
+                           .time = "GPS time",
+                           .recognise = [](const FileHead& head) {
+                               return head.bytes.size() > 2 && head.bytes[0] == '#' && head.bytes[1] >= 'a' &&
+                                      head.bytes[1] <= 'd' && (head.bytes[2] == 'P' || head.bytes[2] == 'V');
+                           }};
 
 }  // namespace schuler::io

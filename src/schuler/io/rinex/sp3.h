@@ -12,7 +12,7 @@ namespace schuler::io {
 struct Sp3File {
     std::vector<std::vector<gnss::PreciseSource::Node>> nodes;  ///< by gnss::index_of, in order of time (GPS)
     std::size_t epochs = 0;
-    RecordCounts records;                ///< position lines
+    RecordCounts records;  ///< position lines
 };
 
 /// Reads position records; absent positions (zeros) and absent clocks (999999.999999) are left out or NaN. gz too.

@@ -24,7 +24,9 @@ constexpr std::int64_t second = 1'000'000'000, dated = 100'000'000 * second;
 std::string_view attribute(std::string_view tag, std::string_view name) {
     for (std::size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
         const std::size_t equals = at + name.size();
-        if (at == 0 || (tag[at - 1] != ' ' && tag[at - 1] != '\n' && tag[at - 1] != '\t') || equals + 1 >= tag.size() || tag[equals] != '=') continue;
+        if (at == 0 || (tag[at - 1] != ' ' && tag[at - 1] != '\n' && tag[at - 1] != '\t') || equals + 1 >= tag.size() ||
+            tag[equals] != '=')
+            continue;
         const char quote = tag[equals + 1];
         const std::size_t end = tag.find(quote, equals + 2);
         if (end == std::string_view::npos) return {};
@@ -43,14 +45,17 @@ std::string_view element(std::string_view xml, const std::string& name) {
 std::optional<Time> time_of(std::string_view text) {
     const std::string s(text);
     int year = 0, month = 0, day = 0, hour = 0, minute = 0, whole = 0, used = 0;
-    if (std::sscanf(s.c_str(), "%4d-%2d-%2dT%2d:%2d:%2d%n", &year, &month, &day, &hour, &minute, &whole, &used) != 6) return std::nullopt;
-    if (!detail::is_date(year, month, day) || hour < 0 || hour > 23 || minute < 0 || minute > 59 || whole < 0 || whole > 60) return std::nullopt;
+    if (std::sscanf(s.c_str(), "%4d-%2d-%2dT%2d:%2d:%2d%n", &year, &month, &day, &hour, &minute, &whole, &used) != 6)
+        return std::nullopt;
+    if (!detail::is_date(year, month, day) || hour < 0 || hour > 23 || minute < 0 || minute > 59 || whole < 0 || whole > 60)
+        return std::nullopt;
     std::string_view rest = std::string_view(s).substr(static_cast<std::size_t>(used));
     std::int64_t fraction = 0;
     if (rest.starts_with('.')) {
         rest.remove_prefix(1);
         std::int64_t unit = second / 10;
-        for (; !rest.empty() && rest.front() >= '0' && rest.front() <= '9'; rest.remove_prefix(1), unit /= 10) fraction += unit * (rest.front() - '0');
+        for (; !rest.empty() && rest.front() >= '0' && rest.front() <= '9'; rest.remove_prefix(1), unit /= 10)
+            fraction += unit * (rest.front() - '0');
     }
     Time t = gps_from_utc({year, month, day, hour, minute, static_cast<double>(whole)}) + Duration{fraction};
     if (rest.size() >= 6 && (rest[0] == '+' || rest[0] == '-')) {
@@ -66,7 +71,8 @@ std::optional<Time> time_of(std::string_view text) {
 std::string utc_text(Time t) {
     const std::int64_t fraction = ((t.ns % second) + second) % second;
     const Calendar c = utc_from_gps(Time{t.ns - fraction});
-    std::string text = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", c.year, c.month, c.day, c.hour, c.minute, static_cast<int>(c.second + 0.5));
+    std::string text = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", c.year, c.month, c.day, c.hour, c.minute,
+                                   static_cast<int>(c.second + 0.5));
     if (fraction > 0) {
         std::string digits = fmt::format(".{:09}", fraction);
         digits.erase(digits.find_last_not_of('0') + 1);
@@ -81,20 +87,22 @@ StreamLog read_gpx(const TextInput& input, WarningLog& warnings) {
     std::size_t without_time = 0;
     for (std::size_t at = bytes.find("<trkpt"); at != std::string::npos;) {
         const std::size_t next = bytes.find("<trkpt", at + 6);
-        const std::string_view point = std::string_view(bytes).substr(at, next == std::string::npos ? std::string::npos : next - at);
+        const std::string_view point =
+            std::string_view(bytes).substr(at, next == std::string::npos ? std::string::npos : next - at);
         const std::string_view tag = point.substr(0, std::min(point.find('>'), point.size()));
         const auto t = time_of(element(point, "time"));
         const double lat = number_from(attribute(tag, "lat")), lon = number_from(attribute(tag, "lon"));
-        if (t && std::isfinite(lat) && std::isfinite(lon))
-            s.add(t->ns, {lat, lon, number_from(element(point, "ele"))});
-        else
-            ++without_time;
+        if (t && std::isfinite(lat) && std::isfinite(lon)) s.add(t->ns, {lat, lon, number_from(element(point, "ele"))});
+        else ++without_time;
         at = next;
     }
     if (s.rows() == 0)
-        throw input_error(without_time > 0 ? fmt::format("none of its {} track points has a time and a place", without_time) : "holds no track point", place_in(input.name()),
-                          "record the track with times; routes and way points are no track");
-    if (without_time > 0) warnings.add(input.name() + " gpx.time", fmt::format("{}: track points without time or place: skipped", input.name()), without_time);
+        throw input_error(without_time > 0 ? fmt::format("none of its {} track points has a time and a place", without_time)
+                                           : "holds no track point",
+                          place_in(input.name()), "record the track with times; routes and way points are no track");
+    if (without_time > 0)
+        warnings.add(input.name() + " gpx.time", fmt::format("{}: track points without time or place: skipped", input.name()),
+                     without_time);
     StreamLog log;
     log.clock = Clock::Gps;
     log.add(std::move(s));
@@ -103,16 +111,20 @@ StreamLog read_gpx(const TextInput& input, WarningLog& warnings) {
 
 std::string escaped(const std::string& text) {
     std::string out;
-    for (const char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+    for (const char c : text)
+        out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
     return out;
 }
 
 void write_gpx(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string& title) {
-    std::string out = fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"schuler\" "
-                                  "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{}</name><trkseg>\n", escaped(title));
+    std::string out = fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"schuler\" "
+        "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{}</name><trkseg>\n",
+        escaped(title));
     for (const SolutionRow& r : rows) {
         if (!std::isfinite(r.position.lat) || !std::isfinite(r.position.lon)) continue;
-        fmt::format_to(std::back_inserter(out), "<trkpt lat=\"{:.10f}\" lon=\"{:.10f}\">", r.position.lat / units::deg, r.position.lon / units::deg);
+        fmt::format_to(std::back_inserter(out), "<trkpt lat=\"{:.10f}\" lon=\"{:.10f}\">", r.position.lat / units::deg,
+                       r.position.lon / units::deg);
         if (std::isfinite(r.position.h)) fmt::format_to(std::back_inserter(out), "<ele>{:.4f}</ele>", r.position.h);
         if (r.time.ns > dated) out += "<time>" + utc_text(r.time) + "</time>";
         out += "</trkpt>\n";
@@ -131,14 +143,16 @@ void write_geojson(const std::filesystem::path& path, std::span<const SolutionRo
         if (!std::isfinite(r.position.lat) || !std::isfinite(r.position.lon)) continue;
         const char* comma = line.empty() ? "" : ",\n";
         if (std::isfinite(r.position.h))
-            line += fmt::format("{}[{:.10f},{:.10f},{:.4f}]", comma, r.position.lon / units::deg, r.position.lat / units::deg, r.position.h);
-        else
-            line += fmt::format("{}[{:.10f},{:.10f}]", comma, r.position.lon / units::deg, r.position.lat / units::deg);
+            line += fmt::format("{}[{:.10f},{:.10f},{:.4f}]", comma, r.position.lon / units::deg, r.position.lat / units::deg,
+                                r.position.h);
+        else line += fmt::format("{}[{:.10f},{:.10f}]", comma, r.position.lon / units::deg, r.position.lat / units::deg);
         times += times.empty() ? "" : ",";
         times += r.time.ns > dated ? "\"" + utc_text(r.time) + "\"" : fmt::format("{:.9f}", r.time.seconds());
     }
-    write_file(path, fmt::format("{{\"type\":\"FeatureCollection\",\"features\":[{{\"type\":\"Feature\",\"geometry\":{{\"type\":\"LineString\",\"coordinates\":[\n{}\n]}},"
-                                 "\"properties\":{{\"name\":\"{}\",\"times\":[{}]}}}}]}}\n", line, name, times));
+    write_file(path, fmt::format("{{\"type\":\"FeatureCollection\",\"features\":[{{\"type\":\"Feature\",\"geometry\":{{\"type\":"
+                                 "\"LineString\",\"coordinates\":[\n{}\n]}},"
+                                 "\"properties\":{{\"name\":\"{}\",\"times\":[{}]}}}}]}}\n",
+                                 line, name, times));
 }
 
 }  // namespace
@@ -155,11 +169,6 @@ const Format gpx_format = {
     .write = write_gpx,
     .one_stream = true};
 const Format geojson_format = {
-    .name = "geojson",
-    .title = "GeoJSON",
-    .extensions = ".geojson .json",
-    .holds = "-",
-    .time = "",
-    .write = write_geojson};
+    .name = "geojson", .title = "GeoJSON", .extensions = ".geojson .json", .holds = "-", .time = "", .write = write_geojson};
 
 }  // namespace schuler::io

@@ -22,30 +22,30 @@ struct KfGinsProject {
     Time start;
     std::optional<Time> end;  ///< none: to the end of the IMU file (endtime -1)
 
-    Geodetic position;  ///< of the IMU at the start; rad, m
-    Eigen::Vector3d velocity_n = Eigen::Vector3d::Zero();  ///< north, east, down, m/s
-    Eigen::Vector3d rpy = Eigen::Vector3d::Zero();  ///< roll, pitch, heading, rad
-    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< rad/s
-    Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< m/s^2
-    Eigen::Vector3d gyro_scale = Eigen::Vector3d::Zero();  ///< 1
+    Geodetic position;                                      ///< of the IMU at the start; rad, m
+    Eigen::Vector3d velocity_n = Eigen::Vector3d::Zero();   ///< north, east, down, m/s
+    Eigen::Vector3d rpy = Eigen::Vector3d::Zero();          ///< roll, pitch, heading, rad
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();    ///< rad/s
+    Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();   ///< m/s^2
+    Eigen::Vector3d gyro_scale = Eigen::Vector3d::Zero();   ///< 1
     Eigen::Vector3d accel_scale = Eigen::Vector3d::Zero();  ///< 1
 
-    Eigen::Vector3d std_position = Eigen::Vector3d::Zero();  ///< north, east, down, m
-    Eigen::Vector3d std_velocity = Eigen::Vector3d::Zero();  ///< m/s
-    Eigen::Vector3d std_rpy = Eigen::Vector3d::Zero();  ///< rad
-    Eigen::Vector3d std_gyro_bias = Eigen::Vector3d::Zero();  ///< rad/s; where missing, the noise model's
+    Eigen::Vector3d std_position = Eigen::Vector3d::Zero();    ///< north, east, down, m
+    Eigen::Vector3d std_velocity = Eigen::Vector3d::Zero();    ///< m/s
+    Eigen::Vector3d std_rpy = Eigen::Vector3d::Zero();         ///< rad
+    Eigen::Vector3d std_gyro_bias = Eigen::Vector3d::Zero();   ///< rad/s; where missing, the noise model's
     Eigen::Vector3d std_accel_bias = Eigen::Vector3d::Zero();  ///< m/s^2
     Eigen::Vector3d std_gyro_scale = Eigen::Vector3d::Zero();
     Eigen::Vector3d std_accel_scale = Eigen::Vector3d::Zero();
 
     struct Noise {
-        Eigen::Vector3d angle_random_walk = Eigen::Vector3d::Zero();  ///< rad/sqrt(s)
+        Eigen::Vector3d angle_random_walk = Eigen::Vector3d::Zero();     ///< rad/sqrt(s)
         Eigen::Vector3d velocity_random_walk = Eigen::Vector3d::Zero();  ///< m/s/sqrt(s)
-        Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< steady-state sigma, rad/s
-        Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< m/s^2
-        Eigen::Vector3d gyro_scale = Eigen::Vector3d::Zero();  ///< 1
-        Eigen::Vector3d accel_scale = Eigen::Vector3d::Zero();  ///< 1
-        double correlation_time = 3600.0;  ///< s, of all of them
+        Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();             ///< steady-state sigma, rad/s
+        Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();            ///< m/s^2
+        Eigen::Vector3d gyro_scale = Eigen::Vector3d::Zero();            ///< 1
+        Eigen::Vector3d accel_scale = Eigen::Vector3d::Zero();           ///< 1
+        double correlation_time = 3600.0;                                ///< s, of all of them
     } noise;
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< IMU to antenna, forward-right-down, m
 };

@@ -174,7 +174,8 @@ void read_ob_gins(Mapping& root, const std::string& file, KfGinsProject& p) {
     p.accel_bias = root.vector("initab", Vector3d::Zero(), mgal_bias);
     const YAML::Node node = root.find("imumodel");
     if (!node || !node.IsMap())
-        throw root.error(node ? node : root.find("imufile"), "imumodel", "is missing or has no keys", "add imumodel: with arw, vrw, gbstd, abstd, corrtime");
+        throw root.error(node ? node : root.find("imufile"), "imumodel", "is missing or has no keys",
+                         "add imumodel: with arw, vrw, gbstd, abstd, corrtime");
     Mapping noise(node, file, "imumodel.");
     p.noise.angle_random_walk = noise.sigmas("arw", {}, units::deg_per_sqrt_hour);
     p.noise.velocity_random_walk = noise.sigmas("vrw", {}, units::m_s_per_sqrt_hour);
@@ -183,13 +184,14 @@ void read_ob_gins(Mapping& root, const std::string& file, KfGinsProject& p) {
     p.noise.correlation_time = noise.number("corrtime", {}, units::hour);
     noise.refuse_unknown();
     // of the optimisation, of the odometer and of simulated outages: nothing of a filter
-    for (const char* key : {"windows", "num_iterations", "is_outlier_culling", "isearth", "odolever", "bodyangle", "odometer", "isuseoutage", "outagetime", "outagelen",
-                            "outageperiod", "gnssthreshold", "integrationlength", "isusegnssoutage"})
+    for (const char* key :
+         {"windows", "num_iterations", "is_outlier_culling", "isearth", "odolever", "bodyangle", "odometer", "isuseoutage",
+          "outagetime", "outagelen", "outageperiod", "gnssthreshold", "integrationlength", "isusegnssoutage"})
         (void)root.find(key);
     p.std_gyro_bias = p.noise.gyro_bias;
     p.std_accel_bias = p.noise.accel_bias;
-    p.std_velocity = Vector3d::Constant(0.5);                                    // m/s: its initial velocity is rounded
-    p.std_rpy = Vector3d(2.0, 2.0, 10.0) * units::deg;                           // its initial attitude is read off the log
+    p.std_velocity = Vector3d::Constant(0.5);           // m/s: its initial velocity is rounded
+    p.std_rpy = Vector3d(2.0, 2.0, 10.0) * units::deg;  // its initial attitude is read off the log
     WarningLog nothing;
     for (const GnssFix& fix : read_kfgins_gnss(TextInput(p.gnss_path), nothing).fixes) {
         p.position = fix.position;
@@ -269,13 +271,17 @@ bool is_kfgins_project(const TextInput& input) {
 }
 
 extern const Format kfgins_yaml_format;
-const Format kfgins_yaml_format = {
-    .name = "kfgins_yaml",
-    .title = "KF-GINS or OB_GINS project",
-    .extensions = ".yaml .yml",
-    .holds = "settings with the paths of an IMU and a GNSS file; of OB_GINS (`imufile`, `gnssfile`) the position is that of the first fix, and what is of its optimisation, "
-             "odometer and outages is left",
-    .time = "seconds of the GPS week",
-    .recognise = [](const FileHead& head) { return (head.extension == ".yaml" || head.extension == ".yml") && is_kfgins_project(TextInput(head.path)); }};
+const Format kfgins_yaml_format = {.name = "kfgins_yaml",
+                                   .title = "KF-GINS or OB_GINS project",
+                                   .extensions = ".yaml .yml",
+                                   .holds =
+                                       "settings with the paths of an IMU and a GNSS file; of OB_GINS (`imufile`, `gnssfile`) "
+                                       "the position is that of the first fix, and what is of its optimisation, "
+                                       "odometer and outages is left",
+                                   .time = "seconds of the GPS week",
+                                   .recognise = [](const FileHead& head) {
+                                       return (head.extension == ".yaml" || head.extension == ".yml") &&
+                                              is_kfgins_project(TextInput(head.path));
+                                   }};
 
 }  // namespace schuler::io

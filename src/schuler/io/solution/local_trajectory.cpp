@@ -49,7 +49,7 @@ bool is_tum(const FileHead& head) {
     for (Lines lines(head.bytes); lines.next() && rows < 30;) {
         const std::string_view line = lines.line();
         if (line.empty() || line.front() == '#') continue;
-        if (lines.peek() == '\0' && rows > 0) break;   // may be cut by the end of the head
+        if (lines.peek() == '\0' && rows > 0) break;  // may be cut by the end of the head
         std::array<double, 9> v{};
         if (numbers(line, v) != 8 || !is_unit(v[7], v[4], v[5], v[6]) || v[0] <= before) return false;
         before = v[0];
@@ -59,13 +59,16 @@ bool is_tum(const FileHead& head) {
 }
 
 bool is_euroc_truth(const FileHead& head) {
-    return head.bytes.substr(0, 400).find("p_RS_R_x") != std::string::npos && head.bytes.substr(0, 400).find("q_RS_w") != std::string::npos;
+    return head.bytes.substr(0, 400).find("p_RS_R_x") != std::string::npos &&
+           head.bytes.substr(0, 400).find("q_RS_w") != std::string::npos;
 }
 
 std::optional<Geodetic> origin_in(std::string_view line) {
     if (!line.starts_with(origin_words)) return std::nullopt;
     double lat = 0.0, lon = 0.0, h = 0.0;
-    if (std::sscanf(std::string(line).c_str(), "# east-north-up about latitude %lf deg, longitude %lf deg, height %lf m", &lat, &lon, &h) != 3) return std::nullopt;
+    if (std::sscanf(std::string(line).c_str(), "# east-north-up about latitude %lf deg, longitude %lf deg, height %lf m", &lat,
+                    &lon, &h) != 3)
+        return std::nullopt;
     return Geodetic{lat * units::deg, lon * units::deg, h};
 }
 
@@ -73,7 +76,8 @@ StreamLog read_local(const TextInput& input, WarningLog& warnings, bool euroc) {
     const std::string bytes = read_bytes(input);
     const char* name = euroc ? "EuRoC ground truth" : "TUM trajectory";
     Stream s("trajectory", TableKind::Reference, name,
-             {"local_x_m", "local_y_m", "local_z_m", "quat_sensor_to_enu_w", "quat_sensor_to_enu_x", "quat_sensor_to_enu_y", "quat_sensor_to_enu_z"});
+             {"local_x_m", "local_y_m", "local_z_m", "quat_sensor_to_enu_w", "quat_sensor_to_enu_x", "quat_sensor_to_enu_y",
+              "quat_sensor_to_enu_z"});
     std::optional<Geodetic> origin;
     std::size_t bad = 0;
     long first_bad = 0;
@@ -99,8 +103,12 @@ StreamLog read_local(const TextInput& input, WarningLog& warnings, bool euroc) {
         epochs = epochs && ns > year_2001;
         s.add(ns, {v[1], v[2], v[3], q[0], q[1], q[2], q[3]});
     }
-    if (s.rows() == 0) throw input_error(fmt::format("holds no row of a {}", name), place_in(input.name(), first_bad), "rows have a time, a position and a unit quaternion");
-    if (bad > 0) warnings.add(input.name() + " trajectory.bad", fmt::format("{}: damaged rows, the first in line {}: skipped", input.name(), first_bad), bad);
+    if (s.rows() == 0)
+        throw input_error(fmt::format("holds no row of a {}", name), place_in(input.name(), first_bad),
+                          "rows have a time, a position and a unit quaternion");
+    if (bad > 0)
+        warnings.add(input.name() + " trajectory.bad",
+                     fmt::format("{}: damaged rows, the first in line {}: skipped", input.name(), first_bad), bad);
     StreamLog log;
     log.clock = epochs ? Clock::Unix : Clock::Boot;
     s.own_frame = !origin;
@@ -133,9 +141,10 @@ std::string local_rows(std::span<const SolutionRow> rows, Put put) {
     const Geodetic origin = rows.front().position;
     const Ecef start = earth::ecef_from_geodetic(earth::wgs84, origin);
     const Eigen::Matrix3d C_ne = earth::C_en(origin.lat, origin.lon).transpose();
-    Eigen::Matrix3d ned_to_enu;   // north-east-down to east-north-up, and back
+    Eigen::Matrix3d ned_to_enu;  // north-east-down to east-north-up, and back
     ned_to_enu << 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0;
-    std::string out = fmt::format("{}{:.17g} deg, longitude {:.17g} deg, height {:.17g} m\n", origin_words, origin.lat / units::deg, origin.lon / units::deg, origin.h);
+    std::string out = fmt::format("{}{:.17g} deg, longitude {:.17g} deg, height {:.17g} m\n", origin_words,
+                                  origin.lat / units::deg, origin.lon / units::deg, origin.h);
     for (const SolutionRow& r : rows) {
         const Eigen::Vector3d p = ned_to_enu * (C_ne * (earth::ecef_from_geodetic(earth::wgs84, r.position).r - start.r));
         const Eigen::Vector3d rpy = r.rpy.allFinite() ? r.rpy : Eigen::Vector3d::Zero();
@@ -153,20 +162,24 @@ void refuse_empty(std::span<const SolutionRow> rows) {
 void write_tum(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
     refuse_empty(rows);
     char cell[widest_number];
-    write_file(path, local_rows(rows, [&](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p, const Eigen::Quaterniond& q, const Eigen::Vector3d&) {
-        out.append(cell, put_seconds(cell, r.time.ns));
-        fmt::format_to(std::back_inserter(out), " {:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}\n", p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
-    }));
+    write_file(path, local_rows(rows, [&](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p,
+                                          const Eigen::Quaterniond& q, const Eigen::Vector3d&) {
+                   out.append(cell, put_seconds(cell, r.time.ns));
+                   fmt::format_to(std::back_inserter(out), " {:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}\n", p.x(), p.y(),
+                                  p.z(), q.x(), q.y(), q.z(), q.w());
+               }));
 }
 
 void write_euroc(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
     refuse_empty(rows);
     std::string text =
-        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], "
+        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], "
+        "v_RS_R_y [m s^-1], "
         "v_RS_R_z [m s^-1]\n";
-    text += local_rows(rows, [](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p, const Eigen::Quaterniond& q, const Eigen::Vector3d& v) {
-        fmt::format_to(std::back_inserter(out), "{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.6f},{:.6f},{:.6f}\n", r.time.ns, p.x(), p.y(), p.z(), q.w(),
-                       q.x(), q.y(), q.z(), v.x(), v.y(), v.z());
+    text += local_rows(rows, [](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p, const Eigen::Quaterniond& q,
+                                const Eigen::Vector3d& v) {
+        fmt::format_to(std::back_inserter(out), "{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.6f},{:.6f},{:.6f}\n",
+                       r.time.ns, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z());
     });
     write_file(path, text);
 }
@@ -174,25 +187,27 @@ void write_euroc(const std::filesystem::path& path, std::span<const SolutionRow>
 }  // namespace
 
 extern const Format tum_format, euroc_format;
-const Format tum_format = {
-    .name = "tum",
-    .title = "TUM trajectory",
-    .extensions = ".tum",
-    .holds = "time, position, unit quaternion: a trajectory in a frame of its own, never an IMU. Written in the east-north-up frame of the first row, which a comment "
-             "locates, so that Schuler reads it back as positions on the Earth",
-    .time = "as in the file",
-    .recognise = is_tum,
-    .read = read_tum,
-    .write = write_tum};
-const Format euroc_format = {
-    .name = "euroc",
-    .title = "EuRoC ground truth",
-    .extensions = ".euroc",
-    .holds = "`p_RS_R`, `q_RS`: a trajectory in a frame of its own; the IMU table (`w_RS_S`, `a_RS_S`) is a table of text. Folders of ASL are looked through. Written as "
-             "`tum` is",
-    .time = "nanoseconds, UTC from 1970",
-    .recognise = is_euroc_truth,
-    .read = read_euroc_truth,
-    .write = write_euroc};
+const Format tum_format = {.name = "tum",
+                           .title = "TUM trajectory",
+                           .extensions = ".tum",
+                           .holds =
+                               "time, position, unit quaternion: a trajectory in a frame of its own, never an IMU. Written in "
+                               "the east-north-up frame of the first row, which a comment "
+                               "locates, so that Schuler reads it back as positions on the Earth",
+                           .time = "as in the file",
+                           .recognise = is_tum,
+                           .read = read_tum,
+                           .write = write_tum};
+const Format euroc_format = {.name = "euroc",
+                             .title = "EuRoC ground truth",
+                             .extensions = ".euroc",
+                             .holds =
+                                 "`p_RS_R`, `q_RS`: a trajectory in a frame of its own; the IMU table (`w_RS_S`, `a_RS_S`) is a "
+                                 "table of text. Folders of ASL are looked through. Written as "
+                                 "`tum` is",
+                             .time = "nanoseconds, UTC from 1970",
+                             .recognise = is_euroc_truth,
+                             .read = read_euroc_truth,
+                             .write = write_euroc};
 
 }  // namespace schuler::io

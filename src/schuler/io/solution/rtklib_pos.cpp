@@ -39,10 +39,10 @@ struct PosLayout {
     char separator = ' ';
     int position = 2;
     int quality = -1, satellites = -1;
-    int std_position = -1;    ///< three sigmas and three signed roots of covariances
+    int std_position = -1;  ///< three sigmas and three signed roots of covariances
     int velocity = -1;
     int std_velocity = -1;
-    int fields = 0;           ///< that a row must have
+    int fields = 0;  ///< that a row must have
 };
 
 /// Field positions for the order in which RTKLIB writes, with `count` fields in a row.
@@ -75,14 +75,10 @@ std::optional<PosLayout> layout_from_header(std::string_view line) {
     }
     if (system.empty() || !contains(line, "Q") || !contains(line, "ns")) return std::nullopt;
     Coordinates coordinates = Coordinates::Degrees;
-    if (contains(line, "baseline"))
-        coordinates = Coordinates::Baseline;
-    else if (contains(line, "ecef"))
-        coordinates = Coordinates::EarthFixed;
-    else if (contains(line, "latitude(d'"))
-        coordinates = Coordinates::DegreesMinutesSeconds;
-    else if (!contains(line, "latitude"))
-        return std::nullopt;
+    if (contains(line, "baseline")) coordinates = Coordinates::Baseline;
+    else if (contains(line, "ecef")) coordinates = Coordinates::EarthFixed;
+    else if (contains(line, "latitude(d'")) coordinates = Coordinates::DegreesMinutesSeconds;
+    else if (!contains(line, "latitude")) return std::nullopt;
     // Names contain no blanks, so the header has one word for the two of the time and for the three of an angle.
     char separator = ' ';
     for (const char c : {',', ';', '\t'}) separator = std::count(line.begin(), line.end(), c) > 4 ? c : separator;
@@ -98,10 +94,8 @@ std::optional<PosLayout> layout_from_header(std::string_view line) {
 PosLayout guessed_layout(const std::vector<std::string>& fields, char separator) {
     const int count = static_cast<int>(fields.size());
     Coordinates coordinates = Coordinates::Degrees;
-    if (count > 4 && std::abs(number_from(fields[2])) > 400.0)
-        coordinates = Coordinates::EarthFixed;
-    else if (count == 19 || count == 28)
-        coordinates = Coordinates::DegreesMinutesSeconds;
+    if (count > 4 && std::abs(number_from(fields[2])) > 400.0) coordinates = Coordinates::EarthFixed;
+    else if (count == 19 || count == 28) coordinates = Coordinates::DegreesMinutesSeconds;
     PosLayout l = standard_layout(coordinates, count);
     l.separator = separator;
     return l;
@@ -159,8 +153,10 @@ std::optional<Time> time_of(const std::string& first, const std::string& second,
 Vector3d sigmas_from_earth_fixed(const std::array<double, 6>& s, const Geodetic& position) {
     const auto square = [](double v) { return std::copysign(v * v, v); };
     Matrix3d P;
+    // clang-format off
     P << square(s[0]), square(s[3]), square(s[5]), square(s[3]), square(s[1]), square(s[4]), square(s[5]), square(s[4]),
         square(s[2]);
+    // clang-format on
     const Matrix3d C_en = earth::C_en(position.lat, position.lon);
     const Matrix3d P_n = C_en.transpose() * P * C_en;
     return P_n.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -232,8 +228,7 @@ private:
         const Vector3d v = three(layout_.velocity);
         if (layout_.coordinates == Coordinates::EarthFixed)
             fix.velocity_n = earth::C_en(fix.position.lat, fix.position.lon).transpose() * v;
-        else
-            fix.velocity_n = {v.x(), v.y(), -v.z()};  // RTKLIB writes north, east, up
+        else fix.velocity_n = {v.x(), v.y(), -v.z()};  // RTKLIB writes north, east, up
         fix.std_velocity = sigmas(layout_.std_velocity, fix.position);
     }
 

@@ -16,9 +16,9 @@ namespace schuler::io {
 struct RtklibPos {
     std::vector<GnssFix> fixes;
     HeightKind height =
-        HeightKind::Unstated;  ///< as the header says: ellipsoidal, or geodetic (then Msl); ellipsoidal for Earth-fixed
-    std::string time_system = "GPST";          ///< of the file: GPST, UTC or JST
-    bool header_found = false;                 ///< false: the columns were guessed, with a warning
+        HeightKind::Unstated;          ///< as the header says: ellipsoidal, or geodetic (then Msl); ellipsoidal for Earth-fixed
+    std::string time_system = "GPST";  ///< of the file: GPST, UTC or JST
+    bool header_found = false;         ///< false: the columns were guessed, with a warning
     RowCounts rows;
 };
 

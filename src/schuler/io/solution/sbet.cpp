@@ -27,15 +27,17 @@ Record record_at(std::string_view bytes, std::size_t row) { return detail::load<
 bool is_record(const Record& r) {
     constexpr double pi = std::numbers::pi;
     const auto angle = [](double x) { return std::abs(x) <= 2.0 * pi + 1e-9; };
-    return r[0] >= 0.0 && r[0] < 4e9 && std::abs(r[1]) <= 0.5 * pi && angle(r[2]) && std::abs(r[3]) < 1e6 && std::abs(r[4]) < 1e4 && std::abs(r[5]) < 1e4 &&
-           std::abs(r[6]) < 1e4 && (angle(r[7]) || std::isnan(r[7])) && (angle(r[8]) || std::isnan(r[8])) && (std::abs(r[9]) < 20.0 || std::isnan(r[9])) &&
-           std::abs(r[10]) < 20.0 && (r[1] != 0.0 || r[2] != 0.0);
+    return r[0] >= 0.0 && r[0] < 4e9 && std::abs(r[1]) <= 0.5 * pi && angle(r[2]) && std::abs(r[3]) < 1e6 &&
+           std::abs(r[4]) < 1e4 && std::abs(r[5]) < 1e4 && std::abs(r[6]) < 1e4 && (angle(r[7]) || std::isnan(r[7])) &&
+           (angle(r[8]) || std::isnan(r[8])) && (std::abs(r[9]) < 20.0 || std::isnan(r[9])) && std::abs(r[10]) < 20.0 &&
+           (r[1] != 0.0 || r[2] != 0.0);
 }
 
 bool is_sbet(const FileHead& head) {
     const std::string_view bytes = head.bytes;
     if (bytes.size() < record_size) return false;
-    if (bytes.size() < 65'536 && bytes.size() % record_size != 0 && head.extension != ".sbet" && head.extension != ".out") return false;
+    if (bytes.size() < 65'536 && bytes.size() % record_size != 0 && head.extension != ".sbet" && head.extension != ".out")
+        return false;
     double before = -1.0;
     for (std::size_t i = 0; i < bytes.size() / record_size && i < 50; ++i) {
         const Record r = record_at(bytes, i);
@@ -48,18 +50,18 @@ bool is_sbet(const FileHead& head) {
 /// Velocities stand in the wander frame: x north, y west, z up where the wander angle is zero, as Applanix writes them; other programs write y east, or
 /// z down. The positions of the file show which: the way between records half a second apart has the direction of the velocity.
 struct Signs {
-    double east = -1.0, down = -1.0;   ///< of the velocities' y and z
+    double east = -1.0, down = -1.0;  ///< of the velocities' y and z
 };
 Signs signs_of(std::string_view bytes) {
     const std::size_t rows = bytes.size() / record_size;
     std::size_t apart = 1;
-    constexpr double long_enough = 0.5;   // s
+    constexpr double long_enough = 0.5;  // s
     while (apart + 1 < rows && record_at(bytes, apart)[0] - record_at(bytes, 0)[0] < long_enough) ++apart;
     struct Agreement {
         double together = 0.0, way = 0.0, velocity = 0.0;
         void add(double w, double v) { together += w * v, way += w * w, velocity += v * v; }
         [[nodiscard]] double sign() const {
-            constexpr double clear = 0.3;   // of the correlation
+            constexpr double clear = 0.3;  // of the correlation
             return together > clear * std::sqrt(way * velocity) ? 1.0 : -1.0;
         }
     } east, down;
@@ -69,10 +71,11 @@ Signs signs_of(std::string_view bytes) {
         const double dt = b[0] - a[0];
         if (!is_record(a) || !is_record(b) || !(dt > 0.0) || dt > 10.0) continue;
         const earth::Radii radii = earth::radii(earth::wgs84, a[1]);
-        const double to_east = std::remainder(b[2] - a[2], 2.0 * std::numbers::pi) * (radii.prime_vertical + a[3]) * std::cos(a[1]) / dt;
+        const double to_east =
+            std::remainder(b[2] - a[2], 2.0 * std::numbers::pi) * (radii.prime_vertical + a[3]) * std::cos(a[1]) / dt;
         const double fallen = (a[3] - b[3]) / dt;
         const double c = std::cos(a[10]), w = std::sin(a[10]);
-        const double slope = -w * a[4];   // what the wander angle turns of the velocity's x into the east
+        const double slope = -w * a[4];  // what the wander angle turns of the velocity's x into the east
         east.add(to_east - slope, c * 0.5 * (a[5] + b[5]));
         down.add(fallen, 0.5 * (a[6] + b[6]));
     }
@@ -83,7 +86,8 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
     StreamLog log;
     Stream s("reference", TableKind::Reference, "SBET",
-             {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"});
+             {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg",
+              "heading_deg"});
     std::size_t damaged = 0, first = 0;
     double latest = 0.0;
     const Signs signs = signs_of(bytes);
@@ -95,18 +99,23 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
         }
         // the wander frame is turned against north by the wander angle: heading is the platform's less it
         const double c = std::cos(r[10]), w = std::sin(r[10]), y = signs.east * r[5];
-        s.add(Duration::from_seconds(r[0]).ns, {r[1] / units::deg, r[2] / units::deg, r[3], c * r[4] + w * y, -w * r[4] + c * y, signs.down * r[6], r[7] / units::deg,
-                                                r[8] / units::deg, math::wrap_2pi(r[9] - r[10]) / units::deg});
+        s.add(Duration::from_seconds(r[0]).ns,
+              {r[1] / units::deg, r[2] / units::deg, r[3], c * r[4] + w * y, -w * r[4] + c * y, signs.down * r[6],
+               r[7] / units::deg, r[8] / units::deg, math::wrap_2pi(r[9] - r[10]) / units::deg});
         latest = std::max(latest, r[0]);
     }
     constexpr double week = 604'800.0;
     log.clock = latest <= 2.0 * week ? Clock::SecondsOfWeek : Clock::Gps;
     if (damaged > 0)
-        warnings.add(input.name() + " sbet.damaged", fmt::format("{}: damaged records, the first at byte {}: skipped", input.name(), first), damaged);
+        warnings.add(input.name() + " sbet.damaged",
+                     fmt::format("{}: damaged records, the first at byte {}: skipped", input.name(), first), damaged);
     if (bytes.size() % record_size != 0)
-        warnings.add(input.name() + " sbet.cut", fmt::format("{}: the file is cut in the record at byte {}: read up to there", input.name(), bytes.size() / record_size * record_size));
+        warnings.add(input.name() + " sbet.cut", fmt::format("{}: the file is cut in the record at byte {}: read up to there",
+                                                             input.name(), bytes.size() / record_size * record_size));
     log.add(std::move(s));
-    if (log.streams.empty()) throw input_error("holds no record of an SBET", place_in(input.name()), "records have 17 doubles: time, latitude, longitude, ...");
+    if (log.streams.empty())
+        throw input_error("holds no record of an SBET", place_in(input.name()),
+                          "records have 17 doubles: time, latitude, longitude, ...");
     return log;
 }
 
@@ -116,8 +125,16 @@ void write_sbet(const std::filesystem::path& path, std::span<const SolutionRow> 
     constexpr std::int64_t week = 604'800'000'000'000;
     for (const SolutionRow& r : rows) {
         const bool dated = r.time.ns > 2 * week;
-        const Record record = {Duration{dated ? r.time.ns % week : r.time.ns}.seconds(), r.position.lat, r.position.lon, r.position.h, r.v_eb_n.x(),
-                               -r.v_eb_n.y(), -r.v_eb_n.z(), r.rpy.x(), r.rpy.y(), r.rpy.z()};
+        const Record record = {Duration{dated ? r.time.ns % week : r.time.ns}.seconds(),
+                               r.position.lat,
+                               r.position.lon,
+                               r.position.h,
+                               r.v_eb_n.x(),
+                               -r.v_eb_n.y(),
+                               -r.v_eb_n.z(),
+                               r.rpy.x(),
+                               r.rpy.y(),
+                               r.rpy.z()};
         detail::store(out, record);
     }
     write_file(path, out);
@@ -126,15 +143,16 @@ void write_sbet(const std::filesystem::path& path, std::span<const SolutionRow> 
 }  // namespace
 
 extern const Format sbet_format;
-const Format sbet_format = {
-    .name = "sbet",
-    .title = "SBET",
-    .extensions = ".sbet .out",
-    .holds = "position, velocity and attitude (the wander angle taken out) as reference; accelerations and rates are not an IMU's and are left; written with "
-             "seconds of the week, velocities north, west, up, wander angle, accelerations and rates zero",
-    .time = "seconds of the GPS week",
-    .recognise = is_sbet,
-    .read = read_sbet,
-    .write = write_sbet};
+const Format sbet_format = {.name = "sbet",
+                            .title = "SBET",
+                            .extensions = ".sbet .out",
+                            .holds =
+                                "position, velocity and attitude (the wander angle taken out) as reference; accelerations and "
+                                "rates are not an IMU's and are left; written with "
+                                "seconds of the week, velocities north, west, up, wander angle, accelerations and rates zero",
+                            .time = "seconds of the GPS week",
+                            .recognise = is_sbet,
+                            .read = read_sbet,
+                            .write = write_sbet};
 
 }  // namespace schuler::io

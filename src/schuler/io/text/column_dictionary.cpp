@@ -237,8 +237,10 @@ const std::vector<Quantity> baro = with(
                 {"temperature_c", D::Temperature, "temperature temp baro_temp baro_temperature"}});
 
 const std::vector<Quantity> mag =
-    with(time_only, three_axes("mag_@_ut", D::Field,
-                               "mag_@ mag@ m@ m_@ magnetometer_@ magnetic_field_@ mag_uncal_@ field_@ magnetic_@ b_@ b@ @_mag magnetometer_ga_#"));
+    with(time_only,
+         three_axes(
+             "mag_@_ut", D::Field,
+             "mag_@ mag@ m@ m_@ magnetometer_@ magnetic_field_@ mag_uncal_@ field_@ magnetic_@ b_@ b@ @_mag magnetometer_ga_#"));
 
 const std::vector<Quantity> reference =
     with(with(time_only, position_and_velocity()),

@@ -63,8 +63,8 @@ HeightKind height_kind(const Quantity& quantity, const Words& words) {
 
 struct Candidate {
     ColumnMatch match;
-    std::size_t stripped = 0;   ///< origin words taken off
-    bool empty = false;         ///< no value in the first rows: a last resort
+    std::size_t stripped = 0;  ///< origin words taken off
+    bool empty = false;        ///< no value in the first rows: a last resort
 
     [[nodiscard]] bool better_than(const Candidate& other) const {
         return std::tuple(empty, match.certainty, stripped) < std::tuple(other.empty, other.match.certainty, other.stripped);
@@ -135,11 +135,12 @@ TimeUnit unit_by_size(const TableLayout& layout, int column, bool fixes) {
     if (layout.sample.empty()) return TimeUnit::Seconds;
     const double value = value_of(layout.sample.front());
     double step = not_given;
-    for (std::size_t i = 1; i < layout.sample.size() && !(step > 0.0); ++i) step = value_of(layout.sample[i]) - value_of(layout.sample[i - 1]);
-    constexpr double seconds_most = 4e9;   // 2106
+    for (std::size_t i = 1; i < layout.sample.size() && !(step > 0.0); ++i)
+        step = value_of(layout.sample[i]) - value_of(layout.sample[i - 1]);
+    constexpr double seconds_most = 4e9;  // 2106
     if (!(value > seconds_most)) return TimeUnit::Seconds;
     if (value > 1e17) return TimeUnit::Nanoseconds;
-    if (value > 3e14 && value < 4e15 && !(step > (fixes ? 3e8 : 5e6))) return TimeUnit::Microseconds;   // 1980 to 2096
+    if (value > 3e14 && value < 4e15 && !(step > (fixes ? 3e8 : 5e6))) return TimeUnit::Microseconds;  // 1980 to 2096
     if (value > 3e11 && value < 4e12 && !(step > 3e5)) return TimeUnit::Milliseconds;
     if (!(step > 0.0)) return value > 1e14 ? TimeUnit::Microseconds : value > 1e11 ? TimeUnit::Milliseconds : TimeUnit::Seconds;
     if (step >= (fixes ? 2e7 : 2.5e5)) return TimeUnit::Nanoseconds;
@@ -155,7 +156,8 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
         c->empty = column_is_empty(layout, column);
         if (!c->match.unit_stated && i < layout.units.size())
             apply_unit(quantity, joined(words_of_name(layout.units[i]), 0, words_of_name(layout.units[i]).size()), c->match);
-        if (quantity.dimension == Dimension::Time && !c->match.unit_stated) c->match.time_unit = unit_by_size(layout, column, kind == TableKind::Gnss || kind == TableKind::Reference);
+        if (quantity.dimension == Dimension::Time && !c->match.unit_stated)
+            c->match.time_unit = unit_by_size(layout, column, kind == TableKind::Gnss || kind == TableKind::Reference);
         c->match.factor *= quantity.sign;
         c->match.offset *= quantity.sign;
         c->match.column = column;
@@ -226,10 +228,8 @@ std::string without_axis(std::string name) {
 
 /// Times are read as whole nanoseconds: only powers of ten are units of them.
 TimeUnit time_unit_of(double factor, const SourcePlace& place) {
-    constexpr std::pair<double, TimeUnit> units[] = {{1.0, TimeUnit::Seconds},
-                                                     {1e-3, TimeUnit::Milliseconds},
-                                                     {1e-6, TimeUnit::Microseconds},
-                                                     {1e-9, TimeUnit::Nanoseconds}};
+    constexpr std::pair<double, TimeUnit> units[] = {
+        {1.0, TimeUnit::Seconds}, {1e-3, TimeUnit::Milliseconds}, {1e-6, TimeUnit::Microseconds}, {1e-9, TimeUnit::Nanoseconds}};
     for (const auto& [size, unit] : units)
         if (std::abs(factor / size - 1.0) < 1e-9) return unit;
     throw input_error(fmt::format("{} s is no unit of time", factor), place, "give 1, 1e-3, 1e-6 or 1e-9 seconds");
@@ -250,10 +250,8 @@ void apply_scale(ColumnPlan& plan, const TableLayout& layout, const ColumnOverri
             throw input_error(fmt::format("{} is not a usable factor", factor), place, "give a number other than zero");
         for (ColumnMatch& match : plan.matches) {
             if (match.canonical != key && without_axis(match.canonical) != key) continue;
-            if (match.canonical.find("time") != std::string::npos)
-                match.time_unit = time_unit_of(factor, place);
-            else
-                match.factor = factor;
+            if (match.canonical.find("time") != std::string::npos) match.time_unit = time_unit_of(factor, place);
+            else match.factor = factor;
             match.offset = 0.0;
             match.unit_stated = true;
         }
@@ -295,10 +293,8 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
         if (!best) continue;
         const auto have =
             std::find_if(found.begin(), found.end(), [&](const Candidate& c) { return c.match.canonical == quantity.canonical; });
-        if (have == found.end())
-            found.push_back(std::move(*best));
-        else if (best->better_than(*have))
-            *have = std::move(*best);
+        if (have == found.end()) found.push_back(std::move(*best));
+        else if (best->better_than(*have)) *have = std::move(*best);
     }
     for (Candidate& c : found) plan.matches.push_back(std::move(c.match));
     apply_scale(plan, layout, overrides);
@@ -318,15 +314,17 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
 /// Columns that call themselves the estimate of a filter, or truth: not a receiver's.
 static bool is_estimate(std::string_view name) {
     const std::vector<std::string> words = words_of_name(name);
-    static constexpr std::string_view sources[] = {"onboard", "ahrs", "ekf", "est", "estimate", "estimated", "autopilot",
-                                                   "filter", "truth", "true", "ref", "reference"};
+    static constexpr std::string_view sources[] = {"onboard",   "ahrs",   "ekf",   "est",  "estimate", "estimated",
+                                                   "autopilot", "filter", "truth", "true", "ref",      "reference"};
     return !words.empty() && std::ranges::find(sources, words.front()) != std::end(sources);
 }
 
 /// Names of what is asked of a vehicle, not of what it does.
 static bool says_command(const std::vector<std::string>& words) {
-    static constexpr std::string_view commands[] = {"setpoint", "setpoints", "sp", "command", "commands", "cmd", "desired", "target", "demand"};
-    return std::ranges::any_of(words, [&](const std::string& word) { return std::ranges::find(commands, word) != std::end(commands); });
+    static constexpr std::string_view commands[] = {"setpoint", "setpoints", "sp",     "command", "commands",
+                                                    "cmd",      "desired",   "target", "demand"};
+    return std::ranges::any_of(words,
+                               [&](const std::string& word) { return std::ranges::find(commands, word) != std::end(commands); });
 }
 
 /// Every sample row has a number there, and the four are a unit quaternion.
@@ -335,7 +333,8 @@ static bool is_rotation(const TableLayout& layout, const std::array<int, 4>& col
     for (const std::vector<std::string>& row : layout.sample) {
         double square = 0.0;
         for (const int column : columns) {
-            const double x = static_cast<std::size_t>(column) < row.size() ? number_from(row[static_cast<std::size_t>(column)]) : NAN;
+            const double x =
+                static_cast<std::size_t>(column) < row.size() ? number_from(row[static_cast<std::size_t>(column)]) : NAN;
             square += x * x;
         }
         if (std::isnan(square)) continue;
@@ -358,7 +357,9 @@ bool is_own_frame(const TableLayout& layout) {
 
 std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
     if (says_command(words_of_name(std::filesystem::path(layout.file).stem().string()))) return std::nullopt;
-    const auto commanded = [](const ColumnPlan& plan, std::string_view name) { return says_command(words_of_name(plan.find(name)->file_name)); };
+    const auto commanded = [](const ColumnPlan& plan, std::string_view name) {
+        return says_command(words_of_name(plan.find(name)->file_name));
+    };
     const auto complete = [&](TableKind kind, std::initializer_list<std::string_view> needed) {
         const ColumnPlan plan = match_columns(layout, kind);
         return std::all_of(needed.begin(), needed.end(), [&](std::string_view name) { return plan.find(name) != nullptr; });
@@ -367,19 +368,22 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
     const ColumnPlan reference = match_columns(layout, TableKind::Reference);
     bool attitude = complete(TableKind::Reference, {"time_s", "roll_deg", "pitch_deg"}) && !commanded(reference, "roll_deg");
     if (!attitude && complete(TableKind::Reference, {"time_s", "qw", "qx", "qy", "qz"}))
-        attitude = !commanded(reference, "qw") && is_rotation(layout, {reference.find("qw")->column, reference.find("qx")->column, reference.find("qy")->column,
-                                                                       reference.find("qz")->column});
+        attitude =
+            !commanded(reference, "qw") && is_rotation(layout, {reference.find("qw")->column, reference.find("qx")->column,
+                                                                reference.find("qy")->column, reference.find("qz")->column});
     if (complete(TableKind::Imu,
                  {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"}) ||
         complete(TableKind::Imu,
                  {"time_s", "dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"})) {
-        return commanded(match_columns(layout, TableKind::Imu), match_columns(layout, TableKind::Imu).find("gyro_x_rad_s") != nullptr ? "gyro_x_rad_s" : "dtheta_x_rad")
+        return commanded(match_columns(layout, TableKind::Imu),
+                         match_columns(layout, TableKind::Imu).find("gyro_x_rad_s") != nullptr ? "gyro_x_rad_s" : "dtheta_x_rad")
                    ? std::nullopt
                    : std::optional(TableKind::Imu);
     }
     if (attitude || complete(TableKind::Reference, {"time_s", "ecef_x_m", "ecef_y_m", "ecef_z_m"})) return TableKind::Reference;
     if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"}))
-        return is_estimate(match_columns(layout, TableKind::Gnss).find("lat_deg")->file_name) ? TableKind::Reference : TableKind::Gnss;
+        return is_estimate(match_columns(layout, TableKind::Gnss).find("lat_deg")->file_name) ? TableKind::Reference
+                                                                                              : TableKind::Gnss;
     if (complete(TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"})) return TableKind::Mag;
     if (complete(TableKind::Baro, {"time_s", "height_m"}) || complete(TableKind::Baro, {"time_s", "pressure_pa"}))
         return TableKind::Baro;

@@ -30,15 +30,15 @@ enum class HeightKind { Unstated, Ellipsoidal, Msl, Relative, Autopilot };
 
 /// A column of the file recognised as a canonical quantity: canonical value = number * factor + offset.
 struct ColumnMatch {
-    std::string canonical;               ///< for example gyro_x_rad_s
-    std::string file_name;               ///< as the file spells it
-    int column = -1;                     ///< 0-based
-    double factor = 1.0;                 ///< to the unit in the canonical name
+    std::string canonical;  ///< for example gyro_x_rad_s
+    std::string file_name;  ///< as the file spells it
+    int column = -1;        ///< 0-based
+    double factor = 1.0;    ///< to the unit in the canonical name
     double offset = 0.0;
-    bool unit_stated = false;            ///< by the name, the line of units, or the user
+    bool unit_stated = false;  ///< by the name, the line of units, or the user
     Certainty certainty = Certainty::Guess;
-    TimeUnit time_unit = TimeUnit::Seconds;       ///< of time columns
-    HeightKind height = HeightKind::Unstated;     ///< of height columns
+    TimeUnit time_unit = TimeUnit::Seconds;    ///< of time columns
+    HeightKind height = HeightKind::Unstated;  ///< of height columns
 };
 
 /// The user's word: canonical name = the file's name (or "#3" for the third column), and factors to the canonical unit.
@@ -51,8 +51,8 @@ struct ColumnOverrides {
 
 struct ColumnPlan {
     TableKind kind = TableKind::Imu;
-    std::vector<ColumnMatch> matches;            ///< at most one for a canonical name
-    std::vector<std::string> unused;             ///< names of columns not recognised
+    std::vector<ColumnMatch> matches;  ///< at most one for a canonical name
+    std::vector<std::string> unused;   ///< names of columns not recognised
     [[nodiscard]] const ColumnMatch* find(std::string_view canonical) const;
 };
 

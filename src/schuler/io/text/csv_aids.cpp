@@ -64,8 +64,9 @@ std::vector<BodyVelocitySample> read_log_csv(const TextInput& input) {
 
 std::vector<HeadingSample> read_compass_csv(const TextInput& input) {
     std::vector<HeadingSample> out;
-    read_rows(input, {"heading_deg", "std_deg"}, 1,
-              [&](Time t, const Eigen::Vector3d& x) { out.push_back({t, x.x() * units::deg, x.y() * units::deg}); });
+    read_rows(input, {"heading_deg", "std_deg"}, 1, [&](Time t, const Eigen::Vector3d& x) {
+        out.push_back({t, x.x() * units::deg, x.y() * units::deg});
+    });
     return out;
 }
 

@@ -26,7 +26,8 @@ std::vector<NamedInstant> read_events_csv(const TextInput& input) {
         return found == layout.names.end() ? -1 : static_cast<int>(found - layout.names.begin());
     };
     if (column("time_s") < 0)
-        throw input_error("needs a column time_s", {layout.file, layout.header_line, 0, "time_s"}, "write the header time_s,name");
+        throw input_error("needs a column time_s", {layout.file, layout.header_line, 0, "time_s"},
+                          "write the header time_s,name");
     std::vector<FieldRequest> fields{{.column = column("time_s"), .kind = FieldKind::Time, .name = "time_s"}};
     const bool named = column("name") >= 0;
     if (named) fields.push_back({.column = column("name"), .kind = FieldKind::Text, .required = false, .name = "name"});
@@ -36,11 +37,13 @@ std::vector<NamedInstant> read_events_csv(const TextInput& input) {
         if (!reader.row_ok()) throw reader.row_error("give seconds on the time axis of the data set, or leave the row out");
         out.push_back({Time{reader.time_ns(0)}, named ? std::string(reader.text(1)) : std::string(), reader.line()});
     }
-    if (out.empty()) throw input_error("has no event", {layout.file, 0, 0, "time_s"}, "give a row an event, or leave out output.events");
+    if (out.empty())
+        throw input_error("has no event", {layout.file, 0, 0, "time_s"}, "give a row an event, or leave out output.events");
     return out;
 }
 
-void write_events_csv(const std::filesystem::path& file, std::span<const NamedInstant> events, std::span<const SolutionRow> rows) {
+void write_events_csv(const std::filesystem::path& file, std::span<const NamedInstant> events,
+                      std::span<const SolutionRow> rows) {
     std::string text = std::string(solution_csv_header()) + ",name\n";
     for (std::size_t i = 0; i < events.size(); ++i) text += solution_csv_row(rows[i]) + "," + quoted(events[i].name) + "\n";
     write_file(file, text);

@@ -130,8 +130,9 @@ void read_ages(const TableReader& row, const GnssFields& f, GnssFix& fix) {
         const std::int64_t valid = field == SampleColumns::absent ? TableReader::no_time : row.time_ns(field);
         if (valid == TableReader::no_time) return not_given;
         const double seconds = Duration{fix.time.ns - valid}.seconds();
-        constexpr double week = 604'800.0;   // around its end one may have begun anew and the other not
-        return std::abs(seconds) > 0.5 * week && std::abs(seconds) < 1.5 * week ? seconds - std::copysign(week, seconds) : seconds;
+        constexpr double week = 604'800.0;  // around its end one may have begun anew and the other not
+        return std::abs(seconds) > 0.5 * week && std::abs(seconds) < 1.5 * week ? seconds - std::copysign(week, seconds)
+                                                                                : seconds;
     };
     const double whole = age(f.time_valid);
     fix.position_age = first_given(whole, 0.0);
@@ -148,16 +149,20 @@ public:
         for (const auto& [code, count] : counts_) n += count;
         constexpr std::size_t accidents = 2;
         if (n <= accidents || static_cast<double>(n) <= 0.05 * static_cast<double>(rows)) return;
-        throw input_error(fmt::format("{} of {} rows have a fix code that is not known: {} (read as {})", n, rows, list(), table),
-                          place_in(file, 0, 0, "gnss.fix_codes"),
-                          fmt::format("say what it means: [gnss] fix_codes = {{ \"{}\" = \"none\" }}, or autonomous, differential, "
-                                      "rtk_float, rtk_fixed",
-                                      counts_.begin()->first));
+        throw input_error(
+            fmt::format("{} of {} rows have a fix code that is not known: {} (read as {})", n, rows, list(), table),
+            place_in(file, 0, 0, "gnss.fix_codes"),
+            fmt::format("say what it means: [gnss] fix_codes = {{ \"{}\" = \"none\" }}, or autonomous, differential, "
+                        "rtk_float, rtk_fixed",
+                        counts_.begin()->first));
     }
     void tell(const std::string& file, WarningLog& log) const {
         for (const auto& [code, n] : counts_)
-            log.add("gnss.fix.unknown", fmt::format("{}: rows whose fix code is not known, the first '{}': skipped (say what it means in "
-                                                    "[gnss] fix_codes)", file, code), n);
+            log.add("gnss.fix.unknown",
+                    fmt::format("{}: rows whose fix code is not known, the first '{}': skipped (say what it means in "
+                                "[gnss] fix_codes)",
+                                file, code),
+                    n);
     }
 
 private:
@@ -201,7 +206,7 @@ GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, Warni
                 unknown.add(std::string(row.text(fields.fix)));
                 return false;
             }
-            const double carrier = optional_number(row, fields.carrier);   // u-blox: 1 float, 2 fixed
+            const double carrier = optional_number(row, fields.carrier);  // u-blox: 1 float, 2 fixed
             if (carrier >= 1.0 && fix.fix != FixType::None) fix.fix = carrier >= 2.0 ? FixType::RtkFixed : FixType::RtkFloat;
         }
         fix.position = position.position(row);
@@ -223,7 +228,7 @@ GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, Warni
     try {
         table.fixes = detail::read_samples<GnssFix>(reader, audit, columns.layout().estimated_rows, options.time_offset, make);
     } catch (const Error&) {
-        unknown.ask(input.name(), codes.table(), audit.counts().read);   // the better reason, where it is the one
+        unknown.ask(input.name(), codes.table(), audit.counts().read);  // the better reason, where it is the one
         throw;
     }
     unknown.ask(input.name(), codes.table(), audit.counts().read);

@@ -25,7 +25,7 @@ GeodeticGrid read_grid_csv(const TextInput& input, const std::vector<std::string
         fields.push_back({.column = static_cast<int>(found - layout.names.begin()), .name = name});
     }
     TableReader reader(input, layout, fields);
-    std::map<std::pair<double, double>, Eigen::Vector3d> points;   // in order of latitude, then longitude
+    std::map<std::pair<double, double>, Eigen::Vector3d> points;  // in order of latitude, then longitude
     std::vector<double> lat, lon;
     while (reader.next()) {
         if (!reader.row_ok()) throw reader.row_error("give a number, or leave the whole file out");

@@ -128,7 +128,8 @@ std::vector<StationRow> read_stations_csv(const TextInput& input, const CsvOptio
         const StationRow row{std::string(reader.text(id)),
                              {reader.number(lat) * units::deg, reader.number(lon) * units::deg, reader.number(h)}};
         if (!(std::abs(reader.number(lat)) <= 90.0 && std::abs(reader.number(lon)) <= 360.0 && std::abs(row.position.h) < 1e4))
-            throw reader.field_error(lat, fmt::format("{} is at no place on the Earth", row.id), "give degrees, and metres of height");
+            throw reader.field_error(lat, fmt::format("{} is at no place on the Earth", row.id),
+                                     "give degrees, and metres of height");
         if (std::ranges::find(out, row.id, &StationRow::id) != out.end())
             throw reader.field_error(id, fmt::format("{} stands twice", row.id), "leave one of the rows");
         out.push_back(row);
@@ -162,7 +163,8 @@ std::string ranges_csv(const RangingLog& log) {
 std::string stations_csv(const std::vector<StationRow>& stations) {
     std::string out = "id,lat_deg,lon_deg,height_m\n";
     for (const StationRow& s : stations)
-        out += fmt::format("{},{:.12f},{:.12f},{:.6f}\n", s.id, s.position.lat / units::deg, s.position.lon / units::deg, s.position.h);
+        out += fmt::format("{},{:.12f},{:.12f},{:.6f}\n", s.id, s.position.lat / units::deg, s.position.lon / units::deg,
+                           s.position.h);
     return out;
 }
 

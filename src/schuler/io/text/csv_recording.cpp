@@ -15,10 +15,10 @@ using detail::RowAudit;
 using detail::SampleColumns;
 
 // No vehicle spins faster or is shot harder; what exceeds this is another unit or another column.
-constexpr double absurd_rate = 1e4;                        // rad/s
+constexpr double absurd_rate = 1e4;                         // rad/s
 constexpr double absurd_acceleration = 1000.0 * units::g0;  // m/s^2
-constexpr double absurd_angle_increment = 100.0;           // rad in one sample
-constexpr double absurd_velocity_increment = 1000.0;       // m/s in one sample
+constexpr double absurd_angle_increment = 100.0;            // rad in one sample
+constexpr double absurd_velocity_increment = 1000.0;        // m/s in one sample
 
 using Axes = std::array<std::size_t, 3>;
 

@@ -24,19 +24,19 @@ struct CsvOptions {
     std::map<std::string, std::string> fix_codes;  ///< code = none, autonomous, differential, rtk_fixed, rtk_float
     std::string quaternion;  ///< "sensor_to_enu" | "body_to_ned"; empty: as the column's name says, else body_to_ned
     Eigen::Matrix3d C_sb = Eigen::Matrix3d::Identity();  ///< body to sensor axes, for sensor_to_enu
-    Duration time_offset;  ///< added to every time (start of the week, leap seconds)
+    Duration time_offset;                                ///< added to every time (start of the week, leap seconds)
 };
 
 /// What was done with the rows of a file.
 struct RowCounts {
     std::size_t read = 0;  ///< data rows in the file
     std::size_t used = 0;
-    std::size_t bad = 0;  ///< a needed value is missing or no number: skipped
-    std::size_t without_fix = 0;  ///< GNSS rows that state or show that there is no fix: skipped
-    std::size_t strays = 0;  ///< stamped far from the rows around them: skipped
+    std::size_t bad = 0;           ///< a needed value is missing or no number: skipped
+    std::size_t without_fix = 0;   ///< GNSS rows that state or show that there is no fix: skipped
+    std::size_t strays = 0;        ///< stamped far from the rows around them: skipped
     std::size_t out_of_order = 0;  ///< earlier than a row before: sorted in
-    std::size_t duplicates = 0;  ///< same time and values as another row: dropped
-    std::size_t same_time = 0;  ///< same time, other values: kept
+    std::size_t duplicates = 0;    ///< same time and values as another row: dropped
+    std::size_t same_time = 0;     ///< same time, other values: kept
 };
 
 struct ImuTable {

@@ -19,8 +19,8 @@ using detail::SampleColumns;
 
 /// Attitude columns: angles or a quaternion.
 struct AttitudeColumns {
-    std::array<std::size_t, 3> angle;         // roll, pitch, heading
-    std::array<std::size_t, 4> quaternion;    // w, x, y, z
+    std::array<std::size_t, 3> angle;       // roll, pitch, heading
+    std::array<std::size_t, 4> quaternion;  // w, x, y, z
     bool has_quaternion = false;
     bool to_enu = false;
     Eigen::Matrix3d C_sb;

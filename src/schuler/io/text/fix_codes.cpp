@@ -86,19 +86,23 @@ std::map<int, FixType> nmea_codes() {
     return codes;
 }
 
+// clang-format off
 const std::map<int, FixType> vectornav_codes = {{0, FixType::None},       {1, FixType::None},         {2, FixType::Autonomous},
                                                 {3, FixType::Autonomous}, {4, FixType::Differential}, {7, FixType::RtkFloat},
                                                 {8, FixType::RtkFixed}};
+// clang-format on
+// clang-format off
 const std::map<int, FixType> mavlink_codes = {{0, FixType::None},       {1, FixType::None},         {2, FixType::Autonomous},
                                               {3, FixType::Autonomous}, {4, FixType::Differential}, {5, FixType::RtkFloat},
                                               {6, FixType::RtkFixed},   {8, FixType::Differential}};
+// clang-format on
 // dead reckoning alone (1) and time alone (5) are no fixes; the carrier solution stands in a column of its own
+// clang-format off
 const std::map<int, FixType> ublox_codes = {{0, FixType::None},       {1, FixType::None},       {2, FixType::Autonomous},
                                             {3, FixType::Autonomous}, {4, FixType::Autonomous}, {5, FixType::None}};
-const std::map<int, FixType> ros_codes = {{-1, FixType::None},
-                                          {0, FixType::Autonomous},
-                                          {1, FixType::Differential},
-                                          {2, FixType::Differential}};
+// clang-format on
+const std::map<int, FixType> ros_codes = {
+    {-1, FixType::None}, {0, FixType::Autonomous}, {1, FixType::Differential}, {2, FixType::Differential}};
 
 }  // namespace
 
@@ -156,7 +160,7 @@ CodeCounts count_fix_codes(const TextInput& input, const TableLayout& layout, co
 
 namespace {
 
-constexpr std::size_t at_least = 2;   // rows, for a code to be evidence
+constexpr std::size_t at_least = 2;  // rows, for a code to be evidence
 
 bool occurs(const CodeCounts& counts, int low, int high) {
     std::size_t n = 0;
@@ -172,16 +176,18 @@ bool is_ros_status(std::string_view column, const CodeCounts& counts, const std:
     std::string codes;
     for (const auto& [code, n] : counts) codes += fmt::format("{}{}", codes.empty() ? "" : ", ", code);
     throw input_error(
-        fmt::format("the codes {} of column '{}' mean one thing to ArduPilot (0, 1 no fix, 2 two-dimensional) and another to ROS (0 fix, "
-                    "1, 2 augmented)",
-                    codes, column),
-        place_in(file, 0, 0, "gnss.fix_codes"), "say which: [gnss] fix_codes = { 0 = \"none\", 1 = \"none\", 2 = \"autonomous\" }");
+        fmt::format(
+            "the codes {} of column '{}' mean one thing to ArduPilot (0, 1 no fix, 2 two-dimensional) and another to ROS (0 fix, "
+            "1, 2 augmented)",
+            codes, column),
+        place_in(file, 0, 0, "gnss.fix_codes"),
+        "say which: [gnss] fix_codes = { 0 = \"none\", 1 = \"none\", 2 = \"autonomous\" }");
 }
 
 }  // namespace
 
-FixCodes FixCodes::for_column(std::string_view column_name, const std::map<std::string, std::string>& user, const std::string& file,
-                              const CodeCounts& counts, bool carrier) {
+FixCodes FixCodes::for_column(std::string_view column_name, const std::map<std::string, std::string>& user,
+                              const std::string& file, const CodeCounts& counts, bool carrier) {
     FixCodes result;
     for (const auto& [code, name] : user) {
         const auto fix = fix_from_word(name);
@@ -233,7 +239,8 @@ FixType FixCodes::of(std::string_view field) const {
     if (const auto it = user_.find(field); it != user_.end()) return it->second;
     const double number = number_from(field);
     // 1.0000000 is 1
-    if (const auto it = user_.find(fmt::format("{:.0f}", number)); it != user_.end() && number == std::round(number)) return it->second;
+    if (const auto it = user_.find(fmt::format("{:.0f}", number)); it != user_.end() && number == std::round(number))
+        return it->second;
     if (std::isnan(number)) return fix_from_word(field).value_or(FixType::Unknown);
     const auto it = codes_.find(static_cast<int>(std::clamp(number, -2.0, 1000.0)));
     return it == codes_.end() ? FixType::Unknown : it->second;

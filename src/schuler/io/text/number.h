@@ -14,8 +14,8 @@ enum class TimeUnit { Seconds, Milliseconds, Microseconds, Nanoseconds };
 /// A decimal number as written: sign, up to 19 digits, power of ten.
 struct Decimal {
     std::uint64_t digits = 0;
-    int count = 0;          ///< digits seen, leading zeros included; above 19 `digits` has overflowed
-    int exponent = 0;       ///< value = digits * 10^exponent
+    int count = 0;     ///< digits seen, leading zeros included; above 19 `digits` has overflowed
+    int exponent = 0;  ///< value = digits * 10^exponent
     bool negative = false;
 };
 
@@ -31,8 +31,8 @@ inline bool are_eight_digits(std::uint64_t bytes) {
 /// Their value, the first byte in memory being the most significant (little-endian machine).
 inline std::uint64_t value_of_eight_digits(std::uint64_t bytes) {
     bytes &= 0x0f0f0f0f0f0f0f0fU;
-    bytes = (bytes * 10 + (bytes >> 8)) & 0x00ff00ff00ff00ffU;        // pairs
-    bytes = (bytes * 100 + (bytes >> 16)) & 0x0000ffff0000ffffU;      // fours
+    bytes = (bytes * 10 + (bytes >> 8)) & 0x00ff00ff00ff00ffU;    // pairs
+    bytes = (bytes * 100 + (bytes >> 16)) & 0x0000ffff0000ffffU;  // fours
     return (bytes * 10'000 + (bytes >> 32)) & 0xffffffffU;
 }
 

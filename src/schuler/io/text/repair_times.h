@@ -8,9 +8,9 @@
 namespace schuler::io {
 
 struct TimeRepair {
-    std::vector<std::size_t> strays;     ///< indices of rows whose stamp lies far from those around it, ascending
-    std::size_t rollovers = 0;           ///< times that seconds of the week, or of the day, began anew
-    std::int64_t period = 0;             ///< ns, of the last one
+    std::vector<std::size_t> strays;  ///< indices of rows whose stamp lies far from those around it, ascending
+    std::size_t rollovers = 0;        ///< times that seconds of the week, or of the day, began anew
+    std::int64_t period = 0;          ///< ns, of the last one
     [[nodiscard]] bool any() const { return !strays.empty() || rollovers > 0; }
 };
 

@@ -80,7 +80,7 @@ void RowAudit::bad_row(const TableReader& reader) {
 void RowAudit::absurd(const Error& error, const TableReader& reader) {
     if (counts_.bad++ == 0) first_bad_line_ = reader.line();
     if (absurd_++ == 0) first_absurd_.push_back(error);
-    constexpr std::size_t enough = 200;   // to tell a unit from an accident without reading it all
+    constexpr std::size_t enough = 200;  // to tell a unit from an accident without reading it all
     if (absurd_ > enough && 2 * absurd_ > counts_.read) throw first_absurd_.front();
 }
 
@@ -96,7 +96,7 @@ void RowAudit::finish(const TableReader& reader) {
         const Error& first = first_bad_.front();
         throw input_error(
             fmt::format("{} ({} of {} rows have this or another value missing)", first.reason(), counts_.bad, counts_.read),
-            first.place(), first.mend());
+            first.place(), first.hint());
     }
     if (counts_.used == 0) {
         const std::string why =
@@ -112,9 +112,12 @@ void RowAudit::finish(const TableReader& reader) {
             place_in(file_, first_back_line_, 0, "time"),
             "is it several logs in one file, or the wrong time column? split or name it");
     }
-    warn("stray", fmt::format("rows skipped whose stamp lies far from those around them, the first in line {}", first_stray_line_),
+    warn("stray",
+         fmt::format("rows skipped whose stamp lies far from those around them, the first in line {}", first_stray_line_),
          counts_.strays);
-    warn("bad_rows", fmt::format("rows skipped because a value is missing or beyond any instrument, the first in line {}", first_bad_line_), counts_.bad);
+    warn("bad_rows",
+         fmt::format("rows skipped because a value is missing or beyond any instrument, the first in line {}", first_bad_line_),
+         counts_.bad);
     warn("out_of_order", fmt::format("rows earlier than one before them, sorted in, the first in line {}", first_back_line_),
          counts_.out_of_order);
     if (reader.last_line_dropped()) {

@@ -155,10 +155,8 @@ const char* TableReader::read_field(const char* p, std::size_t field) {
         numbers_[field] = value * slot.factor + slot.offset;
         if (std::isnan(value)) missing(field, text);
     } else if (!nanoseconds_from(text, slot.unit, times_[field])) {
-        if (const auto ns = detail::calendar_nanoseconds(text))
-            times_[field] = *ns;
-        else
-            missing(field, text);
+        if (const auto ns = detail::calendar_nanoseconds(text)) times_[field] = *ns;
+        else missing(field, text);
     }
     return stop;
 }

@@ -14,19 +14,19 @@ namespace schuler::io {
 
 /// How a table is written.
 struct TableLayout {
-    std::string file;                       ///< name for messages
-    char delimiter = ',';                   ///< ',', ';', '\t' or ' ' (any run of blanks)
-    bool decimal_comma = false;             ///< numbers are written 1,5 (with ';' or tab between columns)
-    std::vector<std::string> names;         ///< of the columns; empty where there is no header line
-    std::vector<std::string> units;         ///< of a line of units below the header, else empty
-    int columns = 0;                        ///< named ones, or of the data where there is no header
-    int data_columns = 0;                   ///< fields in most of the data lines
-    long header_line = 0;                   ///< 0: none
-    long first_data_line = 0;               ///< 0: no data
-    std::vector<std::string> comments;      ///< the first comment lines
+    std::string file;                              ///< name for messages
+    char delimiter = ',';                          ///< ',', ';', '\t' or ' ' (any run of blanks)
+    bool decimal_comma = false;                    ///< numbers are written 1,5 (with ';' or tab between columns)
+    std::vector<std::string> names;                ///< of the columns; empty where there is no header line
+    std::vector<std::string> units;                ///< of a line of units below the header, else empty
+    int columns = 0;                               ///< named ones, or of the data where there is no header
+    int data_columns = 0;                          ///< fields in most of the data lines
+    long header_line = 0;                          ///< 0: none
+    long first_data_line = 0;                      ///< 0: no data
+    std::vector<std::string> comments;             ///< the first comment lines
     std::vector<std::vector<std::string>> sample;  ///< fields of the first data lines (up to 50)
     std::size_t size_bytes = 0;
-    std::size_t estimated_rows = 0;         ///< from the size of the file; 0 where unknown
+    std::size_t estimated_rows = 0;  ///< from the size of the file; 0 where unknown
     bool compressed = false;
 };
 
@@ -42,13 +42,13 @@ enum class FieldKind { Number, Time, Text };
 
 /// A column to be read.
 struct FieldRequest {
-    int column = -1;                        ///< 0-based
+    int column = -1;  ///< 0-based
     FieldKind kind = FieldKind::Number;
-    double factor = 1.0;                    ///< result = number * factor + offset
+    double factor = 1.0;  ///< result = number * factor + offset
     double offset = 0.0;
-    TimeUnit unit = TimeUnit::Seconds;      ///< of a Time field
+    TimeUnit unit = TimeUnit::Seconds;  ///< of a Time field
     bool required = true;
-    std::string name;                       ///< for messages
+    std::string name;  ///< for messages
 };
 
 /// Reads the requested columns row by row. Numbers are the nearest doubles; times are exact nanoseconds. A field of an optional
@@ -102,14 +102,14 @@ private:
     std::vector<FieldRequest> requests_;
     std::vector<Slot> slots_;
     std::vector<int> field_of_column_;  ///< -1: skipped
-    std::vector<int> next_field_;  ///< another request for the same column, or -1
+    std::vector<int> next_field_;       ///< another request for the same column, or -1
     std::vector<double> numbers_;
     std::vector<std::int64_t> times_;
     std::vector<std::string_view> texts_;
     const char* p_ = nullptr;
     const char* end_ = nullptr;
     const char* previous_row_ = nullptr;  ///< the last row before in this block
-    std::size_t previous_length_ = 0;  ///< of its last number behind the decimal point
+    std::size_t previous_length_ = 0;     ///< of its last number behind the decimal point
     long line_ = 0;
     int problem_field_ = -1;
     std::string_view problem_text_;

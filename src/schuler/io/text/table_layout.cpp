@@ -32,7 +32,8 @@ void check_width(const SourcePlace& place, std::string_view line) {
     constexpr std::ptrdiff_t most_columns = 4096;
     for (const char delimiter : {',', ';', '\t', ' '})
         if (std::count(line.begin(), line.end(), delimiter) >= most_columns)
-            throw input_error(fmt::format("a line of more than {} columns", most_columns), place, "is it a log, with a row for each time?");
+            throw input_error(fmt::format("a line of more than {} columns", most_columns), place,
+                              "is it a log, with a row for each time?");
 }
 
 FirstLines first_lines(const LineBlocks& blocks, const std::string& name) {
@@ -115,10 +116,8 @@ struct FieldCensus {
 FieldCensus census(const std::vector<std::string>& fields) {
     FieldCensus c;
     for (const std::string& field : fields) {
-        if (is_number(field, true))
-            ++c.numeric;
-        else if (!is_missing_value(field))
-            ++c.text;
+        if (is_number(field, true)) ++c.numeric;
+        else if (!is_missing_value(field)) ++c.text;
     }
     return c;
 }

@@ -14,8 +14,8 @@ namespace schuler::io {
 class TextInput {
 public:
     TextInput(const std::filesystem::path& path) : name_(path.string()) {}  // NOLINT: implicit, a path is an input
-    TextInput(const std::string& path) : name_(path) {}  // NOLINT
-    TextInput(const char* path) : name_(path) {}  // NOLINT
+    TextInput(const std::string& path) : name_(path) {}                     // NOLINT
+    TextInput(const char* path) : name_(path) {}                            // NOLINT
     /// The content must outlive the input.
     [[nodiscard]] static TextInput memory(std::string_view content, std::string display_name);
 
@@ -67,7 +67,7 @@ private:
     std::unique_ptr<Source> source_;
     std::vector<char> buffer_;
     std::size_t block_size_;
-    std::size_t size_ = 0;  ///< bytes of the current block
+    std::size_t size_ = 0;    ///< bytes of the current block
     std::size_t filled_ = 0;  ///< bytes in the buffer, the start of the next block included
     long first_line_ = 1;
     bool started_ = false;

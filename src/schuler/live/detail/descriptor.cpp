@@ -33,7 +33,9 @@ Addresses addresses_of(const Endpoint& e, int kind, bool passive, std::string& r
     return Addresses(list);
 }
 
-Descriptor socket_of(const addrinfo& a) { return Descriptor(socket(a.ai_family, a.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, a.ai_protocol)); }
+Descriptor socket_of(const addrinfo& a) {
+    return Descriptor(socket(a.ai_family, a.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, a.ai_protocol));
+}
 
 void send_at_once(int fd) {
     const int on = 1;
@@ -107,9 +109,10 @@ Opened open_serial(const Endpoint& e) {
         out.reason = text_of_errno(errno);
         return out;
     }
-    constexpr std::array speeds{std::pair{4800, B4800},     std::pair{9600, B9600},     std::pair{19200, B19200},   std::pair{38400, B38400},
-                                std::pair{57600, B57600},   std::pair{115200, B115200}, std::pair{230400, B230400}, std::pair{460800, B460800},
-                                std::pair{921600, B921600}, std::pair{1000000, B1000000}};
+    constexpr std::array speeds{std::pair{4800, B4800},      std::pair{9600, B9600},     std::pair{19200, B19200},
+                                std::pair{38400, B38400},    std::pair{57600, B57600},   std::pair{115200, B115200},
+                                std::pair{230400, B230400},  std::pair{460800, B460800}, std::pair{921600, B921600},
+                                std::pair{1000000, B1000000}};
     termios port{};
     if (isatty(fd.get()) != 0 && tcgetattr(fd.get(), &port) == 0) {
         cfmakeraw(&port);

@@ -8,7 +8,7 @@
 
 namespace schuler::live::detail {
 
-inline constexpr std::size_t longest_message = 1 << 16;   ///< bytes; what is longer is garbage
+inline constexpr std::size_t longest_message = 1 << 16;  ///< bytes; what is longer is garbage
 
 /// Calls `line(text)` for each whole line, without its line end. What is too long to be a line is `bad`.
 class Lines {

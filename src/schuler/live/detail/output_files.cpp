@@ -35,7 +35,8 @@ void check_is_no_source(const LiveSettings& settings, const std::string& path, s
         if (!source.from.starts_with(scheme)) continue;
         std::error_code ec;
         if (fs::equivalent(path, source.from.substr(scheme.size()), ec) && !ec)
-            throw input_error(fmt::format("{} is a source of this run", path), {settings.file, 0, 0, std::string(key)}, "choose another file");
+            throw input_error(fmt::format("{} is a source of this run", path), {settings.file, 0, 0, std::string(key)},
+                              "choose another file");
     }
 }
 
@@ -45,8 +46,8 @@ void check_begins(const LiveSettings& settings, const std::string& path, const s
     std::string begin(expected.size(), '\0');
     std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
     if (begin != expected)
-        throw input_error(fmt::format("{} exists and does not begin as a file of this output does", path), {settings.file, 0, 0, "output.to"},
-                          "choose another file, or remove it: outputs are appended");
+        throw input_error(fmt::format("{} exists and does not begin as a file of this output does", path),
+                          {settings.file, 0, 0, "output.to"}, "choose another file, or remove it: outputs are appended");
 }
 
 }  // namespace

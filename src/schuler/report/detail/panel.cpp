@@ -206,12 +206,11 @@ std::string figure(const Panel& panel, int number) {
                    "</figcaption><div class=\"plot\"><svg viewBox=\"0 0 {:g} {:.0f}\" role=\"img\" aria-labelledby=\"t{} d{}\"",
                    Frame::width, std::ceil(f.height), number, number);
     if (!empty) {
-        fmt::format_to(Out(out),
-                       " data-x=\"{:.17g} {:.17g}\" data-y=\"{:.17g} {:.17g}\" data-box=\"{:g} {:g} {:g} {:.6g}\"{}{}{}{}", f.x.lo,
-                       f.x.hi, f.y.lo, f.y.hi, Frame::left, f.top, f.plot_width(), f.plot_height(),
-                       panel.time_axis && !panel.equal_axes ? " data-time=\"1\"" : "",
-                       panel.equal_axes ? " data-equal=\"1\"" : "", panel.log_y ? " data-log=\"1\"" : "",
-                       panel.y_limits ? " data-fixed=\"1\"" : "");
+        fmt::format_to(
+            Out(out), " data-x=\"{:.17g} {:.17g}\" data-y=\"{:.17g} {:.17g}\" data-box=\"{:g} {:g} {:g} {:.6g}\"{}{}{}{}", f.x.lo,
+            f.x.hi, f.y.lo, f.y.hi, Frame::left, f.top, f.plot_width(), f.plot_height(),
+            panel.time_axis && !panel.equal_axes ? " data-time=\"1\"" : "", panel.equal_axes ? " data-equal=\"1\"" : "",
+            panel.log_y ? " data-log=\"1\"" : "", panel.y_limits ? " data-fixed=\"1\"" : "");
         fmt::format_to(Out(out), " data-xl=\"{}\" data-yl=\"{}\"", escaped(panel.x_label), escaped(panel.y_label));
     }
     fmt::format_to(Out(out), "><title id=\"t{}\">{}</title><desc id=\"d{}\">{}</desc>", number, escaped(panel.title), number,
@@ -226,7 +225,8 @@ std::string figure(const Panel& panel, int number) {
         append_spans(out, panel, f);
         append_curves(out, panel, f, number);
         for (const auto& [y, text] : panel.row_names)
-            fmt::format_to(Out(out), "<text class=\"lab\" x=\"{:g}\" y=\"{:.1f}\">{}</text>", Frame::left + 6.0, f.top + f.py(y) - 9.0, escaped(text));
+            fmt::format_to(Out(out), "<text class=\"lab\" x=\"{:g}\" y=\"{:.1f}\">{}</text>", Frame::left + 6.0,
+                           f.top + f.py(y) - 9.0, escaped(text));
         if (panel.equal_axes && panel.x_label.ends_with(", m")) append_scale_bar(out, panel, f);
     }
     return out + "</svg></div></figure>";

@@ -11,14 +11,16 @@ struct Look {
     const char* state;
     Ink ink;
 };
-constexpr std::array looks{Look{"used", Ink::Blue},       Look{"refused", Ink::Vermillion}, Look{"distrusted", Ink::Orange}, Look{"left out", Ink::Purple},
-                           Look{"withheld", Ink::Muted},  Look{"hanging", Ink::Text},       Look{"silent", Ink::Sky}};
+constexpr std::array looks{Look{"used", Ink::Blue},       Look{"refused", Ink::Vermillion}, Look{"distrusted", Ink::Orange},
+                           Look{"left out", Ink::Purple}, Look{"withheld", Ink::Muted},     Look{"hanging", Ink::Text},
+                           Look{"silent", Ink::Sky}};
 
 }  // namespace
 
 Section health_section(const RunReportData& data) {
     Section section{"Health of the sources",
-                    "Used, refused by its gate, distrusted by the integrity monitor, left out before the run, withheld by the user, hanging (values that "
+                    "Used, refused by its gate, distrusted by the integrity monitor, left out before the run, withheld by the "
+                    "user, hanging (values that "
                     "repeat), silent. Single refused samples are not drawn.",
                     {}};
     if (data.health.empty()) return section;
@@ -29,9 +31,11 @@ Section health_section(const RunReportData& data) {
     Panel panel = time_panel(data, "Sources", "");
     panel.y_limits = {-0.5, rows - 0.2};
     panel.height = static_cast<int>(70.0 + 36.0 * rows);
-    for (std::size_t i = 0; i < sources.size(); ++i) panel.row_names.emplace_back(rows - 1.0 - static_cast<double>(i), sources[i]);
+    for (std::size_t i = 0; i < sources.size(); ++i)
+        panel.row_names.emplace_back(rows - 1.0 - static_cast<double>(i), sources[i]);
     for (const Look& look : looks) {
-        Series bars{.name = look.state, .x = {}, .y = {}, .ink = look.ink, .width = std::string(look.state) == "silent" ? 3.0 : 9.0};
+        Series bars{
+            .name = look.state, .x = {}, .y = {}, .ink = look.ink, .width = std::string(look.state) == "silent" ? 3.0 : 9.0};
         for (const HealthEntry& h : data.health) {
             if (h.state != look.state) continue;
             const double row = rows - 1.0 - static_cast<double>(std::ranges::find(sources, h.source) - sources.begin());

@@ -93,7 +93,10 @@ std::vector<Band> chi_square_bands(const RunReportData& data, const InnovationGr
     std::vector<Band> bands;
     for (const int dof : dofs) {
         const double low = math::chi_square_quantile(0.025, dof), high = math::chi_square_quantile(0.975, dof);
-        bands.push_back({.name = fmt::format("95 % of χ², {} dof", dof), .x = {first, last}, .lo = {low, low}, .hi = {high, high},
+        bands.push_back({.name = fmt::format("95 % of χ², {} dof", dof),
+                         .x = {first, last},
+                         .lo = {low, low},
+                         .hi = {high, high},
                          .ink = inks[bands.size() % inks.size()]});
     }
     return bands;
@@ -130,9 +133,15 @@ std::vector<std::string> summary_row(const InnovationGroup& group) {
         above += math::chi_square_survival(p.nis, p.dof) < 0.05 ? 1 : 0;
     }
     const double n = counted > 0 ? static_cast<double>(counted) : not_given;
-    return {group.name,          fmt::format("{}", count[0]),      fmt::format("{}", count[1]), fmt::format("{}", count[2]),
-            number(nis / n, 3),  number(dof / n, 3),               number(nis / dof, 3),
-            number(100.0 * static_cast<double>(above) / n, 3),     number(group.lag1, 2)};
+    return {group.name,
+            fmt::format("{}", count[0]),
+            fmt::format("{}", count[1]),
+            fmt::format("{}", count[2]),
+            number(nis / n, 3),
+            number(dof / n, 3),
+            number(nis / dof, 3),
+            number(100.0 * static_cast<double>(above) / n, 3),
+            number(group.lag1, 2)};
 }
 
 }  // namespace

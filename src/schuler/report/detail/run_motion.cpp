@@ -165,8 +165,11 @@ Section outage_section(const RunReportData& data) {
                      {"outage", "start, s", "duration, s", "end, horizontal", "largest, horizontal", "end, vertical",
                       "largest, 3-D", "inside 3σ"},
                      {}};
-    Panel growth{.title = "Horizontal error in each outage", .x_label = "time since the outage began, s", .y_label = "error, m",
-                 .time_axis = false, .height = 260};
+    Panel growth{.title = "Horizontal error in each outage",
+                 .x_label = "time since the outage began, s",
+                 .y_label = "error, m",
+                 .time_axis = false,
+                 .height = 260};
     constexpr std::array<Ink, 6> inks{Ink::Blue, Ink::Vermillion, Ink::Green, Ink::Purple, Ink::Orange, Ink::Sky};
     for (std::size_t i = 0; i < data.outages.size(); ++i) {
         const OutageEntry& o = data.outages[i];

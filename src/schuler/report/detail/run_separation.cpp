@@ -13,7 +13,7 @@ struct Line {
     Eigen::Vector3d ErrorPoint::*value;
     Eigen::Vector3d ErrorPoint::*sigma;
     int axis;
-    double factor;   // to the unit and sign of the label
+    double factor;  // to the unit and sign of the label
 };
 const std::array<Line, 4> lines{{
     {"North", "forward - backward, m", &ErrorPoint::position, &ErrorPoint::std_position, 0, 1.0},
@@ -26,7 +26,8 @@ const std::array<Line, 4> lines{{
 
 Section separation_section(const RunReportData& data) {
     Section section{"Forward/backward separation",
-                    "The forward filter minus one that runs over the same log backward in time and uses at each instant the other fixes; ±3σ of both "
+                    "The forward filter minus one that runs over the same log backward in time and uses at each instant the "
+                    "other fixes; ±3σ of both "
                     "together. What stays outside is a fault of an instrument, or of what is assumed about it.",
                     {}};
     if (data.separation.empty()) return section;

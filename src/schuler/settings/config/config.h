@@ -25,9 +25,9 @@ enum class Scheme { Gnss, Separate, Loose, Tight, Medium, Deep };
 
 /// An outage as a user gives it.
 struct OutageSpan {
-    double start = 0.0;                          ///< s, see RunTime::absolute
-    double duration = 0.0;                       ///< s
-    bool absolute = false;                       ///< start is on the data set's own axis
+    double start = 0.0;     ///< s, see RunTime::absolute
+    double duration = 0.0;  ///< s
+    bool absolute = false;  ///< start is on the data set's own axis
 };
 
 /// A time of the command line: seconds after the first GNSS epoch, or on the data set's own axis ("abs:T").
@@ -39,14 +39,14 @@ struct RunTime {
 struct RunConfig {
     std::optional<RunTime> start, stop;
     std::vector<OutageSpan> outages;
-    std::optional<double> settle;                ///< s after which errors are counted; not given: alignment + 60 s
-    bool self_check = true;                      ///< of `process`: withhold GNSS in windows and measure the sigmas
-    bool keep_given = false;                     ///< given values are used even if the data refute them
+    std::optional<double> settle;  ///< s after which errors are counted; not given: alignment + 60 s
+    bool self_check = true;        ///< of `process`: withhold GNSS in windows and measure the sigmas
+    bool keep_given = false;       ///< given values are used even if the data refute them
 };
 
 struct OutputConfig {
     std::vector<std::string> files{"solution", "summary", "h5", "report", "kml", "config"};
-    std::string events;                          ///< file of instants at which the solution is output as well
+    std::string events;  ///< file of instants at which the solution is output as well
 
     [[nodiscard]] bool wants(std::string_view file) const { return std::ranges::find(files, file) != files.end(); }
 };
@@ -55,11 +55,11 @@ struct OutputConfig {
 struct Config : dataset::Description {
     std::string name;
     std::string grade = "consumer";
-    double initial_time = not_given;             ///< s on the data set's own axis
+    double initial_time = not_given;  ///< s on the data set's own axis
     std::string preset = "ins15";
     Scheme scheme = Scheme::Loose;
     std::optional<bool> scale_factors, misalignments;  ///< not given: on where the unit has them, misalignments for a car too
-    std::optional<bool> nonholonomic;            ///< not given: on for a car
+    std::optional<bool> nonholonomic;                  ///< not given: on for a car
     fusion::Settings filter;
     GravityConfig gravity;
     AidsConfig aids;

@@ -113,9 +113,10 @@ void add_dataset_options(OptionTable<Config>& table) {
         .add(number<Config>("earth.rotation_rad_s", 1.0, 0.0, 1e-3, "rotation rate of the Earth",
                             [](auto& c) -> auto& { return c.filter.earth.ellipsoid.w_ie; }));
     add_file(table, "imu", "IMU log: CSV or the text format of KF-GINS", [](auto& c) -> auto& { return c.imu; });
-    table.add(number<Config>("imu.clock_drift_ppm", 1e-6, -1e4, 1e4,
-                             "the clock of this log, of barometer, magnetometer and odometer runs fast by this; counted from the first row",
-                             [](auto& c) -> auto& { return c.clock_drift; }));
+    table.add(number<Config>(
+        "imu.clock_drift_ppm", 1e-6, -1e4, 1e4,
+        "the clock of this log, of barometer, magnetometer and odometer runs fast by this; counted from the first row",
+        [](auto& c) -> auto& { return c.clock_drift; }));
     add_file(table, "gnss", "receiver's solution: CSV, RTKLIB .pos, NMEA or the text format of KF-GINS",
              [](auto& c) -> auto& { return c.gnss; });
     add_file(table, "baro", "barometer log", [](auto& c) -> auto& { return c.baro; });
@@ -123,13 +124,15 @@ void add_dataset_options(OptionTable<Config>& table) {
     add_plain_file(table, "odometer", "wheel speed, time_s, speed_m_s [, std_m_s]", [](auto& c) -> auto& { return c.odometer; });
     add_plain_file(table, "heading", "heading of a dual-antenna receiver or a gyrocompass, time_s, heading_deg [, std_deg]",
                    [](auto& c) -> auto& { return c.heading; });
-    add_file(table, "stations", "pseudoranges to satellites and ground stations, ranges.csv", [](auto& c) -> auto& { return c.ranges; });
+    add_file(table, "stations", "pseudoranges to satellites and ground stations, ranges.csv",
+             [](auto& c) -> auto& { return c.ranges; });
     table.add(text<Config>("stations.coordinates", "places of the ground stations, stations.csv",
                            [](auto& c) -> auto& { return c.station_coordinates; }));
     add_file(table, "reference", "truth or another program's solution to compare with",
              [](auto& c) -> auto& { return c.reference; });
     table.add(choice<Config, dataset::Quaternion>(
-        "reference.quaternion", {{"body_to_ned", dataset::Quaternion::BodyToNed}, {"sensor_to_enu", dataset::Quaternion::SensorToEnu}},
+        "reference.quaternion",
+        {{"body_to_ned", dataset::Quaternion::BodyToNed}, {"sensor_to_enu", dataset::Quaternion::SensorToEnu}},
         "rotation that qw, qx, qy, qz of the reference describe", [](auto& c) -> auto& { return c.quaternion; }));
 }
 

@@ -34,9 +34,9 @@ void add_environment(OptionTable<Config>& table) {
         .add(number<Config>("baro.white_m", 1.0, 1e-3, 1e4, "white noise of the barometric height", baro(&BaroSettings::std)))
         .add(number<Config>("baro.bias_m", 1.0, 0, 1e5, "initial bias of the barometric height, one sigma",
                             baro(&BaroSettings::bias_std)))
-        .add(number<Config>("baro.bias_walk_m", 1.0, 0, 1e3, "random walk of that bias",
-                            baro(&BaroSettings::bias_walk)))
-        .add(number<Config>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "sea-level pressure by which pressures of the log are converted to heights",
+        .add(number<Config>("baro.bias_walk_m", 1.0, 0, 1e3, "random walk of that bias", baro(&BaroSettings::bias_walk)))
+        .add(number<Config>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5,
+                            "sea-level pressure by which pressures of the log are converted to heights",
                             [](auto& c) -> auto& { return c.sea_level_pressure; }))
         .add(flag<Config>("mag.use", "use the magnetometer's heading", mag(&MagSettings::use)))
         .add(number<Config>("mag.declination_deg", units::deg, -180, 180,
@@ -105,10 +105,11 @@ void add_initial(OptionTable<Config>& table) {
 
 /// A name that stands for several settings; those given by themselves win because they come later in the table.
 Option<Config> preset_option() {
-    OptionSpec spec = detail::spec("filter.preset", Shape::Text,
-                                   "states: ins15 = position, velocity, attitude, biases; ins21 = scale factors too; complex22 = those of paper "
-                                   "A's integrated system: ins15, barometer bias, slow errors of the receiver's position and velocity (with the "
-                                   "paper's sigmas where none are given)");
+    OptionSpec spec = detail::spec(
+        "filter.preset", Shape::Text,
+        "states: ins15 = position, velocity, attitude, biases; ins21 = scale factors too; complex22 = those of paper "
+        "A's integrated system: ins15, barometer bias, slow errors of the receiver's position and velocity (with the "
+        "paper's sigmas where none are given)");
     spec.choices = {"ins15", "ins21", "complex22"};
     return {std::move(spec),
             [](Config& c, const Value& v) {
@@ -126,35 +127,45 @@ void add_filter_options(OptionTable<Config>& table) {
     add_initial(table);
     using fusion::Mechanization;
     table.add(preset_option())
-        .add(choice<Config, Scheme>(
-            "filter.scheme",
+        .add(choice<Config, Scheme>("filter.scheme",
+                                    // clang-format off
             {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}, {"tight", Scheme::Tight},
              {"intermediate", Scheme::Medium}, {"medium", Scheme::Medium}, {"deep", Scheme::Deep}},
-            "coupling: loose = one filter of receiver and inertial unit; separate (uncoupled) = the inertial navigation is reset to the receiver at intervals or "
-            "corrected continuously; tight = one filter of the ranges themselves; intermediate (or medium) = tight, with a receiver-only filter beside it; "
-            "deep = tight, and the receiver's channels follow its solution (scenarios with [receiver]); gnss = the receiver's own solution",
-            [](auto& c) -> auto& { return c.scheme; }))
+                                    // clang-format on
+                                    "coupling: loose = one filter of receiver and inertial unit; separate (uncoupled) = the "
+                                    "inertial navigation is reset to the receiver at intervals or "
+                                    "corrected continuously; tight = one filter of the ranges themselves; intermediate (or "
+                                    "medium) = tight, with a receiver-only filter beside it; "
+                                    "deep = tight, and the receiver's channels follow its solution (scenarios with [receiver]); "
+                                    "gnss = the receiver's own solution",
+                                    [](auto& c) -> auto& { return c.scheme; }))
         .add(choice<Config, Mechanization>(
             "filter.mechanization", {{"geographic", Mechanization::Geographic}, {"ecef", Mechanization::Ecef}},
             "frame of the strapdown equations", [](auto& c) -> auto& { return c.filter.mechanization; }))
-        .add(choice<Config, Loop>("filter.loop", {{"closed", Loop::Closed}, {"open", Loop::Open}, {"mixed", Loop::Mixed}},
-                                  "estimated errors: fed back to the mechanization after every update (closed), applied to a copy "
-                                  "(open), or fed back at intervals and applied to a copy in between (mixed)",
-                                  [](auto& c) -> auto& { return c.filter.loop; }))
-        .add(number<Config>("filter.feedback_period_s", 1.0, 1e-3, 1e6,
-                            "mixed loop: time between corrections; default: until the attitude error can have grown by feedback_attitude_deg",
-                            [](auto& c) -> auto& { return c.filter.feedback_period; }))
-        .add(number<Config>("filter.feedback_attitude_deg", units::deg, 1e-6, 90, "growth of the attitude error that is allowed between corrections",
+        .add(
+            choice<Config, Loop>("filter.loop", {{"closed", Loop::Closed}, {"open", Loop::Open}, {"mixed", Loop::Mixed}},
+                                 "estimated errors: fed back to the mechanization after every update (closed), applied to a copy "
+                                 "(open), or fed back at intervals and applied to a copy in between (mixed)",
+                                 [](auto& c) -> auto& { return c.filter.loop; }))
+        .add(number<Config>(
+            "filter.feedback_period_s", 1.0, 1e-3, 1e6,
+            "mixed loop: time between corrections; default: until the attitude error can have grown by feedback_attitude_deg",
+            [](auto& c) -> auto& { return c.filter.feedback_period; }))
+        .add(number<Config>("filter.feedback_attitude_deg", units::deg, 1e-6, 90,
+                            "growth of the attitude error that is allowed between corrections",
                             [](auto& c) -> auto& { return c.filter.feedback_attitude; }))
         .add(flag<Config>("filter.smooth", "fixed-interval smoother after the filter",
                           [](auto& c) -> auto& { return c.filter.smooth; }))
-        .add(flag<Config>("filter.backward",
-                          "a filter backward in time beside the forward one; their difference with its sigma: run.h5, report, summary.json",
-                          [](auto& c) -> auto& { return c.filter.backward; }))
-        .add(flag<Config>("filter.self_check",
-                          "`process` withholds fixes in windows that it chooses, tests the sigmas against them, and raises the noise of the inertial "
-                          "unit (imu.gyro_noise_scale, imu.accel_noise_scale) where they are too small; it checks a given lever arm too",
-                          [](auto& c) -> auto& { return c.run.self_check; }))
+        .add(flag<Config>(
+            "filter.backward",
+            "a filter backward in time beside the forward one; their difference with its sigma: run.h5, report, summary.json",
+            [](auto& c) -> auto& { return c.filter.backward; }))
+        .add(flag<Config>(
+            "filter.self_check",
+            "`process` withholds fixes in windows that it chooses, tests the sigmas against them, and raises the noise of the "
+            "inertial "
+            "unit (imu.gyro_noise_scale, imu.accel_noise_scale) where they are too small; it checks a given lever arm too",
+            [](auto& c) -> auto& { return c.run.self_check; }))
         .add(flag<Config>("filter.scale_factors",
                           "gyro and accelerometer scale factors as states; default: on if a simulated IMU has them",
                           [](auto& c) -> auto& { return c.scale_factors; }))
@@ -171,8 +182,9 @@ void add_filter_options(OptionTable<Config>& table) {
                             aids(&AidSettings::zero_rate_std)))
         .add(flag<Config>("filter.nonholonomic", "wheels neither slip sideways nor leave the ground; default: on for a car",
                           [](auto& c) -> auto& { return c.nonholonomic; }))
-        .add(flag<Config>("filter.detect_wheels", "impose the vehicle constraint once the log shows that the vehicle rolls on wheels; default: "
-                                                  "on for KF-GINS projects",
+        .add(flag<Config>("filter.detect_wheels",
+                          "impose the vehicle constraint once the log shows that the vehicle rolls on wheels; default: "
+                          "on for KF-GINS projects",
                           aids(&AidSettings::nonholonomic_auto)))
         .add(number<Config>("filter.nonholonomic_std_lateral_m_s", 1.0, 1e-4, 100, "sideways velocity, one sigma",
                             aids(&AidSettings::nonholonomic_std_lateral)))
@@ -181,15 +193,17 @@ void add_filter_options(OptionTable<Config>& table) {
         .add(number<Config>("filter.constraint_rate_hz", 1.0, 0.01, 1000, "rate of the constraint updates",
                             aids(&AidSettings::constraint_rate)))
         .add(number<Config>("filter.gate_probability", 1.0, 0, 0.5,
-                            "probability that a good measurement is rejected; 0 = no gate",
-                            aids(&AidSettings::gate_probability)))
-        .add(number<Config>("filter.floor_m", 1.0, 0, 1e6, "lower limit of the sigmas of the position", aids(&AidSettings::floor_position)))
-        .add(number<Config>("filter.floor_velocity_m_s", 1.0, 0, 1e6, "the same of the velocity", aids(&AidSettings::floor_velocity)))
-        .add(number<Config>("filter.floor_attitude_deg", units::deg, 0, 180, "lower limit of the sigmas of the attitude", aids(&AidSettings::floor_attitude)))
-        .add(number<Config>("filter.floor_gyro_bias_deg_h", units::deg_per_hour, 0, 1e6, "lower limit of the sigmas of the gyro biases",
-                            aids(&AidSettings::floor_gyro_bias)))
-        .add(number<Config>("filter.floor_accel_bias_mg", units::mg, 0, 1e4, "lower limit of the sigmas of the accelerometer biases",
-                            aids(&AidSettings::floor_accel_bias)))
+                            "probability that a good measurement is rejected; 0 = no gate", aids(&AidSettings::gate_probability)))
+        .add(number<Config>("filter.floor_m", 1.0, 0, 1e6, "lower limit of the sigmas of the position",
+                            aids(&AidSettings::floor_position)))
+        .add(number<Config>("filter.floor_velocity_m_s", 1.0, 0, 1e6, "the same of the velocity",
+                            aids(&AidSettings::floor_velocity)))
+        .add(number<Config>("filter.floor_attitude_deg", units::deg, 0, 180, "lower limit of the sigmas of the attitude",
+                            aids(&AidSettings::floor_attitude)))
+        .add(number<Config>("filter.floor_gyro_bias_deg_h", units::deg_per_hour, 0, 1e6,
+                            "lower limit of the sigmas of the gyro biases", aids(&AidSettings::floor_gyro_bias)))
+        .add(number<Config>("filter.floor_accel_bias_mg", units::mg, 0, 1e4,
+                            "lower limit of the sigmas of the accelerometer biases", aids(&AidSettings::floor_accel_bias)))
         .add(number<Config>("filter.recovery_time_s", 1.0, 0, 1e5, "accept rejected fixes after they agree for this long",
                             aids(&AidSettings::recovery_time)))
         .add(integer<Config>("filter.recovery_count", 1, 100000, "smallest number of rejected fixes that must agree",

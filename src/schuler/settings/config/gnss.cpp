@@ -64,20 +64,24 @@ void add_gnss_options(OptionTable<Config>& table) {
         .add(vector3<Config>("gnss.lever_arm_m", 1.0, -100, 100, "IMU to antenna, body axes forward, right, down",
                              gnss(&GnssSettings::lever_arm_b)))
         .add(latency_option())
-        .add(number<Config>("gnss.latency_std_s", 1.0, 0, 10, "one sigma of it for positions; above 0 the filter estimates its error",
+        .add(number<Config>("gnss.latency_std_s", 1.0, 0, 10,
+                            "one sigma of it for positions; above 0 the filter estimates its error",
                             gnss(&GnssSettings::latency_std)))
         .add(number<Config>("gnss.velocity_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the velocity",
                             gnss(&GnssSettings::velocity_latency)))
-        .add(flag<Config>("gnss.consider_errors",
-                          "loose coupling: the slow errors of fixes widen the covariance and lower the gains, but are not estimated",
-                          gnss(&GnssSettings::consider_errors)))
-        .add(number<Config>("gnss.jitter_s", 1.0, 0, 10,
-                            "one sigma of the white error of the fixes' times: positions vary by it times the velocity, velocities times the "
-                            "acceleration; default: fitted with the noise",
-                            [](auto& c) -> auto& { return c.filter.gnss.jitter; }))
-        .add(number<Config>("gnss.velocity_latency_std_s", 1.0, 0, 10,
-                            "one sigma of the velocities' latency; above 0 the filter estimates its error, separately from the positions'",
-                            gnss(&GnssSettings::velocity_latency_std)))
+        .add(flag<Config>(
+            "gnss.consider_errors",
+            "loose coupling: the slow errors of fixes widen the covariance and lower the gains, but are not estimated",
+            gnss(&GnssSettings::consider_errors)))
+        .add(number<Config>(
+            "gnss.jitter_s", 1.0, 0, 10,
+            "one sigma of the white error of the fixes' times: positions vary by it times the velocity, velocities times the "
+            "acceleration; default: fitted with the noise",
+            [](auto& c) -> auto& { return c.filter.gnss.jitter; }))
+        .add(number<Config>(
+            "gnss.velocity_latency_std_s", 1.0, 0, 10,
+            "one sigma of the velocities' latency; above 0 the filter estimates its error, separately from the positions'",
+            gnss(&GnssSettings::velocity_latency_std)))
         .add(number<Config>("gnss.height_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the height",
                             gnss(&GnssSettings::height_latency)))
         .add(number<Config>("gnss.velocity_down_latency_s", 1.0, latency_low, latency_high,
@@ -95,8 +99,10 @@ void add_gnss_options(OptionTable<Config>& table) {
                              "one sigma of the velocity where the log gives none", gnss(&GnssSettings::default_std_velocity)))
         .add(vector3<Config>("gnss.std_floor_m", 1.0, 0, 1e3, "lower limit of the standard deviations of the log",
                              gnss(&GnssSettings::std_floor_position)))
-        .add(number<Config>("gnss.std_scale", 1.0, 1e-3, 1e3, "factor to the log's own sigmas of positions", gnss(&GnssSettings::std_scale)))
-        .add(number<Config>("gnss.velocity_std_scale", 1.0, 1e-3, 1e3, "... of velocities", gnss(&GnssSettings::velocity_std_scale)))
+        .add(number<Config>("gnss.std_scale", 1.0, 1e-3, 1e3, "factor to the log's own sigmas of positions",
+                            gnss(&GnssSettings::std_scale)))
+        .add(number<Config>("gnss.velocity_std_scale", 1.0, 1e-3, 1e3, "... of velocities",
+                            gnss(&GnssSettings::velocity_std_scale)))
         .add(flag<Config>("gnss.estimate_std",
                           "where the log gives no standard deviations: scale the defaults until the innovations agree",
                           gnss(&GnssSettings::estimate_std)))

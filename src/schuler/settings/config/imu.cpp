@@ -69,20 +69,23 @@ void add_imu_options(OptionTable<Config>& table) {
     add_imu_error_options(table, "imu.", [](auto& c) -> auto& { return c.filter.imu.errors; });
     table.add(flag<Config>("imu.estimate_noise", "fit the white noise to the innovations; default: where the noise is not given",
                            [](auto& c) -> auto& { return c.filter.imu.estimate_noise; }));
-    table.add(number<Config>("imu.gyro_vibration", 1.0, 0, 100,
-                             "fraction of the sample-to-sample variation of the gyros that adds to the stated white noise; default: "
-                             "fitted with the noise",
-                             [](auto& c) -> auto& { return c.filter.imu.gyro_vibration; }));
+    table.add(
+        number<Config>("imu.gyro_vibration", 1.0, 0, 100,
+                       "fraction of the sample-to-sample variation of the gyros that adds to the stated white noise; default: "
+                       "fitted with the noise",
+                       [](auto& c) -> auto& { return c.filter.imu.gyro_vibration; }));
     table.add(number<Config>("imu.accel_vibration", 1.0, 0, 100, "the same of the accelerometers",
                              [](auto& c) -> auto& { return c.filter.imu.accel_vibration; }));
-    table.add(number<Config>("imu.gyro_noise_scale", 1.0, 0.01, 1000,
-                             "factor of the gyros' noise and bias wander in the filter; default: found by the self-check of `process`",
-                             [](auto& c) -> auto& { return c.filter.imu.gyro_noise_scale; }));
+    table.add(
+        number<Config>("imu.gyro_noise_scale", 1.0, 0.01, 1000,
+                       "factor of the gyros' noise and bias wander in the filter; default: found by the self-check of `process`",
+                       [](auto& c) -> auto& { return c.filter.imu.gyro_noise_scale; }));
     table.add(number<Config>("imu.accel_noise_scale", 1.0, 0.01, 1000, "the same of the accelerometers",
                              [](auto& c) -> auto& { return c.filter.imu.accel_noise_scale; }));
     table.add(number<Config>("imu.gap_factor", 1.0, 1.1, 1e6, "a step longer than this times the median is a gap",
                              [](auto& c) -> auto& { return c.filter.imu.gap_factor; }));
-    table.add(axes_option("mag.axes", "directions of the magnetometer's x, y, z axes; default: as the IMU's", &Config::mag_axes, false));
+    table.add(axes_option("mag.axes", "directions of the magnetometer's x, y, z axes; default: as the IMU's", &Config::mag_axes,
+                          false));
 }
 
 }  // namespace schuler::settings

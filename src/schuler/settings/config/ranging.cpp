@@ -8,15 +8,18 @@ namespace schuler::settings {
 void add_ranging_options(OptionTable<Config>& table) {
     add_range_error_options(table, [](auto& c) -> auto& { return c.filter.ranging.errors; });
     using fusion::ProtectionSettings;
-    const auto protection = [](auto ProtectionSettings::*field) { return [=](auto& c) -> auto& { return c.filter.ranging.protection.*field; }; };
+    const auto protection = [](auto ProtectionSettings::*field) {
+        return [=](auto& c) -> auto& { return c.filter.ranging.protection.*field; };
+    };
     table
         .add(flag<Config>("filter.protection.use",
                           "tight coupling: monitor for pseudorange faults that no single epoch reveals, and write protection.csv",
                           protection(&ProtectionSettings::use)))
-        .add(number<Config>("filter.protection.missed_detection", 1.0, 1e-9, 0.1,
-                            "one satellite being wrong, the position is off by more than its protection level without an alarm with this "
-                            "probability at most",
-                            protection(&ProtectionSettings::missed_detection)))
+        .add(number<Config>(
+            "filter.protection.missed_detection", 1.0, 1e-9, 0.1,
+            "one satellite being wrong, the position is off by more than its protection level without an alarm with this "
+            "probability at most",
+            protection(&ProtectionSettings::missed_detection)))
         .add(number<Config>("filter.protection.false_alarm", 1.0, 1e-15, 0.1, "a healthy source exceeds the limit of one test",
                             protection(&ProtectionSettings::false_alarm)))
         .add(number<Config>("filter.protection.fault_free", 1.0, 1e-15, 0.1, "likewise without a fault",
@@ -24,12 +27,15 @@ void add_ranging_options(OptionTable<Config>& table) {
         .add(number<Config>("ranges.receiver_acceleration_m_s_sqrt_s", 1.0, 1e-4, 1e3,
                             "intermediate coupling: white acceleration assumed by the receiver-only filter",
                             [](auto& c) -> auto& { return c.filter.ranging.receiver_acceleration; }))
-        .add(flag<Config>("ranges.use_rates", "tight coupling: use range rates too", [](auto& c) -> auto& { return c.filter.ranging.use_rates; }))
+        .add(flag<Config>("ranges.use_rates", "tight coupling: use range rates too",
+                          [](auto& c) -> auto& { return c.filter.ranging.use_rates; }))
         .add(flag<Config>("ranges.slow_by_model",
-                          "tight coupling: the slow error of a satellite has the sigma of what the atmosphere's models and its ephemeris leave, "
+                          "tight coupling: the slow error of a satellite has the sigma of what the atmosphere's models and its "
+                          "ephemeris leave, "
                           "not ranges.correlated_m; for raw measurements the default where that is not given",
                           [](auto& c) -> auto& { return c.filter.ranging.slow_by_model; }))
-        .add(flag<Config>("ranges.use_stations", "likewise of ground stations", [](auto& c) -> auto& { return c.filter.ranging.use_stations; }))
+        .add(flag<Config>("ranges.use_stations", "likewise of ground stations",
+                          [](auto& c) -> auto& { return c.filter.ranging.use_stations; }))
         .add(number<Config>("baro.bias_time_s", 1.0, 0, 1e7,
                             "correlation time of the barometer's bias, whose sigma is then stationary; 0 = random walk",
                             [](auto& c) -> auto& { return c.filter.baro.bias_time; }));

@@ -46,7 +46,8 @@ void add_raw_gnss_options(OptionTable<Config>& table) {
     table
         .add(file_list("gnss.observations", "raw measurements (RINEX, UBX or RTCM 3) instead of gnss.file",
                        [](auto& c) -> auto& { return c.raw.observations; }))
-        .add(file_list("gnss.navigation", "broadcast ephemerides: RINEX navigation files", [](auto& c) -> auto& { return c.raw.navigation; }))
+        .add(file_list("gnss.navigation", "broadcast ephemerides: RINEX navigation files",
+                       [](auto& c) -> auto& { return c.raw.navigation; }))
         .add(text<Config>("gnss.precise", "precise orbits and clocks (SP3) instead of broadcast ones",
                           [](auto& c) -> auto& { return c.raw.precise; }))
         .add(systems())

@@ -15,7 +15,7 @@ RunTime run_time_of(const Value& v) {
     try {
         return run_time_from_text(*v.text(), {});
     } catch (const Error& e) {
-        throw input_error(e.reason(), {}, e.mend());
+        throw input_error(e.reason(), {}, e.hint());
     }
 }
 
@@ -68,8 +68,10 @@ Option<Config> outage_option() {
 Option<Config> output_files_option() {
     OptionSpec spec = detail::spec("output.files", Shape::Texts, "files that are written");
     spec.choices = {"solution", "summary", "h5", "report", "kml", "config", "mat", "covariance"};
-    spec.form = "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"mat\" (run.mat: the tables of run.h5 for Octave and MATLAB), "
-                "\"covariance\" (the whole of it, in run.h5)";
+    spec.form =
+        "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"mat\" (run.mat: the tables of run.h5 "
+        "for Octave and MATLAB), "
+        "\"covariance\" (the whole of it, in run.h5)";
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.output.files.clear();
@@ -96,15 +98,19 @@ void add_run_options(OptionTable<Config>& table) {
         .add(time_option("run.stop_s", "data after this time are left out", &RunConfig::stop))
         .add(number<Config>("run.settle_s", 1.0, 0, 1e9, "errors are counted from here; default: alignment + 60 s",
                             [](auto& c) -> auto& { return c.run.settle; }))
-        .add(flag<Config>("run.keep_given", "use given values even if the data refute them; without it the value from the data is used. Both are reported",
-                          [](auto& c) -> auto& { return c.run.keep_given; }))
+        .add(flag<Config>(
+            "run.keep_given",
+            "use given values even if the data refute them; without it the value from the data is used. Both are reported",
+            [](auto& c) -> auto& { return c.run.keep_given; }))
         .add(outage_option())
         .add(number<Config>("output.rate_hz", 1.0, 0, 1e5, "rate of the solution; 0 = every IMU epoch",
                             [](auto& c) -> auto& { return c.filter.output_rate; }))
-        .add(vector3<Config>("output.lever_arm_m", 1.0, -1e4, 1e4,
-                             "lever arm from the IMU to a further output point (point.csv): forward, right, down; events refer to that point",
-                             [](auto& c) -> auto& { return c.filter.output_lever_arm_b; }))
-        .add(text<Config>("output.events", "file of instants (time_s, name) at which the solution is output as well: events.csv, one row each",
+        .add(vector3<Config>(
+            "output.lever_arm_m", 1.0, -1e4, 1e4,
+            "lever arm from the IMU to a further output point (point.csv): forward, right, down; events refer to that point",
+            [](auto& c) -> auto& { return c.filter.output_lever_arm_b; }))
+        .add(text<Config>("output.events",
+                          "file of instants (time_s, name) at which the solution is output as well: events.csv, one row each",
                           [](auto& c) -> auto& { return c.output.events; }))
         .add(output_files_option());
 }

@@ -15,12 +15,12 @@ void add_imu_options(OptionTable<Config>& table);
 void add_gnss_options(OptionTable<Config>& table);
 void add_raw_gnss_options(OptionTable<Config>& table);  ///< raw measurements
 void add_base_options(OptionTable<Config>& table);      ///< a base station
-void add_filter_options(OptionTable<Config>& table);   ///< baro, mag, initial, filter
-void add_coupling_options(OptionTable<Config>& table); ///< filter.loose, filter.separate, filter.integrity
-void add_gravity_options(OptionTable<Config>& table);  ///< gravity, anomaly
+void add_filter_options(OptionTable<Config>& table);    ///< baro, mag, initial, filter
+void add_coupling_options(OptionTable<Config>& table);  ///< filter.loose, filter.separate, filter.integrity
+void add_gravity_options(OptionTable<Config>& table);   ///< gravity, anomaly
 void add_aid_options(OptionTable<Config>& table);       ///< gauges, log, compass
-void add_ranging_options(OptionTable<Config>& table);  ///< ranges
-void add_run_options(OptionTable<Config>& table);      ///< run, outage, output
+void add_ranging_options(OptionTable<Config>& table);   ///< ranges
+void add_run_options(OptionTable<Config>& table);       ///< run, outage, output
 
 /// When the option of this key has an effect, in words: "filter.scheme = \"separate\""; empty: always.
 [[nodiscard]] std::string condition_of(std::string_view key);
@@ -63,7 +63,7 @@ void with_places(const SettingList& settings, Work work) {
             if (s.key == bare || (best == nullptr && s.key.starts_with(bare + "."))) best = &s;
         }
         if (best == nullptr) throw;
-        throw input_error(e.reason(), {best->place.file, best->place.line, best->place.column, key}, e.mend());
+        throw input_error(e.reason(), {best->place.file, best->place.line, best->place.column, key}, e.hint());
     }
 }
 

@@ -17,26 +17,34 @@ const std::vector<KnownScheme>& known_schemes() {
         {"gnss", "receiver alone", {{"filter.scheme", {std::string("gnss")}, {}}}},
         {"separate-restart",
          "a separate, restarted every minute",
+         // clang-format off
          {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {60.0}, {}}}},
         {"separate",
+         // clang-format on
          "a separate, continuous correction",
+         // clang-format off
          {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {0.0}, {}}}},
         {"loose", "b loose, standard", {{"filter.scheme", {std::string("loose")}, {}}}},
         {"tight", "c tight", {{"filter.scheme", {std::string("tight")}, {}}}},
         {"medium", "intermediate", {{"filter.scheme", {std::string("medium")}, {}}}},
         {"deep", "d deep", {{"filter.scheme", {std::string("deep")}, {}}}},
         {"loose-aggressive",
+         // clang-format on
          "b loose, aggressive",
+         // clang-format off
          {{"filter.scheme", {std::string("loose")}, {}}, {"filter.loose", {std::string("aggressive")}, {}}}},
         {"loose-15",
+         // clang-format on
          "b loose, 15 states",
          {{"filter.scheme", {std::string("loose")}, {}},
           {"filter.preset", {std::string("ins15")}, {}},
           {"gnss.consider_errors", {true}, {}}}},
         {"complex22",
          "b loose, 22 states",
+         // clang-format off
          {{"filter.scheme", {std::string("loose")}, {}}, {"filter.preset", {std::string("complex22")}, {}}}},
         {"loose-open",
+         // clang-format on
          "b loose, open loop",
          {{"filter.scheme", {std::string("loose")}, {}}, {"filter.loop", {std::string("open")}, {}}}}};
     return list;
@@ -67,8 +75,8 @@ Option<S> schemes_option() {
 }
 
 Option<S> satellites_option() {
-    OptionSpec spec =
-        detail::spec("compare.satellites", Shape::Numbers, "numbers of satellites with which each scheme is compared, from the first of ranges.limit on");
+    OptionSpec spec = detail::spec("compare.satellites", Shape::Numbers,
+                                   "numbers of satellites with which each scheme is compared, from the first of ranges.limit on");
     spec.form = "a list of whole numbers";
     spec.low = 0;
     spec.high = 99;

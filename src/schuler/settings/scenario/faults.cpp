@@ -22,7 +22,7 @@ struct KnownFault {
     const char* kind;
     Channel channel;
     FaultKind fault;
-    double si;   ///< of the size's unit
+    double si;  ///< of the size's unit
 };
 constexpr KnownFault known[] = {{"gnss", "step", Channel::Gnss, FaultKind::Step, 1.0},
                                 {"gnss", "ramp", Channel::Gnss, FaultKind::Ramp, 1.0},
@@ -98,9 +98,10 @@ Fault fault_of(const ValueTable& table) {
 }  // namespace
 
 Option<ScenarioConfig> fault_option() {
-    OptionSpec spec = detail::spec("fault", Shape::Tables,
-                                   "faults: [[fault]] with start_s, kind (gnss: step, ramp, drift, velocity, freeze, noise, dropout; imu: "
-                                   "gyro, accel, saturate ...), sensor, size (m, m/s; deg/h, mg, deg/s), duration_s, direction");
+    OptionSpec spec =
+        detail::spec("fault", Shape::Tables,
+                     "faults: [[fault]] with start_s, kind (gnss: step, ramp, drift, velocity, freeze, noise, dropout; imu: "
+                     "gyro, accel, saturate ...), sensor, size (m, m/s; deg/h, mg, deg/s), duration_s, direction");
     return {std::move(spec),
             [](ScenarioConfig& s, const Value& v) {
                 s.sim.faults.clear();

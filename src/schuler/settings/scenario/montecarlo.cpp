@@ -13,7 +13,7 @@ namespace {
 
 using S = ScenarioConfig;
 
-constexpr std::size_t most_points = 100000;   ///< of a grid: each has statistics of its own
+constexpr std::size_t most_points = 100000;  ///< of a grid: each has statistics of its own
 constexpr const char* forms =
     "write \"KEY\" = { uniform = [low, high] }, { normal = [mean, sigma] }, { list = [values] }, { sweep = [values] } or "
     "{ sweep = { from = 0, to = 10, steps = 11 } }";
@@ -35,7 +35,9 @@ std::vector<Value> steps_of(const std::string& key, const ValueTable& table) {
         } else if (name == "log" && v.flag() != nullptr) {
             log = *v.flag();
         } else {
-            throw bad(key, fmt::format("a sweep has the numbers from, to and steps (whole) and log = true or false, not this \"{}\"", name));
+            throw bad(
+                key,
+                fmt::format("a sweep has the numbers from, to and steps (whole) and log = true or false, not this \"{}\"", name));
         }
     }
     if (!std::isfinite(from) || !std::isfinite(to) || steps < 2 || steps > static_cast<std::int64_t>(most_points))
@@ -45,7 +47,7 @@ std::vector<Value> steps_of(const std::string& key, const ValueTable& table) {
     for (std::int64_t i = 0; i < steps; ++i) {
         const double part = static_cast<double>(i) / static_cast<double>(steps - 1);
         const double x = log ? from * std::pow(to / from, part) : from + (to - from) * part;
-        out.push_back({i + 1 == steps ? to : std::strtod(fmt::format("{:.12g}", x).c_str(), nullptr)});   // 1, not 0.99...
+        out.push_back({i + 1 == steps ? to : std::strtod(fmt::format("{:.12g}", x).c_str(), nullptr)});  // 1, not 0.99...
     }
     return out;
 }
@@ -53,7 +55,9 @@ std::vector<Value> steps_of(const std::string& key, const ValueTable& table) {
 Variation variation_of(const std::string& key, const Value& v) {
     const std::vector<std::string> known = scenario_table().keys();
     const Option<S>* option = scenario_table().find(key);
-    if (option == nullptr) throw input_error(fmt::format("unknown key \"{}\"", key), {}, fmt::format("did you mean \"{}\"?", nearest_key(key, known)));
+    if (option == nullptr)
+        throw input_error(fmt::format("unknown key \"{}\"", key), {},
+                          fmt::format("did you mean \"{}\"?", nearest_key(key, known)));
     if (key == "seed" || key.starts_with("montecarlo.")) throw bad(key, "cannot vary: every run has a seed of its own");
     if (v.table() == nullptr || v.table()->size() != 1) throw bad(key, "has no distribution, or more than one");
     const auto& [name, numbers] = v.table()->front();
@@ -70,23 +74,27 @@ Variation variation_of(const std::string& key, const Value& v) {
             throw bad(key, fmt::format("{} needs a list of values", name));
         }
         for (Value& value : out.values) {
-            if (option->spec.shape == Shape::Integer && value.is_number()) value.data = static_cast<std::int64_t>(std::llround(value.number()));
+            if (option->spec.shape == Shape::Integer && value.is_number())
+                value.data = static_cast<std::int64_t>(std::llround(value.number()));
             try {
                 check_value(option->spec, value, {});
             } catch (const Error& e) {
-                throw input_error(fmt::format("{}: {}", key, e.reason()), {}, e.mend());
+                throw input_error(fmt::format("{}: {}", key, e.reason()), {}, e.hint());
             }
         }
         return out;
     }
     if (name != "uniform" && name != "normal") throw bad(key, fmt::format("unknown distribution \"{}\"", name));
-    if (option->spec.shape != Shape::Number && option->spec.shape != Shape::Integer) throw bad(key, "is not a key of one number: only list and sweep can vary it");
-    if (list == nullptr || list->size() != 2 || !(*list)[0].is_number() || !(*list)[1].is_number()) throw bad(key, "needs two numbers");
+    if (option->spec.shape != Shape::Number && option->spec.shape != Shape::Integer)
+        throw bad(key, "is not a key of one number: only list and sweep can vary it");
+    if (list == nullptr || list->size() != 2 || !(*list)[0].is_number() || !(*list)[1].is_number())
+        throw bad(key, "needs two numbers");
     out.kind = name == "normal" ? Variation::Kind::Normal : Variation::Kind::Uniform;
     out.first = (*list)[0].number();
     out.second = (*list)[1].number();
     out.whole = option->spec.shape == Shape::Integer;
-    if (name == "normal" ? !(out.second >= 0.0) : !(out.second >= out.first)) throw bad(key, "the two numbers are in the wrong order or negative");
+    if (name == "normal" ? !(out.second >= 0.0) : !(out.second >= out.first))
+        throw bad(key, "the two numbers are in the wrong order or negative");
     return out;
 }
 
@@ -104,10 +112,13 @@ std::size_t grid_points(const std::vector<Variation>& vary) {
 }
 
 void add_montecarlo_options(OptionTable<ScenarioConfig>& table) {
-    table.add(integer<S>("montecarlo.runs", 1, 100'000'000, "number of runs", [](auto& s) -> auto& { return s.montecarlo_runs; }));
+    table.add(
+        integer<S>("montecarlo.runs", 1, 100'000'000, "number of runs", [](auto& s) -> auto& { return s.montecarlo_runs; }));
     OptionSpec spec = detail::spec("montecarlo.vary", Shape::Table,
-                                   "settings that differ from run to run, any key of a scenario: \"KEY\" = { uniform = [low, high] }, { normal = [mean, sigma] }, "
-                                   "{ list = [values] } (one of them at random) or { sweep = [values] }, { sweep = { from = 0, to = 10, steps = 11, log = false } } "
+                                   "settings that differ from run to run, any key of a scenario: \"KEY\" = { uniform = [low, "
+                                   "high] }, { normal = [mean, sigma] }, "
+                                   "{ list = [values] } (one of them at random) or { sweep = [values] }, { sweep = { from = 0, "
+                                   "to = 10, steps = 11, log = false } } "
                                    "(all points of the grid of sweeps in turn)");
     table.add(Option<S>{std::move(spec),
                         [](S& s, const Value& v) {

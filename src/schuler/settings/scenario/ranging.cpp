@@ -47,7 +47,8 @@ void add_sources(OptionTable<S>& table) {
         .add(list_of<S, SatelliteLimit>(
             "ranges.limit", "[ { start_s, keep, variant }, ... ]",
             "limits the number of satellites from start_s on: up to four of the four with the best geometry, more: the highest",
-            list(&R::limits), [](SatelliteLimit& l) {
+            list(&R::limits),
+            [](SatelliteLimit& l) {
                 return Entries{{.name = "start_s", .number = &l.start},
                                {.name = "keep", .count = &l.keep},
                                {.name = "variant", .count = &l.variant}};
@@ -55,9 +56,9 @@ void add_sources(OptionTable<S>& table) {
         .add(list_of<S, RangeFault>(
             "ranges.fault", "[ { source, start_s, duration_s, offset_m, ramp_m_s, rate_m_s }, ... ]", "faults of ranges",
             list(&R::faults), [](RangeFault& f) {
-                return Entries{{.name = "source", .text = &f.source},     {.name = "start_s", .number = &f.start},
+                return Entries{{.name = "source", .text = &f.source},         {.name = "start_s", .number = &f.start},
                                {.name = "duration_s", .number = &f.duration}, {.name = "offset_m", .number = &f.offset},
-                               {.name = "ramp_m_s", .number = &f.ramp},   {.name = "rate_m_s", .number = &f.rate}};
+                               {.name = "ramp_m_s", .number = &f.ramp},       {.name = "rate_m_s", .number = &f.rate}};
             }));
 }
 

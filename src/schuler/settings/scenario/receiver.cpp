@@ -67,13 +67,16 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                     throw input_error("a jammer without power, spread or duration", {}, "give positive numbers");
                 jammers.push_back(j);
             }))
-        .add(number<S>("receiver.pll_bandwidth_hz", 1.0, 0.5, 50, "bandwidth of the phase loop without inertial aiding", alone(&T::pll_bandwidth)))
-        .add(number<S>("receiver.dll_bandwidth_hz", 1.0, 0.01, 10, "bandwidth of the code loop without inertial aiding", alone(&T::dll_bandwidth)))
-        .add(integration("receiver.integration_ms", "coherent integration without inertial aiding; a divisor of 20", alone(&T::integration)))
-        .add(number<S>("receiver.aided_pll_bandwidth_hz", 1.0, 0.5, 50, "bandwidth of the phase loop with inertial aiding (intermediate coupling)",
-                       aided(&T::pll_bandwidth)))
-        .add(number<S>("receiver.aided_dll_bandwidth_hz", 1.0, 0.01, 10, "bandwidth of the code loop with inertial aiding (intermediate coupling)",
-                       aided(&T::dll_bandwidth)))
+        .add(number<S>("receiver.pll_bandwidth_hz", 1.0, 0.5, 50, "bandwidth of the phase loop without inertial aiding",
+                       alone(&T::pll_bandwidth)))
+        .add(number<S>("receiver.dll_bandwidth_hz", 1.0, 0.01, 10, "bandwidth of the code loop without inertial aiding",
+                       alone(&T::dll_bandwidth)))
+        .add(integration("receiver.integration_ms", "coherent integration without inertial aiding; a divisor of 20",
+                         alone(&T::integration)))
+        .add(number<S>("receiver.aided_pll_bandwidth_hz", 1.0, 0.5, 50,
+                       "bandwidth of the phase loop with inertial aiding (intermediate coupling)", aided(&T::pll_bandwidth)))
+        .add(number<S>("receiver.aided_dll_bandwidth_hz", 1.0, 0.01, 10,
+                       "bandwidth of the code loop with inertial aiding (intermediate coupling)", aided(&T::dll_bandwidth)))
         .add(integration("receiver.aided_integration_ms", "coherent integration with inertial aiding; a divisor of 20",
                          aided(&T::integration)))
         .add(choice<S, receiver::Prefilter>(
@@ -82,9 +85,11 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
             "discriminators of deep channels: noncoherent, or coherent while the phase is tracked", deep(&D::prefilter)))
         .add(number<S>("receiver.front_end_mhz", 1e6, 0.6, 100, "two-sided band of the front end; not given: all of it",
                        bank(&receiver::BankSettings::front_end)))
-        .add(number<S>("receiver.clock_h_minus1", 1.0, 0, 1e-10, "flicker frequency noise of the oscillator, in addition to ranges.clock",
+        .add(number<S>("receiver.clock_h_minus1", 1.0, 0, 1e-10,
+                       "flicker frequency noise of the oscillator, in addition to ranges.clock",
                        [](auto& s) -> auto& { return s.receiver_channels.clock_flicker; }))
-        .add(number<S>("receiver.clock_per_g", 1.0, 0, 1e-6, "fractional frequency offset for one g of specific force on each axis",
+        .add(number<S>("receiver.clock_per_g", 1.0, 0, 1e-6,
+                       "fractional frequency offset for one g of specific force on each axis",
                        [](auto& s) -> auto& { return s.receiver_channels.clock_per_g; }));
 }
 

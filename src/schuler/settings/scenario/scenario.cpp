@@ -65,9 +65,11 @@ void add_imu(Table& table) {
         .add(both("imu.misalignment_arcsec", units::arcsec, 1e5, "axis misalignment of gyros and accelerometers",
                   &sensor::ImuErrorModel::gyro_misalignment, &sensor::ImuErrorModel::accel_misalignment));
     add_imu_error_options(table, "imu.", errors);
-    table.add(number<S>("imu.warm_up_k", 1.0, -100, 100, "temperature rise above that of its calibration",
-                        [](auto& s) -> auto& { return s.sim.imu.warm_up; }))
-        .add(number<S>("imu.warm_up_time_s", 1.0, 1e-3, 1e6, "time constant of the warm-up", [](auto& s) -> auto& { return s.sim.imu.warm_up_time; }));
+    table
+        .add(number<S>("imu.warm_up_k", 1.0, -100, 100, "temperature rise above that of its calibration",
+                       [](auto& s) -> auto& { return s.sim.imu.warm_up; }))
+        .add(number<S>("imu.warm_up_time_s", 1.0, 1e-3, 1e6, "time constant of the warm-up",
+                       [](auto& s) -> auto& { return s.sim.imu.warm_up_time; }));
 }
 
 /// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which names no sigma of its own for the
@@ -88,9 +90,10 @@ void set_duostar1000(sim::GnssSettings& g) {
 
 /// Receivers by name: sigmas of (3.2.1) and (3.2.2) as used for a code-phase and a carrier-phase receiver.
 Option<S> receiver_option() {
-    OptionSpec spec = detail::spec("gnss.receiver", Shape::Text,
-                                   "autonomous (1 m white, 1.5 m slowly varying), rtk (1 cm) or duostar1000 (paper A: 1 m white, 5 m slowly "
-                                   "varying); the numbers below refine it");
+    OptionSpec spec =
+        detail::spec("gnss.receiver", Shape::Text,
+                     "autonomous (1 m white, 1.5 m slowly varying), rtk (1 cm) or duostar1000 (paper A: 1 m white, 5 m slowly "
+                     "varying); the numbers below refine it");
     spec.choices = {"autonomous", "rtk", "duostar1000"};
     return {std::move(spec),
             [](S& s, const Value& v) {
@@ -127,13 +130,13 @@ void add_receivers(Table& table) {
         .add(number<S>("baro.rate_hz", 1.0, 0, 1000, "rate of the barometer; 0 = none", baro(&sim::BaroSettings::rate)))
         .add(number<S>("baro.white_m", 1.0, 0, 1e4, "white height error", baro(&sim::BaroSettings::white)))
         .add(number<S>("baro.bias_m", 1.0, 0, 1e5, "constant height error, one sigma over runs", baro(&sim::BaroSettings::bias)))
-        .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "its random walk",
-                       baro(&sim::BaroSettings::bias_walk)))
+        .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "its random walk", baro(&sim::BaroSettings::bias_walk)))
         .add(flag<S>("baro.pressure", "the log has static pressures, which are converted to heights of the standard atmosphere",
                      [](auto& s) -> auto& { return s.sim.baro.pressure; }))
         .add(number<S>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "pressure: of the day at sea level",
                        baro(&sim::BaroSettings::sea_level_pressure)))
-        .add(number<S>("baro.temperature_offset_k", 1.0, -60, 60, "pressure: deviation of the temperature from the standard atmosphere",
+        .add(number<S>("baro.temperature_offset_k", 1.0, -60, 60,
+                       "pressure: deviation of the temperature from the standard atmosphere",
                        baro(&sim::BaroSettings::temperature_offset)))
         .add(number<S>("mag.rate_hz", 1.0, 0, 1000, "rate of the magnetometer; 0 = none", mag(&M::rate)))
         .add(number<S>("mag.field_ut", 1e-6, 1, 1000, "strength of the Earth's field", mag(&M::field)))
@@ -141,11 +144,13 @@ void add_receivers(Table& table) {
         .add(number<S>("mag.inclination_deg", deg, -89, 89, "its inclination, down positive", mag(&M::inclination)))
         .add(number<S>("mag.white_ut", 1e-6, 0, 1000, "white noise", mag(&M::white)))
         .add(number<S>("mag.hard_iron_ut", 1e-6, 0, 1000, "constant field of the body, one sigma over runs", mag(&M::hard_iron)))
-        .add(number<S>("mag.soft_iron", 1.0, 0, 1, "distortion by the body, one sigma over runs of each coefficient", mag(&M::soft_iron)));
+        .add(number<S>("mag.soft_iron", 1.0, 0, 1, "distortion by the body, one sigma over runs of each coefficient",
+                       mag(&M::soft_iron)));
     add_gnss_error_options(table, [](auto& s) -> auto& { return s.sim.gnss.errors; });
-    table.add(constellation_change_option<S>("times, from the start, at which the set of satellites changes",
-                                             [](const S& s) { return s.sim.gnss.constellation_changes; },
-                                             [](S& s, const std::vector<double>& times) { s.sim.gnss.constellation_changes = times; }));
+    table.add(constellation_change_option<S>(
+        "times, from the start, at which the set of satellites changes",
+        [](const S& s) { return s.sim.gnss.constellation_changes; },
+        [](S& s, const std::vector<double>& times) { s.sim.gnss.constellation_changes = times; }));
 }
 
 Option<S> outage_option() {
@@ -202,7 +207,8 @@ void add_filter(Table& table) {
 }
 
 void add_published(Table& table) {
-    table.add(text<S>("published.source", "source of published root mean squares of this scenario, to compare with those of a run",
+    table.add(text<S>("published.source",
+                      "source of published root mean squares of this scenario, to compare with those of a run",
                       [](auto& s) -> auto& { return s.published.source; }));
     const struct {
         const char* name;
@@ -235,10 +241,11 @@ Table make_table() {
     add_compare_options(table);
     for (const OptionSpec& spec : config_table().specs())
         if (spec.key.starts_with("gravity.")) table.add(of_processing(*config_table().find(spec.key)));
-    table.add({anomaly_spec("disturbance of gravity along the path: [[anomaly]] with kind, size_mgal = [east, north, up], start and "
-                            "length in _m or _s"),
-               [](S& s, const Value& v) { s.sim.anomaly = anomalies_from(*v.list()); },
-               [](const S& s) { return value_of(s.sim.anomaly); }});
+    table.add(
+        {anomaly_spec("disturbance of gravity along the path: [[anomaly]] with kind, size_mgal = [east, north, up], start and "
+                      "length in _m or _s"),
+         [](S& s, const Value& v) { s.sim.anomaly = anomalies_from(*v.list()); },
+         [](const S& s) { return value_of(s.sim.anomaly); }});
     return table;
 }
 
@@ -254,7 +261,7 @@ ScenarioConfig scenario_from(const SettingList& settings) {
     s.sim.imu.errors = sensor::imu_grade(s.grade);
     scenario_table().apply(settings, s);
     for (const Setting& setting : settings) s.given.insert(setting.key);
-    if (s.receiver == "duostar1000" && !s.given.contains("gnss.rate_hz")) s.sim.gnss.rate = 10.0;   // [PaperA:table 1.2.1]
+    if (s.receiver == "duostar1000" && !s.given.contains("gnss.rate_hz")) s.sim.gnss.rate = 10.0;  // [PaperA:table 1.2.1]
     for (const Setting& setting : settings)
         if (s.folder.empty() && setting.place.line > 0) s.folder = std::filesystem::path(setting.place.file).parent_path();
     s.processing.filter.vehicle = s.vehicle.value_or(vehicle_of(s.type));

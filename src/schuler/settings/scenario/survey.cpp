@@ -28,7 +28,9 @@ void add_survey_options(OptionTable<S>& table) {
     const auto pattern = [](auto P::*field) { return [=](auto& s) -> auto& { return s.survey.*field; }; };
     const auto drape = [](double SurveyGround::*field) { return [=](auto& s) -> auto& { return s.survey_ground.*field; }; };
     using G = SurveyGround;
-    table.add(integer<S>("trajectory.survey.lines", 1, 1000, "survey: number of parallel lines, flown back and forth", pattern(&P::lines)))
+    table
+        .add(integer<S>("trajectory.survey.lines", 1, 1000, "survey: number of parallel lines, flown back and forth",
+                        pattern(&P::lines)))
         .add(integer<S>("trajectory.survey.ties", 0, 1000, "survey: number of tie lines across them", pattern(&P::ties)))
         .add(number<S>("trajectory.survey.length_m", 1.0, 1, 1e6, "survey: length of a line", pattern(&P::length)))
         .add(number<S>("trajectory.survey.spacing_m", 1.0, 1, 1e6, "survey: distance between lines", pattern(&P::spacing)))

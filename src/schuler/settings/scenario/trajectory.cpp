@@ -111,7 +111,8 @@ Option<S> waypoints_option() {
 
 Option<S> moves_option() {
     return special<S>(
-        "trajectory.moves", "[ { roll_deg, pitch_deg, heading_deg, duration_s, dwell_s }, ... ]", "table: turns one after the other",
+        "trajectory.moves", "[ { roll_deg, pitch_deg, heading_deg, duration_s, dwell_s }, ... ]",
+        "table: turns one after the other",
         [](S& s, const Value& v) {
             const auto bad = [](const std::string& what) {
                 return input_error(what, {}, "write moves = [ { heading_deg = 90, duration_s = 10, dwell_s = 60 }, ... ]");
@@ -122,7 +123,8 @@ Option<S> moves_option() {
                 if (item.table() == nullptr) throw bad("a move is not a table");
                 sim::TableMove m;
                 for (const auto& [name, x] : *item.table()) {
-                    if (!x.is_number() || !(std::abs(x.number()) < 1e6)) throw bad(fmt::format("{} = {} is not a number", name, to_toml(x)));
+                    if (!x.is_number() || !(std::abs(x.number()) < 1e6))
+                        throw bad(fmt::format("{} = {} is not a number", name, to_toml(x)));
                     if (name == "roll_deg") m.turn.x() = x.number() * deg;
                     else if (name == "pitch_deg") m.turn.y() = x.number() * deg;
                     else if (name == "heading_deg") m.turn.z() = x.number() * deg;
@@ -144,11 +146,14 @@ void add_motions(Table& table) {
                        [](auto& s) -> auto& { return s.recorded.spacing; }))
         .add(number<S>("trajectory.height_change_m", 1.0, 1, 2e4, "takeoff, approach: height climbed or descended",
                        [](auto& s) -> auto& { return s.phase.height_change; }))
-        .add(number<S>("trajectory.length_m", 1.0, 1, 1e6, "figure8: long axis", [](auto& s) -> auto& { return s.figure8.length; }))
+        .add(number<S>("trajectory.length_m", 1.0, 1, 1e6, "figure8: long axis",
+                       [](auto& s) -> auto& { return s.figure8.length; }))
         .add(number<S>("trajectory.width_m", 1.0, 1, 1e6, "figure8: across it", [](auto& s) -> auto& { return s.figure8.width; }))
-        .add(number<S>("trajectory.loop_height_m", 1.0, 0, 1e4, "figure8: height of one loop above and of the other below the start",
+        .add(number<S>("trajectory.loop_height_m", 1.0, 0, 1e4,
+                       "figure8: height of one loop above and of the other below the start",
                        [](auto& s) -> auto& { return s.figure8.height_amplitude; }))
-        .add(number<S>("trajectory.figure_s", 1.0, 1, 1e5, "figure8: time of one figure", [](auto& s) -> auto& { return s.figure8.period; }));
+        .add(number<S>("trajectory.figure_s", 1.0, 1, 1e5, "figure8: time of one figure",
+                       [](auto& s) -> auto& { return s.figure8.period; }));
     const struct {
         const char* name;
         const char* unit;
@@ -160,7 +165,9 @@ void add_motions(Table& table) {
                  {"heave", "_m", 1.0, &sim::ShipPath::heave}};
     for (const auto& w : waves) {
         const std::string key = fmt::format("trajectory.waves.{}", w.name);
-        const auto part = [wave = w.wave](double sim::Wave::*field) { return [=](auto& s) -> auto& { return s.ship.*wave.*field; }; };
+        const auto part = [wave = w.wave](double sim::Wave::*field) {
+            return [=](auto& s) -> auto& { return s.ship.*wave.*field; };
+        };
         table.add(number<S>(key + w.unit, w.factor, 0, 60, "ship: amplitude", part(&sim::Wave::amplitude)))
             .add(number<S>(key + "_period_s", 1.0, 0.1, 1e4, "ship: period", part(&sim::Wave::period)));
     }
@@ -211,16 +218,15 @@ void add_trajectory_options(Table& table) {
     };
     using R = sim::RoutePath;
     Option<S> standstill =
-        number<S>("trajectory.standstill_s", 1.0, 0, 1e6, "car, waypoints, survey: time at rest before the start; default: 30, 30, 0",
-                  route(&R::standstill));
+        number<S>("trajectory.standstill_s", 1.0, 0, 1e6,
+                  "car, waypoints, survey: time at rest before the start; default: 30, 30, 0", route(&R::standstill));
     standstill.set = [set = standstill.set](S& s, const Value& v) {
         set(s, v);
         s.standstill_given = true;
     };
     table.add(waypoints_option())
         .add(std::move(standstill))
-        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: moving from the start on",
-                       route(&R::start_speed)))
+        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: moving from the start on", route(&R::start_speed)))
         .add(number<S>("trajectory.knot_spacing_m", 1.0, 0.5, 1e4,
                        "car, waypoints: length over which bends and climbs are smoothed; aircraft: 50", route(&R::knot_spacing)))
         .add(number<S>("trajectory.corner_radius_m", 1.0, 0.1, 1e6, "car, waypoints: radius of the corners",
@@ -279,7 +285,8 @@ sim::RecordedPath recorded_path(const ScenarioConfig& s) {
     for (const SolutionRow& row : rows) path.points.push_back({(row.time - rows.front().time).seconds(), row.position, row.rpy});
     const double lasts = path.points.empty() ? 0.0 : path.points.back().time;
     if (lasts < s.sim.duration)
-        throw bad(fmt::format("the trajectory lasts {:.1f} s, less than the scenario", lasts), "duration_s", "shorten the scenario");
+        throw bad(fmt::format("the trajectory lasts {:.1f} s, less than the scenario", lasts), "duration_s",
+                  "shorten the scenario");
     return path;
 }
 
@@ -299,7 +306,8 @@ sim::PathSettings path_of(const ScenarioConfig& s) {
         }
         case TrajectoryType::Waypoints: {
             if (s.route.waypoints.empty())
-                throw input_error("no waypoints", {.file = {}, .line = 0, .column = 0, .key = "trajectory.waypoints"}, "give at least one");
+                throw input_error("no waypoints", {.file = {}, .line = 0, .column = 0, .key = "trajectory.waypoints"},
+                                  "give at least one");
             sim::RoutePath path = s.route;
             if (path.start_speed > 0.0) path.standstill = 0.0;
             path.start = s.start;
@@ -333,7 +341,7 @@ sim::PathSettings path_of(const ScenarioConfig& s) {
 }
 
 double ground_of(const ScenarioConfig& s) {
-    constexpr double lowest = -500.0;   // below every shore
+    constexpr double lowest = -500.0;  // below every shore
     switch (s.type) {
         case TrajectoryType::Takeoff: return s.start.h;
         case TrajectoryType::GreatCircle:

@@ -21,7 +21,7 @@ struct Transmitter {
 
 /// A geometric range with the transmitter that belongs to it.
 struct SightLine {
-    double range = 0;   ///< m, light time included, delays of the atmosphere too
+    double range = 0;  ///< m, light time included, delays of the atmosphere too
     gnss::SatelliteState transmitter;
     gnss::Direction direction;
 };
@@ -47,7 +47,7 @@ private:
     struct Antenna {
         Ecef position;
         Geodetic place;
-        Eigen::Vector3d up_e;   ///< out of the antenna's plane
+        Eigen::Vector3d up_e;  ///< out of the antenna's plane
     };
     [[nodiscard]] Antenna antenna(double t) const;
     [[nodiscard]] Time gps(double t) const { return s_.gps + Duration::from_seconds(t); }

@@ -28,8 +28,9 @@ std::string settings_text(const settings::SettingList& settings, const settings:
         std::erase_if(used, [&s](const settings::Setting& earlier) { return earlier.key == s.key; });
         used.push_back(s);
     }
-    const std::string above =
-        over.empty() ? "" : "\n# above the settings of its data set\n" + settings::to_toml(over, settings::config_table().specs(), false);
+    const std::string above = over.empty() ? ""
+                                           : "\n# above the settings of its data set\n" +
+                                                 settings::to_toml(over, settings::config_table().specs(), false);
     return settings::to_toml(used, settings::scenario_table().specs(), false) + above;
 }
 
@@ -114,7 +115,7 @@ report::Outcome compare_schemes(const settings::ProcessRequest& request) {
     std::vector<std::pair<const char*, std::string>> files{{"comparison.csv", comparison_csv(c)}};
     if (!c.windows.empty()) files.emplace_back("windows.csv", windows_csv(c));
     if (report_wanted) files.emplace_back("report.html", report::render(comparison_report(c)));
-    files.emplace_back("summary.json", out.json);   // last: who waits for it finds all
+    files.emplace_back("summary.json", out.json);  // last: who waits for it finds all
     for (const auto& [name, text] : files) report::write_text(out.files.emplace_back(out.folder / name), text);
     return out;
 }

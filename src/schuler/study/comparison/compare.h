@@ -22,11 +22,11 @@ namespace schuler::study {
 /// One scheme on the flight.
 struct ComparedRun {
     const settings::KnownScheme* scheme = nullptr;
-    std::optional<std::size_t> satellites;     ///< compare.satellites
-    std::vector<double> numbers;               ///< of the table, see compared_numbers
-    std::vector<WindowStatistics> windows;     ///< one a window of the comparison
-    ErrorCourse course;                        ///< as it is drawn
-    std::vector<scenario::ReceiverRow> receiver;         ///< of a receiver at correlator level
+    std::optional<std::size_t> satellites;        ///< compare.satellites
+    std::vector<double> numbers;                  ///< of the table, see compared_numbers
+    std::vector<WindowStatistics> windows;        ///< one a window of the comparison
+    ErrorCourse course;                           ///< as it is drawn
+    std::vector<scenario::ReceiverRow> receiver;  ///< of a receiver at correlator level
 };
 
 /// The numbers of satellites of runs that are ordered by them.
@@ -41,19 +41,20 @@ std::vector<std::optional<std::size_t>> counts_of_satellites(const Runs& runs) {
 struct Comparison {
     std::string name{}, version{};
     std::uint64_t seed = 0;
-    double duration = 0.0;                     ///< s
+    double duration = 0.0;  ///< s
     std::vector<settings::CompareWindow> windows{};
     settings::WindowRules rules{};
-    std::vector<settings::OutageSpan> outages{};         ///< of GNSS
-    std::vector<ComparedRun> runs{};           ///< those of one number of satellites stand together
+    std::vector<settings::OutageSpan> outages{};  ///< of GNSS
+    std::vector<ComparedRun> runs{};              ///< those of one number of satellites stand together
     std::vector<std::string> warnings{};
-    std::string settings{};                    ///< TOML
+    std::string settings{};  ///< TOML
     /// Further plots for the report, over the time of the scenario: the windows and outages are marked in them as in the others.
     std::vector<report::Panel> plots{};
 };
 
 /// The scenario with the given number of satellites; unchanged without one. @throws Error(Input) where it has no limit to change.
-[[nodiscard]] settings::ScenarioConfig with_satellites(const settings::ScenarioConfig& scenario, std::optional<std::size_t> satellites);
+[[nodiscard]] settings::ScenarioConfig with_satellites(const settings::ScenarioConfig& scenario,
+                                                       std::optional<std::size_t> satellites);
 /// What is compared of a run that has been evaluated; its scheme and satellites are the caller's.
 [[nodiscard]] ComparedRun compared_run(const solution::ResultBundle& bundle, const settings::ScenarioConfig& scenario);
 
@@ -91,7 +92,8 @@ struct Comparison {
 [[nodiscard]] std::string window_note(const Comparison& comparison);
 /// Of a receiver's rows: `held`, the lowest C/N0 inside at which it followed four satellites, and `back`, the time after the
 /// window until it follows four, or all there are, for a second: 0 where it did at the end and goes on.
-void add_signal_statistics(WindowStatistics& out, const settings::CompareWindow& window, const std::vector<scenario::ReceiverRow>& rows, Time origin);
+void add_signal_statistics(WindowStatistics& out, const settings::CompareWindow& window,
+                           const std::vector<scenario::ReceiverRow>& rows, Time origin);
 
 /// The same flight through every scheme that the scenario compares, one table of them. @throws Error
 [[nodiscard]] report::Outcome compare_schemes(const settings::ProcessRequest& request);

@@ -18,12 +18,12 @@
 namespace schuler::study {
 namespace {
 
-constexpr std::size_t kept_epochs = 500;   ///< of the NEES of each run
+constexpr std::size_t kept_epochs = 500;  ///< of the NEES of each run
 
 /// What is kept of one run of one scheme.
 struct Kept {
     ComparedRun run;
-    std::vector<std::array<double, 3>> nees;   ///< position, velocity, attitude, settled
+    std::vector<std::array<double, 3>> nees;  ///< position, velocity, attitude, settled
     SquaredCourse course;
     bool report_wanted = false;
     std::string failure;
@@ -51,7 +51,8 @@ Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList
 analysis::EnsembleConsistency nees_of(std::span<const Kept> runs, std::size_t block) {
     std::size_t epochs = 0;
     for (const Kept& k : runs) epochs = std::max(epochs, k.nees.size());
-    analysis::RunsByEpochs values = analysis::RunsByEpochs::Constant(static_cast<Eigen::Index>(runs.size()), static_cast<Eigen::Index>(epochs), not_given);
+    analysis::RunsByEpochs values =
+        analysis::RunsByEpochs::Constant(static_cast<Eigen::Index>(runs.size()), static_cast<Eigen::Index>(epochs), not_given);
     for (std::size_t r = 0; r < runs.size(); ++r)
         for (std::size_t k = 0; k < runs[r].nees.size(); ++k)
             values(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(k)) = runs[r].nees[k][block];
@@ -91,7 +92,10 @@ CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::s
             settings::SettingList over = request.over({}), drawn;
             over.insert(over.end(), s.scheme->settings.begin(), s.scheme->settings.end());
             try {
-                all[job] = kept_of(with_satellites(settings::scenario_from(settings_of_run(base, scenario.vary, seed, job % runs, drawn)), s.satellites), over);
+                all[job] = kept_of(
+                    with_satellites(settings::scenario_from(settings_of_run(base, scenario.vary, seed, job % runs, drawn)),
+                                    s.satellites),
+                    over);
             } catch (const Error& e) {
                 if (job == 0) throw;
                 all[job].failure = fmt::format("seed {}: {}", seed, e.what());
@@ -121,10 +125,12 @@ report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, s
     report::make_folder(out.folder);
     out.json = campaign_json(c);
     out.tables = campaign_tables(c);
-    const auto write = [&](const char* name, const std::string& text) { report::write_text(out.files.emplace_back(out.folder / name), text); };
+    const auto write = [&](const char* name, const std::string& text) {
+        report::write_text(out.files.emplace_back(out.folder / name), text);
+    };
     write("runs.csv", campaign_runs_csv(c));
     if (c.report_wanted) write("report.html", report::render(campaign_report(c)));
-    write("summary.json", out.json);   // last: who waits for it finds all
+    write("summary.json", out.json);  // last: who waits for it finds all
     for (const SchemeCampaign& s : c.schemes)
         for (const std::string& failure : s.failures) out.warnings.push_back(fmt::format("{}, {}", s.scheme->name, failure));
     return out;

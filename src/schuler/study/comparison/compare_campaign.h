@@ -21,7 +21,7 @@ namespace schuler::study {
 
 /// Squares of the errors of one run, or of many, in equal spans of the scenario, beside the variances that the solution stated.
 struct SquaredCourse {
-    static constexpr std::size_t spans = 300, quantities = 4;   ///< horizontal and height, m; velocity, m/s; heading, rad
+    static constexpr std::size_t spans = 300, quantities = 4;  ///< horizontal and height, m; velocity, m/s; heading, rad
     std::array<std::array<double, spans>, quantities> square{}, variance{};
     std::array<std::array<double, spans>, quantities> count{};
 
@@ -46,11 +46,11 @@ struct CompareCampaign {
     std::vector<std::uint64_t> seeds;
     std::vector<settings::CompareWindow> windows;
     settings::WindowRules rules;
-    std::vector<SchemeCampaign> schemes;                 ///< those of one number of satellites stand together
-    std::vector<settings::OutageSpan> outages;                     ///< of GNSS
-    double duration = 0.0;                               ///< s, of the scenario
-    std::string settings;                                ///< TOML
-    bool report_wanted = true;                           ///< output.files has "report"
+    std::vector<SchemeCampaign> schemes;        ///< those of one number of satellites stand together
+    std::vector<settings::OutageSpan> outages;  ///< of GNSS
+    double duration = 0.0;                      ///< s, of the scenario
+    std::string settings;                       ///< TOML
+    bool report_wanted = true;                  ///< output.files has "report"
     double wall_s = 0.0;
 };
 

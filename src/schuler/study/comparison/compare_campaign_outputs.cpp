@@ -15,7 +15,7 @@ namespace schuler::study {
 namespace {
 
 constexpr std::array<const char*, 3> nees_keys{"nees_position", "nees_velocity", "nees_attitude"};
-constexpr std::string_view single_nees = "nees_position";   ///< of compared_columns: the ensemble's stands instead
+constexpr std::string_view single_nees = "nees_position";  ///< of compared_columns: the ensemble's stands instead
 
 /// Root mean square of a number over the runs that have it.
 double rms_of(const std::vector<std::vector<double>>& runs, std::size_t i) {
@@ -88,7 +88,8 @@ std::string campaign_tables(const CompareCampaign& c) {
     out += table_of(c, head + "\n", [](const SchemeCampaign& s) {
         std::string row;
         for (const analysis::EnsembleConsistency& n : s.nees)
-            row += std::isfinite(n.mean) ? fmt::format("{:>26}", fmt::format("{:.2f} ({:.2f} to {:.2f}) {}", n.mean, n.low95, n.high95, n.in_band() ? "  in" : "OUT"))
+            row += std::isfinite(n.mean) ? fmt::format("{:>26}", fmt::format("{:.2f} ({:.2f} to {:.2f}) {}", n.mean, n.low95,
+                                                                             n.high95, n.in_band() ? "  in" : "OUT"))
                                          : fmt::format("{:>26}", "-");
         if (!s.failures.empty()) row += fmt::format("   {} failed", s.failures.size());
         return row;
@@ -101,8 +102,10 @@ std::string campaign_tables(const CompareCampaign& c) {
         }
         out += "\n" + report::table_text(window);
     }
-    if (!c.windows.empty()) out += "over the runs: RMS, the largest, the largest, mean share of the time with a solution, median recovery\n";
-    return out + fmt::format("\n{:.1f} s, {:.2f} runs/s\n", c.wall_s, static_cast<double>(c.seeds.size() * c.schemes.size()) / c.wall_s);
+    if (!c.windows.empty())
+        out += "over the runs: RMS, the largest, the largest, mean share of the time with a solution, median recovery\n";
+    return out + fmt::format("\n{:.1f} s, {:.2f} runs/s\n", c.wall_s,
+                             static_cast<double>(c.seeds.size() * c.schemes.size()) / c.wall_s);
 }
 
 std::string campaign_json(const CompareCampaign& c) {
@@ -116,8 +119,12 @@ std::string campaign_json(const CompareCampaign& c) {
         for (const auto& [i, column] : counted_columns()) row[column.key] = report::json_number(rms_of(s.numbers, i));
         for (std::size_t block = 0; block < 3; ++block) {
             const analysis::EnsembleConsistency& n = s.nees[block];
-            row[nees_keys[block]] = std::isfinite(n.mean) ? report::Json{{"mean", n.mean},     {"expected", n.expected}, {"low95", report::json_number(n.low95)},
-                                                                 {"high95", report::json_number(n.high95)}, {"inside", report::json_number(n.inside)}, {"worth", report::json_number(n.worth)}}
+            row[nees_keys[block]] = std::isfinite(n.mean) ? report::Json{{"mean", n.mean},
+                                                                         {"expected", n.expected},
+                                                                         {"low95", report::json_number(n.low95)},
+                                                                         {"high95", report::json_number(n.high95)},
+                                                                         {"inside", report::json_number(n.inside)},
+                                                                         {"worth", report::json_number(n.worth)}}
                                                           : report::Json(nullptr);
         }
         for (std::size_t k = 0; k < c.windows.size(); ++k) {
@@ -128,13 +135,16 @@ std::string campaign_json(const CompareCampaign& c) {
         rows.push_back(std::move(row));
     }
     const auto all = static_cast<double>(c.seeds.size() * c.schemes.size());
-    return report::text_of(report::Json{{"name", c.name},
-                        {"command", "montecarlo"},
-                        {"version", c.version},
-                        {"seed", c.seeds.front()},
-                        {"schemes", rows},
+    return report::text_of(report::Json{
+        {"name", c.name},
+        {"command", "montecarlo"},
+        {"version", c.version},
+        {"seed", c.seeds.front()},
+        {"schemes", rows},
+        // clang-format off
                         {"montecarlo", {{"runs", c.seeds.size()}, {"failed", failed}, {"runs_per_s", report::json_number(all / c.wall_s)}}},
                         {"timing", {{"wall_s", c.wall_s}}}});
+    // clang-format on
 }
 
 std::string campaign_runs_csv(const CompareCampaign& c) {

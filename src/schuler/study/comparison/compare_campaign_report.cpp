@@ -52,7 +52,8 @@ report::Panel panel_of(const CompareCampaign& c, std::optional<std::size_t> sate
     for (const SchemeCampaign& s : c.schemes) {
         if (s.satellites != satellites) continue;
         report::Series rms{s.scheme->title, {}, {}, inks[drawn % inks.size()]};
-        report::Series sigma{fmt::format("{}, stated", s.scheme->title), {}, {}, inks[drawn % inks.size()], report::Mark::Dashed, 1.0};
+        report::Series sigma{
+            fmt::format("{}, stated", s.scheme->title), {}, {}, inks[drawn % inks.size()], report::Mark::Dashed, 1.0};
         ++drawn;
         for (std::size_t k = 0; k < SquaredCourse::spans; ++k) {
             const double n = s.course.count[quantity][k], t = (static_cast<double>(k) + 0.5) * c.duration / SquaredCourse::spans;
@@ -99,8 +100,8 @@ void SquaredCourse::add(const SquaredCourse& other) {
 }
 
 report::ReportInput campaign_report(const CompareCampaign& c) {
-    report::ReportInput page{c.name,
-                             fmt::format("{} runs of each scheme, seeds {} to {}", c.seeds.size(), c.seeds.front(), c.seeds.back())};
+    report::ReportInput page{
+        c.name, fmt::format("{} runs of each scheme, seeds {} to {}", c.seeds.size(), c.seeds.front(), c.seeds.back())};
     page.version = c.version;
     page.settings = c.settings;
     report::Section honesty{"Consistency", "Of all errors after settling, against the covariances that the filters stated."};
@@ -111,7 +112,8 @@ report::ReportInput campaign_report(const CompareCampaign& c) {
     for (const std::optional<std::size_t>& satellites : counts_of_satellites(c.schemes)) {
         report::Group& group = courses.groups.emplace_back();
         if (satellites) group.title = fmt::format("{} satellites", *satellites);
-        group.panels = {panel_of(c, satellites, 0, "horizontal error", "m", 1.0), panel_of(c, satellites, 1, "height error", "m", 1.0),
+        group.panels = {panel_of(c, satellites, 0, "horizontal error", "m", 1.0),
+                        panel_of(c, satellites, 1, "height error", "m", 1.0),
                         panel_of(c, satellites, 2, "velocity error", "m/s", 1.0),
                         panel_of(c, satellites, 3, "heading error", "deg", 1.0 / units::deg)};
     }

@@ -35,14 +35,18 @@ const std::array<Column, 10> columns{{
      [](const solution::ResultBundle& b) {
          return std::hypot(b.evaluation.summary.roll.rms, b.evaluation.summary.pitch.rms) / units::deg;
      }},
-    {{"heading_deg", "head., deg"}, [](const solution::ResultBundle& b) { return b.evaluation.summary.heading.rms / units::deg; }},
+    {{"heading_deg", "head., deg"},
+     [](const solution::ResultBundle& b) { return b.evaluation.summary.heading.rms / units::deg; }},
     {{"nees_position", "NEES pos."},
-     [](const solution::ResultBundle& b) { return b.evaluation.consistency ? b.evaluation.consistency->position.mean / 3.0 : not_given; }},
+     [](const solution::ResultBundle& b) {
+         return b.evaluation.consistency ? b.evaluation.consistency->position.mean / 3.0 : not_given;
+     }},
     {{"outage_end_horizontal_m", "outage, m"},
      [](const solution::ResultBundle& b) { return outage(b, &analysis::OutageStatistics::end_horizontal); }},
     {{"outage_end_vertical_m", "vertical, m"},
      [](const solution::ResultBundle& b) { return outage(b, &analysis::OutageStatistics::end_vertical); }},
-    {{"gnss_rejected", "rejected"}, [](const solution::ResultBundle& b) { return static_cast<double>(b.result.counters.gnss_rejected); }},
+    {{"gnss_rejected", "rejected"},
+     [](const solution::ResultBundle& b) { return static_cast<double>(b.result.counters.gnss_rejected); }},
     {{"filter_s", "time, s"}, [](const solution::ResultBundle& b) { return b.timing.filter_s; }},
 }};
 
@@ -75,10 +79,10 @@ std::vector<report::TableColumn> repeated_columns() {
 
 std::vector<report::TableColumn> window_columns(const Comparison& comparison) {
     std::vector<report::TableColumn> list{{"horizontal_rms_m", "h. rms, m"},
-                                     {"horizontal_max_m", "h. max, m"},
-                                     {"vertical_max_m", "v. max, m"},
-                                     {"solution_share", "solution"},
-                                     {"recovery_s", "recovery, s"}};
+                                          {"horizontal_max_m", "h. max, m"},
+                                          {"vertical_max_m", "v. max, m"},
+                                          {"solution_share", "solution"},
+                                          {"recovery_s", "recovery, s"}};
     if (has_receiver(comparison)) {
         list.push_back({"held_db_hz", "held, dB-Hz"});
         list.push_back({"back_s", "back, s"});
@@ -90,7 +94,9 @@ std::vector<double> window_numbers(const WindowStatistics& s) {
     return {s.horizontal_rms, s.horizontal_max, s.vertical_max, s.share, s.recovery, s.held, s.back};
 }
 
-std::string window_title(const settings::CompareWindow& w) { return fmt::format("window {}, {:g} to {:g} s", w.name, w.start, w.end); }
+std::string window_title(const settings::CompareWindow& w) {
+    return fmt::format("window {}, {:g} to {:g} s", w.name, w.start, w.end);
+}
 
 std::string window_note(const Comparison& c) {
     std::string out = fmt::format(
@@ -151,7 +157,9 @@ std::string windows_csv(const Comparison& c) {
         for (std::size_t k = 0; k < c.windows.size(); ++k) {
             const settings::CompareWindow& w = c.windows[k];
             report::ResultRow& row = table.rows.emplace_back(scheme_row(*run.scheme, run.satellites));
-            row.labels.insert(row.labels.end(), {{"window", w.name}, {"start_s", fmt::format("{:.9g}", w.start)}, {"end_s", fmt::format("{:.9g}", w.end)}});
+            row.labels.insert(
+                row.labels.end(),
+                {{"window", w.name}, {"start_s", fmt::format("{:.9g}", w.start)}, {"end_s", fmt::format("{:.9g}", w.end)}});
             row.numbers = window_numbers(run.windows[k]);
         }
     }

@@ -20,7 +20,7 @@ std::vector<report::Span> marks_of(const Comparison& c) {
     std::vector<report::Span> out;
     for (const settings::CompareWindow& w : c.windows) out.push_back({w.start, w.end, w.name, false});
     for (const settings::OutageSpan& o : c.outages) out.push_back({o.start, o.start + o.duration, "outage", true});
-    std::ranges::stable_sort(out, {}, &report::Span::start);   // labels take their room in this order, windows first
+    std::ranges::stable_sort(out, {}, &report::Span::start);  // labels take their room in this order, windows first
     return out;
 }
 
@@ -73,7 +73,8 @@ report::ReportInput comparison_report(const Comparison& c) {
     const std::vector<report::Span> marks = marks_of(c);
 
     report::Section schemes{
-        "Schemes", "NEES of the position over its three degrees of freedom (1: consistent); outage: at the end of the first one."};
+        "Schemes",
+        "NEES of the position over its three degrees of freedom (1: consistent); outage: at the end of the first one."};
     report::TableBlock settled = report::table_block(scheme_table(c, false));
     settled.title = "After settling, root mean squares";
     schemes.groups.push_back({"", {}, {std::move(settled)}});

@@ -10,10 +10,10 @@
 
 namespace schuler::study {
 
-void add_signal_statistics(WindowStatistics& out, const settings::CompareWindow& window, const std::vector<scenario::ReceiverRow>& rows,
-                           Time origin) {
+void add_signal_statistics(WindowStatistics& out, const settings::CompareWindow& window,
+                           const std::vector<scenario::ReceiverRow>& rows, Time origin) {
     constexpr int enough = 4;
-    constexpr double hold = 1.0;   // s
+    constexpr double hold = 1.0;  // s
     double since = not_given;
     for (const scenario::ReceiverRow& row : rows) {
         const double t = (row.time - origin).seconds();
@@ -21,10 +21,8 @@ void add_signal_statistics(WindowStatistics& out, const settings::CompareWindow&
         if (inside && row.heard >= enough && row.code >= enough) out.held = std::fmin(out.held, row.cn0);
         if (t < window.end - same_instant || std::isfinite(out.back)) continue;
         const bool follows = row.heard > 0 && row.code >= std::min(enough, row.heard);
-        if (!follows)
-            since = not_given;
-        else if (!std::isfinite(since))
-            since = t <= window.end + same_instant ? window.end : t;
+        if (!follows) since = not_given;
+        else if (!std::isfinite(since)) since = t <= window.end + same_instant ? window.end : t;
         if (t - since >= hold - same_instant) out.back = since - window.end;
     }
 }
@@ -40,7 +38,8 @@ std::vector<report::Panel> signal_panels(const Comparison& c, Time origin) {
         if (run.receiver.empty() || run.satellites != c.runs.front().satellites) continue;
         // A receiver that gets no help is the same for several schemes: one line for all of them.
         const auto same = std::ranges::find_if(drawn, [&run](const ComparedRun* other) {
-            return std::ranges::equal(other->receiver, run.receiver, {}, &scenario::ReceiverRow::code, &scenario::ReceiverRow::code);
+            return std::ranges::equal(other->receiver, run.receiver, {}, &scenario::ReceiverRow::code,
+                                      &scenario::ReceiverRow::code);
         });
         if (same != drawn.end()) {
             followed.series[static_cast<std::size_t>(same - drawn.begin())].name += std::string(" = ") + run.scheme->name;

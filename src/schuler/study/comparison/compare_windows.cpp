@@ -13,7 +13,7 @@ namespace {
 double recovery_of(const settings::CompareWindow& w, const settings::WindowRules& rules, const ErrorCourse& e) {
     const auto after = std::ranges::upper_bound(e.t, w.end + same_instant);
     std::size_t i = static_cast<std::size_t>(after - e.t.begin());
-    if (i > 0) --i;   // the epoch whose error may hold at the end
+    if (i > 0) --i;  // the epoch whose error may hold at the end
     double good_since = std::numeric_limits<double>::quiet_NaN();
     for (; i < e.t.size(); ++i) {
         const bool broken = i > 0 && e.t[i] - e.t[i - 1] > rules.age + same_instant;
@@ -27,7 +27,8 @@ double recovery_of(const settings::CompareWindow& w, const settings::WindowRules
     return std::numeric_limits<double>::quiet_NaN();
 }
 
-double share_of(const settings::CompareWindow& w, double age, std::span<const double> solution, std::span<const double> reference) {
+double share_of(const settings::CompareWindow& w, double age, std::span<const double> solution,
+                std::span<const double> reference) {
     std::size_t instants = 0, known = 0;
     for (const double t : reference) {
         if (t < w.start - same_instant || t > w.end + same_instant) continue;
@@ -40,8 +41,9 @@ double share_of(const settings::CompareWindow& w, double age, std::span<const do
 
 }  // namespace
 
-WindowStatistics window_statistics(const settings::CompareWindow& window, const settings::WindowRules& rules, const ErrorCourse& errors,
-                                   std::span<const double> solution, std::span<const double> reference) {
+WindowStatistics window_statistics(const settings::CompareWindow& window, const settings::WindowRules& rules,
+                                   const ErrorCourse& errors, std::span<const double> solution,
+                                   std::span<const double> reference) {
     WindowStatistics out;
     double squares = 0.0;
     std::size_t epochs = 0;

@@ -36,7 +36,12 @@ Measures measures(const Mismatch& m, Of of) {
     }
     mean /= n;
     const double end = m.outage_ends.empty() ? std::nan("") : horizontal(of(m.outage_ends.front()));
-    return {horizontal(mean), std::sqrt(mean(2)), std::sqrt(mean.segment<3>(3).sum()), std::sqrt(mean(6) + mean(7)) / units::deg, std::sqrt(mean(8)) / units::deg, end};
+    return {horizontal(mean),
+            std::sqrt(mean(2)),
+            std::sqrt(mean.segment<3>(3).sum()),
+            std::sqrt(mean(6) + mean(7)) / units::deg,
+            std::sqrt(mean(8)) / units::deg,
+            end};
 }
 
 /// What a requirement is about: at the end of the first outage, or of the path where there is none.
@@ -48,7 +53,9 @@ SettingList scenario_of(const CovarianceRequest& request) {
         const double duration = settings::scenario_from(base).sim.duration;
         // one fix more: an end needs an epoch after the outage
         const double start = duration - request.outage - 1.0;
-        if (!(start > 0.0)) throw input_error(fmt::format("the scenario lasts {:.6g} s only", duration), {.file = {}, .key = "--outage"}, "give a shorter outage");
+        if (!(start > 0.0))
+            throw input_error(fmt::format("the scenario lasts {:.6g} s only", duration), {.file = {}, .key = "--outage"},
+                              "give a shorter outage");
         settings::ValueTable span{{"start_s", {start}}, {"duration_s", {request.outage}}, {"sensor", {std::string("gnss")}}};
         base.push_back({"outage", {settings::ValueList{{std::move(span)}}}, {"--outage", 0, 0, {}}});
     }
@@ -64,10 +71,12 @@ struct Found {
 Found found(const CovarianceRequest& request, const SettingList& base) {
     const settings::Option<settings::ScenarioConfig>* option = settings::scenario_table().find(request.find);
     if (option == nullptr)
-        throw input_error(fmt::format("unknown key \"{}\"", request.find), {.file = {}, .key = "--find"},
-                          fmt::format("did you mean \"{}\"?", settings::nearest_key(request.find, settings::scenario_table().keys())));
+        throw input_error(
+            fmt::format("unknown key \"{}\"", request.find), {.file = {}, .key = "--find"},
+            fmt::format("did you mean \"{}\"?", settings::nearest_key(request.find, settings::scenario_table().keys())));
     if (option->spec.shape != settings::Shape::Number)
-        throw input_error(fmt::format("{} is no key of one number", request.find), {.file = {}, .key = "--find"}, "name an error of a sensor, as imu.gyro_bias_deg_h");
+        throw input_error(fmt::format("{} is no key of one number", request.find), {.file = {}, .key = "--find"},
+                          "name an error of a sensor, as imu.gyro_bias_deg_h");
     const double target = *request.target;
     Found out;
     const auto error = [&](double x) {
@@ -78,10 +87,14 @@ Found found(const CovarianceRequest& request, const SettingList& base) {
     };
     double low = std::max(0.0, option->spec.low), low_error = error(low);
     if (low_error > target)
-        throw computation_error(fmt::format("the error is {:.4g} m even with {} = {:.6g}", low_error, request.find, low), "give a larger --target, or improve what else makes it");
+        throw computation_error(fmt::format("the error is {:.4g} m even with {} = {:.6g}", low_error, request.find, low),
+                                "give a larger --target, or improve what else makes it");
     double high = std::max(1e-6, 2.0 * low), high_error = error(std::min(high, option->spec.high));
     while (high_error < target) {
-        if (high >= option->spec.high) throw computation_error(fmt::format("the error is {:.4g} m even with {} = {:.6g}", high_error, request.find, option->spec.high), "give a smaller --target");
+        if (high >= option->spec.high)
+            throw computation_error(
+                fmt::format("the error is {:.4g} m even with {} = {:.6g}", high_error, request.find, option->spec.high),
+                "give a smaller --target");
         low = high;
         low_error = high_error;
         high = std::min(10.0 * high, option->spec.high);
@@ -108,7 +121,8 @@ std::string csv_of(const Mismatch& m) {
     for (const MismatchRow& row : m.rows) {
         out += fmt::format("{:.9g}", row.time_s);
         for (const Variances& v : {row.all(), row.filter})
-            for (Eigen::Index i = 0; i < 9; ++i) out += fmt::format(",{:.6g}", std::sqrt(std::max(0.0, v(i))) / (i < 6 ? 1.0 : units::deg));
+            for (Eigen::Index i = 0; i < 9; ++i)
+                out += fmt::format(",{:.6g}", std::sqrt(std::max(0.0, v(i))) / (i < 6 ? 1.0 : units::deg));
         for (const Variances& v : row.sources) out += fmt::format(",{:.6g}", horizontal(v.cwiseMax(0.0)));
         out += '\n';
     }
@@ -152,12 +166,15 @@ report::ReportInput page_of(const Mismatch& m, const std::string& tables, const 
 
 report::Outcome analyze_covariance(const CovarianceRequest& request) {
     if (request.find.empty() != !request.target)
-        throw input_error("--find and --target go together", {.file = {}, .key = request.find.empty() ? "--target" : "--find"}, "give both: --find imu.gyro_bias_deg_h --target 5");
-    if (request.target && !(*request.target > 0.0)) throw input_error("is not positive", {.file = {}, .key = "--target"}, "give metres");
+        throw input_error("--find and --target go together", {.file = {}, .key = request.find.empty() ? "--target" : "--find"},
+                          "give both: --find imu.gyro_bias_deg_h --target 5");
+    if (request.target && !(*request.target > 0.0))
+        throw input_error("is not positive", {.file = {}, .key = "--target"}, "give metres");
     const SettingList base = scenario_of(request);
     const Mismatch m = mismatch(settings::scenario_from(base), request.above, request.rate);
     if (m.rows.empty() || m.rows.back().time_s < m.settled_s)
-        throw input_error("no epoch is late enough to count", {.file = {}, .key = "--settle"}, "give a longer scenario, or --set run.settle_s");
+        throw input_error("no epoch is late enough to count", {.file = {}, .key = "--settle"},
+                          "give a longer scenario, or --set run.settle_s");
 
     report::Outcome out;
     report::Json list = report::Json::array();
@@ -175,20 +192,25 @@ report::Outcome analyze_covariance(const CovarianceRequest& request) {
         list.push_back(std::move(item));
     };
     for (std::size_t i = 0; i < m.sources.size(); ++i)
-        line(m.sources[i].key, m.sources[i].title, measures(m, [i](const MismatchRow& row) -> Variances { return row.sources[i].cwiseMax(0.0); }));
+        line(m.sources[i].key, m.sources[i].title,
+             measures(m, [i](const MismatchRow& row) -> Variances { return row.sources[i].cwiseMax(0.0); }));
     line("all", "all together: true", measures(m, [](const MismatchRow& row) { return row.all(); }));
     line("filter", "the filter states", measures(m, [](const MismatchRow& row) { return row.filter; }));
     report::Json json{{"name", m.name}, {"settled_after_s", report::json_number(m.settled_s)}, {"rows", list}};
     report::Json& ends = json["outages"] = report::Json::array();
     for (const MismatchRow& row : m.outage_ends)
-        ends.push_back({{"end_s", row.time_s}, {"true_horizontal_m", report::json_number(horizontal(row.all()))}, {"filter_horizontal_m", report::json_number(horizontal(row.filter))}});
+        ends.push_back({{"end_s", row.time_s},
+                        {"true_horizontal_m", report::json_number(horizontal(row.all()))},
+                        {"filter_horizontal_m", report::json_number(horizontal(row.filter))}});
     json["left_out"] = m.left_out;
     if (!m.left_out.empty()) out.warnings.push_back(fmt::format("not in this analysis: {}", fmt::join(m.left_out, ", ")));
     if (request.target) {
         const Found f = found(request, base);
         const char* when = m.outage_ends.empty() ? "at the end of the path" : "at the end of the outage";
-        out.tables += fmt::format("\n{} = {:.4g} gives {:.4g} m horizontal {} (one sigma, radial)\n", request.find, f.value, f.reached, when);
-        json["found"] = {{"key", request.find}, {"value", f.value}, {"target_m", *request.target}, {"evaluations", f.evaluations}};
+        out.tables += fmt::format("\n{} = {:.4g} gives {:.4g} m horizontal {} (one sigma, radial)\n", request.find, f.value,
+                                  f.reached, when);
+        json["found"] = {
+            {"key", request.find}, {"value", f.value}, {"target_m", *request.target}, {"evaluations", f.evaluations}};
     }
     out.json = report::text_of(json);
     if (!request.output.empty()) {

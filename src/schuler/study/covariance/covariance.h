@@ -13,12 +13,12 @@ namespace schuler::study {
 
 struct CovarianceRequest {
     std::filesystem::path scenario, output;
-    settings::SettingList above;             ///< of the command line
+    settings::SettingList above;  ///< of the command line
     std::optional<std::uint64_t> seed;
-    double rate = 5.0;                       ///< Hz of the inertial unit, at most
-    double outage = 0.0;                     ///< s; not 0: GNSS is withheld for the last so many seconds
-    std::string find;                        ///< a key of the scenario
-    std::optional<double> target;            ///< m
+    double rate = 5.0;             ///< Hz of the inertial unit, at most
+    double outage = 0.0;           ///< s; not 0: GNSS is withheld for the last so many seconds
+    std::string find;              ///< a key of the scenario
+    std::optional<double> target;  ///< m
     std::string version;
 };
 

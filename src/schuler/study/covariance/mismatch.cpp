@@ -33,10 +33,10 @@ enum class Drive { None, Gyro, Accel, GyroAxes, AccelAxes };
 struct Source {
     SourceName name;
     Drive drive = Drive::None;
-    VectorXd variance, decay, psd;                 ///< of each process, at the start; 1/s; unit^2/s
-    Eigen::Matrix<double, 9, 9> start = Eigen::Matrix<double, 9, 9>::Zero();   ///< of the first nine errors
+    VectorXd variance, decay, psd;                                            ///< of each process, at the start; 1/s; unit^2/s
+    Eigen::Matrix<double, 9, 9> start = Eigen::Matrix<double, 9, 9>::Zero();  ///< of the first nine errors
     double gyro_psd = 0.0, accel_psd = 0.0;
-    std::optional<AidKind> slow;                   ///< the processes are errors of this measurement
+    std::optional<AidKind> slow;  ///< the processes are errors of this measurement
     Vector3d white_position = Vector3d::Zero(), white_velocity = Vector3d::Zero();
     double white_baro = 0.0;
     bool decays_with_speed = false;
@@ -45,8 +45,8 @@ struct Source {
     [[nodiscard]] Eigen::Index size() const { return variance.size(); }
     /// It makes no errors.
     [[nodiscard]] bool empty() const {
-        return variance.isZero(0.0) && psd.isZero(0.0) && start.isZero(0.0) && gyro_psd == 0.0 && accel_psd == 0.0 && white_position.isZero(0.0) &&
-               white_velocity.isZero(0.0) && white_baro == 0.0;
+        return variance.isZero(0.0) && psd.isZero(0.0) && start.isZero(0.0) && gyro_psd == 0.0 && accel_psd == 0.0 &&
+               white_position.isZero(0.0) && white_velocity.isZero(0.0) && white_baro == 0.0;
     }
     void processes(const VectorXd& sigma, const VectorXd& decay_, const VectorXd& psd_) {
         variance = sigma.array().square();
@@ -58,7 +58,10 @@ struct Source {
         processes(sigma, VectorXd::Constant(sigma.size(), 1.0 / time), 2.0 / time * sigma.array().square());
     }
     [[nodiscard]] double white(AidKind kind, Eigen::Index axis) const {
-        const double sigma = kind == AidKind::GnssPosition ? white_position(axis) : kind == AidKind::GnssVelocity ? white_velocity(axis) : kind == AidKind::Baro ? white_baro : 0.0;
+        const double sigma = kind == AidKind::GnssPosition   ? white_position(axis)
+                             : kind == AidKind::GnssVelocity ? white_velocity(axis)
+                             : kind == AidKind::Baro         ? white_baro
+                                                             : 0.0;
         return sigma * sigma;
     }
 };
@@ -88,13 +91,17 @@ std::vector<Source> sources_of(const settings::ScenarioConfig& s) {
         return source;
     };
     const sensor::ImuErrorModel& e = s.sim.imu.errors;
-    for (const auto& [key, title] : {std::pair{"initial_position", "initial position"}, {"initial_velocity", "initial velocity"},
-                                     {"initial_level", "initial level"}, {"initial_heading", "initial heading"}})
+    for (const auto& [key, title] : {std::pair{"initial_position", "initial position"},
+                                     {"initial_velocity", "initial velocity"},
+                                     {"initial_level", "initial level"},
+                                     {"initial_heading", "initial heading"}})
         add(key, title);
-    const auto bias = [&](const char* key, const char* title, Drive drive, double in_run, double time, double turn_on, double walk) {
+    const auto bias = [&](const char* key, const char* title, Drive drive, double in_run, double time, double turn_on,
+                          double walk) {
         Source& b = add(key, title);
         b.drive = drive;
-        b.processes(repeated(in_run, turn_on, 3), repeated(1.0 / time, 0.0, 3), repeated(2.0 * in_run * in_run / time, walk * walk, 3));
+        b.processes(repeated(in_run, turn_on, 3), repeated(1.0 / time, 0.0, 3),
+                    repeated(2.0 * in_run * in_run / time, walk * walk, 3));
     };
     const auto axes = [&](const char* key, const char* title, Drive drive, double scale, double misalignment) {
         Source& a = add(key, title);
@@ -106,7 +113,8 @@ std::vector<Source> sources_of(const settings::ScenarioConfig& s) {
     bias("gyro_bias", "gyro bias", Drive::Gyro, e.gyro_bias, e.gyro_bias_time, e.gyro_turn_on_bias, e.gyro_rate_walk);
     add("gyro_noise", "gyro noise").gyro_psd = e.gyro_noise * e.gyro_noise;
     axes("gyro_scale", "gyro scale and axes", Drive::GyroAxes, e.gyro_scale, e.gyro_misalignment);
-    bias("accel_bias", "accelerometer bias", Drive::Accel, e.accel_bias, e.accel_bias_time, e.accel_turn_on_bias, e.accel_rate_walk);
+    bias("accel_bias", "accelerometer bias", Drive::Accel, e.accel_bias, e.accel_bias_time, e.accel_turn_on_bias,
+         e.accel_rate_walk);
     add("accel_noise", "accelerometer noise").accel_psd = e.accel_noise * e.accel_noise;
     axes("accel_scale", "accelerometer scale and axes", Drive::AccelAxes, e.accel_scale, e.accel_misalignment);
     if (s.sim.gnss.rate > 0.0) {
@@ -141,7 +149,8 @@ std::vector<std::string> left_out_of(const settings::ScenarioConfig& s) {
     const sensor::ImuErrorModel& e = s.sim.imu.errors;
     std::vector<std::string> out;
     if (e.gyro_flicker > 0.0 || e.accel_flicker > 0.0) out.emplace_back("flicker of the inertial sensors");
-    if ((e.gyro_temperature > 0.0 || e.accel_temperature > 0.0) && s.sim.imu.warm_up != 0.0) out.emplace_back("temperature errors");
+    if ((e.gyro_temperature > 0.0 || e.accel_temperature > 0.0) && s.sim.imu.warm_up != 0.0)
+        out.emplace_back("temperature errors");
     if (e.gyro_g > 0.0) out.emplace_back("g-dependent gyro bias");
     if (e.gyro_quantum > 0.0 || e.accel_quantum > 0.0) out.emplace_back("quantization");
     if (!s.sim.gnss.constellation_changes.empty()) out.emplace_back("changes of constellation");
@@ -151,7 +160,8 @@ std::vector<std::string> left_out_of(const settings::ScenarioConfig& s) {
 /// Follows the sources along a walk.
 class Follower : public filter::PassObserver<Frame> {
 public:
-    Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario, std::vector<Source>& sources, Time origin, Mismatch& out)
+    Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario, std::vector<Source>& sources,
+             Time origin, Mismatch& out)
         : model_(model), scenario_(scenario), sources_(sources), origin_(origin), out_(out) {}
 
     void begin(Eigen::Index states) {
@@ -181,7 +191,8 @@ public:
             }
             top = dense.topRows(9);
         }
-        const Eigen::Matrix<double, 9, 3> by_gyro = top.middleCols<3>(Layout::gyro_bias), by_accel = top.middleCols<3>(Layout::accel_bias);
+        const Eigen::Matrix<double, 9, 3> by_gyro = top.middleCols<3>(Layout::gyro_bias),
+                                          by_accel = top.middleCols<3>(Layout::accel_bias);
         const Vector3d force = f.previous.dt > 0.0 ? Vector3d(f.previous.dv / f.previous.dt) : Vector3d::Zero();
         const double speed = f.geographic(model_).v_eb_n.head<2>().norm();
         for (Source& s : sources_) {
@@ -230,11 +241,13 @@ public:
         pending_.clear();
     }
     void output(const Walk& walk, Time time) override { out_.rows.push_back(row_at(walk, time)); }
-    void outage_epoch(const Walk& walk, const filter::Event& event, const filter::Measurement&, const filter::AidRecord&) override {
+    void outage_epoch(const Walk& walk, const filter::Event& event, const filter::Measurement&,
+                      const filter::AidRecord&) override {
         if (event.outage_end) out_.outage_ends.push_back(row_at(walk, event.stamp));
     }
     static Error unfollowed(const std::string& why) {
-        return input_error("the covariance cannot be followed: " + why, {.file = {}, .key = "filter"}, "choose --set filter.scheme=loose with the usual gains");
+        return input_error("the covariance cannot be followed: " + why, {.file = {}, .key = "filter"},
+                           "choose --set filter.scheme=loose with the usual gains");
     }
 
 private:
@@ -249,8 +262,11 @@ private:
         const bool velocity = kind == AidKind::GnssVelocity;
         Eigen::Index axis = 0;
         if (kind == AidKind::GnssPosition || velocity) u.h.head.segment<3>(velocity ? 3 : 0).cwiseAbs().maxCoeff(&axis);
-        const int state = kind == AidKind::GnssPosition ? model_.layout.gnss_position : velocity ? model_.layout.gnss_velocity : kind == AidKind::Baro ? model_.layout.baro_bias : -1;
-        double seen = -1.0;   // the innovation is estimate minus measured
+        const int state = kind == AidKind::GnssPosition ? model_.layout.gnss_position
+                          : velocity                    ? model_.layout.gnss_velocity
+                          : kind == AidKind::Baro       ? model_.layout.baro_bias
+                                                        : -1;
+        double seen = -1.0;  // the innovation is estimate minus measured
         if (state >= 0 && u.h(state + static_cast<int>(axis)) != 0.0) seen = -u.h(state + static_cast<int>(axis));
         const VectorXd whole = u.h.whole(n_).head(n_);
         for (Source& s : sources_) {
@@ -279,11 +295,14 @@ private:
 };
 
 /// The start covariance of the first nine errors, of one kind of initial error.
-Eigen::Matrix<double, 9, 9> start_covariance(const filter::InertialModel& model, const filter::RunData& data, const fusion::Settings& settings,
-                                             filter::Start start, const settings::InitialError& e, std::size_t which) {
+Eigen::Matrix<double, 9, 9> start_covariance(const filter::InertialModel& model, const filter::RunData& data,
+                                             const fusion::Settings& settings, filter::Start start,
+                                             const settings::InitialError& e, std::size_t which) {
     start.std_position.setConstant(which == 0 ? e.position : 0.0);
     start.std_velocity.setConstant(which == 1 ? e.velocity : 0.0);
-    start.std_rpy = which == 2 ? Vector3d(e.level, e.level, 0.0) : which == 3 ? Vector3d(0.0, 0.0, e.heading) : Vector3d(0.0, 0.0, 0.0);
+    start.std_rpy = which == 2   ? Vector3d(e.level, e.level, 0.0)
+                    : which == 3 ? Vector3d(0.0, 0.0, e.heading)
+                                 : Vector3d(0.0, 0.0, 0.0);
     start.std_gyro_bias.setZero();
     start.std_accel_bias.setZero();
     start.position_of_fix.setZero();
@@ -309,17 +328,20 @@ Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::Sett
         throw input_error("the scenario does not say how wrong the filter starts", {.file = {}, .key = "filter.initial_error"},
                           "give level_deg and heading_deg: what a start finds by itself is no linear function of the errors");
     if (scenario.ranging.rate > 0.0 || scenario.receiver_channels.rate > 0.0)
-        throw input_error("ranges of single satellites are not among the errors of this analysis", {.file = {}, .key = "ranges.rate_hz"}, "use `schuler analyze budget`");
+        throw input_error("ranges of single satellites are not among the errors of this analysis",
+                          {.file = {}, .key = "ranges.rate_hz"}, "use `schuler analyze budget`");
     settings::ScenarioConfig flown = without_errors(scenario);
     flown.sim.imu.rate = std::min(flown.sim.imu.rate, rate);
     WarningLog unheard;
     const solution::ResultBundle bundle = solution::simulated_bundle(flown, over, unheard, &scenario);
     const fusion::Settings& given = bundle.data.config.filter;
     if (given.coupling != filter::Coupling::Loose) throw Follower::unfollowed("only the loose scheme is followed");
-    if (given.mechanization != fusion::Mechanization::Geographic) throw Follower::unfollowed("only the geographic mechanization is followed");
+    if (given.mechanization != fusion::Mechanization::Geographic)
+        throw Follower::unfollowed("only the geographic mechanization is followed");
     fusion::Settings settings = given;
     settings.output_rate = 1.0;
-    settings.gnss.estimate_latency = settings.gnss.estimate_std = settings.imu.estimate_noise = settings.imu.estimate_mounting = false;
+    settings.gnss.estimate_latency = settings.gnss.estimate_std = settings.imu.estimate_noise = settings.imu.estimate_mounting =
+        false;
 
     const Recording& recording = bundle.data.recording;
     filter::RunData data;
@@ -339,7 +361,8 @@ Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::Sett
     out.settled_s = bundle.data.config.run.settle.value_or((start.nav.time - data.origin).seconds() + 60.0);
     const filter::InertialModel model = filter::make_model(settings, filter::make_layout(settings, recording));
     std::vector<Source> sources = sources_of(scenario);
-    for (std::size_t i = 0; i < 4; ++i) sources[i].start = start_covariance(model, data, settings, start, scenario.initial_error, i);
+    for (std::size_t i = 0; i < 4; ++i)
+        sources[i].start = start_covariance(model, data, settings, start, scenario.initial_error, i);
     for (const Source& s : sources) out.sources.push_back(s.name);
     Walk walk = filter::first_step<Frame>(model, data, settings, start);
     Follower follower(model, scenario, sources, data.origin, out);

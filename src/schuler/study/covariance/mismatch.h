@@ -12,13 +12,13 @@
 
 namespace schuler::study {
 
-using Variances = Eigen::Matrix<double, 9, 1>;   ///< position, velocity (north, east, down; m, m/s), attitude (rad)
+using Variances = Eigen::Matrix<double, 9, 1>;  ///< position, velocity (north, east, down; m, m/s), attitude (rad)
 
 /// At one time.
 struct MismatchRow {
-    double time_s = 0.0;              ///< after the first fix
-    Variances filter;                 ///< what the filter states
-    std::vector<Variances> sources;   ///< what each true source of errors makes of it
+    double time_s = 0.0;             ///< after the first fix
+    Variances filter;                ///< what the filter states
+    std::vector<Variances> sources;  ///< what each true source of errors makes of it
     [[nodiscard]] Variances all() const;
 };
 
@@ -29,10 +29,10 @@ struct SourceName {
 struct Mismatch {
     std::string name;
     std::vector<SourceName> sources;
-    std::vector<MismatchRow> rows;        ///< once a second
-    std::vector<MismatchRow> outage_ends; ///< before the first fix after it is used
-    double settled_s = 0.0;               ///< of the rows, those from here on count
-    std::vector<std::string> left_out;    ///< true errors that the analysis does not have
+    std::vector<MismatchRow> rows;         ///< once a second
+    std::vector<MismatchRow> outage_ends;  ///< before the first fix after it is used
+    double settled_s = 0.0;                ///< of the rows, those from here on count
+    std::vector<std::string> left_out;     ///< true errors that the analysis does not have
 };
 
 /// Flies the scenario without errors, at `rate` Hz of the inertial unit at most, through the filter that assumes what the scenario says it assumes,

@@ -34,7 +34,8 @@ using gravimetry::SurveyEpoch;
 bool is_scenario(const fs::path& path) {
     if (path.extension() != ".toml") return false;
     const settings::ValueTable root = settings::read_toml(path);
-    return std::ranges::any_of(root, [](const settings::NamedValue& v) { return v.first == "trajectory" || v.first == "duration_s"; });
+    return std::ranges::any_of(root,
+                               [](const settings::NamedValue& v) { return v.first == "trajectory" || v.first == "duration_s"; });
 }
 
 SolutionRow row_of(const earth::Earth& earth, const SurveyEpoch& e) {
@@ -181,7 +182,9 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     for (const fusion::AidRecord& r : b.survey.aids) {
         if (r.kind != fusion::AidKind::GnssPosition) continue;
         ++n.gnss_epochs;
-        ++(r.status == fusion::AidStatus::Accepted ? n.gnss_accepted : r.status == fusion::AidStatus::Withheld ? n.gnss_withheld : n.gnss_rejected);
+        ++(r.status == fusion::AidStatus::Accepted   ? n.gnss_accepted
+           : r.status == fusion::AidStatus::Withheld ? n.gnss_withheld
+                                                     : n.gnss_rejected);
     }
     b.run.result.aids = b.survey.aids;
     b.run.result.findings.aligned_at = b.survey.forward.front().time;
@@ -195,7 +198,8 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     if (!b.verdict.usable) {
         b.attainable.usable = false;
         b.attainable.statement = "the disturbance of this survey is not to be used: " + b.verdict.reasons.front();
-    } else if (std::ranges::any_of(b.changes, [&](const GravityChange& change) { return change.sigma_n.z() < 0.5 * b.attainable.vertical; })) {
+    } else if (std::ranges::any_of(
+                   b.changes, [&](const GravityChange& change) { return change.sigma_n.z() < 0.5 * b.attainable.vertical; })) {
         b.attainable.statement += "; its change at a step is known better";
     }
     b.classical = classical_gravity(b, input);
@@ -243,7 +247,8 @@ std::vector<GravityRow> gravity_rows(const GravityBundle& b) {
     return out;
 }
 
-GravityBundle gravity_of_scenario(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request, WarningLog& warnings) {
+GravityBundle gravity_of_scenario(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request,
+                                  WarningLog& warnings) {
     const auto begin = std::chrono::steady_clock::now();
     GravityBundle b;
     b.run = solution::simulated_bundle(scenario, request.over({}), warnings);
@@ -251,14 +256,15 @@ GravityBundle gravity_of_scenario(const settings::ScenarioConfig& scenario, cons
     b.run.data.read_seconds = solution::seconds_since(begin);
     b.run.version = request.version;
     b.over_ground = scenario.sim.anomaly.empty();
-    std::set<std::string> asked;   // a scenario's own words are the simulator's business
+    std::set<std::string> asked;  // a scenario's own words are the simulator's business
     for (const settings::Setting& setting : request.over({})) asked.insert(setting.key);
     estimate(b, asked, warnings);
     return b;
 }
 
 GravityBundle gravity_survey(const settings::ProcessRequest& request, WarningLog& warnings, std::string& notice) {
-    if (is_scenario(request.input)) return gravity_of_scenario(settings::read_scenario(request.input, request.seed), request, warnings);
+    if (is_scenario(request.input))
+        return gravity_of_scenario(settings::read_scenario(request.input, request.seed), request, warnings);
     GravityBundle b;
     const settings::Dataset dataset = settings::open_dataset(request.input, dataset::Needs::ImuAndGnss, request.over({}));
     const settings::Config config = settings::config_from(dataset.settings);
@@ -305,7 +311,8 @@ report::Outcome gravity_command(const GravityRequest& request) {
     out.usable = b.verdict.usable;
     if (!out.usable) {
         out.verdict = "do not use";
-        for (const std::string& reason : b.verdict.reasons) out.verdict += (&reason == &b.verdict.reasons.front() ? ": " : "; ") + reason;
+        for (const std::string& reason : b.verdict.reasons)
+            out.verdict += (&reason == &b.verdict.reasons.front() ? ": " : "; ") + reason;
     }
     return out;
 }

@@ -21,18 +21,18 @@ namespace schuler::study {
 
 struct GravityRequest {
     settings::ProcessRequest common;
-    int runs = 1;                     ///< of a scenario, with seeds from the first on; 1: one survey with all its files
+    int runs = 1;  ///< of a scenario, with seeds from the first on; 1: one survey with all its files
 };
 
 /// Recordings and settings as input of a survey.
 struct GravityInput {
-    std::unique_ptr<const Recording> recording;   ///< but its IMU: that of `data`
+    std::unique_ptr<const Recording> recording;  ///< but its IMU: that of `data`
     fusion::RunData data;
-    fusion::Settings filter;                      ///< gravity27
+    fusion::Settings filter;  ///< gravity27
     fusion::Start start;
-    std::vector<Time> steps;                      ///< where the constant part may have changed
-    gravimetry::SurveySettings settings;          ///< the same beliefs, for covariance analysis
-    gravimetry::VerticalMotion motion;            ///< means over the fixes
+    std::vector<Time> steps;              ///< where the constant part may have changed
+    gravimetry::SurveySettings settings;  ///< the same beliefs, for covariance analysis
+    gravimetry::VerticalMotion motion;    ///< means over the fixes
 };
 
 /// Increments, events and the states of gravity27. The start is the one given; otherwise that of the loosely coupled smoother over
@@ -43,10 +43,10 @@ struct GravityInput {
 struct Attainability {
     double vertical = not_given;  ///< sigma of the vertical disturbance at the end, m/s^2
     double horizontal = not_given;
-    double prior_vertical = not_given;  ///< before any measurement
+    double prior_vertical = not_given;   ///< before any measurement
     double resolved_period = not_given;  ///< s, full wavelength that is passed at half its amplitude
-    bool usable = false;  ///< the survey halves the prior sigma, of the level or of the varying part
-    std::string statement;  ///< one or two sentences for people
+    bool usable = false;                 ///< the survey halves the prior sigma, of the level or of the varying part
+    std::string statement;               ///< one or two sentences for people
 };
 
 /// The fixes against what the filter expected of them: mean of the squares of the innovations by their variance, a degree of
@@ -60,21 +60,22 @@ struct GravityInnovations {
 /// Difference of the disturbance from before a possible step to after it. Constant errors of the accelerometers, which hide its level,
 /// do not hide a change of it while the attitude stays.
 struct GravityChange {
-    double at = 0.0;                         ///< s after the origin
-    Eigen::Vector3d change_n, sigma_n;       ///< north, east, down, m/s^2; the sigma is an upper bound: errors common to both sides cancel
+    double at = 0.0;  ///< s after the origin
+    Eigen::Vector3d change_n,
+        sigma_n;  ///< north, east, down, m/s^2; the sigma is an upper bound: errors common to both sides cancel
 };
 
 /// Whether the answer may be used: what the filter's own fixes, and a simulated truth, say of it.
 struct GravityVerdict {
     bool usable = true;
-    std::vector<std::string> reasons;        ///< why not
+    std::vector<std::string> reasons;  ///< why not
 };
 
 /// Errors of the disturbance (estimate minus truth), north, east, down, m/s^2.
 struct GravityErrors {
-    Eigen::Vector3d rms = not_given3();  ///< of the smoothed (or forward) disturbance after settling
+    Eigen::Vector3d rms = not_given3();     ///< of the smoothed (or forward) disturbance after settling
     Eigen::Vector3d spread = not_given3();  ///< the same less its mean: what a crossover adjustment leaves
-    Eigen::Vector3d last = not_given3();  ///< at the last fix
+    Eigen::Vector3d last = not_given3();    ///< at the last fix
 };
 
 /// The survey as lines, with the levels that make their crossovers agree. Values are down, m/s^2. Where a simulated anomaly runs
@@ -86,8 +87,8 @@ struct GravityLines {
     double rms_before = not_given, rms_after = not_given;  ///< at the crossovers
     double resolved_spread = not_given;  ///< error on the lines less its mean, low-passed at the resolved period; simulated data
     double levelled_spread = not_given;  ///< error of the levelled lines less its mean; simulated data
-    std::vector<double> levelled;  ///< at the epochs; NaN off the lines
-    std::vector<int> line_of;  ///< index of the line at the epochs; -1 off the lines
+    std::vector<double> levelled;        ///< at the epochs; NaN off the lines
+    std::vector<int> line_of;            ///< index of the line at the epochs; -1 off the lines
 };
 
 /// Differentiated fixes and a low-pass filter, at the forward epochs: down, m/s^2.
@@ -101,7 +102,7 @@ struct GravityBundle {
     solution::ResultBundle run;
     gravimetry::SurveyResult survey;
     std::vector<Eigen::Vector3d> truth;  ///< disturbance at the forward epochs, north, east, down; empty: not known
-    bool over_ground = false;  ///< the simulated disturbance is a field of places alone
+    bool over_ground = false;            ///< the simulated disturbance is a field of places alone
     Attainability attainable;
     GravityErrors errors;
     GravityInnovations innovations;
@@ -116,17 +117,17 @@ struct GravityBundle {
 
 /// A line of gravity.csv: SI units, north, east, down.
 struct GravityRow {
-    double t = 0.0;  ///< s after the origin of the command line's times
+    double t = 0.0;         ///< s after the origin of the command line's times
     double distance = 0.0;  ///< along the track, m
     Geodetic position;
     Eigen::Vector3d disturbance_n, sigma_n;
-    double free_air = not_given;  ///< free-air anomaly, m/s^2; needs the undulation
-    double eotvos = 0.0;  ///< Eotvos term, m/s^2, positive where it makes a vehicle lighter
+    double free_air = not_given;         ///< free-air anomaly, m/s^2; needs the undulation
+    double eotvos = 0.0;                 ///< Eotvos term, m/s^2, positive where it makes a vehicle lighter
     double vertical_acceleration = 0.0;  ///< of the vehicle, up, m/s^2
     Eigen::Vector3d truth_n = not_given3();
     double classical = not_given;  ///< of the classical pipeline, down
-    double levelled = not_given;  ///< on a line, its level taken off, down
-    int line = -1;  ///< -1: on none
+    double levelled = not_given;   ///< on a line, its level taken off, down
+    int line = -1;                 ///< -1: on none
 };
 [[nodiscard]] std::vector<GravityRow> gravity_rows(const GravityBundle& bundle);
 
@@ -147,23 +148,24 @@ struct GravityRow {
 /// Response of the estimator along a scenario's track to harmonics of the vertical disturbance.
 struct GravityResponse {
     struct At {
-        double period;                  ///< s
+        double period;  ///< s
         gravimetry::HarmonicResponse forward, smoothed;
     };
     /// Errors of the settled half of the survey, less their mean: the filter, the filter corrected, the smoother; mGal.
     struct Correction {
         double forward = not_given, corrected = not_given, smoothed = not_given;
-        double period = not_given;      ///< s, of the scenario's own harmonic
+        double period = not_given;  ///< s, of the scenario's own harmonic
         std::vector<double> t, e_forward, e_corrected, e_smoothed;
     };
     std::string name;
     bool by_time = false, smooth = false;
-    double pace = 1.0;                  ///< metres (or seconds) in a second
+    double pace = 1.0;  ///< metres (or seconds) in a second
     std::vector<At> at;
-    double resolution = not_given;      ///< width of the answer to an impulse, m or s
+    double resolution = not_given;  ///< width of the answer to an impulse, m or s
     Correction corrected;
 };
-[[nodiscard]] GravityResponse gravity_response_of(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request);
+[[nodiscard]] GravityResponse gravity_response_of(const settings::ScenarioConfig& scenario,
+                                                  const settings::ProcessRequest& request);
 
 /// `schuler gravity`: gravity.csv, gravity.geojson, solution.csv, run.h5, track.kml, report.html, summary.json, config.toml.
 [[nodiscard]] report::Outcome gravity_command(const GravityRequest& request);

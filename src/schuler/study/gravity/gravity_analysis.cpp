@@ -12,10 +12,10 @@ namespace {
 
 using gravimetry::SurveyEpoch;
 
-constexpr double shortest_line = 1000.0;             // m
+constexpr double shortest_line = 1000.0;  // m
 constexpr double course_tolerance = 5.0 * units::deg;
-constexpr double slowest = 5.0;                      // m/s: what is slower has no course worth its name
-constexpr double repeated_within = 200.0;            // m
+constexpr double slowest = 5.0;            // m/s: what is slower has no course worth its name
+constexpr double repeated_within = 200.0;  // m
 
 /// RMS and RMS less the mean of value - truth over what is settled; truth is down, like the values.
 std::pair<double, double> error_of(const GravityBundle& b, const std::vector<double>& down, double edge) {
@@ -91,8 +91,8 @@ ClassicalGravity classical_gravity(const GravityBundle& b, const GravityInput& i
     out.period = std::isfinite(given)                          ? given
                  : std::isfinite(b.attainable.resolved_period) ? b.attainable.resolved_period
                                                                : 400.0;
-    out.down = gravimetry::classical_disturbance(input.filter.earth, input.filter.gnss.lever_arm_b, input.recording->gnss, b.survey.forward,
-                                                 out.period);
+    out.down = gravimetry::classical_disturbance(input.filter.earth, input.filter.gnss.lever_arm_b, input.recording->gnss,
+                                                 b.survey.forward, out.period);
     if (!b.truth.empty()) std::tie(out.rms, out.spread) = error_of(b, out.down, out.period);
     return out;
 }

@@ -117,11 +117,14 @@ report::Outcome gravity_campaign(const GravityRequest& request) {
                           {"q95", t.quantile(0.95)},
                           {"nees", report::json_number(t.nees())}};
     }
-    const report::Json document{{"name", name},
-                        {"command", "gravity"},
-                        {"version", request.common.version},
+    const report::Json document{
+        {"name", name},
+        {"command", "gravity"},
+        {"version", request.common.version},
+        // clang-format off
                         {"montecarlo", {{"runs", request.runs}, {"failed", failed}, {"runs_per_s", request.runs / seconds}}},
                         {"errors", errors}};
+    // clang-format on
     out.json = report::text_of(document);
     if (!request.common.output.empty()) {
         report::make_folder(request.common.output);

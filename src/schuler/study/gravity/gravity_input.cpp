@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 fusion::Result coarse(const solution::LoadedDataset& data, WarningLog& warnings) {
     fusion::Settings s = data.config.filter;
     s.smooth = true;
-    s.loop = fusion::Loop::Closed;   // filter.loop is that of the survey
+    s.loop = fusion::Loop::Closed;  // filter.loop is that of the survey
     s.output_rate = 1.0;
     fusion::Result result = fusion::run_filter(data.recording, s, warnings);
     if (result.smoothed.rows.empty())
@@ -145,8 +145,7 @@ gravimetry::VerticalMotion motion_of(const GravityInput& in) {
         if (first == nullptr) first = &fix;
         last = &fix;
     }
-    if (n < 1.0)
-        throw input_error("no satellite fix can be used", {}, "check the times of both logs with `schuler inspect`");
+    if (n < 1.0) throw input_error("no satellite fix can be used", {}, "check the times of both logs with `schuler inspect`");
     const double span = (last->time - first->time).seconds();
     m.sigma_position /= n;
     m.sigma_velocity = moving > 0.0 ? m.sigma_velocity / moving : std::numeric_limits<double>::infinity();
@@ -179,7 +178,7 @@ GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warn
         if (!given) start = loose.smoothed.rows.front();
         if (loose.findings.in_force) settings = *loose.findings.in_force;
         settings.loop = c.filter.loop;
-        WarningLog heard;   // already
+        WarningLog heard;  // already
         run.imu = fusion::make_imu_timeline(data.recording.imu, settings.imu, heard);
         if (!c.gravity.inject.empty()) inject(run.imu.increments, c.gravity.inject, loose.smoothed.rows, data.origin, 1);
     }
@@ -203,7 +202,8 @@ GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warn
     if (begin == imu.end())
         throw input_error("the start lies after the IMU log", {{}, 0, 0, "initial.time_s"}, "give a time within the log");
     out.start.increment = static_cast<std::size_t>(begin - imu.begin());
-    out.start.nav = {begin->time - Duration::from_seconds(begin->dt), start.position, start.v_eb_n, math::quaternion_from_rpy(start.rpy)};
+    out.start.nav = {begin->time - Duration::from_seconds(begin->dt), start.position, start.v_eb_n,
+                     math::quaternion_from_rpy(start.rpy)};
     out.start.std_position = start.std_position;
     out.start.std_velocity = start.std_velocity;
     const double level = start.std_rpy.head<2>().maxCoeff();

@@ -16,13 +16,15 @@ using gravimetry::SurveyEpoch;
 /// Beyond these the linear model of the errors, or what is believed of the instruments, does not hold. A consistent filter refuses fewer
 /// than one fix in ten thousand, and its NIS is one within a percent or two.
 constexpr double largest_nis = 2.0, largest_refused = 0.01;
-constexpr double largest_error = 5.0;   ///< sigmas, where the truth is known
+constexpr double largest_error = 5.0;  ///< sigmas, where the truth is known
 
 /// Positions that were refused after settling, as a share.
 double refused_share(const GravityBundle& b) {
     double refused = 0.0, all = 0.0;
     for (const filter::AidRecord& r : b.survey.aids) {
-        if (r.kind != filter::AidKind::GnssPosition || r.stamp < b.run.evaluation.settled || r.status == filter::AidStatus::Withheld) continue;
+        if (r.kind != filter::AidKind::GnssPosition || r.stamp < b.run.evaluation.settled ||
+            r.status == filter::AidStatus::Withheld)
+            continue;
         all += 1.0;
         refused += r.status == filter::AidStatus::Rejected ? 1.0 : 0.0;
     }
@@ -38,12 +40,17 @@ GravityVerdict gravity_verdict(const GravityBundle& b) {
         out.reasons.push_back(std::move(why));
     };
     const SurveyEpoch& last = b.epochs().back();
-    if (!last.disturbance_n.allFinite() || !last.sigma_disturbance_n.allFinite()) refuse("its covariance is no covariance any more");
+    if (!last.disturbance_n.allFinite() || !last.sigma_disturbance_n.allFinite())
+        refuse("its covariance is no covariance any more");
     if (b.innovations.nis > largest_nis)
-        refuse(fmt::format("the fixes are off by more than the filter knows (NIS {:.3g} a degree of freedom, 1 expected)", b.innovations.nis));
+        refuse(fmt::format("the fixes are off by more than the filter knows (NIS {:.3g} a degree of freedom, 1 expected)",
+                           b.innovations.nis));
     if (const double share = refused_share(b); share > largest_refused)
-        refuse(fmt::format("{:.2g} % of the fixes were refused: the errors have left what a linear model of them can follow{}", 100.0 * share,
-                           b.run.data.config.filter.loop == fusion::Loop::Open ? "; an open loop holds for about an hour, take --loop closed or mixed" : ""));
+        refuse(fmt::format("{:.2g} % of the fixes were refused: the errors have left what a linear model of them can follow{}",
+                           100.0 * share,
+                           b.run.data.config.filter.loop == fusion::Loop::Open
+                               ? "; an open loop holds for about an hour, take --loop closed or mixed"
+                               : ""));
     if (!b.truth.empty()) {
         const double off = std::abs(b.errors.last.z()) / last.sigma_disturbance_n.z();
         if (off > largest_error) refuse(fmt::format("the vertical disturbance is off by {:.3g} of its sigmas", off));
@@ -60,13 +67,15 @@ std::vector<GravityChange> gravity_changes(const GravityBundle& b, const Gravity
     fusion::Start start = input.start;
     // So are scale factors and misalignments, which turn the specific force of rest into a bias.
     sensor::ImuErrorModel& errors = settings.imu.errors;
-    const double constant = std::hypot(start.std_accel_bias.maxCoeff(), units::g0 * errors.accel_scale, units::g0 * errors.accel_misalignment);
-    constexpr double nothing = 1e-9;   // m/s^2
+    const double constant =
+        std::hypot(start.std_accel_bias.maxCoeff(), units::g0 * errors.accel_scale, units::g0 * errors.accel_misalignment);
+    constexpr double nothing = 1e-9;  // m/s^2
     errors.accel_turn_on_bias = nothing;
     errors.accel_scale = errors.accel_misalignment = 0.0;
     start.std_accel_bias.setConstant(nothing);
     for (double& prior : settings.disturbance.prior_n) prior = std::hypot(prior, constant);
-    const gravimetry::SurveyResult survey = gravimetry::run_survey(input.data, settings, start, {.smooth = false, .steps = input.steps});
+    const gravimetry::SurveyResult survey =
+        gravimetry::run_survey(input.data, settings, start, {.smooth = false, .steps = input.steps});
     const auto before = [&](Time t) {
         // an epoch at the time of the step has the step's variance already
         const auto after = std::ranges::find_if(survey.forward, [&](const SurveyEpoch& e) { return e.time >= t; });

@@ -15,7 +15,7 @@ report::Json in_mgal(double x) { return report::json_number(x / units::mgal); }
 
 /// A component of the answer: errors where the truth is known, sigma and estimate at the last fix.
 report::Json component(const GravityBundle& b, int axis, double sign) {
-    if (!b.attainable.usable && b.verdict.usable)   // a survey that is not to be used is off by something all the same
+    if (!b.attainable.usable && b.verdict.usable)  // a survey that is not to be used is off by something all the same
         return {{"rms", nullptr}, {"spread", nullptr}, {"final", nullptr}, {"sigma", nullptr}, {"estimate", nullptr}};
     const gravimetry::SurveyEpoch& last = b.epochs().back();
     return {{"rms", in_mgal(b.errors.rms(axis))},
@@ -56,9 +56,10 @@ std::string cell(double x) {
 std::string changes_text(const GravityBundle& b) {
     std::string out;
     for (const GravityChange& c : b.changes)
-        out += fmt::format("change at {:g} s, mGal (one sigma): up {:+.3f} ({:.3f}), north {:+.3f} ({:.3f}), east {:+.3f} ({:.3f})\n", c.at,
-                           -c.change_n.z() / units::mgal, c.sigma_n.z() / units::mgal, c.change_n.x() / units::mgal, c.sigma_n.x() / units::mgal,
-                           c.change_n.y() / units::mgal, c.sigma_n.y() / units::mgal);
+        out += fmt::format(
+            "change at {:g} s, mGal (one sigma): up {:+.3f} ({:.3f}), north {:+.3f} ({:.3f}), east {:+.3f} ({:.3f})\n", c.at,
+            -c.change_n.z() / units::mgal, c.sigma_n.z() / units::mgal, c.change_n.x() / units::mgal, c.sigma_n.x() / units::mgal,
+            c.change_n.y() / units::mgal, c.sigma_n.y() / units::mgal);
     return out;
 }
 
@@ -102,10 +103,10 @@ std::string gravity_geojson(const GravityBundle& b, const std::vector<GravityRow
         const double lat = std::round(1e9 * r.position.lat / units::deg) / 1e9,
                      lon = std::round(1e9 * r.position.lon / units::deg) / 1e9;
         report::Json properties{{"time_s", std::round(1e3 * r.t) / 1e3},
-                        {"gravity_disturbance_mgal", short_mgal(r.disturbance_n.z())},
-                        {"std_mgal", short_mgal(r.sigma_n.z())},
-                        {"disturbance_east_mgal", short_mgal(r.disturbance_n.y())},
-                        {"disturbance_north_mgal", short_mgal(r.disturbance_n.x())}};
+                                {"gravity_disturbance_mgal", short_mgal(r.disturbance_n.z())},
+                                {"std_mgal", short_mgal(r.sigma_n.z())},
+                                {"disturbance_east_mgal", short_mgal(r.disturbance_n.y())},
+                                {"disturbance_north_mgal", short_mgal(r.disturbance_n.x())}};
         if (std::isfinite(r.free_air)) properties["free_air_anomaly_mgal"] = short_mgal(r.free_air);
         features.push_back({{"type", "Feature"},
                             {"geometry", {{"type", "Point"}, {"coordinates", {lon, lat, std::round(1e3 * r.position.h) / 1e3}}}},
@@ -119,24 +120,24 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
     report::Json out = report::Json::parse(report::summary_json(b.run));
     const Attainability& a = b.attainable;
     out["preset"] = "gravity27";
-    out["gravity"] = {
-        {"vertical_mgal", component(b, 2, -1.0)},
-        {"north_mgal", component(b, 0, 1.0)},
-        {"east_mgal", component(b, 1, 1.0)},
-        {"attainable_vertical_mgal", in_mgal(a.vertical)},
-        {"attainable_horizontal_mgal", in_mgal(a.horizontal)},
-        {"resolved_period_s", report::json_number(a.resolved_period)},
-        {"innovations",
-         {{"nis", report::json_number(b.innovations.nis)},
-          {"low", report::json_number(b.innovations.low)},
-          {"high", report::json_number(b.innovations.high)},
-          {"epochs", b.innovations.epochs}}},
-        {"usable", a.usable},
-        {"judged", {{"usable", b.verdict.usable}, {"reasons", b.verdict.reasons}}},
-        {"changes", changes_of(b)},
-        {"statement", a.statement},
-        {"epochs", rows},
-        {"classical",
+    out["gravity"] = {{"vertical_mgal", component(b, 2, -1.0)},
+                      {"north_mgal", component(b, 0, 1.0)},
+                      {"east_mgal", component(b, 1, 1.0)},
+                      {"attainable_vertical_mgal", in_mgal(a.vertical)},
+                      {"attainable_horizontal_mgal", in_mgal(a.horizontal)},
+                      {"resolved_period_s", report::json_number(a.resolved_period)},
+                      {"innovations",
+                       {{"nis", report::json_number(b.innovations.nis)},
+                        {"low", report::json_number(b.innovations.low)},
+                        {"high", report::json_number(b.innovations.high)},
+                        {"epochs", b.innovations.epochs}}},
+                      {"usable", a.usable},
+                      {"judged", {{"usable", b.verdict.usable}, {"reasons", b.verdict.reasons}}},
+                      {"changes", changes_of(b)},
+                      {"statement", a.statement},
+                      {"epochs", rows},
+                      {"classical",
+                       // clang-format off
          {{"period_s", report::json_number(b.classical.period)}, {"rms", in_mgal(b.classical.rms)}, {"spread", in_mgal(b.classical.spread)}}},
         {"lines", b.lines.lines.size()},
         {"resolved_error_mgal", in_mgal(b.lines.resolved_spread)},
@@ -146,6 +147,7 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
           {"levelled_rms_mgal", in_mgal(b.lines.rms_after)},
           {"levelled_error_mgal", in_mgal(b.lines.levelled_spread)}}},
         {"repeated_lines", repeats_of(b)}};
+    // clang-format on
     if (!b.attainable.usable)
         out["gravity"]["classical"] = out["gravity"]["crossovers"] = out["gravity"]["repeated_lines"] = nullptr;
     return report::text_of(out);
@@ -167,8 +169,8 @@ std::string gravity_tables(const GravityBundle& b) {
         double sign;
     } lines[] = {{"east", 1, 1.0}, {"north", 0, 1.0}, {"up", 2, -1.0}};
     for (const auto& l : lines) {
-        out += fmt::format("  {:<26}", l.name) + cell(l.sign * last.disturbance_n(l.axis)) +
-               cell(last.sigma_disturbance_n(l.axis));
+        out +=
+            fmt::format("  {:<26}", l.name) + cell(l.sign * last.disturbance_n(l.axis)) + cell(last.sigma_disturbance_n(l.axis));
         if (!b.truth.empty())
             out += cell(l.sign * b.errors.last(l.axis)) + cell(b.errors.rms(l.axis)) + cell(b.errors.spread(l.axis));
         out += "\n";

@@ -19,15 +19,15 @@ using gravimetry::HarmonicResponse;
 using gravimetry::SurveyEpoch;
 using sim::AnomalyPart;
 
-constexpr double size = 10.0 * units::mgal;   // of the harmonics: small enough for the filter to be linear
+constexpr double size = 10.0 * units::mgal;  // of the harmonics: small enough for the filter to be linear
 constexpr int periods = 10;
 
 /// Abscissa of a survey: metres along the track where it moves, seconds where it does not.
 struct Course {
     bool by_time = false;
-    double pace = 1.0;              ///< metres (or seconds) in a second
-    double duration = 0.0;          ///< s
-    std::vector<double> s;          ///< at the epochs
+    double pace = 1.0;      ///< metres (or seconds) in a second
+    double duration = 0.0;  ///< s
+    std::vector<double> s;  ///< at the epochs
 };
 
 Course course_of(const GravityBundle& b) {
@@ -43,8 +43,7 @@ Course course_of(const GravityBundle& b) {
     c.by_time = distance < 100.0;
     if (c.by_time)
         for (std::size_t i = 0; i < epochs.size(); ++i) c.s[i] = b.run.relative(epochs[i].time);
-    else
-        c.pace = distance / c.duration;
+    else c.pace = distance / c.duration;
     return c;
 }
 
@@ -69,15 +68,16 @@ using Measured = GravityResponse::At;
 using Corrected = GravityResponse::Correction;
 
 /// Estimates with parts added to the scenario's anomaly.
-GravityBundle with(const settings::ScenarioConfig& scenario, const std::vector<AnomalyPart>& parts, const settings::ProcessRequest& request) {
+GravityBundle with(const settings::ScenarioConfig& scenario, const std::vector<AnomalyPart>& parts,
+                   const settings::ProcessRequest& request) {
     settings::ScenarioConfig changed = scenario;
     changed.sim.anomaly.insert(changed.sim.anomaly.end(), parts.begin(), parts.end());
     WarningLog warnings;
     return gravity_of_scenario(changed, request, warnings);
 }
 
-Measured measured(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request, const GravityBundle& base, const Course& course,
-                  double period) {
+Measured measured(const settings::ScenarioConfig& scenario, const settings::ProcessRequest& request, const GravityBundle& base,
+                  const Course& course, double period) {
     const double length = course.pace * period;
     const GravityBundle b = with(scenario, {part(AnomalyPart::Kind::Harmonic, 1.0, 0.0, length, course.by_time)}, request);
     const auto fitted = [&](const std::vector<SurveyEpoch>& after, const std::vector<SurveyEpoch>& before, double from,
@@ -130,7 +130,9 @@ Corrected corrected(const settings::ScenarioConfig& scenario, const settings::Pr
 }
 
 report::Json of(const HarmonicResponse& r) {
-    return {{"gain", report::json_number(r.gain)}, {"lag_deg", report::json_number(r.lag / units::deg)}, {"residual", report::json_number(r.residual)}};
+    return {{"gain", report::json_number(r.gain)},
+            {"lag_deg", report::json_number(r.lag / units::deg)},
+            {"residual", report::json_number(r.residual)}};
 }
 
 void add_page(report::Outcome& out, const settings::ProcessRequest& request, const std::vector<Measured>& all, const Corrected& c,
@@ -199,14 +201,14 @@ report::Outcome gravity_response(const GravityRequest& request) {
     report::Outcome out;
     out.folder = common.folder_for(response.name);
     const char* unit = response.by_time ? "s" : "m";
-    out.tables =
-        fmt::format("{}: response to harmonics of the vertical disturbance\n{:>12}{:>14}{:>12}{:>12}{:>12}{:>12}\n",
-                    response.name, "period, s", response.by_time ? "" : "length, m", "filter", "lag, deg", "smoother", "lag, deg");
+    out.tables = fmt::format("{}: response to harmonics of the vertical disturbance\n{:>12}{:>14}{:>12}{:>12}{:>12}{:>12}\n",
+                             response.name, "period, s", response.by_time ? "" : "length, m", "filter", "lag, deg", "smoother",
+                             "lag, deg");
     report::Json rows = report::Json::array();
     for (const Measured& m : response.at) {
         out.tables += fmt::format("{:>12.4g}{:>14}{:>12.3f}{:>12.1f}{:>12.3f}{:>12.1f}\n", m.period,
-                                  response.by_time ? std::string{} : fmt::format("{:.4g}", m.period * response.pace), m.forward.gain,
-                                  m.forward.lag / units::deg, m.smoothed.gain, m.smoothed.lag / units::deg);
+                                  response.by_time ? std::string{} : fmt::format("{:.4g}", m.period * response.pace),
+                                  m.forward.gain, m.forward.lag / units::deg, m.smoothed.gain, m.smoothed.lag / units::deg);
         rows.push_back({{"period_s", m.period},
                         {"length_m", response.by_time ? report::Json(nullptr) : report::Json(m.period * response.pace)},
                         {"forward", of(m.forward)},
@@ -221,15 +223,16 @@ report::Outcome gravity_response(const GravityRequest& request) {
             "error less its mean at a period of {:.4g} s, mGal: filter {:.3f}, corrected in amplitude and lag {:.3f}, smoother "
             "{:.3f}\n",
             c.period, c.forward, c.corrected, c.smoothed);
-    out.json = report::text_of({{"name", response.name},
-                        {"command", "gravity"},
-                        {"response", rows},
-                        {"impulse_half_width", {{response.by_time ? "s" : "m", report::json_number(response.resolution)}}},
-                        {"correction",
-                         {{"period_s", report::json_number(c.period)},
-                          {"forward_mgal", report::json_number(c.forward)},
-                          {"corrected_mgal", report::json_number(c.corrected)},
-                          {"smoothed_mgal", report::json_number(c.smoothed)}}}});
+    out.json =
+        report::text_of({{"name", response.name},
+                         {"command", "gravity"},
+                         {"response", rows},
+                         {"impulse_half_width", {{response.by_time ? "s" : "m", report::json_number(response.resolution)}}},
+                         {"correction",
+                          {{"period_s", report::json_number(c.period)},
+                           {"forward_mgal", report::json_number(c.forward)},
+                           {"corrected_mgal", report::json_number(c.corrected)},
+                           {"smoothed_mgal", report::json_number(c.smoothed)}}}});
     add_page(out, common, response.at, c, response.name);
     return out;
 }

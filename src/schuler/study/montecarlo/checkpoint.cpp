@@ -67,7 +67,8 @@ std::vector<fs::path> CampaignPart::left_in(const fs::path& folder) {
     std::vector<std::pair<int, fs::path>> found;
     std::error_code ec;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, ec))
-        if (const int rank = rank_in(entry.path().filename().string(), "checkpoint-"); rank >= 0) found.emplace_back(rank, entry.path());
+        if (const int rank = rank_in(entry.path().filename().string(), "checkpoint-"); rank >= 0)
+            found.emplace_back(rank, entry.path());
     std::ranges::sort(found);
     std::vector<fs::path> out;
     for (auto& [rank, path] : found) out.push_back(std::move(path));
@@ -87,7 +88,9 @@ void CampaignPart::append_rows(const fs::path& from, std::uint64_t bytes) {
     std::string block(std::size_t{1} << 16U, '\0');
     for (std::uint64_t left = bytes; left > 0;) {
         const auto n = static_cast<std::streamsize>(std::min<std::uint64_t>(left, block.size()));
-        if (!in.read(block.data(), n)) throw input_error("is damaged: it ends too early", {.file = from.string()}, "begin the campaign anew in another folder");
+        if (!in.read(block.data(), n))
+            throw input_error("is damaged: it ends too early", {.file = from.string()},
+                              "begin the campaign anew in another folder");
         if (!rows_.write(block.data(), n)) throw rows_unwritable(file("rows", rank_));
         left -= static_cast<std::uint64_t>(n);
     }
@@ -103,8 +106,10 @@ void CampaignPart::take_over() {
         try {
             if (!bytes.starts_with(magic)) throw input_error("is no checkpoint of this version of the program");
             Unpacker from(std::string_view(bytes).substr(magic.size()));
-            if (from.text() != identity_) throw input_error("belongs to a campaign with another scenario, other settings or another version of the program");
-            io::allow_overwrite(path);   // it is ours, also where the end came before it was noted
+            if (from.text() != identity_)
+                throw input_error(
+                    "belongs to a campaign with another scenario, other settings or another version of the program");
+            io::allow_overwrite(path);  // it is ours, also where the end came before it was noted
             const auto rows = from.get<std::uint64_t>();
             const RunSet theirs = get_runs(from);
             CampaignStatistics statistics = empty_;
@@ -113,7 +118,8 @@ void CampaignPart::take_over() {
             const int rank = rank_in(path.filename().string(), "checkpoint-");
             if (rank == rank_) {
                 std::error_code ec;
-                if (fs::file_size(own, ec) < rows || ec) throw input_error(fmt::format("the rows of its runs, {}, are not all there", own.filename().string()));
+                if (fs::file_size(own, ec) < rows || ec)
+                    throw input_error(fmt::format("the rows of its runs, {}, are not all there", own.filename().string()));
                 fs::resize_file(own, rows);
                 row_bytes_ = rows;
             } else {

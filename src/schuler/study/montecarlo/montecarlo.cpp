@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using settings::Variation;
 
 constexpr std::size_t default_runs = 100;
-constexpr std::size_t kept_epochs = 1000;   ///< of each run
+constexpr std::size_t kept_epochs = 1000;  ///< of each run
 
 /// Every n-th element, so that at most kept_epochs remain.
 template <class Row>
@@ -101,7 +101,8 @@ std::string identity_of(const settings::SettingList& base, const settings::Setti
 /// Runs that are not done yet, handed out in order, in pieces that become smaller to the end; every thread may ask.
 class WorkList {
 public:
-    WorkList(RunSet done, std::uint64_t first, std::uint64_t end, std::size_t workers) : done_(std::move(done)), next_(first), end_(end), workers_(workers) {}
+    WorkList(RunSet done, std::uint64_t first, std::uint64_t end, std::size_t workers)
+        : done_(std::move(done)), next_(first), end_(end), workers_(workers) {}
     /// Nothing more is handed out.
     void stop() {
         const std::lock_guard<std::mutex> lock(mutex_);
@@ -167,7 +168,8 @@ struct Flights {
             const settings::Value& value = run.drawn[i].value;
             const auto& list = scenario.vary[i].values;
             const auto same = [&](const settings::Value& v) { return settings::to_toml(v) == settings::to_toml(value); };
-            run.numbers.push_back(value.is_number() ? value.number() : static_cast<double>(std::ranges::find_if(list, same) - list.begin()));
+            run.numbers.push_back(value.is_number() ? value.number()
+                                                    : static_cast<double>(std::ranges::find_if(list, same) - list.begin()));
         }
         return run;
     }
@@ -189,7 +191,8 @@ void work(const Flights& flights, CampaignPart& part, WorkList* list, Team* team
                 const std::lock_guard<std::mutex> lock(mutex);
                 part.add(run, numbers_of(run, flights.scenario.vary.size()));
                 ++here;
-                if (flights.request.common.progress) flights.request.common.progress(static_cast<double>(here) / static_cast<double>(goal));
+                if (flights.request.common.progress)
+                    flights.request.common.progress(static_cast<double>(here) / static_cast<double>(goal));
                 if (clock.due()) clock.save(part);
             }
         }
@@ -203,22 +206,23 @@ void work(const Flights& flights, CampaignPart& part, WorkList* list, Team* team
         }
     };
     const bool serves = list != nullptr && team != nullptr;
-    const auto threads = static_cast<std::size_t>(flights.request.jobs > 0 ? flights.request.jobs : team != nullptr ? 1 : hardware_jobs());
+    const auto threads = static_cast<std::size_t>(flights.request.jobs > 0 ? flights.request.jobs
+                                                  : team != nullptr        ? 1
+                                                                           : hardware_jobs());
     try {
-        for_each_run(
-            std::min<std::size_t>(threads, goal) + (serves ? 1 : 0), static_cast<int>(threads) + (serves ? 1 : 0),
-            [&](std::size_t i) {
-                if (serves && i == 0) {
-                    team->serve([&] { return list->next(); });
-                } else {
-                    worker();
-                }
-            },
-            {});
+        for_each_run(std::min<std::size_t>(threads, goal) + (serves ? 1 : 0), static_cast<int>(threads) + (serves ? 1 : 0),
+                     [&](std::size_t i) {
+                         if (serves && i == 0) {
+                             team->serve([&] { return list->next(); });
+                         } else {
+                             worker();
+                         }
+                     },
+                     {});
     } catch (...) {
         try {
-            part.save();   // what is done is kept
-        } catch (const Error&) {   // NOLINT: the first error is the one to tell
+            part.save();          // what is done is kept
+        } catch (const Error&) {  // NOLINT: the first error is the one to tell
         }
         throw;
     }
@@ -227,8 +231,8 @@ void work(const Flights& flights, CampaignPart& part, WorkList* list, Team* team
 
 }  // namespace
 
-settings::SettingList settings_of_run(const settings::SettingList& base, const std::vector<Variation>& vary, std::uint64_t seed, std::uint64_t run,
-                                      settings::SettingList& drawn) {
+settings::SettingList settings_of_run(const settings::SettingList& base, const std::vector<Variation>& vary, std::uint64_t seed,
+                                      std::uint64_t run, settings::SettingList& drawn) {
     settings::SettingList out = base;
     const std::uint64_t point = grid_point(vary, run);
     for (const Variation& v : vary) {
@@ -237,9 +241,11 @@ settings::SettingList settings_of_run(const settings::SettingList& base, const s
         if (v.kind == Variation::Kind::Sweep) {
             value = v.values[place_in_sweep(vary, v, point)];
         } else if (v.kind == Variation::Kind::List) {
-            value = v.values[std::min(v.values.size() - 1, static_cast<std::size_t>(random.uniform() * static_cast<double>(v.values.size())))];
+            value = v.values[std::min(v.values.size() - 1,
+                                      static_cast<std::size_t>(random.uniform() * static_cast<double>(v.values.size())))];
         } else {
-            const double x = v.kind == Variation::Kind::Normal ? v.first + v.second * random.normal() : v.first + (v.second - v.first) * random.uniform();
+            const double x = v.kind == Variation::Kind::Normal ? v.first + v.second * random.normal()
+                                                               : v.first + (v.second - v.first) * random.uniform();
             value = v.whole ? settings::Value{static_cast<std::int64_t>(std::llround(x))} : settings::Value{x};
         }
         drawn.push_back({v.key, value, {"montecarlo.vary", 0, 0, v.key}});
@@ -252,7 +258,7 @@ settings::SettingList settings_of_run(const settings::SettingList& base, const s
 MonteCarlo montecarlo(const CampaignRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const settings::SettingList base = settings::scenario_settings(request.common.input, request.common.seed);
-    const settings::ScenarioConfig scenario = settings::scenario_from(base);   // wrong settings fail here, before any run
+    const settings::ScenarioConfig scenario = settings::scenario_from(base);  // wrong settings fail here, before any run
     const settings::SettingList over = request.common.over({});
     const std::size_t points = settings::grid_points(scenario.vary);
     MonteCarlo mc;
@@ -262,7 +268,8 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
     mc.vary = scenario.vary;
     mc.seed = scenario.sim.seed;
     mc.first = request.first;
-    mc.runs = request.runs.value_or(static_cast<std::size_t>(scenario.montecarlo_runs.value_or(static_cast<int>(points > 1 ? points : default_runs))));
+    mc.runs = request.runs.value_or(
+        static_cast<std::size_t>(scenario.montecarlo_runs.value_or(static_cast<int>(points > 1 ? points : default_runs))));
     mc.folder = request.common.output.empty() ? fs::path("out") / (mc.name + "-montecarlo") : request.common.output;
     const int rank = request.team ? request.team->rank() : 0;
     const std::uint64_t end = mc.first + mc.runs;
@@ -283,10 +290,11 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
         }
         const auto& spans = part.done().spans();
         if (!spans.empty() && (spans.begin()->first < mc.first || spans.rbegin()->second > end))
-            throw input_error(fmt::format("the interrupted campaign has done runs {} to {} already", spans.begin()->first, spans.rbegin()->second - 1),
+            throw input_error(fmt::format("the interrupted campaign has done runs {} to {} already", spans.begin()->first,
+                                          spans.rbegin()->second - 1),
                               {.file = {}, .key = "-n"}, "ask for as many runs as before, or more");
     }
-    if (request.team) request.team->wait();   // nobody writes before process 0 has taken over what there was
+    if (request.team) request.team->wait();  // nobody writes before process 0 has taken over what there was
     part.begin();
     const std::uint64_t before = part.done().count();
     const Flights flights{request, scenario, base, over, empty.epoch_step};
@@ -295,13 +303,15 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
     try {
         work(flights, part, list ? &*list : nullptr, request.team.get(), mc.runs);
     } catch (const Error& e) {
-        if (part.done().count() == 0) {   // nothing to go on with
+        if (part.done().count() == 0) {  // nothing to go on with
             if (!request.team) CampaignPart::remove_from(mc.folder);
             throw;
         }
-        throw Error(e.kind(), e.reason(), e.place(),
-                    fmt::format("{}{}the runs of the last checkpoint are kept (of {} done, {} wanted): the same command with --resume goes on", e.mend(), e.mend().empty() ? "" : "; ",
-                                part.done().count(), mc.runs));
+        throw Error(
+            e.kind(), e.reason(), e.place(),
+            fmt::format(
+                "{}{}the runs of the last checkpoint are kept (of {} done, {} wanted): the same command with --resume goes on",
+                e.hint(), e.hint().empty() ? "" : "; ", part.done().count(), mc.runs));
     }
     if (request.team) {
         const std::string all = request.team->combined(part.packed(), [&](std::string a, std::string b) {
@@ -311,7 +321,8 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
             return sum.packed();
         });
         if (rank != 0) return mc;
-        mc.part = std::make_unique<CampaignPart>(mc.folder, rank, identity_of(base, over, mc.version), numbers_of({}, scenario.vary.size()).size(), empty);
+        mc.part = std::make_unique<CampaignPart>(mc.folder, rank, identity_of(base, over, mc.version),
+                                                 numbers_of({}, scenario.vary.size()).size(), empty);
         mc.part->merge(all);
     }
     mc.run_here = mc.part->done().count() - before;
@@ -331,8 +342,14 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
     if (!scenario.compared.empty() && !request.common.names_a_scheme()) {
         if (request.resume || request.team || request.first > 0)
             throw input_error("a comparison of schemes cannot be resumed, split or shared among processes",
-                              {.file = {}, .key = request.resume ? "--resume" : request.first > 0 ? "--first" : "compare.schemes"}, "choose one scheme with --scheme");
-        return montecarlo_of_schemes(request.common, request.runs.value_or(static_cast<std::size_t>(scenario.montecarlo_runs.value_or(default_runs))), request.jobs);
+                              {.file = {},
+                               .key = request.resume      ? "--resume"
+                                      : request.first > 0 ? "--first"
+                                                          : "compare.schemes"},
+                              "choose one scheme with --scheme");
+        return montecarlo_of_schemes(
+            request.common, request.runs.value_or(static_cast<std::size_t>(scenario.montecarlo_runs.value_or(default_runs))),
+            request.jobs);
     }
     const MonteCarlo mc = montecarlo(request);
     report::Outcome out;
@@ -343,7 +360,9 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
     out.folder = mc.folder;
     out.json = summary_json(mc);
     out.tables = summary_tables(mc);
-    const auto write = [&](const char* name, const std::string& text) { report::write_text(out.files.emplace_back(out.folder / name), text); };
+    const auto write = [&](const char* name, const std::string& text) {
+        report::write_text(out.files.emplace_back(out.folder / name), text);
+    };
     write("epochs.csv", epochs_csv(mc));
     if (mc.statistics().swept) write("sweep.csv", sweep_csv(mc));
     write_runs_csv(mc, out.files.emplace_back(out.folder / "runs.csv"));
@@ -356,7 +375,8 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
         if (out.warnings.size() == told) break;
         out.warnings.push_back(fmt::format("seed {} (run {}): {}", failure.seed, run, failure.reason));
     }
-    if (mc.statistics().failed > told) out.warnings.push_back(fmt::format("{} more runs failed; summary.json lists them", mc.statistics().failed - told));
+    if (mc.statistics().failed > told)
+        out.warnings.push_back(fmt::format("{} more runs failed; summary.json lists them", mc.statistics().failed - told));
     const std::size_t points = settings::grid_points(mc.vary);
     if (points > 1 && mc.runs % points != 0)
         out.warnings.push_back(fmt::format("{} runs over a grid of {} points: not every point has as many", mc.runs, points));

@@ -20,10 +20,10 @@ namespace schuler::study {
 struct CampaignRequest {
     settings::ProcessRequest common;
     std::optional<std::size_t> runs;
-    std::size_t first = 0;                           ///< number of the first run
-    int jobs = 0;                                    ///< threads; 0: one a core
-    bool resume = false;                             ///< go on with what is in the folder
-    std::shared_ptr<Team> team;                      ///< the processes that share the runs; null: this one alone
+    std::size_t first = 0;       ///< number of the first run
+    int jobs = 0;                ///< threads; 0: one a core
+    bool resume = false;         ///< go on with what is in the folder
+    std::shared_ptr<Team> team;  ///< the processes that share the runs; null: this one alone
 };
 
 /// A campaign that is done. Its rows and checkpoint are in its folder until they are removed.
@@ -31,18 +31,19 @@ struct MonteCarlo {
     std::string name, version;
     settings::Published published;
     std::vector<settings::Variation> vary;
-    std::uint64_t seed = 0;                          ///< of run 0
+    std::uint64_t seed = 0;  ///< of run 0
     std::size_t first = 0, runs = 0;
     std::filesystem::path folder;
     std::unique_ptr<CampaignPart> part;
-    std::size_t run_here = 0;                        ///< since it was last taken up, for the speed
+    std::size_t run_here = 0;  ///< since it was last taken up, for the speed
     double wall_s = 0.0;
 
     [[nodiscard]] const CampaignStatistics& statistics() const { return part->statistics(); }
 };
 
 /// The settings of one run: another seed, and the keys that vary, drawn (into `drawn` too) or at the run's point of the grid.
-[[nodiscard]] settings::SettingList settings_of_run(const settings::SettingList& base, const std::vector<settings::Variation>& vary, std::uint64_t seed,
+[[nodiscard]] settings::SettingList settings_of_run(const settings::SettingList& base,
+                                                    const std::vector<settings::Variation>& vary, std::uint64_t seed,
                                                     std::uint64_t run, settings::SettingList& drawn);
 
 /// Simulates, fuses and evaluates the runs; run k has the seed of the scenario plus k, so that `schuler run --seed` repeats it. The result does not

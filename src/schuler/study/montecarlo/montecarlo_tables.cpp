@@ -9,7 +9,7 @@
 namespace schuler::study {
 namespace {
 
-constexpr std::size_t leading = 3;   ///< run, failed, seed
+constexpr std::size_t leading = 3;  ///< run, failed, seed
 
 std::string number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g}", x) : ","; }
 
@@ -17,7 +17,8 @@ std::string number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g}", 
 std::string drawn_value(const settings::Variation& v, double x) {
     if (!std::isfinite(x)) return {};
     const bool of_list = !v.values.empty() && !v.values.front().is_number();
-    return of_list && x >= 0.0 && x < static_cast<double>(v.values.size()) ? csv_value(v.values[static_cast<std::size_t>(x)]) : fmt::format("{}", x);
+    return of_list && x >= 0.0 && x < static_cast<double>(v.values.size()) ? csv_value(v.values[static_cast<std::size_t>(x)])
+                                                                           : fmt::format("{}", x);
 }
 
 }  // namespace
@@ -38,7 +39,8 @@ std::string epochs_csv(const MonteCarlo& mc) {
     for (std::size_t b = 0; b < solution::state_blocks; ++b) {
         if (!s.present(b)) continue;
         for (std::size_t axis = 0; axis < static_cast<std::size_t>(names[b].dof); ++axis)
-            for (const char* what : {"rms", "q05", "median", "q95"}) out += fmt::format(",{}_{}_{}_{}", names[b].name, names[b].axis[axis], names[b].unit, what);
+            for (const char* what : {"rms", "q05", "median", "q95"})
+                out += fmt::format(",{}_{}_{}_{}", names[b].name, names[b].axis[axis], names[b].unit, what);
         out += fmt::format(",nees_{0},nees_{0}_low95,nees_{0}_high95", names[b].name);
     }
     out += '\n';

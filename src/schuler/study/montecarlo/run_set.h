@@ -47,7 +47,7 @@ public:
             if (contains(first) || next_present(first, end) < end) return true;
         return false;
     }
-    [[nodiscard]] const std::map<std::uint64_t, std::uint64_t>& spans() const { return spans_; }   ///< first run, end
+    [[nodiscard]] const std::map<std::uint64_t, std::uint64_t>& spans() const { return spans_; }  ///< first run, end
 
 private:
     std::map<std::uint64_t, std::uint64_t> spans_;

@@ -146,7 +146,8 @@ const std::array<ErrorField, error_field_count>& error_fields() {
         {"position_m", "east", "position east, m", &S::east, [](R r) { return r.position.x(); }, 1.0},
         {"position_m", "north", "position north, m", &S::north, [](R r) { return r.position.y(); }, 1.0},
         {"position_m", "up", "position up, m", &S::up, [](R r) { return r.position.z(); }, 1.0},
-        {"position_m", "horizontal", "position horizontal, m", &S::horizontal, [](R r) { return r.position.head<2>().norm(); }, 1.0},
+        {"position_m", "horizontal", "position horizontal, m", &S::horizontal, [](R r) { return r.position.head<2>().norm(); },
+         1.0},
         {"position_m", "three_d", "position 3-d, m", &S::three_d, [](R r) { return r.position.norm(); }, 1.0},
         {"velocity_m_s", "east", "velocity east, m/s", &S::v_east, [](R r) { return r.velocity.x(); }, 1.0},
         {"velocity_m_s", "north", "velocity north, m/s", &S::v_north, [](R r) { return r.velocity.y(); }, 1.0},
@@ -185,7 +186,7 @@ std::array<double, solution::state_blocks> mean_nees(const MonteCarloRun& run) {
             count[b] += 1.0;
         }
     }
-    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] /= count[b];   // NaN where there is none
+    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] /= count[b];  // NaN where there is none
     return sum;
 }
 

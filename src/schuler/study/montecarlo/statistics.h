@@ -35,17 +35,17 @@ inline constexpr std::size_t error_field_count = 11;
 /// What a campaign learns from one run.
 struct MonteCarloRun {
     std::uint64_t run = 0, seed = 0;
-    settings::SettingList drawn;                       ///< values of the keys that vary
-    std::vector<double> numbers;                       ///< of each key that varies: its value, or where that is no number its place in the list
-    std::uint64_t point = 0;                           ///< of the grid of sweeps
-    std::string failure;                               ///< empty: it went through
-    std::string scheme, mechanization, loop;           ///< as the run used them
+    settings::SettingList drawn;  ///< values of the keys that vary
+    std::vector<double> numbers;  ///< of each key that varies: its value, or where that is no number its place in the list
+    std::uint64_t point = 0;      ///< of the grid of sweeps
+    std::string failure;          ///< empty: it went through
+    std::string scheme, mechanization, loop;  ///< as the run used them
     bool smoothed = false;
-    double settled_s = 0.0;                            ///< s after the first fix, from where errors are counted
-    Time origin;                                       ///< first fix
-    analysis::ErrorSummary summary;                    ///< at every reference epoch
-    std::vector<analysis::ErrorRow> errors;            ///< a thousand of them at most, settled
-    std::vector<solution::StateErrors> states;         ///< from the start on
+    double settled_s = 0.0;                     ///< s after the first fix, from where errors are counted
+    Time origin;                                ///< first fix
+    analysis::ErrorSummary summary;             ///< at every reference epoch
+    std::vector<analysis::ErrorRow> errors;     ///< a thousand of them at most, settled
+    std::vector<solution::StateErrors> states;  ///< from the start on
     std::vector<solution::AidConsistency> aids;
     std::vector<analysis::OutageStatistics> outages;
 
@@ -64,11 +64,11 @@ struct ValueStatistics {
 };
 
 struct FieldStatistics {
-    math::ExactSum square;             ///< of every reference epoch of every run
+    math::ExactSum square;  ///< of every reference epoch of every run
     std::uint64_t epochs = 0;
     double largest = 0.0;
-    ValueStatistics runs;              ///< the runs' own root mean squares
-    math::QuantileSketch size{130'000, 7};   ///< absolute values of the rows that are kept of each run
+    ValueStatistics runs;                   ///< the runs' own root mean squares
+    math::QuantileSketch size{130'000, 7};  ///< absolute values of the rows that are kept of each run
 };
 
 /// Mean of a positive number over runs, and how the runs scatter.
@@ -79,13 +79,14 @@ struct NeesOfRuns {
 
 /// One block of states at one epoch over the runs.
 struct BlockAtEpoch {
-    std::array<ValueStatistics, 3> error{ValueStatistics{256, 4}, ValueStatistics{256, 4}, ValueStatistics{256, 4}};   ///< in the unit of files
+    std::array<ValueStatistics, 3> error{ValueStatistics{256, 4}, ValueStatistics{256, 4},
+                                         ValueStatistics{256, 4}};  ///< in the unit of files
     math::ExactSum nees, settled_nees;
-    std::uint64_t count = 0, settled = 0;   ///< runs
+    std::uint64_t count = 0, settled = 0;  ///< runs
 };
 struct Epoch {
-    double time_s = std::numeric_limits<double>::infinity();   ///< after the first fix
-    std::array<std::vector<BlockAtEpoch>, solution::state_blocks> block;   ///< one each, or none
+    double time_s = std::numeric_limits<double>::infinity();              ///< after the first fix
+    std::array<std::vector<BlockAtEpoch>, solution::state_blocks> block;  ///< one each, or none
 };
 
 struct AidStatistics {
@@ -95,7 +96,7 @@ struct AidStatistics {
 
 struct OutageOfRuns {
     double start_s = 0.0, duration_s = 0.0;
-    std::array<ValueStatistics, 5> size;   ///< end horizontal, max horizontal, end vertical, max 3-d, growth
+    std::array<ValueStatistics, 5> size;  ///< end horizontal, max horizontal, end vertical, max 3-d, growth
     std::uint64_t runs = 0, inside = 0;
 };
 
@@ -104,34 +105,34 @@ struct PointStatistics {
     std::uint64_t runs = 0, failed = 0, epochs = 0, nees_runs = 0;
     std::array<math::ExactSum, error_field_count> square;
     math::ExactSum nees, end_square;
-    std::uint64_t ends = 0;   ///< runs with a first outage, whose horizontal end error this is
+    std::uint64_t ends = 0;  ///< runs with a first outage, whose horizontal end error this is
 };
 
 struct Failure {
     std::uint64_t seed = 0;
     std::string reason;
 };
-inline constexpr std::size_t kept_failures = 1000;   ///< of the runs of the lowest numbers
+inline constexpr std::size_t kept_failures = 1000;  ///< of the runs of the lowest numbers
 
 /// Sums are exact and histograms fixed, so that runs in any order, added one by one or in parts that are merged, give the same statistics bit for bit.
 struct CampaignStatistics {
-    double epoch_step = 1.0;                           ///< s, of epochs.csv
+    double epoch_step = 1.0;  ///< s, of epochs.csv
     std::uint64_t runs = 0, failed = 0;
-    std::uint64_t first_run = std::numeric_limits<std::uint64_t>::max();   ///< of those that went through: `head` is of it
+    std::uint64_t first_run = std::numeric_limits<std::uint64_t>::max();  ///< of those that went through: `head` is of it
     struct Head {
         std::string scheme, mechanization, loop;
         bool smoothed = false;
         double settled_s = 0.0;
     } head;
     std::array<FieldStatistics, error_field_count> fields;
-    std::array<std::array<ValueStatistics, 3>, solution::state_blocks> components;   ///< settled, in the unit of files
+    std::array<std::array<ValueStatistics, 3>, solution::state_blocks> components;  ///< settled, in the unit of files
     std::array<NeesOfRuns, solution::state_blocks> nees;
     std::map<std::int64_t, Epoch> epochs;
     std::map<std::string, AidStatistics> aids;
     std::vector<OutageOfRuns> outages;
-    std::map<std::uint64_t, PointStatistics> points;   ///< only where something is swept
+    std::map<std::uint64_t, PointStatistics> points;  ///< only where something is swept
     bool swept = false;
-    std::map<std::uint64_t, Failure> failures;         ///< by the number of the run
+    std::map<std::uint64_t, Failure> failures;  ///< by the number of the run
 
     void add(const MonteCarloRun& run);
     void merge(const CampaignStatistics& other);
@@ -140,7 +141,9 @@ struct CampaignStatistics {
     void unpack(Unpacker& from);
 
     [[nodiscard]] bool present(std::size_t block) const { return nees[block].runs > 0; }
-    [[nodiscard]] analysis::Quantiles component(std::size_t block, std::size_t axis) const { return components[block][axis].quantiles(); }
+    [[nodiscard]] analysis::Quantiles component(std::size_t block, std::size_t axis) const {
+        return components[block][axis].quantiles();
+    }
     /// Over all runs and settled epochs, as analysis::ensemble_consistency.
     [[nodiscard]] analysis::EnsembleConsistency consistency(std::size_t block) const;
 };

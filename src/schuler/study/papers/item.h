@@ -27,23 +27,23 @@ struct PaperResult {
     std::vector<std::pair<std::string, double>> numbers{};
     std::vector<report::ResultTable> tables{};
     std::vector<report::Panel> panels{};
-    std::string notes{};               ///< for people, under the tables
+    std::string notes{};  ///< for people, under the tables
 };
 
 struct PaperItem {
-    const char* paper;                 ///< "A"
-    const char* name;                  ///< as in data/papers.toml
-    const char* what;                  ///< one line
-    std::size_t runs;                  ///< of a Monte Carlo item, unless asked otherwise; 0: it is none
-    double seconds;                    ///< it takes on two cores, about; of a Monte Carlo item: a run
+    const char* paper;  ///< "A"
+    const char* name;   ///< as in data/papers.toml
+    const char* what;   ///< one line
+    std::size_t runs;   ///< of a Monte Carlo item, unless asked otherwise; 0: it is none
+    double seconds;     ///< it takes on two cores, about; of a Monte Carlo item: a run
     PaperResult (*make)(const PaperWork&);
 };
 
 /// In the order of the papers.
-[[nodiscard]] std::vector<PaperItem> paper_a_algorithms();   ///< chapters 1 and 2
-[[nodiscard]] std::vector<PaperItem> paper_a_systems();      ///< tables 1.1.1, 1.2.1, 1.4.2
-[[nodiscard]] std::vector<PaperItem> paper_a_errors();       ///< section 4.1
-[[nodiscard]] std::vector<PaperItem> paper_a_flight();       ///< sections 4.2 and 4.3
+[[nodiscard]] std::vector<PaperItem> paper_a_algorithms();  ///< chapters 1 and 2
+[[nodiscard]] std::vector<PaperItem> paper_a_systems();     ///< tables 1.1.1, 1.2.1, 1.4.2
+[[nodiscard]] std::vector<PaperItem> paper_a_errors();      ///< section 4.1
+[[nodiscard]] std::vector<PaperItem> paper_a_flight();      ///< sections 4.2 and 4.3
 [[nodiscard]] std::vector<PaperItem> paper_b_items();
 [[nodiscard]] std::vector<PaperItem> paper_c_items();
 [[nodiscard]] std::vector<PaperItem> paper_d_items();
@@ -51,11 +51,12 @@ struct PaperItem {
 [[nodiscard]] std::vector<PaperItem> paper_e_laboratory();
 
 /// An embedded scenario with further settings over it. @throws Error
-[[nodiscard]] settings::ScenarioConfig paper_scenario(std::string_view file, std::uint64_t seed, const settings::SettingList& over = {});
+[[nodiscard]] settings::ScenarioConfig paper_scenario(std::string_view file, std::uint64_t seed,
+                                                      const settings::SettingList& over = {});
 
 /// A curve of a plot.
-[[nodiscard]] inline report::Series paper_curve(std::string name, std::vector<double> x, std::vector<double> y, report::Ink ink = report::Ink::Blue,
-                                                report::Mark mark = report::Mark::Line) {
+[[nodiscard]] inline report::Series paper_curve(std::string name, std::vector<double> x, std::vector<double> y,
+                                                report::Ink ink = report::Ink::Blue, report::Mark mark = report::Mark::Line) {
     return {std::move(name), std::move(x), std::move(y), ink, mark};
 }
 [[nodiscard]] double paper_median(std::vector<double> x);

@@ -38,15 +38,17 @@ double angle_between(const Matrix3d& a, const Matrix3d& b) {
 /// (1.3.5) with the signs as they are printed.
 Quaterniond printed_picard(const Quaterniond& q, const Vector3d& b) {
     const double e = 1.0 - b.squaredNorm() / 8.0;
-    return {q.w() * e - 0.5 * (q.x() * b.x() + q.y() * b.y() + q.z() * b.z()), q.x() * e - 0.5 * (q.w() * b.x() + q.z() * b.y() + q.y() * b.z()),
-            q.y() * e - 0.5 * (q.z() * b.x() + q.w() * b.y() + q.x() * b.z()), q.z() * e - 0.5 * (q.y() * b.x() + q.x() * b.y() + q.w() * b.z())};
+    return {q.w() * e - 0.5 * (q.x() * b.x() + q.y() * b.y() + q.z() * b.z()),
+            q.x() * e - 0.5 * (q.w() * b.x() + q.z() * b.y() + q.y() * b.z()),
+            q.y() * e - 0.5 * (q.z() * b.x() + q.w() * b.y() + q.x() * b.z()),
+            q.z() * e - 0.5 * (q.y() * b.x() + q.x() * b.y() + q.w() * b.z())};
 }
 
 /// An algorithm on the flight: how far off it is, and its matrix from orthogonal.
 struct Flown {
     std::string name;
-    double largest = 0.0, last = 0.0, defect = 0.0;   ///< rad, rad, of B^T B - I
-    std::vector<double> t{}, error{};                 ///< s, arcsec
+    double largest = 0.0, last = 0.0, defect = 0.0;  ///< rad, rad, of B^T B - I
+    std::vector<double> t{}, error{};                ///< s, arcsec
 };
 constexpr double flight_time = 800.0;
 
@@ -60,8 +62,9 @@ std::vector<Flown> fly(double rate) {
     Matrix3d poisson = matrix_from(start);
     Quaterniond single = quaternion_from(start);
     QuaternionPair pair{quaternion_from(start), Quaterniond::Identity()}, loose = pair;
-    std::array<Flown, 6> out{Flown{"Euler angles (1.3.7)"}, Flown{"direction cosines (Poisson)"}, Flown{"quaternion (1.3.4)"},
-                             Flown{"Picard pair (1.3.5), normalised"}, Flown{"Picard pair, not normalised"}, Flown{"rates split: fast angles, slow level"}};
+    std::array<Flown, 6> out{Flown{"Euler angles (1.3.7)"},        Flown{"direction cosines (Poisson)"},
+                             Flown{"quaternion (1.3.4)"},          Flown{"Picard pair (1.3.5), normalised"},
+                             Flown{"Picard pair, not normalised"}, Flown{"rates split: fast angles, slow level"}};
     Vector3d held = Vector3d::Zero();
     const auto steps = static_cast<long>(std::lround(flight_time * rate));
     const long slow = std::max(1L, std::lround(rate));
@@ -85,7 +88,8 @@ std::vector<Flown> fly(double rate) {
         const bool shown = k % slow == 0 || k == steps;
         if (!shown) continue;
         const Matrix3d right = true_matrix(path->at(t1).rpy);
-        const std::array<Matrix3d, 6> B{matrix_from(euler), poisson, single.toRotationMatrix(), matrix_from(pair), matrix_from(loose), matrix_from(split)};
+        const std::array<Matrix3d, 6> B{matrix_from(euler), poisson,           single.toRotationMatrix(), matrix_from(pair),
+                                        matrix_from(loose), matrix_from(split)};
         for (std::size_t i = 0; i < B.size(); ++i) {
             const double off = angle_between(B[i], right);
             out[i].largest = std::max(out[i].largest, off);
@@ -101,7 +105,9 @@ std::vector<Flown> fly(double rate) {
 /// Largest of the quaternion pair's error over a coning motion of 1 deg at 2 Hz, 10 s: where the order of the method shows.
 double coning_error(double rate) {
     constexpr double half = 1.0 * units::deg, w = 2.0 * 2.0 * std::numbers::pi;
-    const auto attitude = [&](double t) { return math::quaternion_from_rotation_vector(half * Vector3d(0.0, std::cos(w * t), std::sin(w * t))); };
+    const auto attitude = [&](double t) {
+        return math::quaternion_from_rotation_vector(half * Vector3d(0.0, std::cos(w * t), std::sin(w * t)));
+    };
     Quaterniond q = attitude(0.0);
     double largest = 0.0;
     const double dt = 1.0 / rate;
@@ -115,23 +121,28 @@ double coning_error(double rate) {
             beta += math::rotation_vector_from_quaternion(attitude(t0).conjugate() * attitude(t0 + dt / parts));
         }
         q = step_picard_second(q, beta, Normalise::Yes);
-        largest = std::max(largest, math::rotation_vector_from_quaternion(attitude((static_cast<double>(k) + 1.0) * dt).conjugate() * q).norm());
+        largest = std::max(
+            largest, math::rotation_vector_from_quaternion(attitude((static_cast<double>(k) + 1.0) * dt).conjugate() * q).norm());
     }
     return largest;
 }
 
 PaperResult attitude(const PaperWork&) {
     PaperResult out;
+    // clang-format off
     report::ResultTable table{"attitude over the flight of section 4.2, 800 s, perfect gyros", {{"rate_hz", "rate, Hz"}, {"largest_arcsec", "largest, \""}, {"end_arcsec", "at the end, \""},
                                                                                {"defect", "off orthogonal"}}, {}};
+    // clang-format on
     for (const double rate : {10.0, 50.0}) {
         const std::vector<Flown> all = fly(rate);
         report::Panel panel{fmt::format("attitude error at {:g} Hz", rate), "time, s", "angle, arcsec"};
         panel.log_y = true;
-        constexpr std::array inks{report::Ink::Blue, report::Ink::Vermillion, report::Ink::Green, report::Ink::Purple, report::Ink::Orange, report::Ink::Sky};
+        constexpr std::array inks{report::Ink::Blue,   report::Ink::Vermillion, report::Ink::Green,
+                                  report::Ink::Purple, report::Ink::Orange,     report::Ink::Sky};
         for (std::size_t i = 0; i < all.size(); ++i) {
             const Flown& f = all[i];
-            table.rows.push_back({f.name, {}, {{"algorithm", f.name}}, {rate, f.largest / units::arcsec, f.last / units::arcsec, f.defect}});
+            table.rows.push_back(
+                {f.name, {}, {{"algorithm", f.name}}, {rate, f.largest / units::arcsec, f.last / units::arcsec, f.defect}});
             panel.series.push_back(paper_curve(f.name, f.t, f.error, inks[i]));
         }
         out.panels.push_back(std::move(panel));
@@ -155,14 +166,19 @@ PaperResult attitude(const PaperWork&) {
         right = step_quaternion(right, step);
         wrong = printed_picard(wrong, step).normalized();
     }
-    out.numbers.emplace_back("printed signs", math::rotation_vector_from_quaternion(right.conjugate() * wrong).norm() / units::deg);
+    out.numbers.emplace_back("printed signs",
+                             math::rotation_vector_from_quaternion(right.conjugate() * wrong).norm() / units::deg);
     const Angles a{40.0 * units::deg, 7.0 * units::deg, -12.0 * units::deg};
-    const double sp = std::sin(0.5 * a.psi), cp = std::cos(0.5 * a.psi), st = std::sin(0.5 * a.pitch), ct = std::cos(0.5 * a.pitch), sg = std::sin(0.5 * a.roll),
-                 cg = std::cos(0.5 * a.roll);
-    const Quaterniond printed(sg * st * sp + cg * ct * cp, -st * sp * cg + sg * ct * cp, sg * ct * sp + st * cg * cp, sp * cg * ct - sg * st * cp);
+    const double sp = std::sin(0.5 * a.psi), cp = std::cos(0.5 * a.psi), st = std::sin(0.5 * a.pitch),
+                 ct = std::cos(0.5 * a.pitch), sg = std::sin(0.5 * a.roll), cg = std::cos(0.5 * a.roll);
+    const Quaterniond printed(sg * st * sp + cg * ct * cp, -st * sp * cg + sg * ct * cp, sg * ct * sp + st * cg * cp,
+                              sp * cg * ct - sg * st * cp);
     out.numbers.emplace_back("initial quaternion", (printed.toRotationMatrix() - matrix_from(a)).cwiseAbs().maxCoeff());
-    out.notes = "All of them follow the corrected equations. With perfect gyros the angles that integrating gyros give are what limits them: the order\n"
-                "of the method shows in vibration (coning of 1 deg at 2 Hz, 50 and 100 Hz). \"Least cost\" is not compared: it depends on the processor.\n";
+    out.notes =
+        "All of them follow the corrected equations. With perfect gyros the angles that integrating gyros give are what limits "
+        "them: the order\n"
+        "of the method shows in vibration (coning of 1 deg at 2 Hz, 50 and 100 Hz). \"Least cost\" is not compared: it depends "
+        "on the processor.\n";
     return out;
 }
 
@@ -185,7 +201,8 @@ PaperResult series(const PaperWork&) {
         for (double h = 0.0; h <= 20000.0; h += 2000.0) {
             const double y = h / a, W = 1.0 - e2 * s2;
             const double R1 = a * (1.0 - e2) / std::pow(W, 1.5), R2 = a / std::sqrt(W);
-            const double printed = 1.0 - e2 - y - 1.5 * e2 * s2 - 2.0 * e2 * y + 3.0 * e2 * y * s2 + y * y + e2 * e2 * (1.0 - 3.0 * s2 + 0.375 * s2 * s2);
+            const double printed = 1.0 - e2 - y - 1.5 * e2 * s2 - 2.0 * e2 * y + 3.0 * e2 * y * s2 + y * y +
+                                   e2 * e2 * (1.0 - 3.0 * s2 + 0.375 * s2 * s2);
             const double printed2 = 1.0 - y - 0.5 * e2 * s2 + y * y + e2 * y * s2 + e2 * e2 * (0.25 * s2 - 0.375) * s2;
             const earth::CurvatureSeries right = earth::paper_a_curvature_second_order(e2, s2, y);
             const double off = std::abs(printed * (R1 + h) / a - 1.0), off_right = std::abs(right.meridian * (R1 + h) / a - 1.0);
@@ -194,9 +211,11 @@ PaperResult series(const PaperWork&) {
             m.prime = std::max(m.prime, std::abs(printed2 * (R2 + h) / a - 1.0));
             m.prime_right = std::max(m.prime_right, std::abs(right.prime_vertical * (R2 + h) / a - 1.0));
             const double g = reference(s2, h);
-            const double l1 = p.g_e * (1.0 - 2.0 * y - (p.e2 + 2.0 * p.q - 3.0 * y) * y +
-                                       (0.5 * (5.0 * p.q - p.e2) - p.e2 * p.e2 / 8.0 + 17.0 / 18.0 * p.q * p.e2 + (3.0 * p.e2 - 5.0 * p.q) * y) * s2 -
-                                       0.5 * p.q * p.e2 * s2 * s2 + p.e2 * (0.5 * p.e2 - 7.0 * p.q) / 16.0 * S2);
+            const double l1 =
+                p.g_e *
+                (1.0 - 2.0 * y - (p.e2 + 2.0 * p.q - 3.0 * y) * y +
+                 (0.5 * (5.0 * p.q - p.e2) - p.e2 * p.e2 / 8.0 + 17.0 / 18.0 * p.q * p.e2 + (3.0 * p.e2 - 5.0 * p.q) * y) * s2 -
+                 0.5 * p.q * p.e2 * s2 * s2 + p.e2 * (0.5 * p.e2 - 7.0 * p.q) / 16.0 * S2);
             const double l3 = p.g_e * (1.0 + 5.2884e-3 * s2) * (1.0 - 2.0 * y * (1.0 - std::sqrt(p.e2) * s2));
             worst_g = std::max(worst_g, std::abs(l1 - g));
             best_g = std::max(best_g, std::abs(earth::paper_a_gravity_l1(p, s2, h).down - g));
@@ -214,15 +233,19 @@ PaperResult series(const PaperWork&) {
         right_gravity.push_back(1e5 * best_g);
     }
     PaperResult out;
+    // clang-format off
     out.numbers = {{"meridian", m.meridian}, {"meridian corrected", m.meridian_right}, {"prime vertical", m.prime}, {"gravity L1", m.l1},
                    {"gravity L1 corrected", m.l1_right}, {"gravity L3", m.l3}, {"gravity L3 corrected", m.l3_right}};
+    // clang-format on
     report::Panel radii{"1/(R1 + H): largest relative error over 0 to 20 km", "latitude, deg", "relative error"};
     radii.time_axis = false;
     radii.log_y = true;
-    radii.series = {paper_curve("as printed", lat, printed_error, report::Ink::Vermillion), paper_curve("corrected", lat, right_error)};
+    radii.series = {paper_curve("as printed", lat, printed_error, report::Ink::Vermillion),
+                    paper_curve("corrected", lat, right_error)};
     report::Panel gravity{"first series of gravity: largest error over 0 to 20 km", "latitude, deg", "mGal"};
     gravity.time_axis = false;
-    gravity.series = {paper_curve("as printed", lat, printed_gravity, report::Ink::Vermillion), paper_curve("corrected", lat, right_gravity)};
+    gravity.series = {paper_curve("as printed", lat, printed_gravity, report::Ink::Vermillion),
+                      paper_curve("corrected", lat, right_gravity)};
     out.panels = {std::move(radii), std::move(gravity)};
     out.notes = "Reference: radii of the ellipsoid in closed form; normal gravity of 1930 with free air of the second order.\n";
     return out;
@@ -280,20 +303,32 @@ PaperResult estimators(const PaperWork& w) {
     double tenth = 0.0;
     for (int i = 0; i < 10; ++i) tenth = gain.update(0.0);
     PaperResult out;
-    out.numbers = {{"gain", tenth}, {"recursive", recursive}, {"alike", 1.0 + std::sqrt(alike / runs)}, {"unlike", std::sqrt(ml / ls)}, {"walk", walk_kalman / walk_mean}};
-    const double by_theory_ls = std::sqrt(R.diagonal().sum()) / m, by_theory_ml = 1.0 / std::sqrt(R.diagonal().cwiseInverse().sum());
-    report::ResultTable table{"root mean square error", {{"constant", "constant, sigmas 1 to 5"}, {"theory", "by theory"}, {"walk", "walking"}}, {}};
+    out.numbers = {{"gain", tenth},
+                   {"recursive", recursive},
+                   {"alike", 1.0 + std::sqrt(alike / runs)},
+                   {"unlike", std::sqrt(ml / ls)},
+                   {"walk", walk_kalman / walk_mean}};
+    const double by_theory_ls = std::sqrt(R.diagonal().sum()) / m,
+                 by_theory_ml = 1.0 / std::sqrt(R.diagonal().cwiseInverse().sum());
+    report::ResultTable table{
+        "root mean square error", {{"constant", "constant, sigmas 1 to 5"}, {"theory", "by theory"}, {"walk", "walking"}}, {}};
     const double nan = std::numeric_limits<double>::quiet_NaN();
+    // clang-format off
     table.rows = {{"least squares", {}, {{"estimator", "least squares"}}, {root(ls, runs), by_theory_ls, nan}},
                   {"maximum likelihood", {}, {{"estimator", "maximum likelihood"}}, {root(ml, runs), by_theory_ml, nan}},
                   {"recursive mean", {}, {{"estimator", "recursive mean"}}, {root(mean, runs), by_theory_ls, walk_mean}},
                   {"Kalman", {}, {{"estimator", "Kalman"}}, {root(kalman, runs), by_theory_ml, walk_kalman}}};
+    // clang-format on
     out.tables.push_back(std::move(table));
     report::Panel panel{"a parameter that walks by 0.1 a measurement of sigma 1", "measurement", "root mean square error"};
     panel.time_axis = false;
-    panel.series = {paper_curve("recursive mean, k = 1/(m + 1)", step, of_mean, report::Ink::Vermillion), paper_curve("Kalman filter", step, of_kalman)};
+    panel.series = {paper_curve("recursive mean, k = 1/(m + 1)", step, of_mean, report::Ink::Vermillion),
+                    paper_curve("Kalman filter", step, of_kalman)};
     out.panels.push_back(std::move(panel));
-    out.notes = fmt::format("{} instruments measure one constant, {} times; the recursive mean is least squares one by one, the Kalman filter maximum likelihood\n", m, w.runs);
+    out.notes = fmt::format(
+        "{} instruments measure one constant, {} times; the recursive mean is least squares one by one, the Kalman filter "
+        "maximum likelihood\n",
+        m, w.runs);
     return out;
 }
 
@@ -301,8 +336,10 @@ PaperResult estimators(const PaperWork& w) {
 
 std::vector<PaperItem> paper_a_algorithms() {
     return {{"A", "series-1.3.1", "series of 1/(R + H) and of gravity, printed and corrected", 0, 0.1, series},
-            {"A", "section-1.3", "attitude algorithms compared: Euler, direction cosines, quaternion, Picard pair, rates split", 0, 2.0, attitude},
-            {"A", "chapter-2", "estimators compared: least squares, maximum likelihood, recursive mean, Kalman", 2000, 0.0005, estimators}};
+            {"A", "section-1.3", "attitude algorithms compared: Euler, direction cosines, quaternion, Picard pair, rates split",
+             0, 2.0, attitude},
+            {"A", "chapter-2", "estimators compared: least squares, maximum likelihood, recursive mean, Kalman", 2000, 0.0005,
+             estimators}};
 }
 
 }  // namespace schuler::study

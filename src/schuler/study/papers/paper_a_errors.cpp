@@ -34,7 +34,7 @@ ConstantErrors gyro(LevelError axis, double deg_h) {
 
 struct Followed {
     std::vector<double> minutes, east, north, distance;
-    double largest = 0.0, at = 0.0;   ///< m, min
+    double largest = 0.0, at = 0.0;  ///< m, min
 };
 Followed followed(const Vector9& x, const ConstantErrors& c, double seconds) {
     Followed out;
@@ -69,15 +69,19 @@ PaperResult figure_411(const PaperWork&) {
     PaperResult out;
     out.numbers = {{"largest", first.largest}, {"time", first.at}, {"period", period()}};
     out.panels = {panel_of("tilt 1e-3 rad about east", f)};
-    out.notes = fmt::format("A pendulum swings by 2 R alpha = {:.0f} m; the whole model at latitude 50.45 deg by {:.0f} m.\n", Pendulum{}.from_tilt(1e-3, 30.0 * period()), first.largest);
+    out.notes = fmt::format("A pendulum swings by 2 R alpha = {:.0f} m; the whole model at latitude 50.45 deg by {:.0f} m.\n",
+                            Pendulum{}.from_tilt(1e-3, 30.0 * period()), first.largest);
     return out;
 }
 
 PaperResult figure_412(const PaperWork&) {
-    const Followed f = followed(Vector9::Zero(), gyro(a_n, 0.01), 4.0 * 5064.0), up = followed(Vector9::Zero(), gyro(a_u, 0.01), 4.0 * 5064.0);
+    const Followed f = followed(Vector9::Zero(), gyro(a_n, 0.01), 4.0 * 5064.0),
+                   up = followed(Vector9::Zero(), gyro(a_u, 0.01), 4.0 * 5064.0);
     PaperResult out;
-    out.numbers = {{"vertical", end_of(gyro(a_u, 0.01), 3600.0)}, {"horizontal", end_of(gyro(a_n, 0.01), 3600.0)},
-                   {"10 min", end_of(gyro(a_n, 0.961), 600.0)}, {"1 min", end_of(gyro(a_n, 876.6), 60.0)}};
+    out.numbers = {{"vertical", end_of(gyro(a_u, 0.01), 3600.0)},
+                   {"horizontal", end_of(gyro(a_n, 0.01), 3600.0)},
+                   {"10 min", end_of(gyro(a_n, 0.961), 600.0)},
+                   {"1 min", end_of(gyro(a_n, 876.6), 60.0)}};
     out.panels = {panel_of("north gyro 0.01 deg/h", f), panel_of("vertical gyro 0.01 deg/h", up)};
     return out;
 }
@@ -87,12 +91,15 @@ PaperResult figure_413(const PaperWork&) {
     std::vector<double> crossings;
     for (std::size_t i = 1; i < f.east.size(); ++i)
         if (f.east[i - 1] < 0.0 && f.east[i] >= 0.0)
-            crossings.push_back(f.minutes[i - 1] - f.east[i - 1] * (f.minutes[i] - f.minutes[i - 1]) / (f.east[i] - f.east[i - 1]));
+            crossings.push_back(f.minutes[i - 1] -
+                                f.east[i - 1] * (f.minutes[i] - f.minutes[i - 1]) / (f.east[i] - f.east[i - 1]));
     PaperResult out;
-    const double mean = crossings.size() > 1 ? (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1) : std::nan("");
+    const double mean =
+        crossings.size() > 1 ? (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1) : std::nan("");
     out.numbers = {{"period", mean}};
     out.panels = {panel_of("velocity 1 m/s east", f)};
-    out.notes = fmt::format("Bounded: {:.0f} m at the most (a pendulum: 1/w = {:.0f} m); its plane turns as Foucault's does.\n", f.largest, 1.0 / Pendulum{}.frequency());
+    out.notes = fmt::format("Bounded: {:.0f} m at the most (a pendulum: 1/w = {:.0f} m); its plane turns as Foucault's does.\n",
+                            f.largest, 1.0 / Pendulum{}.frequency());
     return out;
 }
 
@@ -100,13 +107,14 @@ PaperResult figure_414(const PaperWork&) {
     ConstantErrors accel;
     accel.accel.x() = 1e-4 * Pendulum{}.g;
     const double hours = 6.0 * 3600.0;
-    const Followed tilt = followed(with(a_n, -1e-3), {}, hours), drift = followed(Vector9::Zero(), gyro(a_n, 0.01), hours), bias = followed(Vector9::Zero(), accel, hours);
+    const Followed tilt = followed(with(a_n, -1e-3), {}, hours), drift = followed(Vector9::Zero(), gyro(a_n, 0.01), hours),
+                   bias = followed(Vector9::Zero(), accel, hours);
     ConstantErrors both = gyro(a_n, 0.01);
     both.accel = accel.accel;
     const Followed sum = followed(with(a_n, -1e-3), both, hours);
     const Followed first = followed(Vector9::Zero(), accel, 5064.0);
     const auto at = [](const Followed& f, double minutes) {
-        double largest = 0.0;   // what it has reached in the Schuler period before
+        double largest = 0.0;  // what it has reached in the Schuler period before
         for (std::size_t i = 0; i < f.minutes.size(); ++i)
             if (f.minutes[i] <= minutes && f.minutes[i] > minutes - 84.4) largest = std::max(largest, f.distance[i]);
         return largest;
@@ -116,12 +124,14 @@ PaperResult figure_414(const PaperWork&) {
     report::Panel p{"error east", "time, min", "m"};
     p.time_axis = false;
     p.height = 300;
-    p.series = {paper_curve("tilt 1e-3 rad", tilt.minutes, tilt.east, report::Ink::Blue), paper_curve("gyro 0.01 deg/h", drift.minutes, drift.east, report::Ink::Vermillion),
+    p.series = {paper_curve("tilt 1e-3 rad", tilt.minutes, tilt.east, report::Ink::Blue),
+                paper_curve("gyro 0.01 deg/h", drift.minutes, drift.east, report::Ink::Vermillion),
                 paper_curve("accelerometer 1e-4 g", bias.minutes, bias.east, report::Ink::Green),
                 paper_curve("together", sum.minutes, sum.east, report::Ink::Text, report::Mark::Dashed)};
     out.panels = {std::move(p)};
     report::ResultTable table{"largest distance", {{"hour_1", "in 1 h, m"}, {"hour_6", "in 6 h, m"}}, {}};
-    for (const auto& [name, f] : {std::pair{"tilt 1e-3 rad", &tilt}, std::pair{"gyro 0.01 deg/h", &drift}, std::pair{"accelerometer 1e-4 g", &bias}, std::pair{"together", &sum}}) {
+    for (const auto& [name, f] : {std::pair{"tilt 1e-3 rad", &tilt}, std::pair{"gyro 0.01 deg/h", &drift},
+                                  std::pair{"accelerometer 1e-4 g", &bias}, std::pair{"together", &sum}}) {
         double one = 0.0;
         for (std::size_t i = 0; i < f->minutes.size() && f->minutes[i] <= 60.0; ++i) one = std::max(one, f->distance[i]);
         table.rows.push_back({name, {}, {{"source", name}}, {one, f->largest}});
@@ -153,20 +163,30 @@ PaperResult requirements(const PaperWork&) {
     const double half = std::numbers::pi / p.frequency();
     const Requirement hour = requirement(p, budget, 3600.0);
     used = p.from_accelerometer(hour.accel, half);
+    // clang-format off
     out.numbers = {{"largest", used / hour.accel * p.frequency() * p.frequency()}, {"accelerometer", used}, {"gyro", gyro_used},
                    {"monotone", budget / p.from_accelerometer(1.0, 3600.0) / hour.accel}};
-    report::ResultTable table{"5 m over an outage", {{"accel_ug", "accelerometer, ug"}, {"accel_bare_ug", "(1.4.5) as printed"}, {"gyro_deg_h", "gyro, deg/h"}}, {}};
+    // clang-format on
+    report::ResultTable table{
+        "5 m over an outage",
+        {{"accel_ug", "accelerometer, ug"}, {"accel_bare_ug", "(1.4.5) as printed"}, {"gyro_deg_h", "gyro, deg/h"}},
+        {}};
     for (const double t : {10.0, 30.0, 60.0, 100.0, 300.0, 600.0, 1800.0, 3600.0}) {
         const Requirement r = requirement(p, budget, t);
-        table.rows.push_back({fmt::format("{:g} s", t), {}, {{"outage_s", fmt::format("{:g}", t)}},
-                              {r.accel / units::ug, budget / p.from_accelerometer(1.0, t) / units::ug, r.gyro / units::deg_per_hour}});
+        table.rows.push_back(
+            {fmt::format("{:g} s", t),
+             {},
+             {{"outage_s", fmt::format("{:g}", t)}},
+             {r.accel / units::ug, budget / p.from_accelerometer(1.0, t) / units::ug, r.gyro / units::deg_per_hour}});
     }
     out.tables.push_back(std::move(table));
-    report::Panel a{"figure 1.4.1: accelerometer for 5 m", "outage, min", "ug"}, g{"figure 1.4.2: gyro for 5 m", "outage, min", "deg/h"};
+    report::Panel a{"figure 1.4.1: accelerometer for 5 m", "outage, min", "ug"},
+        g{"figure 1.4.2: gyro for 5 m", "outage, min", "deg/h"};
     a.time_axis = g.time_axis = false;
     a.log_y = g.log_y = true;
     a.height = g.height = 260;
-    a.series = {paper_curve("outages up to this", minutes, accel), paper_curve("(1.4.5) as printed", minutes, bare, report::Ink::Vermillion, report::Mark::Dashed)};
+    a.series = {paper_curve("outages up to this", minutes, accel),
+                paper_curve("(1.4.5) as printed", minutes, bare, report::Ink::Vermillion, report::Mark::Dashed)};
     g.series = {paper_curve("drift", minutes, drift)};
     out.panels = {std::move(a), std::move(g)};
     return out;

@@ -36,7 +36,8 @@ settings::SettingList outage() {
 
 struct Flown {
     std::vector<double> t, east, north, up, roll, pitch, heading;
-    double latitude = 0.0, longitude = 0.0, mean_height = 0.0, height_amplitude = 0.0, latitude_amplitude = 0.0, longitude_rate = 0.0, period = 0.0;
+    double latitude = 0.0, longitude = 0.0, mean_height = 0.0, height_amplitude = 0.0, latitude_amplitude = 0.0,
+           longitude_rate = 0.0, period = 0.0;
 };
 Flown path_of_paper() {
     const earth::Earth earth;
@@ -73,14 +74,17 @@ Flown path_of_paper() {
 PaperResult figure_421(const PaperWork&) {
     const Flown f = path_of_paper();
     PaperResult out;
+    // clang-format off
     out.numbers = {{"latitude", f.latitude}, {"longitude", f.longitude}, {"mean height", f.mean_height}, {"height amplitude", f.height_amplitude},
                    {"latitude amplitude", f.latitude_amplitude}, {"longitude rate", f.longitude_rate}, {"period", f.period}};
+    // clang-format on
     // Seen from the south-west, 25 deg above the horizon; heights three times as large.
     const auto seen = [&](double stretch) {
         report::Series s;
         const double azimuth = 35.0 * units::deg, tilt = 25.0 * units::deg;
         for (std::size_t i = 0; i < f.t.size(); ++i) {
-            const double right = f.east[i] * std::cos(azimuth) - f.north[i] * std::sin(azimuth), away = f.east[i] * std::sin(azimuth) + f.north[i] * std::cos(azimuth);
+            const double right = f.east[i] * std::cos(azimuth) - f.north[i] * std::sin(azimuth),
+                         away = f.east[i] * std::sin(azimuth) + f.north[i] * std::cos(azimuth);
             s.x.push_back(right);
             s.y.push_back(away * std::sin(tilt) + stretch * f.up[i] * std::cos(tilt));
         }
@@ -123,7 +127,8 @@ PaperResult figure_422(const PaperWork&) {
 // --- section 4.3: the filter ---
 
 /// A block of states over time, three axes.
-void add_block(PaperResult& out, const ResultBundle& b, std::size_t block, const std::array<const char*, 3>& axes, const char* quantity, const char* unit, double si) {
+void add_block(PaperResult& out, const ResultBundle& b, std::size_t block, const std::array<const char*, 3>& axes,
+               const char* quantity, const char* unit, double si) {
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> t, error;
         for (const solution::StateErrors& s : b.evaluation.states) {
@@ -171,7 +176,8 @@ PaperResult figure_433(const PaperWork& w) {
     const ResultBundle b = flown(w.seed, {});
     PaperResult out;
     add_block(out, b, 2, {"about east", "about north", "about up (azimuth)"}, "attitude", "1e-3 rad", 1e-3);
-    out.notes = "Tilts converge at once, the azimuth with the turns: see `schuler run examples/paper-a-flight.toml` for the sigmas.\n";
+    out.notes =
+        "Tilts converge at once, the azimuth with the turns: see `schuler run examples/paper-a-flight.toml` for the sigmas.\n";
     return out;
 }
 PaperResult figure_434(const PaperWork& w) {
@@ -251,7 +257,8 @@ PaperResult table_431(const PaperWork& w) {
         },
         w.progress);
     PaperResult out;
-    report::ResultTable table{"root mean square, all runs", {{"first", "east or x"}, {"second", "north or y"}, {"third", "up or z"}}, {}};
+    report::ResultTable table{
+        "root mean square, all runs", {{"first", "east or x"}, {"second", "north or y"}, {"third", "up or z"}}, {}};
     std::array<Vector3d, 5> rms{};
     for (std::size_t i = 0; i < 5; ++i) {
         rms[i].setZero();
@@ -263,7 +270,8 @@ PaperResult table_431(const PaperWork& w) {
     out.numbers.emplace_back("1 sigma", rms[0].mean());
     out.numbers.emplace_back("velocity", rms[1].mean());
     out.tables.push_back(std::move(table));
-    out.notes = "From 300 s on. The paper's table is one run of unstated seed and noise; \"at most\" is what can be held against it.\n";
+    out.notes =
+        "From 300 s on. The paper's table is one run of unstated seed and noise; \"at most\" is what can be held against it.\n";
     return out;
 }
 

@@ -24,10 +24,11 @@ struct Coupling {
     const char* scheme;
     const char* name;
 };
-constexpr std::array<Coupling, 5> couplings{{{"separate", "separate"}, {"loose-15", "loose"}, {"tight", "tight"}, {"medium", "intermediate"}, {"deep", "deep"}}};
+constexpr std::array<Coupling, 5> couplings{
+    {{"separate", "separate"}, {"loose-15", "loose"}, {"tight", "tight"}, {"medium", "intermediate"}, {"deep", "deep"}}};
 
 struct Scored {
-    double horizontal = 0, up = 0, velocity = 0, heading = 0;   ///< mean squares
+    double horizontal = 0, up = 0, velocity = 0, heading = 0;  ///< mean squares
     std::array<double, 3> nees{};
     double states = 0;
 };
@@ -49,7 +50,8 @@ Scored scored(const char* scheme, std::uint64_t seed) {
     }
     for (double* x : {&s.horizontal, &s.up, &s.velocity, &s.heading}) *x /= n;
     if (b.evaluation.consistency)
-        s.nees = {b.evaluation.consistency->position.mean, b.evaluation.consistency->velocity.mean, b.evaluation.consistency->attitude.mean};
+        s.nees = {b.evaluation.consistency->position.mean, b.evaluation.consistency->velocity.mean,
+                  b.evaluation.consistency->attitude.mean};
     return s;
 }
 
@@ -57,12 +59,16 @@ PaperResult table_111(const PaperWork& w) {
     std::array<Scored, couplings.size()> sum{};
     std::vector<Scored> all(couplings.size() * w.runs);
     for_each_run(
-        all.size(), w.jobs, [&](std::size_t job) { all[job] = scored(couplings[job % couplings.size()].scheme, w.seed + job / couplings.size()); }, w.progress);
+        all.size(), w.jobs,
+        [&](std::size_t job) { all[job] = scored(couplings[job % couplings.size()].scheme, w.seed + job / couplings.size()); },
+        w.progress);
     const auto runs = static_cast<double>(w.runs);
     PaperResult out;
+    // clang-format off
     report::ResultTable table{"one flight through five couplings, from 60 s on", {{"horizontal_m", "horizontal, m"}, {"up_m", "up, m"}, {"velocity_m_s", "velocity, m/s"},
                                                                         {"heading_deg", "heading, deg"}, {"nees_position", "NEES position"},
                                                                         {"nees_velocity", "velocity"}, {"nees_attitude", "attitude"}}, {}};
+    // clang-format on
     for (std::size_t k = 0; k < couplings.size(); ++k) {
         Scored& s = sum[k];
         for (std::size_t run = 0; run < w.runs; ++run) {
@@ -74,17 +80,26 @@ PaperResult table_111(const PaperWork& w) {
             for (std::size_t i = 0; i < 3; ++i) s.nees[i] += one.nees[i] / runs;
         }
         for (double* x : {&s.horizontal, &s.up, &s.velocity, &s.heading}) *x = std::sqrt(*x);
-        table.rows.push_back({couplings[k].name, {}, {{"coupling", couplings[k].name}},
+        table.rows.push_back({couplings[k].name,
+                              {},
+                              {{"coupling", couplings[k].name}},
                               {s.horizontal, s.up, s.velocity, s.heading / units::deg, s.nees[0], s.nees[1], s.nees[2]}});
     }
     out.tables.push_back(std::move(table));
     WarningLog unheard;
-    const solution::ResultBundle deep = solution::simulated_bundle(paper_scenario("presets.toml", w.seed), settings::known_scheme("deep").settings, unheard);
-    out.numbers = {{"loose/separate", sum[1].horizontal / sum[0].horizontal}, {"tight/separate", sum[2].horizontal / sum[0].horizontal},
-                   {"tight/loose velocity", sum[2].velocity / sum[1].velocity}, {"deep/tight velocity", sum[4].velocity / sum[2].velocity},
-                   {"states of deep", static_cast<double>(filter::make_layout(deep.data.config.filter, deep.data.recording).without_slots())}};
-    out.notes = "With a full sky and without jamming loose and tight see the same satellites: the position, which common slow errors of the ranges rule, is\n"
-                "the same, and the order of the table shows in the velocity. NEES: 3 expected; the campaign `schuler montecarlo examples/presets.toml` has bounds.\n";
+    const solution::ResultBundle deep =
+        solution::simulated_bundle(paper_scenario("presets.toml", w.seed), settings::known_scheme("deep").settings, unheard);
+    out.numbers = {{"loose/separate", sum[1].horizontal / sum[0].horizontal},
+                   {"tight/separate", sum[2].horizontal / sum[0].horizontal},
+                   {"tight/loose velocity", sum[2].velocity / sum[1].velocity},
+                   {"deep/tight velocity", sum[4].velocity / sum[2].velocity},
+                   {"states of deep",
+                    static_cast<double>(filter::make_layout(deep.data.config.filter, deep.data.recording).without_slots())}};
+    out.notes =
+        "With a full sky and without jamming loose and tight see the same satellites: the position, which common slow errors of "
+        "the ranges rule, is\n"
+        "the same, and the order of the table shows in the velocity. NEES: 3 expected; the campaign `schuler montecarlo "
+        "examples/presets.toml` has bounds.\n";
     return out;
 }
 
@@ -104,7 +119,8 @@ double start_time(const receiver::SearchWindow& window, std::uint64_t seed) {
             centre.code_phase += 0.9 * (2.0 * random.uniform() - 1.0) * window.code;
             centre.carrier_frequency += 0.9 * (2.0 * random.uniform() - 1.0) * window.frequency;
             receiver::Search search(signal, model, {}, window, centre);
-            while (!search.step(truth, receiver::cn0_from_db(45.0), random) && search.elapsed() < 60.0) truth = truth.after(search.dwell());
+            while (!search.step(truth, receiver::cn0_from_db(45.0), random) && search.elapsed() < 60.0)
+                truth = truth.after(search.dwell());
             found.push_back(search.elapsed());
         }
         std::ranges::sort(found);
@@ -119,19 +135,26 @@ PaperResult table_121(const PaperWork& w) {
                                                                 {"gnss.receiver", {std::string("duostar1000")}, {}}});
     const sim::GnssSettings& g = s.sim.gnss;
     const receiver::SignalStructure signal = receiver::gps_l1_ca();
-    const double cold = start_time(receiver::cold_window(signal, 5000.0, 1e-6), w.seed), hot = start_time(receiver::predicted_window(signal, 3000.0, 60.0), w.seed);
+    const double cold = start_time(receiver::cold_window(signal, 5000.0, 1e-6), w.seed),
+                 hot = start_time(receiver::predicted_window(signal, 3000.0, 60.0), w.seed);
     const double aided = start_time(receiver::predicted_window(signal, 30.0, 0.5), w.seed);
     PaperResult out;
     out.numbers = {{"position", std::hypot(g.white_position.x(), g.errors.correlated_position.x())},
                    {"velocity", std::hypot(g.white_velocity.x(), g.errors.correlated_velocity.x())},
-                   {"rate", g.rate}, {"hot start", hot}, {"cold start", cold}};
+                   {"rate", g.rate},
+                   {"hot start", hot},
+                   {"cold start", cold}};
     report::ResultTable table{"fourth of eight satellites found, 45 dB-Hz", {{"time_s", "s"}}, {}};
+    // clang-format off
     table.rows = {{"cold: whole code, 5 kHz and 1 ppm", {}, {{"start", "cold"}}, {cold}}, {"hot: 3 km, 60 m/s", {}, {{"start", "hot"}}, {hot}},
                   {"inertially aided: 30 m, 0.5 m/s", {}, {{"start", "aided"}}, {aided}}};
+    // clang-format on
     out.tables.push_back(std::move(table));
-    out.notes = "Ours: [gnss] receiver = \"duostar1000\", and the search of the receiver in the loop; what its channels can take of dynamics is docs/receiver.md.\n"
-                "30 ns of time are 9 m of range; a fix that is stamped so is late by 9 um at 300 m/s, and is taken as exact.\n"
-                "A cold start also waits up to 30 s for ephemerides, which the table's 30 s must contain.\n";
+    out.notes =
+        "Ours: [gnss] receiver = \"duostar1000\", and the search of the receiver in the loop; what its channels can take of "
+        "dynamics is docs/receiver.md.\n"
+        "30 ns of time are 9 m of range; a fix that is stamped so is late by 9 um at 300 m/s, and is taken as exact.\n"
+        "A cold start also waits up to 30 s for ephemerides, which the table's 30 s must contain.\n";
     return out;
 }
 
@@ -140,11 +163,17 @@ PaperResult table_121(const PaperWork& w) {
 PaperResult table_142(const PaperWork&) {
     const sensor::ImuErrorModel m = sensor::imu_grade("hg9900");
     PaperResult out;
-    const double drift = std::hypot(m.gyro_bias, m.gyro_turn_on_bias) / units::deg_per_hour, bias = std::hypot(m.accel_bias, m.accel_turn_on_bias) / units::ug;
+    const double drift = std::hypot(m.gyro_bias, m.gyro_turn_on_bias) / units::deg_per_hour,
+                 bias = std::hypot(m.accel_bias, m.accel_turn_on_bias) / units::ug;
+    // clang-format off
     out.numbers = {{"gyro drift", drift}, {"gyro walk", m.gyro_noise / units::deg_per_sqrt_hour}, {"gyro scale", m.gyro_scale / units::ppm},
                    {"accel bias", bias}, {"accel scale", m.accel_scale / units::ppm}};
-    out.notes = fmt::format("Ours: the unit \"hg9900\" of [imu] grade. The random walk of the accelerometers stands in the unit of gyros (0.002 deg/sqrt(h)): a misprint;\n"
-                            "ours is {:.3g} m/s/sqrt(h).\n", m.accel_noise / units::m_s_per_sqrt_hour);
+    // clang-format on
+    out.notes = fmt::format(
+        "Ours: the unit \"hg9900\" of [imu] grade. The random walk of the accelerometers stands in the unit of gyros (0.002 "
+        "deg/sqrt(h)): a misprint;\n"
+        "ours is {:.3g} m/s/sqrt(h).\n",
+        m.accel_noise / units::m_s_per_sqrt_hour);
     return out;
 }
 

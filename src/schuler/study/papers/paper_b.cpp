@@ -23,7 +23,7 @@ using ahrs::Separation;
 using Eigen::Vector3d;
 
 constexpr double dt = 0.01, duration = 180.0, from = 60.0, to = 120.0;
-constexpr double horizontal = 18964e-9, vertical = 46962e-9;      // T, of the paper
+constexpr double horizontal = 18964e-9, vertical = 46962e-9;  // T, of the paper
 
 struct Sample {
     Vector3d gyro, accel, field;
@@ -33,7 +33,8 @@ Eigen::Quaterniond attitude_at(bool moving, double t) {
     if (!moving) return Eigen::Quaterniond::Identity();
     constexpr double tau = 2.0 * std::numbers::pi;
     t = std::max(0.0, t - 5.0);
-    return math::quaternion_from_rpy({20.0 * units::deg * std::sin(tau * t / 7.0), 15.0 * units::deg * std::sin(tau * t / 5.0), 60.0 * units::deg * std::sin(tau * t / 23.0)});
+    return math::quaternion_from_rpy({20.0 * units::deg * std::sin(tau * t / 7.0), 15.0 * units::deg * std::sin(tau * t / 5.0),
+                                      60.0 * units::deg * std::sin(tau * t / 23.0)});
 }
 
 /// The sensors of math.md 3.5; from 60 to 120 s the horizontal field is turned by 20 deg and the vertical one changed by 10000 nT.
@@ -47,8 +48,10 @@ std::vector<Sample> simulated(bool moving, bool disturbed, std::uint64_t seed) {
         const bool here = disturbed && t >= from && t < to;
         const double turn = here ? 20.0 * units::deg : 0.0;
         const Vector3d field_n(horizontal * std::cos(turn), horizontal * std::sin(turn), vertical - (here ? 10000e-9 : 0.0));
-        out.push_back({math::rotation_vector_from_quaternion(before.conjugate() * now) / dt + bias + 0.1 * units::deg_per_s * gyro.normal3(),
-                       now.conjugate() * Vector3d(0.0, 0.0, -9.81) + 0.05 * accel.normal3(), now.conjugate() * field_n + 200e-9 * field.normal3()});
+        out.push_back({math::rotation_vector_from_quaternion(before.conjugate() * now) / dt + bias +
+                           0.1 * units::deg_per_s * gyro.normal3(),
+                       now.conjugate() * Vector3d(0.0, 0.0, -9.81) + 0.05 * accel.normal3(),
+                       now.conjugate() * field_n + 200e-9 * field.normal3()});
     }
     return out;
 }
@@ -72,12 +75,13 @@ std::vector<Vector3d> attitudes(const std::vector<Sample>& data, Filter filter) 
 }
 
 struct Change {
-    double roll = 0.0, pitch = 0.0, heading = 0.0;   ///< deg, largest
+    double roll = 0.0, pitch = 0.0, heading = 0.0;  ///< deg, largest
     std::vector<double> t, tilt;
 };
 template <class Filter>
 Change change_of(const Filter& filter, bool moving, std::uint64_t seed) {
-    const std::vector<Vector3d> clean = attitudes(simulated(moving, false, seed), filter), other = attitudes(simulated(moving, true, seed), filter);
+    const std::vector<Vector3d> clean = attitudes(simulated(moving, false, seed), filter),
+                                other = attitudes(simulated(moving, true, seed), filter);
     Change c;
     for (std::size_t i = 0; i < clean.size(); ++i) {
         const Vector3d d = (other[i] - clean[i]).unaryExpr([](double x) { return std::abs(math::wrap_pi(x)) / units::deg; });
@@ -113,33 +117,44 @@ PaperResult separation(const PaperWork& w) {
     const auto both = [&](const char* name, const auto& filter, report::Ink ink) {
         return Case{name, change_of(filter, false, w.seed), change_of(filter, true, w.seed), ink};
     };
-    const std::vector<Case> cases{both("direction cosines", DcmFilter(settings_of(Separation::Projected)), report::Ink::Green),
-                                  both("quaternion, gain projected", QuaternionFilter(settings_of(Separation::Projected)), report::Ink::Blue),
-                                  both("quaternion as printed", QuaternionFilter(settings_of(Separation::Printed)), report::Ink::Vermillion),
-                                  both("quaternion, not separated", QuaternionFilter(settings_of(Separation::None)), report::Ink::Purple),
-                                  both("mekf of `schuler ahrs`", ahrs::Mekf(ahrs::MekfSettings{}), report::Ink::Orange)};
+    const std::vector<Case> cases{
+        both("direction cosines", DcmFilter(settings_of(Separation::Projected)), report::Ink::Green),
+        both("quaternion, gain projected", QuaternionFilter(settings_of(Separation::Projected)), report::Ink::Blue),
+        both("quaternion as printed", QuaternionFilter(settings_of(Separation::Printed)), report::Ink::Vermillion),
+        both("quaternion, not separated", QuaternionFilter(settings_of(Separation::None)), report::Ink::Purple),
+        both("mekf of `schuler ahrs`", ahrs::Mekf(ahrs::MekfSettings{}), report::Ink::Orange)};
     PaperResult out;
     const auto worst = [](const Case& c) { return std::max({c.still.roll, c.still.pitch, c.moving.roll, c.moving.pitch}); };
-    out.numbers = {{"dcm", worst(cases[0])}, {"projected", worst(cases[1])}, {"printed", worst(cases[2])}, {"field", horizontal * 1e9}};
+    out.numbers = {
+        {"dcm", worst(cases[0])}, {"projected", worst(cases[1])}, {"printed", worst(cases[2])}, {"field", horizontal * 1e9}};
+    // clang-format off
     report::ResultTable table{"change by the disturbance, deg", {{"still_roll", "still: roll"}, {"still_pitch", "pitch"}, {"still_heading", "heading"},
                                                                  {"moving_roll", "moving: roll"}, {"moving_pitch", "pitch"}, {"moving_heading", "heading"}}, {}};
+    // clang-format on
     report::Panel panel{"largest change of roll and pitch, moving", "time, s", "deg"};
     panel.log_y = true;
     panel.height = 280;
     panel.spans.push_back({from, to, "field disturbed", false});
     for (const Case& c : cases) {
-        table.rows.push_back({c.name, {}, {{"filter", c.name}}, {c.still.roll, c.still.pitch, c.still.heading, c.moving.roll, c.moving.pitch, c.moving.heading}});
+        table.rows.push_back({c.name,
+                              {},
+                              {{"filter", c.name}},
+                              {c.still.roll, c.still.pitch, c.still.heading, c.moving.roll, c.moving.pitch, c.moving.heading}});
         panel.series.push_back(paper_curve(c.name, c.moving.t, c.moving.tilt, c.ink));
     }
     out.tables.push_back(std::move(table));
     out.panels.push_back(std::move(panel));
-    out.notes = "The horizontal field turned by 20 deg and the vertical one changed by 10000 nT for a minute; gyro biases of 0.02 to 0.03 deg/s uncompensated.\n"
-                "The paper shows no run of its own: it states that the channels are separate.\n";
+    out.notes =
+        "The horizontal field turned by 20 deg and the vertical one changed by 10000 nT for a minute; gyro biases of 0.02 to "
+        "0.03 deg/s uncompensated.\n"
+        "The paper shows no run of its own: it states that the channels are separate.\n";
     return out;
 }
 
 }  // namespace
 
-std::vector<PaperItem> paper_b_items() { return {{"B", "separation", "filters with separated channels under a disturbed magnetometer", 0, 1.0, separation}}; }
+std::vector<PaperItem> paper_b_items() {
+    return {{"B", "separation", "filters with separated channels under a disturbed magnetometer", 0, 1.0, separation}};
+}
 
 }  // namespace schuler::study

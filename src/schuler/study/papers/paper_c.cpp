@@ -22,7 +22,8 @@ constexpr std::array<const char*, 6> names{"dv N, m/s", "dv H, m/s", "dv E, m/s"
 double as_printed(const PaperEntry& e, const std::string& printed_amplitude) {
     const bool negative = printed_amplitude.starts_with("-");
     if (e.quantity.starts_with("amplitude")) return negative ? -e.right : e.right;
-    if (e.quantity.starts_with("phase")) return negative ? std::remainder(e.right - std::numbers::pi, 2.0 * std::numbers::pi) : e.right;
+    if (e.quantity.starts_with("phase"))
+        return negative ? std::remainder(e.right - std::numbers::pi, 2.0 * std::numbers::pi) : e.right;
     const bool metres_of_angle = e.unit == "m" && !e.quantity.starts_with("dH");
     return metres_of_angle ? std::abs(e.right) : e.right;
 }
@@ -35,10 +36,11 @@ PaperResult table_of(const char* vehicle) {
         std::string amplitude = e.printed;
         if (e.quantity.starts_with("phase"))
             for (const PaperEntry& a : entries)
-                if (a.vehicle == e.vehicle && a.set == e.set && a.quantity == "amplitude" + e.quantity.substr(5) && a.unit != "deg" &&
-                    !(a.unit == "m" && a.quantity != "amplitude of dH"))
+                if (a.vehicle == e.vehicle && a.set == e.set && a.quantity == "amplitude" + e.quantity.substr(5) &&
+                    a.unit != "deg" && !(a.unit == "m" && a.quantity != "amplitude of dH"))
                     amplitude = a.printed;
-        out.numbers.emplace_back(fmt::format("{} {} {}", sets[static_cast<std::size_t>(e.set)], e.quantity, e.unit), as_printed(e, amplitude));
+        out.numbers.emplace_back(fmt::format("{} {} {}", sets[static_cast<std::size_t>(e.set)], e.quantity, e.unit),
+                                 as_printed(e, amplitude));
     }
     const bool ship = std::string_view(vehicle) == "ship";
     const PaperVehicle v = paper_vehicles()[ship ? 1 : 0];
@@ -51,7 +53,8 @@ PaperResult table_of(const char* vehicle) {
                 t.push_back(s);
                 x.push_back((flight.transition(s) * paper_initial_errors(set))(i));
             }
-            report::Panel panel{fmt::format("set {}", sets[static_cast<std::size_t>(set)]), "time, s", names[static_cast<std::size_t>(i)]};
+            report::Panel panel{fmt::format("set {}", sets[static_cast<std::size_t>(set)]), "time, s",
+                                names[static_cast<std::size_t>(i)]};
             panel.series.push_back(paper_curve(names[static_cast<std::size_t>(i)], t, x));
             out.panels.push_back(std::move(panel));
         }
@@ -64,7 +67,8 @@ PaperResult table_3(const PaperWork&) { return table_of("ship"); }
 PaperResult section_5(const PaperWork&) {
     PaperResult out;
     for (const PaperEntry& e : paper_tables())
-        if (e.set == 0 && !e.vehicle.empty()) out.numbers.emplace_back(fmt::format("{} {} {}", e.vehicle, e.quantity, e.unit), e.right);
+        if (e.set == 0 && !e.vehicle.empty())
+            out.numbers.emplace_back(fmt::format("{} {} {}", e.vehicle, e.quantity, e.unit), e.right);
     std::vector<double> h, east, west;
     for (const double km : {0.0, 100.0, 1000.0})
         out.numbers.emplace_back(fmt::format("limit {:.0f}", km), 10.0 * std::floor(0.1 * speed_limits(1000.0 * km).east));
@@ -75,7 +79,8 @@ PaperResult section_5(const PaperWork&) {
     }
     report::Panel panel{"limiting speed", "height, km", "speed, m/s"};
     panel.time_axis = false;
-    panel.series = {paper_curve("eastward", h, east), paper_curve("westward (the paper has one limit)", h, west, report::Ink::Vermillion, report::Mark::Dashed)};
+    panel.series = {paper_curve("eastward", h, east),
+                    paper_curve("westward (the paper has one limit)", h, west, report::Ink::Vermillion, report::Mark::Dashed)};
     out.panels.push_back(std::move(panel));
     return out;
 }
@@ -116,8 +121,10 @@ PaperResult transition(const PaperWork&) {
     PaperResult out;
     double largest = 0.0;
     for (const double d : dvh) largest = std::max(largest, std::abs(d));
+    // clang-format off
     out.numbers = {{"dvH", largest}, {"others", others}, {"corrected", corrected},
                    {"P(0)", (printed_transition(flight, 0.0) - Matrix6::Identity()).cwiseAbs().maxCoeff()}};
+    // clang-format on
     report::Panel panel{"(22) as printed less the right solution", "time, s", "dv H, m/s"};
     panel.series.push_back(paper_curve("fighter, start (24)", t, dvh));
     out.panels.push_back(std::move(panel));

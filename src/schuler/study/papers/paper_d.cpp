@@ -13,7 +13,7 @@ namespace {
 struct Case {
     TriadCase which;
     TriadStatistics statistics;
-    std::vector<double> observed, predicted;   ///< horizontal, root mean square over the runs, m
+    std::vector<double> observed, predicted;  ///< horizontal, root mean square over the runs, m
 };
 
 std::vector<Case> run_cases(const PaperWork& w, const std::vector<std::string_view>& wanted) {
@@ -23,7 +23,8 @@ std::vector<Case> run_cases(const PaperWork& w, const std::vector<std::string_vi
     for (std::size_t k = 0; k < out.size(); ++k) {
         std::vector<TriadRun> runs(w.runs);
         for_each_run(
-            w.runs, w.jobs, [&](std::size_t j) { runs[j] = run_triad(out[k].which, j % triad_geometries, w.seed + j / triad_geometries); },
+            w.runs, w.jobs,
+            [&](std::size_t j) { runs[j] = run_triad(out[k].which, j % triad_geometries, w.seed + j / triad_geometries); },
             [&](double share) {
                 if (w.progress) w.progress((static_cast<double>(k) + share) / static_cast<double>(out.size()));
             });
@@ -43,14 +44,18 @@ std::vector<Case> run_cases(const PaperWork& w, const std::vector<std::string_vi
 
 PaperResult result_of(const std::vector<Case>& cases) {
     PaperResult out;
+    // clang-format off
     report::ResultTable table{"case", {{"pooled_m", "horizontal, m"}, {"predicted_m", "predicted, m"}, {"two_sigma_3d_m", "2 sigma 3-d, m"},
                                        {"vertical_m", "vertical, m"}, {"at_300_s_m", "at 300 s, m"}, {"at_600_s_m", "at 600 s, m"},
                                        {"nees_position", "NEES/3"}, {"nees_nine", "NEES/9"}}, {}};
+    // clang-format on
     std::vector<double> t(triad_epochs);
     for (std::size_t i = 0; i < triad_epochs; ++i) t[i] = static_cast<double>(i);
     for (const Case& c : cases) {
         const TriadStatistics& s = c.statistics;
-        table.rows.push_back({c.which.name, {}, {{"case", c.which.name}},
+        table.rows.push_back({c.which.name,
+                              {},
+                              {{"case", c.which.name}},
                               {s.pooled, s.predicted, s.two_sigma, s.vertical, s.at_300, s.end, s.nees3, s.nees9}});
         report::Panel panel{c.which.name, "time after the loss, s", "horizontal error, m"};
         panel.series = {paper_curve("root mean square over the runs", t, c.observed),
@@ -89,7 +94,10 @@ PaperResult figure_5(const PaperWork& w) {
     const std::vector<Case> c = run_cases(w, {"c 2 SV nav", "e 2 SV+2 st. nav", "e stations on at 300 s nav"});
     PaperResult out = result_of(c);
     const TriadStatistics& on = c[2].statistics;
-    out.numbers = {{"before", 2.0 * on.at_300}, {"after", 2.0 * on.end}, {"ratio", on.at_300 / on.at_330}, {"conclusion", 2.0 * c[1].statistics.end}};
+    out.numbers = {{"before", 2.0 * on.at_300},
+                   {"after", 2.0 * on.end},
+                   {"ratio", on.at_300 / on.at_330},
+                   {"conclusion", 2.0 * c[1].statistics.end}};
     out.panels.back().spans.push_back({300.0, 600.0, "two stations more", false});
     return out;
 }

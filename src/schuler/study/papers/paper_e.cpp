@@ -54,7 +54,9 @@ PaperResult observability(const PaperWork&) {
         return static_cast<double>(gravimetry::observability({}, m, tolerance).rank);
     };
     out.numbers = {{"at rest", rank(0.0, 0.0)}, {"moving", rank(1.0, 1e-7)}};
-    out.notes = fmt::format("Exact rank in motion, all pivots counted: {:.0f}. `schuler analyze observability --paper` lists the combinations.\n", rank(1.0, 0.0));
+    out.notes = fmt::format(
+        "Exact rank in motion, all pivots counted: {:.0f}. `schuler analyze observability --paper` lists the combinations.\n",
+        rank(1.0, 0.0));
     return out;
 }
 
@@ -86,9 +88,11 @@ PaperResult figure_3(const PaperWork& w) {
         return paper_median(x);
     };
     PaperResult out;
+    // clang-format off
     out.numbers = {{"phase", median(0, &One::end)}, {"differential", median(1, &One::end)}, {"tilt", median(0, &One::tilt)},
                    {"velocity", std::max(median(0, &One::velocity), median(1, &One::velocity))}, {"velocity up", std::max(median(0, &One::up), median(1, &One::up))},
                    {"5 min phase", median(0, &One::five)}, {"5 min differential", median(1, &One::five)}};
+    // clang-format on
     out.panels = {error_panel("figure 3 a: differential", all[1].course), error_panel("figure 3 b: phase", all[0].course)};
     return out;
 }
@@ -100,9 +104,11 @@ PaperResult coloured(const PaperWork& w) {
         settings::SettingList over;
     };
     const double mg = 5e-5 / units::mg;
+    // clang-format off
     const std::array<Kind, 3> kinds{{{"mu 0.01", {{"imu.accel_bias_mg", {mg}, {}}, {"imu.accel_bias_time_s", {100.0}, {}}}},
                                      {"mu 0.1", {{"imu.accel_bias_mg", {mg}, {}}, {"imu.accel_bias_time_s", {10.0}, {}}}},
                                      {"white", {{"imu.accel_noise_m_s_sqrt_h", {1e-4 / std::sqrt(2.0) * 60.0}, {}}}}}};
+    // clang-format on
     struct One {
         double error = 0, sigma = 0, nis = 0;
         bool usable = false;
@@ -112,7 +118,8 @@ PaperResult coloured(const PaperWork& w) {
     for_each_run(
         all.size(), w.jobs,
         [&](std::size_t job) {
-            const GravityBundle b = surveyed("gravity-car-5400s.toml", w.seed + job / kinds.size(), kinds[job % kinds.size()].over);
+            const GravityBundle b =
+                surveyed("gravity-car-5400s.toml", w.seed + job / kinds.size(), kinds[job % kinds.size()].over);
             One& one = all[job];
             one.error = b.errors.last.z();
             one.sigma = b.attainable.vertical;
@@ -122,7 +129,10 @@ PaperResult coloured(const PaperWork& w) {
         },
         w.progress);
     PaperResult out;
-    report::ResultTable table{"vertical anomaly, m/s2", {{"error", "error, rms"}, {"sigma", "sigma"}, {"nees", "NEES/1"}, {"nis", "NIS"}, {"usable", "usable, share"}}, {}};
+    report::ResultTable table{
+        "vertical anomaly, m/s2",
+        {{"error", "error, rms"}, {"sigma", "sigma"}, {"nees", "NEES/1"}, {"nis", "NIS"}, {"usable", "usable, share"}},
+        {}};
     for (std::size_t k = 0; k < kinds.size(); ++k) {
         std::vector<double> errors;
         double sigma = 0.0, nees = 0.0, nis = 0.0, usable = 0.0;
@@ -153,8 +163,10 @@ GravityResponse response(const char* speed_of, std::uint64_t seed) {
             if (length > 0.0) t.emplace_back("length_m", settings::Value{length});
             return settings::Value{std::move(t)};
         };
+        // clang-format off
         over = {{"trajectory.speed_m_s", {1.0}, {}}, {"gravity.length_m", {300.0}, {}},
                 {"anomaly", {settings::ValueList{part("constant", 5, 5, 10, 0), part("harmonic", 0, 0, 5, 600), part("ramp", 0, 0, 5, 5400)}}, {}}};
+        // clang-format on
     }
     return gravity_response_of(paper_scenario("gravity-variable.toml", seed, over), {});
 }
@@ -163,7 +175,13 @@ PaperResult figure_4(const PaperWork& w) {
     const GravityResponse r = response("10 m/s", w.seed);
     report::Panel gain{"amplitude", "frequency, Hz", "out / in"}, phase{"phase", "frequency, Hz", "lag, deg"};
     gain.time_axis = phase.time_axis = false;
-    report::ResultTable table{"period, s", {{"frequency_hz", "frequency, Hz"}, {"filter", "filter"}, {"filter_lag_deg", "lag, deg"}, {"smoother", "smoother"}, {"smoother_lag_deg", "lag, deg"}}, {}};
+    report::ResultTable table{"period, s",
+                              {{"frequency_hz", "frequency, Hz"},
+                               {"filter", "filter"},
+                               {"filter_lag_deg", "lag, deg"},
+                               {"smoother", "smoother"},
+                               {"smoother_lag_deg", "lag, deg"}},
+                              {}};
     std::vector<double> f, gf, pf, gs, ps;
     for (const GravityResponse::At& m : r.at) {
         f.push_back(1.0 / m.period);
@@ -171,7 +189,10 @@ PaperResult figure_4(const PaperWork& w) {
         gs.push_back(m.smoothed.gain);
         pf.push_back(m.forward.lag / units::deg);
         ps.push_back(m.smoothed.lag / units::deg);
-        table.rows.push_back({fmt::format("{:.4g}", m.period), {}, {{"period_s", fmt::format("{:.6g}", m.period)}}, {f.back(), gf.back(), pf.back(), gs.back(), ps.back()}});
+        table.rows.push_back({fmt::format("{:.4g}", m.period),
+                              {},
+                              {{"period_s", fmt::format("{:.6g}", m.period)}},
+                              {f.back(), gf.back(), pf.back(), gs.back(), ps.back()}});
     }
     gain.series = {paper_curve("filter", f, gf, report::Ink::Vermillion), paper_curve("smoother", f, gs)};
     phase.series = {paper_curve("filter", f, pf, report::Ink::Vermillion), paper_curve("smoother", f, ps)};
@@ -184,15 +205,17 @@ PaperResult figure_4(const PaperWork& w) {
 
 PaperResult figure_5(const PaperWork& w) {
     PaperResult out;
-    report::ResultTable table{"error less its mean, mGal", {{"filter", "filter"}, {"corrected", "corrected"}, {"smoother", "smoother"}}, {}};
+    report::ResultTable table{
+        "error less its mean, mGal", {{"filter", "filter"}, {"corrected", "corrected"}, {"smoother", "smoother"}}, {}};
     for (const char* speed : {"1 m/s", "10 m/s"}) {
         const GravityResponse r = response(speed, w.seed);
         out.numbers.emplace_back(speed, r.corrected.corrected);
         table.rows.push_back({speed, {}, {{"speed", speed}}, {r.corrected.forward, r.corrected.corrected, r.corrected.smoothed}});
         report::Panel p{fmt::format("error of the vertical anomaly at {}", speed), "time, s", "mGal"};
-        p.series = {paper_curve("filter", r.corrected.t, r.corrected.e_forward, report::Ink::Muted),
-                    paper_curve("corrected in amplitude and phase", r.corrected.t, r.corrected.e_corrected, report::Ink::Vermillion),
-                    paper_curve("smoother", r.corrected.t, r.corrected.e_smoothed)};
+        p.series = {
+            paper_curve("filter", r.corrected.t, r.corrected.e_forward, report::Ink::Muted),
+            paper_curve("corrected in amplitude and phase", r.corrected.t, r.corrected.e_corrected, report::Ink::Vermillion),
+            paper_curve("smoother", r.corrected.t, r.corrected.e_smoothed)};
         out.panels.push_back(std::move(p));
         if (w.progress) w.progress(0.5 * static_cast<double>(out.panels.size()));
     }

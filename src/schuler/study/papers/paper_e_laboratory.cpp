@@ -25,14 +25,12 @@ GravityBundle surveyed(std::uint64_t seed, const SettingList& over) {
 settings::Value three(double x) { return {ValueList{{x}, {x}, {x}}}; }
 
 /// 1 m fixes with a constant error of 1 m instead of 5 cm.
-SettingList differential() {
-    return {{"gnss.white_m", three(1.0), {}}, {"gnss.correlated_m", three(1.0), {}}};
-}
+SettingList differential() { return {{"gnss.white_m", three(1.0), {}}, {"gnss.correlated_m", three(1.0), {}}}; }
 
 struct Levels {
-    double before = 0, after = 0;           ///< vertical, up, mGal: mean of the smoothed estimate over the last 1000 s of a level
+    double before = 0, after = 0;  ///< vertical, up, mGal: mean of the smoothed estimate over the last 1000 s of a level
     double error_before = 0, error_after = 0, step = 0, sigma_step = 0, horizontal = 0;
-    std::vector<double> t, truth, estimate; ///< mGal
+    std::vector<double> t, truth, estimate;  ///< mGal
 };
 
 Levels levels_of(const GravityBundle& b) {
@@ -69,7 +67,9 @@ Levels levels_of(const GravityBundle& b) {
 PaperResult figure_6(const PaperWork& w) {
     std::vector<Levels> all(2 * w.runs);
     for_each_run(
-        all.size(), w.jobs, [&](std::size_t job) { all[job] = levels_of(surveyed(w.seed + job / 2, job % 2 == 0 ? SettingList{} : differential())); }, w.progress);
+        all.size(), w.jobs,
+        [&](std::size_t job) { all[job] = levels_of(surveyed(w.seed + job / 2, job % 2 == 0 ? SettingList{} : differential())); },
+        w.progress);
     const auto median = [&](std::size_t mode, double Levels::*field) {
         std::vector<double> x;
         for (std::size_t job = mode; job < all.size(); job += 2) x.push_back(all[job].*field);
@@ -80,12 +80,18 @@ PaperResult figure_6(const PaperWork& w) {
                    {"differential", std::max(median(1, &Levels::error_before), median(1, &Levels::error_after))},
                    {"step", median(0, &Levels::step)},
                    {"horizontal", median(0, &Levels::horizontal)}};
-    report::ResultTable table{"median of the runs, mGal", {{"error_before", "error before"}, {"error_after", "error after"}, {"step", "step"}}, {}};
+    report::ResultTable table{
+        "median of the runs, mGal", {{"error_before", "error before"}, {"error_after", "error after"}, {"step", "step"}}, {}};
     for (std::size_t mode = 0; mode < 2; ++mode) {
         const char* name = mode == 0 ? "phase" : "differential";
-        table.rows.push_back({name, {}, {{"mode", name}}, {median(mode, &Levels::error_before), median(mode, &Levels::error_after), median(mode, &Levels::step)}});
+        table.rows.push_back(
+            {name,
+             {},
+             {{"mode", name}},
+             {median(mode, &Levels::error_before), median(mode, &Levels::error_after), median(mode, &Levels::step)}});
         report::Panel p{fmt::format("figure 6 {}: {}", mode == 0 ? "a" : "b", name), "time, s", "mGal"};
-        p.series = {paper_curve("anomaly", all[mode].t, all[mode].truth, report::Ink::Muted, report::Mark::Dashed), paper_curve("estimate, smoothed over 400 s", all[mode].t, all[mode].estimate)};
+        p.series = {paper_curve("anomaly", all[mode].t, all[mode].truth, report::Ink::Muted, report::Mark::Dashed),
+                    paper_curve("estimate, smoothed over 400 s", all[mode].t, all[mode].estimate)};
         p.y_limits = std::pair{8.5, 11.0};
         out.panels.push_back(std::move(p));
     }
@@ -101,7 +107,8 @@ PaperResult figure_7(const PaperWork& w) {
     };
     const double white = 1e-4 / std::sqrt(2.0) * 60.0;
     const auto interval = [&](double up, double horizontal, std::uint64_t seed) {
-        const settings::ValueTable part{{"kind", {std::string("constant")}}, {"size_mgal", {ValueList{{horizontal}, {horizontal}, {up}}}}};
+        const settings::ValueTable part{{"kind", {std::string("constant")}},
+                                        {"size_mgal", {ValueList{{horizontal}, {horizontal}, {up}}}}};
         const SettingList over{{"duration_s", {5500.0}, {}},
                                {"anomaly", {ValueList{settings::Value{part}}}, {}},
                                {"imu.accel_noise_m_s_sqrt_h", {white}, {}},
@@ -119,7 +126,8 @@ PaperResult figure_7(const PaperWork& w) {
         [&](std::size_t run) {
             // the same instruments in both intervals
             const GravityBundle a = interval(10.0, 0.0, w.seed + run), b = interval(9.5, 50.0, w.seed + run);
-            all[run] = {-a.survey.forward.back().disturbance_n.z() / units::mgal, -b.survey.forward.back().disturbance_n.z() / units::mgal};
+            all[run] = {-a.survey.forward.back().disturbance_n.z() / units::mgal,
+                        -b.survey.forward.back().disturbance_n.z() / units::mgal};
             if (run != 0) return;
             for (std::size_t k = 0; k < 2; ++k)
                 for (const SurveyEpoch& e : (k == 0 ? a : b).survey.forward) {
@@ -138,11 +146,14 @@ PaperResult figure_7(const PaperWork& w) {
         report::Panel p{k == 0 ? "first interval: 10 mGal" : "second interval: 9.5 mGal", "time, s", "mGal"};
         p.series = {paper_curve("estimate", t[k], x[k])};
         const double right = k == 0 ? 10.0 : 9.5;
-        p.series.push_back(paper_curve("anomaly", {t[k].front(), t[k].back()}, {right, right}, report::Ink::Muted, report::Mark::Dashed));
+        p.series.push_back(
+            paper_curve("anomaly", {t[k].front(), t[k].back()}, {right, right}, report::Ink::Muted, report::Mark::Dashed));
         p.y_limits = std::pair{5.0, 15.0};
         out.panels.push_back(std::move(p));
     }
-    out.notes = "Simulated laboratory noise (0.1 deg/h, 1e-4 m/s2 a sample at 2 Hz). examples/half-real injects the step into the columns of a log.\n";
+    out.notes =
+        "Simulated laboratory noise (0.1 deg/h, 1e-4 m/s2 a sample at 2 Hz). examples/half-real injects the step into the "
+        "columns of a log.\n";
     return out;
 }
 

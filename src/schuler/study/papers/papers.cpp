@@ -48,8 +48,9 @@ std::string share_of(const Row& r) {
     return printed == 0.0 ? short_number(difference, 3) : fmt::format("{:+.2g} %", 100.0 * difference / std::abs(printed));
 }
 
-std::size_t length_of(const std::string& text) {   // of UTF-8
-    return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+std::size_t length_of(const std::string& text) {  // of UTF-8
+    return static_cast<std::size_t>(
+        std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 /// Columns as wide as their longest cell, numbers to the right; the last as it is.
@@ -65,7 +66,8 @@ std::string columns_text(const std::vector<std::vector<std::string>>& lines, std
         std::string text = " ";
         for (std::size_t i = 0; i < line.size(); ++i) {
             const std::string pad(width[i] - length_of(line[i]), ' ');
-            text += i < left || i + 1 == line.size() ? " " + line[i] + (i + 1 == line.size() ? "" : pad + " ") : " " + pad + line[i] + " ";
+            text += i < left || i + 1 == line.size() ? " " + line[i] + (i + 1 == line.size() ? "" : pad + " ")
+                                                     : " " + pad + line[i] + " ";
         }
         text.erase(text.find_last_not_of(' ') + 1);
         out += text + "\n";
@@ -77,8 +79,10 @@ std::vector<std::vector<std::string>> cells_of(const Made& m) {
     std::vector<std::vector<std::string>> out{{"quantity", "unit", "printed", "ours", "difference", "", ""}};
     for (const Row& r : m.rows) {
         std::string remark = r.agreement == Agreement::Agrees ? "" : r.printed->remark;
-        if (r.agreement == Agreement::Misprint || r.agreement == Agreement::Explained) remark = "right: " + r.printed->right + "; " + remark;
-        out.push_back({r.printed->quantity, r.printed->unit, statement_of(*r.printed), short_number(r.ours, 6), share_of(r), name_of(r.agreement), remark});
+        if (r.agreement == Agreement::Misprint || r.agreement == Agreement::Explained)
+            remark = "right: " + r.printed->right + "; " + remark;
+        out.push_back({r.printed->quantity, r.printed->unit, statement_of(*r.printed), short_number(r.ours, 6), share_of(r),
+                       name_of(r.agreement), remark});
     }
     return out;
 }
@@ -111,15 +115,18 @@ report::Json json_of(const Made& m) {
     report::Json rows = report::Json::array();
     for (const Row& r : m.rows) {
         const PrintedValue& v = *r.printed;
+        // clang-format off
         rows.push_back({{"key", v.key}, {"quantity", v.quantity}, {"unit", v.unit}, {"printed", v.printed}, {"statement", statement_of(v)},
                         {"right", v.right.empty() ? report::Json(nullptr) : report::Json(number_of(v.right))}, {"ours", report::json_number(r.ours)},
                         {"agreement", name_of(r.agreement)}, {"remark", v.remark}});
+        // clang-format on
     }
     report::Json plots = report::Json::array();
     for (const report::Panel& p : m.result.panels)
-        plots.push_back({{"title", p.title}, {"x", p.x_label}, {"y", p.y_label}, {"log_y", p.log_y}, {"equal_axes", p.equal_axes}});
-    return {{"paper", m.item->paper}, {"item", m.item->name}, {"what", m.item->what}, {"page", m.printed->page}, {"place", m.printed->place},
-            {"runs", m.runs}, {"rows", rows}, {"plots", plots}};
+        plots.push_back(
+            {{"title", p.title}, {"x", p.x_label}, {"y", p.y_label}, {"log_y", p.log_y}, {"equal_axes", p.equal_axes}});
+    return {{"paper", m.item->paper},    {"item", m.item->name}, {"what", m.item->what}, {"page", m.printed->page},
+            {"place", m.printed->place}, {"runs", m.runs},       {"rows", rows},         {"plots", plots}};
 }
 
 std::string csv_field(const std::string& text) {
@@ -133,7 +140,8 @@ std::string comparison_csv_of(const Made& m) {
     std::string out = "key,quantity,unit,statement,printed,right,ours,agreement,remark\n";
     for (const Row& r : m.rows) {
         const PrintedValue& v = *r.printed;
-        out += fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_field(v.key), csv_field(v.quantity), v.unit, csv_field(statement_of(v)), v.printed, v.right,
+        out += fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_field(v.key), csv_field(v.quantity), v.unit,
+                           csv_field(statement_of(v)), v.printed, v.right,
                            std::isfinite(r.ours) ? fmt::format("{:.9g}", r.ours) : "", name_of(r.agreement), csv_field(v.remark));
     }
     return out;
@@ -145,14 +153,16 @@ std::string curves_csv_of(const Made& m) {
     for (const report::Panel& p : m.result.panels)
         for (const report::Series& s : p.series)
             for (std::size_t i = 0; i < s.x.size(); ++i)
-                out += fmt::format("{},{},{:.9g},{}\n", csv_field(p.title), csv_field(s.name), s.x[i], std::isfinite(s.y[i]) ? fmt::format("{:.9g}", s.y[i]) : "");
+                out += fmt::format("{},{},{:.9g},{}\n", csv_field(p.title), csv_field(s.name), s.x[i],
+                                   std::isfinite(s.y[i]) ? fmt::format("{:.9g}", s.y[i]) : "");
     return out;
 }
 
 report::ReportInput page_of(const Made& m, const std::string& version) {
     report::ReportInput page;
     page.title = fmt::format("Paper {}: {}", m.item->paper, m.item->what);
-    page.subtitle = fmt::format("{}, page {}{}", m.printed->place, m.printed->page, m.item->runs > 0 ? fmt::format(", {} runs", m.runs) : "");
+    page.subtitle =
+        fmt::format("{}, page {}{}", m.printed->place, m.printed->page, m.item->runs > 0 ? fmt::format(", {} runs", m.runs) : "");
     page.version = version;
     page.cards.push_back({"Beside the paper", summary_of(m), {}});
     report::Section section{"Ours beside the printed", m.result.notes, {}};
@@ -173,7 +183,9 @@ report::ReportInput page_of(const Made& m, const std::string& version) {
 
 void write_made(const Made& m, const fs::path& folder, const std::string& version, report::Outcome& out) {
     report::make_folder(folder);
-    const auto write = [&](const char* name, const std::string& text) { report::write_text(out.files.emplace_back(folder / name), text); };
+    const auto write = [&](const char* name, const std::string& text) {
+        report::write_text(out.files.emplace_back(folder / name), text);
+    };
     write("comparison.csv", comparison_csv_of(m));
     if (!m.result.panels.empty()) write("curves.csv", curves_csv_of(m));
     for (std::size_t i = 0; i < m.result.tables.size(); ++i)
@@ -209,12 +221,16 @@ report::Outcome listed(const PaperRequest& request) {
         if (item.paper != request.paper) continue;
         const PrintedItem& printed = printed_item(item.paper, item.name);
         lines.push_back({item.name, printed.page, fmt::format("{}", printed.values.size()), time_of(item), item.what});
+        // clang-format off
         rows.push_back({{"item", item.name}, {"what", item.what}, {"page", printed.page}, {"place", printed.place}, {"printed_numbers", printed.values.size()},
                         {"runs", item.runs}, {"seconds", item.runs > 0 ? item.seconds * static_cast<double>(item.runs) : item.seconds}});
+        // clang-format on
     }
-    out.tables = fmt::format("paper {}\n", request.paper) + columns_text(lines, 1) +
-                 fmt::format("\n`schuler paper {} ITEM [-o DIR]` makes one, `schuler paper {} all` all of them but the Monte Carlo campaigns\n",
-                             request.paper, request.paper);
+    out.tables =
+        fmt::format("paper {}\n", request.paper) + columns_text(lines, 1) +
+        fmt::format(
+            "\n`schuler paper {} ITEM [-o DIR]` makes one, `schuler paper {} all` all of them but the Monte Carlo campaigns\n",
+            request.paper, request.paper);
     out.json = report::text_of(report::Json{{"paper", request.paper}, {"items", rows}});
     return out;
 }
@@ -224,8 +240,8 @@ report::Outcome listed(const PaperRequest& request) {
 const std::vector<PaperItem>& paper_items() {
     static const std::vector<PaperItem> all = [] {
         std::vector<PaperItem> out;
-        for (const auto make : {paper_a_systems, paper_a_algorithms, paper_a_errors, paper_a_flight, paper_b_items, paper_c_items, paper_d_items,
-                                paper_e_items, paper_e_laboratory})
+        for (const auto make : {paper_a_systems, paper_a_algorithms, paper_a_errors, paper_a_flight, paper_b_items, paper_c_items,
+                                paper_d_items, paper_e_items, paper_e_laboratory})
             for (PaperItem& item : make()) out.push_back(item);
         return out;
     }();
@@ -272,9 +288,10 @@ report::Outcome make_paper(const PaperRequest& request) {
             write_made(m, request.item == "all" ? request.output / item.name : request.output, request.version, out);
         }
     }
-    if (all.empty()) static_cast<void>(printed_item(request.paper, request.item));   // says which there are
+    if (all.empty()) static_cast<void>(printed_item(request.paper, request.item));  // says which there are
     out.usable = differing == 0;
-    out.verdict = request.item == "all" ? (differing == 0 ? "every printed number agrees or is explained" : fmt::format("{} printed numbers are not reached", differing))
+    out.verdict = request.item == "all" ? (differing == 0 ? "every printed number agrees or is explained"
+                                                          : fmt::format("{} printed numbers are not reached", differing))
                                         : last;
     out.json = report::text_of(request.item == "all" ? report::Json{{"paper", request.paper}, {"items", all}} : all.front());
     return out;

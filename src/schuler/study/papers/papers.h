@@ -13,10 +13,10 @@
 namespace schuler::study {
 
 struct PaperRequest {
-    std::string paper;                 ///< A to E
-    std::string item;                  ///< empty: list them; "all": those that are no Monte Carlo campaigns
-    std::filesystem::path output;      ///< folder; empty: nothing is written
-    int runs = 0;                      ///< 0: as the item has it
+    std::string paper;             ///< A to E
+    std::string item;              ///< empty: list them; "all": those that are no Monte Carlo campaigns
+    std::filesystem::path output;  ///< folder; empty: nothing is written
+    int runs = 0;                  ///< 0: as the item has it
     std::uint64_t seed = 1;
     int jobs = 0;
     std::string version;

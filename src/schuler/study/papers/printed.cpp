@@ -25,7 +25,8 @@ PrintedValue::Kind kind_of(const std::string& name, const std::string& origin, l
     if (name == "at_most") return PrintedValue::Kind::AtMost;
     if (name == "at_least") return PrintedValue::Kind::AtLeast;
     if (name == "between") return PrintedValue::Kind::Between;
-    throw input_error(fmt::format("there is no kind \"{}\"", name), {origin, line, 0, "kind"}, "write at_most, at_least or between");
+    throw input_error(fmt::format("there is no kind \"{}\"", name), {origin, line, 0, "kind"},
+                      "write at_most, at_least or between");
 }
 
 PrintedValue value_of(const ValueTable& table, const std::string& origin, long line) {
@@ -88,11 +89,13 @@ double room_about(const std::string& number, const std::optional<double>& tolera
 bool holds(const PrintedValue& v, double ours) {
     const double printed = number_of(v.printed);
     constexpr double rounding = 1e-9;
-    const double room = v.kind == PrintedValue::Kind::Equal || v.tolerance ? room_about(v.printed, v.tolerance) : rounding * std::abs(printed);
+    const double room =
+        v.kind == PrintedValue::Kind::Equal || v.tolerance ? room_about(v.printed, v.tolerance) : rounding * std::abs(printed);
     switch (v.kind) {
         case PrintedValue::Kind::AtMost: return ours <= printed + room;
         case PrintedValue::Kind::AtLeast: return ours >= printed - room;
-        case PrintedValue::Kind::Between: return ours >= printed - room && ours <= number_of(v.to) + room_about(v.to, v.tolerance.value_or(rounding));
+        case PrintedValue::Kind::Between:
+            return ours >= printed - room && ours <= number_of(v.to) + room_about(v.to, v.tolerance.value_or(rounding));
         case PrintedValue::Kind::Equal: break;
     }
     // A printed zero that stands beside a right number is exact: "no influence".
@@ -127,7 +130,8 @@ Agreement agreement_of(const PrintedValue& v, double ours) {
 std::vector<PrintedItem> printed_items_from(std::string_view toml, const std::string& origin) {
     std::vector<PrintedItem> out;
     for (const auto& [name, v] : settings::parse_toml(toml, origin)) {
-        if (name != "item" || v.list() == nullptr) throw input_error(fmt::format("\"{}\" is no [[item]]", name), {origin, v.line, 0, name});
+        if (name != "item" || v.list() == nullptr)
+            throw input_error(fmt::format("\"{}\" is no [[item]]", name), {origin, v.line, 0, name});
         for (const Value& one : *v.list()) out.push_back(item_of(*one.table(), origin, one.line));
     }
     return out;
@@ -145,7 +149,8 @@ const PrintedItem& printed_item(std::string_view paper, std::string_view name) {
         if (item.name == name) return item;
         there += (there.empty() ? "" : ", ") + item.name;
     }
-    throw input_error(fmt::format("paper {} has no item \"{}\"", paper, name), {{}, 0, 0, "ITEM"}, there.empty() ? "give A, B, C, D or E" : "there are " + there);
+    throw input_error(fmt::format("paper {} has no item \"{}\"", paper, name), {{}, 0, 0, "ITEM"},
+                      there.empty() ? "give A, B, C, D or E" : "there are " + there);
 }
 
 }  // namespace schuler::study

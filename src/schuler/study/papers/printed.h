@@ -12,12 +12,12 @@ namespace schuler::study {
 struct PrintedValue {
     enum class Kind { Equal, AtMost, AtLeast, Between };
     std::string key, quantity, unit;
-    std::string printed, to;         ///< as it stands in the paper; `to`: the upper end of Between
+    std::string printed, to;  ///< as it stands in the paper; `to`: the upper end of Between
     Kind kind = Kind::Equal;
-    std::optional<double> tolerance; ///< share of the number, or the number itself where that is 0; otherwise its printed digits
-    std::string right;               ///< what the checked equations give where the printed number cannot be reached; or empty
-    bool misprint = false;           ///< the paper is wrong; otherwise it says too little
-    std::string remark;              ///< why
+    std::optional<double> tolerance;  ///< share of the number, or the number itself where that is 0; otherwise its printed digits
+    std::string right;                ///< what the checked equations give where the printed number cannot be reached; or empty
+    bool misprint = false;            ///< the paper is wrong; otherwise it says too little
+    std::string remark;               ///< why
 };
 
 /// A table or figure of a paper.

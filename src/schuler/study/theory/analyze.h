@@ -15,8 +15,8 @@ namespace schuler::study {
 /// `analyze equator`: SI units and radians but for the latitude.
 struct EquatorRequest {
     double speed = 0.0, height = 0.0, time = 3600.0;
-    theory::Vector6 errors = theory::Vector6::Zero();              ///< initial, order of theory::EquatorError
-    Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();        ///< rad, about the pole, the start's meridian, east of it
+    theory::Vector6 errors = theory::Vector6::Zero();        ///< initial, order of theory::EquatorError
+    Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();  ///< rad, about the pole, the start's meridian, east of it
     bool paper = false;
     bool compare = false;
     double latitude_deg = 0.0, north_speed = 0.0, up_speed = 0.0;  ///< of a comparison away from the equator
@@ -32,18 +32,18 @@ struct EquatorRequest {
 /// `analyze schuler`.
 struct SchulerRequest {
     double latitude_deg = 50.45, height = 0.0;
-    Eigen::Vector3d v_enu = Eigen::Vector3d::Zero();               ///< m/s
-    double time = 3600.0;                                          ///< s
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< initial errors east, north, up, m
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();            ///< m/s
-    Eigen::Vector3d attitude = Eigen::Vector3d::Zero();            ///< about east, north, up, rad
-    Eigen::Vector3d gyro_deg_h = Eigen::Vector3d::Zero();          ///< constant errors (measured minus true) east, north, up
+    Eigen::Vector3d v_enu = Eigen::Vector3d::Zero();       ///< m/s
+    double time = 3600.0;                                  ///< s
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();    ///< initial errors east, north, up, m
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();    ///< m/s
+    Eigen::Vector3d attitude = Eigen::Vector3d::Zero();    ///< about east, north, up, rad
+    Eigen::Vector3d gyro_deg_h = Eigen::Vector3d::Zero();  ///< constant errors (measured minus true) east, north, up
     Eigen::Vector3d accel_ug = Eigen::Vector3d::Zero();
-    double baro = 0.0;                                             ///< m
+    double baro = 0.0;  ///< m
     std::string vertical = "fixed";
-    double baro_time = 100.0;                                      ///< s
+    double baro_time = 100.0;  ///< s
     bool paper = false;
-    std::filesystem::path output;                                  ///< folder of a report; empty: none
+    std::filesystem::path output;  ///< folder of a report; empty: none
     std::string version;
 };
 

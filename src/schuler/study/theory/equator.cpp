@@ -115,8 +115,10 @@ void add_paper(report::Outcome& out, report::Json& document) {
         const char* set = sets[static_cast<std::size_t>(e.set)];
         text += fmt::format("{} {:<9}{:<5}{:<26}{:<7}{:>12}{:>17.8g}  {}\n", e.agrees ? " " : "*", e.vehicle, set, e.quantity,
                             e.unit, e.printed, e.right, e.remark);
+        // clang-format off
         rows.push_back({{"vehicle", e.vehicle}, {"set", set}, {"quantity", e.quantity}, {"unit", e.unit}, {"printed", e.printed},
                         {"right", e.right}, {"agrees", e.agrees}, {"remark", e.remark}});
+        // clang-format on
     }
     out.tables += text;
     document["paper"] = rows;
@@ -174,7 +176,9 @@ void add_comparison(const EquatorRequest& r, report::Outcome& out, report::Json&
     }
     report::Json list = report::Json::array();
     std::string text = fmt::format("\ncomplete equations (two integrations), linear equations, closed form{}\n",
-                                   !on_equator ? ": none away from the equator" : r.ellipsoid ? " (of the sphere)" : "");
+                                   !on_equator   ? ": none away from the equator"
+                                   : r.ellipsoid ? " (of the sphere)"
+                                                 : "");
     report::ReportInput page{"Errors of a strapdown INS, three ways",
                              fmt::format("{:g} m/s east, {:g} m/s north, latitude {:g} deg, height {:g} m", r.speed,
                                          r.north_speed, r.latitude_deg, r.height)};
@@ -184,9 +188,9 @@ void add_comparison(const EquatorRequest& r, report::Outcome& out, report::Json&
                             "their difference beside the linear equations and, on the equator, their closed solution."};
     for (std::size_t k = 0; k < rows.size(); k += samples / shown) {
         report::Json row{{"t_s", rows[k].t},
-                 {"nonlinear", object(rows[k].nonlinear)},
-                 {"linear", object(rows[k].linear)},
-                 {"analytic", nullptr}};
+                         {"nonlinear", object(rows[k].nonlinear)},
+                         {"linear", object(rows[k].linear)},
+                         {"analytic", nullptr}};
         text += table_line(fmt::format("  {:g} s", rows[k].t), 18, {names.begin(), names.end()}, 14);
         text += table_line("    complete", 18, cells(rows[k].nonlinear), 14) +
                 table_line("    linear", 18, cells(rows[k].linear), 14);
@@ -243,6 +247,7 @@ report::Outcome equator(const EquatorRequest& r) {
     const Vector6 constants = flight.integration_constants(r.errors);
     report::Json C = report::Json::array();
     for (const double x : constants) C.push_back(report::json_number(x));
+    // clang-format off
     report::Json document{
         {"roots", {{"beta3", report::json_number(c.beta3)}, {"omega", c.omega}, {"mu", report::json_number(c.mu)}}},
         {"all_roots", roots},
@@ -256,6 +261,7 @@ report::Outcome equator(const EquatorRequest& r) {
         {"constants", C},
         {"stable", std::ranges::none_of(flight.roots(), [](const std::complex<double>& root) { return root.real() > 0.0; })},
         {"verdict", judged}};
+    // clang-format on
     report::Outcome out;
     if (r.height < 0.0) out.warnings.push_back("the height is below the paper's sea level: its gravity is continued downwards");
     if (!r.paper) out.tables = description(flight, r.time, P, judged);

@@ -56,11 +56,7 @@ report::Json json_of(const Observability& o) {
         for (const auto& [name, coefficient] : c.with) with[name] = coefficient;
         combinations.push_back({{"state", c.state}, {"with", with}});
     }
-    return {{"rank", o.rank},
-            {"states", o.states},
-            {"pivots", o.pivots},
-            {"next_pivot", o.next},
-            {"combinations", combinations}};
+    return {{"rank", o.rank}, {"states", o.states}, {"pivots", o.pivots}, {"next_pivot", o.next}, {"combinations", combinations}};
 }
 
 /// Paper E's cases and those that explain them.

@@ -77,8 +77,10 @@ LevelFlight flight_of(const SchulerRequest& r) {
 Vector9 initial_of(const SchulerRequest& r, const LevelFlight& f) {
     const earth::Radii radii = earth::radii(f.earth.ellipsoid, f.position.lat);
     Vector9 x;
+    // clang-format off
     x << r.position.x() / ((radii.prime_vertical + r.height) * std::cos(f.position.lat)),
         r.position.y() / (radii.meridian + r.height), r.position.z(), r.velocity, r.attitude;
+    // clang-format on
     return x;
 }
 
@@ -186,7 +188,8 @@ void add_cases(const SchulerRequest& r, report::Outcome& out, report::Json& docu
     for (const Case& c : paper_cases(flight_of(still))) {
         text += fmt::format("  {:<44}{:>11}{:>13.1f}   {}\n", c.what,
                             std::isfinite(c.pendulum) ? fmt::format("{:.1f}", c.pendulum) : "-", c.whole, c.paper);
-        rows.push_back({{"case", c.what}, {"paper", c.paper}, {"pendulum_m", report::json_number(c.pendulum)}, {"whole_model_m", c.whole}});
+        rows.push_back(
+            {{"case", c.what}, {"paper", c.paper}, {"pendulum_m", report::json_number(c.pendulum)}, {"whole_model_m", c.whole}});
     }
     out.tables += text;
     document["paper"] = rows;
@@ -239,12 +242,14 @@ std::string foucault_text(const ModalAnalysis& m) {
         duration(2.0 * std::numbers::pi / m.foucault_expected));
 }
 
+// clang-format off
 report::Outcome analysis(const SchulerRequest& r) {
     check_finite({{"de", r.position.x()}, {"dn", r.position.y()}, {"dh", r.position.z()}, {"dve", r.velocity.x()},
                   {"dvn", r.velocity.y()}, {"dvh", r.velocity.z()}, {"tilt-east", r.attitude.x()}, {"tilt-north", r.attitude.y()},
                   {"azimuth", r.attitude.z()}, {"gyro-east-deg-h", r.gyro_deg_h.x()}, {"gyro-north-deg-h", r.gyro_deg_h.y()},
                   {"gyro-up-deg-h", r.gyro_deg_h.z()}, {"accel-east-ug", r.accel_ug.x()}, {"accel-north-ug", r.accel_ug.y()},
                   {"accel-up-ug", r.accel_ug.z()}, {"baro", r.baro}});
+    // clang-format on
     const LevelFlight flight = flight_of(r);
     const ConstantErrors constant{r.gyro_deg_h * units::deg_per_hour, r.accel_ug * units::ug, r.baro};
     const LevelAnalysis analysis(flight, initial_of(r, flight), constant);
@@ -283,13 +288,13 @@ report::Outcome analysis(const SchulerRequest& r) {
                          {"e_fold_s", report::json_number(e_fold_of(mode))},
                          {"amplitude", object(mode.amplitude)}});
     report::Json document{{"modes", modes},
-                  {"offset", object(m.offset)},
-                  {"drift_east_m_s", m.drift(d_lon)},
-                  {"foucault", {{"rad_s", report::json_number(m.foucault)}, {"expected_rad_s", m.foucault_expected}}},
-                  {"vertical", vertical_json(analysis)},
-                  {"error", object(history.back().errors)},
-                  {"largest", object(largest)},
-                  {"largest_horizontal_m", farthest}};
+                          {"offset", object(m.offset)},
+                          {"drift_east_m_s", m.drift(d_lon)},
+                          {"foucault", {{"rad_s", report::json_number(m.foucault)}, {"expected_rad_s", m.foucault_expected}}},
+                          {"vertical", vertical_json(analysis)},
+                          {"error", object(history.back().errors)},
+                          {"largest", object(largest)},
+                          {"largest_horizontal_m", farthest}};
     if (r.paper) add_cases(r, out, document);
     if (!r.output.empty()) add_report(r, history, out);
     out.json = report::text_of(document);

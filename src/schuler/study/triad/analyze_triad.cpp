@@ -24,8 +24,8 @@ struct Course {
 struct Done {
     TriadCase which;
     TriadStatistics statistics;
-    double one_set = 0.0;        ///< m, standard error of 48 runs
-    double standard_error = 0.0; ///< m, of all runs here
+    double one_set = 0.0;         ///< m, standard error of 48 runs
+    double standard_error = 0.0;  ///< m, of all runs here
     Course course;
 };
 
@@ -76,7 +76,7 @@ double deviation(const Done& d) {
 }
 
 constexpr std::array<const char*, 9> column_titles{"pooled, m", "+-",       "predicted", "ref. pooled", "ref. pred.",
-                                            "sigmas",    "vertical", "at 600 s",  "NEES 3/9"};
+                                                   "sigmas",    "vertical", "at 600 s",  "NEES 3/9"};
 
 std::vector<std::string> cells(const Done& d) {
     const TriadStatistics& s = d.statistics;
@@ -96,22 +96,22 @@ std::vector<std::string> cells(const Done& d) {
 report::Json json_of(const Done& d) {
     const TriadStatistics& s = d.statistics;
     report::Json row{{"case", d.which.name},
-             {"key", std::string(1, d.which.key)},
-             {"horizontal_m",
-              {{"pooled", s.pooled},
-               {"predicted", s.predicted},
-               {"standard_error", d.standard_error},
-               {"standard_error_of_48", d.one_set},
-               {"median", s.median},
-               {"low", s.low},
-               {"high", s.high}}},
-             {"vertical_m", {{"pooled", s.vertical}, {"predicted", s.predicted_vertical}}},
-             {"two_sigma_3d_m", s.two_sigma},
-             {"at_600_s_m", {{"pooled", s.end}, {"predicted", s.predicted_end}}},
-             {"switch_on_ratio", d.which.stations_on > 0.0 ? report::Json(s.at_300 / s.at_330) : report::Json(nullptr)},
-             {"nees_position", s.nees3},
-             {"nees_nine", s.nees9},
-             {"reference", nullptr}};
+                     {"key", std::string(1, d.which.key)},
+                     {"horizontal_m",
+                      {{"pooled", s.pooled},
+                       {"predicted", s.predicted},
+                       {"standard_error", d.standard_error},
+                       {"standard_error_of_48", d.one_set},
+                       {"median", s.median},
+                       {"low", s.low},
+                       {"high", s.high}}},
+                     {"vertical_m", {{"pooled", s.vertical}, {"predicted", s.predicted_vertical}}},
+                     {"two_sigma_3d_m", s.two_sigma},
+                     {"at_600_s_m", {{"pooled", s.end}, {"predicted", s.predicted_end}}},
+                     {"switch_on_ratio", d.which.stations_on > 0.0 ? report::Json(s.at_300 / s.at_330) : report::Json(nullptr)},
+                     {"nees_position", s.nees3},
+                     {"nees_nine", s.nees9},
+                     {"reference", nullptr}};
     if (d.which.reference) {
         const TriadReference& r = *d.which.reference;
         row["reference"] = {{"pooled", r.pooled},     {"predicted", r.predicted},
@@ -203,8 +203,8 @@ report::Outcome analyze_triad(const TriadRequest& request) {
             out.tables +=
                 fmt::format("{}: {:.1f} m before, {:.1f} m 30 s later\n", d.which.name, d.statistics.at_300, d.statistics.at_330);
     out.tables += "+-: standard error of the runs here; sigmas: difference from the reference, whose 48 runs scatter likewise\n";
-    out.json =
-        report::text_of(report::Json{{"runs", request.runs}, {"seed", request.seed}, {"ratio_c_e_at_600_s", report::json_number(ratio)}, {"rows", rows}});
+    out.json = report::text_of(report::Json{
+        {"runs", request.runs}, {"seed", request.seed}, {"ratio_c_e_at_600_s", report::json_number(ratio)}, {"rows", rows}});
     if (!request.output.empty()) write_files(request, all, out);
     return out;
 }

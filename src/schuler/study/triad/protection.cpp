@@ -20,9 +20,9 @@
 namespace schuler::study {
 namespace {
 
-constexpr double earliest = 90.0, scatter = 20.0, followed = 40.0, at_once = 3.0;   // s
-constexpr double least_size = 2.0, most_size = 60.0;                // m
-constexpr double ramp_followed = 100.0, least_ramp = 0.1, most_ramp = 5.0;   // s, m/s
+constexpr double earliest = 90.0, scatter = 20.0, followed = 40.0, at_once = 3.0;  // s
+constexpr double least_size = 2.0, most_size = 60.0;                               // m
+constexpr double ramp_followed = 100.0, least_ramp = 0.1, most_ramp = 5.0;         // s, m/s
 
 double followed_for(FaultKind kind) { return kind.ramp ? ramp_followed : followed; }
 
@@ -41,7 +41,8 @@ void inject(ProtectionTrial& trial, RangingLog& log, Time origin, math::Random& 
         } while (at == 1 && trial.satellite[1] == trial.satellite[0]);
         const bool ramp = kind.ramp;
         const double drawn = random.uniform();
-        const double size = ramp ? least_ramp * std::pow(most_ramp / least_ramp, drawn) : least_size + (most_size - least_size) * drawn;
+        const double size =
+            ramp ? least_ramp * std::pow(most_ramp / least_ramp, drawn) : least_size + (most_size - least_size) * drawn;
         trial.size[at] = random.uniform() < 0.5 ? -size : size;
         for (auto e = first; e != log.epochs.end(); ++e)
             for (std::size_t k = e->first; k < e->first + e->count; ++k)
@@ -83,8 +84,11 @@ struct Share {
     }
     [[nodiscard]] report::Json json() const {
         const auto [low, high] = math::binomial_bounds(events, trials, 0.95);
-        return {
-            {"events", events}, {"trials", trials}, {"share", report::json_number(value())}, {"low95", report::json_number(low)}, {"high95", report::json_number(high)}};
+        return {{"events", events},
+                {"trials", trials},
+                {"share", report::json_number(value())},
+                {"low95", report::json_number(low)},
+                {"high95", report::json_number(high)}};
     }
 };
 
@@ -161,9 +165,12 @@ report::Outcome analyze_protection(const ProtectionRequest& request) {
     }
     report::Outcome out;
     const auto [twice, ramp] = request.kind;
-    out.tables = fmt::format("{} {} of {:g} to {:g} {}, navigation grade, all satellites in view; stated risk {:g} an epoch\n", request.runs,
-                             twice ? (ramp ? "double ramps" : "double faults") : ramp ? "ramps" : "single faults", ramp ? least_ramp : least_size,
-                             ramp ? most_ramp : most_size, ramp ? "m/s" : "m", request.settings.missed_detection);
+    out.tables = fmt::format(
+        "{} {} of {:g} to {:g} {}, navigation grade, all satellites in view; stated risk {:g} an epoch\n", request.runs,
+        twice  ? (ramp ? "double ramps" : "double faults")
+        : ramp ? "ramps"
+               : "single faults",
+        ramp ? least_ramp : least_size, ramp ? most_ramp : most_size, ramp ? "m/s" : "m", request.settings.missed_detection);
     const std::pair<const char*, const Share*> lines[] = {
         {"misleading epochs (error above its level, no alarm)", &misleading_epochs},
         {"faults with a misleading epoch", &misleading},
@@ -176,10 +183,10 @@ report::Outcome analyze_protection(const ProtectionRequest& request) {
         {"faults neither left out nor alarmed", &neither},
         {"flights with a false alarm before the fault", &false_alarms}};
     report::Json json{{"runs", request.runs},
-              {"double", twice},
-              {"ramp", ramp},
-              {"missed_detection", request.settings.missed_detection},
-              {"false_alarm", request.settings.false_alarm}};
+                      {"double", twice},
+                      {"ramp", ramp},
+                      {"missed_detection", request.settings.missed_detection},
+                      {"false_alarm", request.settings.false_alarm}};
     for (const auto& [title, share] : lines) out.tables += fmt::format("  {:<54}{}\n", title, share->text());
     out.tables += fmt::format(
         "  mean level {:.1f} m horizontally, {:.1f} m vertically; largest error over its level without alarm {:.2f}, {:.2f}\n",

@@ -21,18 +21,18 @@ struct FaultKind {
 
 /// One flight with a fault in one or two satellites' pseudoranges from a random moment on.
 struct ProtectionTrial {
-    std::array<double, 2> size{0.0, 0.0};        ///< m, of a ramp m/s; 0: no fault there
-    std::array<int, 2> satellite{-1, -1};        ///< places in the list of sources
-    double start = 0.0;                          ///< s of the flight, of the fault
-    bool alarm_before = false;                   ///< without a fault: a false alarm
-    bool alarm = false, right = false;           ///< from the fault on; at least one alarm names a faulty satellite
-    double time_to_alarm = 0.0;                  ///< s
-    bool excluded = false;                       ///< the test of single epochs left ranges out within 3 s of the fault
-    std::array<int, 2> misleading{0, 0};         ///< epochs with an error above its level and no alarm yet: horizontal, vertical
-    std::array<int, 2> late{0, 0};               ///< likewise after an alarm
-    int epochs = 0, epochs_before = 0;           ///< judged with and without a fault
-    std::array<double, 2> level{0.0, 0.0};       ///< m, root mean square of the levels after the fault, horizontal, vertical
-    std::array<double, 2> worst{0.0, 0.0};       ///< largest error over its level, no alarm yet
+    std::array<double, 2> size{0.0, 0.0};   ///< m, of a ramp m/s; 0: no fault there
+    std::array<int, 2> satellite{-1, -1};   ///< places in the list of sources
+    double start = 0.0;                     ///< s of the flight, of the fault
+    bool alarm_before = false;              ///< without a fault: a false alarm
+    bool alarm = false, right = false;      ///< from the fault on; at least one alarm names a faulty satellite
+    double time_to_alarm = 0.0;             ///< s
+    bool excluded = false;                  ///< the test of single epochs left ranges out within 3 s of the fault
+    std::array<int, 2> misleading{0, 0};    ///< epochs with an error above its level and no alarm yet: horizontal, vertical
+    std::array<int, 2> late{0, 0};          ///< likewise after an alarm
+    int epochs = 0, epochs_before = 0;      ///< judged with and without a fault
+    std::array<double, 2> level{0.0, 0.0};  ///< m, root mean square of the levels after the fault, horizontal, vertical
+    std::array<double, 2> worst{0.0, 0.0};  ///< largest error over its level, no alarm yet
 };
 
 /// Trial j: geometry j mod 48 of paper D's scenario with all satellites in view (math.md 5.4), its own noise, a fault of random sign and of a
@@ -47,7 +47,7 @@ struct ProtectionRequest {
     FaultKind kind;
     int jobs = 0;
     fusion::ProtectionSettings settings;
-    std::filesystem::path output;                ///< folder of trials.csv; empty: none
+    std::filesystem::path output;  ///< folder of trials.csv; empty: none
     std::function<void(double)> progress;
 };
 /// Missed detections and false alarms with 95 % bounds beside the stated risk.

@@ -23,7 +23,7 @@ namespace {
 using Eigen::Vector3d;
 
 using units::deg;
-constexpr double warm_up = 180.0, flight = 600.0;   // s
+constexpr double warm_up = 180.0, flight = 600.0;  // s
 const Vector3d lever_arm_b(2.0, 0.5, -3.0);
 constexpr double level_nav = 0.005 * deg, heading_nav = 0.05 * deg, level_tac = 0.1 * deg, heading_tac = 0.5 * deg;
 
@@ -92,7 +92,7 @@ RangingLog ranges_of(const TriadCase& which, std::size_t k, const sim::Scenario&
     r.stations = stations_about(path->at(std::min(480.0, s.duration)).position, s.earth, which.stations);
     r.errors = range_errors_of(which);
     r.masks.throughout = true;
-    r.blocked.push_back({{"stations"}, 0.0, warm_up + which.stations_on + 0.5});   // first used a second later
+    r.blocked.push_back({{"stations"}, 0.0, warm_up + which.stations_on + 0.5});  // first used a second later
     if (which.satellites < 99) r.limits.push_back({warm_up + 0.5, which.satellites, k});
     return sim::simulate_ranges(frame, *path, r).log;
 }

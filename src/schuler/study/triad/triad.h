@@ -15,25 +15,25 @@ namespace schuler::study {
 
 /// What math.md 5.5 gives for a case: pooled errors from 300 s after the loss on, metres, observed and predicted.
 struct TriadReference {
-    double pooled = 0, predicted = 0;                ///< horizontal
+    double pooled = 0, predicted = 0;  ///< horizontal
     double vertical = 0, predicted_vertical = 0;
-    double end = 0;                                  ///< horizontal at 600 s, observed
+    double end = 0;  ///< horizontal at 600 s, observed
     double nees3 = 0, nees9 = 0;
 };
 
 /// What is in view after the warm-up, and how good the instruments are.
 struct TriadCase {
     std::string name;
-    char key = 'a';                      ///< of the arrangement, as in math.md 5.5; s: e from 300 s on, g: f and four stations
-    std::size_t satellites = 4;          ///< 99: all in view
-    std::size_t stations = 0;            ///< number of stations, the first of four
-    double stations_on = 0.0;            ///< s after the loss
-    bool tactical = false;               ///< otherwise navigation grade
-    bool tcxo = false;                   ///< otherwise OCXO
+    char key = 'a';              ///< of the arrangement, as in math.md 5.5; s: e from 300 s on, g: f and four stations
+    std::size_t satellites = 4;  ///< 99: all in view
+    std::size_t stations = 0;    ///< number of stations, the first of four
+    double stations_on = 0.0;    ///< s after the loss
+    bool tactical = false;       ///< otherwise navigation grade
+    bool tcxo = false;           ///< otherwise OCXO
     bool baro = true;
-    double baro_sigma = 30.0;            ///< m
-    double station_white = 10.0, station_correlated = 5.0;   ///< m, of each station
-    double network = 10.0;               ///< m, of all stations together
+    double baro_sigma = 30.0;                               ///< m
+    double station_white = 10.0, station_correlated = 5.0;  ///< m, of each station
+    double network = 10.0;                                  ///< m, of all stations together
     std::optional<TriadReference> reference;
     fusion::Mechanization mechanization = fusion::Mechanization::Geographic;
 };
@@ -46,20 +46,20 @@ struct TriadCase {
 
 inline constexpr std::size_t triad_geometries = 48;
 
-inline constexpr std::size_t triad_epochs = 601;   ///< seconds after the loss, 0 to 600
+inline constexpr std::size_t triad_epochs = 601;  ///< seconds after the loss, 0 to 600
 
 /// One run: errors against truth and the filter's sigmas, second by second after the loss.
 struct TriadRun {
-    std::array<double, triad_epochs> horizontal, vertical;                   ///< m, of errors
+    std::array<double, triad_epochs> horizontal, vertical;                      ///< m, of errors
     std::array<double, triad_epochs> predicted_horizontal, predicted_vertical;  ///< m, one sigma
-    std::array<double, triad_epochs> nees3, nees9;                           ///< position; position, velocity, attitude
+    std::array<double, triad_epochs> nees3, nees9;                              ///< position; position, velocity, attitude
 };
 
 /// The flight of run `k` as a log of ranges, inertial unit and barometer, and what the filter assumes. `seed` 0: noise seeded by k alone.
 struct TriadFlight {
     Recording recording;
     fusion::Settings settings;
-    Time origin;                         ///< of the recording's times
+    Time origin;  ///< of the recording's times
 };
 [[nodiscard]] TriadFlight triad_flight(const TriadCase& which, std::size_t k, std::uint64_t seed, double duration = 780.0);
 
@@ -68,13 +68,13 @@ struct TriadFlight {
 
 /// Statistics over runs, every ten seconds from 300 s after the loss on (math.md 5.5) by default.
 struct TriadStatistics {
-    double median = 0, low = 0, high = 0;            ///< m, of the runs' root mean squares (2.5 and 97.5 %)
-    double pooled = 0, predicted = 0;                ///< m, root mean square over runs and epochs, horizontal
-    double vertical = 0, predicted_vertical = 0;     ///< m
-    double two_sigma = 0;                            ///< m, median over runs of twice the 3-D error's root mean square
-    double end = 0, predicted_end = 0;               ///< m, horizontal at 600 s
-    double at_300 = 0, at_330 = 0;                   ///< m, horizontal at those seconds
-    double nees3 = 0, nees9 = 0;                     ///< a degree of freedom
+    double median = 0, low = 0, high = 0;         ///< m, of the runs' root mean squares (2.5 and 97.5 %)
+    double pooled = 0, predicted = 0;             ///< m, root mean square over runs and epochs, horizontal
+    double vertical = 0, predicted_vertical = 0;  ///< m
+    double two_sigma = 0;                         ///< m, median over runs of twice the 3-D error's root mean square
+    double end = 0, predicted_end = 0;            ///< m, horizontal at 600 s
+    double at_300 = 0, at_330 = 0;                ///< m, horizontal at those seconds
+    double nees3 = 0, nees9 = 0;                  ///< a degree of freedom
 };
 [[nodiscard]] TriadStatistics statistics_of(const std::vector<TriadRun>& runs);
 

@@ -8,10 +8,10 @@ namespace schuler::study {
 namespace {
 
 struct Arrangement {
-    char key;                    ///< s: those of e, the stations from 300 s on
+    char key;  ///< s: those of e, the stations from 300 s on
     const char* name;
     std::size_t satellites, stations;
-    double stations_on;          ///< s after the loss
+    double stations_on;  ///< s after the loss
 };
 constexpr std::array<Arrangement, 8> arrangements{{{'a', "a 4 SV", 4, 0, 0.0},
                                                    {'b', "b 3 SV", 3, 0, 0.0},
@@ -26,8 +26,8 @@ struct Row {
     char key;
     const char* suffix;
     bool tactical, tcxo;
-    double baro_sigma;           ///< m, 0: none
-    double station_white, station_correlated, network;   ///< m
+    double baro_sigma;                                  ///< m, 0: none
+    double station_white, station_correlated, network;  ///< m
     TriadReference reference;
 };
 /// Figures in the order of TriadReference.

@@ -10,7 +10,7 @@
 namespace schuler::study {
 namespace {
 
-constexpr std::size_t from = 300, step = 10;   // s after the loss; the reference counts its errors at the same instants
+constexpr std::size_t from = 300, step = 10;  // s after the loss; the reference counts its errors at the same instants
 constexpr std::size_t instants = (triad_epochs - from - 1) / step + 1;
 
 }  // namespace

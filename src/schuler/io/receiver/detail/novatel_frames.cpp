@@ -25,9 +25,11 @@ void split(std::string_view text, std::vector<std::string_view>& cells) {
 }
 
 /// Numbers of the logs of raw measurements, by which ASCII and binary are read alike.
+// clang-format off
 int id_of(std::string_view name) {
     static const std::map<std::string_view, int> ids = {{"GPSEPHEM", 7},        {"IONUTC", 8},          {"RAWEPHEM", 41},       {"RANGE", 43},
                                                         {"GLOEPHEMERIS", 723},  {"GALEPHEMERIS", 1122}, {"BDSEPHEMERIS", 1696}, {"INSCONFIG", 1945}};
+    // clang-format on
     const auto it = ids.find(name);
     return it == ids.end() ? 0 : it->second;
 }
@@ -45,7 +47,10 @@ public:
         if (header < short_header || (!is_short && header < long_header) || b.size() < header + body + crc_size) return 0;
         if (novatel_crc(b.substr(0, header + body)) != load<std::uint32_t>(b, header + body)) return 0;
         const std::size_t used = header + body + crc_size;
-        const unsigned form = is_short ? 0U : static_cast<unsigned char>(b[6]);   // bits 0 to 4: source of the measurements; bit 7: an answer to a command
+        const unsigned form =
+            is_short
+                ? 0U
+                : static_cast<unsigned char>(b[6]);  // bits 0 to 4: source of the measurements; bit 7: an answer to a command
         if ((form & 0x80U) != 0) return used;
         message_.name = {};
         message_.cells.clear();
@@ -78,10 +83,12 @@ public:
         const std::size_t week_at = text[0] == '%' ? 1 : 5;
         if (header_.size() < week_at + 2) return used;
         message_.name = header_[0];
-        const std::size_t underline = message_.name.rfind('_');   // RANGEA_1 is of the second antenna
-        message_.secondary = underline != std::string_view::npos && underline + 2 == message_.name.size() && message_.name.back() != '0';
-        if (underline != std::string_view::npos && underline + 2 == message_.name.size()) message_.name = message_.name.substr(0, underline);
-        if (!message_.name.ends_with('A')) return used;           // an abbreviated log, or a response
+        const std::size_t underline = message_.name.rfind('_');  // RANGEA_1 is of the second antenna
+        message_.secondary =
+            underline != std::string_view::npos && underline + 2 == message_.name.size() && message_.name.back() != '0';
+        if (underline != std::string_view::npos && underline + 2 == message_.name.size())
+            message_.name = message_.name.substr(0, underline);
+        if (!message_.name.ends_with('A')) return used;  // an abbreviated log, or a response
         message_.name.remove_suffix(1);
         if (message_.name.empty()) return used;
         message_.id = id_of(message_.name);

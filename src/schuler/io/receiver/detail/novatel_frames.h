@@ -29,7 +29,7 @@ struct NovatelMessage {
 };
 
 struct NovatelScan {
-    std::size_t damaged = 0, first_damaged = 0;   ///< logs with a wrong check sum, and the byte of the first
+    std::size_t damaged = 0, first_damaged = 0;  ///< logs with a wrong check sum, and the byte of the first
 };
 
 /// Gives every log in turn to `take`, until it says false.
@@ -54,7 +54,8 @@ public:
         }
         const double v = number();
         if constexpr (std::is_floating_point_v<T>) return static_cast<T>(v);
-        const bool fits = v >= static_cast<double>(std::numeric_limits<T>::lowest()) && v <= static_cast<double>(std::numeric_limits<T>::max());
+        const bool fits =
+            v >= static_cast<double>(std::numeric_limits<T>::lowest()) && v <= static_cast<double>(std::numeric_limits<T>::max());
         return fits ? static_cast<T>(v) : T{};
     }
     /// A whole number that ASCII writes in base 16.

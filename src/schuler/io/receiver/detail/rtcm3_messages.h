@@ -17,8 +17,8 @@ enum class Decoded { Used, Foreign, Damaged };
 
 /// What an ephemeris tells about the date.
 struct MessageDate {
-    Time reference;                      ///< of its clock, in the last week of that count which is not after a given instant
-    int wrap = 0;                        ///< weeks after which the count begins anew
+    Time reference;  ///< of its clock, in the last week of that count which is not after a given instant
+    int wrap = 0;    ///< weeks after which the count begins anew
 };
 /// Nothing for messages that count no weeks.
 [[nodiscard]] std::optional<MessageDate> rtcm3_date(std::string_view payload, int number, Time latest);
@@ -26,9 +26,9 @@ struct MessageDate {
 /// Measurements of one multiple-signal message, and their instant.
 struct MsmEpoch {
     Time time;
-    bool more = false;                   ///< further messages of the same instant follow
+    bool more = false;  ///< further messages of the same instant follow
     std::vector<gnss::SignalObservation> observations;
-    std::vector<int> locks;              ///< lock time indicator of each, which grows while the phase is held
+    std::vector<int> locks;  ///< lock time indicator of each, which grows while the phase is held
 };
 /// Whether a message number is one of MSM4 to MSM7 of a known system.
 [[nodiscard]] bool is_msm(int number);

@@ -17,9 +17,9 @@ template <class Number>
 
 /// One message: class and id, payload.
 struct UbxMessage {
-    unsigned kind = 0;                   ///< class * 256 + id
+    unsigned kind = 0;  ///< class * 256 + id
     std::string_view payload;
-    std::size_t size = 0;                ///< of the whole message
+    std::size_t size = 0;  ///< of the whole message
 };
 
 enum class Scan { Message, Damaged, None };

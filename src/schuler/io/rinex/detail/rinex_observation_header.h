@@ -13,9 +13,9 @@ namespace schuler::io::detail {
 
 /// What one field of a satellite line is.
 struct ObservationType {
-    char kind = ' ';                     ///< C, L, D, S; blank: not used
-    std::size_t signal = 0;              ///< in SystemTypes::signals
-    double scale = 1.0;                  ///< divides the value
+    char kind = ' ';         ///< C, L, D, S; blank: not used
+    std::size_t signal = 0;  ///< in SystemTypes::signals
+    double scale = 1.0;      ///< divides the value
 };
 struct SystemTypes {
     std::vector<ObservationType> types;
@@ -24,8 +24,8 @@ struct SystemTypes {
 
 struct ObservationHeader {
     double version = 0.0;
-    char file_system = 'G';              ///< of satellites without a letter (RINEX 2)
-    char time_system = 'G';              ///< G, R (UTC), C
+    char file_system = 'G';  ///< of satellites without a letter (RINEX 2)
+    char time_system = 'G';  ///< G, R (UTC), C
     std::array<SystemTypes, gnss::system_count> systems;
 };
 

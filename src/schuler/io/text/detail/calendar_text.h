@@ -36,7 +36,7 @@ inline constexpr std::int64_t ns_per_second = 1'000'000'000;
 /// A minute of a day and the nanoseconds after it, kept apart because leap seconds belong to minutes.
 struct MinuteAndRest {
     int hour = 0, minute = 0;
-    std::int64_t rest_ns = 0;   ///< below 61 s
+    std::int64_t rest_ns = 0;  ///< below 61 s
 };
 
 [[nodiscard]] inline std::optional<MinuteAndRest> time_of_day(std::string_view hour, std::string_view minute,
@@ -55,7 +55,8 @@ struct MinuteAndRest {
 [[nodiscard]] inline std::optional<std::int64_t> calendar_nanoseconds(std::string_view text) {
     std::int64_t days = 0;
     if (text.size() > 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4] && (text[10] == 'T' || text[10] == ' ')) {
-        const auto y = small_integer(text.substr(0, 4)), m = small_integer(text.substr(5, 2)), d = small_integer(text.substr(8, 2));
+        const auto y = small_integer(text.substr(0, 4)), m = small_integer(text.substr(5, 2)),
+                   d = small_integer(text.substr(8, 2));
         if (!y || !m || !d || !is_date(*y, *m, *d)) return std::nullopt;
         using namespace std::chrono;
         days = sys_days(year{*y} / *m / *d).time_since_epoch().count();
