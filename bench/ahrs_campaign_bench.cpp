@@ -53,8 +53,7 @@ int main(int argc, char** argv) {
     const std::uint64_t first = argc > 2 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : 1;
     const double share = 1.0 / logs;
     fmt::print(
-        "{} logs of each kind from seed {}: mean total error, deg, offset removed and raw, inclination; largest removed (its "
-        "seed), raw; "
+        "{} logs of each kind from seed {}: mean total error, deg, offset removed and raw, inclination; largest removed (its seed), raw; "
         "% of epochs beyond 3 sigma, heading, tilt\n{:<22}{:>62}{:>62}\n",
         logs, first, "", "online", "offline");
     std::array<Score, 2> all{};

@@ -118,8 +118,7 @@ void calibration_and_magnets(const std::vector<Trial>& trials, std::uint64_t see
                                   {"gains off by 4 %", distorted(0.04, 0.0)},
                                   {"gains and 15 uT", distorted(0.05, 15e-6)}};
     fmt::print(
-        "total error, deg RMS, mean over {} trials (largest); then with --calibrate: mean, trials in which it was applied, by "
-        "how much it is "
+        "total error, deg RMS, mean over {} trials (largest); then with --calibrate: mean, trials in which it was applied, by how much it is "
         "worse in the worst\n{:<22}{:>54}{:>58}\n{:<22}{:>16}{:>16}  {:>18}{:>16}{:>16}  {:>18}\n",
         trials.size(), "", "online", "offline", "", "removed", "raw", "calibrated", "removed", "raw", "calibrated");
     for (const Case& c : cases) {

@@ -316,16 +316,15 @@ void Service::add_run_routes() {
              for (Json& run : all) run = run_now(run["id"]);
              return json(all);
          }});
-    routes_.push_back({"POST",
-                       "/api/runs",
-                       "starts a run",
-                       {},
-                       "{kind: scenario or dataset, command: run (default), gravity, ahrs (of a data set) or montecarlo (of a "
-                       "scenario, with runs: how many "
-                       "seeds), arguments: {option: value} as /api/commands, title, settings: {key: value} or toml: text, "
-                       "dataset: name, output_rate_hz}",
-                       "201 and the run",
-                       [this](const Request& r) { return start_run(Json::parse(r.body)); }});
+    routes_.push_back(
+        {"POST",
+         "/api/runs",
+         "starts a run",
+         {},
+         "{kind: scenario or dataset, command: run (default), gravity, ahrs (of a data set) or montecarlo (of a scenario, with runs: how many "
+         "seeds), arguments: {option: value} as /api/commands, title, settings: {key: value} or toml: text, dataset: name, output_rate_hz}",
+         "201 and the run",
+         [this](const Request& r) { return start_run(Json::parse(r.body)); }});
     routes_.push_back({"GET",
                        "/api/runs/{run}",
                        "one run with its summary",

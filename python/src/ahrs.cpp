@@ -144,10 +144,10 @@ void bind_ahrs(py::module_& m) {
                      "Attitude and heading from gyro, accelerometer and magnetometer: tilt and heading in channels of their own.")
         .def(py::init([](const std::optional<MekfSettings>& settings) { return Mekf(settings.value_or(MekfSettings{})); }),
              py::arg("settings") = none)
-        .def("feed", &feed, py::arg("dt"), py::arg("gyro"), py::arg("accel"), py::arg("mag") = none,
-             "q_nb after each sample (n, 4), or (4,) of one. dt: s, one number or (n,); gyro: rad/s, accel: m/s^2, mag: T, body "
-             "axes "
-             "forward-right-down, (n, 3) or (3,); rows of mag with NaN are no samples.")
+        .def(
+            "feed", &feed, py::arg("dt"), py::arg("gyro"), py::arg("accel"), py::arg("mag") = none,
+            "q_nb after each sample (n, 4), or (4,) of one. dt: s, one number or (n,); gyro: rad/s, accel: m/s^2, mag: T, body axes "
+            "forward-right-down, (n, 3) or (3,); rows of mag with NaN are no samples.")
         .def(
             "forward_speed",
             [](Mekf& f, double speed, double std) {

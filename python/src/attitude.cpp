@@ -68,8 +68,7 @@ void bind_attitude(py::module_& m) {
             return rows("C_nb", C_nb, 9, true, 3, [](const double* a, double* b) { put(math::rpy_from_dcm(matrix(a)), b); });
         },
         py::arg("C_nb"),
-        "Roll, pitch, heading (..., 3), rad, of C_nb (..., 3, 3). Heading from 0 to 2 pi; at a pitch of 90 deg the roll is "
-        "zero.");
+        "Roll, pitch, heading (..., 3), rad, of C_nb (..., 3, 3). Heading from 0 to 2 pi; at a pitch of 90 deg the roll is zero.");
     m.def(
         "quaternion_from_rpy",
         [](const py::object& rpy) {

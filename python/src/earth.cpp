@@ -110,8 +110,7 @@ void bind_earth(py::module_& m) {
             });
         },
         py::arg("position"), py::arg("model") = "somigliana",
-        "Normal gravity north, east, down (n, 3), m/s^2, at latitude, longitude, height (rad, m). Models: somigliana, grs80, "
-        "kf-gins, paper_a, paper_c.");
+        "Normal gravity north, east, down (n, 3), m/s^2, at latitude, longitude, height (rad, m). Models: somigliana, grs80, kf-gins, paper_a, paper_c.");
     m.def(
         "C_en", [](double lat, double lon) { return array_of(earth::C_en(lat, lon)); }, py::arg("lat"), py::arg("lon"),
         "(3, 3): north-east-down at a latitude and longitude (rad) to Earth-fixed axes.");

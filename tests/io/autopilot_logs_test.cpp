@@ -37,14 +37,11 @@ constexpr float gyro_of(int i) { return 0.01F * static_cast<float>(i); }
 test::Ulog sample_ulog() {
     test::Ulog log;
     log.define(
-        "sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t "
-        "accelerometer_timestamp_relative;float[3] accelerometer_m_s2;");
+        "sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t accelerometer_timestamp_relative;float[3] accelerometer_m_s2;");
     log.define("inner_s:float a;float b;");
     log.define(
-        "vehicle_gps_position:uint64_t timestamp;inner_s[2] nested;int32_t lat;int32_t lon;int32_t alt;int32_t "
-        "alt_ellipsoid;float s_variance_m_s;float eph;float epv;"
-        "float vel_n_m_s;float vel_e_m_s;float vel_d_m_s;bool vel_ned_valid;uint8_t fix_type;uint8_t satellites_used;uint8_t[5] "
-        "_padding0;");
+        "vehicle_gps_position:uint64_t timestamp;inner_s[2] nested;int32_t lat;int32_t lon;int32_t alt;int32_t alt_ellipsoid;float s_variance_m_s;float eph;float epv;"
+        "float vel_n_m_s;float vel_e_m_s;float vel_d_m_s;bool vel_ned_valid;uint8_t fix_type;uint8_t satellites_used;uint8_t[5] _padding0;");
     log.define("vehicle_air_data:uint64_t timestamp;float baro_alt_meter;float baro_pressure_pa;");
     log.define("vehicle_rates_setpoint:uint64_t timestamp;float roll;float pitch;float yaw;");
     log.define("vehicle_attitude:uint64_t timestamp;float[4] q;");
@@ -179,13 +176,12 @@ TEST_F(AutopilotLogs, DataflashGivesEveryInstrumentWithItsUnits) {
 
 TEST_F(AutopilotLogs, DataflashAsTextIsTheSameLog) {
     WarningLog warnings;
-    const StreamLog log = read("flight.log",
-                               "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 1, 35, IMU, Qffffff, "
-                               "TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ\n"
-                               "FMT, 2, 35, IMU2, Qffffff, TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ\nIMU, 1000000, 0.1, 0.2, 0.3, 1, "
-                               "2, -9.8\nIMU2, 1000000, 0.5, 0.2, 0.3, 1, 2, -9.8\n"
-                               "IMU, 1020000, 0.1, 0.2\nIMU, 1040000, 0.4, 0.2, 0.3, 1, 2, -9.8\n",
-                               warnings);
+    const StreamLog log = read(
+        "flight.log",
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 1, 35, IMU, Qffffff, TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ\n"
+        "FMT, 2, 35, IMU2, Qffffff, TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ\nIMU, 1000000, 0.1, 0.2, 0.3, 1, 2, -9.8\nIMU2, 1000000, 0.5, 0.2, 0.3, 1, 2, -9.8\n"
+        "IMU, 1020000, 0.1, 0.2\nIMU, 1040000, 0.4, 0.2, 0.3, 1, 2, -9.8\n",
+        warnings);
     ASSERT_TRUE(log.find("imu") != nullptr && log.find("imu1") != nullptr);
     EXPECT_EQ(log.find("imu")->rows(), 2U);
     EXPECT_EQ(at(*log.find("imu1"), "gyro_x_rad_s", 0), 0.5);

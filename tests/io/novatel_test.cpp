@@ -115,8 +115,7 @@ TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
     put(body, std::uint32_t{1}), put(body, 1.45e-4), put(body, 4.0);
     text += ",566,36000.0,-7.9e-09,-5.35e-05,7.4e-12,0.0,TRUE,1.45e-04,4.0";
     const std::string glonass =
-        "43,8,1,0,2244,35118000,10782,792,0,0,87,0,9.02e+06,-6.145e+06,2.307e+07,-1.5e+03,2.3e+03,1.2e+03,2.7e-06,-2.7e-06,-1.8e-"
-        "06,-2.0e-04,-5.5e-09,1.8e-12,78810,3,2,2,13";
+        "43,8,1,0,2244,35118000,10782,792,0,0,87,0,9.02e+06,-6.145e+06,2.307e+07,-1.5e+03,2.3e+03,1.2e+03,2.7e-06,-2.7e-06,-1.8e-06,-2.0e-04,-5.5e-09,1.8e-12,78810,3,2,2,13";
     for (const bool ascii_form : {true, false}) {
         const auto file = write("eph.gps", (ascii_form ? ascii("GPSEPHEMA", 35'200.0, text) : binary(7, 35'200.0, body)) +
                                                ascii("GLOEPHEMERISA", 35'200.0, glonass));

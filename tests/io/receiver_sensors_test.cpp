@@ -65,15 +65,13 @@ TEST_F(ReceiverSensors, NovatelAsciiAndBinaryMixed) {
     std::string log = "[COM1]OK\r\n";
     for (int i = 0; i < 20; ++i) {
         const double t = 1000.0 + i;
-        log +=
-            novatel_ascii(fmt::format("#BESTPOSA,COM1,0,85.0,FINESTEERING,2200,{:.3f},02040008,b1f6,32768;SOL_COMPUTED,NARROW_"
-                                      "INT,51.116,-114.038,1059.7,-16.9,WGS84,0.018,0.015,0.028,"
-                                      "\"\",0.0,0.0,20,18,18,0,00,00,00,11",
-                                      t));
-        log +=
-            novatel_ascii(fmt::format("#BESTVELA,COM1,0,85.0,FINESTEERING,2200,{:.3f},02040008,b1f6,32768;SOL_COMPUTED,DOPPLER_"
-                                      "VELOCITY,0.15,0.0,5.0,90.0,0.25,0.0",
-                                      t));
+        log += novatel_ascii(fmt::format(
+            "#BESTPOSA,COM1,0,85.0,FINESTEERING,2200,{:.3f},02040008,b1f6,32768;SOL_COMPUTED,NARROW_INT,51.116,-114.038,1059.7,-16.9,WGS84,0.018,0.015,0.028,"
+            "\"\",0.0,0.0,20,18,18,0,00,00,00,11",
+            t));
+        log += novatel_ascii(fmt::format(
+            "#BESTVELA,COM1,0,85.0,FINESTEERING,2200,{:.3f},02040008,b1f6,32768;SOL_COMPUTED,DOPPLER_VELOCITY,0.15,0.0,5.0,90.0,0.25,0.0",
+            t));
         log += novatel_ascii(fmt::format(
             "%INSPVASA,2200,{:.3f};2200,{:.3f},51.116,-114.038,1042.8,1.0,2.0,0.5,1.5,-2.5,90.0,INS_SOLUTION_GOOD", t, t));
         for (int k = 0; k < 10; ++k) log += rawimusx(t + 0.1 * k, 1000, -200, 300, 50, -60, 70, 31);
@@ -220,11 +218,10 @@ TEST_F(ReceiverSensors, MeasurementsOfMessagesComeWithTheirSigns) {
 
 TEST_F(ReceiverSensors, GpxTracksHaveTheirTimes) {
     WarningLog warnings;
-    const auto file = write("walk.gpx",
-                            "<?xml version=\"1.0\"?>\n<gpx version=\"1.1\"><trk><trkseg>\n<trkpt lon='11.5' "
-                            "lat='48.1'><ele>512.5</ele><time>2024-05-01T12:00:00.25Z</time></trkpt>\n"
-                            "<trkpt lat=\"48.2\" lon=\"11.6\"><time>2024-05-01T14:00:01+02:00</time></trkpt><trkpt lat=\"48.2\" "
-                            "lon=\"11.6\"/></trkseg></trk></gpx>");
+    const auto file = write(
+        "walk.gpx",
+        "<?xml version=\"1.0\"?>\n<gpx version=\"1.1\"><trk><trkseg>\n<trkpt lon='11.5' lat='48.1'><ele>512.5</ele><time>2024-05-01T12:00:00.25Z</time></trkpt>\n"
+        "<trkpt lat=\"48.2\" lon=\"11.6\"><time>2024-05-01T14:00:01+02:00</time></trkpt><trkpt lat=\"48.2\" lon=\"11.6\"/></trkseg></trk></gpx>");
     const Stream gnss = read(file, "gpx", warnings).streams.at(0);
     ASSERT_EQ(gnss.rows(), 2U);
     EXPECT_EQ(gnss.time_ns[1] - gnss.time_ns[0], 750'000'000);
@@ -235,11 +232,10 @@ TEST_F(ReceiverSensors, GpxTracksHaveTheirTimes) {
 
 TEST_F(ReceiverSensors, InertialExplorerExportsInBothAngleForms) {
     WarningLog warnings;
-    const auto file = write("export.txt",
-                            "Project: test\n\nGPSTime Week Latitude Longitude H-Ell VNorth VEast VUp Heading Pitch Roll\n(sec) "
-                            "(wks) (+/-D M S) (+/-D M S) (m) (m/s) (m/s) (m/s) (deg) (deg) (deg)\n"
-                            "100.000 2200 -48 30 36.0 11 15 0.0 512.5 1.0 2.0 0.5 90.0 1.5 -0.5\n101.000 2200 -48.51 11.25 512.5 "
-                            "1.0 2.0 0.5 90.0 1.5 -0.5\n");
+    const auto file = write(
+        "export.txt",
+        "Project: test\n\nGPSTime Week Latitude Longitude H-Ell VNorth VEast VUp Heading Pitch Roll\n(sec) (wks) (+/-D M S) (+/-D M S) (m) (m/s) (m/s) (m/s) (deg) (deg) (deg)\n"
+        "100.000 2200 -48 30 36.0 11 15 0.0 512.5 1.0 2.0 0.5 90.0 1.5 -0.5\n101.000 2200 -48.51 11.25 512.5 1.0 2.0 0.5 90.0 1.5 -0.5\n");
     const Stream s = read(file, "waypoint", warnings).streams.at(0);
     ASSERT_EQ(s.rows(), 2U);
     EXPECT_NEAR(at(s, "lat_deg", 0), -48.51, 1e-12);
@@ -276,15 +272,14 @@ TEST_F(ReceiverSensors, KittiFoldersAreOneLog) {
 }
 
 TEST_F(ReceiverSensors, ObGinsProjectsAreReadAsKfGinsProjects) {
-    (void)write("gnss.pos",
-                "99.0 30.0 114.0 20.0 0.01 0.01 0.03\n100.0 30.5 114.5 23.0 0.008 0.011 0.036\n101.0 30.6 114.6 23.0 0.008 0.011 "
-                "0.036\n");
-    const auto file = write("ob.yaml",
-                            "imufile: \"x/imu.txt\"\ngnssfile: \"dataset/gnss.pos\"\noutputpath: \"x/\"\nwindows: 30\nstarttime: "
-                            "100\nendtime: 200\ninitvel: [ 0, 0, 0 ]\ninitatt: [ 0, 0, 276 ]\n"
-                            "imudatalen: 8\nimudatarate: 200\nantlever: [ -0.1, 0.3, 0.1 ]\nodometer:\n    std: [ 1, 1, 1 "
-                            "]\nimumodel:\n    arw: 0.1\n    vrw: 0.1\n    gbstd: 25.0\n    abstd: 200.0\n"
-                            "    corrtime: 1.0\nisuseoutage: true\n");
+    (void)write(
+        "gnss.pos",
+        "99.0 30.0 114.0 20.0 0.01 0.01 0.03\n100.0 30.5 114.5 23.0 0.008 0.011 0.036\n101.0 30.6 114.6 23.0 0.008 0.011 0.036\n");
+    const auto file = write(
+        "ob.yaml",
+        "imufile: \"x/imu.txt\"\ngnssfile: \"dataset/gnss.pos\"\noutputpath: \"x/\"\nwindows: 30\nstarttime: 100\nendtime: 200\ninitvel: [ 0, 0, 0 ]\ninitatt: [ 0, 0, 276 ]\n"
+        "imudatalen: 8\nimudatarate: 200\nantlever: [ -0.1, 0.3, 0.1 ]\nodometer:\n    std: [ 1, 1, 1 ]\nimumodel:\n    arw: 0.1\n    vrw: 0.1\n    gbstd: 25.0\n    abstd: 200.0\n"
+        "    corrtime: 1.0\nisuseoutage: true\n");
     ASSERT_TRUE(is_kfgins_project(TextInput(file)));
     const KfGinsProject p = read_kfgins_project(TextInput(file));
     EXPECT_EQ(p.gnss_path, folder() / "gnss.pos") << "beside the project where its own path is not there";
@@ -295,10 +290,10 @@ TEST_F(ReceiverSensors, ObGinsProjectsAreReadAsKfGinsProjects) {
 
 TEST_F(ReceiverSensors, QualitiesWrittenAsDoublesAreNumbers) {
     WarningLog warnings;
-    const auto file = write("a.pos",
-                            "%  GPST latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m)\n2200 100.000 48.1 11.5 "
-                            "512.0 1.0000000 12.000 0.01 0.01 0.02\n"
-                            "2200 101.000 48.1 11.5 512.0 2.0000000 12.000 0.01 0.01 0.02\n");
+    const auto file = write(
+        "a.pos",
+        "%  GPST latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m)\n2200 100.000 48.1 11.5 512.0 1.0000000 12.000 0.01 0.01 0.02\n"
+        "2200 101.000 48.1 11.5 512.0 2.0000000 12.000 0.01 0.01 0.02\n");
     const RtklibPos pos = read_rtklib_pos(TextInput(file), warnings);
     ASSERT_EQ(pos.fixes.size(), 2U);
     EXPECT_EQ(pos.fixes[0].fix, FixType::RtkFixed);

@@ -144,8 +144,7 @@ TEST_F(RobotLogs, DatabaseOfRos2) {
         db,
         "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,serialization_format TEXT NOT NULL);"
         "CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
-        "INSERT INTO topics VALUES(5,'/imu','sensor_msgs/msg/Imu','cdr');INSERT INTO topics "
-        "VALUES(6,'/rosout','rcl_interfaces/msg/Log','cdr');",
+        "INSERT INTO topics VALUES(5,'/imu','sensor_msgs/msg/Imu','cdr');INSERT INTO topics VALUES(6,'/rosout','rcl_interfaces/msg/Log','cdr');",
         nullptr, nullptr, nullptr);
     sqlite3_stmt* insert = nullptr;
     sqlite3_prepare_v2(db, "INSERT INTO messages(topic_id,timestamp,data) VALUES(?,?,?)", -1, &insert, nullptr);

@@ -113,11 +113,11 @@ TEST(LiveDecoder, RowsOfTablesAndLinesOfJson) {
     EXPECT_EQ(std::get<ImuSample>(rows[1]).accel.z(), -9.81);
     EXPECT_EQ(csv->counters().garbage, 2u);
     const auto json = make_decoder(StreamFormat::Json, Instrument::Imu, {});
-    const std::vector<Sample> lines = decoded(*json,
-                                              "{\"type\":\"imu\",\"time_ns\":123456789012345678,\"gyro_rad_s\":[1,2,3],\"accel_m_"
-                                              "s2\":[4,5,null]}\r\n[1]\n{\"type\":\"x\"}\n"
-                                              "{\"type\":\"heading\",\"time_s\":2,\"heading_deg\":90}\n",
-                                              3);
+    const std::vector<Sample> lines = decoded(
+        *json,
+        "{\"type\":\"imu\",\"time_ns\":123456789012345678,\"gyro_rad_s\":[1,2,3],\"accel_m_s2\":[4,5,null]}\r\n[1]\n{\"type\":\"x\"}\n"
+        "{\"type\":\"heading\",\"time_s\":2,\"heading_deg\":90}\n",
+        3);
     ASSERT_EQ(lines.size(), 2u);
     EXPECT_EQ(std::get<ImuSample>(lines[0]).time.ns, 123456789012345678);
     EXPECT_TRUE(std::isnan(std::get<ImuSample>(lines[0]).accel.z()));

@@ -46,8 +46,7 @@ private:
 
 void print(const std::string& name, const Errors& e) {
     fmt::print(
-        "{}: {} epochs, {} fixed, first at {} s, all from {} s on, {} wrong, {} outside three sigma; RMS {:.2f} mm horizontal, "
-        "{:.2f} mm "
+        "{}: {} epochs, {} fixed, first at {} s, all from {} s on, {} wrong, {} outside three sigma; RMS {:.2f} mm horizontal, {:.2f} mm "
         "vertical, largest {:.1f} mm\n",
         name, e.epochs, e.fixed, e.first_fixed, e.fixed_until, e.wrong, e.outside, 1e3 * e.horizontal(), 1e3 * e.vertical(),
         1e3 * e.largest);

@@ -79,8 +79,7 @@ TEST_F(Geonet, FixedWhereRtklibIs) {
             }
             const double rms = std::sqrt(square / static_cast<double>(std::max<std::size_t>(compared, 1)));
             fmt::print(
-                "GEONET, {} frequencies, direction {}: {} epochs, {} fixed, {} float; against RTKLIB at {} epochs RMS {:.1f} mm, "
-                "largest {:.1f} mm, "
+                "GEONET, {} frequencies, direction {}: {} epochs, {} fixed, {} float; against RTKLIB at {} epochs RMS {:.1f} mm, largest {:.1f} mm, "
                 "{} outside three sigma; from the header {:.3f} N {:.3f} E {:.3f} D\n",
                 frequencies, static_cast<int>(direction), found.epochs.size(), found.count(Quality::Fixed),
                 found.count(Quality::Float), compared, 1e3 * rms, 1e3 * largest, outside, mean.x(), mean.y(), mean.z());

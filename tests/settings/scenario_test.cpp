@@ -180,10 +180,9 @@ TEST(Scenario, RecordedTrajectoryIsFlownAgain) {
 
 // The barometer's log has pressures; its reader makes heights of them. The filter finds what the day's air adds.
 TEST(Scenario, PressuresAndMagnetometerPassTheirReaders) {
-    const scenario::SimulatedDataset simulated = scenario::simulate_dataset(
-        parse("name = \"air\"\nduration_s = 20\n[trajectory]\ntype = \"static\"\nstart = { height_m = 300 }\n[imu]\nrate_hz = "
-              "10\n[baro]\nrate_hz = "
-              "1\npressure = true\nsea_level_pressure_pa = 100000\n[mag]\nrate_hz = 2\nwhite_ut = 0.1\nhard_iron_ut = 1\n"));
+    const scenario::SimulatedDataset simulated = scenario::simulate_dataset(parse(
+        "name = \"air\"\nduration_s = 20\n[trajectory]\ntype = \"static\"\nstart = { height_m = 300 }\n[imu]\nrate_hz = 10\n[baro]\nrate_hz = "
+        "1\npressure = true\nsea_level_pressure_pa = 100000\n[mag]\nrate_hz = 2\nwhite_ut = 0.1\nhard_iron_ut = 1\n"));
     const TemporaryFolder folder("air");
     scenario::write_dataset(simulated, folder.path());
     const Dataset dataset = open_dataset(folder.path());

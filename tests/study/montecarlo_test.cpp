@@ -25,14 +25,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* short_flight =
-    "name = \"short\"\nseed = 7\nduration_s = 40\nreference_rate_hz = 5\n[trajectory]\ntype = \"paper_a\"\nstart = { lat_deg = "
-    "55, "
-    "lon_deg = 30, height_m = 5000 }\nlat_amplitude_rad = 0.004\nlon_rate_rad_s = 4e-5\n[imu]\nrate_hz = 20\ngrade = "
-    "\"tactical\"\n"
+    "name = \"short\"\nseed = 7\nduration_s = 40\nreference_rate_hz = 5\n[trajectory]\ntype = \"paper_a\"\nstart = { lat_deg = 55, "
+    "lon_deg = 30, height_m = 5000 }\nlat_amplitude_rad = 0.004\nlon_rate_rad_s = 4e-5\n[imu]\nrate_hz = 20\ngrade = \"tactical\"\n"
     "[gnss]\nreceiver = \"autonomous\"\n[baro]\nrate_hz = 1\nbias_m = 3\n[[outage]]\nstart_s = 20\nduration_s = 10\n"
     "[filter]\ninitial_error = { level_deg = 0.05, heading_deg = 0.5, velocity_m_s = 0.1, position_m = 5 }\n"
-    "[montecarlo]\nruns = 6\nvary = { \"trajectory.start.lat_deg\" = { uniform = [0, 60] }, \"baro.white_m\" = { normal = [1, "
-    "0.01] } "
+    "[montecarlo]\nruns = 6\nvary = { \"trajectory.start.lat_deg\" = { uniform = [0, 60] }, \"baro.white_m\" = { normal = [1, 0.01] } "
     "}\n";
 
 settings::ProcessRequest request_of(const std::string& text, const std::string& name) {
@@ -307,8 +304,7 @@ TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
 constexpr const char* ranges_flight =
     "name = \"ranges\"\nseed = 3\nduration_s = 400\nreference_rate_hz = 1\n[compare]\nschemes = [\"loose-15\", \"loose\"]\n"
     "[trajectory]\ntype = \"weave\"\nstart = { lat_deg = 52, lon_deg = 104, height_m = 9000 }\nspeed_m_s = 230\n"
-    "[imu]\nrate_hz = 10\ngrade = \"tactical\"\n[gnss]\nrate_hz = 0\n[baro]\nrate_hz = 1\nwhite_m = 1\nbias_m = 30\nbias_time_s "
-    "= 2000\n"
+    "[imu]\nrate_hz = 10\ngrade = \"tactical\"\n[gnss]\nrate_hz = 0\n[baro]\nrate_hz = 1\nwhite_m = 1\nbias_m = 30\nbias_time_s = 2000\n"
     "[ranges]\nrate_hz = 1\nsystems = \"G\"\ngps_week = 2300\ngps_second = 0\nelevation_mask_deg = 7.5\n"
     "[run]\nsettle_s = 60\n"
     "[filter]\ninitial_error = { level_deg = 0.05, heading_deg = 0.1, velocity_m_s = 0.1, position_m = 10 }\n";

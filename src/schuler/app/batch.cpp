@@ -240,12 +240,9 @@ std::string csv_of(const std::vector<Entry>& entries) {
 
 std::string html_of(const std::vector<Entry>& entries, const fs::path& folder) {
     std::string out =
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>Batch</title><style>body{font:15px "
-        "sans-serif;margin:2em}"
-        "table{border-collapse:collapse}td,th{padding:.3em .8em;border-bottom:1px solid "
-        "#ccc;text-align:right}td:nth-child(-n+2),th:nth-child(-n+2),"
-        "td:last-child,th:last-child{text-align:left}.bad{color:#b30000}.care{color:#8a5a00}</style></head><body>\n<h1>Data "
-        "sets, worst first</h1>\n<table><tr><th>data set</th><th>verdict</th>";
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>Batch</title><style>body{font:15px sans-serif;margin:2em}"
+        "table{border-collapse:collapse}td,th{padding:.3em .8em;border-bottom:1px solid #ccc;text-align:right}td:nth-child(-n+2),th:nth-child(-n+2),"
+        "td:last-child,th:last-child{text-align:left}.bad{color:#b30000}.care{color:#8a5a00}</style></head><body>\n<h1>Data sets, worst first</h1>\n<table><tr><th>data set</th><th>verdict</th>";
     for (const Column& c : columns) out += fmt::format("<th>{}</th>", c.title);
     out += "<th>why</th></tr>\n";
     for (const Entry& e : entries) {

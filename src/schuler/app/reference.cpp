@@ -60,8 +60,7 @@ std::string of_keys(const std::string& title, const std::vector<settings::Option
 
 std::string option_reference() {
     std::string out =
-        "# Options\n\nMade by `schuler help --reference` of the tables that the program itself uses; a test compares them. Every "
-        "command has\n"
+        "# Options\n\nMade by `schuler help --reference` of the tables that the program itself uses; a test compares them. Every command has\n"
         "`-q, --quiet`, `--force`, `--threads N` and `--version` besides.\n\n## Commands\n";
     for (const Command& command : commands()) {
         if (!command.perform) continue;

@@ -100,8 +100,7 @@ RawObservations raw_observations(const fs::path& path) {
     out.dataset_toml += "[filter]\nscheme = \"gnss\"\n";
     if (observations.size() > 1)  // which of them stood still at a known place only the user knows
         out.dataset_toml += fmt::format(
-            "# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = "
-            "{}\n",
+            "# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = {}\n",
             toml_text(observations.back()));
     return out;
 }

@@ -66,10 +66,9 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
         if (!given.find_logs) return r;
         RawObservations raw = raw_observations(path);
         if (raw.facts.empty())
-            throw input_error("no raw measurements of satellites with ephemerides were recognised in it",
-                              {path.string(), 0, 0, {}},
-                              "name a RINEX, UBX or RTCM 3 log and its navigation files in [gnss] of a dataset.toml; `schuler "
-                              "inspect` lists what was found");
+            throw input_error(
+                "no raw measurements of satellites with ephemerides were recognised in it", {path.string(), 0, 0, {}},
+                "name a RINEX, UBX or RTCM 3 log and its navigation files in [gnss] of a dataset.toml; `schuler inspect` lists what was found");
         r.facts = std::move(raw.facts);
         r.dataset_toml = std::move(raw.dataset_toml);
         return r;

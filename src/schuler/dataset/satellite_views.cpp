@@ -88,9 +88,9 @@ SatelliteViews satellite_views(const fs::path& folder, const Description& descri
     } else if (!description.ranges.file.empty()) {
         look_at_table(folder, description, span, missed_detection, out, warnings);
     } else {
-        throw input_error("there are no raw measurements of satellites", {{}, 0, 0, "gnss.observations"},
-                          "name a RINEX, UBX or RTCM 3 log in [gnss] observations with its navigation files, or a table of "
-                          "ranges in [stations] file");
+        throw input_error(
+            "there are no raw measurements of satellites", {{}, 0, 0, "gnss.observations"},
+            "name a RINEX, UBX or RTCM 3 log in [gnss] observations with its navigation files, or a table of ranges in [stations] file");
     }
     if (out.epochs.empty())
         throw input_error("no epoch with satellites is left", {{}, 0, 0, "gnss.observations"},

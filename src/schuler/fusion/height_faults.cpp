@@ -166,12 +166,13 @@ void screen_heights(FixScreen& screen, const Recording& recording, const filter:
     screen.height = heights_off_barometer(recording, imu, settings.earth);
     const auto first = std::ranges::find(screen.height, true);
     if (first == screen.height.end()) return;
-    warnings.add("gnss.height_off",
-                 fmt::format("{} heights, the first {:.1f} s after the first fix, left the barometer's by metres that the "
-                             "inertial unit did not feel; they and "
-                             "their vertical velocities were left out",
-                             std::ranges::count(screen.height, true),
-                             (recording.gnss[static_cast<std::size_t>(first - screen.height.begin())].time - origin).seconds()));
+    warnings.add(
+        "gnss.height_off",
+        fmt::format(
+            "{} heights, the first {:.1f} s after the first fix, left the barometer's by metres that the inertial unit did not feel; they and "
+            "their vertical velocities were left out",
+            std::ranges::count(screen.height, true),
+            (recording.gnss[static_cast<std::size_t>(first - screen.height.begin())].time - origin).seconds()));
 }
 
 }  // namespace schuler::fusion

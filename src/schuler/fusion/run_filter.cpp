@@ -259,9 +259,9 @@ std::optional<Result> run_before(const Recording& recording, Time since, const S
         if (std::isfinite(settings.initial.rpy.z()))
             warnings.add(
                 "contradiction.initial.heading_deg",
-                fmt::format("the data contradict initial.heading_deg: {:.1f} deg is given, {:.1f} +- {:.1f} deg is what the "
-                            "motion later shows, and is used",
-                            settings.initial.rpy.z() / units::deg, shown->heading / units::deg, shown->std / units::deg));
+                fmt::format(
+                    "the data contradict initial.heading_deg: {:.1f} deg is given, {:.1f} +- {:.1f} deg is what the motion later shows, and is used",
+                    settings.initial.rpy.z() / units::deg, shown->heading / units::deg, shown->std / units::deg));
         return again;
     } catch (const Error&) {
         return std::nullopt;

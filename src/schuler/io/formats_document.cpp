@@ -110,10 +110,8 @@ std::string formats_document() {
         out += fmt::format("| `{}` | {} | `{}` | {} | {} | {} |\n", f->name, f->title, f->extensions, doors(*f), f->holds,
                            f->time.empty() ? "-" : f->time);
     out +=
-        "\n## Columns of tables\nNames are compared without case, as words: `GyroX`, `gyro.x` and `IMU::Gyro::X` are `gyro_x`. "
-        "Words of origin before a name (`imu`, `gps`, `onboard`, ...) are "
-        "passed over. Any other name: `[imu] columns = { gyro_x_rad_s = \"NAME\" }`, and factors: `scale = { gyro_rad_s = "
-        "0.01745 }`.\n\n" +
+        "\n## Columns of tables\nNames are compared without case, as words: `GyroX`, `gyro.x` and `IMU::Gyro::X` are `gyro_x`. Words of origin before a name (`imu`, `gps`, `onboard`, ...) are "
+        "passed over. Any other name: `[imu] columns = { gyro_x_rad_s = \"NAME\" }`, and factors: `scale = { gyro_rad_s = 0.01745 }`.\n\n" +
         units_table();
     static constexpr std::array kinds = {std::pair(TableKind::Imu, "IMU"),
                                          std::pair(TableKind::Gnss, "GNSS"),

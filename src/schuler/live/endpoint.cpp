@@ -15,8 +15,7 @@ namespace {
 Error wrong(const std::string& text, const std::string& key, const char* what, Direction direction) {
     const char* forms =
         direction == Direction::In
-            ? "write tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or "
-              "stdin"
+            ? "write tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or stdin"
             : "write tcp://HOST:PORT, tcp-listen://:PORT, udp://HOST:PORT, serial:/dev/NAME?baud=115200, file:PATH or stdout";
     return input_error(fmt::format("\"{}\" {}", text, what), {{}, 0, 0, key}, forms);
 }

@@ -182,11 +182,11 @@ Panel scatter(const dataset::SatelliteViews& views) {
 }
 
 Section residual_section(const dataset::SatelliteViews& views, const Clock& clock) {
-    Section section{"Residuals",
-                    "Measured minus modelled, of the satellites that were used. A satellite whose residuals keep to one side has "
-                    "a slow error: "
-                    "of its orbit or clock, of the atmosphere, or of a reflection.",
-                    {}};
+    Section section{
+        "Residuals",
+        "Measured minus modelled, of the satellites that were used. A satellite whose residuals keep to one side has a slow error: "
+        "of its orbit or clock, of the atmosphere, or of a reflection.",
+        {}};
     for (std::size_t i = 0; i < gnss::system_count; ++i) {
         const auto system = static_cast<gnss::System>(i);
         BySatellite code, rate;

@@ -238,10 +238,8 @@ std::vector<SatelliteSummary> satellites_of(const SatelliteViews& views) {
 
 std::string gnss_csv(const SatelliteViews& views) {
     std::string text =
-        "time_s,q,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,std_n_m,std_e_m,std_d_m,std_vn_m_s,std_ve_m_s,std_vd_m_"
-        "s,"
-        "status,seen,used,faulty,gdop,pdop,hdop,vdop,tdop,statistic,redundancy,protection_horizontal_m,protection_vertical_m,"
-        "clock_m,drift_m_s";
+        "time_s,q,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,std_n_m,std_e_m,std_d_m,std_vn_m_s,std_ve_m_s,std_vd_m_s,"
+        "status,seen,used,faulty,gdop,pdop,hdop,vdop,tdop,statistic,redundancy,protection_horizontal_m,protection_vertical_m,clock_m,drift_m_s";
     text += views.carrier ? ",ratio,success_rate,ambiguities,integers,age_s\n" : "\n";
     CarrierAt carrier_at(views);
     for (const EpochView& e : views.epochs) {
@@ -405,8 +403,7 @@ std::string satellite_text(const SatelliteReportInput& in) {
         text += fmt::format("median position {:.8f}, {:.8f} deg, height {:.3f} m\n", place->position.lat / units::deg,
                             place->position.lon / units::deg, place->position.h);
         text += fmt::format(
-            "sigma of an epoch (north, east, down): {:.2f}, {:.2f}, {:.2f} m; spread around the median: {:.2f}, {:.2f}, {:.2f} "
-            "m\n",
+            "sigma of an epoch (north, east, down): {:.2f}, {:.2f}, {:.2f} m; spread around the median: {:.2f}, {:.2f}, {:.2f} m\n",
             place->sigma[0], place->sigma[1], place->sigma[2], place->spread[0], place->spread[1], place->spread[2]);
     }
     text += fmt::format("satellites used: median {:.0f}, least {:.0f}; DOP: {} position, {} horizontal, {} vertical\n",

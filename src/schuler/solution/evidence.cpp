@@ -105,8 +105,7 @@ public:
         const double share = worst.epochs.share();
         const std::size_t lost = worst.held.epochs - worst.held.inside;
         const std::string told = fmt::format(
-            "{:.1f} % of {} withheld fixes{} are inside three sigma (horizontal {:.1f} %, vertical {:.1f} %; {:.3g} m at sigma "
-            "{:.3g} m "
+            "{:.1f} % of {} withheld fixes{} are inside three sigma (horizontal {:.1f} %, vertical {:.1f} %; {:.3g} m at sigma {:.3g} m "
             "after {:.0f} s)",
             100.0 * share, worst.epochs.epochs, c.widened ? ", judged with wider noise," : "", 100.0 * worst.horizontal.share(),
             100.0 * worst.vertical.share(), worst.end_rms, worst.sigma_rms, c.length);
@@ -175,8 +174,7 @@ private:
         const double ratio = math::median(std::move(ratios));
         if (ratio > much)
             add("gnss.latency",
-                "the receiver's latency is known to {:.2f} s only, which at this speed is {:.1f} times the sigma of the "
-                "position: give "
+                "the receiver's latency is known to {:.2f} s only, which at this speed is {:.1f} times the sigma of the position: give "
                 "gnss.latency_s and gnss.latency_std_s",
                 g.latency_std, ratio);
     }

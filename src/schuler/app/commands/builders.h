@@ -227,11 +227,15 @@ void add_run(OptionTable<R>& table) {
     table.add(written("T:DUR[,T:DUR...]", std::move(outage)))
         .add(otherwise("alignment + 60 s",
                        written("S", of_setting<R>("settle", "run.settle_s", "count errors from here", common))))
-        .add(otherwise("the first six", written("LIST", of_setting<R>("outputs", "output.files",
-                                                                      "what is written: solution,summary,h5,report,kml,config; "
-                                                                      "or mat (run.mat: the tables of run.h5 for Octave and "
-                                                                      "MATLAB), covariance (the whole of it, in run.h5)",
-                                                                      common))));
+        .add(otherwise(
+            "the first six",
+            written(
+                "LIST",
+                of_setting<R>(
+                    "outputs", "output.files",
+                    "what is written: solution,summary,h5,report,kml,config; or mat (run.mat: the tables of run.h5 for Octave and "
+                    "MATLAB), covariance (the whole of it, in run.h5)",
+                    common))));
 }
 
 /// Commands of the parts, see their files.

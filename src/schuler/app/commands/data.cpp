@@ -82,11 +82,11 @@ Command simulate() {
         .add(required(lettered(
             'o', written("DIR", path<R>("output", "folder of the data set", [](auto& r) -> auto& { return r.output; })))))
         .add(seed_option<R>("instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));
-    return command<R>("simulate", "write the sensor logs and the truth of a scenario as a data set",
-                      "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper-a-flight.toml -o "
-                      "/tmp/flight --seed 7\n"
-                      "`schuler help scenario` lists the keys of a scenario file.",
-                      std::move(t), "", false, [](const R& r) { return simulate_to_folder(r.scenario, r.output, r.seed); });
+    return command<R>(
+        "simulate", "write the sensor logs and the truth of a scenario as a data set",
+        "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper-a-flight.toml -o /tmp/flight --seed 7\n"
+        "`schuler help scenario` lists the keys of a scenario file.",
+        std::move(t), "", false, [](const R& r) { return simulate_to_folder(r.scenario, r.output, r.seed); });
 }
 
 Command process() {
@@ -167,8 +167,7 @@ Command satellites() {
         "  schuler gnss survey/ -o out/survey              a folder with dataset.toml, or one that is recognised\n"
         "  schuler gnss survey/ --set gnss.systems=GE --json\n"
         "  schuler gnss rover.obs --set base.observations=base.obs    and slips and integers against a base\n"
-        "Writes gnss.csv, satellites.csv, residuals.csv, report.html and summary.json; with a base carrier.csv. Exit status 1 "
-        "where no epoch\n"
+        "Writes gnss.csv, satellites.csv, residuals.csv, report.html and summary.json; with a base carrier.csv. Exit status 1 where no epoch\n"
         "has a solution.",
         std::move(t), "summary.json on standard output instead of the tables", true, gnss_dataset);
 }
@@ -195,8 +194,7 @@ Command montecarlo() {
         "  schuler montecarlo examples/paper-a-flight.toml -n 20 --jobs 2 --set filter.loop=open\n"
         "  schuler montecarlo examples/paper-a-flight.toml -n 10000 -o out/many --resume    go on after an interruption\n"
         "  schuler montecarlo examples/paper-a-flight.toml --first 17 -n 1                 run 17 again\n"
-        "Run k has the seed of the scenario plus k: `schuler run SCENARIO --seed ...` repeats it. The files do not depend on "
-        "--jobs\n"
+        "Run k has the seed of the scenario plus k: `schuler run SCENARIO --seed ...` repeats it. The files do not depend on --jobs\n"
         "(but for the speed in summary.json), nor on interruptions. [montecarlo] vary draws or sweeps settings from run to run.",
         std::move(t), table_json, true, study::run_montecarlo);
 }
@@ -220,8 +218,7 @@ Command batch() {
         "batch", "many data sets, each as `process` does it; one table of all, worst first",
         "  schuler batch logs.txt -o out/logs                      a path in each line\n"
         "  schuler batch archive/ --jobs 2 --resume                a folder of data sets; go on after an interruption\n"
-        "A data set that fails does not stop the others. The exit status is 1 where one failed or is not to be used. batch.csv, "
-        "batch.json\n"
+        "A data set that fails does not stop the others. The exit status is 1 where one failed or is not to be used. batch.csv, batch.json\n"
         "and index.html, which links the reports, do not depend on --jobs.",
         std::move(t), "batch.json on standard output instead of the table", true, process_batch);
 }

@@ -30,11 +30,11 @@ void add_file_commands(std::vector<Command>& list) {
         .add(second("REFERENCE", "reference", "reference.csv, a solution, or ten columns: t lat lon h vN vE vD roll pitch yaw"))
         .add(in_units("s", settings::number<R>("settle", 1.0, 0, 1e9, "leave out so many seconds at the start",
                                                [](auto& r) -> auto& { return r.settle; })));
-    list.push_back(command<R>("evaluate", "errors of a solution against a reference",
-                              "  schuler evaluate out/drive/solution.csv drive/reference.csv\n  schuler evaluate out/drive "
-                              "truth.txt --settle 300 --json",
-                              std::move(evaluate), "one JSON document with the fields of summary.json", false,
-                              [](const R& r) { return evaluate_files(r.in, r.out, r.settle); }));
+    list.push_back(command<R>(
+        "evaluate", "errors of a solution against a reference",
+        "  schuler evaluate out/drive/solution.csv drive/reference.csv\n  schuler evaluate out/drive truth.txt --settle 300 --json",
+        std::move(evaluate), "one JSON document with the fields of summary.json", false,
+        [](const R& r) { return evaluate_files(r.in, r.out, r.settle); }));
     inspect.add(first("PATH", "path", "file or folder"))
         .add(lettered(
             'o',
@@ -42,14 +42,14 @@ void add_file_commands(std::vector<Command>& list) {
                     path<R>("output", "folder for report.html: bars of time of every stream, gaps, still periods, track, tables",
                             [](auto& r) -> auto& { return r.out; }))))
         .add(settings::flag<R>("explain", "what each column was taken for", [](auto& r) -> auto& { return r.explain; }));
-    list.push_back(command<R>("inspect", "what is in a file or folder, what is wrong, a dataset.toml to start from",
-                              "  schuler inspect drive/\n  schuler inspect flight.ulg\n  schuler inspect imu.csv --explain\n  "
-                              "schuler inspect drive/ -o out/found\n  schuler inspect imu.csv --json",
-                              std::move(inspect), "one JSON document", false, [](const R& r) {
-                                  report::Outcome found = inspect_path(r.in, r.out, r.version);
-                                  if (r.explain) found.tables += "\n" + explained(r.in);
-                                  return found;
-                              }));
+    list.push_back(command<R>(
+        "inspect", "what is in a file or folder, what is wrong, a dataset.toml to start from",
+        "  schuler inspect drive/\n  schuler inspect flight.ulg\n  schuler inspect imu.csv --explain\n  schuler inspect drive/ -o out/found\n  schuler inspect imu.csv --json",
+        std::move(inspect), "one JSON document", false, [](const R& r) {
+            report::Outcome found = inspect_path(r.in, r.out, r.version);
+            if (r.explain) found.tables += "\n" + explained(r.in);
+            return found;
+        }));
     convert
         .add(first(
             "IN", "in",
@@ -59,14 +59,13 @@ void add_file_commands(std::vector<Command>& list) {
                      otherwise("by the name of OUT",
                                settings::text<R>("to", "a format that is written (schuler help formats), rinex-obs or rinex-nav",
                                                  [](auto& r) -> auto& { return r.format; }))));
-    list.push_back(command<R>("convert", "a solution from one format to another",
-                              "  schuler convert receiver.ubx rover.obs               and receiver.ubx rover.nav: RINEX 3.04\n"
-                              "  schuler convert flight.ulg flight/                   every instrument as a table\n  schuler "
-                              "convert flight.ulg#imu imu.csv\n"
-                              "  schuler convert out/drive/run.h5 track.gpx\n  schuler convert truth.txt reference.csv\n  "
-                              "schuler convert out/drive/solution.csv track.kml\n"
-                              "  schuler convert reference.csv truth.txt --to kf-gins",
-                              std::move(convert), "", false, [](const R& r) { return convert_file(r.in, r.out, r.format); }));
+    list.push_back(command<R>(
+        "convert", "a solution from one format to another",
+        "  schuler convert receiver.ubx rover.obs               and receiver.ubx rover.nav: RINEX 3.04\n"
+        "  schuler convert flight.ulg flight/                   every instrument as a table\n  schuler convert flight.ulg#imu imu.csv\n"
+        "  schuler convert out/drive/run.h5 track.gpx\n  schuler convert truth.txt reference.csv\n  schuler convert out/drive/solution.csv track.kml\n"
+        "  schuler convert reference.csv truth.txt --to kf-gins",
+        std::move(convert), "", false, [](const R& r) { return convert_file(r.in, r.out, r.format); }));
 }
 
 }  // namespace schuler::app

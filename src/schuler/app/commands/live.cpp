@@ -13,8 +13,7 @@ void add_live_commands(std::vector<Command>& list) {
     list.push_back(command<L>(
         "live", "navigate while the samples arrive: from serial ports, sockets or pipes to messages",
         "  schuler live examples/live/car.toml\n  schuler replay drive/ --to stdout | schuler live examples/live/pipe.toml\n"
-        "Runs until it is interrupted (Ctrl-C, SIGTERM) or all sources are at their end. docs/live.md has sources, outputs and "
-        "messages.",
+        "Runs until it is interrupted (Ctrl-C, SIGTERM) or all sources are at their end. docs/live.md has sources, outputs and messages.",
         std::move(t), "", false, run_live_config));
     using R = ReplayDatasetRequest;
     OptionTable<R> u;

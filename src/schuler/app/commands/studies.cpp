@@ -77,8 +77,7 @@ Command covariance() {
         "  schuler analyze covariance examples/paper-a-flight.toml\n"
         "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 -o out/covariance\n"
         "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 --find imu.gyro_bias_deg_h --target 5\n"
-        "[filter] assumed gives the filter another error model than the true one: the table then shows how far its sigmas are "
-        "off.",
+        "[filter] assumed gives the filter another error model than the true one: the table then shows how far its sigmas are off.",
         std::move(t), json_document, false, study::analyze_covariance);
 }
 
@@ -104,10 +103,15 @@ Command integrity() {
 Command triad() {
     using R = study::TriadRequest;
     OptionTable<R> t;
-    t.add(otherwise("all", written("LETTERS", settings::text<R>("cases",
-                                                                "letters: a 4, b 3, c 2 satellites, d 4 stations, e 2 and 2, s "
-                                                                "those from 300 s on, f all, g f and 4 stations",
-                                                                [](auto& r) -> auto& { return r.cases; }))))
+    t
+        .add(otherwise(
+            "all",
+            written(
+                "LETTERS",
+                settings::text<R>(
+                    "cases",
+                    "letters: a 4, b 3, c 2 satellites, d 4 stations, e 2 and 2, s those from 300 s on, f all, g f and 4 stations",
+                    [](auto& r) -> auto& { return r.cases; }))))
         .add(written("GRADE", one_of<R>("grade", {"navigation", "tactical"}, "of the inertial unit",
                                         [](auto& r) -> auto& { return r.grade; })))
         .add(written("KIND",

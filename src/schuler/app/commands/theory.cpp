@@ -127,14 +127,13 @@ Command observability() {
                                [](auto& r) -> auto& { return r.rhumb; }))
         .add(settings::flag<R>("frozen", "hold the model as it is at the start", [](auto& r) -> auto& { return r.frozen; }))
         .add(settings::flag<R>("paper", "the paper's motions too", [](auto& r) -> auto& { return r.paper; }));
-    return command<R>("analyze observability",
-                      "which states of strapdown gravimetry position and velocity fixes make observable (paper E)",
-                      "  schuler analyze observability --paper                     at rest and at 1 m/s, beside the paper\n"
-                      "  schuler analyze observability --vn 1 --ve 1 --json        exact rank, pivots, combinations\n"
-                      "  schuler analyze observability --vn 1 --ve 1 --tolerance 1e-7\n"
-                      "Ranks are decided with fifty digits along the motion, a great circle. A pivot is a share of what gravity "
-                      "does in 13 minutes.",
-                      std::move(t), json_document, false, study::analyze_observability);
+    return command<R>(
+        "analyze observability", "which states of strapdown gravimetry position and velocity fixes make observable (paper E)",
+        "  schuler analyze observability --paper                     at rest and at 1 m/s, beside the paper\n"
+        "  schuler analyze observability --vn 1 --ve 1 --json        exact rank, pivots, combinations\n"
+        "  schuler analyze observability --vn 1 --ve 1 --tolerance 1e-7\n"
+        "Ranks are decided with fifty digits along the motion, a great circle. A pivot is a share of what gravity does in 13 minutes.",
+        std::move(t), json_document, false, study::analyze_observability);
 }
 
 }  // namespace

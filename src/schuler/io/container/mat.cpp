@@ -220,11 +220,12 @@ StreamLog read_mat(const TextInput& input, WarningLog&) {
         (void)add_named(g, log);
     }
     if (log.streams.empty())
-        throw input_error("holds no variables that are known", place_in(input.name()),
-                          fmt::format("structures of NaveGo (t, wb, fb; t, lat, lon, h, vel), matrices of PSINS (imu, gps, avp) "
-                                      "and columns with the names of docs/files.md are; it "
-                                      "has {}",
-                                      names.empty() ? "none, or is cut" : names));
+        throw input_error(
+            "holds no variables that are known", place_in(input.name()),
+            fmt::format(
+                "structures of NaveGo (t, wb, fb; t, lat, lon, h, vel), matrices of PSINS (imu, gps, avp) and columns with the names of docs/files.md are; it "
+                "has {}",
+                names.empty() ? "none, or is cut" : names));
     return log;
 }
 
@@ -275,8 +276,7 @@ const Format mat_format = {
     .title = "MAT-file (MATLAB, Octave)",
     .extensions = ".mat",
     .holds =
-        "structures of NaveGo (`t`, `wb`, `fb`; `t`, `lat`, `lon`, `h`, `vel`, `stdm`, `stdv`; with `roll`, `pitch`, `yaw` a "
-        "reference), matrices of PSINS "
+        "structures of NaveGo (`t`, `wb`, `fb`; `t`, `lat`, `lon`, `h`, `vel`, `stdm`, `stdv`; with `roll`, `pitch`, `yaw` a reference), matrices of PSINS "
         "(`imu`, `gps`, `avp`), and column vectors with the names below; versions 5 and 7.3",
     .time = "as in the file, s",
     .recognise = [](const FileHead& head) { return head.starts_with("MATLAB 5") || head.starts_with("MATLAB 7"); },

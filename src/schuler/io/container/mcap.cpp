@@ -199,15 +199,11 @@ private:
 };
 
 constexpr std::string_view header_definition =
-    "\n================================================================================\nMSG: "
-    "std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
-    "================================================================================\nMSG: builtin_interfaces/Time\nint32 "
-    "sec\nuint32 nanosec\n";
+    "\n================================================================================\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    "================================================================================\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
 constexpr std::string_view fix_definition =
-    "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\nfloat64[9] "
-    "position_covariance\n"
-    "uint8 position_covariance_type\n================================================================================\nMSG: "
-    "sensor_msgs/NavSatStatus\n"
+    "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\nfloat64[9] position_covariance\n"
+    "uint8 position_covariance_type\n================================================================================\nMSG: sensor_msgs/NavSatStatus\n"
     "int8 status\nuint16 service\n";
 
 void record(std::string& out, Op op, const std::string& body) {
@@ -251,11 +247,11 @@ void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> 
     put_text(header, "schuler");
     record(out, Header, header);
     define(out, 1, "/fix", "sensor_msgs/msg/NavSatFix", std::string(fix_definition) + std::string(header_definition));
-    define(out, 2, "/attitude", "geometry_msgs/msg/QuaternionStamped",
-           "std_msgs/Header header\ngeometry_msgs/Quaternion "
-           "quaternion\n================================================================================\n"
-           "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" +
-               std::string(header_definition));
+    define(
+        out, 2, "/attitude", "geometry_msgs/msg/QuaternionStamped",
+        "std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n================================================================================\n"
+        "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" +
+            std::string(header_definition));
     std::uint32_t number = 0;
     for (const SolutionRow& r : rows) {
         const std::int64_t utc_seconds = r.time.ns / 1'000'000'000;
@@ -303,8 +299,7 @@ const Format mcap_format = {
     .title = "MCAP (ROS 2, Foxglove)",
     .extensions = ".mcap",
     .holds =
-        "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as "
-        "trajectories in a frame of "
+        "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
         "their own; zstd and LZ4. Written: NavSatFix and the attitude (body to east-north-up) as QuaternionStamped",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
     .recognise = [](const FileHead& head) { return head.starts_with(mcap_magic); },

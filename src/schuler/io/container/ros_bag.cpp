@@ -190,16 +190,16 @@ StreamLog read_db3(const TextInput& input, WarningLog& warnings) {
 }  // namespace
 
 extern const Format ros_bag_format, ros_db3_format;
-const Format ros_bag_format = {.name = "rosbag",
-                               .title = "ROS 1 bag",
-                               .extensions = ".bag",
-                               .holds =
-                                   "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry "
-                                   "and `geometry_msgs` poses as trajectories in a frame of "
-                                   "their own; bzip2 and LZ4",
-                               .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
-                               .recognise = [](const FileHead& head) { return head.starts_with("#ROSBAG V"); },
-                               .read = read_bag};
+const Format ros_bag_format = {
+    .name = "rosbag",
+    .title = "ROS 1 bag",
+    .extensions = ".bag",
+    .holds =
+        "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
+        "their own; bzip2 and LZ4",
+    .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
+    .recognise = [](const FileHead& head) { return head.starts_with("#ROSBAG V"); },
+    .read = read_bag};
 const Format ros_db3_format = {.name = "rosbag2",
                                .title = "ROS 2 database",
                                .extensions = ".db3",

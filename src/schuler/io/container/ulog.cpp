@@ -251,17 +251,16 @@ StreamLog read_ulog(const TextInput& input, WarningLog& warnings) {
 }  // namespace
 
 extern const Format ulog_format;
-const Format ulog_format = {.name = "ulog",
-                            .title = "PX4 ULog",
-                            .extensions = ".ulg",
-                            .holds =
-                                "IMU (`sensor_combined`, else `sensor_gyro` with `sensor_accel`, every instance), GNSS "
-                                "(`vehicle_gps_position`, `sensor_gps`), barometer "
-                                "(`vehicle_air_data`, `sensor_baro`), magnetometer (`vehicle_magnetometer`, `sensor_mag`), the "
-                                "autopilot's attitude, velocity and position as "
-                                "reference; drop-outs are counted",
-                            .time = "boot of the autopilot",
-                            .recognise = [](const FileHead& head) { return head.starts_with(ulog_magic); },
-                            .read = read_ulog};
+const Format ulog_format = {
+    .name = "ulog",
+    .title = "PX4 ULog",
+    .extensions = ".ulg",
+    .holds =
+        "IMU (`sensor_combined`, else `sensor_gyro` with `sensor_accel`, every instance), GNSS (`vehicle_gps_position`, `sensor_gps`), barometer "
+        "(`vehicle_air_data`, `sensor_baro`), magnetometer (`vehicle_magnetometer`, `sensor_mag`), the autopilot's attitude, velocity and position as "
+        "reference; drop-outs are counted",
+    .time = "boot of the autopilot",
+    .recognise = [](const FileHead& head) { return head.starts_with(ulog_magic); },
+    .read = read_ulog};
 
 }  // namespace schuler::io

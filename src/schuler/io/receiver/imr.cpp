@@ -126,14 +126,14 @@ StreamLog read_imr(const TextInput& input, WarningLog& warnings) {
 }  // namespace
 
 extern const Format imr_format;
-const Format imr_format = {.name = "imr",
-                           .title = "Waypoint IMR",
-                           .extensions = ".imr",
-                           .holds =
-                               "angular and velocity increments, or rates, with the header's scale factors, least or most "
-                               "significant byte first; axes found from the data",
-                           .time = "seconds of the GPS week; UTC ones with the leap seconds added",
-                           .recognise = is_imr,
-                           .read = read_imr};
+const Format imr_format = {
+    .name = "imr",
+    .title = "Waypoint IMR",
+    .extensions = ".imr",
+    .holds =
+        "angular and velocity increments, or rates, with the header's scale factors, least or most significant byte first; axes found from the data",
+    .time = "seconds of the GPS week; UTC ones with the leap seconds added",
+    .recognise = is_imr,
+    .read = read_imr};
 
 }  // namespace schuler::io

@@ -316,14 +316,15 @@ StreamLog read_novatel(const TextInput& input, WarningLog& warnings) {
                      fmt::format("{}: damaged logs, the first at byte {}: skipped", input.name(), reader.scan.first_damaged),
                      reader.scan.damaged);
     if (reader.unknown_imu)
-        warnings.add(input.name() + " novatel.imu",
-                     reader.encrypted ? fmt::format("{}: the raw IMU logs are encrypted: not used", input.name())
-                     : *reader.unknown_imu < 0
-                         ? fmt::format("{}: the raw IMU logs are not used: RAWIMU does not say of which IMU it is (log RAWIMUX, "
-                                       "or INSCONFIG once)",
-                                       input.name())
-                         : fmt::format("{}: the raw IMU logs are not used: the scale of IMU type {} is not known", input.name(),
-                                       *reader.unknown_imu));
+        warnings.add(
+            input.name() + " novatel.imu",
+            reader.encrypted ? fmt::format("{}: the raw IMU logs are encrypted: not used", input.name())
+            : *reader.unknown_imu < 0
+                ? fmt::format(
+                      "{}: the raw IMU logs are not used: RAWIMU does not say of which IMU it is (log RAWIMUX, or INSCONFIG once)",
+                      input.name())
+                : fmt::format("{}: the raw IMU logs are not used: the scale of IMU type {} is not known", input.name(),
+                              *reader.unknown_imu));
     if (reader.corrected > 0)
         warnings.add(input.name() + " novatel.corrected",
                      fmt::format("{}: CORRIMUDATA is without gravity and the Earth's rotation: not used as an IMU (log RAWIMUX)",
@@ -348,18 +349,16 @@ bool is_novatel(const FileHead& head) {
 }  // namespace
 
 extern const Format novatel_format;
-const Format novatel_format = {.name = "novatel",
-                               .title = "NovAtel OEM",
-                               .extensions = ".gps .novatel .asc",
-                               .holds =
-                                   "BESTGNSSPOS and BESTGNSSVEL, else BESTPOS and BESTVEL, else PSRPOS and PSRVEL as fixes; "
-                                   "RAWIMUX, RAWIMUSX and, where the log tells the IMU, RAWIMU(S) as "
-                                   "increments (of IMUs whose scale is known; CORRIMUDATA is without gravity and no IMU); "
-                                   "INSPVA(S) and INSPVAX as reference; raw measurements (RANGE) and "
-                                   "ephemerides (GPSEPHEM, RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC); ASCII "
-                                   "and binary, mixed; axes forward-right-down; of two antennas the first",
-                               .time = "GPS time",
-                               .recognise = is_novatel,
-                               .read = read_novatel};
+const Format novatel_format = {
+    .name = "novatel",
+    .title = "NovAtel OEM",
+    .extensions = ".gps .novatel .asc",
+    .holds =
+        "BESTGNSSPOS and BESTGNSSVEL, else BESTPOS and BESTVEL, else PSRPOS and PSRVEL as fixes; RAWIMUX, RAWIMUSX and, where the log tells the IMU, RAWIMU(S) as "
+        "increments (of IMUs whose scale is known; CORRIMUDATA is without gravity and no IMU); INSPVA(S) and INSPVAX as reference; raw measurements (RANGE) and "
+        "ephemerides (GPSEPHEM, RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC); ASCII and binary, mixed; axes forward-right-down; of two antennas the first",
+    .time = "GPS time",
+    .recognise = is_novatel,
+    .read = read_novatel};
 
 }  // namespace schuler::io

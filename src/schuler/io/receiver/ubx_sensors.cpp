@@ -276,8 +276,7 @@ const Format ubx_format = {
     .title = "u-blox UBX",
     .extensions = ".ubx .log",
     .holds =
-        "raw measurements (RXM-RAWX), satellites' messages (RXM-SFRBX), fixes (NAV-PVT, or NMEA between the messages), the "
-        "receiver's inertial sensors "
+        "raw measurements (RXM-RAWX), satellites' messages (RXM-SFRBX), fixes (NAV-PVT, or NMEA between the messages), the receiver's inertial sensors "
         "(ESF-RAW, else ESF-MEAS) on the time of the fixes, its attitude (NAV-ATT) and fast solution (HNR-PVT) as reference",
     .time = "GPS time; the sensors' own clock where nothing gives the time",
     .recognise = [](const FileHead& head) { return is_ubx(TextInput(head.path)); },

@@ -149,10 +149,12 @@ void write_geojson(const std::filesystem::path& path, std::span<const SolutionRo
         times += times.empty() ? "" : ",";
         times += r.time.ns > dated ? "\"" + utc_text(r.time) + "\"" : fmt::format("{:.9f}", r.time.seconds());
     }
-    write_file(path, fmt::format("{{\"type\":\"FeatureCollection\",\"features\":[{{\"type\":\"Feature\",\"geometry\":{{\"type\":"
-                                 "\"LineString\",\"coordinates\":[\n{}\n]}},"
-                                 "\"properties\":{{\"name\":\"{}\",\"times\":[{}]}}}}]}}\n",
-                                 line, name, times));
+    write_file(
+        path,
+        fmt::format(
+            "{{\"type\":\"FeatureCollection\",\"features\":[{{\"type\":\"Feature\",\"geometry\":{{\"type\":\"LineString\",\"coordinates\":[\n{}\n]}},"
+            "\"properties\":{{\"name\":\"{}\",\"times\":[{}]}}}}]}}\n",
+            line, name, times));
 }
 
 }  // namespace

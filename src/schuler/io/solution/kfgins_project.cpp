@@ -271,17 +271,16 @@ bool is_kfgins_project(const TextInput& input) {
 }
 
 extern const Format kfgins_yaml_format;
-const Format kfgins_yaml_format = {.name = "kfgins_yaml",
-                                   .title = "KF-GINS or OB_GINS project",
-                                   .extensions = ".yaml .yml",
-                                   .holds =
-                                       "settings with the paths of an IMU and a GNSS file; of OB_GINS (`imufile`, `gnssfile`) "
-                                       "the position is that of the first fix, and what is of its optimisation, "
-                                       "odometer and outages is left",
-                                   .time = "seconds of the GPS week",
-                                   .recognise = [](const FileHead& head) {
-                                       return (head.extension == ".yaml" || head.extension == ".yml") &&
-                                              is_kfgins_project(TextInput(head.path));
-                                   }};
+const Format kfgins_yaml_format = {
+    .name = "kfgins_yaml",
+    .title = "KF-GINS or OB_GINS project",
+    .extensions = ".yaml .yml",
+    .holds =
+        "settings with the paths of an IMU and a GNSS file; of OB_GINS (`imufile`, `gnssfile`) the position is that of the first fix, and what is of its optimisation, "
+        "odometer and outages is left",
+    .time = "seconds of the GPS week",
+    .recognise = [](const FileHead& head) {
+        return (head.extension == ".yaml" || head.extension == ".yml") && is_kfgins_project(TextInput(head.path));
+    }};
 
 }  // namespace schuler::io

@@ -173,8 +173,7 @@ void write_tum(const std::filesystem::path& path, std::span<const SolutionRow> r
 void write_euroc(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
     refuse_empty(rows);
     std::string text =
-        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], "
-        "v_RS_R_y [m s^-1], "
+        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], "
         "v_RS_R_z [m s^-1]\n";
     text += local_rows(rows, [](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p, const Eigen::Quaterniond& q,
                                 const Eigen::Vector3d& v) {
@@ -187,27 +186,27 @@ void write_euroc(const std::filesystem::path& path, std::span<const SolutionRow>
 }  // namespace
 
 extern const Format tum_format, euroc_format;
-const Format tum_format = {.name = "tum",
-                           .title = "TUM trajectory",
-                           .extensions = ".tum",
-                           .holds =
-                               "time, position, unit quaternion: a trajectory in a frame of its own, never an IMU. Written in "
-                               "the east-north-up frame of the first row, which a comment "
-                               "locates, so that Schuler reads it back as positions on the Earth",
-                           .time = "as in the file",
-                           .recognise = is_tum,
-                           .read = read_tum,
-                           .write = write_tum};
-const Format euroc_format = {.name = "euroc",
-                             .title = "EuRoC ground truth",
-                             .extensions = ".euroc",
-                             .holds =
-                                 "`p_RS_R`, `q_RS`: a trajectory in a frame of its own; the IMU table (`w_RS_S`, `a_RS_S`) is a "
-                                 "table of text. Folders of ASL are looked through. Written as "
-                                 "`tum` is",
-                             .time = "nanoseconds, UTC from 1970",
-                             .recognise = is_euroc_truth,
-                             .read = read_euroc_truth,
-                             .write = write_euroc};
+const Format tum_format = {
+    .name = "tum",
+    .title = "TUM trajectory",
+    .extensions = ".tum",
+    .holds =
+        "time, position, unit quaternion: a trajectory in a frame of its own, never an IMU. Written in the east-north-up frame of the first row, which a comment "
+        "locates, so that Schuler reads it back as positions on the Earth",
+    .time = "as in the file",
+    .recognise = is_tum,
+    .read = read_tum,
+    .write = write_tum};
+const Format euroc_format = {
+    .name = "euroc",
+    .title = "EuRoC ground truth",
+    .extensions = ".euroc",
+    .holds =
+        "`p_RS_R`, `q_RS`: a trajectory in a frame of its own; the IMU table (`w_RS_S`, `a_RS_S`) is a table of text. Folders of ASL are looked through. Written as "
+        "`tum` is",
+    .time = "nanoseconds, UTC from 1970",
+    .recognise = is_euroc_truth,
+    .read = read_euroc_truth,
+    .write = write_euroc};
 
 }  // namespace schuler::io

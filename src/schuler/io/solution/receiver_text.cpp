@@ -37,10 +37,8 @@ std::string degrees_minutes(double angle, int width) {
 
 void write_rtklib_pos(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string& title) {
     std::string out = fmt::format(
-        "% program   : schuler\n% inp file  : {}\n% "
-        "(lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,3:sbas,4:dgps,5:single,6:ppp,ns=# of satellites)\n"
-        "%  GPST                latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)  sdne(m)  sdeu(m)  "
-        "sdun(m) age(s)  ratio"
+        "% program   : schuler\n% inp file  : {}\n% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,3:sbas,4:dgps,5:single,6:ppp,ns=# of satellites)\n"
+        "%  GPST                latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)  sdne(m)  sdeu(m)  sdun(m) age(s)  ratio"
         "    vn(m/s)    ve(m/s)    vu(m/s)      sdvn     sdve     sdvu    sdvne    sdveu    sdvun\n",
         title);
     for (const SolutionRow& r : rows) {
@@ -49,14 +47,13 @@ void write_rtklib_pos(const std::filesystem::path& path, std::span<const Solutio
             throw input_error("a row has a time before zero, which a .pos file cannot hold", {},
                               "give an output with another clock");
         const auto &p = r.std_position, &v = r.v_eb_n, &s = r.std_velocity;
-        fmt::format_to(std::back_inserter(out),
-                       "{:4d} {:6d}.{:09d}  {:14.10f} {:14.10f} {:10.4f}   5   0 {:8.5f} {:8.5f} {:8.5f} {:8.4f} {:8.4f} {:8.4f} "
-                       "{:6.2f} {:6.1f} {:10.5f} {:10.5f} {:10.5f} {:9.5f} "
-                       "{:8.5f} {:8.5f} {:8.5f} {:8.5f} {:8.5f}\n",
-                       r.time.ns / week, r.time.ns % week / second, r.time.ns % second, r.position.lat / units::deg,
-                       r.position.lon / units::deg, number(r.position.h), number(p.x()), number(p.y()), number(p.z()), 0.0, 0.0,
-                       0.0, 0.0, 0.0, number(v.x()), number(v.y()), number(-v.z()), number(s.x()), number(s.y()), number(s.z()),
-                       0.0, 0.0, 0.0);
+        fmt::format_to(
+            std::back_inserter(out),
+            "{:4d} {:6d}.{:09d}  {:14.10f} {:14.10f} {:10.4f}   5   0 {:8.5f} {:8.5f} {:8.5f} {:8.4f} {:8.4f} {:8.4f} {:6.2f} {:6.1f} {:10.5f} {:10.5f} {:10.5f} {:9.5f} "
+            "{:8.5f} {:8.5f} {:8.5f} {:8.5f} {:8.5f}\n",
+            r.time.ns / week, r.time.ns % week / second, r.time.ns % second, r.position.lat / units::deg,
+            r.position.lon / units::deg, number(r.position.h), number(p.x()), number(p.y()), number(p.z()), 0.0, 0.0, 0.0, 0.0,
+            0.0, number(v.x()), number(v.y()), number(-v.z()), number(s.x()), number(s.y()), number(s.z()), 0.0, 0.0, 0.0);
     }
     write_file(path, out);
 }

@@ -143,16 +143,16 @@ void write_sbet(const std::filesystem::path& path, std::span<const SolutionRow> 
 }  // namespace
 
 extern const Format sbet_format;
-const Format sbet_format = {.name = "sbet",
-                            .title = "SBET",
-                            .extensions = ".sbet .out",
-                            .holds =
-                                "position, velocity and attitude (the wander angle taken out) as reference; accelerations and "
-                                "rates are not an IMU's and are left; written with "
-                                "seconds of the week, velocities north, west, up, wander angle, accelerations and rates zero",
-                            .time = "seconds of the GPS week",
-                            .recognise = is_sbet,
-                            .read = read_sbet,
-                            .write = write_sbet};
+const Format sbet_format = {
+    .name = "sbet",
+    .title = "SBET",
+    .extensions = ".sbet .out",
+    .holds =
+        "position, velocity and attitude (the wander angle taken out) as reference; accelerations and rates are not an IMU's and are left; written with "
+        "seconds of the week, velocities north, west, up, wander angle, accelerations and rates zero",
+    .time = "seconds of the GPS week",
+    .recognise = is_sbet,
+    .read = read_sbet,
+    .write = write_sbet};
 
 }  // namespace schuler::io

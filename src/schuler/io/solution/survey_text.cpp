@@ -204,8 +204,7 @@ const Format waypoint_format = {
     .title = "Inertial Explorer, Waypoint text",
     .extensions = ".txt .pos",
     .holds =
-        "exports with a header: `GPSTime`, `Week`, `Latitude`, `Longitude` (degrees, or degrees, minutes, seconds), `H-Ell`, "
-        "`VNorth`, `VEast`, `VUp`, `Heading`, `Pitch`, "
+        "exports with a header: `GPSTime`, `Week`, `Latitude`, `Longitude` (degrees, or degrees, minutes, seconds), `H-Ell`, `VNorth`, `VEast`, `VUp`, `Heading`, `Pitch`, "
         "`Roll`, `SDNorth`, `SDEast`, `SDHeight` as reference; without attitude as fixes",
     .time = "GPS time, or seconds of the week without `Week`",
     .recognise =

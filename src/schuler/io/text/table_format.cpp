@@ -51,27 +51,28 @@ const Format kml_format = {.name = "kml",
                            .write = [](const std::filesystem::path& path, std::span<const SolutionRow> rows,
                                        const std::string& title) { write_track_kml(path, rows, title); }};
 
-const Format kfgins_table_format = {.name = "kf-gins",
-                                    .title = "KF-GINS text",
-                                    .extensions = ".txt .nav",
-                                    .holds =
-                                        "tables of numbers without a header: increments (7 to 9 columns), fixes (7 or 13), truth "
-                                        "(10); recognised by their values with the tables of text",
-                                    .time = "seconds of the GPS week",
-                                    .write = [](const std::filesystem::path& path, std::span<const SolutionRow> rows,
-                                                const std::string&) { write_file(path, kfgins_text(rows)); }};
+const Format kfgins_table_format = {
+    .name = "kf-gins",
+    .title = "KF-GINS text",
+    .extensions = ".txt .nav",
+    .holds =
+        "tables of numbers without a header: increments (7 to 9 columns), fixes (7 or 13), truth (10); recognised by their values with the tables of text",
+    .time = "seconds of the GPS week",
+    .write = [](const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
+        write_file(path, kfgins_text(rows));
+    }};
 
-const Format csv_format = {.name = "csv",
-                           .title = "Table of text",
-                           .extensions = ".csv .txt .dat .tsv",
-                           .holds =
-                               "one instrument a file, columns by their names (below): EuRoC, VectorNav, ulog2csv and mavlogdump "
-                               "tables among them; commas, semicolons, tabs or "
-                               "blanks, decimal commas, a line of units, `.gz`",
-                           .time = "as its column says: seconds, milli-, micro- or nanoseconds; seconds of the week; UTC",
-                           .recognise = is_text,
-                           .write = [](const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
-                               write_solution_csv(path, rows);
-                           }};
+const Format csv_format = {
+    .name = "csv",
+    .title = "Table of text",
+    .extensions = ".csv .txt .dat .tsv",
+    .holds =
+        "one instrument a file, columns by their names (below): EuRoC, VectorNav, ulog2csv and mavlogdump tables among them; commas, semicolons, tabs or "
+        "blanks, decimal commas, a line of units, `.gz`",
+    .time = "as its column says: seconds, milli-, micro- or nanoseconds; seconds of the week; UTC",
+    .recognise = is_text,
+    .write = [](const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
+        write_solution_csv(path, rows);
+    }};
 
 }  // namespace schuler::io

@@ -18,11 +18,11 @@ constexpr std::array looks{Look{"used", Ink::Blue},       Look{"refused", Ink::V
 }  // namespace
 
 Section health_section(const RunReportData& data) {
-    Section section{"Health of the sources",
-                    "Used, refused by its gate, distrusted by the integrity monitor, left out before the run, withheld by the "
-                    "user, hanging (values that "
-                    "repeat), silent. Single refused samples are not drawn.",
-                    {}};
+    Section section{
+        "Health of the sources",
+        "Used, refused by its gate, distrusted by the integrity monitor, left out before the run, withheld by the user, hanging (values that "
+        "repeat), silent. Single refused samples are not drawn.",
+        {}};
     if (data.health.empty()) return section;
     std::vector<std::string> sources;
     for (const HealthEntry& h : data.health)

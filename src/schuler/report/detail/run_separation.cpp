@@ -25,11 +25,11 @@ const std::array<Line, 4> lines{{
 }  // namespace
 
 Section separation_section(const RunReportData& data) {
-    Section section{"Forward/backward separation",
-                    "The forward filter minus one that runs over the same log backward in time and uses at each instant the "
-                    "other fixes; ±3σ of both "
-                    "together. What stays outside is a fault of an instrument, or of what is assumed about it.",
-                    {}};
+    Section section{
+        "Forward/backward separation",
+        "The forward filter minus one that runs over the same log backward in time and uses at each instant the other fixes; ±3σ of both "
+        "together. What stays outside is a fault of an instrument, or of what is assumed about it.",
+        {}};
     if (data.separation.empty()) return section;
     Group group;
     for (const Line& line : lines) {

@@ -127,18 +127,16 @@ void add_filter_options(OptionTable<Config>& table) {
     add_initial(table);
     using fusion::Mechanization;
     table.add(preset_option())
-        .add(choice<Config, Scheme>("filter.scheme",
-                                    // clang-format off
+        .add(choice<Config, Scheme>(
+            "filter.scheme",
+            // clang-format off
             {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}, {"tight", Scheme::Tight},
              {"intermediate", Scheme::Medium}, {"medium", Scheme::Medium}, {"deep", Scheme::Deep}},
-                                    // clang-format on
-                                    "coupling: loose = one filter of receiver and inertial unit; separate (uncoupled) = the "
-                                    "inertial navigation is reset to the receiver at intervals or "
-                                    "corrected continuously; tight = one filter of the ranges themselves; intermediate (or "
-                                    "medium) = tight, with a receiver-only filter beside it; "
-                                    "deep = tight, and the receiver's channels follow its solution (scenarios with [receiver]); "
-                                    "gnss = the receiver's own solution",
-                                    [](auto& c) -> auto& { return c.scheme; }))
+            // clang-format on
+            "coupling: loose = one filter of receiver and inertial unit; separate (uncoupled) = the inertial navigation is reset to the receiver at intervals or "
+            "corrected continuously; tight = one filter of the ranges themselves; intermediate (or medium) = tight, with a receiver-only filter beside it; "
+            "deep = tight, and the receiver's channels follow its solution (scenarios with [receiver]); gnss = the receiver's own solution",
+            [](auto& c) -> auto& { return c.scheme; }))
         .add(choice<Config, Mechanization>(
             "filter.mechanization", {{"geographic", Mechanization::Geographic}, {"ecef", Mechanization::Ecef}},
             "frame of the strapdown equations", [](auto& c) -> auto& { return c.filter.mechanization; }))
@@ -162,8 +160,7 @@ void add_filter_options(OptionTable<Config>& table) {
             [](auto& c) -> auto& { return c.filter.backward; }))
         .add(flag<Config>(
             "filter.self_check",
-            "`process` withholds fixes in windows that it chooses, tests the sigmas against them, and raises the noise of the "
-            "inertial "
+            "`process` withholds fixes in windows that it chooses, tests the sigmas against them, and raises the noise of the inertial "
             "unit (imu.gyro_noise_scale, imu.accel_noise_scale) where they are too small; it checks a given lever arm too",
             [](auto& c) -> auto& { return c.run.self_check; }))
         .add(flag<Config>("filter.scale_factors",

@@ -29,11 +29,11 @@ void add_ranging_options(OptionTable<Config>& table) {
                             [](auto& c) -> auto& { return c.filter.ranging.receiver_acceleration; }))
         .add(flag<Config>("ranges.use_rates", "tight coupling: use range rates too",
                           [](auto& c) -> auto& { return c.filter.ranging.use_rates; }))
-        .add(flag<Config>("ranges.slow_by_model",
-                          "tight coupling: the slow error of a satellite has the sigma of what the atmosphere's models and its "
-                          "ephemeris leave, "
-                          "not ranges.correlated_m; for raw measurements the default where that is not given",
-                          [](auto& c) -> auto& { return c.filter.ranging.slow_by_model; }))
+        .add(flag<Config>(
+            "ranges.slow_by_model",
+            "tight coupling: the slow error of a satellite has the sigma of what the atmosphere's models and its ephemeris leave, "
+            "not ranges.correlated_m; for raw measurements the default where that is not given",
+            [](auto& c) -> auto& { return c.filter.ranging.slow_by_model; }))
         .add(flag<Config>("ranges.use_stations", "likewise of ground stations",
                           [](auto& c) -> auto& { return c.filter.ranging.use_stations; }))
         .add(number<Config>("baro.bias_time_s", 1.0, 0, 1e7,

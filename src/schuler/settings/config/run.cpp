@@ -69,8 +69,7 @@ Option<Config> output_files_option() {
     OptionSpec spec = detail::spec("output.files", Shape::Texts, "files that are written");
     spec.choices = {"solution", "summary", "h5", "report", "kml", "config", "mat", "covariance"};
     spec.form =
-        "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"mat\" (run.mat: the tables of run.h5 "
-        "for Octave and MATLAB), "
+        "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"mat\" (run.mat: the tables of run.h5 for Octave and MATLAB), "
         "\"covariance\" (the whole of it, in run.h5)";
     return {std::move(spec),
             [](Config& c, const Value& v) {

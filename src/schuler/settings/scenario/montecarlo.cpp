@@ -114,12 +114,11 @@ std::size_t grid_points(const std::vector<Variation>& vary) {
 void add_montecarlo_options(OptionTable<ScenarioConfig>& table) {
     table.add(
         integer<S>("montecarlo.runs", 1, 100'000'000, "number of runs", [](auto& s) -> auto& { return s.montecarlo_runs; }));
-    OptionSpec spec = detail::spec("montecarlo.vary", Shape::Table,
-                                   "settings that differ from run to run, any key of a scenario: \"KEY\" = { uniform = [low, "
-                                   "high] }, { normal = [mean, sigma] }, "
-                                   "{ list = [values] } (one of them at random) or { sweep = [values] }, { sweep = { from = 0, "
-                                   "to = 10, steps = 11, log = false } } "
-                                   "(all points of the grid of sweeps in turn)");
+    OptionSpec spec = detail::spec(
+        "montecarlo.vary", Shape::Table,
+        "settings that differ from run to run, any key of a scenario: \"KEY\" = { uniform = [low, high] }, { normal = [mean, sigma] }, "
+        "{ list = [values] } (one of them at random) or { sweep = [values] }, { sweep = { from = 0, to = 10, steps = 11, log = false } } "
+        "(all points of the grid of sweeps in turn)");
     table.add(Option<S>{std::move(spec),
                         [](S& s, const Value& v) {
                             s.vary.clear();

@@ -175,10 +175,8 @@ PaperResult attitude(const PaperWork&) {
                               sp * cg * ct - sg * st * cp);
     out.numbers.emplace_back("initial quaternion", (printed.toRotationMatrix() - matrix_from(a)).cwiseAbs().maxCoeff());
     out.notes =
-        "All of them follow the corrected equations. With perfect gyros the angles that integrating gyros give are what limits "
-        "them: the order\n"
-        "of the method shows in vibration (coning of 1 deg at 2 Hz, 50 and 100 Hz). \"Least cost\" is not compared: it depends "
-        "on the processor.\n";
+        "All of them follow the corrected equations. With perfect gyros the angles that integrating gyros give are what limits them: the order\n"
+        "of the method shows in vibration (coning of 1 deg at 2 Hz, 50 and 100 Hz). \"Least cost\" is not compared: it depends on the processor.\n";
     return out;
 }
 
@@ -326,8 +324,7 @@ PaperResult estimators(const PaperWork& w) {
                     paper_curve("Kalman filter", step, of_kalman)};
     out.panels.push_back(std::move(panel));
     out.notes = fmt::format(
-        "{} instruments measure one constant, {} times; the recursive mean is least squares one by one, the Kalman filter "
-        "maximum likelihood\n",
+        "{} instruments measure one constant, {} times; the recursive mean is least squares one by one, the Kalman filter maximum likelihood\n",
         m, w.runs);
     return out;
 }

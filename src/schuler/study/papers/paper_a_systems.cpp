@@ -96,10 +96,8 @@ PaperResult table_111(const PaperWork& w) {
                    {"states of deep",
                     static_cast<double>(filter::make_layout(deep.data.config.filter, deep.data.recording).without_slots())}};
     out.notes =
-        "With a full sky and without jamming loose and tight see the same satellites: the position, which common slow errors of "
-        "the ranges rule, is\n"
-        "the same, and the order of the table shows in the velocity. NEES: 3 expected; the campaign `schuler montecarlo "
-        "examples/presets.toml` has bounds.\n";
+        "With a full sky and without jamming loose and tight see the same satellites: the position, which common slow errors of the ranges rule, is\n"
+        "the same, and the order of the table shows in the velocity. NEES: 3 expected; the campaign `schuler montecarlo examples/presets.toml` has bounds.\n";
     return out;
 }
 
@@ -151,8 +149,7 @@ PaperResult table_121(const PaperWork& w) {
     // clang-format on
     out.tables.push_back(std::move(table));
     out.notes =
-        "Ours: [gnss] receiver = \"duostar1000\", and the search of the receiver in the loop; what its channels can take of "
-        "dynamics is docs/receiver.md.\n"
+        "Ours: [gnss] receiver = \"duostar1000\", and the search of the receiver in the loop; what its channels can take of dynamics is docs/receiver.md.\n"
         "30 ns of time are 9 m of range; a fix that is stamped so is late by 9 um at 300 m/s, and is taken as exact.\n"
         "A cold start also waits up to 30 s for ephemerides, which the table's 30 s must contain.\n";
     return out;
@@ -170,8 +167,7 @@ PaperResult table_142(const PaperWork&) {
                    {"accel bias", bias}, {"accel scale", m.accel_scale / units::ppm}};
     // clang-format on
     out.notes = fmt::format(
-        "Ours: the unit \"hg9900\" of [imu] grade. The random walk of the accelerometers stands in the unit of gyros (0.002 "
-        "deg/sqrt(h)): a misprint;\n"
+        "Ours: the unit \"hg9900\" of [imu] grade. The random walk of the accelerometers stands in the unit of gyros (0.002 deg/sqrt(h)): a misprint;\n"
         "ours is {:.3g} m/s/sqrt(h).\n",
         m.accel_noise / units::m_s_per_sqrt_hour);
     return out;

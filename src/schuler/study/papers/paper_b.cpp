@@ -145,8 +145,7 @@ PaperResult separation(const PaperWork& w) {
     out.tables.push_back(std::move(table));
     out.panels.push_back(std::move(panel));
     out.notes =
-        "The horizontal field turned by 20 deg and the vertical one changed by 10000 nT for a minute; gyro biases of 0.02 to "
-        "0.03 deg/s uncompensated.\n"
+        "The horizontal field turned by 20 deg and the vertical one changed by 10000 nT for a minute; gyro biases of 0.02 to 0.03 deg/s uncompensated.\n"
         "The paper shows no run of its own: it states that the channels are separate.\n";
     return out;
 }

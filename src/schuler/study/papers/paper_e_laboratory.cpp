@@ -152,8 +152,7 @@ PaperResult figure_7(const PaperWork& w) {
         out.panels.push_back(std::move(p));
     }
     out.notes =
-        "Simulated laboratory noise (0.1 deg/h, 1e-4 m/s2 a sample at 2 Hz). examples/half-real injects the step into the "
-        "columns of a log.\n";
+        "Simulated laboratory noise (0.1 deg/h, 1e-4 m/s2 a sample at 2 Hz). examples/half-real injects the step into the columns of a log.\n";
     return out;
 }
 
