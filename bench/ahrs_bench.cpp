@@ -5,12 +5,10 @@
 //     bench_ahrs [FOLDER]     FOLDER holds broad_* data sets; default $SCHULER_DATA, then ../shared/data
 //
 // VQF's figures are those of its authors' program with its default settings on the full-rate files [LaidigSeel2023].
+#include "broad_trials.h"
 #include "schuler/ahrs/mekf.h"
 #include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
-#include "schuler/dataset/recognise.h"
-#include "schuler/settings/config/config.h"
-#include "schuler/settings/dataset.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <fmt/format.h>
@@ -19,16 +17,15 @@
 #include <array>
 #include <cstdlib>
 #include <ctime>
-#include <filesystem>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
 namespace {
 
 using namespace schuler;
-namespace fs = std::filesystem;
+using schuler::bench::broad_trials;
+using schuler::bench::BroadTrial;
 
 struct Variant {
     const char* title;
@@ -52,27 +49,6 @@ const std::map<std::string, std::array<double, 4>> vqf{
     {"35", {1.08, 1.41, 1.09, 1.41}}, {"36", {2.03, 1.32, 2.39, 3.26}}};
 // clang-format on
 
-struct Trial {
-    std::string name;
-    solution::LoadedDataset data;
-};
-
-std::vector<Trial> trials_in(const fs::path& folder) {
-    std::set<fs::path> found;
-    std::error_code ec;
-    for (const auto& entry : fs::directory_iterator(folder, ec)) {
-        if (entry.is_directory() && entry.path().filename().string().starts_with("broad_")) found.insert(entry.path());
-    }
-    std::vector<Trial> out;
-    for (const fs::path& path : found) {
-        WarningLog unheard;
-        const settings::Dataset dataset = settings::open_dataset(path, dataset::Needs::Attitude);
-        out.push_back({path.filename().string().substr(6),
-                       solution::load_dataset(dataset, settings::config_from(dataset.settings), unheard)});
-    }
-    return out;
-}
-
 using Row = std::vector<double>;
 
 void print(const char* name, const std::vector<std::array<double, 3>>& errors, const Row& beside) {
@@ -83,9 +59,9 @@ void print(const char* name, const std::vector<std::array<double, 3>>& errors, c
     fmt::print("\n");
 }
 
-void accuracy(const std::vector<Trial>& trials) {
+void accuracy(const std::vector<BroadTrial>& trials) {
     std::vector<std::vector<analysis::BroadErrors>> all;
-    for (const Trial& t : trials) {
+    for (const BroadTrial& t : trials) {
         all.emplace_back();
         for (const Variant& v : variants) {
             WarningLog unheard;
@@ -132,7 +108,7 @@ void accuracy(const std::vector<Trial>& trials) {
 
 /// Samples a second of the full filter, magnetometer included, the attitude read at every sample: median and best of several
 /// runs, by the processor's time, so that what else the machine does counts little.
-void speed(const Trial& trial) {
+void speed(const BroadTrial& trial) {
     WarningLog unheard;
     const app::AhrsInput input = app::ahrs_input(trial.data, {}, unheard);
     double sink = 0.0;
@@ -170,7 +146,7 @@ void speed(const Trial& trial) {
 
 int main(int argc, char** argv) {
     const char* named = std::getenv("SCHULER_DATA");
-    const std::vector<Trial> trials = trials_in(argc > 1 ? argv[1] : named ? named : "../shared/data");
+    const std::vector<BroadTrial> trials = broad_trials(argc > 1 ? argv[1] : named ? named : "../shared/data");
     if (trials.empty()) {
         fmt::print("no broad_* folders: name the folder that holds them\n");
         return 0;

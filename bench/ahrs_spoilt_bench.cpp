@@ -2,13 +2,11 @@
 // magnetometers that are wrong. Directions at random from a seed.
 //
 //     bench_ahrs_spoilt [FOLDER] [SEED]
+#include "broad_trials.h"
 #include "schuler/ahrs/run.h"
 #include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
-#include "schuler/dataset/recognise.h"
 #include "schuler/math/random.h"
-#include "schuler/settings/config/config.h"
-#include "schuler/settings/dataset.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <fmt/format.h>
@@ -17,9 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <filesystem>
 #include <functional>
-#include <set>
 #include <vector>
 
 namespace {
@@ -27,28 +23,8 @@ namespace {
 using namespace schuler;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-namespace fs = std::filesystem;
-
-struct Trial {
-    std::string name;
-    solution::LoadedDataset data;
-};
-
-std::vector<Trial> trials_in(const fs::path& folder) {
-    std::set<fs::path> found;
-    std::error_code ec;
-    for (const auto& entry : fs::directory_iterator(folder, ec)) {
-        if (entry.is_directory() && entry.path().filename().string().starts_with("broad_")) found.insert(entry.path());
-    }
-    std::vector<Trial> out;
-    for (const fs::path& path : found) {
-        WarningLog unheard;
-        const settings::Dataset dataset = settings::open_dataset(path, dataset::Needs::Attitude);
-        out.push_back({path.filename().string().substr(6, 2),
-                       solution::load_dataset(dataset, settings::config_from(dataset.settings), unheard)});
-    }
-    return out;
-}
+using schuler::bench::broad_trials;
+using schuler::bench::BroadTrial;
 
 struct Errors {
     double removed, raw;  // deg
@@ -70,9 +46,9 @@ Errors errors_of(const solution::LoadedDataset& data, bool offline, bool calibra
 
 using Spoil = std::function<void(std::vector<MagSample>&, math::Random&)>;
 
-solution::LoadedDataset spoilt(const Trial& t, const Spoil& spoil, std::uint64_t seed) {
+solution::LoadedDataset spoilt(const BroadTrial& t, const Spoil& spoil, std::uint64_t seed) {
     solution::LoadedDataset data = t.data;
-    math::Random random(seed, t.name);
+    math::Random random(seed, t.name.substr(0, 2));
     spoil(data.recording.mag, random);
     return data;
 }
@@ -103,7 +79,7 @@ struct Case {
     Spoil spoil;
 };
 
-void calibration_and_magnets(const std::vector<Trial>& trials, std::uint64_t seed) {
+void calibration_and_magnets(const std::vector<BroadTrial>& trials, std::uint64_t seed) {
     const std::vector<Case> cases{{"nothing", [](std::vector<MagSample>&, math::Random&) {}},
                                   {"magnet of 5 uT", magnet(5e-6, 0.0, 1.0)},
                                   {"magnet of 10 uT", magnet(10e-6, 0.0, 1.0)},
@@ -126,7 +102,7 @@ void calibration_and_magnets(const std::vector<Trial>& trials, std::uint64_t see
         for (const bool offline : {false, true}) {
             double removed = 0.0, raw = 0.0, largest = 0.0, largest_raw = 0.0, mended = 0.0, worse = 0.0;
             int applied = 0;
-            for (const Trial& t : trials) {
+            for (const BroadTrial& t : trials) {
                 const solution::LoadedDataset data = spoilt(t, c.spoil, seed);
                 const Errors plain = errors_of(data, offline, false), calibrated = errors_of(data, offline, true);
                 const double n = static_cast<double>(trials.size());
@@ -146,10 +122,10 @@ void calibration_and_magnets(const std::vector<Trial>& trials, std::uint64_t see
     }
 }
 
-void axes(const std::vector<Trial>& trials) {
+void axes(const std::vector<BroadTrial>& trials) {
     fmt::print(
         "\naxes of the magnetometer in all orders and signs: recognised and undone, of 24 rotations and 24 mirrored ones\n");
-    for (const Trial& t : trials) {
+    for (const BroadTrial& t : trials) {
         std::array<int, 2> undone{};
         WarningLog unheard;
         const app::AhrsInput straight = app::ahrs_input(t.data, {}, unheard);
@@ -168,7 +144,7 @@ void axes(const std::vector<Trial>& trials) {
                 undone[C.determinant() > 0.0 ? 0 : 1] += worst < 1e-12 ? 1 : 0;
             }
         } while (std::next_permutation(order.begin(), order.end()));
-        fmt::print("trial {}: {} and {}\n", t.name, undone[0], undone[1]);
+        fmt::print("trial {}: {} and {}\n", t.name.substr(0, 2), undone[0], undone[1]);
     }
 }
 
@@ -176,7 +152,7 @@ void axes(const std::vector<Trial>& trials) {
 
 int main(int argc, char** argv) {
     const char* named = std::getenv("SCHULER_DATA");
-    const std::vector<Trial> trials = trials_in(argc > 1 ? argv[1] : named ? named : "../shared/data");
+    const std::vector<BroadTrial> trials = broad_trials(argc > 1 ? argv[1] : named ? named : "../shared/data");
     if (trials.empty()) {
         fmt::print("no broad_* folders: name the folder that holds them\n");
         return 0;

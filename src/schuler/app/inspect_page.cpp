@@ -97,12 +97,8 @@ Panel bars_panel(const std::vector<Bar>& bars, const inspect::Motion& motion, do
 /// Two panels over the time of the fixes, and the track from above.
 void add_track(const inspect::Motion& m, double zero, report::Section& section) {
     if (m.t.size() < 2) return;
-    Panel track;
-    track.title = "track of the fixes";
-    track.x_label = "east, m";
-    track.y_label = "north, m";
-    track.time_axis = false;
-    track.equal_axes = true;
+    Panel track{
+        .title = "track of the fixes", .x_label = "east, m", .y_label = "north, m", .time_axis = false, .equal_axes = true};
     track.series.push_back({.name = "fixes", .x = m.east, .y = m.north, .ink = Ink::Blue});
     track.series.push_back(
         {.name = "first", .x = {m.east.front()}, .y = {m.north.front()}, .ink = Ink::Green, .mark = report::Mark::Squares});
@@ -114,15 +110,9 @@ void add_track(const inspect::Motion& m, double zero, report::Section& section) 
         t.push_back(0.5 * (m.t[i] + m.t[i - 1]) - zero);
         speed.push_back(dt > 0.0 ? std::hypot(m.north[i] - m.north[i - 1], m.east[i] - m.east[i - 1]) / dt : std::nan(""));
     }
-    Panel along;
-    along.title = "speed between fixes";
-    along.x_label = "time, s";
-    along.y_label = "speed, m/s";
+    Panel along{.title = "speed between fixes", .x_label = "time, s", .y_label = "speed, m/s"};
     along.series.push_back({.name = "", .x = t, .y = speed, .ink = Ink::Blue});
-    Panel height;
-    height.title = "height above the first fix";
-    height.x_label = "time, s";
-    height.y_label = "height, m";
+    Panel height{.title = "height above the first fix", .x_label = "time, s", .y_label = "height, m"};
     std::vector<double> at = m.t;
     for (double& x : at) x -= zero;
     height.series.push_back({.name = "", .x = std::move(at), .y = m.up, .ink = Ink::Blue});

@@ -66,22 +66,17 @@ private:
 };
 
 Panel panel(std::string title, std::string y_label) {
-    Panel p;
-    p.title = std::move(title);
-    p.x_label = time_label;
-    p.y_label = std::move(y_label);
-    return p;
+    return {.title = std::move(title), .x_label = time_label, .y_label = std::move(y_label)};
 }
 
 /// North is up; the distance from the middle is that from the zenith.
 Panel sky_plot(const dataset::SatelliteViews& views) {
-    Panel p;
-    p.title = "sky: north is up, the rings are elevations of 60, 30 and 0 deg";
-    p.x_label = "zenith distance east, deg";
-    p.y_label = "zenith distance north, deg";
-    p.time_axis = false;
-    p.equal_axes = true;
-    p.height = 560;
+    Panel p{.title = "sky: north is up, the rings are elevations of 60, 30 and 0 deg",
+            .x_label = "zenith distance east, deg",
+            .y_label = "zenith distance north, deg",
+            .time_axis = false,
+            .equal_axes = true,
+            .height = 560};
     p.x_limits = p.y_limits = std::pair{-95.0, 95.0};
     for (const double ring : {30.0, 60.0, 90.0}) {
         Series s;
@@ -147,13 +142,12 @@ Group numbers_group(const dataset::SatelliteViews& views, const Clock& clock) {
 
 /// The track, each epoch against the first.
 Panel scatter(const dataset::SatelliteViews& views) {
-    Panel p;
-    p.title = "positions from the first one";
-    p.x_label = "east, m";
-    p.y_label = "north, m";
-    p.time_axis = false;
-    p.equal_axes = true;
-    p.height = 420;
+    Panel p{.title = "positions from the first one",
+            .x_label = "east, m",
+            .y_label = "north, m",
+            .time_axis = false,
+            .equal_axes = true,
+            .height = 420};
     std::optional<Ecef> origin;
     Eigen::Matrix3d C_ne;
     const auto add = [&](Series& s, const Ecef& position) {

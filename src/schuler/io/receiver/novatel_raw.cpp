@@ -6,6 +6,7 @@
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/receiver/detail/navigation_frames.h"
 #include "schuler/io/receiver/detail/novatel_frames.h"
+#include "schuler/io/receiver/detail/signal_codes.h"
 
 #include <fmt/format.h>
 
@@ -19,6 +20,7 @@ namespace {
 
 using detail::NovatelFields;
 using detail::NovatelMessage;
+using detail::SignalCode;
 using gnss::SatelliteId;
 using gnss::Signal;
 using gnss::System;
@@ -52,28 +54,19 @@ std::optional<SatelliteId> satellite_of(unsigned system, int prn) {
 }
 
 /// Signal types of the channel status [NovAtelOEM7:RANGE].
-std::optional<Signal> signal_of(System system, unsigned type) {
-    struct Known {
-        System system;
-        unsigned type;
-        Signal signal;
-    };
-    // clang-format off
-    static constexpr std::array<Known, 33> known = {{
-        {System::Gps, 0, {'1', 'C'}},     {System::Gps, 5, {'2', 'P'}},     {System::Gps, 9, {'2', 'W'}},      {System::Gps, 14, {'5', 'Q'}},
-        {System::Gps, 16, {'1', 'L'}},    {System::Gps, 17, {'2', 'S'}},    {System::Glonass, 0, {'1', 'C'}},  {System::Glonass, 1, {'2', 'C'}},
-        {System::Glonass, 5, {'2', 'P'}}, {System::Glonass, 6, {'3', 'Q'}}, {System::Sbas, 0, {'1', 'C'}},     {System::Sbas, 6, {'5', 'I'}},
-        {System::Galileo, 2, {'1', 'C'}}, {System::Galileo, 6, {'6', 'B'}}, {System::Galileo, 7, {'6', 'C'}},  {System::Galileo, 12, {'5', 'Q'}},
-        {System::Galileo, 17, {'7', 'Q'}}, {System::Galileo, 20, {'8', 'Q'}}, {System::BeiDou, 0, {'2', 'I'}}, {System::BeiDou, 1, {'7', 'I'}},
-        {System::BeiDou, 2, {'6', 'I'}},  {System::BeiDou, 4, {'2', 'I'}},  {System::BeiDou, 5, {'7', 'I'}},   {System::BeiDou, 6, {'6', 'I'}},
-        {System::BeiDou, 7, {'1', 'P'}},  {System::BeiDou, 9, {'5', 'P'}},  {System::BeiDou, 11, {'7', 'D'}},  {System::Qzss, 0, {'1', 'C'}},
-        {System::Qzss, 14, {'5', 'Q'}},   {System::Qzss, 16, {'1', 'L'}},   {System::Qzss, 17, {'2', 'S'}},    {System::Qzss, 27, {'6', 'L'}},
-        {System::Navic, 0, {'5', 'A'}},
-        // clang-format on
-    }};
-    const auto at = std::ranges::find_if(known, [&](const Known& k) { return k.system == system && k.type == type; });
-    return at == known.end() ? std::nullopt : std::optional<Signal>(at->signal);
-}
+// clang-format off
+constexpr std::array<SignalCode, 33> signal_codes = {{
+    {System::Gps, 0, {'1', 'C'}},     {System::Gps, 5, {'2', 'P'}},     {System::Gps, 9, {'2', 'W'}},      {System::Gps, 14, {'5', 'Q'}},
+    {System::Gps, 16, {'1', 'L'}},    {System::Gps, 17, {'2', 'S'}},    {System::Glonass, 0, {'1', 'C'}},  {System::Glonass, 1, {'2', 'C'}},
+    {System::Glonass, 5, {'2', 'P'}}, {System::Glonass, 6, {'3', 'Q'}}, {System::Sbas, 0, {'1', 'C'}},     {System::Sbas, 6, {'5', 'I'}},
+    {System::Galileo, 2, {'1', 'C'}}, {System::Galileo, 6, {'6', 'B'}}, {System::Galileo, 7, {'6', 'C'}},  {System::Galileo, 12, {'5', 'Q'}},
+    {System::Galileo, 17, {'7', 'Q'}}, {System::Galileo, 20, {'8', 'Q'}}, {System::BeiDou, 0, {'2', 'I'}}, {System::BeiDou, 1, {'7', 'I'}},
+    {System::BeiDou, 2, {'6', 'I'}},  {System::BeiDou, 4, {'2', 'I'}},  {System::BeiDou, 5, {'7', 'I'}},   {System::BeiDou, 6, {'6', 'I'}},
+    {System::BeiDou, 7, {'1', 'P'}},  {System::BeiDou, 9, {'5', 'P'}},  {System::BeiDou, 11, {'7', 'D'}},  {System::Qzss, 0, {'1', 'C'}},
+    {System::Qzss, 14, {'5', 'Q'}},   {System::Qzss, 16, {'1', 'L'}},   {System::Qzss, 17, {'2', 'S'}},    {System::Qzss, 27, {'6', 'L'}},
+    {System::Navic, 0, {'5', 'A'}},
+}};
+// clang-format on
 
 class RawReader {
 public:
@@ -130,7 +123,7 @@ private:
         const std::uint32_t status = f.hex();
         if (f.is_short()) return;
         const auto satellite = satellite_of(status >> 16 & 7U, prn);
-        const auto signal = satellite ? signal_of(satellite->system, status >> 21 & 0x1FU) : std::nullopt;
+        const auto signal = satellite ? detail::signal_of(signal_codes, satellite->system, status >> 21 & 0x1FU) : std::nullopt;
         if (!signal) {
             ++unknown_signals;
             return;

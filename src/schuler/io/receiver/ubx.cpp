@@ -5,6 +5,7 @@
 #include "schuler/io/bytes.h"
 #include "schuler/io/place.h"
 #include "schuler/io/receiver/detail/navigation_frames.h"
+#include "schuler/io/receiver/detail/signal_codes.h"
 #include "schuler/io/receiver/detail/ubx_message.h"
 #include "schuler/io/text/detail/calendar_text.h"
 
@@ -26,6 +27,7 @@ using gnss::System;
 using detail::message_at;
 using detail::number_at;
 using detail::Scan;
+using detail::SignalCode;
 using Message = detail::UbxMessage;
 
 std::optional<SatelliteId> satellite_of(int gnss_id, int number) {
@@ -40,30 +42,21 @@ std::optional<SatelliteId> satellite_of(int gnss_id, int number) {
 
 /// Signal identifiers of [UBloxF9:1.5.4]; modes in which data and pilot are combined or told apart by the receiver's settings only
 /// are written as X, as converters do.
-std::optional<Signal> signal_of(System system, int id) {
-    struct Known {
-        System system;
-        int id;
-        Signal signal;
-    };
-    // clang-format off
-    static constexpr std::array<Known, 33> known = {{
-        {System::Gps, 0, {'1', 'C'}},     {System::Gps, 3, {'2', 'X'}},     {System::Gps, 4, {'2', 'X'}},
-        {System::Gps, 6, {'5', 'X'}},     {System::Gps, 7, {'5', 'X'}},     {System::Sbas, 0, {'1', 'C'}},
-        {System::Galileo, 0, {'1', 'X'}}, {System::Galileo, 1, {'1', 'X'}}, {System::Galileo, 3, {'5', 'X'}},
-        {System::Galileo, 4, {'5', 'X'}}, {System::Galileo, 5, {'7', 'X'}}, {System::Galileo, 6, {'7', 'X'}},
-        {System::BeiDou, 0, {'2', 'I'}},  {System::BeiDou, 1, {'2', 'I'}},  {System::BeiDou, 2, {'7', 'I'}},
-        {System::BeiDou, 3, {'7', 'I'}},  {System::BeiDou, 4, {'6', 'I'}},  {System::BeiDou, 10, {'6', 'I'}},
-        {System::Galileo, 8, {'6', 'X'}}, {System::Galileo, 9, {'6', 'X'}}, {System::Galileo, 10, {'6', 'X'}}, {System::BeiDou, 5, {'1', 'X'}},  {System::BeiDou, 6, {'1', 'X'}},
-        {System::BeiDou, 7, {'5', 'X'}},  {System::BeiDou, 8, {'5', 'X'}},  {System::Qzss, 0, {'1', 'C'}},
-        {System::Qzss, 4, {'2', 'X'}},    {System::Qzss, 5, {'2', 'X'}},    {System::Qzss, 8, {'5', 'X'}},
-        {System::Qzss, 9, {'5', 'X'}},    {System::Glonass, 0, {'1', 'C'}}, {System::Glonass, 2, {'2', 'C'}},
-        {System::Navic, 0, {'5', 'A'}},
-        // clang-format on
-    }};
-    const auto at = std::ranges::find_if(known, [&](const Known& k) { return k.system == system && k.id == id; });
-    return at == known.end() ? std::nullopt : std::optional<Signal>(at->signal);
-}
+// clang-format off
+constexpr std::array<SignalCode, 33> signal_codes = {{
+    {System::Gps, 0, {'1', 'C'}},     {System::Gps, 3, {'2', 'X'}},     {System::Gps, 4, {'2', 'X'}},
+    {System::Gps, 6, {'5', 'X'}},     {System::Gps, 7, {'5', 'X'}},     {System::Sbas, 0, {'1', 'C'}},
+    {System::Galileo, 0, {'1', 'X'}}, {System::Galileo, 1, {'1', 'X'}}, {System::Galileo, 3, {'5', 'X'}},
+    {System::Galileo, 4, {'5', 'X'}}, {System::Galileo, 5, {'7', 'X'}}, {System::Galileo, 6, {'7', 'X'}},
+    {System::BeiDou, 0, {'2', 'I'}},  {System::BeiDou, 1, {'2', 'I'}},  {System::BeiDou, 2, {'7', 'I'}},
+    {System::BeiDou, 3, {'7', 'I'}},  {System::BeiDou, 4, {'6', 'I'}},  {System::BeiDou, 10, {'6', 'I'}},
+    {System::Galileo, 8, {'6', 'X'}}, {System::Galileo, 9, {'6', 'X'}}, {System::Galileo, 10, {'6', 'X'}}, {System::BeiDou, 5, {'1', 'X'}},  {System::BeiDou, 6, {'1', 'X'}},
+    {System::BeiDou, 7, {'5', 'X'}},  {System::BeiDou, 8, {'5', 'X'}},  {System::Qzss, 0, {'1', 'C'}},
+    {System::Qzss, 4, {'2', 'X'}},    {System::Qzss, 5, {'2', 'X'}},    {System::Qzss, 8, {'5', 'X'}},
+    {System::Qzss, 9, {'5', 'X'}},    {System::Glonass, 0, {'1', 'C'}}, {System::Glonass, 2, {'2', 'C'}},
+    {System::Navic, 0, {'5', 'A'}},
+}};
+// clang-format on
 
 class UbxReader {
 public:
@@ -141,7 +134,8 @@ private:
 
     void measurement(std::string_view p) {
         const auto satellite = satellite_of(number_at<std::uint8_t>(p, 20), number_at<std::uint8_t>(p, 21));
-        const auto signal = satellite ? signal_of(satellite->system, number_at<std::uint8_t>(p, 22)) : std::nullopt;
+        const auto signal =
+            satellite ? detail::signal_of(signal_codes, satellite->system, number_at<std::uint8_t>(p, 22)) : std::nullopt;
         if (!signal) {
             ++result.unknown_signals;
             return;
