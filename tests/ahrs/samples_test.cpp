@@ -4,6 +4,7 @@
 #include "schuler/ahrs/mekf.h"
 #include "schuler/ahrs/run.h"
 #include "schuler/core/error.h"
+#include "schuler/math/rotation.h"
 
 #include <gtest/gtest.h>
 
@@ -44,6 +45,20 @@ std::pair<double, double> errors_of(const RunResult& r, const Log& l, double fro
         n += 1.0;
     }
     return {largest, std::sqrt(square / n)};
+}
+
+/// Share of the rows from `from` to `to` (s) whose heading is off by more than three sigma.
+double beyond_three_sigma(const RunResult& r, const Log& l, double from, double to) {
+    double beyond = 0.0, n = 0.0;
+    const std::size_t lost = l.truth.size() - r.rows.size();
+    for (std::size_t i = 0; i < r.rows.size(); ++i) {
+        const Instant& t = l.truth[i + lost];
+        if (t.time < from || t.time > to) continue;
+        const double error = math::wrap_pi(math::rpy_from_quaternion(r.rows[i].q_nb).z() - math::rpy_from_quaternion(t.q_nb).z());
+        beyond += std::abs(error) > 3.0 * r.rows[i].std_phi.z() ? 1.0 : 0.0;
+        n += 1.0;
+    }
+    return beyond / n;
 }
 
 TEST(AhrsSamples, BadOnesAreBridgedAndCounted) {
@@ -138,8 +153,49 @@ TEST(AhrsSamples, AfterAGapInWhichItWasTurnedOverTheHorizonIsFoundAgain) {
     for (const bool offline : {false, true}) {
         RunSettings s;
         s.offline = offline;
-        EXPECT_LT(errors_of(run(l.imu, l.mag, {}, s), l, 75.0).first, 3.0) << (offline ? "offline" : "online");
+        const RunResult r = run(l.imu, l.mag, {}, s);
+        EXPECT_LT(errors_of(r, l, 75.0).first, 3.0) << (offline ? "offline" : "online");
+        EXPECT_LT(beyond_three_sigma(r, l, 55.0, 75.0), 0.02) << (offline ? "offline" : "online");
+        // without a magnetometer nobody knows how it was turned about the vertical
+        s.mekf.six_axis = true;
+        EXPECT_EQ(beyond_three_sigma(run(l.imu, {}, {}, s), l, 62.0, 120.0), 0.0) << (offline ? "offline" : "online");
     }
+}
+
+TEST(AhrsSamples, AHeadingThatTheGyroAloneHoldsIsAsUncertainAsItsBias) {
+    // turning about the vertical only: nothing shows the bias of that axis
+    int beyond = 0, logs = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        math::Random random(seed, "bias");
+        RunSettings s;
+        s.mekf.six_axis = true;
+        const double bias = s.mekf.tilt.bias_std * random.normal();
+        Log l;
+        for (double t = 0.01; t < 60.0; t += 0.01) {
+            const double heading = 0.8 * std::sin(0.3 * t), rate = 0.24 * std::cos(0.3 * t);
+            l.imu.push_back({Time::from_seconds(t), Vector3d(0.0, 0.0, rate + bias) + 1e-3 * random.normal3(),
+                             Vector3d(0.0, 0.0, -9.81) + 0.05 * random.normal3()});
+            l.truth.push_back({t, {}, {}, {}, math::quaternion_from_rpy({0.0, 0.0, heading})});
+        }
+        for (const bool offline : {false, true}) {
+            s.offline = offline;
+            beyond += beyond_three_sigma(run(l.imu, {}, {}, s), l, 30.0, 60.0) > 0.0 ? 1 : 0;
+            ++logs;
+        }
+    }
+    EXPECT_LE(beyond, 2) << "of " << logs;
+}
+
+TEST(AhrsSamples, BeforeTheFirstFieldTheOfflineHeadingIsTheGyrosBackwards) {
+    Motion m;
+    m.gyro_bias = Vector3d(0.2, -0.1, 0.3) * units::deg_per_s;
+    Log l = log_of(m, 23);
+    std::erase_if(l.mag, [](const MagSample& s) { return s.time < Time::from_seconds(40.0); });
+    RunSettings s;
+    s.offline = true;
+    const RunResult r = run(l.imu, l.mag, {}, s);
+    EXPECT_LT(beyond_three_sigma(r, l, 0.0, 40.0), 0.02);
+    EXPECT_LT(errors_of(r, l, 35.0).first, 5.0);
 }
 
 TEST(AhrsCentripetal, ASteadyTurnDoesNotBankTheHorizon) {

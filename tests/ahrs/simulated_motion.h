@@ -25,6 +25,7 @@ struct Motion {
     double sway_std = 0.0, sway_time = 0.3;  ///< m/s and s, first-order Markov velocity, horizontal and vertical
     double field_std = 200e-9;               ///< T a sample
     Eigen::Vector3d hard_iron = Eigen::Vector3d::Zero();
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();    ///< T, what the room adds, north and east
     double horizontal = 18964e-9, vertical = 46962e-9;  ///< T
     double gravity = 9.81;
     double disturbed_from = 1e9, disturbed_to = 1e9;    ///< s
@@ -67,7 +68,8 @@ inline std::vector<Instant> simulated(const Motion& m, std::uint64_t seed) {
         s.accel = s.q_nb.conjugate() * force_n + m.accel_std * accel.normal3();
         const bool disturbed = t >= m.disturbed_from && t < m.disturbed_to;
         const double turn = disturbed ? m.turn : 0.0, down = m.vertical + (disturbed ? m.lift : 0.0);
-        const Eigen::Vector3d field_n(m.horizontal * std::cos(turn), m.horizontal * std::sin(turn), down);
+        const Eigen::Vector3d field_n(m.horizontal * std::cos(turn) + m.place.x(), m.horizontal * std::sin(turn) + m.place.y(),
+                                      down);
         s.field = s.q_nb.conjugate() * field_n + m.hard_iron + m.field_std * field.normal3();
         out.push_back(s);
     }

@@ -23,6 +23,7 @@ struct Block {
     Eigen::Matrix2d P_tilt = Eigen::Matrix2d::Zero();           ///< rad^2, tilt covariance after the update, w axes
     double tilt_kept = 1.0;                                     ///< how much of the tilt's variance the update left
     Eigen::Vector3d bias_used = Eigen::Vector3d::Zero();        ///< rad/s, gyro bias taken off within the block
+    double down_bias_std = 0.0;                                 ///< rad/s, one sigma of its component along w's vertical
 };
 
 }  // namespace schuler::ahrs

@@ -25,8 +25,12 @@ Eigen::Quaterniond about_vertical(double angle) { return {std::cos(0.5 * angle),
 }  // namespace
 
 HeadingChannel::HeadingChannel(const HeadingSettings& settings, const TiltSettings& tilt, bool six_axis)
-    : settings_(settings), tilt_(tilt), six_axis_(six_axis), q_nw_(about_vertical(settings.declination)) {
-    if (!six_axis) free_variance_ = unknown_heading_variance;
+    : settings_(settings), tilt_(tilt), six_axis_(six_axis), q_nw_(about_vertical(settings.declination)) {}
+
+double FreeTurn::std_since(const FreeTurn& before) const {
+    const double unknown = std::sqrt(unknown_heading_variance);
+    return levellings > before.levellings ? unknown
+                                          : std::min(unknown, std::hypot(std::sqrt(noise - before.noise), drift - before.drift));
 }
 
 void HeadingChannel::gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b) {
@@ -36,7 +40,8 @@ void HeadingChannel::gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& 
 
 /// Variance of the direction of the level field, which for a field that is hardly known is that of an unknown heading.
 double HeadingChannel::variance() const {
-    if (!started_) return free_variance_;
+    if (!started_ && six_axis_) return squared(free_turn_.std_since({}));
+    if (!started_ || forget_) return unknown_heading_variance;
     const double size2 = estimate_.level_field.squaredNorm();
     const Eigen::Vector2d across(-estimate_.level_field.y(), estimate_.level_field.x());
     const double square = across.dot(P_.topLeftCorner<2, 2>() * across);
@@ -80,6 +85,12 @@ void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
     // levelled by a force that was not gravity alone, the vertical field has a horizontal part
     P_(S::level_field, S::level_field) += squared(estimate_.vertical) * block.P_tilt(1, 1);
     P_(S::level_field + 1, S::level_field + 1) += squared(estimate_.vertical) * block.P_tilt(0, 0);
+    // the reading is the sum of the field and of what the place adds: what one has too much the other has too little
+    for (int i = 0; i < 2; ++i) {
+        P_(S::place + i, S::place + i) = squared(settings_.place_std);
+        if (block.rest_time == 0.0)
+            P_(S::place + i, S::level_field + i) = P_(S::level_field + i, S::place + i) = -squared(settings_.place_std);
+    }
     if (settings_.known_field_n.allFinite()) {
         HeadingVector dx = HeadingVector::Zero(), h = HeadingVector::Zero();
         const double r = squared(settings_.known_field_std), horizontal = estimate_.horizontal();
@@ -91,8 +102,14 @@ void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
                                              estimate_.vertical - settings_.known_field_n.z(), r);
         estimate_.correct(dx);
     }
-    P_(S::place, S::place) = P_(S::place + 1, S::place + 1) = squared(settings_.place_std);
+    forget_ = false;
     started_ = true;
+}
+
+/// Variance of the turn of a block that is noise, rad^2.
+double HeadingChannel::turn_noise(const Block& block) const {
+    return (squared(settings_.walk) + squared(tilt_.gyro_noise)) * block.duration + squared(settings_.turn_noise) * block.turned +
+           squared(block.doubt);
 }
 
 /// The strapdown of the block goes on with the bias and the matrix of this channel instead of those that it has used.
@@ -102,8 +119,7 @@ void HeadingChannel::pass(const Block& block) {
     estimate_.turn(turn.angle);
     turned_ += turn.angle;
     turn_row_ += turn.row;
-    noise_ += (squared(settings_.walk) + squared(tilt_.gyro_noise)) * dt + squared(settings_.turn_noise) * block.turned +
-              squared(block.doubt);
+    noise_ += turn_noise(block);
     duration_ += dt;
 }
 
@@ -146,10 +162,10 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
         samples_ = 0;
         forget_ = true;
     }
-    if (!started_) {
-        // without a magnetometer the heading is the tilt channel's own, from zero
-        if (six_axis_)
-            free_variance_ += squared(tilt_.gyro_noise) * block.duration + squared(settings_.turn_noise) * block.turned;
+    free_turn_.noise += turn_noise(block);
+    free_turn_.drift += block.down_bias_std * block.duration;
+    if (block.levelled) ++free_turn_.levellings;
+    if (!started_) {  // without a magnetometer the heading is the tilt channel's own, from zero
         start(block, bias);
     } else {
         pass(block);

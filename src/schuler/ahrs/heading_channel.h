@@ -38,6 +38,16 @@ struct HeadingRecord {
     double disturbance = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// What the gyro alone leaves unknown of the heading. The error of its bias lasts, so that its turns add up; their noise adds in squares.
+struct FreeTurn {
+    double noise = 0.0;  ///< rad^2
+    double drift = 0.0;  ///< rad, one sigma
+    int levellings = 0;  ///< after each of them w points anywhere
+
+    /// One sigma of the turn since `before`, rad; no more than that of an unknown heading.
+    [[nodiscard]] double std_since(const FreeTurn& before) const;
+};
+
 class HeadingChannel {
 public:
     HeadingChannel(const HeadingSettings& settings, const TiltSettings& tilt, bool six_axis);
@@ -53,6 +63,8 @@ public:
     /// The same as a rotation; kept, since it is wanted at every sample and changes once a block.
     [[nodiscard]] const Eigen::Quaterniond& q_nw() const { return q_nw_; }
     [[nodiscard]] double variance() const;  ///< rad^2
+    /// Where no field is seen: by how much w may have turned since the first block; none after it was levelled anew.
+    [[nodiscard]] const FreeTurn& free_turn() const { return free_turn_; }
     [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return estimate_.hard_iron; }
     [[nodiscard]] double horizontal_field() const { return estimate_.horizontal(); }
     [[nodiscard]] double vertical_field() const { return estimate_.vertical; }
@@ -78,6 +90,7 @@ public:
 
 private:
     void start(const Block& block, const Eigen::Vector3d& bias);
+    [[nodiscard]] double turn_noise(const Block& block) const;
     void pass(const Block& block);
     void propagate(TurningRows& A);
     void update(const Block& block, Counters& counters, HeadingRecord* record);
@@ -92,7 +105,7 @@ private:
     int samples_ = 0;
     HeadingVector turn_row_ = HeadingVector::Zero();      ///< derivative of the turn since the last update
     double turned_ = 0.0, duration_ = 0.0, noise_ = 0.0;  ///< rad, s and rad^2, since then
-    double free_variance_ = 0.0;                          ///< rad^2, before a field was seen, or without one
+    FreeTurn free_turn_;
     double level_ = 1.0, disturbed_for_ = 0.0, evidence_ = 0.0, unexplained_ = 0.0;
     Eigen::Quaterniond q_nw_ = Eigen::Quaterniond::Identity();
 };

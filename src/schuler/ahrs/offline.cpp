@@ -101,7 +101,8 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
 /// A forward pass of the heading channel over the smoothed tilt: where it stood at the end of each block, and its updates.
 struct HeadingPass {
     std::vector<Eigen::Vector2d> path;  ///< T, the level field
-    std::vector<double> free_std;       ///< rad, of the heading of the filter
+    std::vector<FreeTurn> free;         ///< what the gyro alone leaves unknown of the heading
+    std::size_t started = 0;            ///< the first block with a field
     std::vector<HeadingRecord> updates;
 };
 
@@ -122,8 +123,8 @@ double heading_std(const Eigen::Vector2d& level_field, const Eigen::Matrix2d& P)
     return size2 > 0.0 ? std::min(unknown, std::sqrt(std::max(0.0, across.dot(P * across))) / size2) : unknown;
 }
 
-/// Smoothed heading at the end of each block; the error runs linearly from update to update. `left`: mean square of what is left of the
-/// field at each update, in units of the expected; NaN where there was none.
+/// Smoothed heading at the end of each block; the error runs linearly from update to update, but never across a block that was levelled
+/// anew. `left`: mean square of what is left of the field at each update, in units of the expected; NaN where there was none.
 std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSettings& settings, std::vector<double>& left) {
     const std::vector<Eigen::Vector2d>& path = pass.path;
     std::vector<Smoothed1> out(path.size());
@@ -134,10 +135,18 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
     // of the blocks from `from` until that update: the error goes from `after` to `next_before`
     const auto between = [&](std::size_t from, double after, double std) {
         const double change = math::wrap_pi(next_before - after);
+        const bool levelled = next < path.size() && pass.free[next].levellings > (from > 0 ? pass.free[from - 1].levellings : 0);
         for (std::size_t b = from; b < next; ++b) {
             const double along =
                 next < path.size() ? static_cast<double>(b + 1 - from) / static_cast<double>(next - from + 1) : 0.0;
-            out[b] = {heading_of(path[b]) + settings.declination - (after + along * change), std};
+            double error = after + along * change, sigma = std;
+            if (levelled) {  // the error after the last levelling is that of the next update, before the first that of the last one
+                const bool is_after = pass.free[b].levellings == pass.free[next].levellings;
+                error = is_after ? next_before : after;
+                sigma = std::max(is_after ? out[next].std : std,
+                                 is_after || from == 0 ? 0.0 : pass.free[b].std_since(pass.free[from - 1]));
+            }
+            out[b] = {heading_of(path[b]) + settings.declination - error, sigma};
         }
     };
     for (std::size_t k = pass.updates.size(); k-- > 0;) {
@@ -167,11 +176,16 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
         adjoint.Lambda.noalias() += rows.transpose() * A;
         const Eigen::Matrix<double, n, 1> lambda = adjoint.lambda.head<n>();
         adjoint.lambda.noalias() += A.transpose() * lambda;
+        adjoint.Lambda = (0.5 * (adjoint.Lambda + adjoint.Lambda.transpose())).eval();
     }
     between(0, next_before, next < path.size() ? out[next].std : 0.0);
     if (pass.updates.empty()) {  // six axes: the heading is the gyro's own
-        for (std::size_t b = 0; b < out.size(); ++b) out[b].std = pass.free_std[b];
+        for (std::size_t b = 0; b < out.size(); ++b) out[b].std = pass.free[b].std_since({});
+    } else {  // before the first field it is the gyro's own backwards from there
+        for (std::size_t b = 0; b < pass.started; ++b)
+            out[b].std = std::hypot(out[b].std, pass.free[pass.started].std_since(pass.free[b]));
     }
+    for (Smoothed1& s : out) s.std = std::min(s.std, std::numbers::pi / std::sqrt(3.0));
     return out;
 }
 
@@ -227,7 +241,8 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
         heading = HeadingChannel(expected, settings.tilt, settings.six_axis);
         double shown = 0.0;
         pass.path.clear();
-        pass.free_std.clear();
+        pass.free.clear();
+        pass.started = 0;
         pass.updates.clear();
         std::size_t m = 0;
         for (const Strapdown& s : f.strapdown) {
@@ -238,7 +253,8 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
                 if (pass.updates.size() < disturbed.size()) record.disturbance = disturbed[pass.updates.size()];
                 heading.close(f.tilt[s.block].block, f.bias[s.block], out.counters, &record);
                 pass.path.push_back(record.path);
-                pass.free_std.push_back(std::sqrt(heading.variance()));
+                pass.free.push_back(heading.free_turn());
+                if (!heading.started()) ++pass.started;
                 if (record.active) {
                     pass.updates.push_back(record);
                     shown = std::max(shown, heading.hard_iron().cwiseAbs().maxCoeff() - 2.0 * heading.hard_iron_std());
@@ -249,6 +265,9 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
                     heading.gather(C_wb, s.rate_b, mag[m].field_b);
             }
         }
+        // w does not turn by itself: the field that was seen first stood there before, too
+        if (!settings.six_axis && pass.started < pass.path.size())
+            std::fill_n(pass.path.begin(), pass.started, pass.path[pass.started]);
         std::vector<double> left;
         turn = smooth_heading(pass, settings.heading, left);
         if (pass.updates.empty()) break;
@@ -264,7 +283,7 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
         double angle = 0.0, heading_std = 0.0;
         Eigen::Vector2d tilt_std = Eigen::Vector2d::Zero();
         if (blocks > 0) {
-            const double end = turn[b].heading, begin = b > 0 ? turn[b - 1].heading : end;
+            const double end = turn[b].heading, begin = b > 0 && !tilt[b].levelled ? turn[b - 1].heading : end;
             angle = s.block < blocks ? begin + static_cast<double>(s.along) * math::wrap_pi(end - begin) : end;
             heading_std = turn[b].std;
             tilt_std = tilt[b].std;

@@ -176,6 +176,8 @@ Block TiltChannel::close(TiltRecord* record) {
         block_.force_w /= forces_;
     }
     block_.bias_used = bias_;
+    block_.down_bias_std =
+        std::sqrt(std::max(0.0, block_.C_wb.row(2).dot(P_.block<3, 3>(2, 2) * block_.C_wb.row(2).transpose())));
     watch_rest();
     if (level_wanted_) level_anew();
     propagate();
