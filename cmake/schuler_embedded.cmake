@@ -23,8 +23,14 @@ endforeach()
 
 add_library(schuler_embedded STATIC ${sources})
 target_compile_features(schuler_embedded PUBLIC cxx_std_20)
-target_compile_options(schuler_embedded PUBLIC -fno-exceptions -fno-rtti PRIVATE -ffunction-sections -fdata-sections -fstack-usage)
+target_compile_options(schuler_embedded PUBLIC -fno-exceptions -fno-rtti
+                       PRIVATE -ffunction-sections -fdata-sections -fstack-usage $<$<CONFIG:Release>:-O2>)
 target_compile_definitions(schuler_embedded PUBLIC ${SCHULER_ABI_DEFINITIONS} FMT_HEADER_ONLY)
 target_include_directories(schuler_embedded PUBLIC "${PROJECT_SOURCE_DIR}/src")
 target_include_directories(schuler_embedded SYSTEM PUBLIC "${headers}")
 target_link_libraries(schuler_embedded PUBLIC Eigen3::Eigen PRIVATE schuler_flags)
+
+# Its example, which is its test: linked without the loader, for an emulator has none of another processor.
+add_executable(embedded_drive "${PROJECT_SOURCE_DIR}/examples/embedded/main.cpp")
+target_link_libraries(embedded_drive PRIVATE schuler_embedded schuler_flags)
+target_link_options(embedded_drive PRIVATE -static -Wl,--gc-sections -no-pie)
