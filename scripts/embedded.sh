@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# The embedded core (docs/embed.md) for this processor, for aarch64 and for arm: built, its example run (the last two under qemu), its
+# results compared, its needs measured. The exit status is 0 only where all processors agree and nothing is allocated after construction.
+#
+#   scripts/embedded.sh [--count] [FOLDER [PROCESSOR...]]     folder of the builds: build-embedded; processors: native aarch64 arm
+#
+# --count: instructions a sample as well, by the emulator's log of every instruction: some minutes more a processor.
+# What it needs: scripts/packages.sh --install embedded
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+count=no
+[ "${1:-}" != --count ] || { count=yes; shift; }
+folder=$(realpath -m "${1:-$root/build-embedded}")
+processors=("${@:2}")
+[ ${#processors[@]} -gt 0 ] || processors=(native aarch64 arm)
+
+# Compiler, emulator and prefix of the tools of a processor.
+choose() {
+    case "$1" in
+        native) prefix='' emulator=(qemu-x86_64-static -cpu max) options=() ;;
+        aarch64) prefix=aarch64-linux-gnu- emulator=(qemu-aarch64-static) options=(-DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64) ;;
+        arm) prefix=arm-linux-gnueabihf- emulator=(qemu-arm-static) options=(-DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=arm) ;;
+        *) echo "embedded: unknown processor '$1': native, aarch64 or arm" >&2; exit 2 ;;
+    esac
+    [ -z "$prefix" ] || options+=("-DCMAKE_CXX_COMPILER=${prefix}g++")
+    run=()
+    [ "$1" = native ] || run=("${emulator[@]}")
+}
+
+# Mean, median, 99.9 % and largest number of instructions between the example's marks, over the second half of the drive.
+instructions() {
+    "${emulator[@]}" -singlestep -d exec,nochain -D /dev/stderr "$1" 60 "$2" 2>&1 >/dev/null |
+        awk '$1 != "Trace" { next } $NF == "feed_begins" { n = 0; next } $NF == "feed_ends" { if (n >= 0) print n; n = -1; next } n >= 0 { ++n }' |
+        tail -n +3000 | sort -n |
+        awk '{ all[NR] = $1; sum += $1 } END { printf "%d samples: mean %d, median %d, 99.9 %% %d, largest %d\n", NR, sum / NR,
+              all[int(NR / 2) + 1], all[int(0.999 * NR)], all[NR] }'
+}
+
+for processor in "${processors[@]}"; do
+    choose "$processor"
+    build=$folder/$processor
+    echo "== $processor"
+    cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSCHULER_EMBEDDED=ON "${options[@]}" >/dev/null
+    cmake --build "$build" >"$build/build.log" || { tail -n 30 "$build/build.log" >&2; exit 1; }
+    "${run[@]}" "$build/embedded_drive" >"$build/drive.txt"
+    echo "program, bytes of text, data, bss: $("${prefix}size" "$build/embedded_drive" | awk 'NR == 2 { print $1, $2, $3 }')"
+    echo "of it the core's own text: $("${prefix}size" -t "$build/libschuler_embedded.a" | awk 'END { print $1 }') before the linker leaves out what is unused"
+    echo "largest frames of the stack, bytes:"
+    find "$build" -name '*.su' -exec cat {} + | awk -F'\t' '{ sub(/^.*src\/schuler\//, "", $1); print "  " $2 "  " substr($1, 1, 110) }' | sort -k1,1nr | head -n 5
+    [ "$count" = no ] || for part in geographic ecef attitude; do
+        echo "instructions, $part: $(instructions "$build/embedded_drive" "$part")"
+    done
+done
+
+cd "$folder"
+python3 - "${processors[@]}" <<'PYTHON'
+import math
+import sys
+
+LARGEST = 1e-9      # of a sigma; of the sigma itself: relative
+
+def rows(processor):
+    with open(f"{processor}/drive.txt") as file:
+        return [(w[0], *map(float, w[1:])) for w in map(str.split, file)]
+
+def errors(a, b):
+    """Largest difference of the state in sigmas and in its units, and of the sigmas relative to themselves."""
+    if a[0] == "attitude":
+        state, sigma = range(2, 5), range(5, 8)
+    else:
+        state, sigma = range(2, 11), range(11, 20)
+    scale = {2: 6.4e6, 3: 6.4e6 * math.cos(a[2])} if a[0] != "attitude" else {}      # rad to m
+    off = [abs(math.remainder(a[i] - b[i], 2 * math.pi) if i >= 8 or a[0] == "attitude" else a[i] - b[i]) * scale.get(i, 1.0) for i in state]
+    in_sigmas = max(o / a[j] for o, j in zip(off, sigma))
+    of_sigmas = max(abs(b[j] / a[j] - 1.0) for j in sigma)
+    return in_sigmas, of_sigmas, max(off[:3]) if a[0] != "attitude" else 0.0
+
+first, *others = sys.argv[1:]
+good = True
+for other in others:
+    a, b = rows(first), rows(other)
+    if not a or [r[:2] for r in a] != [r[:2] for r in b]:
+        sys.exit(f"{first} and {other}: not the same rows")
+    for kind in dict.fromkeys(r[0] for r in a):
+        pairs = [errors(x, y) for x, y in zip(a, b) if x[0] == kind]
+        state, sigma, metres = (max(p[i] for p in pairs) for i in range(3))
+        print(f"{first} against {other}, {kind}, {len(pairs)} states: {state:.1e} of a sigma ({metres:.1e} m), sigmas {sigma:.1e} of themselves")
+        good = good and max(state, sigma) <= LARGEST
+sys.exit(0 if good else f"the results differ by more than {LARGEST}")
+PYTHON
