@@ -2,8 +2,8 @@
 // need of the stack and of the heap on the error output. scripts/embedded.sh runs it on several processors and compares.
 #include "drive.h"
 
+#include "embedded/fail_handler.h"
 #include "schuler/ahrs/mekf.h"
-#include "schuler/core/fail_handler.h"
 #include "schuler/filter/navigator.h"
 #include "schuler/math/rotation.h"
 

@@ -1,7 +1,7 @@
 // The core without exceptions: stands in for core/fail.cpp in schuler_embedded.
 #include "schuler/core/fail.h"
 
-#include "schuler/core/fail_handler.h"
+#include "embedded/fail_handler.h"
 
 #include <boost/assert/source_location.hpp>
 

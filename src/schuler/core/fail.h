@@ -5,7 +5,7 @@
 
 namespace schuler {
 
-/// Throws the error. In schuler_embedded (docs/embed.md), which is compiled without exceptions, the handler of core/fail_handler.h is
+/// Throws the error. In schuler_embedded (docs/embed.md), which is compiled without exceptions, the handler of src/embedded/fail_handler.h is
 /// called with it instead. Hot paths do not come here: they return a status.
 [[noreturn]] void fail(Error error);
 
