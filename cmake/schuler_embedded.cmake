@@ -15,7 +15,7 @@ endforeach()
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/schuler/filter/*.cpp" "${PROJECT_SOURCE_DIR}/src/embedded/*.cpp")
 foreach(file core/error core/time math/chi_square math/rotation math/steep_attitude earth/atmosphere earth/earth earth/ellipsoid
         earth/gravity estim/scalar_update estim/transition estim/update sensor/grades gnss/atmosphere gnss/ranges gnss/ground_range
-        ins/align ins/increments ins/state_error
+        gnss/satellite ins/align ins/error_e ins/error_n ins/increments ins/state_error ins/step_e ins/step_n
         ahrs/dcm_filter ahrs/field_watch ahrs/heading_channel ahrs/heading_model ahrs/mekf ahrs/quaternion_filter ahrs/settings
         ahrs/tilt_channel)
     list(APPEND sources "${PROJECT_SOURCE_DIR}/src/schuler/${file}.cpp")
