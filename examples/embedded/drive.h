@@ -58,6 +58,8 @@ public:
         const Vector3d force = to_body(m, m.a + (2.0 * e.w_ie_n + e.w_en_n).cross(m.v) - e.g_n) + Vector3d(0.01, -0.015, 0.02);
         return {time(t), converted(rate + noise_.three(6e-4), 0x1p-30), converted(force + noise_.three(8e-3), 0x1p-24)};
     }
+    /// Of the wheels, m/s.
+    static double speed(double t) { return converted(at(t).v.norm(), 0x1p-10); }
     Vector3d field(double t) { return converted(to_body(at(t), {2e-5, 0.0, 4e-5}) + noise_.three(3e-7), 0x1p-36); }
     schuler::BaroSample baro(double t) { return {time(t), converted(place_.h + 3.0 + 0.3 * noise_(), 0x1p-10)}; }
     schuler::GnssFix fix(double t) {
@@ -88,8 +90,9 @@ private:
         const double faster = s > 0.0 ? fastest * quickness * fading + swing * beat * beat * std::cos(beat * s) : 0.0;
         const double heading = first + angle;
         const Vector3d ahead(std::cos(heading), std::sin(heading), 0.0), right(-ahead.y(), ahead.x(), 0.0);
-        const Vector3d from(std::sin(first), -std::cos(first), 0.0);
-        return {radius * (from + right), radius * turn * ahead, radius * (faster * ahead + turn * turn * right), heading, turn};
+        const Vector3d first_right(-std::sin(first), std::cos(first), 0.0);
+        return {radius * (first_right - right), radius * turn * ahead, radius * (faster * ahead + turn * turn * right), heading,
+                turn};
     }
     static Vector3d to_body(const Motion& m, const Vector3d& x) {
         const double c = std::cos(m.heading), s = std::sin(m.heading);

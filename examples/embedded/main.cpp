@@ -52,7 +52,7 @@ constexpr double interval = embedded::Drive::interval;
 
 bool due(int k, double every) { return k % static_cast<int>(std::lround(every / interval)) == 0; }
 
-constexpr std::size_t painted = 2'000'000;
+constexpr std::size_t painted = 512 * 1024;
 constexpr unsigned char paint = 0xA5;
 
 /// Paints the stack below the caller.
@@ -61,12 +61,14 @@ constexpr unsigned char paint = 0xA5;
     std::memset(stack, paint, painted);
     asm volatile("" : : "r"(stack) : "memory");
 }
-/// How deep the paint is gone since, bytes.
+/// How deep the paint is gone since, bytes; `painted` means that or more.
 [[gnu::noinline]] std::size_t deepest() {
-    const volatile auto* stack = static_cast<const volatile unsigned char*>(alloca(painted));
+    std::size_t fresh = 0;
+    std::memset(&fresh, paint, sizeof fresh);
+    const volatile auto* stack = static_cast<const volatile std::size_t*>(alloca(painted));
     std::size_t intact = 0;
-    while (intact < painted && stack[intact] == paint) ++intact;
-    return painted - intact;
+    while (intact < painted / sizeof fresh && stack[intact] == fresh) ++intact;
+    return painted - intact * sizeof fresh;
 }
 
 [[noreturn]] void refused(const char* what) {
@@ -153,6 +155,7 @@ bool attitude_only(double seconds) {
         const double t = k * interval;
         const ImuSample imu = drive.imu(t);
         const Eigen::Vector3d field = drive.field(t);
+        attitude.forward_speed(embedded::Drive::speed(t), 0.1);
         feed_begins();
         (void)attitude.step(interval, imu.gyro, imu.accel);
         if (due(k, embedded::Drive::field_interval)) attitude.magnetometer(field);
