@@ -47,7 +47,7 @@ for processor in "${processors[@]}"; do
     echo "of it the core's own text: $("${prefix}size" -t "$build/libschuler_embedded.a" | awk 'END { print $1 }') before the linker leaves out what is unused"
     echo "largest frames of the stack, bytes:"
     find "$build" -name '*.su' -exec cat {} + | awk -F'\t' '{ sub(/^.*src\/schuler\//, "", $1); print "  " $2 "  " substr($1, 1, 110) }' | sort -k1,1nr | head -n 5
-    [ "$count" = no ] || for part in geographic ecef attitude; do
+    [ "$count" = no ] || for part in geographic ecef tight attitude; do
         echo "instructions, $part: $(instructions "$build/embedded_drive" "$part")"
     done
 done

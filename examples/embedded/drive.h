@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -46,6 +47,7 @@ private:
 /// Stands for 20 s, then drives around a roundabout of 60 m, faster and slower.
 class Drive {
 public:
+    static constexpr std::size_t sources = 8;
     static constexpr double interval = 0.01, field_interval = 0.02, fix_interval = 0.2, baro_interval = 0.1;  // s
 
     static Time time(double t) { return Time{static_cast<std::int64_t>(std::llround(t * 1e9)) + 1'000'000'000'000}; }
@@ -61,6 +63,32 @@ public:
     /// Of the wheels, m/s.
     static double speed(double t) { return converted(at(t).v.norm(), 0x1p-10); }
     Vector3d field(double t) { return converted(to_body(at(t), {2e-5, 0.0, 4e-5}) + noise_.three(3e-7), 0x1p-36); }
+    /// Pseudoranges and their rates to transmitters that stand high above the Earth; a receiver's clock, no air.
+    std::array<schuler::RangeSample, sources> ranges(double t) {
+        const Motion m = at(t);
+        const schuler::Geodetic p = schuler::earth::moved_by_ned({}, place_, m.p);
+        const Eigen::Matrix3d C_en = schuler::earth::C_en(p.lat, p.lon);
+        const Vector3d r = schuler::earth::ecef_from_geodetic(schuler::earth::wgs84, p).r, v = C_en * m.v;
+        const double turn = schuler::earth::wgs84.w_ie / light;
+        std::array<schuler::RangeSample, sources> list;
+        for (std::size_t i = 0; i < sources; ++i) {
+            const double azimuth = 0.8 * static_cast<double>(i), elevation = 0.3 + 0.15 * static_cast<double>(i);
+            const Vector3d n(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                             -std::sin(elevation));
+            const Vector3d x = converted(r_start_ + 2.2e7 * (C_en_start_ * n), 0x1p-4);
+            const double distance = (r - x).norm(), drift = 0.3;
+            schuler::RangeSample& s = list[i];
+            s.source = static_cast<std::uint16_t>(i);
+            s.tx.r = x;
+            s.tx_velocity.setZero();
+            s.pseudorange =
+                converted(distance + turn * (x.x() * r.y() - x.y() * r.x()) + 40.0 + drift * t + 0.7 * noise_(), 0x1p-12);
+            s.range_rate = converted((r - x).dot(v) / distance + drift + 0.03 * noise_(), 0x1p-16);
+            s.std = 0.7;
+            s.std_rate = 0.03;
+        }
+        return list;
+    }
     schuler::BaroSample baro(double t) { return {time(t), converted(place_.h + 3.0 + 0.3 * noise_(), 0x1p-10)}; }
     schuler::GnssFix fix(double t) {
         const Motion m = at(t);
@@ -77,6 +105,8 @@ public:
     }
 
 private:
+    static constexpr double light = 299'792'458.0;  // m/s
+
     struct Motion {
         Vector3d p, v, a;      ///< north, east, down of the place of the start
         double heading, turn;  ///< rad, rad/s
@@ -100,6 +130,8 @@ private:
     }
 
     const schuler::Geodetic place_{55.0 * units::deg, 37.0 * units::deg, 150.0};
+    const Eigen::Matrix3d C_en_start_ = schuler::earth::C_en(place_.lat, place_.lon);
+    const Vector3d r_start_ = schuler::earth::ecef_from_geodetic(schuler::earth::wgs84, place_).r;
     Noise noise_{20260722};
 };
 

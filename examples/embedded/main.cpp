@@ -10,12 +10,14 @@
 #include <alloca.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <new>
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace {
@@ -76,17 +78,26 @@ constexpr unsigned char paint = 0xA5;
     std::exit(2);
 }
 
-filter::NavigatorSettings settings(bool earth_fixed) {
+enum class Kind { Geographic, EarthFixed, Tight };
+constexpr const char* names[] = {"geographic", "ecef", "tight"};
+
+filter::NavigatorSettings settings(Kind kind) {
     filter::NavigatorSettings s;
     s.filter.vehicle = filter::VehicleKind::Car;
     s.filter.imu.errors = sensor::imu_grade("mems");
     s.filter.scale_factors = true;
     s.filter.aids.nonholonomic = true;
-    s.filter.mechanization = earth_fixed ? filter::Mechanization::Ecef : filter::Mechanization::Geographic;
+    s.filter.mechanization = kind == Kind::EarthFixed ? filter::Mechanization::Ecef : filter::Mechanization::Geographic;
     s.filter.gnss.estimate_std = false;
     s.imu_interval = embedded::Drive::interval;
     s.rates.gnss = 10.0;
     s.rates.baro = 20.0;
+    if (kind != Kind::Tight) return s;
+    s.filter.coupling = filter::Coupling::Tight;
+    s.filter.ranging.corrections.troposphere = gnss::TroposphereModel::None;
+    s.filter.ranging.protection.use = true;
+    s.rates.ranges = 10.0;
+    s.rates.range_sources = 16;
     return s;
 }
 
@@ -106,10 +117,10 @@ void print(double t, const ahrs::Mekf& attitude) {
 }
 
 /// The whole drive by one navigator; what it says every ten seconds. True where it navigates and has taken no memory since `make`.
-bool navigate(bool earth_fixed, double seconds) {
-    const char* name = earth_fixed ? "ecef" : "geographic";
+bool navigate(Kind kind, double seconds) {
+    const char* name = names[static_cast<int>(kind)];
     std::size_t of_make = 0, of_feed = 0, of_state = 0;
-    const filter::NavigatorSettings chosen = settings(earth_fixed);
+    const filter::NavigatorSettings chosen = settings(kind);
     const std::size_t before = allocated;
     paint_stack();
     filter::NavigatorMade made = filter::Navigator::make(chosen);
@@ -119,16 +130,22 @@ bool navigate(bool earth_fixed, double seconds) {
     const std::size_t memory = allocated - before, allocations_before = allocations;
 
     embedded::Drive drive;
-    const auto fed = [&](const auto& sample) {
+    const auto fed = [&](const auto&... sample) {
         feed_begins();
-        (void)navigator.feed(sample);
+        (void)navigator.feed(sample...);
         feed_ends();
     };
+    for (std::size_t i = 0; kind == Kind::Tight && i < embedded::Drive::sources; ++i)
+        (void)navigator.range_source(std::array{"G01", "G02", "G03", "G04", "G05", "G06", "G07", "G08"}[i], false);
     paint_stack();
     for (int k = 1; k * interval <= seconds; ++k) {
         const double t = k * interval;
         if (due(k, embedded::Drive::fix_interval)) fed(drive.fix(t));
         if (due(k, embedded::Drive::baro_interval)) fed(drive.baro(t));
+        if (kind == Kind::Tight && due(k, embedded::Drive::fix_interval)) {
+            const std::array<RangeSample, embedded::Drive::sources> ranges = drive.ranges(t);
+            fed(embedded::Drive::time(t), std::span<const RangeSample>(ranges));
+        }
         fed(drive.imu(t));
         if (!due(k, 10.0)) continue;
         of_feed = std::max(of_feed, deepest());
@@ -172,14 +189,14 @@ bool attitude_only(double seconds) {
 
 }  // namespace
 
-/// embedded_drive [SECONDS [geographic|ecef|attitude]]
+/// embedded_drive [SECONDS [geographic|ecef|tight|attitude]]
 int main(int count, char** arguments) {
     set_fail_handler(refused);
     const double seconds = count > 1 ? std::atof(arguments[1]) : 120.0;
     const std::string_view only = count > 2 ? arguments[2] : "";
     bool good = true;
-    if (only.empty() || only == "geographic") good = navigate(false, seconds) && good;
-    if (only.empty() || only == "ecef") good = navigate(true, seconds) && good;
+    for (const Kind kind : {Kind::Geographic, Kind::EarthFixed, Kind::Tight})
+        if (only.empty() || only == names[static_cast<int>(kind)]) good = navigate(kind, seconds) && good;
     if (only.empty() || only == "attitude") good = attitude_only(seconds) && good;
     return good ? 0 : 1;
 }
