@@ -4,7 +4,7 @@
 #
 #   scripts/embedded.sh [--count] [FOLDER [PROCESSOR...]]     folder of the builds: build-embedded; processors: native aarch64 arm
 #
-# --count: instructions a sample as well, by the emulator's log of every instruction: some minutes more a processor.
+# --count: instructions a sample as well, by the emulator's log of what it runs: some minutes more a processor.
 # What it needs: scripts/packages.sh --install embedded
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -27,13 +27,24 @@ choose() {
     [ "$1" = native ] || run=("${emulator[@]}")
 }
 
-# Mean, median, 99.9 % and largest number of instructions between the example's marks, over the second half of the drive.
+# Mean, median, 99.9 % and largest number of instructions between the example's marks, over the second half of a minute's drive. The
+# emulator's log says which block of instructions is run, and when it translates a block, what is in it.
 instructions() {
-    "${emulator[@]}" -singlestep -d exec,nochain -D /dev/stderr "$1" 60 "$2" 2>&1 >/dev/null |
-        awk '$1 != "Trace" { next } $NF == "feed_begins" { n = 0; next } $NF == "feed_ends" { if (n >= 0) print n; n = -1; next } n >= 0 { ++n }' |
-        tail -n +3000 | sort -n |
-        awk '{ all[NR] = $1; sum += $1 } END { printf "%d samples: mean %d, median %d, 99.9 %% %d, largest %d\n", NR, sum / NR,
-              all[int(NR / 2) + 1], all[int(0.999 * NR)], all[NR] }'
+    "${emulator[@]}" -d in_asm,exec,nochain -D /dev/stderr "$1" 60 "$2" 2>&1 >/dev/null | awk '
+        /^IN:/ { fresh = 1; next }
+        /^0x/ {
+            if ($0 ~ /^0x[0-9a-f]+: +([0-9a-f][0-9a-f] )*[0-9a-f][0-9a-f] *$/) next     # the rest of a long instruction
+            if (fresh) { at = substr($1, 3); sub(/:$/, "", at); sub(/^0+/, "", at); size[at] = 0; fresh = 0 }
+            ++size[at]
+            next
+        }
+        $1 != "Trace" { next }
+        $NF == "feed_begins" { n = 0; counting = 1; next }
+        $NF == "feed_ends" { if (counting) all[++samples] = n; counting = 0; next }
+        counting { split($4, part, "/"); sub(/^0+/, "", part[2]); n += size[part[2]] }
+        END { for (i = int(samples / 2) + 1; i <= samples; ++i) print all[i] }' | sort -n | awk '
+        { all[NR] = $1; sum += $1 }
+        END { printf "%d calls: mean %d, median %d, 99.9 %% %d, largest %d\n", NR, sum / NR, all[int((NR + 1) / 2)], all[int(0.999 * NR)], all[NR] }'
 }
 
 for processor in "${processors[@]}"; do
