@@ -55,7 +55,15 @@ for processor in "${processors[@]}"; do
     cmake --build "$build" >"$build/build.log" || { tail -n 30 "$build/build.log" >&2; exit 1; }
     "${run[@]}" "$build/embedded_drive" >"$build/drive.txt"
     echo "program, bytes of text, data, bss: $("${prefix}size" "$build/embedded_drive" | awk 'NR == 2 { print $1, $2, $3 }')"
-    echo "of it the core's own text: $("${prefix}size" -t "$build/libschuler_embedded.a" | awk 'END { print $1 }') before the linker leaves out what is unused"
+    "${prefix}nm" -S -C "$build/embedded_drive" | python3 -c '
+import sys
+size = {}
+for line in sys.stdin:
+    word = line.split(None, 3)
+    if len(word) == 4 and word[2] in "tTwWvVrR":
+        owner = next((n for n in ("schuler", "fmt", "boost", "Eigen") if n + "::" in word[3]), "the rest and the C and C++ libraries")
+        size[owner] = size.get(owner, 0) + int(word[1], 16)
+print("of it code and constants of", ", ".join(f"{n} {b}" for n, b in sorted(size.items(), key=lambda x: x[1])))'
     echo "largest frames of the stack, bytes:"
     find "$build" -name '*.su' -exec cat {} + | awk -F'\t' '{ sub(/^.*src\/schuler\//, "", $1); print "  " $2 "  " substr($1, 1, 110) }' | sort -k1,1nr | head -n 5
     [ "$count" = no ] || for part in geographic ecef tight attitude; do
