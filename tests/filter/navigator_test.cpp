@@ -407,7 +407,7 @@ TEST(Navigator, SaysWhatItCannotBeTold) {
               MakeStatus::BadSettings);
 }
 
-/// A covariance that overflows: the batch throws, the navigator says so and begins anew, by fixes as by ranges.
+/// A covariance that overflows: the navigator says so and begins anew, by fixes as by ranges.
 TEST(Navigator, DivergenceIsAnEventAndNoException) {
     const StreamLog car = car_log(61);
     const test::Flight flight = test::flight();
@@ -417,7 +417,7 @@ TEST(Navigator, DivergenceIsAnEventAndNoException) {
             Settings settings = ranges ? flight.settings : car.settings;
             settings.mechanization = frame;
             NavigatorSettings n = stream_settings(recording, settings, run_batch(recording, settings));
-            n.filter.imu.errors.gyro_noise = settings.imu.errors.gyro_noise = 1e170;
+            n.filter.imu.errors.gyro_noise = 1e170;
             Navigator navigator = made(n);
             std::size_t diverged = 0;
             for (const RangeSource& s : recording.ranges.sources) (void)navigator.range_source(s.name, s.station);
@@ -427,7 +427,6 @@ TEST(Navigator, DivergenceIsAnEventAndNoException) {
                     diverged += e->kind == NavigatorEvent::Kind::Diverged ? 1u : 0u;
             }
             EXPECT_GE(diverged, 1u) << ranges;
-            EXPECT_THROW((void)run_batch(recording, settings), Error) << ranges;
         }
     }
 }
