@@ -65,7 +65,7 @@ for line in sys.stdin:
         size[owner] = size.get(owner, 0) + int(word[1], 16)
 print("of it code and constants of", ", ".join(f"{n} {b}" for n, b in sorted(size.items(), key=lambda x: x[1])))'
     echo "largest frames of the stack, bytes:"
-    find "$build" -name '*.su' -exec cat {} + | awk -F'\t' '{ sub(/^.*src\/schuler\//, "", $1); print "  " $2 "  " substr($1, 1, 110) }' | sort -k1,1nr | head -n 5
+    find "$build" -name '*.su' -exec cat {} + | awk -F'\t' '{ sub(/^.*src\/schuler\//, "", $1); print "  " $2 "  " substr($1, 1, 110) }' | sort -k1,1nr | sed -n 1,5p
     [ "$count" = no ] || for part in geographic ecef tight attitude; do
         echo "instructions, $part: $(instructions "$build/embedded_drive" "$part")"
     done
