@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # The one list of the Debian 12 packages Schuler is made of, and the command that installs those that are missing.
 #
-#   scripts/packages.sh --list [build|test|develop]      names, one a line (all sets when none is named)
+#   scripts/packages.sh --list [build|test|develop|embedded]      names, one a line (all sets when none is named)
 #   scripts/packages.sh --missing SET                    names that are not installed; exit status 0 when there are none
 #   scripts/packages.sh --install SET                    installs what is missing, as root or through sudo
 #
-# `test` includes `build`, `develop` includes both. Nothing is done, and apt is not called, when nothing is missing.
+# `test` includes `build`, `develop` includes both; `embedded` is what scripts/embedded.sh needs and part of none. Nothing is done,
+# and apt is not called, when nothing is missing.
 set -euo pipefail
 shopt -s inherit_errexit
 
@@ -41,6 +42,10 @@ develop=(
     gcovr                           # scripts/coverage.sh
     python3-mpmath                  # tests/theory/make_equator_table.py
 )
+embedded=(
+    g++ cmake ninja-build libeigen3-dev libfmt-dev libboost-dev python3
+    g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static
+)
 
 fail() {
     echo "packages: $*" >&2
@@ -52,7 +57,8 @@ names_of() {
         build) printf '%s\n' "${build[@]}" ;;
         test) printf '%s\n' "${build[@]}" "${test[@]}" ;;
         develop | "") printf '%s\n' "${build[@]}" "${test[@]}" "${develop[@]}" ;;
-        *) fail "unknown set '$1': build, test or develop" ;;
+        embedded) printf '%s\n' "${embedded[@]}" ;;
+        *) fail "unknown set '$1': build, test, develop or embedded" ;;
     esac
 }
 
@@ -105,9 +111,9 @@ install_set() {
 case "${1:-}" in
     --list) names_of "${2:-}" ;;
     --missing)
-        missing=$(missing_of "${2:?set: build, test or develop}")
+        missing=$(missing_of "${2:?set: build, test, develop or embedded}")
         [ -z "$missing" ] || { echo "$missing"; exit 1; }
         ;;
-    --install) install_set "${2:?set: build, test or develop}" ;;
-    *) sed -n 's/^# \{0,1\}//; 2,8p' "$0" >&2; exit 2 ;;
+    --install) install_set "${2:?set: build, test, develop or embedded}" ;;
+    *) sed -n 's/^# \{0,1\}//; 2,9p' "$0" >&2; exit 2 ;;
 esac

@@ -392,6 +392,43 @@ TEST(Navigator, SaysWhatItCannotBeTold) {
               }),
               MakeStatus::NotForStreams);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.smooth = true; }), MakeStatus::NotForStreams);
+    // probabilities without a quantile: refused by their own key, not by an exception on the way
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.aids.gate_probability = 0.0; }), MakeStatus::Made);
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.aids.gate_probability = 1e-20; }), MakeStatus::BadSettings);
+    EXPECT_EQ(status([](NavigatorSettings& n) {
+                  n.filter.integrity.use = true;
+                  n.filter.integrity.false_alarm = 1.0;
+              }),
+              MakeStatus::BadSettings);
+    EXPECT_EQ(status([](NavigatorSettings& n) {
+                  n.filter.ranging.protection.use = true;
+                  n.filter.ranging.protection.missed_detection = 0.5;
+              }),
+              MakeStatus::BadSettings);
+}
+
+/// A covariance that overflows: the navigator says so and begins anew, by fixes as by ranges.
+TEST(Navigator, DivergenceIsAnEventAndNoException) {
+    const StreamLog car = car_log(61);
+    const test::Flight flight = test::flight();
+    for (const bool ranges : {false, true}) {
+        const Recording& recording = ranges ? flight.recording : car.recording;
+        for (const Mechanization frame : {Mechanization::Geographic, Mechanization::Ecef}) {
+            Settings settings = ranges ? flight.settings : car.settings;
+            settings.mechanization = frame;
+            NavigatorSettings n = stream_settings(recording, settings, run_batch(recording, settings));
+            n.filter.imu.errors.gyro_noise = 1e170;
+            Navigator navigator = made(n);
+            std::size_t diverged = 0;
+            for (const RangeSource& s : recording.ranges.sources) (void)navigator.range_source(s.name, s.station);
+            for (const Sample& s : samples_of(recording)) {
+                (void)feed(navigator, s, recording.ranges);
+                while (const std::optional<NavigatorEvent> e = navigator.poll())
+                    diverged += e->kind == NavigatorEvent::Kind::Diverged ? 1u : 0u;
+            }
+            EXPECT_GE(diverged, 1u) << ranges;
+        }
+    }
 }
 
 }  // namespace

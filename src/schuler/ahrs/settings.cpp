@@ -1,6 +1,6 @@
 #include "schuler/ahrs/settings.h"
 
-#include "schuler/core/error.h"
+#include "schuler/core/fail.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@ namespace schuler::ahrs {
 void check_positive(std::initializer_list<std::pair<const char*, double>> settings) {
     for (const auto& [name, value] : settings) {
         if (!(value > 0.0) || !std::isfinite(value))
-            throw input_error(fmt::format("{} must be positive", name), {{}, 0, 0, name}, "give a positive number");
+            fail(input_error(fmt::format("{} must be positive", name), {{}, 0, 0, name}, "give a positive number"));
     }
 }
 

@@ -1,6 +1,6 @@
 #include "schuler/earth/atmosphere.h"
 
-#include "schuler/core/error.h"
+#include "schuler/core/fail.h"
 
 #include <fmt/format.h>
 
@@ -61,8 +61,8 @@ const std::array<Layer, 7>& layers() {
 
 StandardAir standard_air(double geopotential_height) {
     if (!(geopotential_height >= lowest && geopotential_height <= highest))
-        throw input_error(fmt::format("height {} m is outside the standard atmosphere", geopotential_height), {},
-                          "give geopotential metres from -5000 to 80000");
+        fail(input_error(fmt::format("height {} m is outside the standard atmosphere", geopotential_height), {},
+                         "give geopotential metres from -5000 to 80000"));
     const std::array<Layer, 7>& table = layers();
     std::size_t i = 0;
     while (i + 1 < table.size() && geopotential_height >= table[i + 1].base) ++i;
@@ -73,9 +73,9 @@ StandardAir standard_air(double geopotential_height) {
 
 double static_pressure(double geopotential_height, double sea_level_pressure, double temperature_offset) {
     if (!(sea_level_pressure > 0.0) || !(std::abs(temperature_offset) < 100.0))
-        throw input_error(
+        fail(input_error(
             fmt::format("no air has {} Pa at sea level and {} K more than the standard", sea_level_pressure, temperature_offset),
-            {}, "give pascals (about 101325) and a few tens of kelvin");
+            {}, "give pascals (about 101325) and a few tens of kelvin"));
     (void)standard_air(geopotential_height);  // refuses heights outside
     Layer layer = layers().front();
     layer.temperature += temperature_offset;
@@ -95,9 +95,9 @@ double geopotential_height_from_pressure(double pressure, double sea_level_press
     static const double largest = standard_air(lowest).pressure * (1.0 + 1e-12);
     const double standard = pressure / sea_level_pressure * table[0].pressure;
     if (!(sea_level_pressure > 0.0) || !(standard >= smallest && standard <= largest))
-        throw input_error(fmt::format("static pressure {} Pa (sea level {} Pa) is outside the standard atmosphere", pressure,
-                                      sea_level_pressure),
-                          {}, "give pascals: 1 hPa or mbar is 100 Pa");
+        fail(input_error(fmt::format("static pressure {} Pa (sea level {} Pa) is outside the standard atmosphere", pressure,
+                                     sea_level_pressure),
+                         {}, "give pascals: 1 hPa or mbar is 100 Pa"));
     std::size_t i = 0;
     while (i + 1 < table.size() && standard <= table[i + 1].pressure) ++i;
     return height_in(table[i], standard);

@@ -1,6 +1,6 @@
 #include "schuler/earth/gravity.h"
 
-#include "schuler/core/error.h"
+#include "schuler/core/fail.h"
 #include "schuler/earth/paper_series.h"
 
 #include <fmt/format.h>
@@ -92,13 +92,13 @@ GravityModel gravity_model_from_name(std::string_view name) {
     }
     SourcePlace place;
     place.key = "gravity";
-    throw input_error(fmt::format("unknown gravity model \"{}\"", name), place, "use one of " + known);
+    fail(input_error(fmt::format("unknown gravity model \"{}\"", name), place, "use one of " + known));
 }
 
 std::string_view name_of(GravityModel model) {
     for (const Name& n : names)
         if (n.second == model) return n.first;
-    throw computation_error("gravity model without a name");
+    fail(computation_error("gravity model without a name"));
 }
 
 GravityVector gravity_vector(GravityModel model, double sin_lat, double cos_lat, double h) {

@@ -1,6 +1,5 @@
 #include "schuler/filter/navigator.h"
 
-#include "schuler/core/error.h"
 #include "schuler/filter/detail/navigator_engine.h"
 
 #include <cmath>
@@ -34,6 +33,20 @@ Refusal unusable(const Start& start) {
     if (!is_sigma(start.std_gyro_bias, 10.0)) return {BadSettings, "start.std_gyro_bias", "a sigma is to be from 0 to 10 rad/s"};
     if (!is_sigma(start.std_accel_bias, 1e3))
         return {BadSettings, "start.std_accel_bias", "a sigma is to be from 0 to 1000 m/s^2"};
+    return {};
+}
+
+/// Probabilities whose quantiles do not exist.
+Refusal unusable_probability(const Settings& s) {
+    using enum MakeStatus;
+    const auto is_usable = [](double p) { return 1.0 - p > 0.0 && 1.0 - p < 1.0; };  // neither is one nor rounds to none
+    if (!(s.aids.gate_probability == 0.0 || is_usable(s.aids.gate_probability)))
+        return {BadSettings, "filter.gate_probability", "the probability is to be from 0 to below 1"};
+    if (s.integrity.use && !is_usable(s.integrity.false_alarm))
+        return {BadSettings, "filter.integrity.false_alarm", "the probability is to be between 0 and 1"};
+    const ProtectionSettings& p = s.ranging.protection;
+    if (p.use && !(is_usable(p.false_alarm) && is_usable(2.0 * p.missed_detection) && is_usable(p.fault_free)))
+        return {BadSettings, "filter.protection", "the probabilities are to be between 0 and 1, missed_detection below 0.5"};
     return {};
 }
 
@@ -73,6 +86,11 @@ Refusal unusable(const NavigatorSettings& n) {
     if (s.imu.estimate_noise) return {NotForStreams, "imu.estimate_noise", "the noise is found from whole logs: give it"};
     if (s.gnss.estimate_latency) return {NotForStreams, "gnss.latency_s", "the latency is found from whole logs: give it"};
     if (s.state_rows || s.covariance_rows) return {NotForStreams, "outputs", "rows of all states are those of a batch"};
+    if (const Refusal refusal = unusable_probability(s); refusal.status != Made) return refusal;
+    if (!layout_with(s, detail::instruments_of(r)).fits())
+        return {
+            TooManyStates, "filter.misalignments",
+            "the filter would have too many states: leave out misalignments, scale factors, the lever arm or the receiver's slow errors"};
     return n.start ? unusable(*n.start) : Refusal{};
 }
 
@@ -93,13 +111,7 @@ NavigatorMade Navigator::make(const NavigatorSettings& settings) {
     }
     NavigatorSettings adjusted = settings;
     if (adjusted.filter.coupling == Coupling::Separate) adjusted.filter.loop = Loop::Closed;  // the corrections are the coupling
-    try {
-        made.navigator.emplace(Navigator(detail::make_engine(adjusted)));
-    } catch (const Error& error) {
-        made.status = MakeStatus::TooManyStates;
-        made.key = error.place().key;
-        made.reason = error.reason();
-    }
+    made.navigator.emplace(Navigator(detail::make_engine(adjusted)));
     return made;
 }
 

@@ -139,6 +139,7 @@ IonosphericDelay ionospheric_delay(const BroadcastIonosphere& ionosphere, System
 
 ZenithDelay saastamoinen_zenith(const Geodetic& receiver, double relative_humidity) {
     const double h = std::clamp(receiver.h, -1000.0, 20'000.0);
+    if (std::isnan(h)) return {h, h};  // of a filter that diverges, which says so itself
     const earth::StandardAir air = earth::standard_air(earth::geopotential_from_geometric(h));
     const double pressure = air.pressure * 1e-2;  // hPa
     // partial pressure of water vapour over water, hPa, by the formula customary with this model

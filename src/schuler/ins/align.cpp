@@ -1,6 +1,6 @@
 #include "schuler/ins/align.h"
 
-#include "schuler/core/error.h"
+#include "schuler/core/fail.h"
 #include "schuler/core/units.h"
 #include "schuler/math/rotation.h"
 
@@ -20,8 +20,8 @@ namespace {
 
 void require_direction(const Vector3d& v, const char* name) {
     if (v.allFinite() && v.squaredNorm() > 0.0) return;
-    throw input_error(fmt::format("the {} is zero or not a number, so it has no direction", name), {},
-                      "check the units and the columns of the accelerometers and gyros");
+    fail(input_error(fmt::format("the {} is zero or not a number, so it has no direction", name), {},
+                     "check the units and the columns of the accelerometers and gyros"));
 }
 
 /// Components in the level frame that has the body's heading.
@@ -54,8 +54,8 @@ Gyrocompass gyrocompass(const earth::Earth& earth, const Geodetic& position, con
                         double accel_std, double gyro_std) {
     require_direction(w, "mean angular rate");
     if (!(std::abs(position.lat) < 89.9 * units::deg)) {
-        throw input_error(fmt::format("no gyrocompassing at latitude {:.3f} deg", position.lat / units::deg), {},
-                          "give the heading, or align in motion");
+        fail(input_error(fmt::format("no gyrocompassing at latitude {:.3f} deg", position.lat / units::deg), {},
+                         "give the heading, or align in motion"));
     }
     const Levelling l = level(f, accel_std);
     const earth::EarthTerms t = earth::terms_at(earth, position, Vector3d::Zero());

@@ -1,6 +1,6 @@
 #include "schuler/ins/increments.h"
 
-#include "schuler/core/error.h"
+#include "schuler/core/fail.h"
 #include "schuler/math/rotation.h"
 
 #include <fmt/format.h>
@@ -127,8 +127,8 @@ CompensatedIncrement compensate(std::span<const ImuIncrement> samples, Increment
     const bool with_previous = algorithm == IncrementAlgorithm::OneSamplePlusPrevious;
     const std::size_t needed = with_previous ? 2 : static_cast<std::size_t>(samples_per_step(algorithm));
     if (samples.size() != needed) {
-        throw input_error(fmt::format("this coning algorithm takes {} increments, {} were given", needed, samples.size()), {},
-                          "pass consecutive increments, as many as the algorithm takes");
+        fail(input_error(fmt::format("this coning algorithm takes {} increments, {} were given", needed, samples.size()), {},
+                         "pass consecutive increments, as many as the algorithm takes"));
     }
     if (with_previous) return compensate(samples[0], samples[1]);
     if (samples.size() > 1 && !evenly_spaced(samples)) return one_by_one(samples);

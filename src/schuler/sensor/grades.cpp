@@ -1,6 +1,6 @@
 #include "schuler/sensor/grades.h"
 
-#include "schuler/core/error.h"
+#include "schuler/core/fail.h"
 #include "schuler/core/units.h"
 
 #include <fmt/format.h>
@@ -88,8 +88,8 @@ ImuErrorModel imu_grade(std::string_view name) {
     for (const Sheet& sheet : sheets) {
         if (wanted == sheet.name) return si(sheet);
     }
-    throw input_error(fmt::format("unknown IMU grade \"{}\"", name), {},
-                      fmt::format("use one of {}, or give the numbers", fmt::join(imu_grade_names(), ", ")));
+    fail(input_error(fmt::format("unknown IMU grade \"{}\"", name), {},
+                     fmt::format("use one of {}, or give the numbers", fmt::join(imu_grade_names(), ", "))));
 }
 
 std::vector<std::string_view> imu_grade_names() {

@@ -100,6 +100,10 @@ private:
     double baro_height_ = not_given;  // m, the last before the start
 };
 
+/// The instruments that states are made for: those that are fed.
+[[nodiscard]] Sensors instruments_of(const FeedRates& rates);
+
+/// The settings have been checked: there is nothing in them that is refused here.
 [[nodiscard]] std::unique_ptr<NavigatorEngine> make_engine(const NavigatorSettings& settings);
 
 }  // namespace schuler::filter::detail

@@ -312,7 +312,10 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
     Rival<Frame>& rival = walk.rival.front();
     FixCount<Frame> count(rival);
     const int fixes_before = rival.accepted + rival.refused;
-    advance(rival.walk, walk.increment, count);
+    if (!try_advance(rival.walk, walk.increment, count)) {
+        walk.diverged = rival.walk.diverged;
+        return;
+    }
     const double age = (walk.filter.time() - rival.since).seconds();
     if (rival.accepted + rival.refused == fixes_before) {
         if (!rival.challenger && age > rival.patience) walk.rival.clear();

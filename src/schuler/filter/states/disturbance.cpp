@@ -1,6 +1,6 @@
 #include "schuler/filter/states/disturbance.h"
 
-#include "schuler/core/error.h"
+#include "schuler/core/fail.h"
 
 #include <Eigen/LU>
 
@@ -46,12 +46,12 @@ DisturbanceChain DisturbanceModel::random_part() const {
 
 void DisturbanceModel::check() const {
     if (!(sigma_n.array() >= 0.0).all() || !sigma_n.allFinite())
-        throw input_error("sigmas of the disturbance must be numbers >= 0", {{}, 0, 0, "sigma_mgal"},
-                          "give three sigmas in mGal");
+        fail(
+            input_error("sigmas of the disturbance must be numbers >= 0", {{}, 0, 0, "sigma_mgal"}, "give three sigmas in mGal"));
     const bool chained = kind == DisturbanceKind::SecondOrder || kind == DisturbanceKind::ThirdOrder;
     if (kind != DisturbanceKind::Constant && (!(length > 0.0) || (chained && !std::isfinite(length))))
-        throw input_error("the correlation length of the disturbance must be positive", {{}, 0, 0, "length_m"},
-                          "give metres along the track, for example 5000");
+        fail(input_error("the correlation length of the disturbance must be positive", {{}, 0, 0, "length_m"},
+                         "give metres along the track, for example 5000"));
 }
 
 Matrix3d DisturbanceModel::stationary() const {

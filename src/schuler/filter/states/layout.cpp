@@ -1,9 +1,5 @@
 #include "schuler/filter/states/layout.h"
 
-#include "schuler/core/error.h"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace schuler::filter {
@@ -17,10 +13,10 @@ Layout::Layout() {
 }
 
 int Layout::add(std::string_view name, std::string_view unit, int states) {
-    if (size + states > estim::max_states || count_ == blocks_.size())
-        throw input_error(fmt::format("the filter would have more than {} states", estim::max_states),
-                          {.file = {}, .key = "filter.misalignments"},
-                          "leave out misalignments, scale factors, the lever arm or the receiver's slow errors");
+    if (size + states > estim::max_states || count_ == blocks_.size()) {
+        fits_ = false;
+        return 0;
+    }
     blocks_[count_++] = {name, unit, size, states};
     size += states;
     return size - states;

@@ -65,9 +65,10 @@ public:
     /// Position, velocity, attitude and the sensors' biases.
     Layout();
 
-    /// Appends a block of states and returns its offset. Name and unit are static texts.
-    /// @throws Error(Input) where the filter would become too large.
+    /// Appends a block of states and returns its offset. Name and unit are static texts. Where there is no room for it, `fits` is false
+    /// from then on and the offset means nothing.
     int add(std::string_view name, std::string_view unit, int states);
+    [[nodiscard]] bool fits() const { return fits_; }
 
     [[nodiscard]] std::span<const LayoutBlock> blocks() const { return {blocks_.data(), count_}; }
     /// Leading states that act on position, velocity and attitude during a step: these three, the inertial sensors' errors, gravity.
@@ -78,6 +79,7 @@ public:
 private:
     std::array<LayoutBlock, 32> blocks_{};
     std::size_t count_ = 0;
+    bool fits_ = true;
 };
 
 }  // namespace schuler::filter

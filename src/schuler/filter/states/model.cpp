@@ -1,9 +1,11 @@
 #include "schuler/filter/states/model.h"
 
+#include "schuler/core/fail.h"
 #include "schuler/filter/update/correction_period.h"
 #include "schuler/math/chi_square.h"
 #include "schuler/math/rotation.h"
 
+#include <fmt/format.h>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -95,7 +97,14 @@ sensor::ImuErrorModel driving(const ImuSettings& imu) {
 
 }  // namespace
 
-Layout make_layout(const Settings& settings, const Recording& recording) { return layout_with(settings, sensors_of(recording)); }
+Layout make_layout(const Settings& settings, const Recording& recording) {
+    Layout layout = layout_with(settings, sensors_of(recording));
+    if (!layout.fits())
+        fail(input_error(fmt::format("the filter would have more than {} states", estim::max_states),
+                         {.file = {}, .key = "filter.misalignments"},
+                         "leave out misalignments, scale factors, the lever arm or the receiver's slow errors"));
+    return layout;
+}
 
 void set_limits(RunData& data, const Settings& settings) {
     const AidSettings& aids = settings.aids;

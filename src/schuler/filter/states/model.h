@@ -35,9 +35,9 @@ struct Sensors {
 };
 [[nodiscard]] Sensors sensors_of(const Recording& recording);
 
-/// The states that a run with these settings and sensors needs. @throws Error(Input) where they are more than a filter has room for.
+/// The states that a run with these settings and sensors needs; they may be more than a filter has room for: Layout::fits().
 [[nodiscard]] Layout layout_with(const Settings& settings, const Sensors& sensors);
-/// Likewise with the samples of a recording.
+/// Likewise with the samples of a recording. @throws Error(Input) where they are more than a filter has room for.
 [[nodiscard]] Layout make_layout(const Settings& settings, const Recording& recording);
 
 /// Processes and noise of these states.

@@ -1,6 +1,5 @@
 #include "schuler/filter/detail/navigator_engine.h"
 
-#include "schuler/core/error.h"
 #include "schuler/filter/detail/archive.h"
 #include "schuler/filter/outputs.h"
 #include "schuler/filter/update/pass.h"
@@ -179,7 +178,7 @@ class EngineIn final : public NavigatorEngine, private PassObserver<Frame> {
 public:
     explicit EngineIn(const NavigatorSettings& s)
         : NavigatorEngine(s),
-          model_(make_model(settings.filter, layout_with(settings.filter, sensors_of(settings.rates)))),
+          model_(make_model(settings.filter, layout_with(settings.filter, instruments_of(settings.rates)))),
           pass_(model_, stream.data(), settings.filter, Rivalry::Contest),
           still_delay_(Duration::from_seconds(s.still_delay)) {
         const bool watched = uses_ranges(settings.filter.coupling) && settings.filter.ranging.protection.use;
@@ -214,10 +213,6 @@ public:
     const InertialModel& model() const override { return model_; }
 
 private:
-    static Sensors sensors_of(const FeedRates& r) {
-        return {r.baro > 0.0, r.mag > 0.0, r.odometer > 0.0, r.heading > 0.0, r.gauge_count, r.log > 0.0};
-    }
-
     NavigatorState state_of(const InertialFilter<Frame>& f, const Matrix9& undecided) const {
         return {f.geographic(model_), f.local_covariance(model_) + undecided};
     }
@@ -236,11 +231,7 @@ private:
         while (end < increments.size() && increments[end].time <= until) ++end;
         if (end == walk_.increment) return true;
         stream.judge_still(increments[end - 1].time);
-        try {
-            pass_.advance(walk_, end - 1, *this);
-        } catch (const Error&) {  // it is no longer a number
-            return false;
-        }
+        if (!pass_.try_advance(walk_, end - 1, *this)) return false;  // it is no longer a number
         if (walk_.sides_changed != sides_changed_) {
             sides_changed_ = walk_.sides_changed;
             changed_ = true;
@@ -322,6 +313,10 @@ private:
 };
 
 }  // namespace
+
+Sensors instruments_of(const FeedRates& r) {
+    return {r.baro > 0.0, r.mag > 0.0, r.odometer > 0.0, r.heading > 0.0, r.gauge_count, r.log > 0.0};
+}
 
 std::unique_ptr<NavigatorEngine> make_engine(const NavigatorSettings& settings) {
     if (settings.filter.mechanization == Mechanization::Ecef) return std::make_unique<EngineIn<EarthFixedFrame>>(settings);

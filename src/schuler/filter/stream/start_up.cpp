@@ -241,6 +241,7 @@ void StartUp::found(double heading, double std) {
 void StartUp::compass() {
     Memory& m = memory;
     if (!can_gyrocompass()) return;
+    if (!(m.rate.norm() > 0.0 && m.force.norm() > 0.0)) return;  // a unit that says nothing shows no direction
     const Geodetic place = start_place();
     const sensor::ImuErrorModel& imu = settings_.filter.imu.errors;
     const double gyro_std = std::hypot(imu.gyro_initial_bias(), imu.gyro_noise / std::sqrt(m.still));

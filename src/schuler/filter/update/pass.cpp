@@ -2,7 +2,7 @@
 
 #include "schuler/filter/update/pass.h"
 
-#include "schuler/core/error.h"
+#include "schuler/core/fail.h"
 
 #include <fmt/format.h>
 
@@ -110,11 +110,21 @@ ImuIncrement Pass<Frame>::run_to_events(Walk<Frame>& walk, ImuIncrement inc, con
         }
         if (is_event) process(walk, data_.events[index], observer);
         else process(walk, epochs[index], observer);
+        if (walk.diverged) return inc;
     }
 }
 
 template <class Frame>
 void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const {
+    if (try_advance(walk, last, observer)) return;
+    const Divergence& d = *walk.diverged;
+    fail(computation_error(fmt::format("the filter diverged at {:.3f} s, channel {}", d.time.seconds(), info_of(d.kind).name),
+                           d.kind == AidKind::Pseudorange ? "check the ranges and the IMU with `schuler inspect`"
+                                                          : "check the IMU's units and axes with `schuler inspect`"));
+}
+
+template <class Frame>
+bool Pass<Frame>::try_advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const {
     for (; walk.increment <= last && walk.increment < data_.imu.increments.size(); ++walk.increment) {
         while (walk.bridge < data_.imu.bridges.size() && data_.imu.bridges[walk.bridge].last < walk.increment) ++walk.bridge;
         const bool bridged = walk.bridge < data_.imu.bridges.size() && data_.imu.bridges[walk.bridge].first <= walk.increment;
@@ -127,10 +137,12 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
         constexpr double recently = 0.5;  // s
         noise.standing = (whole.time - walk.last_still).seconds() < recently;
         const ImuIncrement inc = run_to_events(walk, whole, noise, observer);
+        if (walk.diverged) return false;
         if (inc.dt > 0.0) step(walk, inc, noise, observer);
         if (bridged) walk.suspect = walk.filter.time();
         if (settings_.loose_kind == LooseKind::Aggressive) carry_on(walk, observer);
         constrain(walk, observer);
+        if (walk.diverged) return false;
         if (model_.loop == Loop::Mixed && inc.time >= walk.next_feedback) {
             propagate_covariance(walk, observer);
             estim::Transition phi = walk.filter.feed_back(model_);
@@ -143,6 +155,7 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
             walk.next_feedback = inc.time + walk.feedback_period;
         }
         if (rivalry_ != Rivalry::None) contest(walk, observer);
+        if (walk.diverged) return false;
         if (inc.time >= walk.next_output) {
             // A span that the next step ends is ended here: its transition is not made twice.
             if (model_.loop != Loop::Closed || observer.wants_all_states(inc.time) || walk.filter.gathered.is_full(whole.dt))
@@ -153,6 +166,7 @@ void Pass<Frame>::advance(Walk<Frame>& walk, std::size_t last, Observer& observe
             while (step.ns > 0 && walk.next_output <= inc.time) walk.next_output = walk.next_output + step;
         }
     }
+    return true;
 }
 
 template <class Frame>
@@ -176,10 +190,13 @@ void Pass<Frame>::process(Walk<Frame>& walk, const Event& event, Observer& obser
         Event whole = event;
         if (std::isfinite(data_.recording->gnss[event.index].position.h)) whole.components = 7;
         const Measurement all = measurement_of(walk.filter, whole);
-        observer.outage_epoch(walk, event, all, try_update(walk, event.kind, all, event.stamp, true, nobody));
+        const AidRecord withheld = try_update(walk, event.kind, all, event.stamp, true, nobody);
+        if (walk.diverged) return;
+        observer.outage_epoch(walk, event, all, withheld);
     }
     if (!uses(event.kind)) return;
     AidRecord record = try_update(walk, {event.kind, event.components}, local, event.stamp, event.withheld, observer);
+    if (walk.diverged) return;
     if (record.status == AidStatus::Accepted && event.kind == AidKind::Baro) {
         for (Shadow<Frame>& s : walk.shadows) {
             if (!s.alive) continue;
@@ -208,10 +225,10 @@ void Pass<Frame>::process(Walk<Frame>& walk, const RangeEpoch& epoch, Observer& 
     } else {
         (void)update_with_ranges_(walk.filter, walk.ranges, log, log.of(epoch), listener);
     }
-    if (!walk.filter.P.diagonal().allFinite())
-        throw computation_error(fmt::format("the filter diverged at {:.3f} s, channel {}", walk.filter.time().seconds(),
-                                            info_of(AidKind::Pseudorange).name),
-                                "check the ranges and the IMU with `schuler inspect`");
+    if (!walk.filter.P.diagonal().allFinite() || !std::isfinite(walk.filter.geographic(model_).position.h)) {
+        walk.diverged = Divergence{walk.filter.time(), AidKind::Pseudorange};
+        return;
+    }
     observer.ranges(walk, epoch);
 }
 

@@ -68,6 +68,12 @@ enum class Rivalry {
     Decided   ///< the openings that a contest ended with are told: the smoother's pass
 };
 
+/// Where the computation lost its numbers.
+struct Divergence {
+    Time time{};
+    AidKind kind = AidKind::GnssPosition;  ///< the channel that showed it
+};
+
 template <class Frame>
 struct Rival;
 
@@ -102,7 +108,8 @@ struct Walk {
     std::vector<Opening> openings;      ///< the hypothesis that this walk is
     int sides_changed = 0;              ///< how often a rival was believed
     AtMostOne<Rival<Frame>> rival;
-    bool challenged_by_fixes = true;  ///< a rival is not
+    bool challenged_by_fixes = true;       ///< a rival is not
+    std::optional<Divergence> diverged{};  ///< the walk ends here: the filter is no longer a number
 
     /// What is not decided between the hypotheses, as a covariance of position, velocity and attitude, local level.
     [[nodiscard]] Matrix9 undecided(const InertialModel& model) const;
@@ -185,11 +192,14 @@ public:
 
     /// Consumes increments up to and including index `last`. Throws Error(Computation) where the filter diverges.
     void advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const;
+    /// The same without exceptions. False where the filter diverged: `walk.diverged` tells where, and the walk is of no more use.
+    [[nodiscard]] bool try_advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const;
     /// Covariance to the time of the nominal state; the walk's own memory of corrections with it.
     void propagate_covariance(Walk<Frame>& walk, Observer& observer) const;
 
 private:
     void step(Walk<Frame>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const;
+    // Each of these that updates returns at once where it finds the filter diverged, and its caller after it: walk.diverged.
     /// The measurements that are due before the end of an increment; what is left of it is returned.
     [[nodiscard]] ImuIncrement run_to_events(Walk<Frame>& walk, ImuIncrement increment, const BridgeNoise& noise,
                                              Observer& observer) const;

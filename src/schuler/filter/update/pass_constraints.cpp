@@ -21,17 +21,21 @@ void Pass<Frame>::stand_still(Walk<Frame>& walk, Observer& observer) const {
         const AidRecord velocity =
             try_update(walk, AidKind::ZeroVelocity, zero_velocity(walk.filter.estimate(model_), aids.zero_velocity_std), now,
                        false, observer);
+        if (walk.diverged) return;
         observer.aid(velocity);
         if (velocity.status != AidStatus::Accepted) continue;
         const double variance = model_.gyro_psd / w.length + aids.zero_rate_std * aids.zero_rate_std;
-        observer.aid(try_update(walk, AidKind::ZeroRate, zero_rate(walk.filter.estimate(model_), w.mean_rate_b, variance), now,
-                                false, observer));
+        const AidRecord rate = try_update(walk, AidKind::ZeroRate,
+                                          zero_rate(walk.filter.estimate(model_), w.mean_rate_b, variance), now, false, observer);
+        if (walk.diverged) return;
+        observer.aid(rate);
     }
 }
 
 template <class Frame>
 void Pass<Frame>::constrain(Walk<Frame>& walk, Observer& observer) const {
     stand_still(walk, observer);
+    if (walk.diverged) return;
     const Time now = walk.filter.time();
     const AidSettings& aids = settings_.aids;
     const bool imposed = aids.nonholonomic || walk.wheels.verdict == WheelEvidence::Verdict::Wheels;
@@ -53,7 +57,8 @@ void Pass<Frame>::constrain(Walk<Frame>& walk, Observer& observer) const {
         lateral = 0.03 + 2.0 * walk.wheels.std_side() * speed;
         vertical = 0.03 + 2.0 * walk.wheels.std_down() * speed;
     }
-    observer.aid(try_update(walk, AidKind::Nonholonomic, nonholonomic(e, lateral, vertical), now, false, observer));
+    const AidRecord record = try_update(walk, AidKind::Nonholonomic, nonholonomic(e, lateral, vertical), now, false, observer);
+    if (!walk.diverged) observer.aid(record);
 }
 
 template <class Frame>

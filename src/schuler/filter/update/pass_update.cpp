@@ -128,10 +128,10 @@ AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Meas
     }
     // Unused components have zero innovations and unit variance: they add nothing.
     record.nis = m.innovation.dot(S.inverse() * m.innovation);
-    if (!std::isfinite(record.nis))
-        throw computation_error(
-            fmt::format("the filter diverged at {:.3f} s, channel {}", record.time.seconds(), info_of(kind).name),
-            "check the IMU's units and axes with `schuler inspect`");
+    if (!std::isfinite(record.nis)) {
+        walk.diverged = Divergence{record.time, kind};
+        return record;
+    }
     if (withheld) {
         record.status = AidStatus::Withheld;
         return record;
