@@ -32,7 +32,7 @@ struct FaultHypothesis {
 };
 
 /// "Nothing that this source says since then is to be believed": the filter that never used it, as its difference from the filter that did
-/// (solution separation [Brown1992]). Both have the same motion and process noise, so that the difference of the covariances moves by the
+/// (solution separation [BrownMcBurney1988]). Both have the same motion and process noise, so that the difference of the covariances moves by the
 /// transition alone, and where the filter is optimal it is the covariance of the difference of the estimates. Whatever the shape of the
 /// fault, and however slowly it came, this estimate is free of it.
 struct WithoutSource {

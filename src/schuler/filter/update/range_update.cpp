@@ -314,18 +314,30 @@ bool RangeUpdate<Frame>::is_curved(const InertialFilter<Frame>& f, const RangeEp
     });
 }
 
-/// Sources that go on disagreeing: their slow error is opened so far that they may be used again and learnt anew.
+/// Sources that go on disagreeing: their slow error is opened so far that they may be used again and learnt anew. Where a watch is kept, one
+/// that disagrees while most do not is wrong, and learning it anew would make its fault a slow error that is expected to decay: returned, -1
+/// otherwise.
 template <class Frame>
-void RangeUpdate<Frame>::open_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const {
+int RangeUpdate<Frame>::doubt_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const {
+    int wrong = -1, doubted = 0, all = 0;
     for (const RangeScalar& s : tracking.work.all()) {
         if (s.is_rate || s.slot < 0 || tracking.watch.leaves_out(s.source)) continue;
         RangeTracking::Slot& slot = tracking.slots[static_cast<std::size_t>(s.slot - model_.layout.source)];
+        ++all;
         if (s.use) slot.doubted.reset();
         else if (!slot.doubted) slot.doubted = f.time();  // from here: silence before does not speak against the source
+        if (slot.doubted) ++doubted;
+        if (slot.doubted && (f.time() - *slot.doubted).seconds() >= test_.recovery_time) wrong = s.source;
+    }
+    if (tracking.watch.on && 3 * doubted <= all) return wrong;
+    for (const RangeScalar& s : tracking.work.all()) {
+        if (s.is_rate || s.slot < 0 || tracking.watch.leaves_out(s.source)) continue;
+        RangeTracking::Slot& slot = tracking.slots[static_cast<std::size_t>(s.slot - model_.layout.source)];
         if (!slot.doubted || (f.time() - *slot.doubted).seconds() < test_.recovery_time) continue;
         f.P(s.slot, s.slot) += s.innovation * s.innovation;
         slot.doubted.reset();
     }
+    return -1;
 }
 
 /// The scalars in use once more, for the watch; f.P is that before the epoch.
@@ -342,23 +354,24 @@ void RangeUpdate<Frame>::follow_faults(InertialFilter<Frame>& f, RangeTracking& 
     tracking.watch.weigh();
 }
 
-/// A source that the watch has found wrong is left out from now on, and the estimate becomes that of the filter that never used it: what
-/// the fault did is undone, whatever its shape.
+/// A source that was found wrong is left out from now on, and the estimate becomes that of the filter that never used it: what the fault
+/// did is undone, whatever its shape.
 template <class Frame>
-int RangeUpdate<Frame>::leave_out_faulty(InertialFilter<Frame>& f, RangeTracking& tracking, RangeListener* listener) const {
-    const WithoutSource* found = tracking.watch.found(test_.watch);
-    if (found == nullptr) return -1;
-    const int source = found->source;
-    f.P += found->excess;
-    f.apply(model_, -found->offset);
+void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& tracking, int source, RangeListener* listener) const {
+    const auto clean = std::ranges::find(tracking.watch.without, source, &WithoutSource::source);
+    if (clean != tracking.watch.without.end()) {
+        f.P += clean->excess;
+        f.apply(model_, -clean->offset);
+    }
     tracking.watch.clear();
     tracking.watch.left_out.push_back({source, f.time()});
     for (std::size_t k = 0; k < Layout::slots; ++k) {
-        if (tracking.slots[k].source != source) continue;
+        RangeTracking::Slot& slot = tracking.slots[k];
+        if (slot.source != source) continue;
+        slot.doubted.reset();
         const StateProcess& process = f.slot_process[k];
         renew(f, tracking, model_.layout.source + static_cast<int>(k), process.psd / (2.0 * process.decay), listener);
     }
-    return source;
 }
 
 /// Of the sources left out: not used at this epoch, and used again once the means of range and rate over a window agree with the estimate.
@@ -450,12 +463,15 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     const int taken = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
     if (tracking.watch.on) follow_faults(f, tracking);
     update.apply(f.P);
-    open_sources(f, tracking);
+    const int doubted = doubt_sources(f, tracking);
     doubt_the_estimate(f, tracking);
     f.apply(model_, dx);
     if (std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
         clone_antenna(f, tracking, listener);
-    work.alarm = tracking.watch.on ? leave_out_faulty(f, tracking, listener) : -1;
+    work.alarm = doubted;
+    if (tracking.watch.on && doubted < 0)
+        if (const WithoutSource* found = tracking.watch.found(test_.watch)) work.alarm = found->source;
+    if (work.alarm >= 0) leave_out(f, tracking, work.alarm, listener);
     return taken;
 }
 

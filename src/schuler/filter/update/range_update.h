@@ -154,9 +154,9 @@ private:
     [[nodiscard]] bool follow_clock_jump(InertialFilter<Frame>& f, const RangeEpochWork& work) const;
     [[nodiscard]] bool leave_out_worst(const InertialFilter<Frame>& f, RangeEpochWork& work) const;
     [[nodiscard]] bool is_curved(const InertialFilter<Frame>& f, const RangeEpochWork& work) const;
-    void open_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const;
+    [[nodiscard]] int doubt_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const;
     void follow_faults(InertialFilter<Frame>& f, RangeTracking& tracking) const;
-    [[nodiscard]] int leave_out_faulty(InertialFilter<Frame>& f, RangeTracking& tracking, RangeListener* listener) const;
+    void leave_out(InertialFilter<Frame>& f, RangeTracking& tracking, int source, RangeListener* listener) const;
     void follow_left_out(const InertialFilter<Frame>& f, RangeTracking& tracking) const;
     void doubt_the_estimate(InertialFilter<Frame>& f, RangeTracking& tracking) const;
 
