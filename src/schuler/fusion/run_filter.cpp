@@ -151,7 +151,7 @@ void tell_faults(const Result& result, const Recording& recording, WarningLog& w
         warnings.add(
             "ranges.fault." + name,
             fmt::format("the ranges of {} contradict the others and the inertial unit, found at {:.0f} s: left out until they "
-                        "agree for a minute, and the solution is freed of them{}",
+                        "agree for two minutes, and the solution is freed of them{}",
                         name, (first - origin_of(recording)).seconds(),
                         times > 1 ? fmt::format(" ({} times)", times) : std::string()));
     }

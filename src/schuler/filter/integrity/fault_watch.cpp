@@ -83,7 +83,7 @@ void FaultWatch::clear() {
 }
 
 bool FaultWatch::leaves_out(int source) const {
-    return std::ranges::find(left_out, source, &LeftOutSource::source) != left_out.end();
+    return std::ranges::any_of(left_out, [&](const LeftOutSource& l) { return l.source == source && !l.on_probation(); });
 }
 
 void FaultWatch::propagate(const estim::Transition& phi, int used) {
@@ -179,7 +179,10 @@ void FaultWatch::weigh() {
         }
     double most = 0.0, sum = 0.0;
     for (const WithoutSource& w : without) most = std::max(most, w.score);
-    for (WithoutSource& w : without) sum += w.weight = prior_odds * std::exp(0.5 * (w.score - most));
+    for (WithoutSource& w : without) {
+        const bool suspect = std::ranges::find(left_out, w.source, &LeftOutSource::source) != left_out.end();
+        sum += w.weight = (suspect ? probation_odds : prior_odds) * std::exp(0.5 * (w.score - most));
+    }
     for (WithoutSource& w : without) w.weight /= sum + std::exp(-0.5 * most);
 }
 

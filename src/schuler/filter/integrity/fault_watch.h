@@ -46,12 +46,16 @@ struct WithoutSource {
     double weight = 0.0;  ///< probability of being wrong, from the scores of all
 };
 
-/// A source that was found wrong and is not used until its means over a window agree again.
+/// A source that was found wrong and is not used until its means over a window agree again; where few others are in view these means say
+/// little, so that it is used on probation then.
 struct LeftOutSource {
     int source = -1;
     Time since{};                    ///< of the window
     int ranges = 0, rates = 0;       ///< in it
     double range = 0.0, rate = 0.0;  ///< sums of innovations, m and m/s
+
+    static constexpr int probation = -1;  ///< as `ranges`
+    [[nodiscard]] bool on_probation() const { return ranges == probation; }
 };
 
 /// Limits from probabilities.
@@ -84,6 +88,8 @@ struct FaultWatch {
 
     /// Odds of a source to be wrong before anything is seen.
     static constexpr double prior_odds = 1e-3;
+    /// Likewise of one that is used again after it was wrong.
+    static constexpr double probation_odds = 0.3;
     /// Of the best suspect against the next, as a difference of scores: 100 to 1.
     static constexpr double decided = 9.2;
 

@@ -364,6 +364,7 @@ void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& trac
         f.apply(model_, -clean->offset);
     }
     tracking.watch.clear();
+    std::erase_if(tracking.watch.left_out, [&](const LeftOutSource& l) { return l.source == source; });
     tracking.watch.left_out.push_back({source, f.time()});
     for (std::size_t k = 0; k < Layout::slots; ++k) {
         RangeTracking::Slot& slot = tracking.slots[k];
@@ -377,9 +378,11 @@ void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& trac
 /// Of the sources left out: not used at this epoch, and used again once the means of range and rate over a window agree with the estimate.
 template <class Frame>
 void RangeUpdate<Frame>::follow_left_out(const InertialFilter<Frame>& f, RangeTracking& tracking) const {
-    constexpr double window = 60.0, limit = 3.0;  // s, sigmas
+    constexpr double window = 120.0, limit = 3.0;  // s, sigmas
     RangeEpochWork& work = tracking.work;
     std::erase_if(tracking.watch.left_out, [&](LeftOutSource& l) {
+        constexpr double probation = 600.0;  // s
+        if (l.on_probation()) return (f.time() - l.since).seconds() > probation;
         double range_variance = 0.0, rate_variance = 0.0, range_noise = 0.0, rate_noise = 0.0;
         bool seen = false;
         for (RangeScalar& s : work.all()) {
@@ -399,8 +402,8 @@ void RangeUpdate<Frame>::follow_left_out(const InertialFilter<Frame>& f, RangeTr
         };
         const bool good = l.ranges > 1 && agrees(l.range, l.ranges, range_variance, range_noise) &&
                           agrees(l.rate, l.rates, rate_variance, rate_noise);
-        l = {l.source, f.time()};
-        return good;
+        l = {l.source, f.time(), good ? LeftOutSource::probation : 0};
+        return false;
     });
 }
 
