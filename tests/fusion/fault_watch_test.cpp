@@ -116,7 +116,7 @@ TEST(FaultWatch, KeepsTheFilterWithoutASource) {
     EXPECT_LT((apart - w->offset.head<3>()).norm(), 2e-3 * apart.norm());
     const Matrix9 more = b.filter.P.topLeftCorner<9, 9>() - a.filter.P.topLeftCorner<9, 9>(),
                   kept = w->excess.topLeftCorner<9, 9>();
-    EXPECT_GT(more(0, 0), 0.1);
+    EXPECT_GT(more(0, 0), 0.01);
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(kept(i, i), more(i, i), 2e-3 * more(i, i)) << i;
 }
 
