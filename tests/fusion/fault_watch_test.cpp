@@ -6,7 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 namespace schuler::fusion {
 namespace {
@@ -95,6 +98,56 @@ TEST(FaultWatch, FindsNamesAndRepairs) {
     }
 }
 
+/// Without one source: what the watch keeps as a difference is the filter that was never given it, the filter run without it is the oracle.
+TEST(FaultWatch, KeepsTheFilterWithoutASource) {
+    Flight with = flight();
+    with.settings.aids.gate_probability = 0.0;
+    with.settings.ranging.protection.use = true;
+    with.settings.ranging.protection.false_alarm = 1e-15;
+    const std::uint16_t source = 3;
+    Flight without = with;
+    for (RangeSample& m : without.recording.ranges.samples)
+        if (m.source == source) m.tx.r.setConstant(std::numeric_limits<double>::quiet_NaN());
+    const Walk<GeographicFrame> a = walk_at(with, 45.0), b = walk_at(without, 45.0);
+    const auto w = std::ranges::find(a.ranges.watch.without, static_cast<int>(source), &WithoutSource::source);
+    ASSERT_NE(w, a.ranges.watch.without.end());
+    const Vector3d apart = earth::ned_difference(with.earth, b.filter.nav.position, a.filter.nav.position);
+    EXPECT_GT(apart.norm(), 0.1);
+    EXPECT_LT((apart - w->offset.head<3>()).norm(), 2e-3 * apart.norm());
+    const Matrix9 more = b.filter.P.topLeftCorner<9, 9>() - a.filter.P.topLeftCorner<9, 9>(),
+                  kept = w->excess.topLeftCorner<9, 9>();
+    EXPECT_GT(more(0, 0), 0.01);
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(kept(i, i), more(i, i), 2e-3 * more(i, i)) << i;
+}
+
+/// A range that grows wrong so slowly that its slow error learns it at each epoch: found, named, and what it did is undone.
+TEST(FaultWatch, FreesTheSolutionOfASlowRamp) {
+    for (const Mechanization mechanization : {Mechanization::Geographic, Mechanization::Ecef}) {
+        Flight f = flight();
+        f.settings.mechanization = mechanization;
+        const double healthy = largest_error(f, run(f), 30.0);
+        RangingLog& log = f.recording.ranges;
+        for (const RangeEpoch& e : log.epochs)
+            for (std::size_t i = e.first; e.time.seconds() > 30.0 && i < e.first + e.count; ++i) {
+                if (log.samples[i].source != 2) continue;
+                log.samples[i].pseudorange += 0.2 * (e.time.seconds() - 30.0);
+                log.samples[i].range_rate += 0.2;
+            }
+        f.settings.ranging.protection.use = true;
+        WarningLog heard;
+        const Result watched = run_filter(f.recording, f.settings, heard);
+        EXPECT_LT(largest_error(f, watched, 30.0), healthy + 3.0);
+        int alarms = 0;
+        for (const ProtectionRow& row : watched.forward.protection) {
+            if (row.alarm < 0) continue;
+            ++alarms;
+            EXPECT_EQ(row.alarm, 2);
+        }
+        EXPECT_EQ(alarms, 1);
+        EXPECT_TRUE(std::ranges::any_of(heard.topics(), [](const std::string& t) { return t.starts_with("ranges.fault."); }));
+    }
+}
+
 /// One state measured once: levels in closed form.
 TEST(FaultWatch, LevelsOfOneScalar) {
     FaultWatch watch;
@@ -103,7 +156,8 @@ TEST(FaultWatch, LevelsOfOneScalar) {
     estim::Row row;
     row.head(0) = 1.0;
     watch.begin(7, Time{}, P.rows());
-    watch.follow(P, row, 2.0, 16.0, 16, 7);
+    const WatchedScalar scalar{&row, 2.0, 16.0, 7, false};
+    watch.follow(P, {&scalar, 1}, Time{}, 16);
     ASSERT_EQ(watch.all.size(), 1U);
     EXPECT_NEAR(watch.all[0].information, 1.0 / 25.0, 1e-15);
     EXPECT_NEAR(watch.all[0].evidence / watch.all[0].information, -2.0, 1e-12);

@@ -96,7 +96,7 @@ private:
     }
     void protect(const Walk<Frame>& walk, const RangeEpoch& epoch) {
         const RangeEpochWork& work = walk.ranges.work;
-        const Matrix9 T = walk.filter.to_local_level(model_), P = walk.filter.local_covariance(model_);
+        const Matrix9 T = walk.filter.to_local_level(model_), P = walk.covariance(model_);
         const ProtectionLevels l = walk.ranges.watch.levels(limits_, P.template topLeftCorner<3, 3>(), T.template topRows<3>());
         const int used = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
         result_.forward.protection.push_back({epoch.time, l.horizontal, l.vertical, used, work.excluded, work.alarm});

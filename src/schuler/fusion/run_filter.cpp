@@ -19,6 +19,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace schuler::fusion {
 namespace {
@@ -138,6 +140,23 @@ Time origin_of(const Recording& recording) {
     return recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
 }
 
+/// Sources of ranges that the watch found wrong, and from when on.
+void tell_faults(const Result& result, const Recording& recording, WarningLog& warnings) {
+    std::map<int, std::pair<Time, int>> found;
+    for (const ProtectionRow& row : result.forward.protection)
+        if (row.alarm >= 0) ++found.try_emplace(row.alarm, row.time, 0).first->second.second;
+    for (const auto& [source, when] : found) {
+        const std::string& name = recording.ranges.sources[static_cast<std::size_t>(source)].name;
+        const auto& [first, times] = when;
+        warnings.add(
+            "ranges.fault." + name,
+            fmt::format("the ranges of {} contradict the others and the inertial unit, found at {:.0f} s: left out until they "
+                        "agree for two minutes, and the solution is freed of them{}",
+                        name, (first - origin_of(recording)).seconds(),
+                        times > 1 ? fmt::format(" ({} times)", times) : std::string()));
+    }
+}
+
 /// One leg, or a log without pauses.
 Result run_leg(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                const RowSink& rows, const ReceiverInLoop& receiver) {
@@ -231,6 +250,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     result.counters.imu_rate = 1.0 / data.imu.median_dt;
     result.counters.longest_imu_gap = longest_gap(data.imu);
     result.legs = {recording.imu.front().time};
+    tell_faults(result, recording, warnings);
     return result;
 }
 

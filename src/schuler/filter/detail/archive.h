@@ -183,8 +183,10 @@ SCHULER_ARCHIVED(WheelEvidence, verdict, n, turned, mean_side, mean_down, m2_sid
 SCHULER_ARCHIVED(ChannelHealth, excluded, used, agrees, failed_run, slow_run)
 SCHULER_ARCHIVED_IN_FRAME(Shadow, filter, since, alive)
 SCHULER_ARCHIVED(RangeTracking::Slot, source, station, last, doubted)
-SCHULER_ARCHIVED(FaultHypothesis, source, since, response, information, evidence)
-SCHULER_ARCHIVED(FaultWatch, on, all)
+SCHULER_ARCHIVED(FaultHypothesis, source, growing, since, response, information, evidence)
+SCHULER_ARCHIVED(WithoutSource, source, since, offset, excess, score, weight)
+SCHULER_ARCHIVED(LeftOutSource, source, since, ranges, rates, range, rate)
+SCHULER_ARCHIVED(FaultWatch, on, all, growing, without, left_out)
 inline void archive(Archive& a, RangeEpochWork& work) {  // the rest is made anew at each epoch
     auto& [scalars, count, excluded, clock_jump, alarm, disagreeing, disagreeing_since] = work;
     a(excluded, clock_jump, alarm, disagreeing, disagreeing_since);

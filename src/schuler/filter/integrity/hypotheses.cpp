@@ -92,6 +92,10 @@ template <class Frame>
 Matrix9 Walk<Frame>::undecided(const InertialModel& model) const {
     Matrix9 P = Matrix9::Zero();
     P(Layout::attitude + 2, Layout::attitude + 2) = undecided_heading * undecided_heading;
+    if (!ranges.watch.without.empty()) {
+        const Matrix9 T = filter.to_local_level(model);
+        P += T * ranges.watch.undecided() * T.transpose();
+    }
     if (!rival.empty() && !rival.front().explained) {
         const Rival<Frame>& other = rival.front();
         const Vector9 d = 0.4 * difference(model.earth, other.walk.filter.geographic(model), filter.geographic(model));

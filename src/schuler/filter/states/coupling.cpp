@@ -4,7 +4,9 @@
 #include "schuler/filter/update/separate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 namespace schuler::filter {
 
@@ -51,13 +53,11 @@ StateVector Pass<Frame>::update(Walk<Frame>& walk, const Measurement& m, Observe
         return correct(walk, model_, m, rows_of(m, size), StateVector::Zero(size), true, observer);
     }
     if (walk.ranges.watch.on) {
-        StateMatrix P = walk.filter.P;
-        StateVector dx = StateVector::Zero(P.rows());
-        for (int i = 0; i < m.dof; ++i) {
-            const estim::Row& row = m.rows[static_cast<std::size_t>(i)];
-            walk.ranges.watch.follow(P, row, m.innovation(i) - row.dot(dx), m.variance(i), walk.filter.used, -1);
-            (void)estim::update(dx, P, row, m.innovation(i), m.variance(i), walk.filter.used);
-        }
+        std::array<WatchedScalar, 3> scalars;
+        for (int i = 0; i < m.dof; ++i)
+            scalars[static_cast<std::size_t>(i)] = {&m.rows[static_cast<std::size_t>(i)], m.innovation(i), m.variance(i)};
+        walk.ranges.watch.follow(walk.filter.P, std::span(scalars).first(static_cast<std::size_t>(m.dof)), walk.filter.time(),
+                                 walk.filter.used);
     }
     return walk.filter.update(model_, m, [&](const estim::RowUpdate& u) { observer.scalar(u); });
 }

@@ -296,16 +296,17 @@ template <class Frame>
 void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& settings, const Start& start, double baro_height) {
     const Layout& L = model.layout;
     std::vector<Shadow<Frame>> shadows = std::move(walk.shadows);
-    std::vector<FaultHypothesis> hypotheses = std::move(walk.ranges.watch.all);
+    FaultWatch watch = std::move(walk.ranges.watch);  // for its rooms
     std::vector<Opening> openings = std::move(walk.openings);
     AtMostOne<Rival<Frame>> rival = std::move(walk.rival);
     shadows.clear();
-    hypotheses.clear();
+    watch.clear();
+    watch.left_out.clear();
     openings.clear();
     rival.clear();
     walk = {};
     walk.shadows = std::move(shadows);
-    walk.ranges.watch.all = std::move(hypotheses);
+    walk.ranges.watch = std::move(watch);
     walk.openings = std::move(openings);
     walk.rival = std::move(rival);
     InertialFilter<Frame>& f = walk.filter;

@@ -185,7 +185,7 @@ public:
         for (Walk<Frame>* w : {&walk_, &walk_.rival.room().walk}) {
             w->shadows.reserve(2);
             w->openings.reserve(4);
-            if (watched) w->ranges.watch.all.reserve((FaultWatch::most_ages + 1) * settings.rates.range_sources);
+            if (watched) w->ranges.watch.reserve(settings.rates.range_sources);
         }
     }
 

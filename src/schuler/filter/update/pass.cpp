@@ -62,7 +62,7 @@ void Pass<Frame>::propagate_covariance(Walk<Frame>& walk, Observer& observer) co
     if (!walk.filter.propagate_covariance(model_, phi)) return;
     for (CarriedFix& c : walk.carried)
         if (c.left > 0) carry(c, phi);
-    walk.ranges.watch.propagate(phi);
+    walk.ranges.watch.propagate(phi, walk.filter.used);
     if (observer.records()) observer.step(phi);
     observer.propagated(walk.filter, span);
 }

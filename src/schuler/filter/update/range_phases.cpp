@@ -88,12 +88,8 @@ void RangeUpdate<Frame>::clone_antenna(InertialFilter<Frame>& f, RangeTracking& 
         row.head = (from_local * row.head).eval();
         if (L.lever_arm >= 0) row.add3(L.lever_arm, a.C_nb.transpose() * u_n);
     }
-    for (FaultHypothesis& h : tracking.watch.all) {
-        Vector3d response;
-        for (int k = 0; k < 3; ++k) response(k) = rows[static_cast<std::size_t>(k)].dot(h.response);
-        h.response.template segment<3>(L.antenna) = response;
-    }
     f.clone(L.antenna, rows, a.r_e);
+    tracking.watch.clone(L.antenna, rows, f.used);
     if (listener != nullptr) listener->cloned(L.antenna, rows);
     tracking.cloned = f.time();
 }

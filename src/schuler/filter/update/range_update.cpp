@@ -75,7 +75,7 @@ Matrix9 RangeUpdate<Frame>::local_rows(const NavState& nav) const {
 template <class Frame>
 void RangeUpdate<Frame>::renew(InertialFilter<Frame>& f, RangeTracking& tracking, int state, double variance,
                                RangeListener* listener) const {
-    for (FaultHypothesis& h : tracking.watch.all) h.response(state) = 0.0;
+    tracking.watch.renew(state);
     f.renew(state, variance);
     if (listener != nullptr) listener->renewed(state);
 }
@@ -314,59 +314,105 @@ bool RangeUpdate<Frame>::is_curved(const InertialFilter<Frame>& f, const RangeEp
     });
 }
 
-/// Sources that go on disagreeing: their slow error is opened so far that they may be used again and learnt anew.
+/// Sources that go on disagreeing: their slow error is opened so far that they may be used again and learnt anew. Where a watch is kept, one
+/// that disagrees while most do not is wrong, and learning it anew would make its fault a slow error that is expected to decay: returned, -1
+/// otherwise.
 template <class Frame>
-void RangeUpdate<Frame>::open_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const {
+int RangeUpdate<Frame>::doubt_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const {
+    int wrong = -1, doubted = 0, all = 0;
     for (const RangeScalar& s : tracking.work.all()) {
-        if (s.is_rate || s.slot < 0) continue;
+        if (s.is_rate || s.slot < 0 || tracking.watch.leaves_out(s.source)) continue;
         RangeTracking::Slot& slot = tracking.slots[static_cast<std::size_t>(s.slot - model_.layout.source)];
+        ++all;
         if (s.use) slot.doubted.reset();
         else if (!slot.doubted) slot.doubted = f.time();  // from here: silence before does not speak against the source
+        if (slot.doubted) ++doubted;
+        if (slot.doubted && (f.time() - *slot.doubted).seconds() >= test_.recovery_time) wrong = s.source;
+    }
+    if (tracking.watch.on && 3 * doubted <= all) return wrong;
+    for (const RangeScalar& s : tracking.work.all()) {
+        if (s.is_rate || s.slot < 0 || tracking.watch.leaves_out(s.source)) continue;
+        RangeTracking::Slot& slot = tracking.slots[static_cast<std::size_t>(s.slot - model_.layout.source)];
         if (!slot.doubted || (f.time() - *slot.doubted).seconds() < test_.recovery_time) continue;
         f.P(s.slot, s.slot) += s.innovation * s.innovation;
         slot.doubted.reset();
     }
+    return -1;
 }
 
-/// The scalars in use once more, for the hypotheses of faults; f.P is that before the epoch.
+/// The scalars in use once more, for the watch; f.P is that before the epoch.
 template <class Frame>
 void RangeUpdate<Frame>::follow_faults(InertialFilter<Frame>& f, RangeTracking& tracking) const {
-    const RangeEpochWork& work = tracking.work;
-    for (const RangeScalar& s : work.all())
-        if (s.use && !s.is_rate) tracking.watch.begin(s.source, f.time(), f.P.rows());
-    StateMatrix P = f.P;
-    StateVector unused = StateVector::Zero(P.rows());
-    for (const RangeScalar& s : work.all()) {
+    std::array<WatchedScalar, RangeEpochWork::most> scalars;
+    std::size_t n = 0;
+    for (const RangeScalar& s : tracking.work.all()) {
         if (!s.use) continue;
-        tracking.watch.follow(P, s.row, s.sequential * std::sqrt(s.s), s.variance, f.used, s.is_rate ? -1 : s.source);
-        (void)estim::update(unused, P, s.row, 0.0, s.variance, f.used);
+        if (!s.is_rate) tracking.watch.begin(s.source, f.time(), f.P.rows());
+        scalars[n++] = {&s.row, s.innovation, s.variance, s.source, s.is_rate};
+    }
+    tracking.watch.follow(f.P, std::span(scalars).first(n), f.time(), f.used);
+    tracking.watch.weigh();
+}
+
+/// A source that was found wrong is left out from now on, and the estimate becomes that of the filter that never used it: what the fault
+/// did is undone, whatever its shape.
+template <class Frame>
+void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& tracking, int source, RangeListener* listener) const {
+    const auto clean = std::ranges::find(tracking.watch.without, source, &WithoutSource::source);
+    if (clean != tracking.watch.without.end()) {
+        f.P += clean->excess;
+        f.apply(model_, -clean->offset);
+    }
+    tracking.watch.clear();
+    std::erase_if(tracking.watch.left_out, [&](const LeftOutSource& l) { return l.source == source; });
+    tracking.watch.left_out.push_back({source, f.time()});
+    for (std::size_t k = 0; k < Layout::slots; ++k) {
+        RangeTracking::Slot& slot = tracking.slots[k];
+        if (slot.source != source) continue;
+        slot.doubted.reset();
+        const StateProcess& process = f.slot_process[k];
+        renew(f, tracking, model_.layout.source + static_cast<int>(k), process.psd / (2.0 * process.decay), listener);
     }
 }
 
-/// A fault that the watch has found is estimated with the rest as if nothing had been known of its size [Friedland1969]: the estimate loses
-/// what it did, the covariance gains what its size is uncertain by, and the slow error of the source holds it from now on.
+/// Of the sources left out: not used at this epoch, and used again once the means of range and rate over a window agree with the estimate.
 template <class Frame>
-int RangeUpdate<Frame>::repair_faults(InertialFilter<Frame>& f, RangeTracking& tracking) const {
-    const RangeEpochWork& work = tracking.work;
-    const FaultHypothesis* found = tracking.watch.found(test_.watch);
-    if (found == nullptr) return -1;
-    const int source = found->source;
-    StateVector moved = found->response;
-    for (const RangeScalar& s : work.all())
-        if (s.source == source && s.slot >= 0) {
-            moved(s.slot) -= 1.0;  // what the slow error is from now on includes the fault
-            break;
+void RangeUpdate<Frame>::follow_left_out(const InertialFilter<Frame>& f, RangeTracking& tracking) const {
+    constexpr double window = 120.0, limit = 3.0;  // s, sigmas
+    RangeEpochWork& work = tracking.work;
+    std::erase_if(tracking.watch.left_out, [&](LeftOutSource& l) {
+        constexpr double probation = 600.0;  // s
+        if (l.on_probation()) return (f.time() - l.since).seconds() > probation;
+        double range_variance = 0.0, rate_variance = 0.0, range_noise = 0.0, rate_noise = 0.0;
+        bool seen = false;
+        for (RangeScalar& s : work.all()) {
+            if (s.source != l.source) continue;
+            s.use = false;
+            ++work.excluded;
+            const double state = s.row.dot(s.row.times(f.P, f.used));
+            (s.is_rate ? l.rate : l.range) += s.innovation;
+            ++(s.is_rate ? l.rates : l.ranges);
+            (s.is_rate ? rate_variance : range_variance) = state;
+            (s.is_rate ? rate_noise : range_noise) = s.variance;
+            seen = true;
         }
-    f.P += moved * moved.transpose() / found->information;
-    f.apply(model_, moved * (found->evidence / found->information));
-    tracking.watch.all.clear();
-    return source;
+        if (!seen || (f.time() - l.since).seconds() < window) return false;
+        const auto agrees = [](double sum, int n, double variance, double noise) {
+            return n == 0 || sum * sum < limit * limit * n * n * (variance + noise / n);
+        };
+        const bool good = l.ranges > 1 && agrees(l.range, l.ranges, range_variance, range_noise) &&
+                          agrees(l.rate, l.rates, rate_variance, rate_noise);
+        l = {l.source, f.time(), good ? LeftOutSource::probation : 0};
+        return false;
+    });
 }
 
 /// Most ranges contradict the inertial prediction for long: then that is wrong by about as much.
 template <class Frame>
-void RangeUpdate<Frame>::doubt_the_estimate(InertialFilter<Frame>& f, RangeEpochWork& work) const {
-    const int ranges = static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate; }));
+void RangeUpdate<Frame>::doubt_the_estimate(InertialFilter<Frame>& f, RangeTracking& tracking) const {
+    RangeEpochWork& work = tracking.work;
+    const int ranges = static_cast<int>(std::ranges::count_if(
+        work.all(), [&](const RangeScalar& s) { return !s.is_rate && !tracking.watch.leaves_out(s.source); }));
     const int good =
         static_cast<int>(std::ranges::count_if(work.all(), [](const RangeScalar& s) { return !s.is_rate && s.use; }));
     if (2 * good >= ranges) work.disagreeing = 0;
@@ -396,6 +442,7 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     make_scalars(f, tracking, log, samples, dx, listener);
     work.excluded = 0;
     work.clock_jump = false;
+    follow_left_out(f, tracking);
     estim::EpochUpdate update(f.P, f.used);
     bool agreed = true;
     while (!use_all(test_, update, work, dx, nullptr)) {
@@ -419,12 +466,15 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     const int taken = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
     if (tracking.watch.on) follow_faults(f, tracking);
     update.apply(f.P);
-    open_sources(f, tracking);
-    doubt_the_estimate(f, work);
+    const int doubted = doubt_sources(f, tracking);
+    doubt_the_estimate(f, tracking);
     f.apply(model_, dx);
     if (std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
         clone_antenna(f, tracking, listener);
-    work.alarm = tracking.watch.on ? repair_faults(f, tracking) : -1;
+    work.alarm = doubted;
+    if (tracking.watch.on && doubted < 0)
+        if (const WithoutSource* found = tracking.watch.found(test_.watch)) work.alarm = found->source;
+    if (work.alarm >= 0) leave_out(f, tracking, work.alarm, listener);
     return taken;
 }
 

@@ -107,8 +107,8 @@ public:
     /// squares or one of them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the
     /// inertial prediction (w_i = (S^-1 z)_i / sqrt((S^-1)_ii), normal without faults), the worst is left out, and so on until the rest
     /// agree: single and multiple faults. A jump of the receiver's clock, which all ranges share, is followed. Where a fault watch is
-    /// kept, a source that it finds wrong raises an alarm: the estimate is freed of what the fault did, and the source's slow error
-    /// takes it over. Returns the number of scalars used.
+    /// kept, a source that it finds wrong raises an alarm: the estimate is freed of what the fault did, and the source is left out until it
+    /// agrees again. Returns the number of scalars used.
     int operator()(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                    std::span<const RangeSample> samples, RangeListener* listener) const;
 
@@ -154,10 +154,11 @@ private:
     [[nodiscard]] bool follow_clock_jump(InertialFilter<Frame>& f, const RangeEpochWork& work) const;
     [[nodiscard]] bool leave_out_worst(const InertialFilter<Frame>& f, RangeEpochWork& work) const;
     [[nodiscard]] bool is_curved(const InertialFilter<Frame>& f, const RangeEpochWork& work) const;
-    void open_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const;
+    [[nodiscard]] int doubt_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const;
     void follow_faults(InertialFilter<Frame>& f, RangeTracking& tracking) const;
-    [[nodiscard]] int repair_faults(InertialFilter<Frame>& f, RangeTracking& tracking) const;
-    void doubt_the_estimate(InertialFilter<Frame>& f, RangeEpochWork& work) const;
+    void leave_out(InertialFilter<Frame>& f, RangeTracking& tracking, int source, RangeListener* listener) const;
+    void follow_left_out(const InertialFilter<Frame>& f, RangeTracking& tracking) const;
+    void doubt_the_estimate(InertialFilter<Frame>& f, RangeTracking& tracking) const;
 
     const InertialModel& model_;
     const RangingFilterSettings& settings_;
