@@ -59,7 +59,7 @@ page() { [ ! -f "$work/docs/$1" ] || printf '      - "%s": %s\n' "$2" "$1"; }
     printf 'site_name: Schuler\nsite_dir: "%s"\ndocs_dir: "%s"\nuse_directory_urls: false\nplugins: [search]\n' "$out" "$work/docs"
     printf 'theme: {name: mkdocs, highlightjs: false}\nmarkdown_extensions: [tables, toc, fenced_code]\nnav:\n  - Home: index.md\n'
     echo '  - Use:'
-    for p in "own-data.md:Your own data" "building.md:Building and installing" "options.md:Options" "files.md:Files" "outputs.md:Outputs" "verdict.md:Verdict" \
+    for p in "own-data.md:Your own data" "cookbook.md:Cookbook" "faq.md:Questions" "building.md:Building and installing" "options.md:Options" "files.md:Files" "outputs.md:Outputs" "verdict.md:Verdict" \
         "found.md:What is found" "sensors.md:Sensors" "faults.md:Faults" "ui.md:In the browser" "python.md:Python" "python-api.md:Python, every name" \
         "octave.md:Octave and MATLAB" "embed.md:In real time" "live.md:Live"; do
         page "${p%%:*}" "${p#*:}"
