@@ -19,15 +19,15 @@ def main():
     with open(source) as lines, open(out, "w") as file:
         for line in lines:
             if line[60:].startswith("SYS / # / OBS TYPES"):
-                line = f"{'G    4 C1C L1C C2W L2W':60}SYS / # / OBS TYPES\n"
-            elif line.startswith("G") and line[60:73] != "END OF HEADER" and line[1:3].isdigit():
-                satellite, exact = line[:3], float(line[3:17])
+                line = f"{'G    5 C1C L1C C2W L2W D1C':60}SYS / # / OBS TYPES\n"
+            elif line.startswith("G") and line[1:3].isdigit():
+                satellite, exact, doppler = line[:3], float(line[3:17]), line[35:49]
                 line = satellite
                 for name, frequency in CARRIERS:
                     length = LIGHT / frequency
                     cycles = whole.setdefault((satellite, name), draw.randrange(-100_000, 100_000))
                     line += f"{exact + draw.gauss(0.0, 0.3):14.3f}  {exact / length + cycles + draw.gauss(0.0, 0.002) / length:14.3f}  "
-                line = line.rstrip() + "\n"
+                line = (line + doppler).rstrip() + "\n"
             file.write(line)
 
 
