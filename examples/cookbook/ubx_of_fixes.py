@@ -6,6 +6,7 @@ Times of the table are seconds after noon, UTC, of the date; the layout is that 
 """
 import csv
 import datetime
+import math
 import struct
 import sys
 
@@ -24,16 +25,21 @@ def nav_pvt(row, noon):
     moment = noon + datetime.timedelta(seconds=int(seconds))
     nano = round(1e9 * (seconds - int(seconds)))
     of_week = (moment.isoweekday() % 7) * 86400 + moment.hour * 3600 + moment.minute * 60 + moment.second + 18   # leap seconds
+
     def number(name, scale):
         return round(float(row[name]) * scale)
+
+    def size(*names):   # a receiver states one length for the horizontal and one for the velocity
+        return round(1e3 * math.hypot(*(float(row[name]) for name in names)))
+
     fixed = row["fix"] == "rtk_fixed"
     north, east = float(row["vel_n_m_s"]), float(row["vel_e_m_s"])
     height = number("height_m", 1e3)
     return struct.pack(
         "<IHBBBBBBIiBBBBiiiiIIiiiiiIIH6BihH", of_week % 604800 * 1000 + nano // 1_000_000, moment.year, moment.month, moment.day, moment.hour, moment.minute,
         moment.second, 7, 20, nano, 3, 1 | (0x82 if fixed else 0), 0, 14, number("lon_deg", 1e7), number("lat_deg", 1e7), height, height,
-        number("std_n_m", 1e3), number("std_d_m", 1e3), round(1e3 * north), round(1e3 * east), number("vel_d_m_s", 1e3),
-        round(1e3 * (north**2 + east**2) ** 0.5), 0, number("std_vn_m_s", 1e3), 100000, 120, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+        size("std_n_m", "std_e_m"), size("std_d_m"), round(1e3 * north), round(1e3 * east), number("vel_d_m_s", 1e3),
+        round(1e3 * math.hypot(north, east)), 0, size("std_vn_m_s", "std_ve_m_s", "std_vd_m_s"), 100000, 120, 0, 0, 0, 0, 0, 0, 0, 0, 0)
 
 
 def main():
