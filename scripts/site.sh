@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The documents as a site: README.md as its first page, docs/*.md, the changelog, and the pages of the Python package made of its
-# docstrings. Links between pages are checked: a broken one is an error.
+# docstrings. Links between pages, and to their sections, are checked: a broken one is an error.
 #
 #   scripts/site.sh OUT_FOLDER [BUILD_FOLDER]        the build folder's Python package, where it has one
 #
@@ -24,7 +24,7 @@ sed -E 's#\]\(docs/#](#g' "$root/CONTRIBUTING.md" >"$work/docs/contributing.md"
 sed -E -i 's#\]\((\.\./)?CHANGELOG\.md#](changelog.md#g; s#\]\((\.\./)?CONTRIBUTING\.md#](contributing.md#g; s#\]\((\.\./)?SECURITY\.md#](security.md#g
     s#\[([^][]*)\]\((\.\./|LICENSE|examples/|scripts/|src/|data/|tests/|packaging/)[^)]*\)#\1#g' "$work"/docs/*.md
 
-if [ -d "$build/python/schuler" ]; then
+if compgen -G "$build/python/schuler/_schuler*.so" >/dev/null; then
     PYTHONPATH="$build/python" /usr/bin/python3 -B - >"$work/docs/python-api.md" <<'PYTHON' || rm "$work/docs/python-api.md"
 import inspect
 import schuler
@@ -59,7 +59,7 @@ page() { [ ! -f "$work/docs/$1" ] || printf '      - "%s": %s\n' "$2" "$1"; }
     printf 'site_name: Schuler\nsite_dir: "%s"\ndocs_dir: "%s"\nuse_directory_urls: false\nplugins: [search]\n' "$out" "$work/docs"
     printf 'theme: {name: mkdocs, highlightjs: false}\nmarkdown_extensions: [tables, toc, fenced_code]\nnav:\n  - Home: index.md\n'
     echo '  - Use:'
-    for p in "own-data.md:Your own data" "building.md:Building and installing" "options.md:Options" "files.md:Files" "outputs.md:Outputs" "verdict.md:Verdict" \
+    for p in "own-data.md:Your own data" "cookbook.md:Cookbook" "faq.md:Questions" "building.md:Building and installing" "options.md:Options" "files.md:Files" "outputs.md:Outputs" "verdict.md:Verdict" \
         "found.md:What is found" "sensors.md:Sensors" "faults.md:Faults" "ui.md:In the browser" "python.md:Python" "python-api.md:Python, every name" \
         "octave.md:Octave and MATLAB" "embed.md:In real time" "live.md:Live"; do
         page "${p%%:*}" "${p#*:}"
@@ -79,5 +79,37 @@ for file in "$work"/docs/*.md; do
     grep -qx "$(basename "$file")" <<<"$listed" || { echo "site: $(basename "$file") is in no part of the menu (scripts/site.sh)" >&2; exit 1; }
 done
 mkdocs build --quiet --strict --clean --config-file "$work/mkdocs.yml"
+# mkdocs sees that a page is there, not that it has the section a link names.
+/usr/bin/python3 -B - "$out" <<'PYTHON'
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urldefrag
+
+
+class Page(HTMLParser):
+    def __init__(self, path):
+        super().__init__()
+        self.ids, self.links = set(), set()
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attributes):
+        values = dict(attributes)
+        self.ids.add(values.get("id"))
+        if tag == "a" and values.get("href"):
+            self.links.add(values["href"])
+
+
+pages = {path.resolve(): Page(path) for path in Path(sys.argv[1]).rglob("*.html")}
+broken = 0
+for path, page in pages.items():
+    for link in sorted(page.links):
+        place, section = urldefrag(link)
+        there = pages.get((path.parent / unquote(place)).resolve() if place else path)
+        if section and there is not None and unquote(section) not in there.ids:
+            print(f"site: {path.name}: {link}: no such section", file=sys.stderr)
+            broken += 1
+sys.exit(broken > 0)
+PYTHON
 ! grep -rlE '<(script|link)[^>]*(src|href)="https?://' "$out" --include='*.html' | head -3 | grep . || { echo "site: pages load from the network" >&2; exit 1; }
 echo "site: $(find "$out" -name '*.html' | wc -l) pages in $out"
