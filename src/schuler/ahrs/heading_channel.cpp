@@ -85,12 +85,6 @@ void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
     // levelled by a force that was not gravity alone, the vertical field has a horizontal part
     P_(S::level_field, S::level_field) += squared(estimate_.vertical) * block.P_tilt(1, 1);
     P_(S::level_field + 1, S::level_field + 1) += squared(estimate_.vertical) * block.P_tilt(0, 0);
-    // the reading is the sum of the field and of what the place adds: what one has too much the other has too little
-    for (int i = 0; i < 2; ++i) {
-        P_(S::place + i, S::place + i) = squared(settings_.place_std);
-        if (block.rest_time == 0.0)
-            P_(S::place + i, S::level_field + i) = P_(S::level_field + i, S::place + i) = -squared(settings_.place_std);
-    }
     if (settings_.known_field_n.allFinite()) {
         HeadingVector dx = HeadingVector::Zero(), h = HeadingVector::Zero();
         const double r = squared(settings_.known_field_std), horizontal = estimate_.horizontal();
@@ -102,6 +96,7 @@ void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
                                              estimate_.vertical - settings_.known_field_n.z(), r);
         estimate_.correct(dx);
     }
+    P_(S::place, S::place) = P_(S::place + 1, S::place + 1) = squared(settings_.place_std);
     forget_ = false;
     started_ = true;
 }
