@@ -6,7 +6,7 @@ RUN apt-get update && apt-get install --yes --no-install-recommends $(/src/scrip
 COPY . /src
 ARG SOURCE_DATE_EPOCH=0
 ARG SCHULER_COMMIT=
-RUN cmake -S /src -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release -DSCHULER_TESTS=OFF -DSCHULER_BENCH=OFF -DSCHULER_PCH=ON \
+RUN cmake -S /src -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release -DSCHULER_TESTS=OFF -DSCHULER_BENCH=OFF -DSCHULER_UNITY=ON -DSCHULER_PCH=ON \
         -DSCHULER_WERROR=OFF -DSCHULER_PYTHON=ON -DSCHULER_ARCH=x86-64-v2 && \
     cmake --build /build && cd /build && SOURCE_DATE_EPOCH=$SOURCE_DATE_EPOCH cpack -G DEB
 

@@ -22,7 +22,8 @@ class CMakeBuild(build_ext):
         build = Path(os.environ.get("SCHULER_BUILD") or ROOT / "build-python").resolve()
         options = [f"-DPYTHON_EXECUTABLE={sys.executable}", "-DSCHULER_PYTHON=ON"]
         if not (build / "CMakeCache.txt").is_file():
-            options += ["-DCMAKE_BUILD_TYPE=Release", "-DSCHULER_TESTS=OFF", "-DSCHULER_BENCH=OFF", "-DSCHULER_WERROR=OFF", "-DSCHULER_PCH=ON"]
+            options += ["-DCMAKE_BUILD_TYPE=Release", "-DSCHULER_TESTS=OFF", "-DSCHULER_BENCH=OFF", "-DSCHULER_WERROR=OFF",
+                        "-DSCHULER_UNITY=ON", "-DSCHULER_PCH=ON"]
             options += ["-G", "Ninja"] if shutil.which("ninja") else []
         subprocess.run(["cmake", "-S", ROOT, "-B", build, *options], check=True)
         jobs = os.environ.get("SCHULER_JOBS") or str(os.cpu_count() or 1)

@@ -13,13 +13,20 @@ if(SCHULER_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER "${SCHULER_CCACHE}")
 endif()
 
+# With several files in one, a name of one file hides a name of another, and GCC takes a .cpp for a header: not worth a warning.
+set(SCHULER_SHADOW -Wshadow)
+if(SCHULER_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set(SCHULER_SHADOW -Wshadow=local -Wno-subobject-linkage)
+endif()
+
 add_library(schuler_flags INTERFACE)
 target_compile_options(schuler_flags INTERFACE
     -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -Wpedantic $<$<BOOL:${SCHULER_WERROR}>:-Werror>
-    -Wshadow -Wnon-virtual-dtor -Wcast-qual -Woverloaded-virtual -Wimplicit-fallthrough)
+    ${SCHULER_SHADOW} -Wnon-virtual-dtor -Wcast-qual -Woverloaded-virtual -Wimplicit-fallthrough)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # False alarms of this compiler at -O3: on "text" + std::string (GCC bug 105651), on moved std::variant and Eigen expressions.
-    target_compile_options(schuler_flags INTERFACE -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds)
+    target_compile_options(schuler_flags INTERFACE -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds
+        -Wno-stringop-overflow)
 endif()
 
 # Eigen takes the alignment of its fixed-size types from -march. Fixed here, the layout of every public struct is the same for the
@@ -46,6 +53,9 @@ target_compile_options(schuler_flags INTERFACE $<$<CONFIG:Release>:-fno-math-err
 if(SCHULER_SANITIZE)
     target_compile_options(schuler_flags INTERFACE -fsanitize=${SCHULER_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
     target_link_options(schuler_flags INTERFACE -fsanitize=${SCHULER_SANITIZE})
+    if(SCHULER_SANITIZE_NOT)
+        target_compile_options(schuler_flags INTERFACE -fno-sanitize=${SCHULER_SANITIZE_NOT})
+    endif()
 endif()
 if(SCHULER_COVERAGE)
     target_compile_options(schuler_flags INTERFACE --coverage -O0 -g)

@@ -21,7 +21,7 @@ using settings::OptionSpec;
 bool is_study(const app::Command& command) { return command.perform && command.name.starts_with("analyze "); }
 
 /// Fields of its form: files come from the workspace alone.
-std::vector<OptionSpec> fields_of(const app::Command& command) {
+std::vector<OptionSpec> study_fields(const app::Command& command) {
     std::vector<OptionSpec> out;
     std::ranges::copy_if(command.options, std::back_inserter(out),
                          [](const OptionSpec& s) { return !s.line.file && !s.line.hidden; });
@@ -43,7 +43,7 @@ Json study_json(const app::Command& command) {
             {"purpose", command.purpose},
             {"examples", command.examples},
             {"input", input == nullptr ? Json(nullptr) : Json(input->help)},
-            {"options", schema_of(fields_of(command), command.defaults)}};
+            {"options", schema_of(study_fields(command), command.defaults)}};
 }
 
 const app::Command& study_named(const std::string& name) {
@@ -57,7 +57,7 @@ const app::Command& study_named(const std::string& name) {
 
 Reply Service::start_study(const Json& order) {
     const app::Command& command = study_named(order.value("command", ""));
-    const std::vector<OptionSpec> fields = fields_of(command);
+    const std::vector<OptionSpec> fields = study_fields(command);
     const settings::SettingList given = settings_from_json(order.value("settings", Json::object()), fields);
     std::vector<std::string> words = split(command.name, ' ');
     for (const settings::Setting& s : given) {

@@ -16,10 +16,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double interval = 0.2, longest = 0.5;  // s between the readings that are compared
-constexpr double least_turned = 1.0;             // rad, root of the sum of squares of the changes of direction
-constexpr double clearly_worse = 1.3;            // what the others leave unexplained, times that of the best
-constexpr double least_evidence = 15.0;          // log of the ratio of likelihoods of the best and the others
+constexpr double interval = 0.2, longest_step = 0.5;  // s between the readings that are compared
+constexpr double least_turned = 1.0;                  // rad, root of the sum of squares of the changes of direction
+constexpr double clearly_worse = 1.3;                 // what the others leave unexplained, times that of the best
+constexpr double least_evidence = 15.0;               // log of the ratio of likelihoods of the best and the others
 constexpr double alike = 10.0;  // neighbouring pairs whose residuals tell no more than one: places disturb for seconds
 constexpr double enough_explained = 0.5;
 constexpr double least_turn = 0.01;  // rad in an interval, below which it says nothing
@@ -46,7 +46,7 @@ std::vector<Pair> pairs_of(std::span<const ImuSample> imu, std::span<const MagSa
         if (span < interval) continue;
         const Vector3d &a = mag[first].field_b, &b = mag[m].field_b;
         const double angle = 2.0 * std::atan2(q.vec().norm(), std::abs(q.w()));
-        if (whole && span < longest && angle > least_turn && a.allFinite() && b.allFinite())
+        if (whole && span < longest_step && angle > least_turn && a.allFinite() && b.allFinite())
             out.push_back({a, b - a, q.conjugate().toRotationMatrix() - Matrix3d::Identity()});
         first = m;
         q.setIdentity();

@@ -17,7 +17,7 @@ using settings::Value;
 
 constexpr std::array source_formats{"csv", "json", "nmea", "ubx", "novatel"};
 
-double number_of(const settings::NamedValue& v, double low, double high) {
+double number_between(const settings::NamedValue& v, double low, double high) {
     if (!v.second.is_number() || !(v.second.number() >= low && v.second.number() <= high))
         throw input_error("is not a number in its range", {{}, v.second.line, 0, "output." + v.first},
                           fmt::format("give a number from {} to {}", low, high));
@@ -50,7 +50,7 @@ OutputSettings output_of(const settings::ValueTable& table) {
                 throw input_error("is no format", place, "write json, csv or nmea");
             out.format = format == "json" ? MessageFormat::Json : format == "csv" ? MessageFormat::Csv : MessageFormat::Nmea;
         } else if (v.first == "rate_hz") {
-            out.rate = number_of(v, 0.0, 1e4);
+            out.rate = number_between(v, 0.0, 1e4);
         } else if (v.first == "at") {
             const std::string at = text_of(v);
             if (at != "now" && at != "lag")
@@ -60,11 +60,11 @@ OutputSettings output_of(const settings::ValueTable& table) {
         } else if (v.first == "events") {
             out.events = flag_of(v);
         } else if (v.first == "queue_kb") {
-            out.limits.queue = static_cast<std::size_t>(number_of(v, 1.0, 1e6) * 1024.0);
+            out.limits.queue = static_cast<std::size_t>(number_between(v, 1.0, 1e6) * 1024.0);
         } else if (v.first == "rotate_mb") {
-            out.limits.rotate = static_cast<std::size_t>(number_of(v, 0.0, 1e6) * 1e6);
+            out.limits.rotate = static_cast<std::size_t>(number_between(v, 0.0, 1e6) * 1e6);
         } else if (v.first == "keep") {
-            out.limits.keep = static_cast<int>(number_of(v, 0.0, 1000.0));
+            out.limits.keep = static_cast<int>(number_between(v, 0.0, 1000.0));
         } else {
             throw input_error("unknown key", place,
                               "an output has to, format, rate_hz, at, events, queue_kb, rotate_mb and keep");

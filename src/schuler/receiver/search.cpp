@@ -52,7 +52,7 @@ namespace {
 
 /// 0, 1, -1, 2, -2 ... for 0, 1, 2, 3, 4 ...
 int outward(int i) { return i % 2 == 1 ? (i + 1) / 2 : -i / 2; }
-double within_period(double chips, int length) { return chips - length * std::round(chips / length); }
+double nearest_in_period(double chips, int length) { return chips - length * std::round(chips / length); }
 /// The inverse of outward().
 int place_of(long cell) { return static_cast<int>(cell > 0 ? 2 * cell - 1 : -2 * cell); }
 
@@ -96,7 +96,7 @@ bool Search::step(const LineOfSight& truth, double cn0, math::Random& random, co
     cell.code_rate = cell.carrier_frequency * signal_.chips_per_cycle();
     // the code cell nearest to the signal, if it belongs to this batch
     const ReplicaError middle = replica_error(signal_, cell, truth, dwell_);
-    const long nearest = std::lround(-within_period(middle.code, signal_.code_length) / settings_.code_step);
+    const long nearest = std::lround(-nearest_in_period(middle.code, signal_.code_length) / settings_.code_step);
     const int place = place_of(nearest);
     if (place < cells_ && place / settings_.parallel == batch) {
         cell.code_phase += static_cast<double>(nearest) * settings_.code_step;
@@ -114,7 +114,7 @@ double Search::power_in(const Replica& cell, const LineOfSight& truth, double cn
     double sum = 0.0;
     for (int i = 0; i < settings_.noncoherent; ++i) {
         ReplicaError error = replica_error(signal_, cell.after(i * coherent), truth.after(i * coherent), coherent);
-        error.code = within_period(error.code, signal_.code_length);
+        error.code = nearest_in_period(error.code, signal_.code_length);
         sum += std::norm(model_.dump(error, cn0, coherent, 1, random).prompt);
     }
     return sum;

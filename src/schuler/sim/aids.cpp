@@ -17,17 +17,17 @@ using Eigen::Vector3d;
 using detail::require;
 
 bool size(double x) { return std::isfinite(x) && x >= 0.0; }
-bool rate(double x) { return size(x) && x <= 1000.0; }
+bool is_rate(double x) { return size(x) && x <= 1000.0; }
 
 void check(const AidErrors& e) {
-    require(rate(e.gauges.rate), "gauges.rate_hz", "is not a rate", "give Hz, or 0 for none");
+    require(is_rate(e.gauges.rate), "gauges.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(size(e.gauges.white) && size(e.gauges.bias), "gauges", "a sigma is negative or not a number", "give metres");
     require(!e.gauges.lever_arms_b.empty() && e.gauges.lever_arms_b.size() <= 3, "gauges.lever_arms_m",
             "are not one to three places", "give [[forward, right, down], ...] in metres");
-    require(rate(e.log.rate), "log.rate_hz", "is not a rate", "give Hz, or 0 for none");
+    require(is_rate(e.log.rate), "log.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(size(e.log.white) && size(e.log.scale) && size(e.log.misalignment), "log", "a sigma is negative or not a number",
             "give one sigma");
-    require(rate(e.compass.rate), "compass.rate_hz", "is not a rate", "give Hz, or 0 for none");
+    require(is_rate(e.compass.rate), "compass.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(size(e.compass.white) && size(e.compass.bias), "compass", "a sigma is negative or not a number", "give degrees");
 }
 

@@ -18,12 +18,12 @@ namespace {
 using detail::require;
 
 bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
-bool positive(double value) { return std::isfinite(value) && value > 0.0; }
+bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }
 bool not_negative(const Eigen::Vector3d& v) { return v.allFinite() && v.minCoeff() >= 0.0; }
 
 void check(const Scenario& s) {
-    require(positive(s.duration) && s.duration <= 1e6, "duration_s", "is not a duration", "give seconds, at most 1e6");
-    require(positive(s.imu.rate) && s.imu.rate <= 1e5, "imu.rate_hz", "is not a rate", "give a positive number of Hz");
+    require(is_positive(s.duration) && s.duration <= 1e6, "duration_s", "is not a duration", "give seconds, at most 1e6");
+    require(is_positive(s.imu.rate) && s.imu.rate <= 1e5, "imu.rate_hz", "is not a rate", "give a positive number of Hz");
     require(s.duration * s.imu.rate <= 1e8, "imu.rate_hz", "gives more than 1e8 samples", "lower it or the duration");
     require(s.imu.mounting.allFinite(), "imu.mounting_deg", "is not a number", "give roll, pitch and yaw");
     const sensor::ImuErrorModel& m = s.imu.errors;
@@ -34,8 +34,9 @@ void check(const Scenario& s) {
           m.accel_flicker,  m.accel_temperature, m.accel_range}) {
         require(not_negative(sigma), "imu", "an error of the instrument is negative or not a number", "errors are one sigma");
     }
-    require(m.gyro_bias_time > 0.0 && m.accel_bias_time > 0.0, "imu", "a bias correlation time is not positive", "give seconds");
-    require(std::isfinite(s.imu.warm_up) && positive(s.imu.warm_up_time), "imu.warm_up_k", "is not a temperature with a time",
+    require(m.gyro_bias_time > 0.0 && m.accel_bias_time > 0.0, "imu", "a bias correlation time is not positive",
+            "give seconds");
+    require(std::isfinite(s.imu.warm_up) && is_positive(s.imu.warm_up_time), "imu.warm_up_k", "is not a temperature with a time",
             "give kelvin, and seconds for imu.warm_up_time_s");
     const GnssSettings& g = s.gnss;
     require(not_negative(g.rate) && g.rate <= 1000.0, "gnss.rate_hz", "is not a rate", "give Hz, or 0 for no receiver");
@@ -56,19 +57,20 @@ void check(const Scenario& s) {
     require(not_negative(b.rate) && b.rate <= 1000.0, "baro.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(not_negative(b.white) && not_negative(b.bias) && not_negative(b.bias_walk), "baro", "a sigma is negative",
             "give metres");
-    require(!b.pressure || (positive(b.sea_level_pressure) && std::abs(b.temperature_offset) < 100.0),
+    require(!b.pressure || (is_positive(b.sea_level_pressure) && std::abs(b.temperature_offset) < 100.0),
             "baro.sea_level_pressure_pa", "is no pressure of a day on the Earth",
             "give pascals, and kelvin for baro.temperature_offset_k");
     const MagSettings& mag = s.mag;
     require(not_negative(mag.rate) && mag.rate <= 1000.0, "mag.rate_hz", "is not a rate", "give Hz, or 0 for none");
-    require(positive(mag.field) && not_negative(mag.white) && not_negative(mag.hard_iron) && not_negative(mag.soft_iron) &&
+    require(is_positive(mag.field) && not_negative(mag.white) && not_negative(mag.hard_iron) && not_negative(mag.soft_iron) &&
                 std::isfinite(mag.declination + mag.inclination),
             "mag", "a number is negative or not one", "give the field and sigmas");
     for (const Fault& f : s.faults)
         require(std::isfinite(f.start + f.duration + f.size) && f.duration >= 0.0 && f.direction.allFinite() &&
                     f.direction.norm() > 0.0,
                 "fault", "lacks a finite start, duration, size or direction", "give start_s, kind and size");
-    require(positive(s.reference_rate) && s.reference_rate <= 1e5, "reference_rate_hz", "is not a rate", "give a positive rate");
+    require(is_positive(s.reference_rate) && s.reference_rate <= 1e5, "reference_rate_hz", "is not a rate",
+            "give a positive rate");
     for (const SimulatedOutage& outage : s.outages) {
         require(std::isfinite(outage.start) && not_negative(outage.duration), "outage", "is not a time span",
                 "give start and duration");

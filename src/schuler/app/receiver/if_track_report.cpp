@@ -13,8 +13,8 @@ namespace {
 using receiver::ChannelSample;
 using receiver::SatelliteRecord;
 
-const std::vector<std::string> columns{"satellite",    "Doppler Hz", "code delay chips", "C/N0 dB-Hz", "at s",
-                                       "phase lock s", "symbols",    "changes",          "at edges",   "state"};
+const std::vector<std::string> track_columns{"satellite",    "Doppler Hz", "code delay chips", "C/N0 dB-Hz", "at s",
+                                             "phase lock s", "symbols",    "changes",          "at edges",   "state"};
 
 /// "-" where not finite.
 std::string fixed(double x, int digits) { return std::isfinite(x) ? fmt::format("{:.{}f}", x, digits) : "-"; }
@@ -106,11 +106,11 @@ std::string tracking_table(const TrackedRecording& run) {
     std::vector<std::string> missing;
     const auto line = [&](const std::vector<std::string>& cells) {
         for (std::size_t i = 0; i < cells.size(); ++i)
-            out +=
-                i == 0 ? fmt::format("{:<9}", cells[i]) : fmt::format("{:>{}}", cells[i], columns[i].size() + (i == 9 ? 7 : 2));
+            out += i == 0 ? fmt::format("{:<9}", cells[i])
+                          : fmt::format("{:>{}}", cells[i], track_columns[i].size() + (i == 9 ? 7 : 2));
         out += '\n';
     };
-    line(columns);
+    line(track_columns);
     for (const SatelliteRecord& r : run.satellites) {
         if (r.found) line(cells_of(r, run.search_periods));
         else missing.push_back(fmt::format("G{:02}", r.prn));
@@ -123,7 +123,7 @@ std::string tracking_table(const TrackedRecording& run) {
 
 void write_tracking_report(report::Outcome& out, const TrackedRecording& run, const std::string& version) {
     std::vector<int> prns;
-    report::TableBlock table{"Satellites", columns, {}};
+    report::TableBlock table{"Satellites", track_columns, {}};
     std::size_t locked = 0;
     for (const SatelliteRecord& r : run.satellites) {
         if (!r.found) continue;

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 namespace {
 
 /// The walk takes measurements this much behind an increment's end with it; no less than Pass does.
-constexpr Duration tolerance{200'000};
+constexpr Duration slack{200'000};
 
 std::size_t capacity(double rate, double seconds) {
     return rate > 0.0 ? static_cast<std::size_t>(std::ceil(1.5 * rate * seconds)) + 8 : 0;
@@ -114,7 +114,7 @@ bool StreamTimeline::settle() {
     hangs_ = false;
     if (imu_.empty()) return false;
     const ImuSample& sample = imu_store_[imu_.index(0)];
-    const Time horizon = memory.newest - lag_ - tolerance;
+    const Time horizon = memory.newest - lag_ - slack;
     if (sample.time > horizon) return false;
     std::optional<Time> next;
     if (settings_.filter.imu.stamp != ImuStamp::End) {  // which the next sample decides on
@@ -134,7 +134,7 @@ bool StreamTimeline::settle() {
     else add_increment(*interval, false);
     memory.before = *interval;
     memory.has_before = true;
-    release(interval->time + tolerance);
+    release(interval->time + slack);
     return true;
 }
 

@@ -20,7 +20,7 @@ namespace schuler::io {
 namespace {
 
 using File = std::unique_ptr<mat_t, int (*)(mat_t*)>;
-using Variable = std::unique_ptr<matvar_t, void (*)(matvar_t*)>;
+using MatVariable = std::unique_ptr<matvar_t, void (*)(matvar_t*)>;
 
 struct Matrix {
     std::string name;
@@ -41,7 +41,7 @@ struct Group {
 };
 
 template <class T>
-std::vector<double> numbers(const void* data, std::size_t count) {
+std::vector<double> doubles_of(const void* data, std::size_t count) {
     const T* from = static_cast<const T*>(data);
     return {from, from + count};
 }
@@ -55,16 +55,16 @@ std::optional<Matrix> matrix_of(const matvar_t& v) {
     const std::size_t n = m.rows * m.columns;
     if (n == 0 || v.nbytes < n * static_cast<std::size_t>(v.data_size)) return std::nullopt;
     switch (v.data_type) {
-        case MAT_T_DOUBLE: m.values = numbers<double>(v.data, n); break;
-        case MAT_T_SINGLE: m.values = numbers<float>(v.data, n); break;
-        case MAT_T_INT8: m.values = numbers<std::int8_t>(v.data, n); break;
-        case MAT_T_UINT8: m.values = numbers<std::uint8_t>(v.data, n); break;
-        case MAT_T_INT16: m.values = numbers<std::int16_t>(v.data, n); break;
-        case MAT_T_UINT16: m.values = numbers<std::uint16_t>(v.data, n); break;
-        case MAT_T_INT32: m.values = numbers<std::int32_t>(v.data, n); break;
-        case MAT_T_UINT32: m.values = numbers<std::uint32_t>(v.data, n); break;
-        case MAT_T_INT64: m.values = numbers<std::int64_t>(v.data, n); break;
-        case MAT_T_UINT64: m.values = numbers<std::uint64_t>(v.data, n); break;
+        case MAT_T_DOUBLE: m.values = doubles_of<double>(v.data, n); break;
+        case MAT_T_SINGLE: m.values = doubles_of<float>(v.data, n); break;
+        case MAT_T_INT8: m.values = doubles_of<std::int8_t>(v.data, n); break;
+        case MAT_T_UINT8: m.values = doubles_of<std::uint8_t>(v.data, n); break;
+        case MAT_T_INT16: m.values = doubles_of<std::int16_t>(v.data, n); break;
+        case MAT_T_UINT16: m.values = doubles_of<std::uint16_t>(v.data, n); break;
+        case MAT_T_INT32: m.values = doubles_of<std::int32_t>(v.data, n); break;
+        case MAT_T_UINT32: m.values = doubles_of<std::uint32_t>(v.data, n); break;
+        case MAT_T_INT64: m.values = doubles_of<std::int64_t>(v.data, n); break;
+        case MAT_T_UINT64: m.values = doubles_of<std::uint64_t>(v.data, n); break;
         default: return std::nullopt;
     }
     if (v.class_type == MAT_C_CHAR || v.class_type == MAT_C_CELL || v.class_type == MAT_C_STRUCT) return std::nullopt;
@@ -208,7 +208,7 @@ StreamLog read_mat(const TextInput& input, WarningLog&) {
     std::vector<Group> groups(1);
     std::string names;
     while (true) {
-        const Variable v(Mat_VarReadNext(file.get()), Mat_VarFree);
+        const MatVariable v(Mat_VarReadNext(file.get()), Mat_VarFree);
         if (!v) break;
         names += (names.empty() ? "" : ", ") + std::string(v->name != nullptr ? v->name : "");
         collect(*v, groups, 0, 0);
@@ -240,8 +240,9 @@ void write_mat(const std::filesystem::path& path, std::span<const SolutionRow> r
         const auto put = [&](const char* name, auto value) {
             for (std::size_t i = 0; i < rows.size(); ++i) values[i] = value(rows[i]);
             std::array<std::size_t, 2> size = {rows.size(), 1};
-            const Variable v(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size.data(), values.data(), MAT_F_DONT_COPY_DATA),
-                             Mat_VarFree);
+            const MatVariable v(
+                Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size.data(), values.data(), MAT_F_DONT_COPY_DATA),
+                Mat_VarFree);
             good = good && v && Mat_VarWrite(file.get(), v.get(), MAT_COMPRESSION_NONE) == 0;
         };
         put("time_s", [](const SolutionRow& r) { return r.time.seconds(); });

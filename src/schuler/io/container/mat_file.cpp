@@ -23,14 +23,14 @@ constexpr std::size_t most_bytes = 2'000'000'000;  // of one variable, whose siz
 
 /// A matrix by columns, as the file has it.
 template <class T>
-struct Matrix {
+struct MatrixNode {
     std::vector<std::size_t> size;
     std::vector<T> values;
 };
 
 /// A variable or a field: a matrix, a text, or a struct of more.
 struct Node {
-    std::variant<std::monostate, Matrix<double>, Matrix<std::int64_t>, std::string> data;
+    std::variant<std::monostate, MatrixNode<double>, MatrixNode<std::int64_t>, std::string> data;
     std::map<std::string, Node> fields;
 };
 
@@ -40,12 +40,12 @@ struct Free {
 };
 using Variable = std::unique_ptr<matvar_t, Free>;
 
-std::size_t bytes_of(const Node& node) {
+std::size_t size_of(const Node& node) {
     std::size_t sum = 64;
-    if (const auto* m = std::get_if<Matrix<double>>(&node.data)) sum += 8 * m->values.size();
-    if (const auto* m = std::get_if<Matrix<std::int64_t>>(&node.data)) sum += 8 * m->values.size();
+    if (const auto* m = std::get_if<MatrixNode<double>>(&node.data)) sum += 8 * m->values.size();
+    if (const auto* m = std::get_if<MatrixNode<std::int64_t>>(&node.data)) sum += 8 * m->values.size();
     if (const auto* t = std::get_if<std::string>(&node.data)) sum += t->size();
-    for (const auto& [name, field] : node.fields) sum += bytes_of(field);
+    for (const auto& [name, field] : node.fields) sum += size_of(field);
     return sum;
 }
 
@@ -57,8 +57,8 @@ Variable variable_of(const char* name, const Node& node) {
         void* values = const_cast<void*>(static_cast<const void*>(m.values.data()));  // NOLINT: the library reads it only
         return Variable(Mat_VarCreate(name, kind, type, static_cast<int>(size.size()), size.data(), values, keep));
     };
-    if (const auto* m = std::get_if<Matrix<double>>(&node.data)) return matrix(*m, MAT_C_DOUBLE, MAT_T_DOUBLE);
-    if (const auto* m = std::get_if<Matrix<std::int64_t>>(&node.data)) return matrix(*m, MAT_C_INT64, MAT_T_INT64);
+    if (const auto* m = std::get_if<MatrixNode<double>>(&node.data)) return matrix(*m, MAT_C_DOUBLE, MAT_T_DOUBLE);
+    if (const auto* m = std::get_if<MatrixNode<std::int64_t>>(&node.data)) return matrix(*m, MAT_C_INT64, MAT_T_INT64);
     if (const auto* text = std::get_if<std::string>(&node.data)) {
         std::array<std::size_t, 2> size{text->empty() ? 0U : 1U, text->size()};
         void* characters = const_cast<void*>(static_cast<const void*>(text->data()));  // NOLINT: likewise
@@ -94,7 +94,7 @@ struct MatWriter::File {
     }
 
     template <class T>
-    void put(const std::string& object, Matrix<T> matrix, const TableAttributes& attributes, MatWriter& writer) {
+    void put(const std::string& object, MatrixNode<T> matrix, const TableAttributes& attributes, MatWriter& writer) {
         Node& node = at(object);
         if (node.data.index() != 0 || !node.fields.empty())
             throw computation_error(fmt::format("{}: {} is there already", path.string(), object));
@@ -117,7 +117,7 @@ MatWriter::~MatWriter() {
 void MatWriter::table(const std::string& path, std::span<const double> values, std::size_t columns,
                       const TableAttributes& attributes) {
     const std::size_t rows = columns > 0 ? values.size() / columns : 0;
-    Matrix<double> m{{rows, columns}, std::vector<double>(values.size())};
+    MatrixNode<double> m{{rows, columns}, std::vector<double>(values.size())};
     for (std::size_t i = 0; i < rows; ++i)
         for (std::size_t j = 0; j < columns; ++j) m.values[j * rows + i] = values[i * columns + j];
     file_->put(path, std::move(m), attributes, *this);
@@ -126,7 +126,7 @@ void MatWriter::table(const std::string& path, std::span<const double> values, s
 void MatWriter::matrices(const std::string& path, std::span<const double> values, std::size_t size,
                          const TableAttributes& attributes) {
     const std::size_t count = size > 0 ? values.size() / (size * size) : 0;
-    Matrix<double> m{{size, size, count}, std::vector<double>(values.size())};
+    MatrixNode<double> m{{size, size, count}, std::vector<double>(values.size())};
     for (std::size_t k = 0; k < count; ++k)
         for (std::size_t i = 0; i < size; ++i)
             for (std::size_t j = 0; j < size; ++j) m.values[(k * size + j) * size + i] = values[(k * size + i) * size + j];
@@ -134,7 +134,7 @@ void MatWriter::matrices(const std::string& path, std::span<const double> values
 }
 
 void MatWriter::integers(const std::string& path, std::span<const std::int64_t> values, const TableAttributes& attributes) {
-    file_->put(path, Matrix<std::int64_t>{{values.size(), 1}, {values.begin(), values.end()}}, attributes, *this);
+    file_->put(path, MatrixNode<std::int64_t>{{values.size(), 1}, {values.begin(), values.end()}}, attributes, *this);
 }
 
 void MatWriter::attribute(const std::string& path, const std::string& name, const std::string& value) {
@@ -151,7 +151,7 @@ void MatWriter::commit() {
         const std::unique_ptr<mat_t, Free> file(Mat_CreateVer(file_->temporary.c_str(), header, MAT_FT_MAT5));
         if (!file) throw input_error("cannot be written", place_in(file_->path.string()), "choose another place with -o");
         for (const auto& [name, node] : file_->root.fields) {
-            if (bytes_of(node) > most_bytes)
+            if (size_of(node) > most_bytes)
                 throw computation_error(fmt::format("{}: {} is larger than a MAT-file can hold", file_->path.string(), name),
                                         "give a smaller --output-rate, or use run.h5");
             const Variable variable = variable_of(name.c_str(), node);

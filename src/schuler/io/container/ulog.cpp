@@ -17,7 +17,7 @@ namespace schuler::io {
 namespace {
 
 constexpr std::string_view ulog_magic("ULog\x01\x12\x35", 7);
-constexpr std::size_t header_size = 16, prefix_size = 3;
+constexpr std::size_t file_header_size = 16, prefix_size = 3;
 
 enum class Number : std::uint8_t { I8, U8, I16, U16, I32, U32, I64, U64, F32, F64 };
 
@@ -71,11 +71,11 @@ public:
     int version = 0;
 
     void read() {
-        if (bytes_.size() < header_size)
+        if (bytes_.size() < file_header_size)
             throw input_error(fmt::format("the header of the ULog is cut at byte {}", bytes_.size()), place_in(file_),
                               "copy the log completely");
         version = static_cast<unsigned char>(bytes_[7]);
-        std::size_t at = header_size;
+        std::size_t at = file_header_size;
         while (at + prefix_size <= bytes_.size()) {
             const std::size_t size = detail::load<std::uint16_t>(bytes_.data() + at);
             const char type = bytes_[at + 2];

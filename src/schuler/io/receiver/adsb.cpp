@@ -23,11 +23,11 @@ constexpr double deg = units::deg, foot = 0.3048, fraction = 131072.0;  // 2^17
 constexpr int zones = 15;                                               // between equator and pole
 constexpr Duration pair_age{10'000'000'000};
 
-using Message = std::array<std::uint8_t, 14>;
+using ModeSMessage = std::array<std::uint8_t, 14>;
 
 double modulo(double a, double b) { return a - b * std::floor(a / b); }
 
-std::uint32_t bits(const Message& m, int first, int count) {
+std::uint32_t bits(const ModeSMessage& m, int first, int count) {
     std::uint32_t out = 0;
     for (int i = first; i < first + count; ++i)
         out = out << 1 | (static_cast<std::uint32_t>(m[static_cast<std::size_t>(i / 8)]) >> (7 - i % 8) & 1U);
@@ -64,7 +64,7 @@ class Decoder {
 public:
     explicit Decoder(std::optional<Geodetic> near) : near_(near) {}
 
-    void take(const Message& m, Time time) {
+    void take(const ModeSMessage& m, Time time) {
         const std::uint32_t format = bits(m, 0, 5);
         if (format != 17 && format != 18) {
             ++out.messages.foreign;
@@ -150,7 +150,7 @@ void read_beast(std::string_view text, Decoder& decoder) {
         }
         std::uint64_t count = 0;
         for (std::size_t k = 0; k < 6; ++k) count = count << 8 | frame[k];
-        Message m;
+        ModeSMessage m;
         std::copy_n(frame.begin() + 7, 14, m.begin());
         decoder.take(m, ticks(count));
     }
@@ -173,7 +173,7 @@ void read_avr(std::string_view text, Decoder& decoder) {
             continue;
         }
         std::uint64_t count = 0;
-        Message m{};
+        ModeSMessage m{};
         bool good = true;
         const auto digit = [&](std::size_t at) {
             const int d = hex_digit(line[at]);

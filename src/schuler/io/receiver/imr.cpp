@@ -18,12 +18,12 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::string_view mark("$IMURAW\0", 8);
-constexpr std::size_t header_size = 512, record_size = 32;
+constexpr std::string_view imr_mark("$IMURAW\0", 8);
+constexpr std::size_t imr_header_size = 512, record_size = 32;
 
 /// A number in the byte order that the header states.
 template <class T>
-T number_at(std::string_view bytes, std::size_t at, bool big) {
+T value_at(std::string_view bytes, std::size_t at, bool big) {
     std::array<char, sizeof(T)> raw{};
     std::memcpy(raw.data(), bytes.data() + at, sizeof(T));
     if (big) std::ranges::reverse(raw);
@@ -43,8 +43,8 @@ struct Header {
 Header header_of(std::string_view b, const std::string& file) {
     Header h;
     h.big = b[8] != 0;
-    const auto i = [&](std::size_t at) { return number_at<std::int32_t>(b, at, h.big); };
-    const auto d = [&](std::size_t at) { return number_at<double>(b, at, h.big); };
+    const auto i = [&](std::size_t at) { return value_at<std::int32_t>(b, at, h.big); };
+    const auto d = [&](std::size_t at) { return value_at<double>(b, at, h.big); };
     h.angles = i(17) != 0, h.velocities = i(21) != 0;
     h.rate = d(25), h.gyro = d(33), h.accel = d(41);
     h.utc = i(49) == 1;
@@ -52,7 +52,7 @@ Header header_of(std::string_view b, const std::string& file) {
     h.name = std::string(b.substr(65, 32));
     h.name = h.name.substr(0, h.name.find('\0'));
     std::erase_if(h.name, [](char c) { return c < ' ' || c > '~'; });
-    const auto s = [&](std::size_t at) { return static_cast<int>(number_at<std::int16_t>(b, at, h.big)); };
+    const auto s = [&](std::size_t at) { return static_cast<int>(value_at<std::int16_t>(b, at, h.big)); };
     h.dated = s(133) >= 1990 && s(133) < 2100 && detail::is_date(s(133), s(135), s(137));
     constexpr double since_2017 = 1.2e9;  // s of GPS time
     const double when = h.dated ? gps_from_utc({s(133), s(135), s(137), 12, 0, 0.0}).seconds() : since_2017;
@@ -67,14 +67,14 @@ Header header_of(std::string_view b, const std::string& file) {
     return h;
 }
 
-bool is_imr(const FileHead& head) { return head.starts_with(mark); }
+bool is_imr(const FileHead& head) { return head.starts_with(imr_mark); }
 
 StreamLog read_imr(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
-    if (bytes.size() < header_size + record_size)
-        throw input_error(
-            fmt::format("the file is cut: {} bytes, header and first record have {}", bytes.size(), header_size + record_size),
-            place_in(input.name()), "copy the file again");
+    if (bytes.size() < imr_header_size + record_size)
+        throw input_error(fmt::format("the file is cut: {} bytes, header and first record have {}", bytes.size(),
+                                      imr_header_size + record_size),
+                          place_in(input.name()), "copy the file again");
     const Header h = header_of(bytes, input.name());
     const bool increments = h.angles && h.velocities;
     const double to_rates = h.rate;
@@ -87,13 +87,13 @@ StreamLog read_imr(const TextInput& input, WarningLog& warnings) {
                             {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
     std::size_t damaged = 0, first = 0;
     const double offset = h.utc ? h.leap_seconds : 0.0;
-    for (std::size_t at = header_size; at + record_size <= bytes.size(); at += record_size) {
-        const auto time = number_at<double>(bytes, at, h.big);
+    for (std::size_t at = imr_header_size; at + record_size <= bytes.size(); at += record_size) {
+        const auto time = value_at<double>(bytes, at, h.big);
         if (!(time >= 0.0 && time < 2.0 * 604'800.0)) {
             if (damaged++ == 0) first = at;
             continue;
         }
-        const auto v = [&](std::size_t k) { return static_cast<double>(number_at<std::int32_t>(bytes, at + 8 + 4 * k, h.big)); };
+        const auto v = [&](std::size_t k) { return static_cast<double>(value_at<std::int32_t>(bytes, at + 8 + 4 * k, h.big)); };
         s.add(Duration::from_seconds(time + offset).ns,
               {v(0) * gyro, v(1) * gyro, v(2) * gyro, v(3) * accel, v(4) * accel, v(5) * accel});
     }
@@ -109,7 +109,7 @@ StreamLog read_imr(const TextInput& input, WarningLog& warnings) {
     if (damaged > 0)
         warnings.add(input.name() + " imr.damaged",
                      fmt::format("{}: records whose time is none: skipped, the first at byte {}", input.name(), first), damaged);
-    if (const std::size_t rest = (bytes.size() - header_size) % record_size; rest != 0)
+    if (const std::size_t rest = (bytes.size() - imr_header_size) % record_size; rest != 0)
         warnings.add(input.name() + " imr.cut",
                      fmt::format("{}: cut at byte {}: {} bytes of the last record", input.name(), bytes.size() - rest, rest));
     if (h.utc)

@@ -43,7 +43,7 @@ std::optional<SatelliteId> satellite_of(int gnss_id, int number) {
 /// Signal identifiers of [UBloxF9:1.5.4]; modes in which data and pilot are combined or told apart by the receiver's settings only
 /// are written as X, as converters do.
 // clang-format off
-constexpr std::array<SignalCode, 33> signal_codes = {{
+constexpr std::array<SignalCode, 33> ubx_codes = {{
     {System::Gps, 0, {'1', 'C'}},     {System::Gps, 3, {'2', 'X'}},     {System::Gps, 4, {'2', 'X'}},
     {System::Gps, 6, {'5', 'X'}},     {System::Gps, 7, {'5', 'X'}},     {System::Sbas, 0, {'1', 'C'}},
     {System::Galileo, 0, {'1', 'X'}}, {System::Galileo, 1, {'1', 'X'}}, {System::Galileo, 3, {'5', 'X'}},
@@ -135,7 +135,7 @@ private:
     void measurement(std::string_view p) {
         const auto satellite = satellite_of(number_at<std::uint8_t>(p, 20), number_at<std::uint8_t>(p, 21));
         const auto signal =
-            satellite ? detail::signal_of(signal_codes, satellite->system, number_at<std::uint8_t>(p, 22)) : std::nullopt;
+            satellite ? detail::signal_of(ubx_codes, satellite->system, number_at<std::uint8_t>(p, 22)) : std::nullopt;
         if (!signal) {
             ++result.unknown_signals;
             return;

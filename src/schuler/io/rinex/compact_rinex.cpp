@@ -20,7 +20,7 @@ namespace {
 struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
-using File = std::unique_ptr<std::FILE, CloseFile>;
+using InputFile = std::unique_ptr<std::FILE, CloseFile>;
 
 /// The program in the folders of PATH; empty where there is none.
 std::string program() {
@@ -62,7 +62,7 @@ std::string decompact_rinex(std::string_view text, const std::string& name) {
     if (command.empty())
         throw input_error("is Hatanaka-compressed, and crx2rnx is not installed", place_in(name, 1),
                           "install crx2rnx in a folder of PATH, or decompress the file first");
-    const File input(std::tmpfile()), output(std::tmpfile());
+    const InputFile input(std::tmpfile()), output(std::tmpfile());
     if (!input || !output) throw computation_error(fmt::format("{}: no temporary file for decompression", name));
     const bool written = std::fwrite(text.data(), 1, text.size(), input.get()) == text.size() && std::fflush(input.get()) == 0;
     if (!written || std::fseek(input.get(), 0, SEEK_SET) != 0)

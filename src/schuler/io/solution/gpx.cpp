@@ -18,7 +18,7 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::int64_t second = 1'000'000'000, dated = 100'000'000 * second;
+constexpr std::int64_t one_second = 1'000'000'000, year_1973 = 100'000'000 * one_second;
 
 /// The value of an attribute or the text of an element inside a piece of XML; empty where there is none.
 std::string_view attribute(std::string_view tag, std::string_view name) {
@@ -53,7 +53,7 @@ std::optional<Time> time_of(std::string_view text) {
     std::int64_t fraction = 0;
     if (rest.starts_with('.')) {
         rest.remove_prefix(1);
-        std::int64_t unit = second / 10;
+        std::int64_t unit = one_second / 10;
         for (; !rest.empty() && rest.front() >= '0' && rest.front() <= '9'; rest.remove_prefix(1), unit /= 10)
             fraction += unit * (rest.front() - '0');
     }
@@ -61,7 +61,7 @@ std::optional<Time> time_of(std::string_view text) {
     if (rest.size() >= 6 && (rest[0] == '+' || rest[0] == '-')) {
         int h = 0, m = 0;
         if (std::sscanf(std::string(rest.substr(1)).c_str(), "%2d:%2d", &h, &m) != 2) return std::nullopt;
-        const Duration zone{(h * 3600 + m * 60) * second};
+        const Duration zone{(h * 3600 + m * 60) * one_second};
         t = rest[0] == '+' ? t - zone : t + zone;
     }
     return t;
@@ -69,7 +69,7 @@ std::optional<Time> time_of(std::string_view text) {
 
 /// Seconds of UTC with as many decimals as there are.
 std::string utc_text(Time t) {
-    const std::int64_t fraction = ((t.ns % second) + second) % second;
+    const std::int64_t fraction = ((t.ns % one_second) + one_second) % one_second;
     const Calendar c = utc_from_gps(Time{t.ns - fraction});
     std::string text = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", c.year, c.month, c.day, c.hour, c.minute,
                                    static_cast<int>(c.second + 0.5));
@@ -126,7 +126,7 @@ void write_gpx(const std::filesystem::path& path, std::span<const SolutionRow> r
         fmt::format_to(std::back_inserter(out), "<trkpt lat=\"{:.10f}\" lon=\"{:.10f}\">", r.position.lat / units::deg,
                        r.position.lon / units::deg);
         if (std::isfinite(r.position.h)) fmt::format_to(std::back_inserter(out), "<ele>{:.4f}</ele>", r.position.h);
-        if (r.time.ns > dated) out += "<time>" + utc_text(r.time) + "</time>";
+        if (r.time.ns > year_1973) out += "<time>" + utc_text(r.time) + "</time>";
         out += "</trkpt>\n";
     }
     write_file(path, out + "</trkseg></trk>\n</gpx>\n");
@@ -147,7 +147,7 @@ void write_geojson(const std::filesystem::path& path, std::span<const SolutionRo
                                 r.position.h);
         else line += fmt::format("{}[{:.10f},{:.10f}]", comma, r.position.lon / units::deg, r.position.lat / units::deg);
         times += times.empty() ? "" : ",";
-        times += r.time.ns > dated ? "\"" + utc_text(r.time) + "\"" : fmt::format("{:.9f}", r.time.seconds());
+        times += r.time.ns > year_1973 ? "\"" + utc_text(r.time) + "\"" : fmt::format("{:.9f}", r.time.seconds());
     }
     write_file(
         path,

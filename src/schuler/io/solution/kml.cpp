@@ -11,7 +11,7 @@
 namespace schuler::io {
 namespace {
 
-std::string escaped(const std::string& text) {
+std::string xml_text(const std::string& text) {
     std::string result;
     for (const char c : text) {
         if (c == '&') result += "&amp;";
@@ -41,7 +41,7 @@ std::string track_kml(std::span<const SolutionRow> rows, const std::string& name
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml "
         "xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n"
         "<Style id=\"track\"><LineStyle><color>ff0000ff</color><width>3</width></LineStyle></Style>\n",
-        escaped(name));
+        xml_text(name));
     if (!rows.empty() && finite(rows.front().position) && finite(rows.back().position)) {
         text += mark("start", rows.front());
         text += mark("stop", rows.back());

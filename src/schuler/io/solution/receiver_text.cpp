@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t second = 1'000'000'000, week = 604'800 * second, dated = 100'000'000 * second;
 
-double number(double x) { return std::isfinite(x) ? x : 0.0; }  // a zero sigma is "not given" in .pos
+double finite_or_zero(double x) { return std::isfinite(x) ? x : 0.0; }  // a zero sigma is "not given" in .pos
 
 std::string with_checksum(const std::string& body) {
     unsigned sum = 0;
@@ -52,8 +52,9 @@ void write_rtklib_pos(const std::filesystem::path& path, std::span<const Solutio
             "{:4d} {:6d}.{:09d}  {:14.10f} {:14.10f} {:10.4f}   5   0 {:8.5f} {:8.5f} {:8.5f} {:8.4f} {:8.4f} {:8.4f} {:6.2f} {:6.1f} {:10.5f} {:10.5f} {:10.5f} {:9.5f} "
             "{:8.5f} {:8.5f} {:8.5f} {:8.5f} {:8.5f}\n",
             r.time.ns / week, r.time.ns % week / second, r.time.ns % second, r.position.lat / units::deg,
-            r.position.lon / units::deg, number(r.position.h), number(p.x()), number(p.y()), number(p.z()), 0.0, 0.0, 0.0, 0.0,
-            0.0, number(v.x()), number(v.y()), number(-v.z()), number(s.x()), number(s.y()), number(s.z()), 0.0, 0.0, 0.0);
+            r.position.lon / units::deg, finite_or_zero(r.position.h), finite_or_zero(p.x()), finite_or_zero(p.y()),
+            finite_or_zero(p.z()), 0.0, 0.0, 0.0, 0.0, 0.0, finite_or_zero(v.x()), finite_or_zero(v.y()), finite_or_zero(-v.z()),
+            finite_or_zero(s.x()), finite_or_zero(s.y()), finite_or_zero(s.z()), 0.0, 0.0, 0.0);
     }
     write_file(path, out);
 }
@@ -74,7 +75,7 @@ void write_nmea(const std::filesystem::path& path, std::span<const SolutionRow> 
                      : fmt::format("{:02}{:02}{:02}.{:03}", day / 3600, day / 60 % 60, day % 60, of_second);
         const std::string place = fmt::format("{},{},{},{}", degrees_minutes(r.position.lat, 2), r.position.lat < 0.0 ? 'S' : 'N',
                                               degrees_minutes(r.position.lon, 3), r.position.lon < 0.0 ? 'W' : 'E');
-        out += with_checksum(fmt::format("GNGGA,{},{},1,08,1.0,{:.4f},M,0.0000,M,,", clock, place, number(r.position.h)));
+        out += with_checksum(fmt::format("GNGGA,{},{},1,08,1.0,{:.4f},M,0.0000,M,,", clock, place, finite_or_zero(r.position.h)));
         if (r.v_eb_n.head<2>().allFinite()) {
             const double speed = r.v_eb_n.head<2>().norm() * 3600.0 / 1852.0;
             double course = std::atan2(r.v_eb_n.y(), r.v_eb_n.x()) / units::deg;

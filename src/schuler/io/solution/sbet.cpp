@@ -20,11 +20,13 @@ namespace schuler::io {
 namespace {
 
 constexpr std::size_t fields = 17, record_size = fields * sizeof(double);
-using Record = std::array<double, fields>;
+using SbetRecord = std::array<double, fields>;
 
-Record record_at(std::string_view bytes, std::size_t row) { return detail::load<Record>(bytes.data() + row * record_size); }
+SbetRecord record_at(std::string_view bytes, std::size_t row) {
+    return detail::load<SbetRecord>(bytes.data() + row * record_size);
+}
 
-bool is_record(const Record& r) {
+bool is_record(const SbetRecord& r) {
     constexpr double pi = std::numbers::pi;
     const auto angle = [](double x) { return std::abs(x) <= 2.0 * pi + 1e-9; };
     return r[0] >= 0.0 && r[0] < 4e9 && std::abs(r[1]) <= 0.5 * pi && angle(r[2]) && std::abs(r[3]) < 1e6 &&
@@ -40,7 +42,7 @@ bool is_sbet(const FileHead& head) {
         return false;
     double before = -1.0;
     for (std::size_t i = 0; i < bytes.size() / record_size && i < 50; ++i) {
-        const Record r = record_at(bytes, i);
+        const SbetRecord r = record_at(bytes, i);
         if (!is_record(r) || r[0] < before) return false;
         before = r[0];
     }
@@ -67,7 +69,7 @@ Signs signs_of(std::string_view bytes) {
     } east, down;
     constexpr std::size_t most = 20'000;
     for (std::size_t i = 0, step = std::max<std::size_t>(1, rows / most); i + apart < rows; i += step) {
-        const Record a = record_at(bytes, i), b = record_at(bytes, i + apart);
+        const SbetRecord a = record_at(bytes, i), b = record_at(bytes, i + apart);
         const double dt = b[0] - a[0];
         if (!is_record(a) || !is_record(b) || !(dt > 0.0) || dt > 10.0) continue;
         const earth::Radii radii = earth::radii(earth::wgs84, a[1]);
@@ -92,7 +94,7 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
     double latest = 0.0;
     const Signs signs = signs_of(bytes);
     for (std::size_t i = 0; i < bytes.size() / record_size; ++i) {
-        const Record r = record_at(bytes, i);
+        const SbetRecord r = record_at(bytes, i);
         if (!is_record(r)) {
             if (damaged++ == 0) first = i * record_size;
             continue;
@@ -125,16 +127,16 @@ void write_sbet(const std::filesystem::path& path, std::span<const SolutionRow> 
     constexpr std::int64_t week = 604'800'000'000'000;
     for (const SolutionRow& r : rows) {
         const bool dated = r.time.ns > 2 * week;
-        const Record record = {Duration{dated ? r.time.ns % week : r.time.ns}.seconds(),
-                               r.position.lat,
-                               r.position.lon,
-                               r.position.h,
-                               r.v_eb_n.x(),
-                               -r.v_eb_n.y(),
-                               -r.v_eb_n.z(),
-                               r.rpy.x(),
-                               r.rpy.y(),
-                               r.rpy.z()};
+        const SbetRecord record = {Duration{dated ? r.time.ns % week : r.time.ns}.seconds(),
+                                   r.position.lat,
+                                   r.position.lon,
+                                   r.position.h,
+                                   r.v_eb_n.x(),
+                                   -r.v_eb_n.y(),
+                                   -r.v_eb_n.z(),
+                                   r.rpy.x(),
+                                   r.rpy.y(),
+                                   r.rpy.z()};
         detail::store(out, record);
     }
     write_file(path, out);

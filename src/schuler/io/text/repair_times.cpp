@@ -6,7 +6,7 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::int64_t second = 1'000'000'000, day = 86'400 * second, week = 7 * day;
+constexpr std::int64_t one_second = 1'000'000'000, day = 86'400 * one_second, week = 7 * day;
 /// So many rows in a row may have gone astray together; more are a pause, or another log.
 constexpr std::size_t longest_run = 5;
 
@@ -27,7 +27,7 @@ TimeRepair repair_times(std::vector<std::int64_t>& times) {
     TimeRepair repair;
     if (times.size() < 3) return repair;
     constexpr std::int64_t steps = 20;
-    const std::int64_t limit = std::max(second, steps * std::min(median_step(times), INT64_MAX / steps));
+    const std::int64_t limit = std::max(one_second, steps * std::min(median_step(times), INT64_MAX / steps));
     const auto near = [&](std::int64_t from, std::int64_t to) { return std::abs(to - from) <= limit; };
     // a first row far from the second and the third, which are near each other and before it
     std::size_t i = 1;
@@ -54,7 +54,7 @@ TimeRepair repair_times(std::vector<std::int64_t>& times) {
         }
         const bool alone = i + 1 == times.size();
         for (const std::int64_t period : {week, day}) {
-            if (alone || !near(last, times[i] + period) || last % period < period - limit - second) continue;
+            if (alone || !near(last, times[i] + period) || last % period < period - limit - one_second) continue;
             times[i] += period;
             shift += period;
             repair.period = period;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t longest_line = 16 * 1024 * 1024;
 
-std::string reason_of(int error_number) { return std::generic_category().message(error_number); }
+std::string system_message(int error_number) { return std::generic_category().message(error_number); }
 
 }  // namespace
 
@@ -58,7 +58,8 @@ struct LineBlocks::Source {
         check_regular_file(name);
         fd = open(name.c_str(), O_RDONLY | O_CLOEXEC);
         if (fd < 0) {
-            throw input_error(fmt::format("cannot be opened: {}", reason_of(errno)), place_in(name), "check the permissions");
+            throw input_error(fmt::format("cannot be opened: {}", system_message(errno)), place_in(name),
+                              "check the permissions");
         }
         struct stat status {};
         if (fstat(fd, &status) == 0) size = static_cast<std::size_t>(status.st_size);
@@ -84,7 +85,7 @@ struct LineBlocks::Source {
             const ssize_t n = ::read(fd, into, count);
             if (n >= 0) return static_cast<std::size_t>(n);
             if (errno != EINTR)
-                throw input_error(fmt::format("cannot be read: {}", reason_of(errno)), place_in(name), "check the disk");
+                throw input_error(fmt::format("cannot be read: {}", system_message(errno)), place_in(name), "check the disk");
         }
     }
 

@@ -18,7 +18,9 @@ constexpr const char* forms =
     "write \"KEY\" = { uniform = [low, high] }, { normal = [mean, sigma] }, { list = [values] }, { sweep = [values] } or "
     "{ sweep = { from = 0, to = 10, steps = 11 } }";
 
-Error bad(const std::string& key, const std::string& what) { return input_error(fmt::format("{}: {}", key, what), {}, forms); }
+Error bad_parameter(const std::string& key, const std::string& what) {
+    return input_error(fmt::format("{}: {}", key, what), {}, forms);
+}
 
 /// { from, to, steps }, with log = true in equal ratios.
 std::vector<Value> steps_of(const std::string& key, const ValueTable& table) {
@@ -35,14 +37,14 @@ std::vector<Value> steps_of(const std::string& key, const ValueTable& table) {
         } else if (name == "log" && v.flag() != nullptr) {
             log = *v.flag();
         } else {
-            throw bad(
+            throw bad_parameter(
                 key,
                 fmt::format("a sweep has the numbers from, to and steps (whole) and log = true or false, not this \"{}\"", name));
         }
     }
     if (!std::isfinite(from) || !std::isfinite(to) || steps < 2 || steps > static_cast<std::int64_t>(most_points))
-        throw bad(key, fmt::format("a sweep needs from, to and 2 to {} steps", most_points));
-    if (log && !(from > 0.0 && to > 0.0)) throw bad(key, "a logarithmic sweep needs positive ends");
+        throw bad_parameter(key, fmt::format("a sweep needs from, to and 2 to {} steps", most_points));
+    if (log && !(from > 0.0 && to > 0.0)) throw bad_parameter(key, "a logarithmic sweep needs positive ends");
     std::vector<Value> out;
     for (std::int64_t i = 0; i < steps; ++i) {
         const double part = static_cast<double>(i) / static_cast<double>(steps - 1);
@@ -58,8 +60,8 @@ Variation variation_of(const std::string& key, const Value& v) {
     if (option == nullptr)
         throw input_error(fmt::format("unknown key \"{}\"", key), {},
                           fmt::format("did you mean \"{}\"?", nearest_key(key, known)));
-    if (key == "seed" || key.starts_with("montecarlo.")) throw bad(key, "cannot vary: every run has a seed of its own");
-    if (v.table() == nullptr || v.table()->size() != 1) throw bad(key, "has no distribution, or more than one");
+    if (key == "seed" || key.starts_with("montecarlo.")) throw bad_parameter(key, "cannot vary: every run has a seed of its own");
+    if (v.table() == nullptr || v.table()->size() != 1) throw bad_parameter(key, "has no distribution, or more than one");
     const auto& [name, numbers] = v.table()->front();
     const ValueList* list = numbers.list();
     Variation out;
@@ -71,7 +73,7 @@ Variation variation_of(const std::string& key, const Value& v) {
         } else if (list != nullptr && !list->empty()) {
             out.values = *list;
         } else {
-            throw bad(key, fmt::format("{} needs a list of values", name));
+            throw bad_parameter(key, fmt::format("{} needs a list of values", name));
         }
         for (Value& value : out.values) {
             if (option->spec.shape == Shape::Integer && value.is_number())
@@ -84,17 +86,17 @@ Variation variation_of(const std::string& key, const Value& v) {
         }
         return out;
     }
-    if (name != "uniform" && name != "normal") throw bad(key, fmt::format("unknown distribution \"{}\"", name));
+    if (name != "uniform" && name != "normal") throw bad_parameter(key, fmt::format("unknown distribution \"{}\"", name));
     if (option->spec.shape != Shape::Number && option->spec.shape != Shape::Integer)
-        throw bad(key, "is not a key of one number: only list and sweep can vary it");
+        throw bad_parameter(key, "is not a key of one number: only list and sweep can vary it");
     if (list == nullptr || list->size() != 2 || !(*list)[0].is_number() || !(*list)[1].is_number())
-        throw bad(key, "needs two numbers");
+        throw bad_parameter(key, "needs two numbers");
     out.kind = name == "normal" ? Variation::Kind::Normal : Variation::Kind::Uniform;
     out.first = (*list)[0].number();
     out.second = (*list)[1].number();
     out.whole = option->spec.shape == Shape::Integer;
     if (name == "normal" ? !(out.second >= 0.0) : !(out.second >= out.first))
-        throw bad(key, "the two numbers are in the wrong order or negative");
+        throw bad_parameter(key, "the two numbers are in the wrong order or negative");
     return out;
 }
 
@@ -105,7 +107,7 @@ std::size_t grid_points(const std::vector<Variation>& vary) {
     for (const Variation& v : vary) {
         if (v.kind != Variation::Kind::Sweep) continue;
         if (points > most_points / v.values.size())
-            throw bad(v.key, fmt::format("the sweeps together have more than {} points", most_points));
+            throw bad_parameter(v.key, fmt::format("the sweeps together have more than {} points", most_points));
         points *= v.values.size();
     }
     return points;

@@ -18,7 +18,7 @@
 namespace schuler::study {
 namespace {
 
-constexpr std::size_t kept_epochs = 500;  ///< of the NEES of each run
+constexpr std::size_t kept_of_a_run = 500;  ///< of the NEES of each run
 
 /// What is kept of one run of one scheme.
 struct Kept {
@@ -42,7 +42,7 @@ Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList
     std::vector<std::array<double, 3>> all;
     for (const solution::StateErrors& e : bundle.evaluation.states)
         if (e.time >= bundle.evaluation.settled) all.push_back({e.nees[0], e.nees[1], e.nees[2]});
-    const std::size_t stride = (all.size() + kept_epochs - 1) / kept_epochs;
+    const std::size_t stride = (all.size() + kept_of_a_run - 1) / kept_of_a_run;
     for (std::size_t i = 0; i < all.size(); i += stride) out.nees.push_back(all[i]);
     return out;
 }

@@ -30,7 +30,7 @@ using Walk = filter::Walk<Frame>;
 enum class Drive { None, Gyro, Accel, GyroAxes, AccelAxes };
 
 /// True processes behind the filter's states: the joint vector is (errors of the first nine states, estimates of the others, true processes).
-struct Source {
+struct ErrorSource {
     SourceName name;
     Drive drive = Drive::None;
     VectorXd variance, decay, psd;                                            ///< of each process, at the start; 1/s; unit^2/s
@@ -82,10 +82,10 @@ Eigen::Matrix<double, 3, 9> axes_acting_on(const Vector3d& v) {
     return m;
 }
 
-std::vector<Source> sources_of(const settings::ScenarioConfig& s) {
-    std::vector<Source> out;
-    const auto add = [&](const char* key, const char* title) -> Source& {
-        Source& source = out.emplace_back();
+std::vector<ErrorSource> sources_of(const settings::ScenarioConfig& s) {
+    std::vector<ErrorSource> out;
+    const auto add = [&](const char* key, const char* title) -> ErrorSource& {
+        ErrorSource& source = out.emplace_back();
         source.name = {key, title};
         source.processes(VectorXd(0), VectorXd(0), VectorXd(0));
         return source;
@@ -98,13 +98,13 @@ std::vector<Source> sources_of(const settings::ScenarioConfig& s) {
         add(key, title);
     const auto bias = [&](const char* key, const char* title, Drive drive, double in_run, double time, double turn_on,
                           double walk) {
-        Source& b = add(key, title);
+        ErrorSource& b = add(key, title);
         b.drive = drive;
         b.processes(repeated(in_run, turn_on, 3), repeated(1.0 / time, 0.0, 3),
                     repeated(2.0 * in_run * in_run / time, walk * walk, 3));
     };
     const auto axes = [&](const char* key, const char* title, Drive drive, double scale, double misalignment) {
-        Source& a = add(key, title);
+        ErrorSource& a = add(key, title);
         a.drive = drive;
         VectorXd sigma(9);
         sigma << Vector3d::Constant(scale), VectorXd::Constant(6, misalignment);
@@ -118,21 +118,21 @@ std::vector<Source> sources_of(const settings::ScenarioConfig& s) {
     add("accel_noise", "accelerometer noise").accel_psd = e.accel_noise * e.accel_noise;
     axes("accel_scale", "accelerometer scale and axes", Drive::AccelAxes, e.accel_scale, e.accel_misalignment);
     if (s.sim.gnss.rate > 0.0) {
-        Source& white = add("gnss_white", "receiver, white");
+        ErrorSource& white = add("gnss_white", "receiver, white");
         white.white_position = s.sim.gnss.white_position;
         white.white_velocity = s.sim.gnss.white_velocity;
         const sensor::GnssErrorModel& g = s.sim.gnss.errors;
-        Source& position = add("gnss_position", "receiver, slow position");
+        ErrorSource& position = add("gnss_position", "receiver, slow position");
         position.markov(g.correlated_position, g.correlated_time);
         position.slow = AidKind::GnssPosition;
         position.decays_with_speed = g.correlated_distance > 0.0;
-        Source& velocity = add("gnss_velocity", "receiver, slow velocity");
+        ErrorSource& velocity = add("gnss_velocity", "receiver, slow velocity");
         velocity.markov(g.correlated_velocity, g.correlated_velocity_time);
         velocity.slow = AidKind::GnssVelocity;
     }
     if (s.sim.baro.rate > 0.0) {
         const sim::BaroSettings& b = s.sim.baro;
-        Source& baro = add("baro", "barometer");
+        ErrorSource& baro = add("baro", "barometer");
         const VectorXd sigma = VectorXd::Constant(1, b.bias);
         if (b.bias_time > 0.0) {
             baro.markov(sigma, b.bias_time);
@@ -160,13 +160,13 @@ std::vector<std::string> left_out_of(const settings::ScenarioConfig& s) {
 /// Follows the sources along a walk.
 class Follower : public filter::PassObserver<Frame> {
 public:
-    Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario, std::vector<Source>& sources,
+    Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario, std::vector<ErrorSource>& sources,
              Time origin, Mismatch& out)
         : model_(model), scenario_(scenario), sources_(sources), origin_(origin), out_(out) {}
 
     void begin(Eigen::Index states) {
         n_ = states;
-        for (Source& s : sources_) {
+        for (ErrorSource& s : sources_) {
             s.S = MatrixXd::Zero(n_ + s.size(), n_ + s.size());
             s.S.topLeftCorner<9, 9>() = s.start;
             s.S.diagonal().tail(s.size()) = s.variance;
@@ -195,7 +195,7 @@ public:
                                           by_accel = top.middleCols<3>(Layout::accel_bias);
         const Vector3d force = f.previous.dt > 0.0 ? Vector3d(f.previous.dv / f.previous.dt) : Vector3d::Zero();
         const double speed = f.geographic(model_).v_eb_n.head<2>().norm();
-        for (Source& s : sources_) {
+        for (ErrorSource& s : sources_) {
             const Eigen::Index m = s.size();
             if (s.empty()) continue;
             MatrixXd F = MatrixXd::Zero(9, n_ + m);
@@ -255,7 +255,7 @@ private:
         MismatchRow row;
         row.time_s = (time - origin_).seconds();
         row.filter = walk.covariance(model_).diagonal();
-        for (const Source& s : sources_) row.sources.emplace_back(s.S.diagonal().head<9>());
+        for (const ErrorSource& s : sources_) row.sources.emplace_back(s.S.diagonal().head<9>());
         return row;
     }
     void update(AidKind kind, const estim::RowUpdate& u) {
@@ -269,7 +269,7 @@ private:
         double seen = -1.0;  // the innovation is estimate minus measured
         if (state >= 0 && u.h(state + static_cast<int>(axis)) != 0.0) seen = -u.h(state + static_cast<int>(axis));
         const VectorXd whole = u.h.whole(n_).head(n_);
-        for (Source& s : sources_) {
+        for (ErrorSource& s : sources_) {
             if (s.empty()) continue;
             const Eigen::Index size = n_ + s.size();
             VectorXd h = VectorXd::Zero(size), k = VectorXd::Zero(size);
@@ -286,7 +286,7 @@ private:
 
     const filter::InertialModel& model_;
     const settings::ScenarioConfig& scenario_;
-    std::vector<Source>& sources_;
+    std::vector<ErrorSource>& sources_;
     Time origin_;
     Mismatch& out_;
     Eigen::Index n_ = 0;
@@ -360,10 +360,10 @@ Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::Sett
     out.left_out = left_out_of(scenario);
     out.settled_s = bundle.data.config.run.settle.value_or((start.nav.time - data.origin).seconds() + 60.0);
     const filter::InertialModel model = filter::make_model(settings, filter::make_layout(settings, recording));
-    std::vector<Source> sources = sources_of(scenario);
+    std::vector<ErrorSource> sources = sources_of(scenario);
     for (std::size_t i = 0; i < 4; ++i)
         sources[i].start = start_covariance(model, data, settings, start, scenario.initial_error, i);
-    for (const Source& s : sources) out.sources.push_back(s.name);
+    for (const ErrorSource& s : sources) out.sources.push_back(s.name);
     Walk walk = filter::first_step<Frame>(model, data, settings, start);
     Follower follower(model, scenario, sources, data.origin, out);
     follower.begin(walk.filter.P.rows());

@@ -16,7 +16,7 @@ using gravimetry::SurveyEpoch;
 /// Beyond these the linear model of the errors, or what is believed of the instruments, does not hold. A consistent filter refuses fewer
 /// than one fix in ten thousand, and its NIS is one within a percent or two.
 constexpr double largest_nis = 2.0, largest_refused = 0.01;
-constexpr double largest_error = 5.0;  ///< sigmas, where the truth is known
+constexpr double most_sigmas = 5.0;  ///< sigmas, where the truth is known
 
 /// Positions that were refused after settling, as a share.
 double refused_share(const GravityBundle& b) {
@@ -53,7 +53,7 @@ GravityVerdict gravity_verdict(const GravityBundle& b) {
                                : ""));
     if (!b.truth.empty()) {
         const double off = std::abs(b.errors.last.z()) / last.sigma_disturbance_n.z();
-        if (off > largest_error) refuse(fmt::format("the vertical disturbance is off by {:.3g} of its sigmas", off));
+        if (off > most_sigmas) refuse(fmt::format("the vertical disturbance is off by {:.3g} of its sigmas", off));
     }
     return out;
 }

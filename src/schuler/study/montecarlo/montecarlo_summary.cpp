@@ -195,7 +195,7 @@ std::string summary_json(const MonteCarlo& mc) {
 
 namespace {
 
-std::string cell(double x) {
+std::string summary_cell(double x) {
     if (!std::isfinite(x)) return "-";
     const double a = std::abs(x);
     if (a != 0.0 && (a < 1e-3 || a >= 1e5)) return fmt::format("{:.2e}", x);
@@ -213,8 +213,8 @@ std::string block_table(const CampaignStatistics& s) {
             const Quantiles q = s.component(b, axis);
             std::string title = fmt::format("{} {}, {}", name.name, name.axis[axis], readable(name.unit));
             std::ranges::replace(title, '_', ' ');
-            out +=
-                fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}\n", title, cell(q.rms), cell(q.q05), cell(q.median), cell(q.q95));
+            out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}\n", title, summary_cell(q.rms), summary_cell(q.q05),
+                               summary_cell(q.median), summary_cell(q.q95));
         }
     }
     return out;
@@ -228,14 +228,16 @@ std::string consistency_table(const CampaignStatistics& s) {
         if (!s.present(b)) continue;
         const analysis::EnsembleConsistency c = s.consistency(b);
         const bool holds = c.mean >= c.low95 && c.mean <= c.high95;
-        out += fmt::format("  NEES {:<17}{:>11}{:>11}   {:<22}{:.0f} %{}\n", name.name, cell(c.mean), cell(c.expected),
-                           fmt::format("({} to {})", cell(c.low95), cell(c.high95)), 100.0 * c.inside, holds ? "" : "   OUTSIDE");
+        out += fmt::format("  NEES {:<17}{:>11}{:>11}   {:<22}{:.0f} %{}\n", name.name, summary_cell(c.mean),
+                           summary_cell(c.expected), fmt::format("({} to {})", summary_cell(c.low95), summary_cell(c.high95)),
+                           100.0 * c.inside, holds ? "" : "   OUTSIDE");
     }
     for (const PooledAid& a : pooled_aids(s)) {
         const bool holds = a.nis >= a.bounds.low95 && a.nis <= a.bounds.high95;
-        out += fmt::format("  NIS  {:<17}{:>11}{:>11}   {:<22}{} rejected of {}, lag 1 {}{}\n", a.name, cell(a.nis), cell(a.dof),
-                           fmt::format("({} to {})", cell(a.bounds.low95), cell(a.bounds.high95)), a.rejected,
-                           a.accepted + a.rejected, cell(a.lag1), holds ? "" : "   OUTSIDE");
+        out += fmt::format("  NIS  {:<17}{:>11}{:>11}   {:<22}{} rejected of {}, lag 1 {}{}\n", a.name, summary_cell(a.nis),
+                           summary_cell(a.dof),
+                           fmt::format("({} to {})", summary_cell(a.bounds.low95), summary_cell(a.bounds.high95)), a.rejected,
+                           a.accepted + a.rejected, summary_cell(a.lag1), holds ? "" : "   OUTSIDE");
     }
     return out;
 }
@@ -251,8 +253,8 @@ std::string sweep_table(const MonteCarlo& mc) {
         for (const auto& [key, value] : at_point(mc, point))
             title += (title.empty() ? "" : ", ") + key + " = " + settings::to_toml(*value);
         const auto n = numbers_of(p);
-        out += fmt::format("  {:<48}{:>7}{:>8}{:>14}{:>11}{:>14}{:>11}\n", title, p.runs, p.failed, cell(n[2]), cell(n[3]),
-                           cell(n[5]), cell(n[7]));
+        out += fmt::format("  {:<48}{:>7}{:>8}{:>14}{:>11}{:>14}{:>11}\n", title, p.runs, p.failed, summary_cell(n[2]),
+                           summary_cell(n[3]), summary_cell(n[5]), summary_cell(n[7]));
     }
     return out;
 }
@@ -283,8 +285,9 @@ std::string summary_tables(const MonteCarlo& mc) {
         const ErrorField& f = error_fields()[i];
         const PooledError p = pooled(s, i);
         if (!std::isfinite(p.all.rms)) continue;
-        out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", f.title, cell(p.all.rms), cell(p.all.p95),
-                           cell(p.all.max), cell(p.runs.q05), cell(p.runs.median), cell(p.runs.q95));
+        out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", f.title, summary_cell(p.all.rms),
+                           summary_cell(p.all.p95), summary_cell(p.all.max), summary_cell(p.runs.q05),
+                           summary_cell(p.runs.median), summary_cell(p.runs.q95));
     }
     out += block_table(s);
     const std::vector<PooledOutage> outages = pooled_outages(s);
@@ -293,8 +296,9 @@ std::string summary_tables(const MonteCarlo& mc) {
                            "growth 50 %", "95 %", "3 sigma");
     for (const PooledOutage& o : outages) {
         out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}{:>9.0f} %\n",
-                           fmt::format("{:.10g} s for {:.6g} s", o.start_s, o.duration_s), cell(o.end_horizontal.median),
-                           cell(o.end_horizontal.q95), cell(o.growth.median), cell(o.growth.q95), 100.0 * o.inside_3sigma);
+                           fmt::format("{:.10g} s for {:.6g} s", o.start_s, o.duration_s), summary_cell(o.end_horizontal.median),
+                           summary_cell(o.end_horizontal.q95), summary_cell(o.growth.median), summary_cell(o.growth.q95),
+                           100.0 * o.inside_3sigma);
     }
     out += "\n" + consistency_table(s);
     if (s.swept) out += "\n" + sweep_table(mc);

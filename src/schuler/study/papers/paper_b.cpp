@@ -23,7 +23,7 @@ using ahrs::Separation;
 using Eigen::Vector3d;
 
 constexpr double dt = 0.01, duration = 180.0, from = 60.0, to = 120.0;
-constexpr double horizontal = 18964e-9, vertical = 46962e-9;  // T, of the paper
+constexpr double paper_horizontal = 18964e-9, paper_vertical = 46962e-9;  // T, of the paper
 
 struct Sample {
     Vector3d gyro, accel, field;
@@ -47,7 +47,8 @@ std::vector<Sample> simulated(bool moving, bool disturbed, std::uint64_t seed) {
         const Eigen::Quaterniond before = attitude_at(moving, t - dt), now = attitude_at(moving, t);
         const bool here = disturbed && t >= from && t < to;
         const double turn = here ? 20.0 * units::deg : 0.0;
-        const Vector3d field_n(horizontal * std::cos(turn), horizontal * std::sin(turn), vertical - (here ? 10000e-9 : 0.0));
+        const Vector3d field_n(paper_horizontal * std::cos(turn), paper_horizontal * std::sin(turn),
+                               paper_vertical - (here ? 10000e-9 : 0.0));
         out.push_back({math::rotation_vector_from_quaternion(before.conjugate() * now) / dt + bias +
                            0.1 * units::deg_per_s * gyro.normal3(),
                        now.conjugate() * Vector3d(0.0, 0.0, -9.81) + 0.05 * accel.normal3(),
@@ -102,8 +103,8 @@ ahrs::VectorFilterSettings settings_of(Separation separation) {
     s.gyro_noise = 0.01 * units::deg;
     s.accel_std = 0.5;
     s.field_std = 2e-6;
-    s.horizontal_field = horizontal;
-    s.vertical_field = vertical;
+    s.horizontal_field = paper_horizontal;
+    s.vertical_field = paper_vertical;
     s.separation = separation;
     return s;
 }
@@ -125,8 +126,10 @@ PaperResult separation(const PaperWork& w) {
         both("mekf of `schuler ahrs`", ahrs::Mekf(ahrs::MekfSettings{}), report::Ink::Orange)};
     PaperResult out;
     const auto worst = [](const Case& c) { return std::max({c.still.roll, c.still.pitch, c.moving.roll, c.moving.pitch}); };
-    out.numbers = {
-        {"dcm", worst(cases[0])}, {"projected", worst(cases[1])}, {"printed", worst(cases[2])}, {"field", horizontal * 1e9}};
+    out.numbers = {{"dcm", worst(cases[0])},
+                   {"projected", worst(cases[1])},
+                   {"printed", worst(cases[2])},
+                   {"field", paper_horizontal * 1e9}};
     // clang-format off
     report::ResultTable table{"change by the disturbance, deg", {{"still_roll", "still: roll"}, {"still_pitch", "pitch"}, {"still_heading", "heading"},
                                                                  {"moving_roll", "moving: roll"}, {"moving_pitch", "pitch"}, {"moving_heading", "heading"}}, {}};

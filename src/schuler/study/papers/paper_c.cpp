@@ -16,7 +16,7 @@ namespace {
 
 using namespace theory;
 constexpr std::array<const char*, 4> sets{"", "I", "II", "III"};
-constexpr std::array<const char*, 6> names{"dv N, m/s", "dv H, m/s", "dv E, m/s", "dH, m", "dphi, rad", "dlambda, rad"};
+constexpr std::array<const char*, 6> error_names{"dv N, m/s", "dv H, m/s", "dv E, m/s", "dH, m", "dphi, rad", "dlambda, rad"};
 
 /// In the paper's convention: amplitudes with the sign that is printed, phases with it, metres of longitude without sign.
 double as_printed(const PaperEntry& e, const std::string& printed_amplitude) {
@@ -54,8 +54,8 @@ PaperResult table_of(const char* vehicle) {
                 x.push_back((flight.transition(s) * paper_initial_errors(set))(i));
             }
             report::Panel panel{fmt::format("set {}", sets[static_cast<std::size_t>(set)]), "time, s",
-                                names[static_cast<std::size_t>(i)]};
-            panel.series.push_back(paper_curve(names[static_cast<std::size_t>(i)], t, x));
+                                error_names[static_cast<std::size_t>(i)]};
+            panel.series.push_back(paper_curve(error_names[static_cast<std::size_t>(i)], t, x));
             out.panels.push_back(std::move(panel));
         }
     }

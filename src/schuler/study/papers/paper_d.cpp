@@ -10,14 +10,14 @@
 namespace schuler::study {
 namespace {
 
-struct Case {
+struct PaperCase {
     TriadCase which;
     TriadStatistics statistics;
     std::vector<double> observed, predicted;  ///< horizontal, root mean square over the runs, m
 };
 
-std::vector<Case> run_cases(const PaperWork& w, const std::vector<std::string_view>& wanted) {
-    std::vector<Case> out;
+std::vector<PaperCase> run_cases(const PaperWork& w, const std::vector<std::string_view>& wanted) {
+    std::vector<PaperCase> out;
     for (const TriadCase& c : triad_cases())
         if (std::ranges::find(wanted, std::string_view(c.name)) != wanted.end()) out.push_back({c, {}, {}, {}});
     for (std::size_t k = 0; k < out.size(); ++k) {
@@ -42,7 +42,7 @@ std::vector<Case> run_cases(const PaperWork& w, const std::vector<std::string_vi
     return out;
 }
 
-PaperResult result_of(const std::vector<Case>& cases) {
+PaperResult result_of(const std::vector<PaperCase>& cases) {
     PaperResult out;
     // clang-format off
     report::ResultTable table{"case", {{"pooled_m", "horizontal, m"}, {"predicted_m", "predicted, m"}, {"two_sigma_3d_m", "2 sigma 3-d, m"},
@@ -51,7 +51,7 @@ PaperResult result_of(const std::vector<Case>& cases) {
     // clang-format on
     std::vector<double> t(triad_epochs);
     for (std::size_t i = 0; i < triad_epochs; ++i) t[i] = static_cast<double>(i);
-    for (const Case& c : cases) {
+    for (const PaperCase& c : cases) {
         const TriadStatistics& s = c.statistics;
         table.rows.push_back({c.which.name,
                               {},
@@ -68,14 +68,14 @@ PaperResult result_of(const std::vector<Case>& cases) {
 }
 
 PaperResult figure_2(const PaperWork& w) {
-    const std::vector<Case> c = run_cases(w, {"a 4 SV nav", "a 4 SV tac"});
+    const std::vector<PaperCase> c = run_cases(w, {"a 4 SV nav", "a 4 SV tac"});
     PaperResult out = result_of(c);
     out.numbers = {{"2 sigma", c[0].statistics.two_sigma}};
     return out;
 }
 
 PaperResult figure_3(const PaperWork& w) {
-    const std::vector<Case> c = run_cases(w, {"b 3 SV nav", "b 3 SV tac", "b 3 SV nav no baro", "c 2 SV nav"});
+    const std::vector<PaperCase> c = run_cases(w, {"b 3 SV nav", "b 3 SV tac", "b 3 SV nav no baro", "c 2 SV nav"});
     PaperResult out = result_of(c);
     out.numbers = {{"3 SV", c[0].statistics.two_sigma},
                    {"3 SV no baro", c[2].statistics.two_sigma},
@@ -84,14 +84,14 @@ PaperResult figure_3(const PaperWork& w) {
 }
 
 PaperResult figure_4(const PaperWork& w) {
-    const std::vector<Case> c = run_cases(w, {"c 2 SV nav", "d 4 stations nav"});
+    const std::vector<PaperCase> c = run_cases(w, {"c 2 SV nav", "d 4 stations nav"});
     PaperResult out = result_of(c);
     out.numbers = {{"horizontal", c[1].statistics.pooled / c[0].statistics.pooled}};
     return out;
 }
 
 PaperResult figure_5(const PaperWork& w) {
-    const std::vector<Case> c = run_cases(w, {"c 2 SV nav", "e 2 SV+2 st. nav", "e stations on at 300 s nav"});
+    const std::vector<PaperCase> c = run_cases(w, {"c 2 SV nav", "e 2 SV+2 st. nav", "e stations on at 300 s nav"});
     PaperResult out = result_of(c);
     const TriadStatistics& on = c[2].statistics;
     out.numbers = {{"before", 2.0 * on.at_300},

@@ -18,7 +18,7 @@ using gravimetry::SurveyEpoch;
 using settings::SettingList;
 using settings::ValueList;
 
-GravityBundle surveyed(std::uint64_t seed, const SettingList& over) {
+GravityBundle laboratory_survey(std::uint64_t seed, const SettingList& over) {
     WarningLog unheard;
     return gravity_of_scenario(paper_scenario("gravity-step.toml", seed, over), {}, unheard);
 }
@@ -68,7 +68,9 @@ PaperResult figure_6(const PaperWork& w) {
     std::vector<Levels> all(2 * w.runs);
     for_each_run(
         all.size(), w.jobs,
-        [&](std::size_t job) { all[job] = levels_of(surveyed(w.seed + job / 2, job % 2 == 0 ? SettingList{} : differential())); },
+        [&](std::size_t job) {
+            all[job] = levels_of(laboratory_survey(w.seed + job / 2, job % 2 == 0 ? SettingList{} : differential()));
+        },
         w.progress);
     const auto median = [&](std::size_t mode, double Levels::*field) {
         std::vector<double> x;
@@ -116,7 +118,7 @@ PaperResult figure_7(const PaperWork& w) {
                                {"imu.gyro_turn_on_bias_deg_h", {0.1}, {}},
                                {"gravity.prior_mgal", three(50.0), {}},
                                {"gravity.steps_s", {ValueList{}}, {}}};
-        return surveyed(seed, over);
+        return laboratory_survey(seed, over);
     };
     std::vector<One> all(w.runs);
     PaperResult out;

@@ -19,10 +19,10 @@ using namespace theory;
 constexpr std::array names{"vn", "vh", "ve", "h", "phi", "lambda"};
 constexpr std::array labels{"north velocity, m/s", "up velocity, m/s", "east velocity, m/s",
                             "height, m",           "latitude, rad",    "longitude, rad"};
-constexpr int samples = 720;  // of a comparison
-constexpr int shown = 6;      // of them in tables
+constexpr int compared_samples = 720;  // of a comparison
+constexpr int shown_samples = 6;       // of them in tables
 
-report::Json object(const Vector6& x) {
+report::Json error_object(const Vector6& x) {
     report::Json out;
     for (std::size_t i = 0; i < 6; ++i) out[names[i]] = report::json_number(x(static_cast<Eigen::Index>(i)));
     return out;
@@ -167,7 +167,7 @@ void add_comparison(const EquatorRequest& r, report::Outcome& out, report::Json&
     if (!r.ellipsoid) earth.e2 = 0.0;
     Vector6 start;
     start << r.north_speed, r.up_speed, r.speed, r.height, r.latitude_deg * units::deg, 0.0;
-    const std::vector<Comparison> rows = compare_integrations(earth, start, r.errors, r.time, samples);
+    const std::vector<Comparison> rows = compare_integrations(earth, start, r.errors, r.time, compared_samples);
     std::vector<Vector6> analytic;
     const bool on_equator = r.latitude_deg == 0.0 && r.north_speed == 0.0 && r.up_speed == 0.0;
     if (on_equator) {
@@ -186,16 +186,16 @@ void add_comparison(const EquatorRequest& r, report::Outcome& out, report::Json&
     report::Section section{"Error growth",
                             "The complete equations of ideal operation are integrated from a true and a perturbed start; "
                             "their difference beside the linear equations and, on the equator, their closed solution."};
-    for (std::size_t k = 0; k < rows.size(); k += samples / shown) {
+    for (std::size_t k = 0; k < rows.size(); k += compared_samples / shown_samples) {
         report::Json row{{"t_s", rows[k].t},
-                         {"nonlinear", object(rows[k].nonlinear)},
-                         {"linear", object(rows[k].linear)},
+                         {"nonlinear", error_object(rows[k].nonlinear)},
+                         {"linear", error_object(rows[k].linear)},
                          {"analytic", nullptr}};
         text += table_line(fmt::format("  {:g} s", rows[k].t), 18, {names.begin(), names.end()}, 14);
         text += table_line("    complete", 18, cells(rows[k].nonlinear), 14) +
                 table_line("    linear", 18, cells(rows[k].linear), 14);
         if (on_equator) {
-            row["analytic"] = object(analytic[k]);
+            row["analytic"] = error_object(analytic[k]);
             text += table_line("    closed form", 18, cells(analytic[k]), 14);
         }
         list.push_back(row);
@@ -254,10 +254,10 @@ report::Outcome equator(const EquatorRequest& r) {
         {"periods_s", {{"omega", period(c.omega)}, {"mu", report::json_number(period(c.mu))}}},
         {"speed_limit_m_s", {{"east", limits.east}, {"west", limits.west}}},
         {"transition", transition},
-        {"error", object(at)},
-        {"forced", object(forced)},
-        {"amplitude", object(o.amplitude)},
-        {"phase", object(o.phase)},
+        {"error", error_object(at)},
+        {"forced", error_object(forced)},
+        {"amplitude", error_object(o.amplitude)},
+        {"phase", error_object(o.phase)},
         {"constants", C},
         {"stable", std::ranges::none_of(flight.roots(), [](const std::complex<double>& root) { return root.real() > 0.0; })},
         {"verdict", judged}};

@@ -33,7 +33,7 @@ constexpr std::array<Shown, 9> shown{{{"east_m", "east, m", d_lon, 1.0},
                                       {"about_up_arcsec", "about U, \"", a_u, units::arcsec}}};
 constexpr int samples = 2000;
 
-std::string cell(double x) { return short_number(x, 5); }
+std::string short_cell(double x) { return short_number(x, 5); }
 
 report::Json object(const Vector9& x) {
     report::Json out;
@@ -42,7 +42,7 @@ report::Json object(const Vector9& x) {
 }
 std::vector<std::string> cells(const Vector9& x) {
     std::vector<std::string> out;
-    for (const Shown& s : shown) out.push_back(cell(x(s.index) / s.unit));
+    for (const Shown& s : shown) out.push_back(short_cell(x(s.index) / s.unit));
     return out;
 }
 std::vector<std::string> titles() {
@@ -229,7 +229,7 @@ std::string modes_text(const ModalAnalysis& m) {
         out += table_line("", 0, cells(mode.amplitude), 13);
     }
     out += fmt::format("  {:<51}", "constant part") + table_line("", 0, cells(m.offset), 13);
-    out += fmt::format("  {:<51}{:>13}\n", "growing evenly, m/h", cell(m.drift(d_lon) * units::hour));
+    out += fmt::format("  {:<51}{:>13}\n", "growing evenly, m/h", short_cell(m.drift(d_lon) * units::hour));
     return out;
 }
 
@@ -278,7 +278,7 @@ report::Outcome analysis(const SchulerRequest& r) {
             fmt::format("  {:<51}", fmt::format("at {:g} s", r.time)) + table_line("", 0, cells(history.back().errors), 13);
         out.tables +=
             fmt::format("  {:<51}", fmt::format("largest up to {:g} s", r.time)) + table_line("", 0, cells(largest), 13);
-        out.tables += fmt::format("  largest horizontal distance {} m\n", cell(farthest));
+        out.tables += fmt::format("  largest horizontal distance {} m\n", short_cell(farthest));
     }
     report::Json modes = report::Json::array();
     for (const Mode& mode : m.modes)

@@ -17,7 +17,7 @@ namespace schuler::study {
 namespace {
 
 /// Horizontal errors of a case second by second, root mean square over the runs, m.
-struct Course {
+struct CovarianceCourse {
     std::vector<double> observed = std::vector<double>(triad_epochs), predicted = std::vector<double>(triad_epochs);
 };
 
@@ -26,7 +26,7 @@ struct Done {
     TriadStatistics statistics;
     double one_set = 0.0;         ///< m, standard error of 48 runs
     double standard_error = 0.0;  ///< m, of all runs here
-    Course course;
+    CovarianceCourse course;
 };
 
 std::vector<TriadCase> wanted_cases(const TriadRequest& r) {

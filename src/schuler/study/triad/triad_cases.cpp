@@ -22,7 +22,7 @@ constexpr std::array<Arrangement, 8> arrangements{{{'a', "a 4 SV", 4, 0, 0.0},
                                                    {'f', "f all in view", 99, 0, 0.0},
                                                    {'g', "f all + 4 stations", 99, 4, 0.0}}};
 
-struct Row {
+struct CaseRow {
     char key;
     const char* suffix;
     bool tactical, tcxo;
@@ -31,7 +31,7 @@ struct Row {
     TriadReference reference;
 };
 /// Figures in the order of TriadReference.
-constexpr auto rows = std::to_array<Row>({
+constexpr auto rows = std::to_array<CaseRow>({
     {'a', " nav", false, false, 30, 10, 5, 10, {2.393, 2.614, 3.372, 3.493, 2.322, 0.984, 1.010}},
     {'a', " tac", true, false, 30, 10, 5, 10, {2.399, 2.626, 3.375, 3.5, 2.332, 0.979, 1.046}},
     {'b', " nav", false, false, 30, 10, 5, 10, {14.19, 14, 10.45, 12.26, 18.06, 0.865, 1.011}},
@@ -70,7 +70,7 @@ TriadCase arranged(const Arrangement& a) {
 
 std::vector<TriadCase> triad_cases() {
     std::vector<TriadCase> out;
-    for (const Row& r : rows) {
+    for (const CaseRow& r : rows) {
         TriadCase c = arranged(*std::ranges::find(arrangements, r.key, &Arrangement::key));
         c.name += r.suffix;
         c.tactical = r.tactical;
