@@ -2,6 +2,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/raw_input.h"
+#include "schuler/io/text/csv_recording.h"
 
 #include "io/io_fixture.h"
 #include "io/log_bytes.h"
@@ -159,6 +160,28 @@ TEST_F(Novatel, FixesWithoutTheReceiversOwnIntegrationComeFirst) {
     EXPECT_EQ(log.streams[0].find("lat_deg")->values, std::vector<double>{52.0});
     EXPECT_EQ(log.streams[1].rows(), 1U) << "that of the second antenna is left out";
     EXPECT_EQ(log.streams[1].fix.at(0), FixType::Differential);
+}
+
+TEST_F(Novatel, VelocitiesAreOlderThanTheirLogsByTheirLatency) {
+    std::string body;
+    for (const std::uint32_t v : {0U, 8U}) put(body, v);
+    put(body, 0.15F), put(body, 0.0F);
+    for (const double v : {5.0, 90.0, 0.25}) put(body, v);
+    put(body, 0.0F);
+    for (const bool text : {true, false}) {
+        const std::string velocity = text
+                                         ? ascii("BESTVELA", 100.0, "SOL_COMPUTED,DOPPLER_VELOCITY,0.150,0.000,5.0,90.0,0.25,0.0")
+                                         : binary(99, 100.0, body);
+        WarningLog warnings;
+        const StreamLog log =
+            format_named("novatel")->read(TextInput(write("oem.gps", best("BESTPOSA", "SINGLE", 51.0) + velocity)), warnings);
+        const std::string table = table_text(*log.find("gnss"), log.clock);
+        const std::vector<GnssFix> fixes = read_gnss_csv(TextInput::memory(table, "fixes"), {}, warnings).fixes;
+        ASSERT_EQ(fixes.size(), 1U);
+        EXPECT_NEAR(fixes[0].velocity_n.y(), 5.0, 1e-9);
+        EXPECT_NEAR(fixes[0].velocity_age, 0.15, 1e-6);
+        EXPECT_EQ(fixes[0].position_age, 0.0);
+    }
 }
 
 TEST_F(Novatel, ImuLogsThatCannotBeUsedAreNotTakenForOnes) {

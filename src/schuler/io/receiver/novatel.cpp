@@ -139,12 +139,14 @@ public:
         static constexpr std::array<const char*, 3> sources = {"BESTGNSSPOS, BESTGNSSVEL", "BESTPOS, BESTVEL", "PSRPOS, PSRVEL"};
         for (std::size_t k = 0; k < sources.size(); ++k) {
             Stream fixes("gnss", TableKind::Gnss, sources[k],
-                         {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m",
-                          "std_e_m", "std_d_m", "satellites"});
+                         {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "vel_time_valid_s",
+                          "std_n_m", "std_e_m", "std_d_m", "satellites"});
             for (const auto& [ns, f] : fixes_[k]) {
                 if (!std::isfinite(f.position.lat)) continue;
-                fixes.add(ns, {f.position.lat, f.position.lon, f.position.h, f.velocity_n.x(), f.velocity_n.y(), f.velocity_n.z(),
-                               f.std_position.x(), f.std_position.y(), f.std_position.z(), static_cast<double>(f.satellites)});
+                fixes.add(ns,
+                          {f.position.lat, f.position.lon, f.position.h, f.velocity_n.x(), f.velocity_n.y(), f.velocity_n.z(),
+                           f.velocity_age > 0.0 ? (Duration{ns} - Duration::from_seconds(f.velocity_age)).seconds() : not_given,
+                           f.std_position.x(), f.std_position.y(), f.std_position.z(), static_cast<double>(f.satellites)});
                 fixes.fix.push_back(f.fix);
             }
             log.add(std::move(fixes));
@@ -173,7 +175,7 @@ private:
             case 100:
             case 1430:  // BESTVEL, PSRVEL, BESTGNSSVEL
                 if (p.size() >= 44)
-                    velocity(id == 1430 ? 0 : id == 99 ? 1 : 2, ns, load<std::uint32_t>(p, 0) == 0, d(16), d(24), d(32));
+                    velocity(id == 1430 ? 0 : id == 99 ? 1 : 2, ns, load<std::uint32_t>(p, 0) == 0, f(8), d(16), d(24), d(32));
                 break;
             case 507:
             case 508:  // INSPVA, INSPVAS
@@ -231,7 +233,7 @@ private:
                                            : 2,
                      ns, c[0] == "SOL_COMPUTED", fix_of_word(c[1]), {n(2), n(3), n(4) + n(5)}, {n(7), n(8), n(9)}, n(14));
         } else if ((name == "BESTVEL" || name == "BESTGNSSVEL" || name == "PSRVEL") && c.size() >= 7) {
-            velocity(name == "BESTGNSSVEL" ? 0 : name == "BESTVEL" ? 1 : 2, ns, c[0] == "SOL_COMPUTED", n(4), n(5), n(6));
+            velocity(name == "BESTGNSSVEL" ? 0 : name == "BESTVEL" ? 1 : 2, ns, c[0] == "SOL_COMPUTED", n(2), n(4), n(5), n(6));
         } else if ((name == "INSPVA" || name == "INSPVAS") && c.size() >= 12) {
             solution(time(), {n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10)}, status_of(c[11]));
         } else if (name == "INSPVAX" && c.size() >= 12) {
@@ -269,11 +271,15 @@ private:
         f.satellites = satellites >= 0.0 && satellites < 1000.0 ? static_cast<int>(satellites) : -1;
         f.fix = fix;
     }
-    void velocity(std::size_t source, std::int64_t ns, bool computed, double speed, double course_deg, double up) {
+    /// `latency`: s, by which the velocity is older than its log.
+    void velocity(std::size_t source, std::int64_t ns, bool computed, double latency, double speed, double course_deg,
+                  double up) {
+        constexpr double longest = 10.0;  // s
         if (!computed || ns == 0) return;
         auto [it, is_new] = fixes_[source].try_emplace(ns);
         if (is_new) it->second.position = {not_given, not_given, not_given};
         it->second.velocity_n = {speed * std::cos(course_deg * units::deg), speed * std::sin(course_deg * units::deg), -up};
+        it->second.velocity_age = latency > 0.0 && latency < longest ? latency : 0.0;
     }
     /// lat, lon, height, north, east, up, roll, pitch, azimuth
     void solution(std::int64_t ns, const std::array<double, 9>& s, std::uint32_t status) {
