@@ -207,6 +207,21 @@ TEST_F(Novatel, ImuLogsThatCannotBeUsedAreNotTakenForOnes) {
     EXPECT_EQ(aligning.find("reference"), nullptr) << "an attitude that is only being found";
 }
 
+TEST_F(Novatel, ALogThatHoldsAnotherIsNotDamaged) {
+    const std::string held = "#COMA,COM1,71,47.5,APPROXIMATE,2244,1.0,02020000,0,16809;COM1,115200,N,8,1,N,OFF,ON";
+    const std::string config =
+        ascii("RXCONFIGA", 99.0, fmt::format("{}*{:08x}", held, ~test::novatel_crc(std::string_view(held).substr(1))));
+    std::string damaged = config;
+    damaged[damaged.find("115200")] = '9';
+    WarningLog warnings;
+    (void)format_named("novatel")->read(TextInput(write("a.gps", config + best("BESTPOSA", "SINGLE", 51.0))), warnings);
+    EXPECT_TRUE(warnings.empty()) << fmt::format("{}", fmt::join(warnings.summary(), " "));
+    const StreamLog log =
+        format_named("novatel")->read(TextInput(write("b.gps", damaged + best("BESTPOSA", "SINGLE", 51.0))), warnings);
+    EXPECT_EQ(log.find("gnss")->rows(), 1U);
+    expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"b.gps", "damaged logs"});
+}
+
 std::string imr(bool big, std::int32_t increments, double time, std::int32_t utc = 2) {
     std::string out("$IMURAW\0", 8);
     const auto number = [&](auto value) {

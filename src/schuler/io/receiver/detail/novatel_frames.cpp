@@ -34,6 +34,29 @@ int id_of(std::string_view name) {
     return it == ids.end() ? 0 : it->second;
 }
 
+/// The star before the check sum that is that of all between the first character and it; npos: none. A log may hold another with its own star
+/// (RXCONFIG).
+std::size_t checked_star(std::string_view line) {
+    constexpr std::size_t digits = 8;
+    std::uint32_t crc = 0;
+    std::size_t summed = 1;  // up to here
+    for (std::size_t star = line.find('*'); star != std::string_view::npos; star = line.find('*', star + 1)) {
+        if (line.size() < star + 1 + digits) break;
+        std::uint32_t stated = 0;
+        bool is_number = true;
+        for (const char c : line.substr(star + 1, digits)) {
+            const int digit = digit_of(c);
+            is_number = is_number && digit >= 0;
+            stated = stated << 4 | static_cast<unsigned>(digit);
+        }
+        if (!is_number) continue;
+        crc = novatel_crc(line.substr(summed, star - summed), crc);
+        summed = star;
+        if (crc == stated) return star;
+    }
+    return std::string_view::npos;
+}
+
 class Scanner {
 public:
     explicit Scanner(const std::function<bool(const NovatelMessage&)>& take) : take_(take) {}
@@ -67,16 +90,9 @@ public:
     std::size_t ascii(std::string_view text) {
         constexpr std::size_t longest = 65'536;
         text = text.substr(0, longest);
-        const std::size_t star = text.find('*'), end = text.find('\n');
-        if (star == std::string_view::npos || (end != std::string_view::npos && end < star) || text.size() < star + 9) return 0;
+        const std::size_t star = checked_star(text.substr(0, text.find('\n')));
+        if (star == std::string_view::npos) return 0;
         const std::string_view content = text.substr(1, star - 1);
-        std::uint32_t crc = 0;
-        for (const char c : text.substr(star + 1, 8)) {
-            const int digit = digit_of(c);
-            if (digit < 0) return 0;
-            crc = crc << 4 | static_cast<unsigned>(digit);
-        }
-        if (novatel_crc(content) != crc) return 0;
         const std::size_t semicolon = content.find(';'), used = star + 9;
         if (semicolon == std::string_view::npos) return used;
         split(content.substr(0, semicolon), header_);
@@ -109,7 +125,7 @@ private:
 
 }  // namespace
 
-std::uint32_t novatel_crc(std::string_view bytes) {
+std::uint32_t novatel_crc(std::string_view bytes, std::uint32_t crc) {
     static const std::array<std::uint32_t, 256> table = [] {
         std::array<std::uint32_t, 256> t{};
         for (std::uint32_t i = 0; i < 256; ++i) {
@@ -119,7 +135,6 @@ std::uint32_t novatel_crc(std::string_view bytes) {
         }
         return t;
     }();
-    std::uint32_t crc = 0;
     for (const char b : bytes) crc = table[(crc ^ static_cast<unsigned char>(b)) & 0xFFU] ^ crc >> 8;
     return crc;
 }

@@ -15,8 +15,8 @@
 
 namespace schuler::io::detail {
 
-/// CRC-32 of NovAtel: reversed polynomial 0xEDB88320, from zero, without the final inversion.
-[[nodiscard]] std::uint32_t novatel_crc(std::string_view bytes);
+/// CRC-32 of NovAtel: reversed polynomial 0xEDB88320, from zero (or the sum of what stands before), without the final inversion.
+[[nodiscard]] std::uint32_t novatel_crc(std::string_view bytes, std::uint32_t crc = 0);
 
 /// One log whose check sum is right.
 struct NovatelMessage {
