@@ -72,7 +72,7 @@ TEST(AhrsSamples, BadOnesAreBridgedAndCounted) {
     for (std::size_t i = 6000; i < 6300; ++i) l.mag[i].field_b = l.mag[5999].field_b;
     for (std::size_t i = 7000; i < 7100; ++i) l.mag[i].field_b.x() = nan;
     RunSettings s;
-    s.mekf.guard.accel_range = 156.0;
+    s.mekf.guard.accel_range.setConstant(156.0);
     const RunResult r = run(l.imu, l.mag, {}, s);
     EXPECT_EQ(r.counters.gyro.not_finite, 20u);
     EXPECT_EQ(r.counters.accel.saturated, 50u);
