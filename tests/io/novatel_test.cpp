@@ -104,6 +104,35 @@ TEST_F(Novatel, RangesAreAlikeInAsciiAndBinary) {
     }
 }
 
+std::string one_range(double tow, double locked) {
+    return ascii("RANGEA", tow,
+                 fmt::format("1,7,0,21485793.442,0.050,-112908605.801,0.010,651.783,44.0,{:.3f},{:08x}", locked, locked_all));
+}
+
+TEST_F(Novatel, OneEpochStampedTooLateIsLeftOutAndNotAllBehindIt) {
+    WarningLog warnings;
+    const RawInput raw =
+        read_raw_input(write("late.gps", one_range(100.0, 50.0) + one_range(101.0, 51.0) + one_range(9000.0, 1.0) +
+                                             one_range(102.0, 2.0) + one_range(103.0, 3.0)),
+                       {}, warnings);
+    ASSERT_EQ(raw.observations.epochs.size(), 4U);
+    EXPECT_EQ(raw.observations.observations.size(), 4U);
+    EXPECT_EQ(raw.observations.epochs[2].time, Time::from_gps(week, 102.0));
+    std::vector<int> lost;
+    for (const gnss::ObservationEpoch& e : raw.observations.epochs) lost.push_back(raw.observations.of(e)[0].loss_of_lock);
+    EXPECT_EQ(lost, (std::vector{1, 0, 1, 0})) << "the loss of lock in the epoch that is left out is told by the next";
+    expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"stamped later"});
+}
+
+TEST_F(Novatel, TheTimeOfLockHasSinglePrecision) {
+    WarningLog warnings;  // steps of a sixteenth of a second beyond six days
+    const RawInput raw = read_raw_input(
+        write("lock.gps", one_range(100.0, 600'000.094) + one_range(100.06, 600'000.154) + one_range(101.0, 0.5)), {}, warnings);
+    std::vector<int> lost;
+    for (const gnss::ObservationEpoch& e : raw.observations.epochs) lost.push_back(raw.observations.of(e)[0].loss_of_lock);
+    EXPECT_EQ(lost, (std::vector{1, 0, 1}));
+}
+
 TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
     const std::vector<double> orbit = {36'000.0, 26'560'211.4, 4.83e-9, -2.3,    2.5e-3, 2.7,      -3.7e-7, 8.6e-6,
                                        209.4,    -7.3,         -4.5e-8, -5.4e-8, 0.95,   -5.0e-10, 1.1,     -8.0e-9};
@@ -220,6 +249,35 @@ TEST_F(Novatel, ALogThatHoldsAnotherIsNotDamaged) {
         format_named("novatel")->read(TextInput(write("b.gps", damaged + best("BESTPOSA", "SINGLE", 51.0))), warnings);
     EXPECT_EQ(log.find("gnss")->rows(), 1U);
     expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"b.gps", "damaged logs"});
+}
+
+TEST_F(Novatel, RawImuBeforeTheLogNamesTheImuIsKept) {
+    const auto raw = [](double t) { return ascii("RAWIMUA", t, fmt::format("2244,{},00000077,98067,0,0,0,0,0", t)); };
+    WarningLog warnings;
+    const StreamLog log = format_named("novatel")->read(
+        TextInput(
+            write("x.gps", raw(100.0) + raw(101.0) + ascii("INSCONFIGA", 101.5, "HG4930_AN01,0,20,20,AUTOMOTIVE") + raw(102.0))),
+        warnings);
+    ASSERT_NE(log.find("imu"), nullptr);
+    EXPECT_EQ(log.find("imu")->rows(), 3U);
+    EXPECT_TRUE(warnings.empty()) << fmt::format("{}", fmt::join(warnings.summary(), " "));
+}
+
+TEST_F(Novatel, WhatIsNoFixOfItsOwnIsSaid) {
+    const auto read = [&](const std::string& text) {
+        WarningLog warnings;
+        const StreamLog log = format_named("novatel")->read(TextInput(write("x.gps", text)), warnings);
+        return std::pair(log.find("gnss")->fix.at(0), fmt::format("{}", fmt::join(warnings.summary(), " ")));
+    };
+    EXPECT_EQ(read(best("BESTPOSA", "PROPAGATED", 51.0)).first, FixType::None) << "without measurements";
+    const auto [fix, blended] = read(best("BESTPOSA", "INS_RTKFIXED", 51.0));
+    EXPECT_EQ(fix, FixType::RtkFixed);
+    expect_parts(blended, {"own integration", "BESTGNSSPOS"});
+    EXPECT_EQ(read(best("BESTPOSA", "INS_RTKFIXED", 51.0) + best("BESTGNSSPOSA", "NARROW_INT", 51.0)).second, "");
+    const std::string compressed = binary(140, 100.0, std::string(28, '\0'));
+    expect_parts(read(best("BESTPOSA", "SINGLE", 51.0) + compressed).second, {"RANGECMP", "not read"});
+    EXPECT_EQ(read(best("BESTPOSA", "SINGLE", 51.0) + compressed + one_range(100.0, 1.0)).second, "")
+        << "the same is there in full";
 }
 
 std::string imr(bool big, std::int32_t increments, double time, std::int32_t utc = 2) {

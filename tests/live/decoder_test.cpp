@@ -136,8 +136,8 @@ TEST(LiveDecoder, TheImuOfANovatelIsNamedOnce) {
     const auto raw = [](double t) { return novatel("RAWIMUA", t, fmt::format("2244,{},00000077,98067,0,0,0,0,0", t)); };
     const auto decoder = make_decoder(StreamFormat::Novatel, Instrument::Imu, {});
     EXPECT_TRUE(decoded(*decoder, raw(100.0), 100).empty());
-    ASSERT_EQ(decoder->counters().unusable.size(), 1U) << "and it is told";
-    EXPECT_NE(decoder->counters().unusable[0].find("does not say of which IMU"), std::string::npos);
+    ASSERT_EQ(decoder->counters().warnings.size(), 1U) << "and it is told";
+    EXPECT_NE(decoder->counters().warnings[0].find("does not say of which IMU"), std::string::npos);
     const std::string config = novatel("INSCONFIGA", 100.0, "HG4930_AN01,0,20,20,AUTOMOTIVE");
     std::string damaged = config;
     damaged[damaged.find("HG4930")] = 'X';
@@ -149,7 +149,7 @@ TEST(LiveDecoder, TheImuOfANovatelIsNamedOnce) {
         EXPECT_NEAR(std::get<ImuSample>(samples[0]).accel.z(), -98'067.0 * 0x1p-29, 1e-15);
     }
     EXPECT_EQ(decoder->counters().garbage, 1U);
-    EXPECT_EQ(decoder->counters().unusable.size(), 1U);
+    EXPECT_EQ(decoder->counters().warnings.size(), 1U);
 }
 
 TEST(LiveDecoder, RowsOfTablesAndLinesOfJson) {

@@ -286,7 +286,7 @@ private:
                 counters_.garbage += heard.count(topic);
                 counters_.example = lines[i];
             } else if (told_.insert(topic).second) {
-                counters_.unusable.push_back(lines[i]);
+                counters_.warnings.push_back(lines[i]);
             }
         }
     }

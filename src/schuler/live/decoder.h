@@ -29,7 +29,7 @@ struct DecoderCounters {
     std::size_t foreign = 0;              ///< well-formed, of no use here
     std::size_t garbage = 0;              ///< runs of bytes, lines or frames that are none, or damaged
     std::string example{};                ///< why the last of them is none
-    std::vector<std::string> unusable{};  ///< what well-formed messages cannot be used for, and why: once each
+    std::vector<std::string> warnings{};  ///< what the reader of such files warns of: once each
 };
 
 class Decoder {

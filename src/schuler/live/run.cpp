@@ -210,8 +210,8 @@ private:
             tell(fmt::format("{}: garbage: {}", s.input.endpoint().text, c.example));
             s.garbage_told = c.garbage;
         }
-        for (; s.unusable_told < c.unusable.size(); ++s.unusable_told)
-            tell(fmt::format("{}: {}", s.input.endpoint().text, c.unusable[s.unusable_told]));
+        for (; s.warnings_told < c.warnings.size(); ++s.warnings_told)
+            tell(fmt::format("{}: {}", s.input.endpoint().text, c.warnings[s.warnings_told]));
     }
 
     void settle(Station& s) {

@@ -1,5 +1,7 @@
 #include "schuler/io/receiver/detail/novatel_frames.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -142,6 +144,17 @@ std::uint32_t novatel_crc(std::string_view bytes, std::uint32_t crc) {
 std::int64_t novatel_time(double week, double seconds) {
     const bool known = week >= 1.0 && week < 10'000.0 && seconds >= 0.0 && seconds < 604'801.0;
     return known ? Time::from_gps(static_cast<int>(week), seconds).ns : 0;
+}
+
+void tell_compressed(const std::string& file, std::size_t count, WarningLog& warnings) {
+    warnings.add(
+        file + " novatel.compressed",
+        fmt::format("{}: compressed raw measurements (RANGECMP) are not read: log RANGE, or convert them to RANGE", file), count);
+}
+
+bool is_compressed(const NovatelMessage& m) {
+    static constexpr std::array ids{140, 1273, 2050, 2537};  // RANGECMP, RANGECMP2, RANGECMP4, RANGECMP5
+    return m.name.empty() ? std::ranges::find(ids, m.id) != ids.end() : m.name.starts_with("RANGECMP");
 }
 
 NovatelScan scan_novatel(std::string_view bytes, const std::function<bool(const NovatelMessage&)>& take) {

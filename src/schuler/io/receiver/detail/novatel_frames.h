@@ -1,6 +1,7 @@
 // Framing of NovAtel logs, ASCII and binary [NovAtelOEM7]. Private to the readers.
 #pragma once
 
+#include "schuler/core/log.h"
 #include "schuler/core/time.h"
 #include "schuler/io/detail/little_endian.h"
 #include "schuler/io/text/number.h"
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -34,6 +36,10 @@ struct NovatelScan {
 
 /// Gives every log in turn to `take`, until it says false.
 NovatelScan scan_novatel(std::string_view bytes, const std::function<bool(const NovatelMessage&)>& take);
+
+/// Compressed raw measurements (RANGECMP and its kin) are not read.
+void tell_compressed(const std::string& file, std::size_t count, WarningLog& warnings);
+[[nodiscard]] bool is_compressed(const NovatelMessage& m);
 
 /// GPS time of week and seconds; 0 where they are none.
 [[nodiscard]] std::int64_t novatel_time(double week, double seconds);
