@@ -103,9 +103,9 @@ TEST_F(RawFiles, EphemeridesThatContradictEachOtherAreNamed) {
     const auto file = folder_.path() / "a.nav";
     std::ofstream(file) << io::rinex_navigation_text(navigation);
     const InspectReport r = inspect(file);
-    EXPECT_EQ(std::ranges::count(r.problems, "a.nav: ephemerides that contradict each other are not used: G07", &Problem::text),
-              1)
-        << testing::PrintToString(r.files.at(0).contents);
+    const FileReport& f = r.files.at(0);
+    EXPECT_EQ(std::ranges::count(f.problems, "ephemerides that contradict each other are not used: G07", &Problem::text), 1)
+        << testing::PrintToString(f.contents);
 }
 
 TEST_F(RawFiles, LogsOfReceivers) {
