@@ -109,9 +109,9 @@ void describe_navigation(const gnss::Navigation& n, std::vector<std::string>& ou
 
 /// As `process` does: what contradicts itself is not used there.
 void tell_contradictions(const gnss::Navigation& n, LoadedFile& file) {
+    const gnss::BroadcastSource used(n);
     std::string names;
-    for (const gnss::SatelliteId satellite : gnss::BroadcastSource(n).contradicting())
-        names += (names.empty() ? "" : " ") + gnss::name_of(satellite);
+    for (const gnss::SatelliteId satellite : used.contradicting()) names += (names.empty() ? "" : " ") + gnss::name_of(satellite);
     if (!names.empty()) file.problem(Level::Warning, "ephemerides that contradict each other are not used: " + names, "");
 }
 

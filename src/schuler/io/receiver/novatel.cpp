@@ -153,10 +153,9 @@ public:
                           "std_n_m", "std_e_m", "std_d_m", "satellites"});
             for (const auto& [ns, f] : fixes_[k]) {
                 if (!std::isfinite(f.position.lat)) continue;
-                fixes.add(ns,
-                          {f.position.lat, f.position.lon, f.position.h, f.velocity_n.x(), f.velocity_n.y(), f.velocity_n.z(),
-                           f.velocity_age > 0.0 ? (Duration{ns} - Duration::from_seconds(f.velocity_age)).seconds() : not_given,
-                           f.std_position.x(), f.std_position.y(), f.std_position.z(), static_cast<double>(f.satellites)});
+                fixes.add(ns, {f.position.lat, f.position.lon, f.position.h, f.velocity_n.x(), f.velocity_n.y(), f.velocity_n.z(),
+                               f.velocity_age > 0.0 ? (Time{ns} - Duration::from_seconds(f.velocity_age)).seconds() : not_given,
+                               f.std_position.x(), f.std_position.y(), f.std_position.z(), static_cast<double>(f.satellites)});
                 fixes.fix.push_back(f.fix);
             }
             if (log.find("gnss") == nullptr && fixes.rows() > 0) blended = blended_[k];
