@@ -23,8 +23,9 @@ public:
 private:
     HeadingSettings settings_;
     std::optional<HeadingChannel> magnet_, place_;
-    double begin_ = 0.0;  ///< evidence of the heading channel when the others began
-    double age_ = 0.0;    ///< s, of the others, or since the last
+    double begin_ = 0.0;   ///< evidence of the heading channel when the others began
+    double age_ = 0.0;     ///< s, of the others, or since the last
+    double turned_ = 0.0;  ///< rad, since the third began
 };
 
 }  // namespace schuler::ahrs
