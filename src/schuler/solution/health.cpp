@@ -119,7 +119,7 @@ std::vector<HealthInterval> intervals_of(std::string_view source, const std::vec
 }
 
 std::optional<Span> span_of(const fusion::Result& result) {
-    const std::vector<fusion::SolutionRow>& rows = result.forward.rows;
+    const std::vector<SolutionRow>& rows = result.forward.rows;
     if (rows.empty()) return std::nullopt;
     return Span{rows.front().time, rows.back().time};
 }
