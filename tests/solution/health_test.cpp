@@ -126,6 +126,19 @@ TEST(Health, FixesLeftOutAtTheEndsOfTheRunAreShown) {
     }
     using enum SourceState;
     expect_spans(health_of(data, result), "gnss_position", {{LeftOut, 0, 199}, {Used, 200, 700}, {LeftOut, 701, 1000}});
+    result.forward.rows.front().time = at(199.0);  // the fix of the start itself has no record
+    result.forward.rows.back().time = at(700.5);
+    expect_spans(health_of(data, result), "gnss_position", {{Used, 200, 700}});
+}
+
+TEST(Health, TheEndIsThatOfTheInertialLogWhereNoRowsWereKept) {
+    LoadedDataset data;
+    fusion::Result result;
+    for (int i = 0; i <= 1000; ++i) data.recording.imu.push_back(imu_at(0.1 * i, 0.01 * std::sin(1.7 * i)));
+    result.findings.started_at = at(10.0);
+    for (int t = 10; t <= 40; ++t) result.aids.push_back(record(t, AidKind::Baro, AidStatus::Accepted));
+    using enum SourceState;
+    expect_spans(health_of(data, result), "baro", {{Used, 10, 40}, {Silent, 40, 100}});
 }
 
 TEST(Health, PartsOfAFixOfDifferentAgesAreOneSample) {

@@ -118,10 +118,26 @@ std::vector<HealthInterval> intervals_of(std::string_view source, const std::vec
     return out;
 }
 
-std::optional<Span> span_of(const fusion::Result& result) {
+/// Of the solution; where its rows were written and not kept, of the inertial samples from the start on.
+std::optional<Span> span_of(const LoadedDataset& data, const fusion::Result& result) {
     const std::vector<SolutionRow>& rows = result.forward.rows;
-    if (rows.empty()) return std::nullopt;
-    return Span{rows.front().time, rows.back().time};
+    if (!rows.empty()) return Span{rows.front().time, rows.back().time};
+    const std::vector<ImuSample>& imu = data.recording.imu;
+    if (imu.empty()) return std::nullopt;
+    const std::optional<Time>& stop = data.config.filter.stop;
+    return Span{std::max(imu.front().time, result.findings.started_at),
+                stop ? std::min(*stop, imu.back().time) : imu.back().time};
+}
+
+/// One or two fixes without a record before the first that has one, or behind the last, are those that the start or the end of the run took part
+/// in. `records`: how many of the instants are records, which come first and in order.
+void drop_few_at_the_ends(std::vector<Instant>& instants, std::size_t records) {
+    constexpr std::ptrdiff_t few = 2;
+    const Time first = instants.front().time, last = instants[records - 1].time;
+    const auto before = [&](const Instant& x) { return x.time < first; };
+    const auto behind = [&](const Instant& x) { return x.time > last; };
+    if (std::ranges::count_if(instants, before) <= few) std::erase_if(instants, before);
+    if (std::ranges::count_if(instants, behind) <= few) std::erase_if(instants, behind);
 }
 
 /// The inertial unit, sample by sample without a list of them: a long log has many.
@@ -164,7 +180,7 @@ std::string_view name_of(SourceState state) {
 
 std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::Result& result) {
     std::vector<HealthInterval> out = imu_intervals(data.recording.imu, data.config.filter.imu);
-    const std::optional<Span> run = span_of(result);
+    const std::optional<Span> run = span_of(data, result);
     constexpr std::array sources{AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro,   AidKind::Mag,
                                  AidKind::Odometer,     AidKind::Heading,      AidKind::Gauges, AidKind::BodyVelocity};
     for (const AidKind kind : sources) {
@@ -187,6 +203,7 @@ std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::R
                                         Instant{fix.time, {}},
                                         [](const Instant& x, const Instant& y) { return x.time < y.time; }))
                     instants.push_back({fix.time, SourceState::LeftOut});
+            drop_few_at_the_ends(instants, met);
             std::ranges::stable_sort(instants, {}, &Instant::time);
         }
         const std::vector<HealthInterval> found = intervals_of(filter::info_of(kind).key, instants, run);
