@@ -141,6 +141,20 @@ TEST(AhrsJudge, AMagnetometerIsMendedWhereItNeedsItAndShowsIt) {
     EXPECT_NE(refused.reason.find("held-out"), std::string::npos) << refused.reason;
 }
 
+TEST(AhrsJudge, AWeakMagnetometerIsEnlargedWithItsNoise) {
+    Log weak = turned(0.8 * some_distortion(0.03), Vector3d(9e-6, -6e-6, 8e-6), 9);
+    // a still minute at its end, in which noise is all that the calibration can make worse
+    math::Random noise(9, "still");
+    const Vector3d field = weak.mag.back().field_b, force = weak.imu.back().accel;
+    for (double t = 120.0; t < 180.0; t += 0.01) {
+        weak.imu.push_back({Time::from_seconds(t), 2e-3 * noise.normal3(), force + 0.05 * noise.normal3()});
+        weak.mag.push_back({Time::from_seconds(t), field + 200e-9 * noise.normal3()});
+    }
+    const JudgedCalibration judged = judge_magnetometer(weak.imu, weak.mag, Vector3d(18964e-9, 0.0, 46962e-9).norm());
+    ASSERT_TRUE(judged.fit.has_value()) << judged.reason;
+    EXPECT_NEAR(judged.fit->gain.trace() / 3.0, 1.0 / 0.8, 0.05);
+}
+
 TEST(AhrsJudge, AMagnetThatComesAndGoesIsNoCalibration) {
     Log l = turned(Matrix3d::Identity(), Vector3d::Zero(), 4);
     for (MagSample& s : l.mag) {

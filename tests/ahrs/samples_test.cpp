@@ -72,7 +72,7 @@ TEST(AhrsSamples, BadOnesAreBridgedAndCounted) {
     for (std::size_t i = 6000; i < 6300; ++i) l.mag[i].field_b = l.mag[5999].field_b;
     for (std::size_t i = 7000; i < 7100; ++i) l.mag[i].field_b.x() = nan;
     RunSettings s;
-    s.mekf.guard.accel_range = 156.0;
+    s.mekf.guard.accel_range.setConstant(156.0);
     const RunResult r = run(l.imu, l.mag, {}, s);
     EXPECT_EQ(r.counters.gyro.not_finite, 20u);
     EXPECT_EQ(r.counters.accel.saturated, 50u);
@@ -241,6 +241,45 @@ TEST(AhrsRecovery, ANewPlaceDoesNotTurnTheHeadingAMagnetIsFound) {
     const auto magnet = after_a_lasting_change(Vector3d(60e-6, -50e-6, 80e-6), false, usual);
     EXPECT_EQ(magnet.second, 1u);
     EXPECT_LT(magnet.first, 3.0);
+}
+
+TEST(AhrsRecovery, ANewPlaceIsTakenOverFromTheThirdOpinion) {
+    Motion m;
+    m.duration = 300.0;
+    const Log clean = log_of(m, 31);
+    m.disturbed_from = 150.0;
+    m.turn = 70.0 * units::deg;
+    const Log changed = log_of(m, 31);
+    const RunResult a = run(clean.imu, clean.mag, {}, {}), b = run(changed.imu, changed.mag, {}, {});
+    EXPECT_EQ(a.counters.recoveries + a.counters.magnets, 0U);
+    EXPECT_EQ(b.counters.recoveries, 1U);
+    EXPECT_EQ(b.counters.magnets, 0U);
+    EXPECT_LT(a.rows.back().q_nb.angularDistance(b.rows.back().q_nb) / units::deg, 4.0);
+    EXPECT_LT(beyond_three_sigma(b, changed, 150.0, 300.0), 0.02);
+}
+
+TEST(AhrsRecovery, WhatNothingTellsApartIsLeftOpen) {
+    // the sensor lies still while the field changes for good, and turns four minutes later
+    for (const bool magnet : {false, true}) {
+        Motion m;
+        m.duration = 520.0;
+        m.rest = 400.0;
+        if (!magnet) {
+            m.disturbed_from = 150.0;
+            m.turn = 70.0 * units::deg;
+        }
+        Log l = log_of(m, 32);
+        for (MagSample& s : l.mag)
+            if (magnet && s.time.seconds() >= 150.0) s.field_b += Vector3d(-15e-6, 14e-6, 9e-6);
+        Log still = l;
+        std::erase_if(still.imu, [](const ImuSample& s) { return s.time.seconds() > 400.0; });
+        std::erase_if(still.mag, [](const MagSample& s) { return s.time.seconds() > 400.0; });
+        const RunResult before = run(still.imu, still.mag, {}, {});
+        EXPECT_EQ(before.counters.recoveries, 1U) << (magnet ? "magnet" : "place") << ": it is concluded while it lies still";
+        EXPECT_EQ(before.counters.magnets, 0U);
+        const RunResult all = run(l.imu, l.mag, {}, {});
+        EXPECT_LT(beyond_three_sigma(all, l, 150.0, 520.0), 0.02) << (magnet ? "magnet" : "place");
+    }
 }
 
 TEST(AhrsRecovery, AMagnetFromTheFirstSampleIsFoundAsSoonAsTheSensorTurns) {

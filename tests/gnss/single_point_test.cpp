@@ -177,28 +177,38 @@ TEST(SinglePoint, TheCovarianceCoversWhomElseTheFaultMayBelongTo) {
     EXPECT_GT(decided, 3);
 }
 
-TEST(SinglePoint, EphemeridesThatContradictEachOtherAreNotUsed) {
+constexpr double made_up_mu = 3.986005e14;
+
+/// Adds messages of one orbit, each displaced along it.
+struct MadeUpMessages {
     Navigation navigation;
-    KeplerEphemeris k;
-    k.sqrt_a = 5153.7;
-    k.e = 0.01;
-    k.i0 = 0.96;
-    k.accuracy = 2.0;
-    const Time first = Time::from_gps(2244, 36000.0);
-    const auto add = [&](std::uint8_t number, int hour, double displaced_m) {
-        k.satellite = {System::Gps, number};
-        const double a = k.sqrt_a * k.sqrt_a, n = std::sqrt(3.986005e14 / (a * a * a));
+    Time first = Time::from_gps(2244, 36000.0);
+
+    void add(SatelliteId satellite, int hour, double displaced_m) {
+        KeplerEphemeris k;
+        k.sqrt_a = 5153.7;
+        k.e = 0.01;
+        k.i0 = 0.96;
+        k.accuracy = 2.0;
+        k.satellite = satellite;
+        const double a = k.sqrt_a * k.sqrt_a, n = std::sqrt(made_up_mu / (a * a * a));
         k.toe = k.toc = first + Duration::from_seconds(3600.0 * hour);
         k.m0 = n * 3600.0 * hour + displaced_m / a;
         k.omega0 = 0.0;  // of the beginning of the week: the same plane in each message
         navigation.kepler.push_back(k);
-    };
-    for (int hour = 0; hour < 4; ++hour) {
-        add(1, hour, 0.0);
-        add(2, hour, hour == 3 ? 80.0 : 0.0);
-        add(3, hour, 80.0 * (hour % 2));
     }
-    const BroadcastSource source(navigation);
+};
+
+TEST(SinglePoint, EphemeridesThatContradictEachOtherAreNotUsed) {
+    MadeUpMessages messages;
+    const Time first = messages.first;
+    for (int hour = 0; hour < 4; ++hour) {
+        messages.add({System::Gps, 1}, hour, 0.0);
+        messages.add({System::Gps, 2}, hour, hour == 3 ? 80.0 : 0.0);
+        messages.add({System::Gps, 3}, hour, 80.0 * (hour % 2));
+    }
+    const BroadcastSource source(messages.navigation);
+    EXPECT_EQ(source.contradicting(), (std::vector<SatelliteId>{{System::Gps, 2}, {System::Gps, 3}}));
     const Signal l1{'1', 'C'};
     const auto at = [&](std::uint8_t number, double hour) {
         return source.at({System::Gps, number}, l1, first + Duration::from_seconds(3600.0 * hour)).has_value();
@@ -208,6 +218,17 @@ TEST(SinglePoint, EphemeridesThatContradictEachOtherAreNotUsed) {
     EXPECT_EQ(source.kepler({System::Gps, 2}, first + Duration::from_seconds(3 * 3600.0))->toe,
               first + Duration::from_seconds(3600.0));
     EXPECT_FALSE(at(3, 0.1) || at(3, 3.1));
+}
+
+TEST(SinglePoint, MessagesOfBeiDouSixHoursApartAreNoContradiction) {
+    MadeUpMessages messages;
+    messages.add({System::BeiDou, 21}, 0, 0.0);
+    messages.add({System::BeiDou, 21}, 6, 40.0);  // half-way each is three hours old
+    messages.add({System::BeiDou, 22}, 0, 0.0);
+    messages.add({System::BeiDou, 22}, 1, 80.0);
+    const BroadcastSource source(messages.navigation);
+    EXPECT_EQ(source.contradicting(), (std::vector<SatelliteId>{{System::BeiDou, 22}}));
+    EXPECT_EQ(source.navigation().kepler.size(), 2U);
 }
 
 TEST(SinglePoint, SignalGeneratorAtRestEveryEpochToMillimetres) {

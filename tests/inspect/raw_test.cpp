@@ -2,11 +2,14 @@
 // tests/fuzz/make_corpus.py tells.
 #include "schuler/inspect/inspect.h"
 
+#include "schuler/io/rinex/rinex_write.h"
+
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 namespace schuler::inspect {
@@ -79,6 +82,30 @@ TEST_F(RawFiles, RinexNavigationAndPreciseOrbits) {
     EXPECT_EQ(p.kind, "sp3");
     expect_line(p, "precise orbits and clocks, 3 epochs");
     expect_line(p, "GLONASS: 1 satellite, 2023-01-08 09:59:42 to 2023-01-08 10:29:42 UTC");
+}
+
+TEST_F(RawFiles, EphemeridesThatContradictEachOtherAreNamed) {
+    gnss::Navigation navigation;
+    for (const std::uint8_t number : {std::uint8_t{3}, std::uint8_t{7}}) {
+        gnss::KeplerEphemeris k;
+        k.satellite = {gnss::System::Gps, number};
+        k.sqrt_a = 5153.7;
+        k.e = 0.01;
+        k.i0 = 0.96;
+        k.accuracy = 2.0;
+        const double a = k.sqrt_a * k.sqrt_a, n = std::sqrt(3.986005e14 / (a * a * a));
+        for (const double t : {0.0, 3600.0}) {
+            k.toe = k.toc = k.transmission = Time::from_gps(2244, 36'000.0 + t);
+            k.m0 = n * t + (number == 7 ? t / 3600.0 * 1000.0 / a : 0.0);  // the second of one is a kilometre off
+            navigation.kepler.push_back(k);
+        }
+    }
+    const auto file = folder_.path() / "a.nav";
+    std::ofstream(file) << io::rinex_navigation_text(navigation);
+    const InspectReport r = inspect(file);
+    const FileReport& f = r.files.at(0);
+    EXPECT_EQ(std::ranges::count(f.problems, "ephemerides that contradict each other are not used: G07", &Problem::text), 1)
+        << testing::PrintToString(f.contents);
 }
 
 TEST_F(RawFiles, LogsOfReceivers) {

@@ -2,6 +2,8 @@
 
 #include "io/io_fixture.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -123,6 +125,16 @@ TEST(Columns, TicksAreToldApartBySizeAndStep) {
         TableLayout layout = layout_of({"timestamp"});
         layout.sample = {{c.first}, {c.second}};
         EXPECT_EQ(match_columns(layout, c.kind).find("time_s")->time_unit, c.unit) << c.first << " " << c.second;
+    }
+}
+
+TEST(Columns, APauseAtTheBeginningIsNoStep) {
+    for (const auto& [seconds, unit] : {std::pair(1e6, TimeUnit::Microseconds), std::pair(1e3, TimeUnit::Milliseconds)}) {
+        TableLayout layout = layout_of({"timestamp"});
+        for (const double t :
+             {1734523200.0, 1734523600.0, 1734523600.01, 1734523600.02, 1734523600.03})  // the first row is of before
+            layout.sample.push_back({fmt::format("{:.0f}", t * seconds)});
+        EXPECT_EQ(match_columns(layout, K).find("time_s")->time_unit, unit) << layout.sample.front().front();
     }
 }
 

@@ -2,6 +2,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/raw_input.h"
+#include "schuler/io/text/csv_recording.h"
 
 #include "io/io_fixture.h"
 #include "io/log_bytes.h"
@@ -103,6 +104,35 @@ TEST_F(Novatel, RangesAreAlikeInAsciiAndBinary) {
     }
 }
 
+std::string one_range(double tow, double locked) {
+    return ascii("RANGEA", tow,
+                 fmt::format("1,7,0,21485793.442,0.050,-112908605.801,0.010,651.783,44.0,{:.3f},{:08x}", locked, locked_all));
+}
+
+TEST_F(Novatel, OneEpochStampedTooLateIsLeftOutAndNotAllBehindIt) {
+    WarningLog warnings;
+    const RawInput raw =
+        read_raw_input(write("late.gps", one_range(100.0, 50.0) + one_range(101.0, 51.0) + one_range(9000.0, 1.0) +
+                                             one_range(102.0, 2.0) + one_range(103.0, 3.0)),
+                       {}, warnings);
+    ASSERT_EQ(raw.observations.epochs.size(), 4U);
+    EXPECT_EQ(raw.observations.observations.size(), 4U);
+    EXPECT_EQ(raw.observations.epochs[2].time, Time::from_gps(week, 102.0));
+    std::vector<int> lost;
+    for (const gnss::ObservationEpoch& e : raw.observations.epochs) lost.push_back(raw.observations.of(e)[0].loss_of_lock);
+    EXPECT_EQ(lost, (std::vector{1, 0, 1, 0})) << "the loss of lock in the epoch that is left out is told by the next";
+    expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"stamped later"});
+}
+
+TEST_F(Novatel, TheTimeOfLockHasSinglePrecision) {
+    WarningLog warnings;  // steps of a sixteenth of a second beyond six days
+    const RawInput raw = read_raw_input(
+        write("lock.gps", one_range(100.0, 600'000.094) + one_range(100.06, 600'000.154) + one_range(101.0, 0.5)), {}, warnings);
+    std::vector<int> lost;
+    for (const gnss::ObservationEpoch& e : raw.observations.epochs) lost.push_back(raw.observations.of(e)[0].loss_of_lock);
+    EXPECT_EQ(lost, (std::vector{1, 0, 1}));
+}
+
 TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
     const std::vector<double> orbit = {36'000.0, 26'560'211.4, 4.83e-9, -2.3,    2.5e-3, 2.7,      -3.7e-7, 8.6e-6,
                                        209.4,    -7.3,         -4.5e-8, -5.4e-8, 0.95,   -5.0e-10, 1.1,     -8.0e-9};
@@ -161,6 +191,28 @@ TEST_F(Novatel, FixesWithoutTheReceiversOwnIntegrationComeFirst) {
     EXPECT_EQ(log.streams[1].fix.at(0), FixType::Differential);
 }
 
+TEST_F(Novatel, VelocitiesAreOlderThanTheirLogsByTheirLatency) {
+    std::string body;
+    for (const std::uint32_t v : {0U, 8U}) put(body, v);
+    put(body, 0.15F), put(body, 0.0F);
+    for (const double v : {5.0, 90.0, 0.25}) put(body, v);
+    put(body, 0.0F);
+    for (const bool text : {true, false}) {
+        const std::string velocity = text
+                                         ? ascii("BESTVELA", 100.0, "SOL_COMPUTED,DOPPLER_VELOCITY,0.150,0.000,5.0,90.0,0.25,0.0")
+                                         : binary(99, 100.0, body);
+        WarningLog warnings;
+        const StreamLog log =
+            format_named("novatel")->read(TextInput(write("oem.gps", best("BESTPOSA", "SINGLE", 51.0) + velocity)), warnings);
+        const std::string table = table_text(*log.find("gnss"), log.clock);
+        const std::vector<GnssFix> fixes = read_gnss_csv(TextInput::memory(table, "fixes"), {}, warnings).fixes;
+        ASSERT_EQ(fixes.size(), 1U);
+        EXPECT_NEAR(fixes[0].velocity_n.y(), 5.0, 1e-9);
+        EXPECT_NEAR(fixes[0].velocity_age, 0.15, 1e-6);
+        EXPECT_EQ(fixes[0].position_age, 0.0);
+    }
+}
+
 TEST_F(Novatel, ImuLogsThatCannotBeUsedAreNotTakenForOnes) {
     const std::string raw = ascii("RAWIMUA", 100.0, "2244,100.005,00000077,98067,0,0,0,0,0"),
                       sol = best("BESTPOSA", "SINGLE", 51.0);
@@ -182,6 +234,50 @@ TEST_F(Novatel, ImuLogsThatCannotBeUsedAreNotTakenForOnes) {
     const auto [aligning, none] =
         read(sol + ascii("INSPVAA", 100.0, "2244,100.0,51.0,-114.0,1000.0,0.0,0.0,0.0,0.0,0.0,0.0,INS_ALIGNING"));
     EXPECT_EQ(aligning.find("reference"), nullptr) << "an attitude that is only being found";
+}
+
+TEST_F(Novatel, ALogThatHoldsAnotherIsNotDamaged) {
+    const std::string held = "#COMA,COM1,71,47.5,APPROXIMATE,2244,1.0,02020000,0,16809;COM1,115200,N,8,1,N,OFF,ON";
+    const std::string config =
+        ascii("RXCONFIGA", 99.0, fmt::format("{}*{:08x}", held, ~test::novatel_crc(std::string_view(held).substr(1))));
+    std::string damaged = config;
+    damaged[damaged.find("115200")] = '9';
+    WarningLog warnings;
+    (void)format_named("novatel")->read(TextInput(write("a.gps", config + best("BESTPOSA", "SINGLE", 51.0))), warnings);
+    EXPECT_TRUE(warnings.empty()) << fmt::format("{}", fmt::join(warnings.summary(), " "));
+    const StreamLog log =
+        format_named("novatel")->read(TextInput(write("b.gps", damaged + best("BESTPOSA", "SINGLE", 51.0))), warnings);
+    EXPECT_EQ(log.find("gnss")->rows(), 1U);
+    expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"b.gps", "damaged logs"});
+}
+
+TEST_F(Novatel, RawImuBeforeTheLogNamesTheImuIsKept) {
+    const auto raw = [](double t) { return ascii("RAWIMUA", t, fmt::format("2244,{},00000077,98067,0,0,0,0,0", t)); };
+    WarningLog warnings;
+    const StreamLog log = format_named("novatel")->read(
+        TextInput(
+            write("x.gps", raw(100.0) + raw(101.0) + ascii("INSCONFIGA", 101.5, "HG4930_AN01,0,20,20,AUTOMOTIVE") + raw(102.0))),
+        warnings);
+    ASSERT_NE(log.find("imu"), nullptr);
+    EXPECT_EQ(log.find("imu")->rows(), 3U);
+    EXPECT_TRUE(warnings.empty()) << fmt::format("{}", fmt::join(warnings.summary(), " "));
+}
+
+TEST_F(Novatel, WhatIsNoFixOfItsOwnIsSaid) {
+    const auto read = [&](const std::string& text) {
+        WarningLog warnings;
+        const StreamLog log = format_named("novatel")->read(TextInput(write("x.gps", text)), warnings);
+        return std::pair(log.find("gnss")->fix.at(0), fmt::format("{}", fmt::join(warnings.summary(), " ")));
+    };
+    EXPECT_EQ(read(best("BESTPOSA", "PROPAGATED", 51.0)).first, FixType::None) << "without measurements";
+    const auto [fix, blended] = read(best("BESTPOSA", "INS_RTKFIXED", 51.0));
+    EXPECT_EQ(fix, FixType::RtkFixed);
+    expect_parts(blended, {"own integration", "BESTGNSSPOS"});
+    EXPECT_EQ(read(best("BESTPOSA", "INS_RTKFIXED", 51.0) + best("BESTGNSSPOSA", "NARROW_INT", 51.0)).second, "");
+    const std::string compressed = binary(140, 100.0, std::string(28, '\0'));
+    expect_parts(read(best("BESTPOSA", "SINGLE", 51.0) + compressed).second, {"RANGECMP", "not read"});
+    EXPECT_EQ(read(best("BESTPOSA", "SINGLE", 51.0) + compressed + one_range(100.0, 1.0)).second, "")
+        << "the same is there in full";
 }
 
 std::string imr(bool big, std::int32_t increments, double time, std::int32_t utc = 2) {

@@ -128,14 +128,14 @@ std::string nav_pvt(std::uint32_t tow_ms, int second) {
 }
 
 /// Records of an SBET: travel to the north-east, falling, in a wander frame, with velocities along x, +-y and +-z.
-std::string sbet(double wander, double y_sign, double z_sign) {
+std::string sbet(double wander, double y_sign, double z_sign, double fallen = 1.0) {
     std::string out;
     const double north = 20.0, east = 10.0, down = 1.0, heading = 0.5;
     for (int i = 0; i < 200; ++i) {
         const double t = 0.01 * i, c = std::cos(wander), s = std::sin(wander);
         for (const double v : {302'400.0 + t, 0.5 + north * t / 6'350'000.0, -1.0 + east * t / (6'383'000.0 * std::cos(0.5)),
-                               500.0 - down * t, c * north - s * east, y_sign * (s * north + c * east), z_sign * down, 0.01, 0.02,
-                               heading + wander, wander, 0.0, 0.0, -9.8, 0.0, 0.0, 0.0})
+                               500.0 - fallen * t, c * north - s * east, y_sign * (s * north + c * east), z_sign * down, 0.01,
+                               0.02, heading + wander, wander, 0.0, 0.0, -9.8, 0.0, 0.0, 0.0})
             put(out, v);
     }
     return out;
@@ -152,7 +152,13 @@ TEST_F(ReceiverSensors, SbetVelocitiesOfEveryFrame) {
                 EXPECT_NEAR(at(s, "vel_e_m_s", 50), 10.0, 1e-9) << wander << y << z;
                 EXPECT_NEAR(at(s, "vel_d_m_s", 50), 1.0, 1e-9) << wander << y << z;
                 EXPECT_NEAR(at(s, "heading_deg", 50), 0.5 / units::deg, 1e-9);
+                EXPECT_TRUE(warnings.empty());
             }
+    WarningLog warnings;
+    const StreamLog log = read(write("a.sbet", sbet(0.4, 1.0, 1.0, 0.0)), "sbet", warnings);
+    EXPECT_NEAR(at(log.streams.at(0), "vel_d_m_s", 50), -1.0, 1e-9);
+    ASSERT_EQ(warnings.summary().size(), 1U) << "the heights do not show it";
+    expect_parts(warnings.summary().at(0), {"a.sbet", "third", "up"});
 }
 
 TEST_F(ReceiverSensors, UbloxSensorsAreOnTheTimeOfTheFixes) {

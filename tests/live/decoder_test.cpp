@@ -5,6 +5,8 @@
 #include "schuler/live/endpoint.h"
 #include "schuler/live/message.h"
 
+#include "io/log_bytes.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -100,6 +102,54 @@ TEST(LiveDecoder, NmeaEpochsAreCompleteAtThePauseAndAtTheNext) {
         EXPECT_EQ(fix.time, gps_from_utc({2024, 5, 1, 12, 0, 2.0}));
         EXPECT_EQ(decoder->counters().garbage, 3u);
     }
+}
+
+std::string novatel(const std::string& name, double tow, const std::string& content) {
+    const std::string log = fmt::format("{},COM1,0,83.5,FINESTEERING,2244,{:.3f},02000000,cdba,16809;{}", name, tow, content);
+    return fmt::format("#{}*{:08x}\r\n", log, io::test::novatel_crc(log));
+}
+std::string novatel_position(const std::string& name, double tow, double lat) {
+    return novatel(
+        name, tow,
+        fmt::format("SOL_COMPUTED,SINGLE,{},-114.0,1000.0,-16.0,WGS84,0.5,0.5,1.0,\"\",0.0,0.0,20,18,18,0,00,00,00,11", lat));
+}
+
+TEST(LiveDecoder, OfTheFixesOfOneNovatelTheBestKindIsTaken) {
+    const auto decoder = make_decoder(StreamFormat::Novatel, Instrument::Gnss, {});
+    const auto taken = [&](const std::string& bytes) {
+        std::vector<double> lat;
+        for (const Sample& s : decoded(*decoder, bytes, 100)) lat.push_back(std::get<GnssFix>(s).position.lat / units::deg);
+        return lat;
+    };
+    const auto near = [](double lat) { return std::vector<double>{lat * units::deg / units::deg}; };
+    EXPECT_EQ(taken(novatel_position("PSRPOSA", 100.0, 53.0)), near(53.0)) << "as long as nothing better comes";
+    EXPECT_EQ(taken(novatel_position("BESTPOSA", 101.0, 51.0) + novatel_position("BESTGNSSPOSA", 101.0, 52.0) +
+                    novatel_position("PSRPOSA", 101.0, 53.0)),
+              near(52.0));
+    EXPECT_TRUE(taken(novatel_position("BESTPOSA", 102.0, 51.0)).empty()) << "of the same receiver";
+    EXPECT_EQ(taken(novatel_position("BESTPOSA", 120.0, 51.0)), near(51.0)) << "the better one comes no longer";
+    EXPECT_TRUE(taken(novatel_position("PSRPOSA", 120.5, 53.0)).empty());
+    EXPECT_EQ(taken(novatel_position("BESTGNSSPOSA", 121.0, 52.0)), near(52.0));
+}
+
+TEST(LiveDecoder, TheImuOfANovatelIsNamedOnce) {
+    const auto raw = [](double t) { return novatel("RAWIMUA", t, fmt::format("2244,{},00000077,98067,0,0,0,0,0", t)); };
+    const auto decoder = make_decoder(StreamFormat::Novatel, Instrument::Imu, {});
+    EXPECT_TRUE(decoded(*decoder, raw(100.0), 100).empty());
+    ASSERT_EQ(decoder->counters().warnings.size(), 1U) << "and it is told";
+    EXPECT_NE(decoder->counters().warnings[0].find("does not say of which IMU"), std::string::npos);
+    const std::string config = novatel("INSCONFIGA", 100.0, "HG4930_AN01,0,20,20,AUTOMOTIVE");
+    std::string damaged = config;
+    damaged[damaged.find("HG4930")] = 'X';
+    EXPECT_TRUE(decoded(*decoder, config, 7).empty());
+    EXPECT_TRUE(decoded(*decoder, damaged, 7).empty());
+    for (const double t : {101.0, 102.0}) {
+        const std::vector<Sample> samples = decoded(*decoder, raw(t), 7);
+        ASSERT_EQ(samples.size(), 1U) << t;
+        EXPECT_NEAR(std::get<ImuSample>(samples[0]).accel.z(), -98'067.0 * 0x1p-29, 1e-15);
+    }
+    EXPECT_EQ(decoder->counters().garbage, 1U);
+    EXPECT_EQ(decoder->counters().warnings.size(), 1U);
 }
 
 TEST(LiveDecoder, RowsOfTablesAndLinesOfJson) {

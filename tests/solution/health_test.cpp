@@ -69,6 +69,78 @@ TEST(Health, FixesRefusedWithheldLeftOutAndMissing) {
     expect_spans(all, "baro", {});
 }
 
+/// A run from 0 to 1000 s.
+fusion::Result run_of_1000_s() {
+    fusion::Result result;
+    result.forward.rows.resize(2);
+    result.forward.rows.front().time = at(0.0);
+    result.forward.rows.back().time = at(1000.0);
+    return result;
+}
+
+TEST(Health, StatesThatChangeToAndFroAreOneIntervalThatSaysSo) {
+    fusion::Result result;
+    for (int t = 0; t < 100; ++t) {  // a fifth of a log refused, one by one; then alternating; then one among many
+        const bool refused = t < 40 ? t % 5 == 4 : t < 70 ? t % 2 == 0 : t == 85;
+        result.aids.push_back(record(t, AidKind::Baro, refused ? AidStatus::Rejected : AidStatus::Accepted));
+        for (int k = 0; k < 10; ++k)  // ten a second: five used, two refused
+            result.aids.push_back(
+                record(t + 0.1 * k, AidKind::Mag, (10 * t + k) % 7 > 4 ? AidStatus::Rejected : AidStatus::Accepted));
+        result.aids.push_back(record(t, AidKind::Odometer, t % 20 == 3 ? AidStatus::Rejected : AidStatus::Accepted));
+        result.aids.push_back(record(t, AidKind::Heading, t % 2 == 1 ? AidStatus::Withheld : AidStatus::Accepted));
+    }
+    const std::vector<HealthInterval> all = health_of({}, result);
+    using enum SourceState;
+    expect_spans(all, "baro", {{Used, 0, 3}, {PartlyRefused, 4, 68}, {Used, 69, 99}});
+    expect_spans(all, "mag", {{Used, 0, 0.4}, {PartlyRefused, 0.5, 99.9}});
+    const auto found =
+        std::ranges::find_if(all, [](const HealthInterval& h) { return h.source == "mag" && h.state == PartlyRefused; });
+    ASSERT_NE(found, all.end());
+    EXPECT_NEAR(static_cast<double>(found->used) / static_cast<double>(found->samples), 5.0 / 7.0, 0.01);
+    expect_spans(all, "odometer", {{Used, 0, 99}});
+    expect_spans(all, "heading", {{PartlyUsed, 0, 99}});
+}
+
+TEST(Health, OneFixInALongSilenceIsSeen) {
+    fusion::Result result = run_of_1000_s();
+    for (int t = 100; t <= 900; t += t == 300 || t == 600 ? 300 : 1)  // fixes up to 300, one at 600, and from 900 on none
+        result.aids.push_back(record(t, AidKind::GnssVelocity, AidStatus::Accepted));
+    using enum SourceState;
+    expect_spans(health_of({}, result), "gnss_velocity",
+                 {{Silent, 0, 100},
+                  {Used, 100, 300},
+                  {Silent, 300, 600},
+                  {Used, 600, 600},
+                  {Silent, 600, 900},
+                  {Used, 900, 900},
+                  {Silent, 900, 1000}});
+}
+
+TEST(Health, FixesLeftOutAtTheEndsOfTheRunAreShown) {
+    LoadedDataset data;
+    fusion::Result result = run_of_1000_s();
+    for (int t = -50; t <= 1100; ++t) {
+        data.recording.gnss.push_back({});
+        data.recording.gnss.back().time = at(t);
+        if (t >= 200 && t <= 700) result.aids.push_back(record(t, AidKind::GnssPosition, AidStatus::Accepted));
+    }
+    using enum SourceState;
+    expect_spans(health_of(data, result), "gnss_position", {{LeftOut, 0, 199}, {Used, 200, 700}, {LeftOut, 701, 1000}});
+    result.forward.rows.front().time = at(199.0);  // the fix of the start itself has no record
+    result.forward.rows.back().time = at(700.5);
+    expect_spans(health_of(data, result), "gnss_position", {{Used, 200, 700}});
+}
+
+TEST(Health, TheEndIsThatOfTheInertialLogWhereNoRowsWereKept) {
+    LoadedDataset data;
+    fusion::Result result;
+    for (int i = 0; i <= 1000; ++i) data.recording.imu.push_back(imu_at(0.1 * i, 0.01 * std::sin(1.7 * i)));
+    result.findings.started_at = at(10.0);
+    for (int t = 10; t <= 40; ++t) result.aids.push_back(record(t, AidKind::Baro, AidStatus::Accepted));
+    using enum SourceState;
+    expect_spans(health_of(data, result), "baro", {{Used, 10, 40}, {Silent, 40, 100}});
+}
+
 TEST(Health, PartsOfAFixOfDifferentAgesAreOneSample) {
     LoadedDataset data;
     fusion::Result result;

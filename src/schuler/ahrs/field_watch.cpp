@@ -9,8 +9,9 @@ namespace {
 
 constexpr double clearly = 3.0;          // logarithm of the odds: 20 to 1
 constexpr double better = 1.0;           // the same, of one explanation against the other
+constexpr double told_apart = 0.5;       // rad of turning, without which a magnet and a new place look the same
 constexpr double disturbed_long = 10.0;  // s, after which a magnet may have come or gone
-constexpr double longest = 120.0;        // s after which a magnet that came later would have shown
+constexpr double longest = 120.0;        // s after which a magnet that came later would have shown, and a tie is one
 
 HeadingSettings with_magnet(HeadingSettings settings) {
     settings.hard_iron_std = std::max(settings.hard_iron_std, settings.magnet_std);
@@ -34,13 +35,14 @@ void FieldWatch::close(HeadingChannel& heading, const Block& block, const Eigen:
         return;
     }
     age_ += block.duration;
+    if (!(block.rest_time > 0.0)) turned_ += block.turned;
     if (!magnet_) {
         if (heading.disturbed_for() < disturbed_long || age_ < disturbed_long) return;
         magnet_ = place_ = heading;
         magnet_->doubt_iron(std::max(settings_.magnet_std, heading.unexplained()));
         place_->doubt_place(heading.unexplained());
         begin_ = heading.evidence();
-        age_ = 0.0;
+        age_ = turned_ = 0.0;
         return;
     }
     Counters unheard;
@@ -53,9 +55,16 @@ void FieldWatch::close(HeadingChannel& heading, const Block& block, const Eigen:
         place = place_->evidence() - own;
     }
     if (std::max(magnet, place) > clearly) {
-        if (std::abs(magnet - place) < better) return;
-        heading.adopt(magnet > place ? *magnet_ : *place_);
-        ++(magnet > place ? counters.magnets : counters.recoveries);
+        if (std::abs(magnet - place) < better || (place_ && turned_ < told_apart)) {
+            if (age_ < longest) return;
+            // something has changed, and nothing tells what: either may be
+            heading.doubt_iron(std::max(settings_.magnet_std, heading.unexplained()));
+            heading.doubt_place(heading.unexplained());
+            ++counters.recoveries;
+        } else {
+            heading.adopt(magnet > place ? *magnet_ : *place_);
+            ++(magnet > place ? counters.magnets : counters.recoveries);
+        }
     } else if (magnet_->hard_iron_std() > settings_.hard_iron_std && age_ < longest) {
         return;  // undecided: it has not turned enough
     }

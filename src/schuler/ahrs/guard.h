@@ -28,7 +28,8 @@ struct Counters {
 /// Judges the triples of one instrument in their order.
 class InstrumentGuard {
 public:
-    InstrumentGuard(double range, int stuck_after) : range_(range), stuck_after_(stuck_after) {}
+    /// `range`: of each axis.
+    InstrumentGuard(const Eigen::Vector3d& range, int stuck_after) : range_(range), stuck_after_(stuck_after) {}
 
     /// Whether the triple can be used; counts it where not.
     [[nodiscard]] bool usable(const Eigen::Vector3d& v, InstrumentCount& count) {
@@ -43,7 +44,7 @@ public:
             ++count.stuck;
             return false;
         }
-        if (v.cwiseAbs().maxCoeff() >= range_) {
+        if ((v.cwiseAbs().array() >= range_.array()).any()) {
             ++count.saturated;
             return false;
         }
@@ -51,7 +52,7 @@ public:
     }
 
 private:
-    double range_;
+    Eigen::Vector3d range_;
     int stuck_after_;
     int repeats_ = 0;
     Eigen::Vector3d last_ = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());

@@ -13,9 +13,10 @@ namespace schuler::ahrs {
 
 /// What marks samples as unusable. Samples that are not finite are always left out.
 struct GuardSettings {
-    double gyro_range = std::numeric_limits<double>::infinity();   ///< rad/s; a component at or beyond it is saturated
-    double accel_range = std::numeric_limits<double>::infinity();  ///< m/s^2
-    double field_range = std::numeric_limits<double>::infinity();  ///< T
+    static constexpr double unlimited = std::numeric_limits<double>::infinity();
+    Eigen::Vector3d gyro_range = Eigen::Vector3d::Constant(unlimited);   ///< rad/s; a component at or beyond it is saturated
+    Eigen::Vector3d accel_range = Eigen::Vector3d::Constant(unlimited);  ///< m/s^2
+    Eigen::Vector3d field_range = Eigen::Vector3d::Constant(unlimited);  ///< T
     int stuck_after = 25;       ///< so many identical triples in a row are an instrument that hangs
     double longest_step = 0.5;  ///< s; a longer step between samples is a gap: the turn in it is not known
 };

@@ -57,10 +57,17 @@ bool contradict(const Ephemeris& a, const Ephemeris& b) {
     return (one.position.r - other.position.r).norm() > sphere * std::sqrt(variance);
 }
 
-/// Leaves out of all, sorted by satellite and time, what contradicts one beside it that is no older than half of what either may be used for,
-/// and every one of a satellite where most do: no single epoch shows it where several satellites have such.
+/// How far apart two messages may be that are compared half-way. BeiDou's are renewed each hour; how well they hold after three nothing states.
 template <class Ephemeris>
-void leave_out_contradictions(std::vector<Ephemeris>& all) {
+std::int64_t longest_comparison(const Ephemeris& e) {
+    constexpr std::int64_t two_hours = 7'200'000'000'000;
+    return e.satellite.system == System::BeiDou ? two_hours : longest_age(e);
+}
+
+/// Leaves out of all, sorted by satellite and time, what contradicts one beside it that is no older than half of what either may be used for,
+/// and every one of a satellite where most do: no single epoch shows it where several satellites have such. Adds whose they are.
+template <class Ephemeris>
+void leave_out_contradictions(std::vector<Ephemeris>& all, std::vector<SatelliteId>& whose) {
     std::size_t kept = 0;
     for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
         while (last < all.size() && all[last].satellite == all[first].satellite) ++last;
@@ -68,7 +75,8 @@ void leave_out_contradictions(std::vector<Ephemeris>& all) {
         std::size_t pairs = 0, contradictions = 0;
         for (std::size_t i = first + 1; i < last; ++i) {
             const Ephemeris &a = all[i - 1], &b = all[i];
-            if (a.health != 0 || b.health != 0 || a.toe == b.toe || (b.toe - a.toe).ns > std::min(longest_age(a), longest_age(b)))
+            if (a.health != 0 || b.health != 0 || a.toe == b.toe ||
+                (b.toe - a.toe).ns > std::min(longest_comparison(a), longest_comparison(b)))
                 continue;
             ++pairs;
             if (!contradict(a, b)) continue;
@@ -76,6 +84,7 @@ void leave_out_contradictions(std::vector<Ephemeris>& all) {
             wrong[i - 1 - first] = wrong[i - first] = true;
         }
         const bool none = 2 * contradictions > pairs;
+        if (contradictions > 0) whose.push_back(all[first].satellite);
         for (std::size_t i = first; i < last; ++i)
             if (!none && !wrong[i - first]) all[kept++] = all[i];
     }
@@ -92,7 +101,8 @@ bool is_healthy(const KeplerEphemeris& k) {
 BroadcastSource::BroadcastSource(Navigation navigation) : navigation_(std::move(navigation)) {
     const auto index = [&](auto& all) {
         sort(all);
-        if constexpr (!std::is_same_v<std::decay_t<decltype(all)>, std::vector<SbasEphemeris>>) leave_out_contradictions(all);
+        if constexpr (!std::is_same_v<std::decay_t<decltype(all)>, std::vector<SbasEphemeris>>)
+            leave_out_contradictions(all, contradicting_);
         for (std::size_t i = 0; i < all.size(); ++i) {
             Range& r = ranges_[index_of(all[i].satellite)];
             if (r.last == 0) r.first = i;

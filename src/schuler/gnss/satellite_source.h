@@ -33,6 +33,8 @@ public:
     explicit BroadcastSource(Navigation navigation);
     [[nodiscard]] std::optional<Transmitter> at(SatelliteId satellite, Signal signal, Time t) const override;
     [[nodiscard]] const Navigation& navigation() const { return navigation_; }
+    /// Satellites whose messages contradict each other: these are not used.
+    [[nodiscard]] const std::vector<SatelliteId>& contradicting() const { return contradicting_; }
     /// The ephemeris that at() would use, healthy or not; null where none is valid.
     [[nodiscard]] const KeplerEphemeris* kepler(SatelliteId satellite, Time t) const;
     [[nodiscard]] const GlonassEphemeris* glonass(SatelliteId satellite, Time t) const;
@@ -44,6 +46,7 @@ private:
     };
     Navigation navigation_;  ///< sorted by satellite and reference time
     std::array<Range, satellite_count> ranges_{};
+    std::vector<SatelliteId> contradicting_;
 };
 
 /// Positions and clocks at regular epochs (SP3), interpolated: positions by a polynomial through eleven epochs in axes that do not

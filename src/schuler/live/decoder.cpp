@@ -9,9 +9,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace schuler::live {
@@ -220,27 +222,73 @@ protected:
     }
 };
 
-/// Position and velocity are messages of their own: they are read together when the receiver pauses.
+/// Position and velocity are messages of their own: they are read together when the receiver pauses. Of the positions of one receiver one kind is
+/// taken, as of a file: the best that comes. What a pause parts is read by itself, the configuration that names the IMU before each.
 class NovatelDecoder final : public FrameDecoder {
 public:
     void quiet(std::vector<Sample>& out) override {
         if (chunk_.empty()) return;
-        const std::string text = std::exchange(chunk_, {});
+        const std::string text = configuration_ + std::exchange(chunk_, {});
         WarningLog heard;
         try {
             const io::StreamLog log = io::format_named("novatel")->read(input_of(text), heard);
             for (const io::Stream& s : log.streams) {
-                if (s.kind != io::TableKind::Imu && s.kind != io::TableKind::Gnss) continue;
-                read_rows(io::table_text(s, log.clock), s.kind == io::TableKind::Imu ? Instrument::Imu : Instrument::Gnss, {},
-                          out);
+                if (s.kind == io::TableKind::Imu) read_rows(io::table_text(s, log.clock), Instrument::Imu, {}, out);
+                else if (s.kind == io::TableKind::Gnss && is_chosen(s))
+                    read_rows(io::table_text(s, log.clock), Instrument::Gnss, {}, out);
             }
         } catch (const Error&) {  // nothing of use in it
         }
+        tell(heard);
     }
     [[nodiscard]] bool waiting() const override { return !chunk_.empty(); }
     void reset() override {
         FrameDecoder::reset();
         chunk_.clear();
+    }
+
+private:
+    static constexpr std::array<std::string_view, 3> kinds{"BESTGNSSPOS", "BESTPOS", "PSRPOS"};  // best first, as in files
+
+    /// Streams of a log come in the order of `kinds`. The next best is taken where a better one has not come for long.
+    bool is_chosen(const io::Stream& s) {
+        constexpr std::int64_t long_gone = 10'000'000'000;  // ns
+        const auto it = std::ranges::find_if(kinds, [&](std::string_view kind) { return s.source.starts_with(kind); });
+        const auto rank = static_cast<std::size_t>(it - kinds.begin());
+        if (rank > rank_ && s.time_ns.back() - last_ns_ < long_gone) return false;
+        rank_ = rank;
+        last_ns_ = s.time_ns.back();
+        return true;
+    }
+
+    /// Whether this is what says of which IMU RAWIMU is; a damaged one says nothing.
+    static bool names_imu(const std::string& bytes) {
+        constexpr unsigned ins_config = 1945;
+        const bool text = bytes[0] == '#' || bytes[0] == '%';
+        const bool named = text ? bytes.find("CONNECTIMU") != std::string::npos ||
+                                      bytes.find("SETIMUTYPE") != std::string::npos || bytes.starts_with("#INSCONFIGA")
+                                : byte(bytes, 2) == 0x12 && byte(bytes, 4) + 256 * byte(bytes, 5) == ins_config;
+        if (!named) return false;
+        WarningLog heard;
+        try {
+            (void)io::format_named("novatel")->read(input_of(bytes), heard);
+        } catch (const Error&) {  // no measurements in it
+        }
+        return heard.empty();
+    }
+
+    /// Damaged logs as often as they come, what cannot be used once.
+    void tell(const WarningLog& heard) {
+        const std::vector<std::string> lines = heard.summary();
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            const std::string& topic = heard.topics()[i];
+            if (topic.ends_with("novatel.damaged")) {
+                counters_.garbage += heard.count(topic);
+                counters_.example = lines[i];
+            } else if (told_.insert(topic).second) {
+                counters_.warnings.push_back(lines[i]);
+            }
+        }
     }
 
 protected:
@@ -258,12 +306,16 @@ protected:
     }
     void message(const std::string& bytes, std::vector<Sample>& out) override {
         ++counters_.messages;
+        if (names_imu(bytes)) configuration_ = bytes;
         chunk_ += bytes;
         if (chunk_.size() > detail::longest_message) quiet(out);
     }
 
 private:
-    std::string chunk_;
+    std::string chunk_, configuration_;
+    std::size_t rank_ = kinds.size();
+    std::int64_t last_ns_ = 0;
+    std::set<std::string> told_;
 };
 
 }  // namespace

@@ -25,10 +25,11 @@ using Sample =
 enum class StreamFormat { Nmea, Ubx, Novatel, Csv, Json, Gpsd };
 
 struct DecoderCounters {
-    std::size_t messages = 0;  ///< understood
-    std::size_t foreign = 0;   ///< well-formed, of no use here
-    std::size_t garbage = 0;   ///< runs of bytes, lines or frames that are none, or damaged
-    std::string example{};     ///< why the last of them is none
+    std::size_t messages = 0;             ///< understood
+    std::size_t foreign = 0;              ///< well-formed, of no use here
+    std::size_t garbage = 0;              ///< runs of bytes, lines or frames that are none, or damaged
+    std::string example{};                ///< why the last of them is none
+    std::vector<std::string> warnings{};  ///< what the reader of such files warns of: once each
 };
 
 class Decoder {

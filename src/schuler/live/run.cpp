@@ -201,17 +201,24 @@ private:
         samples_.clear();
         s.decoder->take(bytes_, samples_);
         use(s, now);
+        tell_of(s);
+    }
+
+    void tell_of(Station& s) {
         const DecoderCounters& c = s.decoder->counters();
         if (c.garbage > 0 && s.garbage_told == 0) {
             tell(fmt::format("{}: garbage: {}", s.input.endpoint().text, c.example));
             s.garbage_told = c.garbage;
         }
+        for (; s.warnings_told < c.warnings.size(); ++s.warnings_told)
+            tell(fmt::format("{}: {}", s.input.endpoint().text, c.warnings[s.warnings_told]));
     }
 
     void settle(Station& s) {
         samples_.clear();
         s.decoder->quiet(samples_);
         use(s, monotonic());
+        tell_of(s);
     }
 
     void use(Station& s, double arrived) {

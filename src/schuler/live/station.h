@@ -19,7 +19,7 @@ struct Station {
     std::array<bool, instrument_count> of{};  ///< whose source it is
     std::array<bool, instrument_count> arrival{};
     double last_bytes = 0.0;  ///< s
-    std::size_t garbage_told = 0;
+    std::size_t garbage_told = 0, warnings_told = 0;
     std::size_t connections = 0;  ///< that the decoder knows of
 };
 

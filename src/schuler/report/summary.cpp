@@ -212,7 +212,7 @@ Json health_json(const solution::ResultBundle& b) {
     for (const solution::HealthInterval& h : solution::health_of(b.data, b.result))
         // clang-format off
         list.push_back({{"source", h.source}, {"state", name_of(h.state)}, {"from_s", json_number(b.relative(h.from))},
-                        {"to_s", json_number(b.relative(h.to))}, {"samples", h.samples}});
+                        {"to_s", json_number(b.relative(h.to))}, {"samples", h.samples}, {"used", h.used}});
     // clang-format on
     return list;
 }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <span>
 
 namespace schuler::solution {
 namespace {
@@ -36,38 +38,106 @@ double usual_step(const std::vector<Instant>& instants) {
     return steps.empty() ? 0.0 : math::median(std::move(steps));
 }
 
-/// Short intervals between two of one state are counted with these.
-std::vector<HealthInterval> without_brief_ones(const std::vector<HealthInterval>& all) {
+constexpr double rare = 0.1;  // share of brief samples among those around them, below which they are counted with these
+
+bool is_brief(const HealthInterval& h) {
     constexpr double brief = 1.0;  // s
-    std::vector<HealthInterval> out;
+    return h.samples <= 2 && (h.to - h.from).seconds() <= brief;
+}
+
+void append(HealthInterval& to, const HealthInterval& h) {
+    to.to = h.to;
+    to.samples += h.samples;
+    to.used += h.used;
+}
+
+/// Intervals without a silence between them: brief ones among many of one state are counted with these; where the states change to and fro,
+/// one interval says so.
+void add_settled(std::span<const HealthInterval> all, std::vector<HealthInterval>& out) {
+    enum class Sort { Lasting, Rare, Unsettled };
+    std::vector<Sort> sorts(all.size(), Sort::Lasting);
     for (std::size_t i = 0; i < all.size(); ++i) {
-        const HealthInterval& now = all[i];
-        const bool between = !out.empty() && i + 1 < all.size() && out.back().state == all[i + 1].state;
-        const bool is_brief = now.state != SourceState::Silent && now.samples <= 2 && (now.to - now.from).seconds() < brief;
-        if (!out.empty() && (now.state == out.back().state || (between && is_brief))) {
-            out.back().to = now.to;
-            out.back().samples += now.samples;
-        } else {
-            out.push_back(now);
-        }
+        if (!is_brief(all[i]) || all.size() == 1) continue;
+        sorts[i] = Sort::Unsettled;
+        if (i == 0 || i + 1 == all.size() || all[i - 1].state != all[i + 1].state) continue;
+        const auto n = static_cast<double>(all[i].samples);  // each neighbour is shared with the brief one behind it
+        if (n < rare * (n + 0.5 * static_cast<double>(all[i - 1].samples + all[i + 1].samples))) sorts[i] = Sort::Rare;
     }
+    // what lasts, but for less than what would make the brief ones at its two ends rare, is a part of the to and fro
+    for (std::size_t i = 1; i + 1 < all.size(); ++i) {
+        const bool between =
+            sorts[i - 1] == Sort::Unsettled && sorts[i + 1] == Sort::Unsettled && is_brief(all[i - 1]) && !is_brief(all[i]);
+        const auto brief = static_cast<double>(all[i - 1].samples + all[i + 1].samples);
+        if (between && 0.5 * brief >= rare * (0.5 * brief + static_cast<double>(all[i].samples))) sorts[i] = Sort::Unsettled;
+    }
+    const std::size_t before = out.size();
+    for (std::size_t i = 0; i < all.size();) {
+        std::size_t end = i + 1;
+        HealthInterval one = all[i];
+        if (sorts[i] == Sort::Unsettled) {
+            bool refused = one.state == SourceState::Refused;
+            for (; end < all.size() && sorts[end] == Sort::Unsettled; ++end) {
+                refused = refused || all[end].state == SourceState::Refused;
+                append(one, all[end]);
+            }
+            if (end > i + 1) one.state = refused ? SourceState::PartlyRefused : SourceState::PartlyUsed;
+        }
+        if (out.size() > before && (sorts[i] == Sort::Rare || out.back().state == one.state)) append(out.back(), one);
+        else out.push_back(one);
+        i = end;
+    }
+}
+
+/// The time that a run covers.
+struct Span {
+    Time begin, end;
+};
+
+std::vector<HealthInterval> intervals_of(std::string_view source, const std::vector<Instant>& instants,
+                                         const std::optional<Span>& run) {
+    if (instants.empty()) return {};
+    constexpr double least_silence = 1.0;  // s
+    const double silence = std::max(least_silence, 3.0 * usual_step(instants));
+    std::vector<HealthInterval> out, stretch;
+    const auto silent = [&](Time from, Time to) {
+        add_settled(stretch, out);
+        stretch.clear();
+        out.push_back({source, SourceState::Silent, from, to, 0, 0});
+    };
+    if (run && (instants.front().time - run->begin).seconds() > silence) silent(run->begin, instants.front().time);
+    for (std::size_t i = 0; i < instants.size(); ++i) {
+        const Instant& now = instants[i];
+        if (i > 0 && (now.time - instants[i - 1].time).seconds() > silence) silent(instants[i - 1].time, now.time);
+        if (stretch.empty() || stretch.back().state != now.state)
+            stretch.push_back({source, now.state, now.time, now.time, 0, 0});
+        const bool used = now.state == SourceState::Used;
+        append(stretch.back(), {source, now.state, now.time, now.time, 1, used ? std::size_t{1} : std::size_t{0}});
+    }
+    if (run && (run->end - instants.back().time).seconds() > silence) silent(instants.back().time, run->end);
+    add_settled(stretch, out);
     return out;
 }
 
-std::vector<HealthInterval> intervals_of(std::string_view source, const std::vector<Instant>& instants) {
-    constexpr double least_silence = 1.0;  // s
-    const double silence = std::max(least_silence, 3.0 * usual_step(instants));
-    std::vector<HealthInterval> out;
-    for (std::size_t i = 0; i < instants.size(); ++i) {
-        const Instant& now = instants[i];
-        const bool after_silence = i > 0 && (now.time - instants[i - 1].time).seconds() > silence;
-        if (after_silence) out.push_back({source, SourceState::Silent, instants[i - 1].time, now.time, 0});
-        if (out.empty() || after_silence || out.back().state != now.state)
-            out.push_back({source, now.state, now.time, now.time, 0});
-        out.back().to = now.time;
-        ++out.back().samples;
-    }
-    return without_brief_ones(out);
+/// Of the solution; where its rows were written and not kept, of the inertial samples from the start on.
+std::optional<Span> span_of(const LoadedDataset& data, const fusion::Result& result) {
+    const std::vector<SolutionRow>& rows = result.forward.rows;
+    if (!rows.empty()) return Span{rows.front().time, rows.back().time};
+    const std::vector<ImuSample>& imu = data.recording.imu;
+    if (imu.empty()) return std::nullopt;
+    const std::optional<Time>& stop = data.config.filter.stop;
+    return Span{std::max(imu.front().time, result.findings.started_at),
+                stop ? std::min(*stop, imu.back().time) : imu.back().time};
+}
+
+/// One or two fixes without a record before the first that has one, or behind the last, are those that the start or the end of the run took part
+/// in. `records`: how many of the instants are records, which come first and in order.
+void drop_few_at_the_ends(std::vector<Instant>& instants, std::size_t records) {
+    constexpr std::ptrdiff_t few = 2;
+    const Time first = instants.front().time, last = instants[records - 1].time;
+    const auto before = [&](const Instant& x) { return x.time < first; };
+    const auto behind = [&](const Instant& x) { return x.time > last; };
+    if (std::ranges::count_if(instants, before) <= few) std::erase_if(instants, before);
+    if (std::ranges::count_if(instants, behind) <= few) std::erase_if(instants, behind);
 }
 
 /// The inertial unit, sample by sample without a list of them: a long log has many.
@@ -84,10 +154,9 @@ std::vector<HealthInterval> imu_intervals(const std::vector<ImuSample>& samples,
         const Time t = samples[i].time;
         const SourceState state = watch.hangs(samples[i]) ? SourceState::Hanging : SourceState::Used;
         if (i > 0 && filter::is_hole((t - samples[i - 1].time).seconds(), nominal, settings))
-            out.push_back({source, SourceState::Silent, samples[i - 1].time, t, 0});
-        if (out.empty() || out.back().state != state) out.push_back({source, state, t, t, 0});
-        out.back().to = t;
-        ++out.back().samples;
+            out.push_back({source, SourceState::Silent, samples[i - 1].time, t, 0, 0});
+        if (out.empty() || out.back().state != state) out.push_back({source, state, t, t, 0, 0});
+        append(out.back(), {source, state, t, t, 1, state == SourceState::Used ? std::size_t{1} : std::size_t{0}});
     }
     return out;
 }
@@ -103,12 +172,15 @@ std::string_view name_of(SourceState state) {
         case SourceState::Withheld: return "withheld";
         case SourceState::Hanging: return "hanging";
         case SourceState::Silent: return "silent";
+        case SourceState::PartlyRefused: return "partly refused";
+        case SourceState::PartlyUsed: return "partly used";
     }
     return "?";
 }
 
 std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::Result& result) {
     std::vector<HealthInterval> out = imu_intervals(data.recording.imu, data.config.filter.imu);
+    const std::optional<Span> run = span_of(data, result);
     constexpr std::array sources{AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro,   AidKind::Mag,
                                  AidKind::Odometer,     AidKind::Heading,      AidKind::Gauges, AidKind::BodyVelocity};
     for (const AidKind kind : sources) {
@@ -123,16 +195,18 @@ std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::R
         }
         if (kind == AidKind::GnssPosition && !instants.empty()) {
             const std::size_t met = instants.size();
-            const Time first = instants.front().time, last = instants.back().time;
+            const Time first = run ? std::min(run->begin, instants.front().time) : instants.front().time,
+                       last = run ? std::max(run->end, instants.back().time) : instants.back().time;
             for (const GnssFix& fix : data.recording.gnss)
                 if (fix.time >= first && fix.time <= last &&
                     !std::binary_search(instants.begin(), instants.begin() + static_cast<std::ptrdiff_t>(met),
                                         Instant{fix.time, {}},
                                         [](const Instant& x, const Instant& y) { return x.time < y.time; }))
                     instants.push_back({fix.time, SourceState::LeftOut});
+            drop_few_at_the_ends(instants, met);
             std::ranges::stable_sort(instants, {}, &Instant::time);
         }
-        const std::vector<HealthInterval> found = intervals_of(filter::info_of(kind).key, instants);
+        const std::vector<HealthInterval> found = intervals_of(filter::info_of(kind).key, instants, run);
         out.insert(out.end(), found.begin(), found.end());
     }
     return out;

@@ -31,22 +31,40 @@ ahrs::FilterKind filter_from_name(const std::string& name) {
     return found->second;
 }
 
-/// Largest magnitude of a component where the instrument was at its stop: the same extreme value several times in a row.
+/// Of each axis the largest magnitude, where that is the instrument's stop: the same extreme value several times in a row, and that at least
+/// twice, with slower motion between, while the other axes show noise. One smooth turn at a steady rate is none.
 template <class Samples, class Get>
-double range_of(const Samples& samples, Get get, double least, double unusual) {
-    double range = std::numeric_limits<double>::infinity();
+Vector3d range_of(const Samples& samples, Get get, double least, double unusual) {
+    constexpr double left = 0.9, quiet = 1e-6;  // of the extreme: no longer there; less than any instrument's noise
+    constexpr int enough = 2;
+    Vector3d range = Vector3d::Constant(std::numeric_limits<double>::infinity());
     for (int axis = 0; axis < 3; ++axis) {
         double extreme = 0.0;
         for (const auto& s : samples) extreme = std::max(extreme, std::abs(get(s)(axis)));
         if (extreme < unusual) continue;
-        int run = 0, longest = 0;
-        for (const auto& s : samples) {
-            run = std::abs(get(s)(axis)) >= extreme ? run + 1 : 0;
-            longest = std::max(longest, run);
-        }
         // an instrument of a small range shows by how long it stays there
         const int at_the_stop = extreme < least ? 20 : 3;
-        if (longest >= at_the_stop) range = std::min(range, extreme);
+        int run = 0, visits = 0;
+        bool noisy = false, away = true;
+        Vector3d before = Vector3d::Zero();
+        for (const auto& s : samples) {
+            Vector3d others = get(s);
+            const double size = std::abs(others(axis));
+            others(axis) = 0.0;
+            if (size >= extreme) {
+                noisy = noisy || (run > 0 && (others - before).cwiseAbs().maxCoeff() > quiet * extreme);
+                if (++run >= at_the_stop && noisy && away) {
+                    ++visits;
+                    away = false;
+                }
+            } else {
+                run = 0;
+                noisy = false;
+                away = away || size < left * extreme;
+            }
+            before = others;
+        }
+        if (visits >= enough) range(axis) = extreme;
     }
     return range;
 }
@@ -117,6 +135,12 @@ void straighten(AhrsInput& out, WarningLog& warnings) {
     out.axes = ahrs::recognise_axes(out.imu, out.mag, out.settings.mekf.heading.known_field_n.z());
     if (!out.axes.swapped) return;
     for (MagSample& s : out.mag) s.field_b = (out.axes.C_bs * s.field_b).eval();
+    const Vector3d range = out.settings.mekf.guard.field_range;
+    for (int i = 0; i < 3; ++i) {
+        Eigen::Index of = 0;
+        out.axes.C_bs.row(i).cwiseAbs().maxCoeff(&of);
+        out.settings.mekf.guard.field_range(i) = range(of);
+    }
     warnings.add(
         "ahrs.mag.axes.turned",
         fmt::format("the magnetometer turns with the gyro only as {} (body axis = reading; the gyro explains {:.0f} % of its "

@@ -107,6 +107,14 @@ void describe_navigation(const gnss::Navigation& n, std::vector<std::string>& ou
     if (n.leap_seconds) out.push_back(fmt::format("leap seconds: {}", *n.leap_seconds));
 }
 
+/// As `process` does: what contradicts itself is not used there.
+void tell_contradictions(const gnss::Navigation& n, LoadedFile& file) {
+    const gnss::BroadcastSource used(n);
+    std::string names;
+    for (const gnss::SatelliteId satellite : used.contradicting()) names += (names.empty() ? "" : " ") + gnss::name_of(satellite);
+    if (!names.empty()) file.problem(Level::Warning, "ephemerides that contradict each other are not used: " + names, "");
+}
+
 std::string described(const Ecef& place) {
     const Geodetic g = earth::geodetic_from_ecef(earth::wgs84, place);
     return fmt::format("{:.6f} deg latitude, {:.6f} deg longitude, {:.1f} m above the ellipsoid", g.lat / units::deg,
@@ -170,6 +178,7 @@ bool read_raw(LoadedFile& file, io::RawFormat format) {
     file.gps_time = true;
     if (!raw.observations.epochs.empty()) describe_observations(raw, file);
     describe_navigation(raw.navigation, file.report.contents);
+    tell_contradictions(raw.navigation, file);
     if (!raw.fixes.empty())
         file.report.contents.push_back(fmt::format("{} of the receiver itself, {}", counted(raw.fixes.size(), "fix", "fixes"),
                                                    span(raw.fixes.front().time, raw.fixes.back().time)));

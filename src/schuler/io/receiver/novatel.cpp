@@ -93,15 +93,16 @@ int configured_imu(std::string_view bytes) {
 }
 
 FixType fix_of_code(unsigned type) {
-    if (type == 0) return FixType::None;
+    constexpr unsigned propagated = 19;
+    if (type == 0 || type == propagated) return FixType::None;  // or without measurements of its own
     if (type == 16 || type == 8 || type == 1 || type == 2 || type == 53) return FixType::Autonomous;
     if (type == 17 || type == 18 || type == 52 || type == 54 || (type >= 68 && type <= 74) || (type >= 77 && type <= 80))
         return FixType::Differential;
     if (type == 48 || type == 49 || type == 50 || type == 51 || type == 56) return FixType::RtkFixed;
-    if (type == 32 || type == 33 || type == 34 || type == 55 || type == 19 || type == 20) return FixType::RtkFloat;
+    if (type == 32 || type == 33 || type == 34 || type == 55) return FixType::RtkFloat;
     return FixType::Unknown;
 }
-FixType fix_of_word(std::string_view word) {
+unsigned code_of(std::string_view word) {
     // clang-format off
     static const std::map<std::string_view, unsigned> codes = {
         {"NONE", 0}, {"FIXEDPOS", 1}, {"FIXEDHEIGHT", 2}, {"DOPPLER_VELOCITY", 8}, {"SINGLE", 16}, {"PSRDIFF", 17}, {"WAAS", 18}, {"SBAS", 18},
@@ -111,22 +112,29 @@ FixType fix_of_word(std::string_view word) {
         {"PPP_BASIC_CONVERGING", 77}, {"PPP_BASIC", 78}, {"INS_PPP_BASIC_CONVERGING", 79}, {"INS_PPP_BASIC", 80}};
     // clang-format on
     const auto it = codes.find(word);
-    return it == codes.end() ? FixType::Unknown : fix_of_code(it->second);
+    constexpr unsigned unknown = 1000;
+    return it == codes.end() ? unknown : it->second;
 }
+
+/// Whether the receiver has integrated its inertial unit into it (types of the INS).
+bool is_blended(unsigned type) { return (type >= 51 && type <= 56) || type == 73 || type == 74 || type == 79 || type == 80; }
 
 class NovatelReader {
 public:
     std::set<std::string> others;
     std::optional<int> unknown_imu;
     detail::NovatelScan scan;
-    std::size_t corrected = 0;  ///< logs of IMU data without gravity
+    std::size_t corrected = 0;   ///< logs of IMU data without gravity
+    std::size_t blended = 0;     ///< fixes of the first kind that hold the receiver's own integration
+    std::size_t compressed = 0;  ///< raw measurements in a form that is not read
     bool encrypted = false;
 
     void read(std::string_view bytes) {
         imu_type_ = configured_imu(bytes);
         scan = detail::scan_novatel(bytes, [this](const NovatelMessage& m) {
             if (m.secondary) return true;  // of the second antenna
-            if (m.name.empty()) message(m.id, m.ns, m.payload);
+            if (detail::is_compressed(m)) ++compressed;
+            else if (m.name.empty()) message(m.id, m.ns, m.payload);
             else sentence(m.name, m.ns, m.cells);
             return true;
         });
@@ -134,19 +142,23 @@ public:
 
     void finish(StreamLog& log) {
         log.clock = Clock::Gps;
+        if (!waiting_.empty()) unknown_imu = -1;
+        if (others.contains("43") || others.contains("RANGE")) compressed = 0;  // the same in full
         log.add(std::move(imu_));
         // what the receiver's own integration had no part in first
         static constexpr std::array<const char*, 3> sources = {"BESTGNSSPOS, BESTGNSSVEL", "BESTPOS, BESTVEL", "PSRPOS, PSRVEL"};
         for (std::size_t k = 0; k < sources.size(); ++k) {
             Stream fixes("gnss", TableKind::Gnss, sources[k],
-                         {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m",
-                          "std_e_m", "std_d_m", "satellites"});
+                         {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "vel_time_valid_s",
+                          "std_n_m", "std_e_m", "std_d_m", "satellites"});
             for (const auto& [ns, f] : fixes_[k]) {
                 if (!std::isfinite(f.position.lat)) continue;
                 fixes.add(ns, {f.position.lat, f.position.lon, f.position.h, f.velocity_n.x(), f.velocity_n.y(), f.velocity_n.z(),
+                               f.velocity_age > 0.0 ? (Time{ns} - Duration::from_seconds(f.velocity_age)).seconds() : not_given,
                                f.std_position.x(), f.std_position.y(), f.std_position.z(), static_cast<double>(f.satellites)});
                 fixes.fix.push_back(f.fix);
             }
+            if (log.find("gnss") == nullptr && fixes.rows() > 0) blended = blended_[k];
             log.add(std::move(fixes));
         }
         log.add(std::move(solution_));
@@ -166,14 +178,14 @@ private:
                     position(id == 1429 ? 0
                              : id == 42 ? 1
                                         : 2,
-                             ns, load<std::uint32_t>(p, 0) == 0, fix_of_code(load<std::uint32_t>(p, 4)),
-                             {d(8), d(16), d(24) + f(32)}, {f(40), f(44), f(48)}, static_cast<unsigned char>(p[65]));
+                             ns, load<std::uint32_t>(p, 0) == 0, load<std::uint32_t>(p, 4), {d(8), d(16), d(24) + f(32)},
+                             {f(40), f(44), f(48)}, static_cast<unsigned char>(p[65]));
                 break;
             case 99:
             case 100:
             case 1430:  // BESTVEL, PSRVEL, BESTGNSSVEL
                 if (p.size() >= 44)
-                    velocity(id == 1430 ? 0 : id == 99 ? 1 : 2, ns, load<std::uint32_t>(p, 0) == 0, d(16), d(24), d(32));
+                    velocity(id == 1430 ? 0 : id == 99 ? 1 : 2, ns, load<std::uint32_t>(p, 0) == 0, f(8), d(16), d(24), d(32));
                 break;
             case 507:
             case 508:  // INSPVA, INSPVAS
@@ -203,7 +215,7 @@ private:
             case 1362:
             case 2264: ++corrected; break;  // CORRIMUDATA(S), IMURATECORRIMUS, CORRIMUS: gravity is taken out
             case 1945:
-                if (imu_type_ < 0 && p.size() >= 4) imu_type_ = load<std::int32_t>(p, 0);
+                if (imu_type_ < 0 && p.size() >= 4) name_imu(load<std::int32_t>(p, 0));
                 break;  // INSCONFIG
             default: others.insert(std::to_string(id)); break;
         }
@@ -212,8 +224,8 @@ private:
     /// Bit 1 of a raw log's first byte: encrypted.
     int type_in(int information, int type) {
         encrypted = encrypted || (information & 2) != 0;
-        imu_type_ = type;
-        return (information & 2) != 0 ? -2 : type;
+        if (imu_type_ != type) name_imu(type);
+        return (information & 2) != 0 ? -2 : type < 0 ? -3 : type;  // encrypted; a name that is not known
     }
 
     static std::int64_t week_time(std::uint32_t week, double seconds) { return detail::novatel_time(week, seconds); }
@@ -229,9 +241,9 @@ private:
             position(name == "BESTGNSSPOS" ? 0
                      : name == "BESTPOS"   ? 1
                                            : 2,
-                     ns, c[0] == "SOL_COMPUTED", fix_of_word(c[1]), {n(2), n(3), n(4) + n(5)}, {n(7), n(8), n(9)}, n(14));
+                     ns, c[0] == "SOL_COMPUTED", code_of(c[1]), {n(2), n(3), n(4) + n(5)}, {n(7), n(8), n(9)}, n(14));
         } else if ((name == "BESTVEL" || name == "BESTGNSSVEL" || name == "PSRVEL") && c.size() >= 7) {
-            velocity(name == "BESTGNSSVEL" ? 0 : name == "BESTVEL" ? 1 : 2, ns, c[0] == "SOL_COMPUTED", n(4), n(5), n(6));
+            velocity(name == "BESTGNSSVEL" ? 0 : name == "BESTVEL" ? 1 : 2, ns, c[0] == "SOL_COMPUTED", n(2), n(4), n(5), n(6));
         } else if ((name == "INSPVA" || name == "INSPVAS") && c.size() >= 12) {
             solution(time(), {n(2), n(3), n(4), n(5), n(6), n(7), n(8), n(9), n(10)}, status_of(c[11]));
         } else if (name == "INSPVAX" && c.size() >= 12) {
@@ -245,7 +257,7 @@ private:
         } else if (name == "CORRIMUDATA" || name == "CORRIMUDATAS" || name == "IMURATECORRIMUS" || name == "CORRIMUS") {
             ++corrected;
         } else if (name == "INSCONFIG") {
-            if (imu_type_ < 0 && !c.empty()) imu_type_ = type_of(c[0]);
+            if (imu_type_ < 0 && !c.empty()) name_imu(type_of(c[0]));
         } else {
             others.insert(std::string(name));
         }
@@ -259,21 +271,25 @@ private:
                                                                                                                    : 0;
     }
 
-    void position(std::size_t source, std::int64_t ns, bool computed, FixType fix, const std::array<double, 3>& p,
+    void position(std::size_t source, std::int64_t ns, bool computed, unsigned type, const std::array<double, 3>& p,
                   const std::array<double, 3>& sigma, double satellites) {
         if (ns == 0) return;
         GnssFix& f = fixes_[source][ns];
-        if (!computed) fix = FixType::None;
+        if (computed && is_blended(type)) ++blended_[source];
         f.position = {p[0], p[1], p[2]};  // degrees, as the stream has them
         f.std_position = {sigma[0], sigma[1], sigma[2]};
         f.satellites = satellites >= 0.0 && satellites < 1000.0 ? static_cast<int>(satellites) : -1;
-        f.fix = fix;
+        f.fix = computed ? fix_of_code(type) : FixType::None;
     }
-    void velocity(std::size_t source, std::int64_t ns, bool computed, double speed, double course_deg, double up) {
+    /// `latency`: s, by which the velocity is older than its log.
+    void velocity(std::size_t source, std::int64_t ns, bool computed, double latency, double speed, double course_deg,
+                  double up) {
+        constexpr double longest = 10.0;  // s
         if (!computed || ns == 0) return;
         auto [it, is_new] = fixes_[source].try_emplace(ns);
         if (is_new) it->second.position = {not_given, not_given, not_given};
         it->second.velocity_n = {speed * std::cos(course_deg * units::deg), speed * std::sin(course_deg * units::deg), -up};
+        it->second.velocity_age = latency > 0.0 && latency < longest ? latency : 0.0;
     }
     /// lat, lon, height, north, east, up, roll, pitch, azimuth
     void solution(std::int64_t ns, const std::array<double, 9>& s, std::uint32_t status) {
@@ -281,17 +297,34 @@ private:
             return;  // no attitude, or one that is only being found
         solution_.add(ns, {s[0], s[1], s[2], s[3], s[4], -s[5], s[6], s[7], s[8]});
     }
+    struct Increments {
+        std::int64_t ns;
+        double az, minus_ay, ax, gz, minus_gy, gx;
+    };
+
+    /// The log has told of which IMU RAWIMU is: what came before is of it too.
+    void name_imu(int type) {
+        imu_type_ = type;
+        if (type < 0) return;
+        for (const Increments& i : waiting_) scaled(i, type);
+        waiting_.clear();
+    }
     void raw_imu(std::int64_t ns, int type, double az, double minus_ay, double ax, double gz, double minus_gy, double gx) {
-        const ImuScale* scale = scale_of(type);
         if (ns == 0) return;
+        const Increments one{ns, az, minus_ay, ax, gz, minus_gy, gx};
+        if (type == -1) waiting_.push_back(one);
+        else scaled(one, type);
+    }
+    void scaled(const Increments& i, int type) {
+        const ImuScale* scale = scale_of(type);
         if (scale == nullptr) {
             unknown_imu = type;
             return;
         }
         // x right, y forward, z up to forward, right, down
-        const double wx = gx * scale->gyro, wy = -minus_gy * scale->gyro, wz = gz * scale->gyro;
-        const double vx = ax * scale->accel, vy = -minus_ay * scale->accel, vz = az * scale->accel;
-        imu_.add(ns, {wy, wx, -wz, vy, vx, -vz});
+        const double wx = i.gx * scale->gyro, wy = -i.minus_gy * scale->gyro, wz = i.gz * scale->gyro;
+        const double vx = i.ax * scale->accel, vy = -i.minus_ay * scale->accel, vz = i.az * scale->accel;
+        imu_.add(i.ns, {wy, wx, -wz, vy, vx, -vz});
     }
 
     Stream imu_{
@@ -302,6 +335,8 @@ private:
         "INSPVA",
         {"lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"}};
     std::array<std::map<std::int64_t, GnssFix>, 3> fixes_;
+    std::array<std::size_t, 3> blended_{};
+    std::vector<Increments> waiting_;  ///< of RAWIMU, before the log tells of which IMU
     int imu_type_ = -1;
 };
 
@@ -330,6 +365,15 @@ StreamLog read_novatel(const TextInput& input, WarningLog& warnings) {
                      fmt::format("{}: CORRIMUDATA is without gravity and the Earth's rotation: not used as an IMU (log RAWIMUX)",
                                  input.name()),
                      reader.corrected);
+    if (reader.blended > 0)
+        warnings.add(
+            input.name() + " novatel.blended",
+            fmt::format(
+                "{}: fixes of the receiver's own integration with its inertial unit (INS types of BESTPOS): their errors are not "
+                "independent of that unit's, sigmas of a solution with both are too small (log BESTGNSSPOS)",
+                input.name()),
+            reader.blended);
+    if (reader.compressed > 0) detail::tell_compressed(input.name(), reader.compressed, warnings);
     if (!log.streams.empty()) return log;
     std::string names;
     for (const std::string& name : reader.others) names += (names.empty() ? "" : ", ") + name;

@@ -12,8 +12,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
+#include <vector>
 
 namespace schuler::io {
 namespace {
@@ -73,11 +77,12 @@ public:
     RawReader() : frames_(result.navigation) {}
 
     NovatelRaw result;
-    std::size_t unknown_signals = 0, repeated = 0;
+    std::size_t unknown_signals = 0, repeated = 0, compressed = 0;
 
     void take(const NovatelMessage& m) {
         if (m.secondary || m.ns == 0) return;
         const Time now{m.ns};
+        if (detail::is_compressed(m)) ++compressed;
         switch (m.id) {
             case range: ranges(m, now); break;
             case gps_ephemeris: gps(m, now); break;
@@ -90,36 +95,110 @@ public:
         }
     }
 
+    /// After the last log.
+    void finish() {
+        order_epochs();
+        find_losses();
+    }
+
 private:
+    struct Lock {
+        float seconds = 0.0F;
+        bool half_added = false, parity_known = false, behind_a_gap = false;
+    };
+    struct Measured {
+        gnss::SignalObservation of;
+        Lock lock;
+    };
+
     void ranges(const NovatelMessage& m, Time now) {
         NovatelFields f(m);
         const auto count = f.next<std::uint32_t>();
         constexpr std::uint32_t most = 1000;
         if (count == 0 || count > most) return;
         gnss::ObservationLog& log = result.observations;
-        if (!log.epochs.empty() && now <= log.epochs.back().time) {
-            ++repeated;
-            return;
-        }
         gnss::ObservationEpoch epoch;
         epoch.time = now;
         epoch.first = log.observations.size();
-        for (std::uint32_t i = 0; i < count && !f.is_short(); ++i) measurement(f, now);
+        for (std::uint32_t i = 0; i < count && !f.is_short(); ++i) measurement(f);
+        std::ranges::stable_sort(measured_, {}, [](const Measured& x) { return x.of.satellite; });
+        for (const Measured& x : measured_) {
+            log.observations.push_back(x.of);
+            locks_.push_back(x.lock);
+        }
+        measured_.clear();
         epoch.count = log.observations.size() - epoch.first;
-        if (epoch.count == 0) return;
-        std::stable_sort(log.observations.begin() + static_cast<std::ptrdiff_t>(epoch.first), log.observations.end(),
-                         [](const auto& a, const auto& b) { return a.satellite < b.satellite; });
-        log.epochs.push_back(epoch);
+        if (epoch.count > 0) log.epochs.push_back(epoch);
     }
 
-    void measurement(NovatelFields& f, Time now) {
+    /// Leaves out the fewest epochs that make the times grow: one stamped too late is left out, not all that follow it.
+    void order_epochs() {
+        gnss::ObservationLog& log = result.observations;
+        constexpr std::size_t none = SIZE_MAX;
+        std::vector<std::size_t> ends,
+            before(log.epochs.size(), none);  // ends[k]: of the growing chains of k + 1 epochs that ending first
+        for (std::size_t i = 0; i < log.epochs.size(); ++i) {
+            const auto at =
+                std::ranges::lower_bound(ends, log.epochs[i].time, {}, [&](std::size_t e) { return log.epochs[e].time; });
+            if (at != ends.begin()) before[i] = *(at - 1);
+            if (at == ends.end()) ends.push_back(i);
+            else if (log.epochs[i].time < log.epochs[*at].time) *at = i;
+        }
+        if (ends.size() == log.epochs.size()) return;
+        repeated = log.epochs.size() - ends.size();
+        std::vector<bool> kept(log.epochs.size(), false);
+        for (std::size_t i = ends.back(); i != none; i = before[i]) kept[i] = true;
+        std::size_t n = 0, to = 0;
+        for (std::size_t i = 0; i < log.epochs.size(); ++i) {
+            if (!kept[i]) continue;
+            gnss::ObservationEpoch e = log.epochs[i];
+            for (std::size_t k = 0; k < e.count; ++k) {
+                log.observations[to + k] = log.observations[e.first + k];
+                locks_[to + k] = locks_[e.first + k];
+            }
+            e.first = to;
+            to += e.count;
+            log.epochs[n++] = e;
+        }
+        log.epochs.resize(n);
+        log.observations.resize(to);
+        locks_.resize(to);
+    }
+
+    /// Where the time of lock did not grow with the time.
+    void find_losses() {
+        struct Held {
+            Time time;
+            Lock lock;
+        };
+        std::map<std::pair<SatelliteId, Signal>, Held> held;
+        for (const gnss::ObservationEpoch& e : result.observations.epochs) {
+            for (std::size_t i = e.first; i < e.first + e.count; ++i) {
+                gnss::SignalObservation& o = result.observations.observations[i];
+                if (!std::isfinite(o.phase)) continue;
+                Held& before = held[{o.satellite, o.signal}];
+                const Lock& lock = locks_[i];
+                const double since = std::min((e.time - before.time).seconds(), 1e6);
+                const double expected = static_cast<double>(before.lock.seconds) + since;
+                // the log has it in single precision: a sixteenth of a second after six days
+                const double rounding = static_cast<double>(std::numeric_limits<float>::epsilon()) * std::abs(expected);
+                const bool lost = before.time.ns == 0 || lock.behind_a_gap ||
+                                  static_cast<double>(lock.seconds) + 0.05 + rounding < expected ||
+                                  lock.half_added != before.lock.half_added;
+                o.loss_of_lock = static_cast<std::uint8_t>((lost ? 1 : 0) | (lock.parity_known ? 0 : 2));
+                before = {e.time, lock};
+            }
+        }
+    }
+
+    void measurement(NovatelFields& f) {
         const int prn = f.next<std::uint16_t>(), frequency = f.next<std::uint16_t>();
         const double psr = f.next<double>();
         f.skip(4, 1);  // its sigma
         const double adr = f.next<double>();
         f.skip(4, 1);
-        const double doppler = static_cast<double>(f.next<float>()), cn0 = static_cast<double>(f.next<float>()),
-                     locked = static_cast<double>(f.next<float>());
+        const double doppler = static_cast<double>(f.next<float>()), cn0 = static_cast<double>(f.next<float>());
+        const float locked = f.next<float>();
         const std::uint32_t status = f.hex();
         if (f.is_short()) return;
         const auto satellite = satellite_of(status >> 16 & 7U, prn);
@@ -138,21 +217,14 @@ private:
             o.phase = -adr;  // the log's falls as the range grows
         if (std::isfinite(doppler) && std::abs(doppler) < 1e6) o.doppler = doppler;
         if (cn0 > 0.0 && cn0 < 100.0) o.cn0 = cn0;
-        Held& before = held_[{o.satellite, o.signal}];
-        if (std::isfinite(o.phase)) {
-            const double since = 1e-9 * static_cast<double>((now - before.time).ns);
-            const bool lost =
-                before.time.ns == 0 || locked + 0.05 < before.locked + std::min(since, 1e6) || half_added != before.half_added;
-            o.loss_of_lock = static_cast<std::uint8_t>((lost ? 1 : 0) | (parity_known ? 0 : 2));
-            before = {now, locked, half_added};
-        } else {
-            before = {};
-        }
         if (satellite->system == System::Glonass && frequency <= 20) {
             std::int8_t& channel = result.observations.channels.of_slot[satellite->number];
             if (channel == gnss::unknown_channel) channel = static_cast<std::int8_t>(frequency - 7);
         }
-        if (std::isfinite(o.pseudorange) || std::isfinite(o.phase)) result.observations.observations.push_back(o);
+        const bool has_phase = std::isfinite(o.phase);
+        const bool behind_a_gap = has_phase && unlocked_.erase({o.satellite, o.signal}) > 0;
+        if (!has_phase) unlocked_.insert({o.satellite, o.signal});
+        if (std::isfinite(o.pseudorange) || has_phase) measured_.push_back({o, {locked, half_added, parity_known, behind_a_gap}});
     }
 
     void add(const gnss::KeplerEphemeris& k) {
@@ -327,12 +399,9 @@ private:
         if (leap >= 0 && leap < 100) result.navigation.leap_seconds = leap;
     }
 
-    struct Held {
-        Time time;
-        double locked = 0.0;  ///< s
-        bool half_added = false;
-    };
-    std::map<std::pair<SatelliteId, Signal>, Held> held_;
+    std::vector<Measured> measured_;                     ///< of the epoch that is read
+    std::vector<Lock> locks_;                            ///< of each observation
+    std::set<std::pair<SatelliteId, Signal>> unlocked_;  ///< whose last measurement had no phase
     detail::FrameCollector frames_;
 };
 
@@ -345,6 +414,7 @@ NovatelRaw read_novatel_raw(const TextInput& input, WarningLog& log) {
         reader.take(m);
         return true;
     });
+    reader.finish();
     if (scan.damaged > 0)
         log.add(input.name() + " novatel.damaged",
                 fmt::format("{}: damaged logs, the first at byte {}: skipped", input.name(), scan.first_damaged), scan.damaged);
@@ -353,7 +423,11 @@ NovatelRaw read_novatel_raw(const TextInput& input, WarningLog& log) {
                 reader.unknown_signals);
     if (reader.repeated > 0)
         log.add(input.name() + " novatel.repeated",
-                fmt::format("{}: epochs not later than the one before: skipped", input.name()), reader.repeated);
+                fmt::format("{}: epochs not later than the one before, or stamped later than those behind them: skipped",
+                            input.name()),
+                reader.repeated);
+    if (reader.compressed > 0 && reader.result.observations.epochs.empty())
+        detail::tell_compressed(input.name(), reader.compressed, log);
     return std::move(reader.result);
 }
 

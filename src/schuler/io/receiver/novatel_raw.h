@@ -13,8 +13,8 @@ struct NovatelRaw {
     gnss::Navigation navigation;        ///< of GPSEPHEM or RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC
 };
 
-/// Reads a log, ASCII or binary, in one pass [NovAtelOEM7]. Logs with a wrong check sum are skipped and told with their byte offset; epochs not
-/// later than the one before are left out. @throws Error(Input): not readable.
+/// Reads a log, ASCII or binary, in one pass [NovAtelOEM7]. Logs with a wrong check sum are skipped and told with their byte offset; of
+/// epochs whose times do not grow the fewest are left out. @throws Error(Input): not readable.
 [[nodiscard]] NovatelRaw read_novatel_raw(const TextInput& input, WarningLog& log);
 
 /// Whether the first bytes have one of these logs. Never throws on content.

@@ -53,6 +53,7 @@ bool is_sbet(const FileHead& head) {
 /// z down. The positions of the file show which: the way between records half a second apart has the direction of the velocity.
 struct Signs {
     double east = -1.0, down = -1.0;  ///< of the velocities' y and z
+    bool east_shown = false, down_shown = false;
 };
 Signs signs_of(std::string_view bytes) {
     const std::size_t rows = bytes.size() / record_size;
@@ -62,10 +63,11 @@ Signs signs_of(std::string_view bytes) {
     struct Agreement {
         double together = 0.0, way = 0.0, velocity = 0.0;
         void add(double w, double v) { together += w * v, way += w * w, velocity += v * v; }
-        [[nodiscard]] double sign() const {
+        [[nodiscard]] bool clear() const {
             constexpr double clear = 0.3;  // of the correlation
-            return together > clear * std::sqrt(way * velocity) ? 1.0 : -1.0;
+            return std::abs(together) > clear * std::sqrt(way * velocity);
         }
+        [[nodiscard]] double sign() const { return clear() && together > 0.0 ? 1.0 : -1.0; }
     } east, down;
     constexpr std::size_t most = 20'000;
     for (std::size_t i = 0, step = std::max<std::size_t>(1, rows / most); i + apart < rows; i += step) {
@@ -81,7 +83,7 @@ Signs signs_of(std::string_view bytes) {
         east.add(to_east - slope, c * 0.5 * (a[5] + b[5]));
         down.add(fallen, 0.5 * (a[6] + b[6]));
     }
-    return {east.sign(), down.sign()};
+    return {east.sign(), down.sign(), east.clear(), down.clear()};
 }
 
 StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
@@ -91,7 +93,7 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
              {"lat_deg", "lon_deg", "height_ellipsoidal_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg",
               "heading_deg"});
     std::size_t damaged = 0, first = 0;
-    double latest = 0.0;
+    double latest = 0.0, across = 0.0, upright = 0.0;
     const Signs signs = signs_of(bytes);
     for (std::size_t i = 0; i < bytes.size() / record_size; ++i) {
         const SbetRecord r = record_at(bytes, i);
@@ -105,6 +107,8 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
               {r[1] / units::deg, r[2] / units::deg, r[3], c * r[4] + w * y, -w * r[4] + c * y, signs.down * r[6],
                r[7] / units::deg, r[8] / units::deg, math::wrap_2pi(r[9] - r[10]) / units::deg});
         latest = std::max(latest, r[0]);
+        across += r[5] * r[5];
+        upright += r[6] * r[6];
     }
     constexpr double week = 604'800.0;
     log.clock = latest <= 2.0 * week ? Clock::SecondsOfWeek : Clock::Gps;
@@ -114,6 +118,17 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
     if (bytes.size() % record_size != 0)
         warnings.add(input.name() + " sbet.cut", fmt::format("{}: the file is cut in the record at byte {}: read up to there",
                                                              input.name(), bytes.size() / record_size * record_size));
+    constexpr double matters = 0.05;  // m/s RMS
+    const auto tell = [&](bool shown, double squares, const char* component, const char* taken) {
+        if (shown || squares <= matters * matters * static_cast<double>(s.rows())) return;
+        warnings.add(
+            fmt::format("{} sbet.signs.{}", input.name(), component),
+            fmt::format(
+                "{}: its positions do not show the sign of the velocities' {} component: taken for {}, as Applanix writes it",
+                input.name(), component, taken));
+    };
+    tell(signs.east_shown, across, "second", "west");
+    tell(signs.down_shown, upright, "third", "up");
     log.add(std::move(s));
     if (log.streams.empty())
         throw input_error("holds no record of an SBET", place_in(input.name()),

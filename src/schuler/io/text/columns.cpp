@@ -4,6 +4,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/text/detail/column_dictionary.h"
 #include "schuler/io/text/own_frame.h"
+#include "schuler/math/quantile.h"
 
 #include <fmt/format.h>
 
@@ -127,16 +128,17 @@ bool column_is_empty(const TableLayout& layout, int column) {
 }
 
 /// A time without a unit: seconds, unless the numbers are too large for them. Then they are ticks since 1970, or since the start of an instrument, of
-/// which the step between two rows tells the size; it is longer between fixes than between samples.
+/// which the usual step between two rows tells the size; it is longer between fixes than between samples.
 TimeUnit unit_by_size(const TableLayout& layout, int column, bool fixes) {
     const auto value_of = [&](const std::vector<std::string>& row) {
         return static_cast<std::size_t>(column) < row.size() ? number_from(row[static_cast<std::size_t>(column)]) : not_given;
     };
     if (layout.sample.empty()) return TimeUnit::Seconds;
     const double value = value_of(layout.sample.front());
-    double step = not_given;
-    for (std::size_t i = 1; i < layout.sample.size() && !(step > 0.0); ++i)
-        step = value_of(layout.sample[i]) - value_of(layout.sample[i - 1]);
+    std::vector<double> steps;  // their median: one may be a pause
+    for (std::size_t i = 1; i < layout.sample.size(); ++i)
+        if (const double d = value_of(layout.sample[i]) - value_of(layout.sample[i - 1]); d > 0.0) steps.push_back(d);
+    const double step = steps.empty() ? not_given : math::median(std::move(steps));
     constexpr double seconds_most = 4e9;  // 2106
     if (!(value > seconds_most)) return TimeUnit::Seconds;
     if (value > 1e17) return TimeUnit::Nanoseconds;

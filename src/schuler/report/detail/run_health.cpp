@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 namespace schuler::report::detail {
 namespace {
@@ -11,9 +12,14 @@ struct Look {
     const char* state;
     Ink ink;
 };
-constexpr std::array looks{Look{"used", Ink::Blue},       Look{"refused", Ink::Vermillion}, Look{"distrusted", Ink::Orange},
-                           Look{"left out", Ink::Purple}, Look{"withheld", Ink::Muted},     Look{"hanging", Ink::Text},
-                           Look{"silent", Ink::Sky}};
+constexpr std::array looks{Look{"used", Ink::Blue},         Look{"refused", Ink::Vermillion},
+                           Look{"distrusted", Ink::Orange}, Look{"left out", Ink::Purple},
+                           Look{"withheld", Ink::Muted},    Look{"hanging", Ink::Text},
+                           Look{"silent", Ink::Sky},        Look{"partly refused", Ink::Vermillion},
+                           Look{"partly used", Ink::Green}};
+
+/// Thin where there was nothing, or only a part was used.
+double width_of(std::string_view state) { return state == "silent" ? 3.0 : state.starts_with("partly") ? 5.0 : 9.0; }
 
 }  // namespace
 
@@ -21,7 +27,7 @@ Section health_section(const RunReportData& data) {
     Section section{
         "Health of the sources",
         "Used, refused by its gate, distrusted by the integrity monitor, left out before the run, withheld by the user, hanging (values that "
-        "repeat), silent. Single refused samples are not drawn.",
+        "repeat), silent; partly refused, partly used: to and fro between these. Single refused samples among many used ones are not drawn.",
         {}};
     if (data.health.empty()) return section;
     std::vector<std::string> sources;
@@ -34,8 +40,7 @@ Section health_section(const RunReportData& data) {
     for (std::size_t i = 0; i < sources.size(); ++i)
         panel.row_names.emplace_back(rows - 1.0 - static_cast<double>(i), sources[i]);
     for (const Look& look : looks) {
-        Series bars{
-            .name = look.state, .x = {}, .y = {}, .ink = look.ink, .width = std::string(look.state) == "silent" ? 3.0 : 9.0};
+        Series bars{.name = look.state, .x = {}, .y = {}, .ink = look.ink, .width = width_of(look.state)};
         for (const HealthEntry& h : data.health) {
             if (h.state != look.state) continue;
             const double row = rows - 1.0 - static_cast<double>(std::ranges::find(sources, h.source) - sources.begin());

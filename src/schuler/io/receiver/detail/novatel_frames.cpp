@@ -1,5 +1,7 @@
 #include "schuler/io/receiver/detail/novatel_frames.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -32,6 +34,29 @@ int id_of(std::string_view name) {
     // clang-format on
     const auto it = ids.find(name);
     return it == ids.end() ? 0 : it->second;
+}
+
+/// The star before the check sum that is that of all between the first character and it; npos: none. A log may hold another with its own star
+/// (RXCONFIG).
+std::size_t checked_star(std::string_view line) {
+    constexpr std::size_t digits = 8;
+    std::uint32_t crc = 0;
+    std::size_t summed = 1;  // up to here
+    for (std::size_t star = line.find('*'); star != std::string_view::npos; star = line.find('*', star + 1)) {
+        if (line.size() < star + 1 + digits) break;
+        std::uint32_t stated = 0;
+        bool is_number = true;
+        for (const char c : line.substr(star + 1, digits)) {
+            const int digit = digit_of(c);
+            is_number = is_number && digit >= 0;
+            stated = stated << 4 | static_cast<unsigned>(digit);
+        }
+        if (!is_number) continue;
+        crc = novatel_crc(line.substr(summed, star - summed), crc);
+        summed = star;
+        if (crc == stated) return star;
+    }
+    return std::string_view::npos;
 }
 
 class Scanner {
@@ -67,16 +92,9 @@ public:
     std::size_t ascii(std::string_view text) {
         constexpr std::size_t longest = 65'536;
         text = text.substr(0, longest);
-        const std::size_t star = text.find('*'), end = text.find('\n');
-        if (star == std::string_view::npos || (end != std::string_view::npos && end < star) || text.size() < star + 9) return 0;
+        const std::size_t star = checked_star(text.substr(0, text.find('\n')));
+        if (star == std::string_view::npos) return 0;
         const std::string_view content = text.substr(1, star - 1);
-        std::uint32_t crc = 0;
-        for (const char c : text.substr(star + 1, 8)) {
-            const int digit = digit_of(c);
-            if (digit < 0) return 0;
-            crc = crc << 4 | static_cast<unsigned>(digit);
-        }
-        if (novatel_crc(content) != crc) return 0;
         const std::size_t semicolon = content.find(';'), used = star + 9;
         if (semicolon == std::string_view::npos) return used;
         split(content.substr(0, semicolon), header_);
@@ -109,7 +127,7 @@ private:
 
 }  // namespace
 
-std::uint32_t novatel_crc(std::string_view bytes) {
+std::uint32_t novatel_crc(std::string_view bytes, std::uint32_t crc) {
     static const std::array<std::uint32_t, 256> table = [] {
         std::array<std::uint32_t, 256> t{};
         for (std::uint32_t i = 0; i < 256; ++i) {
@@ -119,7 +137,6 @@ std::uint32_t novatel_crc(std::string_view bytes) {
         }
         return t;
     }();
-    std::uint32_t crc = 0;
     for (const char b : bytes) crc = table[(crc ^ static_cast<unsigned char>(b)) & 0xFFU] ^ crc >> 8;
     return crc;
 }
@@ -127,6 +144,17 @@ std::uint32_t novatel_crc(std::string_view bytes) {
 std::int64_t novatel_time(double week, double seconds) {
     const bool known = week >= 1.0 && week < 10'000.0 && seconds >= 0.0 && seconds < 604'801.0;
     return known ? Time::from_gps(static_cast<int>(week), seconds).ns : 0;
+}
+
+void tell_compressed(const std::string& file, std::size_t count, WarningLog& warnings) {
+    warnings.add(
+        file + " novatel.compressed",
+        fmt::format("{}: compressed raw measurements (RANGECMP) are not read: log RANGE, or convert them to RANGE", file), count);
+}
+
+bool is_compressed(const NovatelMessage& m) {
+    static constexpr std::array ids{140, 1273, 2050, 2537};  // RANGECMP, RANGECMP2, RANGECMP4, RANGECMP5
+    return m.name.empty() ? std::ranges::find(ids, m.id) != ids.end() : m.name.starts_with("RANGECMP");
 }
 
 NovatelScan scan_novatel(std::string_view bytes, const std::function<bool(const NovatelMessage&)>& take) {

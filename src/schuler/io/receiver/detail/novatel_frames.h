@@ -1,6 +1,7 @@
 // Framing of NovAtel logs, ASCII and binary [NovAtelOEM7]. Private to the readers.
 #pragma once
 
+#include "schuler/core/log.h"
 #include "schuler/core/time.h"
 #include "schuler/io/detail/little_endian.h"
 #include "schuler/io/text/number.h"
@@ -9,14 +10,15 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
 namespace schuler::io::detail {
 
-/// CRC-32 of NovAtel: reversed polynomial 0xEDB88320, from zero, without the final inversion.
-[[nodiscard]] std::uint32_t novatel_crc(std::string_view bytes);
+/// CRC-32 of NovAtel: reversed polynomial 0xEDB88320, from zero (or the sum of what stands before), without the final inversion.
+[[nodiscard]] std::uint32_t novatel_crc(std::string_view bytes, std::uint32_t crc = 0);
 
 /// One log whose check sum is right.
 struct NovatelMessage {
@@ -34,6 +36,10 @@ struct NovatelScan {
 
 /// Gives every log in turn to `take`, until it says false.
 NovatelScan scan_novatel(std::string_view bytes, const std::function<bool(const NovatelMessage&)>& take);
+
+/// Compressed raw measurements (RANGECMP and its kin) are not read.
+void tell_compressed(const std::string& file, std::size_t count, WarningLog& warnings);
+[[nodiscard]] bool is_compressed(const NovatelMessage& m);
 
 /// GPS time of week and seconds; 0 where they are none.
 [[nodiscard]] std::int64_t novatel_time(double week, double seconds);
