@@ -1,11 +1,15 @@
 // Which of several receivers is the one to be located.
 #include "schuler/dataset/raw_observations.h"
+#include "schuler/dataset/recognise.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace schuler::dataset {
 namespace {
@@ -69,6 +73,41 @@ TEST_F(RawObservationsTest, NothingWithoutEphemerides) {
     fs::remove(folder_ / "day.nav");
     observations("rover.obs");
     EXPECT_EQ(taken(), "(none)");
+}
+
+class RawBesideImu : public RawObservationsTest {
+protected:
+    void imu(const std::string& name) const {
+        std::ofstream out(folder_ / name);
+        out << "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n";
+        for (int i = 0; i < 3000; ++i)
+            out << 408640.0 + 0.01 * i << ',' << 1e-3 * ((i * 7) % 11 - 5) << ",0.001,0.002,0.0" << i % 10 << ",0.02,-9.81\n";
+    }
+    static std::string value_of(const std::vector<Fact>& facts, std::string_view key) {
+        const auto it = std::ranges::find(facts, key, &Fact::key);
+        return it == facts.end() ? "(none)" : to_text(it->value);
+    }
+};
+
+TEST_F(RawBesideImu, TakesThePlaceOfFixes) {
+    observations("rover.obs");
+    imu("imu.csv");
+    const Recognised r = recognise(folder_, Needs::ImuAndGnss, {});
+    EXPECT_EQ(value_of(r.facts, "imu.file"), "\"imu.csv\"");
+    EXPECT_EQ(value_of(r.facts, "gnss.observations"), "\"rover.obs\"");
+    EXPECT_EQ(value_of(r.facts, "filter.scheme"), "(none)") << "with an IMU the positions of epochs are not all";
+    EXPECT_NE(r.dataset_toml.find("observations = \"rover.obs\""), std::string::npos) << r.dataset_toml;
+}
+
+TEST_F(RawBesideImu, OrIsNamedWithoutTheImu) {
+    observations("rover.obs");
+    imu("xsens.csv");
+    inspect::Given given;
+    given.keys = {"gnss.observations"};
+    given.find_logs = false;  // one is named
+    EXPECT_EQ(value_of(recognise(folder_, Needs::ImuAndGnss, given).facts, "imu.file"), "\"xsens.csv\"");
+    given.find_imu = false;
+    EXPECT_EQ(value_of(recognise(folder_, Needs::ImuAndGnss, given).facts, "imu.file"), "(none)");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include "schuler/app/inspect_page.h"
 #include "schuler/core/error.h"
 #include "schuler/core/log.h"
-#include "schuler/dataset/raw_observations.h"
+#include "schuler/dataset/recognise.h"
 #include "schuler/dataset/trajectory_file.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/inspect/inspect.h"
@@ -106,8 +106,10 @@ report::Outcome inspect_path(const fs::path& path, const fs::path& folder, const
     std::vector<Fact> facts;
     const bool described = is_described(path);
     inspect::InspectReport report = described ? inspect_described(path, facts) : inspect::inspect(path);
-    if (!described) facts = report.facts;
-    if (report.dataset_toml.empty()) report.dataset_toml = dataset::raw_observations(path).dataset_toml;
+    if (!described) {
+        dataset::add_raw_observations(path, report);
+        facts = report.facts;
+    }
     report::Json files = report::Json::array();
     for (const inspect::FileReport& f : report.files) {
         files.push_back({{"path", f.path},

@@ -54,7 +54,7 @@ int rover_points(const fs::path& file) {
 
 }  // namespace
 
-RawObservations raw_observations(const fs::path& path) {
+RawObservations raw_observations(const fs::path& path, bool alone) {
     std::error_code ec;
     const bool folder = fs::is_directory(path, ec);
     const fs::path beside = folder ? path : path.parent_path().empty() ? fs::path(".") : path.parent_path();
@@ -96,8 +96,10 @@ RawObservations raw_observations(const fs::path& path) {
         fact("gnss.navigation", navigation);
         out.dataset_toml += fmt::format("navigation = {}\n", to_text(navigation));
     }
-    fact("filter.scheme", std::string("gnss"));
-    out.dataset_toml += "[filter]\nscheme = \"gnss\"\n";
+    if (alone) {
+        fact("filter.scheme", std::string("gnss"));
+        out.dataset_toml += "[filter]\nscheme = \"gnss\"\n";
+    }
     if (observations.size() > 1)  // which of them stood still at a known place only the user knows
         out.dataset_toml += fmt::format(
             "# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = {}\n",

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <iterator>
 #include <string_view>
 
 namespace schuler::dataset {
@@ -60,6 +61,15 @@ std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
 
 }  // namespace
 
+void add_raw_observations(const fs::path& path, inspect::InspectReport& report) {
+    const bool imu = recognised(report, "imu.file");
+    if (recognised(report, "gnss.file") || (!imu && !report.dataset_toml.empty())) return;
+    RawObservations raw = raw_observations(path, !imu);
+    report.facts.insert(report.facts.end(), std::make_move_iterator(raw.facts.begin()), std::make_move_iterator(raw.facts.end()));
+    if (!raw.facts.empty() && !report.dataset_toml.empty()) report.dataset_toml += "\n";
+    report.dataset_toml += raw.dataset_toml;
+}
+
 Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& given) {
     Recognised r;
     if (needs == Needs::Satellites) {  // nothing else is asked for
@@ -106,7 +116,9 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
         throw input_error(why, {path.string(), 0, 0, {}}, mend);
     }
     if (!recognised(r.report, "imu.file")) throw_missing(path, r.report, "imu");
-    if (needs == Needs::ImuAndGnss && !recognised(r.report, "gnss.file")) throw_missing(path, r.report, "gnss");
+    if (needs == Needs::ImuAndGnss) add_raw_observations(path, r.report);
+    if (needs == Needs::ImuAndGnss && !recognised(r.report, "gnss.file") && !recognised(r.report, "gnss.observations"))
+        throw_missing(path, r.report, "gnss");
     r.doubts = doubts_of(r.report);
     r.facts = r.report.facts;
     r.dataset_toml = r.report.dataset_toml;

@@ -22,8 +22,11 @@ struct Recognised {
     std::string dataset_toml;         ///< the dataset.toml that states the facts; for logs that were looked for
 };
 
+/// Raw measurements of satellites, where they are the only ones in the folder (or the file): beside an IMU's log, or alone.
+void add_raw_observations(const std::filesystem::path& path, inspect::InspectReport& report);
+
 /// Looks at the files of a data set about which something or nothing is given. Where no log is named, the IMU and GNSS logs are looked
-/// for. @throws Error(Input) where what `needs` asks for is then not there, with the most telling thing known about a file that might
+/// for; where only one of satellites is, the IMU's. @throws Error(Input) where what `needs` asks for is then not there, with the most telling thing known about a file that might
 /// have been it. What is named and is not there is left to who loads it.
 [[nodiscard]] Recognised recognise(const std::filesystem::path& path, Needs needs, const inspect::Given& given);
 

@@ -25,6 +25,7 @@ struct Given {
     std::set<std::string> keys;  ///< of all settings that are given: "imu.axes"
     GivenFile imu, gnss, baro, mag, reference;
     bool find_logs = true;      ///< the folder's other files may be the IMU and GNSS logs and the reference
+    bool find_imu = true;       ///< ... the IMU's log, whatever else is named
     bool find_aids = true;      ///< ... the barometer's and the magnetometer's
     bool weighs_field = false;  ///< whoever reads the magnetometer weighs its samples: a disturbed one is not left out
     std::map<std::string, std::string> fix_codes;

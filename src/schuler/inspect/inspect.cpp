@@ -116,8 +116,10 @@ LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section)
         if (best != nullptr) best->report.chosen = true;
         return best;
     }
+    const Given& given = study.given;
     const bool aid = kind == io::TableKind::Baro || kind == io::TableKind::Mag;
-    if (!(aid ? study.given.find_aids : study.given.find_logs)) return nullptr;
+    const bool may = aid ? given.find_aids : given.find_logs || (kind == io::TableKind::Imu && given.find_imu);
+    if (!may) return nullptr;
     for (LoadedFile& file : study.files) {
         if (file.table != kind || file.as.kind || is_result(file)) continue;
         const bool comparable = kind == io::TableKind::Gnss;
@@ -201,7 +203,7 @@ void report_lacking(Study& study) {
     } else if (study.imu_file == nullptr) {
         study.problem(Level::Warning, "no IMU data were recognised",
                       "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in dataset.toml");
-    } else if (study.gnss_file == nullptr) {
+    } else if (study.gnss_file == nullptr && !raw) {
         study.problem(Level::Info, "no GNSS data: attitude only (schuler ahrs), or dead reckoning from an [initial] state", "");
     }
 }
@@ -255,7 +257,8 @@ void load_files(const fs::path& path, Study& study) {
     const bool folder = fs::is_directory(path, failure) && io::format_of(path) == nullptr;
     const Given& given = study.given;
     std::vector<fs::path> others;
-    if (given.find_logs || given.find_aids || !folder) others = folder ? files_in(path, study) : std::vector<fs::path>{path};
+    if (given.find_logs || given.find_imu || given.find_aids || !folder)
+        others = folder ? files_in(path, study) : std::vector<fs::path>{path};
     study.files.reserve(others.size() + 5);
     for (const auto kind :
          {io::TableKind::Imu, io::TableKind::Gnss, io::TableKind::Baro, io::TableKind::Mag, io::TableKind::Reference}) {

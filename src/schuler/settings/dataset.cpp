@@ -37,7 +37,10 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     inspect::Given g = given_of(said, given, d.folder);
     g.find_aids = may_find_aids;
     g.weighs_field = needs == dataset::Needs::Attitude;
-    if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) needs = dataset::Needs::Imu;  // nothing to look for
+    if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) {  // nothing to look for
+        needs = dataset::Needs::Imu;
+        g.find_imu = false;
+    }
     dataset::Recognised r = dataset::recognise(path, needs, g);
     if (!d.folder.empty() && !g.find_logs) {
         // axes of time are the loader's where it knows dates; names are the folder's

@@ -100,6 +100,7 @@ inspect::Given given_of(const Config& c, const SettingList& given, const std::fi
     g.baro = file_of(c.baro, folder, "baro.file");
     g.mag = file_of(c.mag, folder, "mag.file");
     g.reference = file_of(c.reference, folder, "reference.file");
+    g.find_imu = c.imu.file.empty();
     g.find_logs = c.imu.file.empty() && c.gnss.file.empty() && c.raw.observations.empty() && c.ranges.file.empty();
     g.fix_codes = c.fix_codes;
     if (g.has("vehicle.kind")) g.vehicle = vehicle_name(c);
