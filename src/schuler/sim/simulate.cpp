@@ -34,8 +34,7 @@ void check(const Scenario& s) {
           m.accel_flicker,  m.accel_temperature, m.accel_range}) {
         require(not_negative(sigma), "imu", "an error of the instrument is negative or not a number", "errors are one sigma");
     }
-    require(m.gyro_bias_time > 0.0 && m.accel_bias_time > 0.0, "imu", "a bias correlation time is not positive",
-            "give seconds");
+    require(m.gyro_bias_time > 0.0 && m.accel_bias_time > 0.0, "imu", "a bias correlation time is not positive", "give seconds");
     require(std::isfinite(s.imu.warm_up) && is_positive(s.imu.warm_up_time), "imu.warm_up_k", "is not a temperature with a time",
             "give kelvin, and seconds for imu.warm_up_time_s");
     const GnssSettings& g = s.gnss;
