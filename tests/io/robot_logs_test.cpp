@@ -12,7 +12,10 @@
 #include <sqlite3.h>
 #include <zstd.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <string>
 
 namespace schuler::io {
 namespace {
@@ -187,6 +190,78 @@ TEST_F(RobotLogs, BagOfRos1) {
     ASSERT_NE(log.find("imu"), nullptr);
     EXPECT_EQ(log.find("imu")->rows(), 5U);
     EXPECT_EQ(log.find("imu")->find("gyro_x_rad_s")->values[4], 4.0);
+}
+
+std::string packed_header(int k) {  // ROS 1, 5 Hz
+    std::string m;
+    put(m, std::uint32_t{1});
+    put(m, static_cast<std::uint32_t>(1'600'000'000 + k / 5));
+    put(m, static_cast<std::uint32_t>(200'000'000 * (k % 5)));
+    return m + text("gps");
+}
+
+/// Fixes of a way at some speeds east and north from 60 deg north, and velocities (x, y, z) with their stamps.
+StreamLog way_with_twist(std::array<double, 2> east_north, std::array<double, 3> twist, const char* type, WarningLog& warnings) {
+    constexpr double radius = 6.378e6, latitude = 60.0;
+    RosMessages messages;
+    for (int k = 0; k < 50; ++k) {
+        std::string fix = packed_header(k);
+        put(fix, std::int8_t{0});
+        put(fix, std::uint16_t{1});
+        put(fix, latitude + 0.2 * k * east_north[1] / radius / units::deg);
+        put(fix, 10.0 + 0.2 * k * east_north[0] / (0.5 * radius) / units::deg);
+        put(fix, 100.0);
+        for (const double c : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 4.0}) put(fix, c);
+        put(fix, std::uint8_t{2});
+        messages.add("/fix", "sensor_msgs/NavSatFix", RosLayout::Packed, fix, 0);
+        if (k == 7) continue;  // one is lost
+        std::string velocity = packed_header(k);
+        for (const double v : twist) put(velocity, v);
+        for (int i = 0; i < 3; ++i) put(velocity, 0.0);
+        for (int i = 0; i < 36; ++i) put(velocity, i % 7 != 0 ? 0.0 : i < 21 ? 0.01 : -1.0);
+        messages.add("/vel", type, RosLayout::Packed, velocity, 0);
+    }
+    StreamLog log;
+    messages.finish(log, "drive.bag", warnings);
+    return log;
+}
+
+TEST_F(RobotLogs, TheTwistWithTheStampsOfFixesIsTheirVelocity) {
+    WarningLog warnings;
+    const StreamLog log = way_with_twist({-3.0, 4.0}, {-3.0, 4.0, 0.5}, "geometry_msgs/TwistWithCovarianceStamped", warnings);
+    ASSERT_EQ(log.streams.size(), 1U) << "no stream of its own";
+    const Stream& gnss = log.streams[0];
+    ASSERT_NE(gnss.find("vel_n_m_s"), nullptr);
+    EXPECT_EQ(gnss.find("vel_n_m_s")->values[3], 4.0);
+    EXPECT_EQ(gnss.find("vel_e_m_s")->values[3], -3.0);
+    EXPECT_EQ(gnss.find("vel_d_m_s")->values[3], -0.5);
+    EXPECT_DOUBLE_EQ(gnss.find("std_vd_m_s")->values[3], 0.1);
+    EXPECT_TRUE(std::isnan(gnss.find("vel_n_m_s")->values[7])) << "that one is lost";
+    EXPECT_TRUE(warnings.empty());
+    const StreamLog level = way_with_twist({-3.0, 4.0}, {-3.0, 4.0, 0.0}, "geometry_msgs/TwistStamped", warnings);
+    EXPECT_NE(level.streams.at(0).find("vel_n_m_s"), nullptr);
+    EXPECT_EQ(level.streams.at(0).find("vel_d_m_s"), nullptr) << "always 0: not measured";
+    EXPECT_EQ(level.streams.at(0).find("std_vn_m_s"), nullptr);
+}
+
+TEST_F(RobotLogs, ATwistInTheVehiclesAxesIsNot) {
+    WarningLog warnings;
+    const StreamLog log = way_with_twist({-3.0, 4.0}, {5.0, 0.0, 0.0}, "geometry_msgs/TwistStamped", warnings);
+    EXPECT_EQ(log.streams.at(0).find("vel_n_m_s"), nullptr);
+    expect_parts(warnings.summary().at(0), {"drive.bag", "/vel", "/fix", "left out"});
+}
+
+TEST_F(RobotLogs, WhatAnImuDoesNotMeasureIsNotZero) {
+    RosMessages messages;
+    std::string attitude = imu_message(RosLayout::Packed, 1'600'000'000, 0.0);
+    const double none = -1.0;
+    attitude.replace(attitude.size() - 8 * 9, 8, reinterpret_cast<const char*>(&none), 8);  // of the accelerometers
+    messages.add("/imu", "sensor_msgs/Imu", RosLayout::Packed, attitude, 0);
+    WarningLog warnings;
+    StreamLog log;
+    messages.finish(log, "drive.bag", warnings);
+    EXPECT_TRUE(log.streams.empty());
+    expect_parts(warnings.summary().at(0), {"drive.bag", "/imu", "-1"});
 }
 
 TEST_F(RobotLogs, DecompressionNeverTrustsASize) {

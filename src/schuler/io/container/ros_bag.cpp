@@ -108,14 +108,14 @@ private:
 
 StreamLog finished(const TextInput& input, RosMessages& messages, WarningLog& warnings) {
     StreamLog log;
-    messages.finish(log);
+    messages.finish(log, input.name(), warnings);
     if (messages.damaged > 0)
         warnings.add(input.name() + " ros.damaged", fmt::format("{}: damaged messages: skipped", input.name()), messages.damaged);
     if (log.streams.empty())
         throw input_error(
             "holds no instrument that is used", place_in(input.name()),
             (messages.topics().empty() ? std::string("it has no topic") : "it has the topics " + messages.topics()) +
-                "; sensor_msgs Imu, NavSatFix, MagneticField, FluidPressure and nav_msgs Odometry are read");
+                "; sensor_msgs Imu, NavSatFix, MagneticField, FluidPressure and nav_msgs Odometry are read, and the twists of fixes");
     return log;
 }
 
@@ -195,7 +195,7 @@ const Format ros_bag_format = {
     .title = "ROS 1 bag",
     .extensions = ".bag",
     .holds =
-        "by topic: `sensor_msgs` Imu, NavSatFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
+        "by topic: `sensor_msgs` Imu, NavSatFix (and the twist with its stamps as its velocity), MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
         "their own; bzip2 and LZ4",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
     .recognise = [](const FileHead& head) { return head.starts_with("#ROSBAG V"); },

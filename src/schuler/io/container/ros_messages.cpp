@@ -1,12 +1,16 @@
 #include "schuler/io/container/ros_messages.h"
 
 #include "schuler/core/samples.h"
+#include "schuler/core/units.h"
 #include "schuler/io/detail/little_endian.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 
 namespace schuler::io {
@@ -62,7 +66,7 @@ private:
     bool cdr_, swapped_ = false;
 };
 
-enum class Type { None, Imu, Fix, Field, Pressure, Odometry, Pose, PoseWithCovariance, Transform };
+enum class Type { None, Imu, Fix, Field, Pressure, Odometry, Pose, PoseWithCovariance, Transform, Twist, TwistWithCovariance };
 
 Type type_of(std::string_view name) {
     const std::size_t slash = name.find('/'), last = name.rfind('/');
@@ -76,12 +80,16 @@ Type type_of(std::string_view name) {
                                             : Type::None;
     if (package == "nav_msgs") return message == "Odometry" ? Type::Odometry : Type::None;
     if (package == "geometry_msgs")
-        return message == "PoseStamped"                 ? Type::Pose
-               : message == "PoseWithCovarianceStamped" ? Type::PoseWithCovariance
-               : message == "TransformStamped"          ? Type::Transform
-                                                        : Type::None;
+        return message == "PoseStamped"                  ? Type::Pose
+               : message == "PoseWithCovarianceStamped"  ? Type::PoseWithCovariance
+               : message == "TransformStamped"           ? Type::Transform
+               : message == "TwistStamped"               ? Type::Twist
+               : message == "TwistWithCovarianceStamped" ? Type::TwistWithCovariance
+                                                         : Type::None;
     return Type::None;
 }
+
+constexpr std::string_view twist_name = "twist";  // of velocities until they are those of fixes
 
 Stream stream_for(Type type, const std::string& topic) {
     switch (type) {
@@ -95,6 +103,12 @@ Stream stream_for(Type type, const std::string& topic) {
                 "gnss", TableKind::Gnss, topic, {"lat_deg", "lon_deg", "height_ellipsoidal_m", "std_n_m", "std_e_m", "std_d_m"}};
         case Type::Field: return {"mag", TableKind::Mag, topic, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}};
         case Type::Pressure: return {"baro", TableKind::Baro, topic, {"pressure_pa"}};
+        case Type::Twist:
+        case Type::TwistWithCovariance:
+            return {std::string(twist_name),
+                    TableKind::Gnss,
+                    topic,
+                    {"vel_e_m_s", "vel_n_m_s", "vel_u_m_s", "std_ve_m_s", "std_vn_m_s", "std_vd_m_s"}};
         default: {
             Stream s("trajectory", TableKind::Reference, topic,
                      {"local_x_m", "local_y_m", "local_z_m", "quat_sensor_to_enu_w", "quat_sensor_to_enu_x",
@@ -105,14 +119,22 @@ Stream stream_for(Type type, const std::string& topic) {
     }
 }
 
-void add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
+/// A covariance whose first element is -1 says that there is no measurement [RosImu].
+template <std::size_t N>
+bool is_measured(const std::array<double, N>& covariance) {
+    return covariance[0] != -1.0;
+}
+
+/// False where the message says that it has no measurement.
+bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
     const std::int64_t stamp = r.header();
     const std::int64_t t = stamp > 0 ? stamp : logged;
     if (type == Type::Imu) {
         (void)r.doubles<4 + 9>();  // orientation, its covariance
         const auto w = r.doubles<3>();
-        (void)r.doubles<9>();
+        const bool rates = is_measured(r.doubles<9>());
         const auto f = r.doubles<3>();
+        if (!rates || !is_measured(r.doubles<9>())) return false;
         s.add(t, {w[0], w[1], w[2], f[0], f[1], f[2]});
     } else if (type == Type::Fix) {
         const int status = r.number<std::int8_t>();
@@ -131,11 +153,82 @@ void add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
         s.add(t, {1e6 * m[0], 1e6 * m[1], 1e6 * m[2]});
     } else if (type == Type::Pressure) {
         s.add(t, {r.number<double>()});
+    } else if (type == Type::Twist || type == Type::TwistWithCovariance) {
+        const auto v = r.doubles<3>();
+        (void)r.doubles<3>();  // angular
+        std::array<double, 3> sigma{not_given, not_given, not_given};
+        if (type == Type::TwistWithCovariance) {
+            const auto c = r.doubles<36>();
+            if (!is_measured(c)) return false;
+            for (std::size_t i = 0; i < 3; ++i)
+                if (c[7 * i] > 0.0) sigma[i] = std::sqrt(c[7 * i]);
+        }
+        s.add(t, {v[0], v[1], v[2], sigma[0], sigma[1], sigma[2]});
     } else {
         if (type == Type::Odometry || type == Type::Transform) (void)r.text();
         const auto p = r.doubles<3>();
         const auto q = r.doubles<4>();  // x, y, z, w
         s.add(t, {p[0], p[1], p[2], q[3], q[0], q[1], q[2]});
+    }
+    return true;
+}
+
+constexpr std::int64_t same_ns = 1'000'000;  // stamps of one epoch of a receiver
+
+/// Row of `twist` at a time, where there is one. `from`: where to begin; times ascend.
+std::optional<std::size_t> row_at(const Stream& twist, std::int64_t ns, std::size_t& from) {
+    while (from < twist.rows() && twist.time_ns[from] < ns - same_ns) ++from;
+    if (from < twist.rows() && twist.time_ns[from] <= ns + same_ns) return from;
+    return std::nullopt;
+}
+
+/// Drivers of receivers give the velocity of a fix (east, north, up) as a twist of its own with the stamp of the fix. A vehicle's twist in its own
+/// axes may have such stamps as well: it does not fit the way that the fixes go.
+enum class Fit { None, Contradicts, Fits };
+
+Fit fit_of(const Stream& gnss, const Stream& twist) {
+    constexpr double least_share = 0.9, moving = 1.0;  // of the fixes; m/s
+    const auto &lat = gnss.columns[0].values, &lon = gnss.columns[1].values;
+    const auto &east = twist.columns[0].values, &north = twist.columns[1].values;
+    std::size_t from = 0, found = 0, steps = 0;
+    double way = 0.0, off = 0.0;
+    std::optional<std::size_t> last;
+    for (std::size_t i = 0; i < gnss.rows(); ++i) {
+        const std::optional<std::size_t> row = row_at(twist, gnss.time_ns[i], from);
+        found += row ? 1 : 0;
+        const double dt = i == 0 ? 0.0 : 1e-9 * static_cast<double>(gnss.time_ns[i] - gnss.time_ns[i - 1]);
+        if (row && last && dt > 0.0 && dt < 2.5) {
+            constexpr double radius = 6.378e6;
+            const double n = (lat[i] - lat[i - 1]) * units::deg * radius / dt;
+            const double e = (lon[i] - lon[i - 1]) * units::deg * radius * std::cos(lat[i] * units::deg) / dt;
+            const double mean_n = 0.5 * (north[*row] + north[*last]), mean_e = 0.5 * (east[*row] + east[*last]);
+            if (const double square = std::pow(n - mean_n, 2) + std::pow(e - mean_e, 2); std::isfinite(square)) {
+                way += n * n + e * e;
+                off += square;
+                ++steps;
+            }
+        }
+        last = row;
+    }
+    if (static_cast<double>(found) < least_share * static_cast<double>(gnss.rows())) return Fit::None;
+    const bool moves = way > moving * moving * static_cast<double>(steps);
+    return moves && off > 0.5 * way ? Fit::Contradicts : Fit::Fits;
+}
+
+/// Adds the velocities to the fixes with the same stamp. Some drivers have no vertical one and write 0.
+void join(Stream& gnss, const Stream& twist) {
+    const bool vertical = std::ranges::any_of(twist.columns[2].values, [](double v) { return v != 0.0; });
+    const std::size_t first = gnss.columns.size();
+    for (const char* name : {"vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s"})
+        gnss.columns.push_back({name, std::vector<double>(gnss.rows(), not_given)});
+    std::size_t from = 0;
+    for (std::size_t i = 0; i < gnss.rows(); ++i) {
+        const std::optional<std::size_t> row = row_at(twist, gnss.time_ns[i], from);
+        if (!row) continue;
+        const auto value = [&](std::size_t column) { return twist.columns[column].values[*row]; };
+        const std::array<double, 6> v{value(1), value(0), vertical ? -value(2) : not_given,
+                                      value(4), value(3), vertical ? value(5) : not_given};
+        for (std::size_t k = 0; k < v.size(); ++k) gnss.columns[first + k].values[i] = v[k];
     }
 }
 
@@ -151,15 +244,38 @@ void RosMessages::add(const std::string& topic, const std::string& type_name, Ro
     if (it == streams_.end()) it = streams_.emplace(topic, stream_for(type, topic)).first;
     try {
         Reader reader(message, layout);
-        add_row(it->second, type, reader, logged);
+        if (!add_row(it->second, type, reader, logged)) ++not_measured_[topic];
     } catch (const Short&) {
         ++damaged;
     }
 }
 
-void RosMessages::finish(StreamLog& log) {
+void RosMessages::join_velocities(Stream& gnss, const std::string& file, WarningLog& warnings) const {
+    for (const auto& [topic, twist] : streams_) {
+        if (twist.name != twist_name || twist.rows() == 0) continue;
+        const Fit fit = fit_of(gnss, twist);
+        if (fit == Fit::Fits) return join(gnss, twist);
+        if (fit == Fit::Contradicts)
+            warnings.add(
+                file + " ros.twist " + topic,
+                fmt::format(
+                    "{}: {} has the times of the fixes of {}, but is not their velocity to the east, north and up: left out",
+                    file, topic, gnss.source));
+    }
+}
+
+void RosMessages::finish(StreamLog& log, const std::string& file, WarningLog& warnings) {
     log.clock = Clock::Unix;
-    for (auto& [topic, stream] : streams_) log.add(std::move(stream));
+    for (const auto& [topic, count] : not_measured_)
+        warnings.add(
+            file + " ros.not_measured " + topic,
+            fmt::format("{}: {}: messages that say by a covariance of -1 that a part is not measured: left out", file, topic),
+            count);
+    for (auto& [topic, stream] : streams_) {
+        if (stream.name == twist_name) continue;
+        if (stream.kind == TableKind::Gnss && stream.rows() > 0) join_velocities(stream, file, warnings);
+        log.add(std::move(stream));
+    }
     // a simulation, or a log without a set clock, counts from its start
     constexpr std::int64_t year_2000 = 946'684'800'000'000'000;
     if (!log.streams.empty() && log.streams.front().time_ns.front() < year_2000) log.clock = Clock::Boot;

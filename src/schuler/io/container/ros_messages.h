@@ -1,6 +1,7 @@
 // Messages of ROS 1 and ROS 2 as instruments, whatever container they come in.
 #pragma once
 
+#include "schuler/core/log.h"
 #include "schuler/io/streams.h"
 
 #include <cstddef>
@@ -16,7 +17,8 @@ namespace schuler::io {
 enum class RosLayout { Packed, Cdr };  ///< ROS 1; ROS 2, each number at a multiple of its size, behind four bytes
 
 /// Collects messages of topics into streams: sensor_msgs Imu, NavSatFix, MagneticField and FluidPressure, nav_msgs Odometry,
-/// geometry_msgs PoseStamped, PoseWithCovarianceStamped and TransformStamped. Times are those of the headers.
+/// geometry_msgs PoseStamped, PoseWithCovarianceStamped and TransformStamped; TwistStamped and TwistWithCovarianceStamped as the velocities of the
+/// fixes that have the same stamps. Times are those of the headers.
 class RosMessages {
 public:
     /// Whether messages of a type are read ("sensor_msgs/Imu", "sensor_msgs/msg/Imu").
@@ -24,8 +26,8 @@ public:
 
     /// One message; damaged ones are counted. @param logged ns since 1970, for messages whose header has no time
     void add(const std::string& topic, const std::string& type, RosLayout layout, std::string_view message, std::int64_t logged);
-    /// Streams in the order of the topics' names.
-    void finish(StreamLog& log);
+    /// Streams in the order of the topics' names; `file` is its name in warnings of what was left out.
+    void finish(StreamLog& log, const std::string& file, WarningLog& warnings);
 
     /// A topic that is in the log, read or not: what is said where nothing can be used.
     void mention(const std::string& topic, const std::string& type) { mentioned_.insert(topic + " (" + type + ")"); }
@@ -34,7 +36,10 @@ public:
     std::size_t damaged = 0;
 
 private:
-    std::map<std::string, Stream> streams_;
+    void join_velocities(Stream& gnss, const std::string& file, WarningLog& warnings) const;
+
+    std::map<std::string, Stream> streams_;  ///< by topic
+    std::map<std::string, std::size_t> not_measured_;
     std::set<std::string> mentioned_;
 };
 
