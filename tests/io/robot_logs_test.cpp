@@ -251,6 +251,45 @@ TEST_F(RobotLogs, ATwistInTheVehiclesAxesIsNot) {
     expect_parts(warnings.summary().at(0), {"drive.bag", "/vel", "/fix", "left out"});
 }
 
+TEST_F(RobotLogs, AGpsFixHoldsPositionAndVelocity) {
+    RosMessages messages;
+    for (int k = 0; k < 3; ++k) {
+        std::string m = packed_header(k) + packed_header(k);
+        put(m, std::uint16_t{9});
+        put(m, std::uint32_t{2});  // a list
+        for (const std::int32_t prn : {4, 7}) put(m, prn);
+        put(m, std::uint16_t{12});
+        for (int i = 0; i < 4; ++i) put(m, std::uint32_t{0});
+        put(m, static_cast<std::int16_t>(k == 0 ? 18 : 20));
+        for (int i = 0; i < 3; ++i) put(m, std::uint16_t{0});
+        for (const double v : {52.0, 13.0, 80.0, 90.0, 2.0, k == 0 ? 0.0 : 0.25}) put(m, v);
+        for (int i = 0; i < 9; ++i) put(m, 0.0);
+        for (const double v : {0.0, 2.448, 3.92, 0.0, 0.196, 0.0, 0.0, 0.0, 0.0, 0.0}) put(m, v);
+        for (int i = 0; i < 9; ++i) put(m, k == 2 && i % 4 == 0 ? 4.0 : 0.0);
+        put(m, static_cast<std::uint8_t>(k == 2 ? 3 : 0));
+        messages.add("/gps", k == 1 ? "gps_common/GPSFix" : "gps_msgs/msg/GPSFix", RosLayout::Packed, m, 0);
+    }
+    WarningLog warnings;
+    StreamLog log;
+    messages.finish(log, "drive.bag", warnings);
+    ASSERT_EQ(log.streams.size(), 1U);
+    const Stream& gnss = log.streams[0];
+    ASSERT_EQ(gnss.rows(), 3U) << messages.damaged;
+    const auto value = [&](const char* column, std::size_t row) { return gnss.find(column)->values[row]; };
+    EXPECT_EQ(value("height_m", 1), 80.0);
+    EXPECT_NEAR(value("vel_n_m_s", 0), 0.0, 1e-12);
+    EXPECT_DOUBLE_EQ(value("vel_e_m_s", 0), 2.0);
+    EXPECT_EQ(value("vel_d_m_s", 1), -0.25);
+    EXPECT_DOUBLE_EQ(value("std_n_m", 0), 1.0) << "95 % in the plane";
+    EXPECT_DOUBLE_EQ(value("std_d_m", 0), 2.0) << "95 % of one component";
+    EXPECT_EQ(value("std_n_m", 2), 2.0) << "the covariance says more";
+    EXPECT_DOUBLE_EQ(value("std_vn_m_s", 0), 0.1);
+    EXPECT_EQ(gnss.find("std_vd_m_s"), nullptr) << "not stated";
+    EXPECT_EQ(value("satellites", 0), 9.0);
+    EXPECT_EQ(gnss.fix[0], FixType::Differential);
+    EXPECT_EQ(gnss.fix[1], FixType::RtkFloat);
+}
+
 TEST_F(RobotLogs, WhatAnImuDoesNotMeasureIsNotZero) {
     RosMessages messages;
     std::string attitude = imu_message(RosLayout::Packed, 1'600'000'000, 0.0);

@@ -299,7 +299,7 @@ const Format mcap_format = {
     .title = "MCAP (ROS 2, Foxglove)",
     .extensions = ".mcap",
     .holds =
-        "by topic: `sensor_msgs` Imu, NavSatFix (and the twist with its stamps as its velocity), MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
+        "by topic: `sensor_msgs` Imu, NavSatFix (and the twist with its stamps as its velocity), `gps_msgs` GPSFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
         "their own; zstd and LZ4. Written: NavSatFix and the attitude (body to east-north-up) as QuaternionStamped",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
     .recognise = [](const FileHead& head) { return head.starts_with(mcap_magic); },

@@ -195,7 +195,7 @@ const Format ros_bag_format = {
     .title = "ROS 1 bag",
     .extensions = ".bag",
     .holds =
-        "by topic: `sensor_msgs` Imu, NavSatFix (and the twist with its stamps as its velocity), MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
+        "by topic: `sensor_msgs` Imu, NavSatFix (and the twist with its stamps as its velocity), `gps_msgs` GPSFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
         "their own; bzip2 and LZ4",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
     .recognise = [](const FileHead& head) { return head.starts_with("#ROSBAG V"); },

@@ -53,6 +53,10 @@ public:
         (void)text();
         return std::int64_t{seconds} * 1'000'000'000 + ns;
     }
+    /// A list of numbers of 32 bits.
+    void pass_list() {
+        for (auto left = number<std::uint32_t>(); left > 0; --left) (void)number<std::int32_t>();
+    }
     template <std::size_t N>
     std::array<double, N> doubles() {
         std::array<double, N> values;
@@ -66,7 +70,20 @@ private:
     bool cdr_, swapped_ = false;
 };
 
-enum class Type { None, Imu, Fix, Field, Pressure, Odometry, Pose, PoseWithCovariance, Transform, Twist, TwistWithCovariance };
+enum class Type {
+    None,
+    Imu,
+    Fix,
+    Field,
+    Pressure,
+    Odometry,
+    Pose,
+    PoseWithCovariance,
+    Transform,
+    Twist,
+    TwistWithCovariance,
+    GpsFix
+};
 
 Type type_of(std::string_view name) {
     const std::size_t slash = name.find('/'), last = name.rfind('/');
@@ -86,6 +103,7 @@ Type type_of(std::string_view name) {
                : message == "TwistStamped"               ? Type::Twist
                : message == "TwistWithCovarianceStamped" ? Type::TwistWithCovariance
                                                          : Type::None;
+    if (package == "gps_common" || package == "gps_msgs") return message == "GPSFix" ? Type::GpsFix : Type::None;
     return Type::None;
 }
 
@@ -101,6 +119,12 @@ Stream stream_for(Type type, const std::string& topic) {
         case Type::Fix:
             return {
                 "gnss", TableKind::Gnss, topic, {"lat_deg", "lon_deg", "height_ellipsoidal_m", "std_n_m", "std_e_m", "std_d_m"}};
+        case Type::GpsFix:
+            return {"gnss",
+                    TableKind::Gnss,
+                    topic,
+                    {"lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_n_m", "std_e_m", "std_d_m",
+                     "std_vn_m_s", "std_ve_m_s", "std_vd_m_s", "satellites"}};
         case Type::Field: return {"mag", TableKind::Mag, topic, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}};
         case Type::Pressure: return {"baro", TableKind::Baro, topic, {"pressure_pa"}};
         case Type::Twist:
@@ -123,6 +147,37 @@ Stream stream_for(Type type, const std::string& topic) {
 template <std::size_t N>
 bool is_measured(const std::array<double, N>& covariance) {
     return covariance[0] != -1.0;
+}
+
+/// A row of gps_msgs/GPSFix, also called gps_common/GPSFix [RosGpsFix]: position and velocity in one.
+void add_gps_fix(Stream& s, Reader& r, std::int64_t t) {
+    constexpr double circle95 = 2.448, line95 = 1.960;  // of a sigma: what 95 % are within
+    (void)r.header();                                   // of the status
+    const double satellites = r.number<std::uint16_t>();
+    r.pass_list();
+    (void)r.number<std::uint16_t>();
+    for (int i = 0; i < 4; ++i) r.pass_list();
+    const int status = r.number<std::int16_t>();
+    for (int i = 0; i < 3; ++i) (void)r.number<std::uint16_t>();  // sources
+    const auto p = r.doubles<3>();
+    const auto v = r.doubles<3>();          // direction, deg from north; speed; upward
+    (void)r.doubles<4 + 5>();               // orientation, time, dilutions
+    const auto within95 = r.doubles<10>();  // all, horizontal, vertical, direction, speed, upward, ...
+    const auto c = r.doubles<9>();          // east, north, up
+    const bool known = r.number<std::uint8_t>() != 0 && c[0] > 0.0;
+    const auto positive = [](double x) { return x > 0.0 ? x : not_given; };
+    const auto sigma = [&](double variance, std::size_t i, double share) {
+        return known && variance > 0.0 ? std::sqrt(variance) : positive(within95[i] / share);
+    };
+    const double north = v[1] * std::cos(v[0] * units::deg), east = v[1] * std::sin(v[0] * units::deg);
+    const double speed = positive(within95[4] / line95);
+    s.add(t, {p[0], p[1], p[2], north, east, -v[2], sigma(c[4], 1, circle95), sigma(c[0], 1, circle95), sigma(c[8], 2, line95),
+              speed, speed, positive(within95[5] / line95), satellites > 0.0 ? satellites : not_given});
+    s.fix.push_back(status < 0     ? FixType::None
+                    : status == 0  ? FixType::Autonomous
+                    : status == 19 ? FixType::RtkFixed
+                    : status == 20 ? FixType::RtkFloat
+                                   : FixType::Differential);
 }
 
 /// False where the message says that it has no measurement.
@@ -153,6 +208,8 @@ bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
         s.add(t, {1e6 * m[0], 1e6 * m[1], 1e6 * m[2]});
     } else if (type == Type::Pressure) {
         s.add(t, {r.number<double>()});
+    } else if (type == Type::GpsFix) {
+        add_gps_fix(s, r, t);
     } else if (type == Type::Twist || type == Type::TwistWithCovariance) {
         const auto v = r.doubles<3>();
         (void)r.doubles<3>();  // angular
@@ -215,9 +272,8 @@ Fit fit_of(const Stream& gnss, const Stream& twist) {
     return moves && off > 0.5 * way ? Fit::Contradicts : Fit::Fits;
 }
 
-/// Adds the velocities to the fixes with the same stamp. Some drivers have no vertical one and write 0.
+/// Adds the velocities to the fixes with the same stamp.
 void join(Stream& gnss, const Stream& twist) {
-    const bool vertical = std::ranges::any_of(twist.columns[2].values, [](double v) { return v != 0.0; });
     const std::size_t first = gnss.columns.size();
     for (const char* name : {"vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s"})
         gnss.columns.push_back({name, std::vector<double>(gnss.rows(), not_given)});
@@ -226,10 +282,22 @@ void join(Stream& gnss, const Stream& twist) {
         const std::optional<std::size_t> row = row_at(twist, gnss.time_ns[i], from);
         if (!row) continue;
         const auto value = [&](std::size_t column) { return twist.columns[column].values[*row]; };
-        const std::array<double, 6> v{value(1), value(0), vertical ? -value(2) : not_given,
-                                      value(4), value(3), vertical ? value(5) : not_given};
+        const std::array<double, 6> v{value(1), value(0), -value(2), value(4), value(3), value(5)};
         for (std::size_t k = 0; k < v.size(); ++k) gnss.columns[first + k].values[i] = v[k];
     }
+}
+
+/// Some drivers have no vertical velocity, or none at all, and write 0.
+void leave_out_zeros(Stream& gnss) {
+    const auto is_zero = [&](const char* name) {
+        const Stream::Column* column = gnss.find(name);
+        return column == nullptr || std::ranges::none_of(column->values, [](double v) { return std::isfinite(v) && v != 0.0; });
+    };
+    const bool vertical = !is_zero("vel_d_m_s"), level = !is_zero("vel_n_m_s") || !is_zero("vel_e_m_s");
+    std::erase_if(gnss.columns, [&](const Stream::Column& c) {
+        const bool down = c.name == "vel_d_m_s" || c.name == "std_vd_m_s";
+        return down ? !vertical : !level && (c.name.starts_with("vel_") || c.name.starts_with("std_v"));
+    });
 }
 
 }  // namespace
@@ -273,7 +341,10 @@ void RosMessages::finish(StreamLog& log, const std::string& file, WarningLog& wa
             count);
     for (auto& [topic, stream] : streams_) {
         if (stream.name == twist_name) continue;
-        if (stream.kind == TableKind::Gnss && stream.rows() > 0) join_velocities(stream, file, warnings);
+        if (stream.kind == TableKind::Gnss && stream.rows() > 0) {
+            if (stream.find("vel_n_m_s") == nullptr) join_velocities(stream, file, warnings);
+            leave_out_zeros(stream);
+        }
         log.add(std::move(stream));
     }
     // a simulation, or a log without a set clock, counts from its start

@@ -18,7 +18,7 @@ enum class RosLayout { Packed, Cdr };  ///< ROS 1; ROS 2, each number at a multi
 
 /// Collects messages of topics into streams: sensor_msgs Imu, NavSatFix, MagneticField and FluidPressure, nav_msgs Odometry,
 /// geometry_msgs PoseStamped, PoseWithCovarianceStamped and TransformStamped; TwistStamped and TwistWithCovarianceStamped as the velocities of the
-/// fixes that have the same stamps. Times are those of the headers.
+/// fixes that have the same stamps; gps_msgs (or gps_common) GPSFix. Times are those of the headers.
 class RosMessages {
 public:
     /// Whether messages of a type are read ("sensor_msgs/Imu", "sensor_msgs/msg/Imu").
