@@ -1,5 +1,6 @@
 // Which of several receivers is the one to be located.
 #include "schuler/dataset/raw_observations.h"
+#include "schuler/core/error.h"
 #include "schuler/dataset/recognise.h"
 
 #include <gtest/gtest.h>
@@ -97,6 +98,25 @@ TEST_F(RawBesideImu, TakesThePlaceOfFixes) {
     EXPECT_EQ(value_of(r.facts, "gnss.observations"), "\"rover.obs\"");
     EXPECT_EQ(value_of(r.facts, "filter.scheme"), "(none)") << "with an IMU the positions of epochs are not all";
     EXPECT_NE(r.dataset_toml.find("observations = \"rover.obs\""), std::string::npos) << r.dataset_toml;
+    ASSERT_EQ(r.doubts.size(), 1U) << "which way is forward, nothing shows";
+    EXPECT_NE(r.doubts[0].find("imu.axes"), std::string::npos);
+    EXPECT_EQ(value_of(recognise(folder_, Needs::ImuAndStart, {}).facts, "gnss.observations"), "\"rover.obs\"");
+    EXPECT_EQ(value_of(recognise(folder_, Needs::Imu, {}).facts, "gnss.observations"), "(none)");
+}
+
+TEST_F(RawBesideImu, IsNotTakenForFixesThatAreBrokenOrOfAStation) {
+    observations("base.obs");
+    imu("imu.csv");
+    EXPECT_THROW((void)recognise(folder_, Needs::ImuAndGnss, {}), Error) << "a station does not move";
+    observations("rover.obs");
+    EXPECT_NO_THROW((void)recognise(folder_, Needs::ImuAndGnss, {}));
+    std::ofstream(folder_ / "gnss.csv") << "time_s,lat_deg,height_m\n408640,52,80\n408641,52,80\n";
+    try {
+        (void)recognise(folder_, Needs::ImuAndGnss, {});
+        FAIL() << "gnss.csv was passed over";
+    } catch (const Error& e) {
+        EXPECT_NE((e.reason() + e.hint()).find("lon_deg"), std::string::npos) << e.what();
+    }
 }
 
 TEST_F(RawBesideImu, OrIsNamedWithoutTheImu) {

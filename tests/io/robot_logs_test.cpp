@@ -204,7 +204,7 @@ std::string packed_header(int k) {  // ROS 1, 5 Hz
 StreamLog way_with_twist(std::array<double, 2> east_north, std::array<double, 3> twist, const char* type, WarningLog& warnings) {
     constexpr double radius = 6.378e6, latitude = 60.0;
     RosMessages messages;
-    for (int k = 0; k < 50; ++k) {
+    for (int k = 0; k < 60; ++k) {
         std::string fix = packed_header(k);
         put(fix, std::int8_t{0});
         put(fix, std::uint16_t{1});
@@ -214,8 +214,8 @@ StreamLog way_with_twist(std::array<double, 2> east_north, std::array<double, 3>
         for (const double c : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 4.0}) put(fix, c);
         put(fix, std::uint8_t{2});
         messages.add("/fix", "sensor_msgs/NavSatFix", RosLayout::Packed, fix, 0);
-        if (k == 7) continue;  // one is lost
-        std::string velocity = packed_header(k);
+        if (k == 7) continue;                                    // one is lost
+        std::string velocity = packed_header(k == 9 ? 500 : k);  // and one is stamped far ahead
         for (const double v : twist) put(velocity, v);
         for (int i = 0; i < 3; ++i) put(velocity, 0.0);
         for (int i = 0; i < 36; ++i) put(velocity, i % 7 != 0 ? 0.0 : i < 21 ? 0.01 : -1.0);
@@ -237,6 +237,8 @@ TEST_F(RobotLogs, TheTwistWithTheStampsOfFixesIsTheirVelocity) {
     EXPECT_EQ(gnss.find("vel_d_m_s")->values[3], -0.5);
     EXPECT_DOUBLE_EQ(gnss.find("std_vd_m_s")->values[3], 0.1);
     EXPECT_TRUE(std::isnan(gnss.find("vel_n_m_s")->values[7])) << "that one is lost";
+    EXPECT_TRUE(std::isnan(gnss.find("vel_n_m_s")->values[9]));
+    EXPECT_EQ(gnss.find("vel_n_m_s")->values[10], 4.0) << "those behind a wrong stamp are not";
     EXPECT_TRUE(warnings.empty());
     const StreamLog level = way_with_twist({-3.0, 4.0}, {-3.0, 4.0, 0.0}, "geometry_msgs/TwistStamped", warnings);
     EXPECT_NE(level.streams.at(0).find("vel_n_m_s"), nullptr);
@@ -248,7 +250,11 @@ TEST_F(RobotLogs, ATwistInTheVehiclesAxesIsNot) {
     WarningLog warnings;
     const StreamLog log = way_with_twist({-3.0, 4.0}, {5.0, 0.0, 0.0}, "geometry_msgs/TwistStamped", warnings);
     EXPECT_EQ(log.streams.at(0).find("vel_n_m_s"), nullptr);
-    expect_parts(warnings.summary().at(0), {"drive.bag", "/vel", "/fix", "left out"});
+    expect_parts(warnings.summary().at(0), {"drive.bag", "/vel", "is not their velocity", "/fix", "left out"});
+    WarningLog slow;
+    const StreamLog short_way = way_with_twist({0.0, 0.8}, {0.8, 0.0, 0.0}, "geometry_msgs/TwistStamped", slow);
+    EXPECT_EQ(short_way.streams.at(0).find("vel_e_m_s"), nullptr) << "10 m show nothing";
+    expect_parts(slow.summary().at(0), {"does not show"});
 }
 
 TEST_F(RobotLogs, AGpsFixHoldsPositionAndVelocity) {

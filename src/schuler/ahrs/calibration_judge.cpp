@@ -103,22 +103,19 @@ void add(Disagreement& d, const std::vector<Reading>& readings, int part, Calibr
     if (dipped > 0.0) d.dip += sum.dip / dipped;
 }
 
-/// Turning of the field against the gyro's, mean square in units of the field's own size in the log (a calibration of a weak instrument enlarges
-/// its noise as well), in each of some pieces of the log, one after the other; NaN where there are few readings.
+/// Turning of the field against the gyro's, mean square (T^2), in each of some pieces of the log, one after the other; NaN where there are
+/// few readings.
 template <class Calibrated>
 std::array<double, pieces> turning_by_pieces(const std::vector<Reading>& readings, Calibrated calibrated) {
     constexpr double enough = 10.0;
     std::array<double, pieces> sum{}, n{};
-    double sizes = 0.0;
     for (std::size_t i = 0; i < readings.size(); ++i) {
         const std::size_t piece = i * pieces / readings.size();
         const Vector3d f = calibrated(readings[i].field);
-        sizes += f.norm();
         sum[piece] += (calibrated(readings[i].next) - readings[i].turn * f).squaredNorm();
         n[piece] += 1.0;
     }
-    const double size = sizes / static_cast<double>(readings.size());
-    for (std::size_t k = 0; k < pieces; ++k) sum[k] = n[k] < enough ? std::nan("") : sum[k] / (n[k] * size * size);
+    for (std::size_t k = 0; k < pieces; ++k) sum[k] = n[k] < enough ? std::nan("") : sum[k] / n[k];
     return sum;
 }
 
@@ -200,17 +197,15 @@ JudgedCalibration judge_magnetometer(std::span<const ImuSample> imu, std::span<c
         return out;
     }
     if (!fit) return out;
-    // a magnet that was there for a while only is in one piece of the log and not in the others
-    const auto as_given = turning_by_pieces(readings, [](const Vector3d& f) { return f; });
+    // a magnet that was there for a while only is in one piece of the log and not in the others; the noise of a weak instrument grows with its gain
+    const double gain = fit->gain.trace() / 3.0;
+    const auto as_given = turning_by_pieces(readings, [gain](const Vector3d& f) -> Vector3d { return gain * f; });
     const auto calibrated = turning_by_pieces(readings, [&](const Vector3d& f) { return fit->apply(f); });
-    double in_tesla = 0.0;  // size of the calibrated field
-    for (const Vector3d& f : all) in_tesla += fit->apply(f).norm() / static_cast<double>(all.size());
     for (std::size_t k = 0; k < pieces; ++k) {
-        if (!(calibrated[k] > worse_piece * as_given[k] + std::pow(least_turning / in_tesla, 2))) continue;
-        const double unit = in_tesla / units::microtesla;
+        if (!(calibrated[k] > worse_piece * as_given[k] + least_turning * least_turning)) continue;
         out.reason +=
             fmt::format("; but in piece {} of {} of the log the turning got worse, {:.2f} to {:.2f} uT: did a magnet come or go?",
-                        k + 1, pieces, unit * std::sqrt(as_given[k]), unit * std::sqrt(calibrated[k]));
+                        k + 1, pieces, std::sqrt(as_given[k]) / units::microtesla, std::sqrt(calibrated[k]) / units::microtesla);
         return out;
     }
     out.fit = fit;

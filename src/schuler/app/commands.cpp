@@ -107,7 +107,7 @@ report::Outcome inspect_path(const fs::path& path, const fs::path& folder, const
     const bool described = is_described(path);
     inspect::InspectReport report = described ? inspect_described(path, facts) : inspect::inspect(path);
     if (!described) {
-        dataset::add_raw_observations(path, report);
+        dataset::add_raw_observations(path, {}, report);
         facts = report.facts;
     }
     report::Json files = report::Json::array();

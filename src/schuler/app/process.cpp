@@ -212,7 +212,7 @@ report::Outcome process_dataset(const settings::ProcessRequest& request) {
         return s.key == "initial.lat_deg";
     });
     const settings::Dataset dataset = settings::open_dataset(
-        request.input, given_start && !satellites_only ? dataset::Needs::Imu : dataset::Needs::ImuAndGnss, over);
+        request.input, given_start && !satellites_only ? dataset::Needs::ImuAndStart : dataset::Needs::ImuAndGnss, over);
     const settings::Config config = settings::config_from(dataset.settings);
     WarningLog warnings;
     solution::ResultBundle bundle;

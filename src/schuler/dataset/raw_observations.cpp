@@ -35,6 +35,15 @@ std::string marker_type(const fs::path& file) {
     return {};
 }
 
+int points_by_name(const fs::path& file) {
+    int points = 0;
+    for (const std::string& word : io::words_of_name(file.stem().string())) {
+        if (word == "rover" || word == "rov" || word == "kinematic" || word == "mobile") points = 1;
+        if (word == "base" || word == "station" || word == "master" || word == "reference" || word == "ref") points = -1;
+    }
+    return points;
+}
+
 /// How likely a file is of the receiver to be located rather than of a station: above zero for a rover.
 int rover_points(const fs::path& file) {
     const std::string type = marker_type(file);
@@ -43,13 +52,7 @@ int rover_points(const fs::path& file) {
     if (is({"AIRBORNE", "SPACEBORNE", "GROUND_CRAFT", "WATER_CRAFT", "FLOATING_BUOY", "FLOATING_ICE", "GLACIER", "BALLISTIC",
             "ANIMAL", "HUMAN", "NON_GEODETIC"}))
         return 2;
-    if (type == "GEODETIC") return -2;
-    int points = 0;
-    for (const std::string& word : io::words_of_name(file.stem().string())) {
-        if (word == "rover" || word == "rov" || word == "kinematic" || word == "mobile") points = 1;
-        if (word == "base" || word == "station" || word == "master" || word == "reference" || word == "ref") points = -1;
-    }
-    return points;
+    return type == "GEODETIC" ? -2 : points_by_name(file);
 }
 
 }  // namespace
@@ -81,6 +84,7 @@ RawObservations raw_observations(const fs::path& path, bool alone) {
     }
     const bool complete = !observations.empty() && std::ranges::find(logs, observations.front()) != logs.end();
     if (observations.empty() || (navigation.empty() && !complete)) return {};
+    if (!alone && points_by_name(observations.front()) < 0) return {};  // a station does not move with the IMU
     RawObservations out;
     const auto fact = [&](const char* key, FactValue value) {
         Fact& f = out.facts.emplace_back();

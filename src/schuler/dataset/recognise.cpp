@@ -47,6 +47,12 @@ bool recognised(const inspect::InspectReport& report, std::string_view key) {
     return std::ranges::find(report.facts, key, &Fact::key) != report.facts.end();
 }
 
+/// A table of fixes that cannot be used, and why is known.
+bool is_broken_gnss(const inspect::FileReport& file) {
+    return !file.chosen && (file.kind == "gnss" || file.resembles == "gnss") &&
+           std::ranges::any_of(file.problems, [](const inspect::Problem& p) { return p.level != inspect::Level::Info; });
+}
+
 std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
     std::vector<std::string> doubts = report.doubts;
     for (const inspect::FileReport& file : report.files) {
@@ -61,11 +67,16 @@ std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
 
 }  // namespace
 
-void add_raw_observations(const fs::path& path, inspect::InspectReport& report) {
+void add_raw_observations(const fs::path& path, const inspect::Given& given, inspect::InspectReport& report) {
     const bool imu = recognised(report, "imu.file");
     if (recognised(report, "gnss.file") || (!imu && !report.dataset_toml.empty())) return;
+    if (std::ranges::any_of(report.files, is_broken_gnss)) return;  // its owner means that one
     RawObservations raw = raw_observations(path, !imu);
     report.facts.insert(report.facts.end(), std::make_move_iterator(raw.facts.begin()), std::make_move_iterator(raw.facts.end()));
+    if (!raw.facts.empty() && imu && !(given.has("imu.axes") && given.has("vehicle.kind")))
+        report.doubts.emplace_back(
+            "the fixes come from raw measurements, which show neither the way forward nor the kind of vehicle before the run: the heading is that of the "
+            "axes as they are taken; give imu.axes and vehicle.kind");
     if (!raw.facts.empty() && !report.dataset_toml.empty()) report.dataset_toml += "\n";
     report.dataset_toml += raw.dataset_toml;
 }
@@ -116,7 +127,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
         throw input_error(why, {path.string(), 0, 0, {}}, mend);
     }
     if (!recognised(r.report, "imu.file")) throw_missing(path, r.report, "imu");
-    if (needs == Needs::ImuAndGnss) add_raw_observations(path, r.report);
+    if (needs == Needs::ImuAndGnss || needs == Needs::ImuAndStart) add_raw_observations(path, given, r.report);
     if (needs == Needs::ImuAndGnss && !recognised(r.report, "gnss.file") && !recognised(r.report, "gnss.observations"))
         throw_missing(path, r.report, "gnss");
     r.doubts = doubts_of(r.report);

@@ -10,9 +10,9 @@
 
 namespace schuler::dataset {
 
-/// What a command cannot do without. Attitude: an IMU log, and a magnetometer is used whatever disturbs it.
-/// Satellites: raw measurements of a receiver.
-enum class Needs { Imu, Attitude, ImuAndGnss, Satellites };
+/// What a command cannot do without. Attitude: an IMU log, and a magnetometer is used whatever disturbs it. ImuAndStart: an IMU log, the start is
+/// given; fixes or raw measurements are used where there are some. Satellites: raw measurements of a receiver.
+enum class Needs { Imu, Attitude, ImuAndStart, ImuAndGnss, Satellites };
 
 /// A folder or file whose content was looked at.
 struct Recognised {
@@ -23,7 +23,7 @@ struct Recognised {
 };
 
 /// Raw measurements of satellites, where they are the only ones in the folder (or the file): beside an IMU's log, or alone.
-void add_raw_observations(const std::filesystem::path& path, inspect::InspectReport& report);
+void add_raw_observations(const std::filesystem::path& path, const inspect::Given& given, inspect::InspectReport& report);
 
 /// Looks at the files of a data set about which something or nothing is given. Where no log is named, the IMU and GNSS logs are looked
 /// for; where only one of satellites is, the IMU's. @throws Error(Input) where what `needs` asks for is then not there, with the most telling thing known about a file that might

@@ -267,7 +267,8 @@ void load_files(const fs::path& path, Study& study) {
         if (!fs::is_regular_file(file->path, failure)) {
             const io::StreamPath where = io::stream_path(file->path);
             if (where.stream.empty()) continue;
-            std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, where.file, failure); });
+            if (!given.find_imu)  // else the IMU may be in the same log
+                std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, where.file, failure); });
             study.files.push_back(detail::load_given_stream(file->path, file->name,
                                                             {kind, {file->columns, file->scale, {}}, {}, file->time_offset}));
             continue;
@@ -278,9 +279,9 @@ void load_files(const fs::path& path, Study& study) {
         study.files.push_back(detail::load_file(file->path, file->name, as));
     }
     const auto load = [&](const fs::path& file) {
-        // beside files that are named, only tables can take a role
-        if (is_prose(file) || (!given.find_logs && (io::raw_format(file) != io::RawFormat::None || file.extension() == ".toml")))
-            return;
+        // beside files that are named, only tables can take a role, and the IMU's in the log of a receiver
+        const bool raw = io::raw_format(file) != io::RawFormat::None;
+        if (is_prose(file) || (!given.find_logs && ((raw && !given.find_imu) || file.extension() == ".toml"))) return;
         const std::string name = folder ? fs::relative(file, path, failure).generic_string() : file.filename().string();
         load_one(file, name, study);
     };

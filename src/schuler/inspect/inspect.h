@@ -41,6 +41,7 @@ struct FileReport {
     std::vector<Hole> holes;              ///< the gaps, in order
     std::vector<std::string> understood;  ///< what each column was taken for, a line each
     bool chosen = false;                  ///< the generated dataset.toml uses it
+    std::string resembles;                ///< of an unknown one: the kind of which it lacks few columns
     std::vector<Problem> problems;
 };
 

@@ -36,6 +36,7 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     const Config said = config_from(given);
     inspect::Given g = given_of(said, given, d.folder);
     g.find_aids = may_find_aids;
+    g.find_imu = g.find_imu && may_find_aids;
     g.weighs_field = needs == dataset::Needs::Attitude;
     if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) {  // nothing to look for
         needs = dataset::Needs::Imu;

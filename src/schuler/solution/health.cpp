@@ -80,7 +80,7 @@ void add_settled(std::span<const HealthInterval> all, std::vector<HealthInterval
                 refused = refused || all[end].state == SourceState::Refused;
                 append(one, all[end]);
             }
-            if (end > i + 1) one.state = refused ? SourceState::PartlyRefused : SourceState::PartlyUsed;
+            if (end > i + 1 && one.used > 0) one.state = refused ? SourceState::PartlyRefused : SourceState::PartlyUsed;
         }
         if (out.size() > before && (sorts[i] == Sort::Rare || out.back().state == one.state)) append(out.back(), one);
         else out.push_back(one);

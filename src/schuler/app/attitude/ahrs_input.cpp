@@ -31,12 +31,12 @@ ahrs::FilterKind filter_from_name(const std::string& name) {
     return found->second;
 }
 
-/// Of each axis the largest magnitude, where that is the instrument's stop: the same extreme value several times in a row, and that at least
-/// twice, with slower motion between, while the other axes show noise. One smooth turn at a steady rate is none.
+/// Of each axis the largest magnitude, where that is the instrument's stop: the same extreme value several times in a row, for long or at least
+/// twice with slower motion between, while the other axes show noise. A steady turn of a simulation without noise is none.
 template <class Samples, class Get>
 Vector3d range_of(const Samples& samples, Get get, double least, double unusual) {
-    constexpr double left = 0.9, quiet = 1e-6;  // of the extreme: no longer there; less than any instrument's noise
-    constexpr int enough = 2;
+    constexpr double left = 0.9, quiet = 1e-6;      // of the extreme: no longer there; less than any instrument's noise
+    constexpr int enough = 2, longest_chance = 20;  // visits; samples in a row that are no accident
     Vector3d range = Vector3d::Constant(std::numeric_limits<double>::infinity());
     for (int axis = 0; axis < 3; ++axis) {
         double extreme = 0.0;
@@ -57,6 +57,7 @@ Vector3d range_of(const Samples& samples, Get get, double least, double unusual)
                     ++visits;
                     away = false;
                 }
+                if (run >= longest_chance && noisy) visits = enough;
             } else {
                 run = 0;
                 noisy = false;

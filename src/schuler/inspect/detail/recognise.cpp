@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace schuler::inspect::detail {
 namespace {
@@ -128,9 +129,9 @@ bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
     return false;
 }
 
-// Which columns a kind of table would still need, for files that nearly are one.
-std::string nearly(const io::TableLayout& layout) {
-    std::string best;
+/// Which columns a kind of table would still need, for files that nearly are one: that kind, and how to say so.
+std::pair<std::string, std::string> nearly(const io::TableLayout& layout) {
+    std::string best, best_kind;
     std::size_t fewest = 4;
     const auto judge = [&](io::TableKind kind, std::initializer_list<const char*> needed) {
         const io::ColumnPlan plan = io::match_columns(layout, kind);
@@ -142,6 +143,7 @@ std::string nearly(const io::TableLayout& layout) {
         }
         if (n > 0 && n < fewest && n < needed.size() - 1) {
             fewest = n;
+            best_kind = io::name_of(kind);
             best = fmt::format(
                 "it looks like {} data but lacks {}: name the columns in dataset.toml, [{}] columns = {{ {} = \"NAME\" }}",
                 io::name_of(kind), lacking, io::name_of(kind), lacking.substr(0, lacking.find(',')));
@@ -151,7 +153,7 @@ std::string nearly(const io::TableLayout& layout) {
           {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
     judge(io::TableKind::Gnss, {"time_s", "lat_deg", "lon_deg", "height_m"});
     judge(io::TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"});
-    return best;
+    return {best_kind, best};
 }
 
 /// The role is given; a file that lacks what the role needs is left to the reader of that role, which says what it lacks.
@@ -234,7 +236,8 @@ void recognise_table(LoadedFile& file) {
         file.table = io::guess_table_kind(layout);
     }
     if (!file.table) {
-        const std::string hint = nearly(layout);
+        const auto [kind, hint] = nearly(layout);
+        file.report.resembles = kind;
         file.problem(hint.empty() ? Level::Info : Level::Warning,
                      hint.empty() ? "no data that Schuler uses (a table with other columns)" : "not usable as it is", hint);
         return;

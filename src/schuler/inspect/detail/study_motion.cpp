@@ -186,8 +186,8 @@ struct Kind {
 Kind kind_without_gnss(const Study& study) {
     const double span = study.imu.empty() ? 0.0 : study.imu.t.back() - study.imu.t.front();
     if (study.still.total > 0.9 * span && span > 0.0)
-        return {"static", 0.85, "the sensors are still throughout, there is no GNSS"};
-    return {"hand", 0.5, "it moves, there is no GNSS: the kind without constraints"};
+        return {"static", 0.85, "the sensors are still throughout, there are no fixes"};
+    return {"hand", 0.5, "it moves, there are no fixes: the kind without constraints"};
 }
 
 Kind kind_of(const Study& study) {

@@ -2,6 +2,7 @@
 
 #include "schuler/core/samples.h"
 #include "schuler/core/units.h"
+#include "schuler/io/container/detail/ros_velocities.h"
 #include "schuler/io/detail/little_endian.h"
 
 #include <fmt/format.h>
@@ -10,7 +11,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <optional>
 #include <stdexcept>
 
 namespace schuler::io {
@@ -107,8 +107,6 @@ Type type_of(std::string_view name) {
     return Type::None;
 }
 
-constexpr std::string_view twist_name = "twist";  // of velocities until they are those of fixes
-
 Stream stream_for(Type type, const std::string& topic) {
     switch (type) {
         case Type::Imu:
@@ -129,7 +127,7 @@ Stream stream_for(Type type, const std::string& topic) {
         case Type::Pressure: return {"baro", TableKind::Baro, topic, {"pressure_pa"}};
         case Type::Twist:
         case Type::TwistWithCovariance:
-            return {std::string(twist_name),
+            return {std::string(detail::ros_twist),
                     TableKind::Gnss,
                     topic,
                     {"vel_e_m_s", "vel_n_m_s", "vel_u_m_s", "std_ve_m_s", "std_vn_m_s", "std_vd_m_s"}};
@@ -230,76 +228,6 @@ bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
     return true;
 }
 
-constexpr std::int64_t same_ns = 1'000'000;  // stamps of one epoch of a receiver
-
-/// Row of `twist` at a time, where there is one. `from`: where to begin; times ascend.
-std::optional<std::size_t> row_at(const Stream& twist, std::int64_t ns, std::size_t& from) {
-    while (from < twist.rows() && twist.time_ns[from] < ns - same_ns) ++from;
-    if (from < twist.rows() && twist.time_ns[from] <= ns + same_ns) return from;
-    return std::nullopt;
-}
-
-/// Drivers of receivers give the velocity of a fix (east, north, up) as a twist of its own with the stamp of the fix. A vehicle's twist in its own
-/// axes may have such stamps as well: it does not fit the way that the fixes go.
-enum class Fit { None, Contradicts, Fits };
-
-Fit fit_of(const Stream& gnss, const Stream& twist) {
-    constexpr double least_share = 0.9, moving = 1.0;  // of the fixes; m/s
-    const auto &lat = gnss.columns[0].values, &lon = gnss.columns[1].values;
-    const auto &east = twist.columns[0].values, &north = twist.columns[1].values;
-    std::size_t from = 0, found = 0, steps = 0;
-    double way = 0.0, off = 0.0;
-    std::optional<std::size_t> last;
-    for (std::size_t i = 0; i < gnss.rows(); ++i) {
-        const std::optional<std::size_t> row = row_at(twist, gnss.time_ns[i], from);
-        found += row ? 1 : 0;
-        const double dt = i == 0 ? 0.0 : 1e-9 * static_cast<double>(gnss.time_ns[i] - gnss.time_ns[i - 1]);
-        if (row && last && dt > 0.0 && dt < 2.5) {
-            constexpr double radius = 6.378e6;
-            const double n = (lat[i] - lat[i - 1]) * units::deg * radius / dt;
-            const double e = (lon[i] - lon[i - 1]) * units::deg * radius * std::cos(lat[i] * units::deg) / dt;
-            const double mean_n = 0.5 * (north[*row] + north[*last]), mean_e = 0.5 * (east[*row] + east[*last]);
-            if (const double square = std::pow(n - mean_n, 2) + std::pow(e - mean_e, 2); std::isfinite(square)) {
-                way += n * n + e * e;
-                off += square;
-                ++steps;
-            }
-        }
-        last = row;
-    }
-    if (static_cast<double>(found) < least_share * static_cast<double>(gnss.rows())) return Fit::None;
-    const bool moves = way > moving * moving * static_cast<double>(steps);
-    return moves && off > 0.5 * way ? Fit::Contradicts : Fit::Fits;
-}
-
-/// Adds the velocities to the fixes with the same stamp.
-void join(Stream& gnss, const Stream& twist) {
-    const std::size_t first = gnss.columns.size();
-    for (const char* name : {"vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s"})
-        gnss.columns.push_back({name, std::vector<double>(gnss.rows(), not_given)});
-    std::size_t from = 0;
-    for (std::size_t i = 0; i < gnss.rows(); ++i) {
-        const std::optional<std::size_t> row = row_at(twist, gnss.time_ns[i], from);
-        if (!row) continue;
-        const auto value = [&](std::size_t column) { return twist.columns[column].values[*row]; };
-        const std::array<double, 6> v{value(1), value(0), -value(2), value(4), value(3), value(5)};
-        for (std::size_t k = 0; k < v.size(); ++k) gnss.columns[first + k].values[i] = v[k];
-    }
-}
-
-/// Some drivers have no vertical velocity, or none at all, and write 0.
-void leave_out_zeros(Stream& gnss) {
-    const auto is_zero = [&](const char* name) {
-        const Stream::Column* column = gnss.find(name);
-        return column == nullptr || std::ranges::none_of(column->values, [](double v) { return std::isfinite(v) && v != 0.0; });
-    };
-    const bool vertical = !is_zero("vel_d_m_s"), level = !is_zero("vel_n_m_s") || !is_zero("vel_e_m_s");
-    std::erase_if(gnss.columns, [&](const Stream::Column& c) {
-        const bool down = c.name == "vel_d_m_s" || c.name == "std_vd_m_s";
-        return down ? !vertical : !level && (c.name.starts_with("vel_") || c.name.starts_with("std_v"));
-    });
-}
-
 }  // namespace
 
 bool RosMessages::is_read(std::string_view type) { return type_of(type) != Type::None; }
@@ -318,20 +246,6 @@ void RosMessages::add(const std::string& topic, const std::string& type_name, Ro
     }
 }
 
-void RosMessages::join_velocities(Stream& gnss, const std::string& file, WarningLog& warnings) const {
-    for (const auto& [topic, twist] : streams_) {
-        if (twist.name != twist_name || twist.rows() == 0) continue;
-        const Fit fit = fit_of(gnss, twist);
-        if (fit == Fit::Fits) return join(gnss, twist);
-        if (fit == Fit::Contradicts)
-            warnings.add(
-                file + " ros.twist " + topic,
-                fmt::format(
-                    "{}: {} has the times of the fixes of {}, but is not their velocity to the east, north and up: left out",
-                    file, topic, gnss.source));
-    }
-}
-
 void RosMessages::finish(StreamLog& log, const std::string& file, WarningLog& warnings) {
     log.clock = Clock::Unix;
     for (const auto& [topic, count] : not_measured_)
@@ -340,10 +254,10 @@ void RosMessages::finish(StreamLog& log, const std::string& file, WarningLog& wa
             fmt::format("{}: {}: messages that say by a covariance of -1 that a part is not measured: left out", file, topic),
             count);
     for (auto& [topic, stream] : streams_) {
-        if (stream.name == twist_name) continue;
+        if (stream.name == detail::ros_twist) continue;
         if (stream.kind == TableKind::Gnss && stream.rows() > 0) {
-            if (stream.find("vel_n_m_s") == nullptr) join_velocities(stream, file, warnings);
-            leave_out_zeros(stream);
+            if (stream.find("vel_n_m_s") == nullptr) detail::join_velocities(stream, streams_, file, warnings);
+            detail::leave_out_zero_velocities(stream);
         }
         log.add(std::move(stream));
     }

@@ -36,8 +36,6 @@ public:
     std::size_t damaged = 0;
 
 private:
-    void join_velocities(Stream& gnss, const std::string& file, WarningLog& warnings) const;
-
     std::map<std::string, Stream> streams_;  ///< by topic
     std::map<std::string, std::size_t> not_measured_;
     std::set<std::string> mentioned_;

@@ -215,7 +215,7 @@ private:
             case 1362:
             case 2264: ++corrected; break;  // CORRIMUDATA(S), IMURATECORRIMUS, CORRIMUS: gravity is taken out
             case 1945:
-                if (imu_type_ < 0 && p.size() >= 4) name_imu(load<std::int32_t>(p, 0));
+                if (const auto type = p.size() >= 4 ? load<std::int32_t>(p, 0) : 0; imu_type_ < 0 && type > 0) name_imu(type);
                 break;  // INSCONFIG
             default: others.insert(std::to_string(id)); break;
         }
