@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace schuler::ahrs {
 namespace {
@@ -142,7 +143,7 @@ TEST(AhrsJudge, AMagnetometerIsMendedWhereItNeedsItAndShowsIt) {
 }
 
 // as much hard iron as the field itself, with which the raw readings are twice as large
-class AhrsJudgeOfStillReadings : public testing::TestWithParam<std::pair<double, double>> {};
+class AhrsJudgeOfStillReadings : public ::testing::TestWithParam<std::pair<double, double>> {};
 
 TEST_P(AhrsJudgeOfStillReadings, AreOfNoiseAlone) {
     const auto [gain, iron] = GetParam();
@@ -158,7 +159,7 @@ TEST_P(AhrsJudgeOfStillReadings, AreOfNoiseAlone) {
     ASSERT_TRUE(judged.fit.has_value()) << judged.reason;
     EXPECT_NEAR(judged.fit->gain.trace() / 3.0, 1.0 / gain, 0.05);
 }
-INSTANTIATE_TEST_SUITE_P(WeakOrMagnetic, AhrsJudgeOfStillReadings, testing::Values(std::pair(0.8, 1.0), std::pair(1.0, 5.0)));
+INSTANTIATE_TEST_SUITE_P(WeakOrMagnetic, AhrsJudgeOfStillReadings, ::testing::Values(std::pair(0.8, 1.0), std::pair(1.0, 5.0)));
 
 TEST(AhrsJudge, AMagnetThatComesAndGoesIsNoCalibration) {
     Log l = turned(Matrix3d::Identity(), Vector3d::Zero(), 4);

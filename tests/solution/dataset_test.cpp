@@ -107,7 +107,6 @@ TEST_F(DatasetTest, UnusableInputsAreNamed) {
         std::string toml;
         std::vector<const char*> parts;
     } cases[] = {
-        {"[gnss]\nfile = \"gnss.csv\"\n", {"imu.file", "no IMU file"}},
         {"[imu]\nfile = \"none.csv\"\n", {"none.csv", "no such file"}},
         {"[imu]\nfile = \".\"\n", {"directory"}},
         {"[imu]\nfile = \"gnss.csv\"\n", {"gnss.csv"}},
@@ -121,6 +120,10 @@ TEST_F(DatasetTest, UnusableInputsAreNamed) {
         EXPECT_EQ(message.find('\n'), std::string::npos);
         for (const char* part : c.parts) EXPECT_NE(message.find(part), std::string::npos) << c.toml << " -> " << message;
     }
+    EXPECT_FALSE(load("[gnss]\nfile = \"gnss.csv\"\n").recording.imu.empty()) << "the IMU's log is in the folder";
+    fs::remove(folder_ / "imu.csv");
+    const std::string without = failure("[gnss]\nfile = \"gnss.csv\"\n");
+    for (const char* part : {"imu.file", "no IMU file"}) EXPECT_NE(without.find(part), std::string::npos) << without;
     EXPECT_THROW((void)settings::open_dataset(folder_ / "nothing"), Error);
     fs::create_directories(folder_ / "empty");
     EXPECT_THROW((void)settings::open_dataset(folder_ / "empty"), Error);
