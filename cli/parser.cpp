@@ -15,7 +15,7 @@ using settings::OptionSpec;
 using settings::Shape;
 
 std::string names_of(const OptionSpec& spec) {
-    if (spec.line.positional) return spec.line.placeholder;
+    if (spec.line.positional) return spec.line.value_name;
     return spec.line.letter != 0 ? fmt::format("-{},--{}", spec.line.letter, spec.key) : "--" + spec.key;
 }
 
@@ -29,7 +29,7 @@ void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingLi
     }
     CLI::Option* option =
         is_list(spec) ? app.add_option(names, given.words[spec.key], help) : app.add_option(names, given.word[spec.key], help);
-    if (!spec.line.positional) option->type_name(settings::placeholder_of(spec));
+    if (!spec.line.positional) option->type_name(settings::value_name_of(spec));
     if (is_list(spec) && spec.length > 0) {
         option->expected(static_cast<int>(spec.length));
     } else if (spec.line.repeated && !spec.line.positional) {
@@ -133,7 +133,7 @@ settings::SettingList settings_of(const app::Command& command, const CommandLine
     const Given& given = line.given.at(command.name);
     settings::SettingList out;
     for (const OptionSpec& spec : command.options) {
-        const std::string name = spec.line.positional ? spec.line.placeholder : "--" + spec.key;
+        const std::string name = spec.line.positional ? spec.line.value_name : "--" + spec.key;
         if (app->count(name) == 0) continue;
         const SourcePlace place{name, 0, 0, {}};
         if (spec.shape == Shape::Flag) {

@@ -250,7 +250,7 @@ TEST_F(RobotLogs, ATwistInTheVehiclesAxesIsNot) {
     WarningLog warnings;
     const StreamLog log = way_with_twist({-3.0, 4.0}, {5.0, 0.0, 0.0}, "geometry_msgs/TwistStamped", warnings);
     EXPECT_EQ(log.streams.at(0).find("vel_n_m_s"), nullptr);
-    expect_parts(warnings.summary().at(0), {"drive.bag", "/vel", "is not their velocity", "/fix", "left out"});
+    expect_parts(warnings.summary().at(0), {"drive.bag", "/vel", "/fix", "is not their velocity", "left out"});
     WarningLog slow;
     const StreamLog short_way = way_with_twist({0.0, 0.8}, {0.8, 0.0, 0.0}, "geometry_msgs/TwistStamped", slow);
     EXPECT_EQ(short_way.streams.at(0).find("vel_e_m_s"), nullptr) << "10 m show nothing";

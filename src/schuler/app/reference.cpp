@@ -43,9 +43,9 @@ std::string row(const std::string& name, const settings::OptionSpec& spec, const
 constexpr const char* head = "| option | unit | accepts | default | applies | what it is |\n|---|---|---|---|---|---|\n";
 
 std::string name_on_the_line(const settings::OptionSpec& spec) {
-    if (spec.line.positional) return spec.line.placeholder;
+    if (spec.line.positional) return spec.line.value_name;
     std::string name = spec.line.letter != 0 ? fmt::format("-{}, --{}", spec.line.letter, spec.key) : "--" + spec.key;
-    const std::string value = settings::placeholder_of(spec);
+    const std::string value = settings::value_name_of(spec);
     return value.empty() ? name : name + " " + value;
 }
 

@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/atmosphere.h"
+#include "schuler/gnss/orbit.h"
 #include "schuler/gnss/system_time.h"
 
 #include <Eigen/LU>
@@ -18,7 +19,6 @@ namespace schuler::gnss {
 namespace {
 
 using units::deg;
-constexpr double wgs84_rate = 7.2921151467e-5;
 constexpr double greenwich = 277.85 * deg;  ///< right ascension when the week begins
 
 /// A plane of GPS's nominal constellation: right ascension of the node and arguments of latitude, degrees.
@@ -51,7 +51,7 @@ Navigation nominal_gps(Time from, Time to) {
                 k.i0 = 55.0 * deg;
                 // elements since the week of `from` began, so that a scenario may run into the next week
                 const double since = week_second(from).second + (toe - from).seconds();
-                k.omega0 = plane.node * deg - greenwich - wgs84_rate * (since - week_second(toe).second);
+                k.omega0 = plane.node * deg - greenwich - gps_earth_rate * (since - week_second(toe).second);
                 k.m0 = std::remainder(latitude * deg + n * since, 2.0 * std::numbers::pi);
                 k.iode = k.iodc = static_cast<int>(week_second(toe).second / 7200.0) % 256;
                 k.accuracy = 0.01;
@@ -71,7 +71,7 @@ Navigation nominal_glonass(Time from, Time to) {
     Navigation out;
     for (std::uint8_t slot = 0; slot < 24; ++slot) {
         const int plane = slot / 8;
-        const double node = 120.0 * deg * plane + 30.0 * deg - greenwich - wgs84_rate * since;
+        const double node = 120.0 * deg * plane + 30.0 * deg - greenwich - gps_earth_rate * since;
         const double u = (45.0 * (slot % 8) + 15.0 * plane) * deg + n * since;
         const double cu = std::cos(u), su = std::sin(u), ci = std::cos(inclination), si = std::sin(inclination);
         const double cn = std::cos(node), sn = std::sin(node);
@@ -84,7 +84,7 @@ Navigation nominal_glonass(Time from, Time to) {
         g.toe = g.transmission = first;
         g.position = a * level(cu, su);
         const Eigen::Vector3d inertial = a * n * level(-su, cu);
-        g.velocity = inertial + wgs84_rate * Eigen::Vector3d(g.position.y(), -g.position.x(), 0.0);
+        g.velocity = inertial + gps_earth_rate * Eigen::Vector3d(g.position.y(), -g.position.x(), 0.0);
         for (;;) {
             out.glonass.push_back(g);
             if (g.toe > to) break;

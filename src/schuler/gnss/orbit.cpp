@@ -16,9 +16,9 @@ struct OrbitConstants {
 };
 OrbitConstants constants_of(System system) {
     switch (system) {
-        case System::Galileo: return {3.986004418e14, 7.2921151467e-5};
+        case System::Galileo: return {3.986004418e14, gps_earth_rate};
         case System::BeiDou: return {3.986004418e14, 7.2921150e-5};
-        default: return {3.986005e14, 7.2921151467e-5};
+        default: return {3.986005e14, gps_earth_rate};
     }
 }
 

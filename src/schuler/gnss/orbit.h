@@ -8,6 +8,9 @@
 
 namespace schuler::gnss {
 
+/// The Earth's rate that the elements of GPS, QZSS and Galileo are fitted with, rad/s [ISGPS200:table 20-IV].
+inline constexpr double gps_earth_rate = 7.2921151467e-5;
+
 /// Satellite at an instant of GPS time, in Earth-fixed axes of that instant.
 struct SatelliteState {
     Ecef position;                      ///< m

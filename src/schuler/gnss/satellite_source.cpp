@@ -147,7 +147,6 @@ std::optional<Transmitter> BroadcastSource::at(SatelliteId s, Signal signal, Tim
 namespace {
 
 constexpr std::size_t nodes_used = 11;
-constexpr double earth_rate = 7.2921151467e-5;  ///< rad/s [ISGPS200:table 20-IV]
 
 /// Lagrange's polynomial through nodes whose axes are turned back to those of t.
 Eigen::Vector3d interpolated(const PreciseSource::Node* nodes, Time t) {
@@ -157,7 +156,7 @@ Eigen::Vector3d interpolated(const PreciseSource::Node* nodes, Time t) {
         for (std::size_t j = 0; j < nodes_used; ++j) {
             if (j != i) weight *= (t - nodes[j].time).seconds() / (nodes[i].time - nodes[j].time).seconds();
         }
-        const double angle = earth_rate * (nodes[i].time - t).seconds(), s = std::sin(angle), c = std::cos(angle);
+        const double angle = gps_earth_rate * (nodes[i].time - t).seconds(), s = std::sin(angle), c = std::cos(angle);
         const Eigen::Vector3d& r = nodes[i].position;
         sum += weight * Eigen::Vector3d(c * r.x() - s * r.y(), s * r.x() + c * r.y(), r.z());
     }
@@ -187,7 +186,8 @@ std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal, Time t) cons
     out.clock_rate = (b.clock - a.clock) / span;
     if (!std::isfinite(out.clock)) return std::nullopt;
     // satellite clocks of SP3 exclude the periodic relativistic effect, -2 r.v/c^2
-    const Eigen::Vector3d inertial = out.velocity + earth_rate * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
+    const Eigen::Vector3d inertial =
+        out.velocity + gps_earth_rate * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
     out.clock -= 2.0 * out.position.r.dot(inertial) / (speed_of_light * speed_of_light);
     constexpr double sigma = 0.05;  // m
     out.variance = sigma * sigma;

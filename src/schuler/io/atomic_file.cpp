@@ -16,12 +16,10 @@
 namespace schuler::io {
 namespace {
 
-std::string reason_of(int error_number) { return std::generic_category().message(error_number); }
-
 Error cannot_write(const std::filesystem::path& path, int error_number) {
     const std::string mend =
         error_number == ENOENT ? "make the folder first, or choose another with -o" : "choose another place with -o";
-    return input_error(fmt::format("cannot be written: {}", reason_of(error_number)), place_in(path.string()), mend);
+    return input_error(fmt::format("cannot be written: {}", system_message(error_number)), place_in(path.string()), mend);
 }
 
 }  // namespace
@@ -69,7 +67,7 @@ void AtomicFile::write(std::string_view bytes) {
         const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
         if (n < 0) {
             if (errno == EINTR) continue;
-            throw computation_error(fmt::format("{}: cannot be written: {}", path_.string(), reason_of(errno)),
+            throw computation_error(fmt::format("{}: cannot be written: {}", path_.string(), system_message(errno)),
                                     "make room on the disk");
         }
         bytes.remove_prefix(static_cast<std::size_t>(n));
@@ -80,11 +78,11 @@ void AtomicFile::commit() {
     const int closed = fd_ >= 0 ? close(fd_) : 0;
     fd_ = -1;
     if (closed != 0)
-        throw computation_error(fmt::format("{}: cannot be written: {}", path_.string(), reason_of(errno)),
+        throw computation_error(fmt::format("{}: cannot be written: {}", path_.string(), system_message(errno)),
                                 "make room on the disk");
     if (temporary_.empty()) return;
     if (rename(temporary_.c_str(), path_.c_str()) != 0) {
-        throw computation_error(fmt::format("{}: cannot be renamed to its name: {}", path_.string(), reason_of(errno)),
+        throw computation_error(fmt::format("{}: cannot be renamed to its name: {}", path_.string(), system_message(errno)),
                                 "choose another place with -o");
     }
     temporary_.clear();

@@ -4,6 +4,7 @@
 #include "schuler/core/error.h"
 
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace schuler::io {
@@ -12,5 +13,8 @@ namespace schuler::io {
 [[nodiscard]] inline SourcePlace place_in(std::string file, long line = 0, long column = 0, std::string key = {}) {
     return {std::move(file), line, column, std::move(key)};
 }
+
+/// What the system says of an error number (errno).
+[[nodiscard]] inline std::string system_message(int error_number) { return std::generic_category().message(error_number); }
 
 }  // namespace schuler::io

@@ -81,9 +81,9 @@ std::vector<std::string> words_from_value(const OptionSpec& spec, const Value& v
     return {name, fmt::format("{}", fmt::join(items, ","))};
 }
 
-std::string placeholder_of(const OptionSpec& spec) {
+std::string value_name_of(const OptionSpec& spec) {
     if (spec.shape == Shape::Flag) return {};
-    if (!spec.line.placeholder.empty()) return spec.line.placeholder;
+    if (!spec.line.value_name.empty()) return spec.line.value_name;
     std::string out;
     for (const char c : spec.unit) out += c == '/' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     return out.empty() ? "NUMBER" : out;

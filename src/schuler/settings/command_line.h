@@ -15,7 +15,7 @@ namespace schuler::settings {
 [[nodiscard]] std::vector<std::string> words_from_value(const OptionSpec& spec, const Value& value);
 
 /// What help puts after the option: "T:DUR", "M_S", "NUMBER"; empty for a flag.
-[[nodiscard]] std::string placeholder_of(const OptionSpec& spec);
+[[nodiscard]] std::string value_name_of(const OptionSpec& spec);
 
 /// The sentence of help: what it is, and what holds where it is not given.
 [[nodiscard]] std::string help_of(const OptionSpec& spec, const SettingList& defaults);

@@ -26,10 +26,10 @@ struct CommandLine {
     char letter = 0;  ///< -n beside --runs
     bool positional = false;
     bool required = false;
-    bool repeated = false;    ///< of Texts: once for each, instead of a list with commas
-    bool hidden = false;      ///< help leaves it out
-    bool file = false;        ///< it names a file or folder, or settings that may: no field of a form
-    std::string placeholder;  ///< "T:DUR"; otherwise made of the unit
+    bool repeated = false;   ///< of Texts: once for each, instead of a list with commas
+    bool hidden = false;     ///< help leaves it out
+    bool file = false;       ///< it names a file or folder, or settings that may: no field of a form
+    std::string value_name;  ///< "T:DUR"; otherwise made of the unit
 };
 
 /// What an option is, whatever it sets.

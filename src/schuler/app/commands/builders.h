@@ -20,6 +20,9 @@ using settings::OptionTable;
 using settings::Shape;
 using settings::Value;
 
+/// What a study writes to standard output with --json, as the help says it.
+inline constexpr const char* one_json_document = "one JSON document";
+
 template <class R>
 Option<R> in_units(const char* unit, Option<R> option) {
     option.spec.unit = unit;
@@ -33,8 +36,8 @@ Option<R> lettered(char letter, Option<R> option) {
 }
 
 template <class R>
-Option<R> written(const char* placeholder, Option<R> option) {
-    option.spec.line.placeholder = placeholder;
+Option<R> written(const char* value_name, Option<R> option) {
+    option.spec.line.value_name = value_name;
     return option;
 }
 
@@ -53,9 +56,9 @@ Option<R> required(Option<R> option) {
 
 /// An argument without a name before it; it must be given.
 template <class R>
-Option<R> argument(const char* placeholder, Option<R> option) {
+Option<R> argument(const char* value_name, Option<R> option) {
     option.spec.line.positional = option.spec.line.required = true;
-    option.spec.line.placeholder = placeholder;
+    option.spec.line.value_name = value_name;
     return option;
 }
 

@@ -47,8 +47,8 @@ void add_processing(OptionTable<R>& table) {
 }
 
 template <class R>
-Option<R> input(const char* placeholder, const char* key, const char* help) {
-    return argument(placeholder, path<R>(key, help, [](auto& r) -> auto& { return common(r).input; }));
+Option<R> input(const char* value_name, const char* key, const char* help) {
+    return argument(value_name, path<R>(key, help, [](auto& r) -> auto& { return common(r).input; }));
 }
 
 template <class R>

@@ -15,11 +15,11 @@ struct FilesRequest {
 
 using R = FilesRequest;
 
-Option<R> first(const char* placeholder, const char* key, const char* help) {
-    return argument(placeholder, path<R>(key, help, [](auto& r) -> auto& { return r.in; }));
+Option<R> first(const char* value_name, const char* key, const char* help) {
+    return argument(value_name, path<R>(key, help, [](auto& r) -> auto& { return r.in; }));
 }
-Option<R> second(const char* placeholder, const char* key, const char* help) {
-    return argument(placeholder, path<R>(key, help, [](auto& r) -> auto& { return r.out; }));
+Option<R> second(const char* value_name, const char* key, const char* help) {
+    return argument(value_name, path<R>(key, help, [](auto& r) -> auto& { return r.out; }));
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ void add_file_commands(std::vector<Command>& list) {
     list.push_back(command<R>(
         "inspect", "what is in a file or folder, what is wrong, a dataset.toml to start from",
         "  schuler inspect drive/\n  schuler inspect flight.ulg\n  schuler inspect imu.csv --explain\n  schuler inspect drive/ -o out/found\n  schuler inspect imu.csv --json",
-        std::move(inspect), "one JSON document", false, [](const R& r) {
+        std::move(inspect), one_json_document, false, [](const R& r) {
             report::Outcome found = inspect_path(r.in, r.out, r.version);
             if (r.explain) found.tables += "\n" + explained(r.in);
             return found;

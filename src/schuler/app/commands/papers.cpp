@@ -11,7 +11,7 @@ void add_paper_command(std::vector<Command>& list) {
         "PAPER", one_of<R>("paper", {"A", "B", "C", "D", "E"}, "letter of the paper", [](auto& r) -> auto& { return r.paper; })));
     Option<R> item = settings::text<R>("item", "a table or figure of it, or all", [](auto& r) -> auto& { return r.item; });
     item.spec.line.positional = true;
-    item.spec.line.placeholder = "ITEM";
+    item.spec.line.value_name = "ITEM";
     t.add(otherwise("list them", std::move(item)))
         .add(output_option<R>("folder of report.html, CSV files and summary.json", "none",
                               [](auto& r) -> auto& { return r.output; }))
@@ -27,7 +27,7 @@ void add_paper_command(std::vector<Command>& list) {
                               "  schuler paper D figure-5 -n 96 -o out/figure5   with plots, of 96 runs\n"
                               "  schuler paper C all -o out/paper-c      all that are no Monte Carlo campaigns, a folder each\n"
                               "Exit status 1: a printed number is not reached, and no misprint explains it.",
-                              std::move(t), "one JSON document", true, study::make_paper));
+                              std::move(t), one_json_document, true, study::make_paper));
 }
 
 }  // namespace schuler::app

@@ -26,7 +26,7 @@ Command generate() {
                       "  schuler receiver generate one.ibyte --satellites G07:45:1200:300.5 --seconds 10\n"
                       "  schuler receiver generate if.ibyte --sample-rate 8e6 --intermediate-frequency 2e6 --seed 3\n"
                       "Writes signed bytes, I and Q in turn, without a header: what gnss-sdr calls ibyte.",
-                      std::move(t), "one JSON document", true, generate_recording);
+                      std::move(t), one_json_document, true, generate_recording);
 }
 
 Command track() {

@@ -8,8 +8,6 @@
 namespace schuler::app {
 namespace {
 
-constexpr const char* json_document = "one JSON document";
-
 Command requirements() {
     using R = study::RequirementsRequest;
     OptionTable<R> t;
@@ -23,7 +21,7 @@ Command requirements() {
     return command<R>(
         "analyze requirements", "sensors for a position budget over an outage, and outages for devices (paper A, 1.4)",
         "  schuler analyze requirements --budget 5 --outage 60\n  schuler analyze requirements --budget 5 --device hg9900 --json",
-        std::move(t), json_document, false, study::analyze_requirements);
+        std::move(t), one_json_document, false, study::analyze_requirements);
 }
 
 /// What the studies of a scenario share.
@@ -44,7 +42,7 @@ Command budget() {
                                         "error budget: one source at a time is simulated, the filter assumes all of them",
                                         "  schuler analyze budget examples/paper-a-flight.toml\n"
                                         "  schuler analyze budget examples/airliner-hg9900.toml -n 20 --json",
-                                        study_of_scenario(), json_document, true, study::analyze_budget);
+                                        study_of_scenario(), one_json_document, true, study::analyze_budget);
 }
 
 Command covariance() {
@@ -78,7 +76,7 @@ Command covariance() {
         "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 -o out/covariance\n"
         "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 --find imu.gyro_bias_deg_h --target 5\n"
         "[filter] assumed gives the filter another error model than the true one: the table then shows how far its sigmas are off.",
-        std::move(t), json_document, false, study::analyze_covariance);
+        std::move(t), one_json_document, false, study::analyze_covariance);
 }
 
 Command integrity() {
@@ -97,7 +95,7 @@ Command integrity() {
     return command<R>("analyze integrity", "faults of the receiver: detection, time to alert, false alarms",
                       "  schuler analyze integrity examples/paper-a-flight.toml\n"
                       "  schuler analyze integrity examples/paper-a-flight.toml --kind ramp --size 0.1,0.5 -n 50",
-                      std::move(t), json_document, true, study::analyze_integrity);
+                      std::move(t), one_json_document, true, study::analyze_integrity);
 }
 
 Command triad() {
@@ -132,7 +130,7 @@ Command triad() {
         "  schuler analyze triad                                    the cases of the reference simulation, 48 runs each\n"
         "  schuler analyze triad --cases ce -n 480 -o out/triad     ten seeds on each geometry, with plots\n"
         "  schuler analyze triad --grade tactical --oscillator tcxo --baro 0",
-        std::move(t), json_document, true, study::analyze_triad);
+        std::move(t), one_json_document, true, study::analyze_triad);
 }
 
 Command allan() {
@@ -149,7 +147,7 @@ Command allan() {
         "  schuler analyze allan drive/ --set run.stop_s=300 --json   its first minutes, with the points of the curves\n"
         "  schuler analyze allan examples/static.toml                the instrument of a scenario\n"
         "Axes are those of the body. Only an instrument at rest shows its noise alone.",
-        std::move(t), json_document, true, study::analyze_allan);
+        std::move(t), one_json_document, true, study::analyze_allan);
 }
 
 Command protection() {
@@ -172,7 +170,7 @@ Command protection() {
                       "  schuler analyze protection -n 10000                       single faults on the flights of paper D\n"
                       "  schuler analyze protection -n 2000 --double --json\n"
                       "  schuler analyze protection -n 500 --ramp                 faults that grow slowly",
-                      std::move(t), json_document, true, study::analyze_protection);
+                      std::move(t), one_json_document, true, study::analyze_protection);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@ namespace schuler::app {
 namespace {
 
 constexpr double huge = 1e12;
-constexpr const char* one_document = "one JSON document";
 
 template <class R, class Access>
 Option<R> quantity(std::string key, const char* unit, std::string help, Access access) {
@@ -69,7 +68,7 @@ Command equator() {
         "  schuler analyze equator --speed 200 --vn 100 --latitude-deg 45 --dvn 0.1 --compare --ellipsoid\n"
         "  schuler analyze equator --speed 8000                     beyond the limiting speed\n"
         "Errors are estimate minus truth. The exit status is 0 also where the flight is unstable: the verdict states it.",
-        std::move(t), one_document, false, study::analyze_equator);
+        std::move(t), one_json_document, false, study::analyze_equator);
 }
 
 Command modes() {
@@ -100,7 +99,7 @@ Command modes() {
         "  schuler analyze schuler --paper                          the cases of paper A, section 4.1, with the right numbers\n"
         "  schuler analyze schuler --ve 250 --height 10000 --vertical third --accel-up-ug 50\n"
         "Errors are estimate minus truth; errors of instruments are measured minus true, in east-north-up.",
-        std::move(t), one_document, false, study::analyze_schuler);
+        std::move(t), one_json_document, false, study::analyze_schuler);
 }
 
 Command observability() {
@@ -133,7 +132,7 @@ Command observability() {
         "  schuler analyze observability --vn 1 --ve 1 --json        exact rank, pivots, combinations\n"
         "  schuler analyze observability --vn 1 --ve 1 --tolerance 1e-7\n"
         "Ranks are decided with fifty digits along the motion, a great circle. A pivot is a share of what gravity does in 13 minutes.",
-        std::move(t), one_document, false, study::analyze_observability);
+        std::move(t), one_json_document, false, study::analyze_observability);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/bytes.h"
+#include "schuler/io/detail/xml_text.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/text/detail/calendar_text.h"
@@ -109,18 +110,11 @@ StreamLog read_gpx(const TextInput& input, WarningLog& warnings) {
     return log;
 }
 
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text)
-        out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-    return out;
-}
-
 void write_gpx(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string& title) {
     std::string out = fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"schuler\" "
         "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{}</name><trkseg>\n",
-        escaped(title));
+        detail::xml_text(title));
     for (const SolutionRow& r : rows) {
         if (!std::isfinite(r.position.lat) || !std::isfinite(r.position.lon)) continue;
         fmt::format_to(std::back_inserter(out), "<trkpt lat=\"{:.10f}\" lon=\"{:.10f}\">", r.position.lat / units::deg,

@@ -2,6 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/detail/xml_text.h"
 
 #include <fmt/format.h>
 
@@ -10,17 +11,6 @@
 
 namespace schuler::io {
 namespace {
-
-std::string xml_text(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-        if (c == '&') result += "&amp;";
-        else if (c == '<') result += "&lt;";
-        else if (c == '>') result += "&gt;";
-        else if (static_cast<unsigned char>(c) >= 0x20) result += c;
-    }
-    return result;
-}
 
 std::string coordinates(const Geodetic& p) {
     return fmt::format("{:.8f},{:.8f},{:.2f}", p.lon / units::deg, p.lat / units::deg, p.h);
@@ -41,7 +31,7 @@ std::string track_kml(std::span<const SolutionRow> rows, const std::string& name
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml "
         "xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n"
         "<Style id=\"track\"><LineStyle><color>ff0000ff</color><width>3</width></LineStyle></Style>\n",
-        xml_text(name));
+        detail::xml_text(name));
     if (!rows.empty() && finite(rows.front().position) && finite(rows.back().position)) {
         text += mark("start", rows.front());
         text += mark("stop", rows.back());

@@ -20,8 +20,6 @@ namespace {
 
 constexpr std::size_t longest_line = 16 * 1024 * 1024;
 
-std::string system_message(int error_number) { return std::generic_category().message(error_number); }
-
 }  // namespace
 
 TextInput TextInput::memory(std::string_view content, std::string display_name) {

@@ -110,18 +110,12 @@ void join_velocities(Stream& gnss, const std::map<std::string, Stream>& streams,
         if (twist.name != ros_twist || twist.rows() == 0) continue;
         const Fit fit = fit_of(gnss, twist);
         if (fit == Fit::Fits) return join(gnss, twist);
-        if (fit == Fit::Unclear)
-            warnings.add(
-                file + " ros.twist " + topic,
-                fmt::format(
-                    "{}: whether {} is the velocity of the fixes of {} does not show (few common times, or too little motion): left out",
-                    file, topic, gnss.source));
-        if (fit == Fit::Contradicts)
-            warnings.add(
-                file + " ros.twist " + topic,
-                fmt::format(
-                    "{}: {} has the times of the fixes of {}, but is not their velocity to the east, north and up: left out",
-                    file, topic, gnss.source));
+        if (fit == Fit::None) continue;
+        warnings.add(file + " ros.twist " + topic,
+                     fmt::format("{}: {} has times of the fixes of {}, but {}: left out", file, topic, gnss.source,
+                                 fit == Fit::Contradicts
+                                     ? "is not their velocity to the east, north and up"
+                                     : "whether it is their velocity does not show (few of the times, or too little motion)"));
     }
 }
 
