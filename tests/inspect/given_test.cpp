@@ -1,12 +1,16 @@
 // A folder about which something is given: it is taken, what is not given is found as without it, and what the data contradict is said.
 #include "inspect/report_queries.h"
 #include "inspect/synthetic_car.h"
+#include "io/log_bytes.h"
 
 #include "schuler/sensor/axes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace schuler::inspect::test {
 namespace {
@@ -181,6 +185,60 @@ TEST(Given, OtherFilesOfTheFolderAreAidsOnlyWhereTheyMay) {
     EXPECT_EQ(text_of(inspect(folder, given), "baro.file"), "\"baro.csv\"");
     given.find_aids = false;
     EXPECT_EQ(text_of(inspect(folder, given), "baro.file"), "(not found)");
+}
+
+/// A bag of ROS 1 with an IMU (100 Hz) and fixes (1 Hz) at rest.
+std::string bag_at_rest() {
+    const auto text = [](const std::string& value) {
+        std::string out;
+        io::test::put(out, static_cast<std::uint32_t>(value.size()));
+        return out + value;
+    };
+    const auto record = [&](char op, int connection, const std::string& data) {
+        std::string number;
+        io::test::put(number, static_cast<std::uint32_t>(connection));
+        return text(text(std::string("op=") + op) + text("conn=" + number)) + text(data);
+    };
+    const auto header = [&](int hundredths) {
+        std::string m;
+        io::test::put(m, std::uint32_t{1});
+        io::test::put(m, static_cast<std::uint32_t>(1'600'000'000 + hundredths / 100));
+        io::test::put(m, static_cast<std::uint32_t>(10'000'000 * (hundredths % 100)));
+        return m + text("");
+    };
+    const auto numbers = [](std::string& m, const std::vector<double>& values) {
+        for (const double v : values) io::test::put(m, v);
+    };
+    std::string bag = "#ROSBAG V2.0\n" + record(7, 1, text("topic=/imu") + text("type=sensor_msgs/Imu")) +
+                      record(7, 2, text("topic=/fix") + text("type=sensor_msgs/NavSatFix"));
+    for (int k = 0; k < 3000; ++k) {
+        std::string imu = header(k), fix = header(k);
+        const double noise = 1e-3 * (k * 7 % 11 - 5);
+        numbers(imu, std::vector<double>(13, 0.0));
+        numbers(imu, {noise, 0.001, -noise});
+        numbers(imu, std::vector<double>(9, 0.0));
+        numbers(imu, {0.01, noise, 9.81 + noise});
+        numbers(imu, std::vector<double>(9, 0.0));
+        bag += record(2, 1, imu);
+        if (k % 100 != 0) continue;
+        fix += std::string("\0\1\0", 3);  // status and service
+        numbers(fix, {52.0, 13.0, 80.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 4.0});
+        bag += record(2, 2, fix + '\2');
+    }
+    return bag;
+}
+
+TEST(Given, TheImuIsFoundInTheLogWhoseFixesAreNamed) {
+    const fs::path folder = fresh_folder("given_stream");
+    write_file(folder / "drive.bag", bag_at_rest());
+    Given given;
+    given.gnss = {folder / "drive.bag#gnss", "drive.bag#gnss", {}, {}, 0.0};
+    given.keys = {"gnss.file"};
+    given.find_logs = given.find_aids = false;
+    const InspectReport report = inspect(folder, given);
+    EXPECT_EQ(text_of(report, "imu.file"), "\"drive.bag#imu\"");
+    given.find_imu = false;
+    EXPECT_EQ(text_of(inspect(folder, given), "imu.file"), "(not found)");
 }
 
 }  // namespace

@@ -101,6 +101,17 @@ TEST(Health, StatesThatChangeToAndFroAreOneIntervalThatSaysSo) {
     expect_spans(all, "heading", {{PartlyUsed, 0, 99}});
 }
 
+TEST(Health, WhatWasNeverUsedIsNotPartlySo) {
+    fusion::Result result;
+    for (int t = 0; t < 100; ++t)
+        result.aids.push_back(record(t, AidKind::Baro,
+                                     t == 50   ? AidStatus::Rejected
+                                     : t == 51 ? AidStatus::Withheld
+                                               : AidStatus::Accepted));
+    using enum SourceState;
+    expect_spans(health_of({}, result), "baro", {{Used, 0, 49}, {Refused, 50, 51}, {Used, 52, 99}});
+}
+
 TEST(Health, OneFixInALongSilenceIsSeen) {
     fusion::Result result = run_of_1000_s();
     for (int t = 100; t <= 900; t += t == 300 || t == 600 ? 300 : 1)  // fixes up to 300, one at 600, and from 900 on none
