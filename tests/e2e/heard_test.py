@@ -87,5 +87,32 @@ def heard(program, source):
     check(not silent, "ignored without a word: " + "; ".join(map(str, silent)))
 
 
+def scenarios(program, source):
+    """What a scenario's own [filter] and a campaign's options say in vain is told as well."""
+    folder = Path(program.folder)
+    (folder / "drive.toml").write_text(DRIVE + 'scheme = "tight"\nloose = "aggressive"\nintegrity.use = true\nseparate.restart_s = 60\n')
+    said = ["filter.integrity.use", "filter.loose", "filter.separate.restart_s"]
+    done = program("run", "drive.toml", "-o", "once", "--outputs", "summary")
+    told = json.loads((folder / "once/summary.json").read_text())
+    check([i["key"] for i in told["ignored"]] == said, f"run: {told['ignored']}")
+    check(all(key in done.stderr for key in said), done.stderr)
+    (folder / "plain.toml").write_text(DRIVE)
+    program("montecarlo", "plain.toml", "-n", 2, "-o", "some", "--set", "filter.loose=aggressive", "--scheme", "tight")
+    told = json.loads((folder / "some/summary.json").read_text())
+    check([i["key"] for i in told["ignored"]] == ["filter.loose"], f"montecarlo: {told['ignored']}")
+    program("run", "plain.toml", "-o", "open", "--scheme", "separate", "--loop", "open", "--outputs", "summary")
+    check(json.loads((folder / "open/summary.json").read_text())["loop"] == "closed", "the loop of the separate scheme is closed")
+    # presets change the states of a scenario as of a data set
+    (folder / "scale.toml").write_text(DRIVE.replace('grade = "mems"', 'grade = "mems"\ngyro_scale_ppm = 1000\naccel_scale_ppm = 1000'))
+    program("simulate", "scale.toml", "-o", "scale", "-q")
+    found = {}
+    for command, source_of in (("run", "scale.toml"), ("process", "scale")):
+        for preset in ("ins15", "ins21"):
+            out = f"{command}-{preset}"
+            program(command, source_of, "-o", out, "-q", "--set", f"filter.preset={preset}", "--outputs", "solution,summary")
+            found[command, preset] = (folder / out / "solution.csv").read_text()
+        check(found[command, "ins15"] != found[command, "ins21"], f"{command}: presets that are the same")
+
+
 if __name__ == "__main__":
-    main({"heard": heard})
+    main({"heard": heard, "heard_scenarios": scenarios})

@@ -275,8 +275,22 @@ TEST(Navigator, RefusesForeignAndDamagedBytes) {
     EXPECT_EQ(navigator.restore(std::span(bytes).first(bytes.size() - 1)), RestoreStatus::TooShort);
     EXPECT_EQ(navigator.restore({}), RestoreStatus::TooShort);
     EXPECT_EQ(navigator.save(), bytes);  // as it was
-    n.filter.imu.errors.gyro_noise *= 2.0;
-    EXPECT_EQ(made(n).restore(bytes), RestoreStatus::OtherSettings);
+    const auto with = [&](auto&& change) {
+        NavigatorSettings other = n;
+        change(other.filter);
+        return made(other).restore(bytes);
+    };
+    EXPECT_EQ(with([](Settings&) {}), RestoreStatus::Restored);
+    EXPECT_EQ(with([](Settings& s) { s.imu.errors.gyro_noise *= 2.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.mag.declination = 0.5; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.earth.ellipsoid.gm *= 1.0 + 1e-9; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.earth.gravity = earth::GravityModel::PaperA; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.aids.floor_position = 50.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.aids.zero_velocity_std *= 3.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.aids.recovery_time = 30.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.gnss.std_floor_position.z() = 1.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.feedback_period = 5.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.separate.position_time = 5.0; }), RestoreStatus::OtherSettings);
 }
 
 TEST(Navigator, PredictsToTheNewestSample) {
@@ -391,7 +405,11 @@ TEST(Navigator, SaysWhatItCannotBeTold) {
                   n.rates.ranges = 1.0;
               }),
               MakeStatus::NotForStreams);
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.coupling = Coupling::Deep; }), MakeStatus::NotForStreams);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.smooth = true; }), MakeStatus::NotForStreams);
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.backward = true; }), MakeStatus::NotForStreams);
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.output_lever_arm_b.x() = 1.0; }), MakeStatus::NotForStreams);
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.output_instants.emplace_back(); }), MakeStatus::NotForStreams);
     // probabilities without a quantile: refused by their own key, not by an exception on the way
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.aids.gate_probability = 0.0; }), MakeStatus::Made);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.aids.gate_probability = 1e-20; }), MakeStatus::BadSettings);

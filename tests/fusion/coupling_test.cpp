@@ -106,13 +106,16 @@ TEST(ReceiverAiding, RatesAreTheDerivativesOfTheRange) {
 TEST(Integrity, TestsOfOneFix) {
     IntegritySettings s;
     ChannelHealth health;
-    Examined e{AidKind::GnssPosition, Time::from_seconds(12.0), {60.0, 0.0, 0.0}, Vector3d::Ones(), 1e4};
+    Examined e{AidKind::GnssPosition, Time::from_seconds(12.0), {60.0, 0.0, 0.0}, 3.0};
     EXPECT_TRUE(within_tolerance(e, health, s));  // nothing to extrapolate from yet
     health.used = Time::from_seconds(10.0);
     EXPECT_TRUE(within_tolerance(e, health, s));  // 30 m/s^2 for 2 s: 60 m
     e.innovation.x() = 60.0 + 5.0 * std::sqrt(3.0) + 0.1;
     EXPECT_FALSE(within_tolerance(e, health, s));
     EXPECT_EQ(failed_test(e, health, s), IntegrityTest::Tolerance);
+    e.trace = 100.0;  // a navigation that is uncertain by itself contradicts nothing
+    EXPECT_TRUE(within_tolerance(e, health, s));
+    e.trace = 3.0;
     e.kind = AidKind::GnssVelocity;
     e.innovation.x() = 68.0;  // 30 m/s^2 for 2 s and 8.7 m/s
     EXPECT_TRUE(within_tolerance(e, health, s));

@@ -60,7 +60,16 @@ TEST(MediumCoupling, SurvivesTheLossOfTheInertialUnit) {
         const double t = m.time.seconds();
         return (t > 70.0 && t < 90.0) || t > 110.0;
     });
+    f.settings.output_lever_arm_b = {2.0, 0.0, -1.0};
+    f.settings.smooth = true;
     const Result both = run(f);
+    for (const Trajectory* t : {&both.forward, &both.smoothed}) {
+        ASSERT_EQ(t->rows.size(), t->point.size());
+        EXPECT_EQ(t->rows.back().time, both.receiver.rows.back().time);
+        EXPECT_EQ(t->point.back().time, t->rows.back().time);
+        EXPECT_GT(t->point.back().std_position.x(), 2.0);  // nobody knows which way the arm points
+    }
+    f.settings.smooth = false;
     const double hole = error_within(f, both, 75.0, 89.0), after = error_within(f, both, 112.0, 121.0);
     EXPECT_GE(hole, 0.0);
     EXPECT_LT(hole, 15.0);

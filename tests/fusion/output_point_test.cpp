@@ -83,6 +83,12 @@ TEST(OutputPoint, StatesDoNotDependOnWhatIsAskedFor) {
         EXPECT_LT(std::abs(math::wrap_pi(a.rpy.z() - b.rpy.z())) / a.std_rpy.z(), 0.01) << compared;
     }
     EXPECT_GT(compared, 90u);
+    // ... and may be had more seldom than the rows
+    f.covariance_rate = 2.0;
+    const std::vector<filter::CovarianceRow> few = fuse(recording, f).forward.covariances;
+    EXPECT_EQ(always.forward.covariances.size(), always.forward.rows.size());
+    EXPECT_NEAR(static_cast<double>(few.size()), 200.0, 2.0);
+    for (std::size_t k = 1; k < few.size(); ++k) EXPECT_NEAR((few[k].time - few[k - 1].time).seconds(), 0.5, 0.011);
 }
 
 // Sigmas: the map of the errors by numerical differences of the point's position and velocity.

@@ -67,6 +67,30 @@ double median(std::vector<double> x) {
     return x[x.size() / 2];
 }
 
+// What run.h5 has of every state is what the epochs say.
+TEST(Survey, KeepsEveryState) {
+    sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 45.0 * units::deg, std::sqrt(2.0)}, 300.0, 3);
+    Beliefs beliefs = papers_beliefs();
+    beliefs.settings.covariance_rows = true;
+    const SurveyResult r = run(scenario, beliefs).result;
+    ASSERT_EQ(r.parameters.size(), r.forward.size());
+    ASSERT_EQ(r.covariances.size(), r.forward.size());
+    ASSERT_EQ(r.smoothed_parameters.size(), r.smoothed.size());
+    const auto bias = std::ranges::find(r.states, "accel_bias", &filter::LayoutBlock::name);
+    ASSERT_NE(bias, r.states.end());
+    const auto first = static_cast<std::size_t>(bias->offset - 9);
+    for (std::size_t i : {std::size_t{0}, r.forward.size() / 2, r.forward.size() - 1}) {
+        EXPECT_EQ(r.parameters[i].time, r.forward[i].time);
+        EXPECT_EQ(r.smoothed_parameters[i].time, r.smoothed[i].time);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto axis = static_cast<Eigen::Index>(k);
+            EXPECT_EQ(r.parameters[i].value[first + k], r.forward[i].accel_bias(axis));
+            EXPECT_EQ(r.parameters[i].std[first + k], r.forward[i].sigma_accel_bias(axis));
+            EXPECT_EQ(r.smoothed_parameters[i].std[first + k], r.smoothed[i].sigma_accel_bias(axis));
+        }
+    }
+}
+
 TEST(SurveySlow, ConstantDisturbanceOfThePapersScenario) {
     // Half an hour of the car. The disturbance is drawn from its prior; its level cannot be better than the accelerometer's error.
     const Beliefs beliefs = papers_beliefs();

@@ -86,7 +86,7 @@ void write_car(const std::filesystem::path& folder, const CarLog& car) {
     Position position;
     for (int k = 0; k / car.gnss_rate < car.duration; ++k) {
         const double t = k / car.gnss_rate;
-        const Eigen::Vector3d p = position.at(t - car.position_latency) + noise(0.01);
+        const Eigen::Vector3d p = position.at(t - car.position_latency) + noise(car.position_noise);
         const Eigen::Vector3d v = velocity(t - car.velocity_latency) + noise(0.03);
         const double lat = 45.0 + p.x() / 6367382.0 / deg, lon = 7.0 + p.y() / (6388838.0 * std::cos(45.0 * deg)) / deg;
         int n = std::snprintf(line, sizeof line, "%.6f%s%.11g%s%.11g%s%.4f", (car.gnss_start + t) * car.time_factor, s,

@@ -21,7 +21,8 @@ struct CarLog {
     std::string gnss_header = "time_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s";
     double angle_factor = 1.0;  // of latitude and longitude, from degrees
     bool write_velocity = true;
-    bool increments = false;  // per-sample increments instead of rates
+    double position_noise = 0.01;  // m, one sigma of an axis
+    bool increments = false;       // per-sample increments instead of rates
     std::string separator = ",";
     std::string imu_name = "imu.csv", gnss_name = "gnss.csv";
     Eigen::Vector3d gyro_bias{0.002, -0.001, 0.0015};  // rad/s, sensor axes

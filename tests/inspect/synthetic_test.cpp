@@ -119,6 +119,25 @@ TEST(SyntheticCar, TiltedMountingIsMeasured) {
     EXPECT_NEAR(yaw, 5.0, 0.5);
 }
 
+// Differences of neighbouring positions are metres a second of noise: rest and speed show in the slope of many. Without velocities the fit to the
+// track does not show which way the unit points; the filter does.
+TEST(SyntheticCar, NoisyPositionsAloneShowRestAndTheFilterFindsForward) {
+    const auto folder = fresh_folder("positions");
+    CarLog car;
+    car.duration = 240.0;
+    car.gnss_rate = 2.0;
+    car.write_velocity = false;
+    car.position_noise = 1.5;
+    car.gnss_header = "time_s,lat_deg,lon_deg,height_m,std_n_m,std_e_m,std_d_m";
+    write_car(folder, car);
+    const InspectReport r = inspect(folder);
+    double from = -1, to = -1;
+    ASSERT_EQ(std::sscanf(value_of(r, "still").c_str(), "%lf to %lf s", &from, &to), 2) << value_of(r, "still");
+    EXPECT_NEAR(from, 0.0, 1.0);
+    EXPECT_NEAR(to, 17.0, 3.5);  // the slope begins to feel the motion 5 s before it
+    EXPECT_TRUE(sets(r, "imu.mounting_deg = \"estimate\""));
+}
+
 // At rest nothing turns that could be compared: the noises of gyros and accelerometers of one unit fit each other in one unit only.
 TEST(Units, OfGyrosAtRestByTheNoiseOfTheirAccelerometers) {
     std::mt19937_64 generator(5);

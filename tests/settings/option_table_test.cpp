@@ -136,6 +136,24 @@ TEST(OptionTable, GradeComesBeforeTheNumbersThatRefineItWhateverTheirOrder) {
     EXPECT_EQ(e.filter.ranging.errors.clock.h_minus2, sensor::ocxo.h_minus2);
 }
 
+TEST(OptionTable, APresetOfALaterLayerSpeaksForItsStates) {
+    const SettingList base = config_table().read(parse_toml("[filter]\nscale_factors = true\nmisalignments = true\n", "a"), "a");
+    const auto with = [&](const std::string& more) { return config_from(overlaid(base, {setting_from_text(more)})).filter; };
+    EXPECT_TRUE(config_from(base).filter.scale_factors);
+    for (const char* preset : {"ins15", "complex22"}) {
+        EXPECT_FALSE(with(std::string("filter.preset=") + preset).scale_factors) << preset;
+        EXPECT_FALSE(with(std::string("filter.preset=") + preset).misalignments) << preset;
+    }
+    EXPECT_TRUE(with("filter.preset=ins21").scale_factors);
+    // in one layer what is given by itself refines it
+    EXPECT_TRUE(
+        config_from(overlaid(base, {setting_from_text("filter.preset=ins15"), setting_from_text("filter.scale_factors=true")}))
+            .filter.scale_factors);
+    // a coupling by its name leaves the states alone
+    EXPECT_EQ(with("filter.preset=tight").coupling, fusion::Coupling::Tight);
+    EXPECT_EQ(with("filter.preset=aggressive").loose_kind, fusion::LooseKind::Aggressive);
+}
+
 TEST(OptionTable, WhatWasUsedReadsBackTheSame) {
     std::mt19937_64 random(3);
     for (int run = 0; run < 50; ++run) {

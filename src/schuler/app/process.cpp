@@ -113,8 +113,10 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
 }
 
 /// From loaded data to files: the part that process and run share.
-report::Outcome finished(solution::ResultBundle& bundle, const settings::ProcessRequest& request, WarningLog& warnings,
-                         const fs::path& folder, std::chrono::steady_clock::time_point begin) {
+/// `asked`: keys of the settings that were given.
+report::Outcome finished(solution::ResultBundle& bundle, const settings::ProcessRequest& request,
+                         const std::set<std::string>& asked, WarningLog& warnings, const fs::path& folder,
+                         std::chrono::steady_clock::time_point begin) {
     bundle.version = request.version;
     report::Outcome out;
     out.folder = request.folder_for(bundle.name);
@@ -147,12 +149,6 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     solution::take_in_force(bundle.data.config, bundle.result.findings);
     bundle.facts = solution::facts_of(bundle);
     bundle.config_toml = solution::config_in_force(bundle.data);
-    // a scenario's own words are the simulator's business
-    std::set<std::string> asked = bundle.data.given;
-    if (bundle.command == "run") {
-        asked.clear();
-        for (const settings::Setting& s : request.over({})) asked.insert(s.key);
-    }
     bundle.ignored = solution::ignored_of(bundle, asked);
     solution::warn_of_ignored(bundle.ignored, warnings);
     for (fusion::Trajectory* t : {&bundle.result.forward, &bundle.result.smoothed})
@@ -219,7 +215,8 @@ report::Outcome process_dataset(const settings::ProcessRequest& request) {
     bundle.command = "process";
     bundle.name = config.name.empty() ? dataset.name : config.name;
     bundle.data = solution::load_dataset(dataset, config, warnings);
-    report::Outcome out = finished(bundle, request, warnings, dataset.folder, begin);
+    const std::set<std::string> asked = bundle.data.given;
+    report::Outcome out = finished(bundle, request, asked, warnings, dataset.folder, begin);
     out.notice = dataset.inferred_toml;
     return out;
 }
@@ -232,7 +229,7 @@ report::Outcome run_scenario(const settings::ProcessRequest& request) {
     solution::ResultBundle bundle = solution::simulated_bundle(scenario, request.over({}), warnings);
     bundle.command = "run";
     bundle.data.read_seconds = solution::seconds_since(begin);
-    return finished(bundle, request, warnings, {}, begin);
+    return finished(bundle, request, settings::keys_of_processing(scenario, request.over({})), warnings, {}, begin);
 }
 
 report::Outcome simulate_to_folder(const fs::path& scenario, const fs::path& folder, std::optional<std::uint64_t> seed) {

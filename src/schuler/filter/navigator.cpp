@@ -75,16 +75,20 @@ Refusal unusable(const NavigatorSettings& n) {
         if (!(latency <= n.lag))
             return {BadSettings, "lag", "the receiver's latency is longer than the lag: every fix would be late"};
     if (!(s.output_rate >= 0.0)) return {BadSettings, "output_rate", "the output rate is negative"};
-    if (uses_ranges(s.coupling) && !(r.ranges > 0.0))
-        return {BadSettings, "rates.ranges", "the coupling takes ranges and their rate is zero"};
     if (s.coupling == Coupling::Medium || s.coupling == Coupling::Deep)
         return {NotForStreams, "filter.scheme", "a filter or receiver beside it is not fed sample by sample: choose tight"};
+    if (uses_ranges(s.coupling) && !(r.ranges > 0.0))
+        return {BadSettings, "rates.ranges", "the coupling takes ranges and their rate is zero"};
     if (s.smooth) return {NotForStreams, "filter.smooth", "the smoother needs the whole log"};
     if (!s.outages.empty()) return {NotForStreams, "outages", "outages are made of whole logs"};
     if (s.start || s.stop) return {NotForStreams, "start", "spans of time are those of whole logs"};
     if (s.imu.estimate_mounting) return {NotForStreams, "imu.mounting", "the mounting is found from whole logs: give it"};
     if (s.imu.estimate_noise) return {NotForStreams, "imu.estimate_noise", "the noise is found from whole logs: give it"};
     if (s.gnss.estimate_latency) return {NotForStreams, "gnss.latency_s", "the latency is found from whole logs: give it"};
+    if (s.backward) return {NotForStreams, "filter.backward", "a filter backward in time needs the whole log"};
+    if (!s.output_lever_arm_b.isZero(0.0) || !s.output_instants.empty())
+        return {NotForStreams, s.output_instants.empty() ? "output.lever_arm_m" : "output.events",
+                "the solution at other points and instants is that of a batch"};
     if (s.state_rows || s.covariance_rows) return {NotForStreams, "outputs", "rows of all states are those of a batch"};
     if (const Refusal refusal = unusable_probability(s); refusal.status != Made) return refusal;
     if (!layout_with(s, detail::instruments_of(r)).fits())

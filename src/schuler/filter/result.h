@@ -197,6 +197,7 @@ struct Result {
     Findings findings;
     Counters counters;
     double filter_seconds = 0.0;  ///< wall time of the forward pass alone, for timing only
+    double open_attitude = 0.0;   ///< rad, largest attitude error that an open loop carried beside its nominal state
 };
 
 }  // namespace schuler::filter

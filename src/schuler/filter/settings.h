@@ -11,8 +11,10 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -186,7 +188,17 @@ struct IntegritySettings {
 struct Outage {
     double start;     ///< s after the origin of the command line's times
     double duration;  ///< s
+
+    /// Whether it withholds what is stamped `t` seconds after that origin: its ends do not belong to it, to a microsecond.
+    [[nodiscard]] bool withholds(double t) const { return t > start + tolerance && !is_over(t); }
+    [[nodiscard]] bool is_over(double t) const { return t >= start + duration - tolerance; }
+
+private:
+    static constexpr double tolerance = 1e-6;  // s
 };
+[[nodiscard]] inline bool is_withheld(std::span<const Outage> outages, double t) {
+    return std::ranges::any_of(outages, [t](const Outage& o) { return o.withholds(t); });
+}
 
 struct Settings {
     earth::Earth earth;
@@ -220,7 +232,8 @@ struct Settings {
     std::optional<Time> start, stop;  ///< absolute, on the data set's axis
     std::vector<Outage> outages;      ///< relative to the first GNSS epoch
     bool state_rows = false;          ///< keep what the filter says of each block of states (Trajectory::states)
-    bool covariance_rows = false;     ///< keep the whole covariance at every output (Trajectory::covariances)
+    bool covariance_rows = false;     ///< keep the whole covariance (Trajectory::covariances)
+    double covariance_rate = 0.0;     ///< Hz, of those rows; 0 = every output
     double output_rate = 10.0;        ///< Hz of the solution; 0 = every IMU epoch
     Eigen::Vector3d output_lever_arm_b =
         Eigen::Vector3d::Zero();        ///< m, IMU to a point whose solution is wanted too; zero: none is

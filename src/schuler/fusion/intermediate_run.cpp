@@ -45,7 +45,7 @@ public:
             const RangeEpoch& epoch = log_.epochs[next_];
             std::span<const RangeSample> samples = log_.of(epoch);
             kept_.clear();
-            if (in_outage(epoch.time)) {
+            if (is_withheld(settings_.outages, (epoch.time - origin_).seconds())) {
                 std::ranges::copy_if(samples, std::back_inserter(kept_),
                                      [&](const RangeSample& m) { return log_.sources[m.source].station; });
                 samples = kept_;
@@ -62,11 +62,6 @@ public:
 private:
     static constexpr double limit = 5.0;
     static constexpr int patience = 10;
-
-    [[nodiscard]] bool in_outage(Time t) const {
-        const double s = (t - origin_).seconds();
-        return std::ranges::any_of(settings_.outages, [s](const Outage& o) { return s > o.start && s < o.start + o.duration; });
-    }
 
     const RangingLog& log_;
     const Settings& settings_;
@@ -130,15 +125,25 @@ void merge(const RunData& data, const Settings& settings, Result& result) {
         for (auto& item : list) take_over(row_of(item), point_b, at, check);
     };
     const auto itself = [](SolutionRow& row) -> SolutionRow& { return row; };
-    std::vector<SolutionRow>& rows = result.forward.rows;
-    take_over_all(rows, Vector3d::Zero(), itself);
-    take_over_all(result.forward.point, settings.output_lever_arm_b, itself);
-    take_over_all(result.forward.instants, settings.output_lever_arm_b, [](InstantRow& r) -> SolutionRow& { return r.row; });
-    const Time last = rows.empty() ? Time{INT64_MIN} : rows.back().time;
-    for (std::size_t i = 0; i < result.receiver.rows.size(); ++i) {
-        if (result.receiver.rows[i].time <= last || (settings.stop && result.receiver.rows[i].time > *settings.stop)) continue;
-        rows.push_back(result.receiver.rows[i]);
-        result.cross_checks[i].receiver_leads = true;
+    const auto of_row = [](InstantRow& r) -> SolutionRow& { return r.row; };
+    const bool point = !settings.output_lever_arm_b.isZero(0.0);
+    for (Trajectory* t : {&result.forward, &result.smoothed}) {
+        if (t->rows.empty()) continue;
+        take_over_all(t->rows, Vector3d::Zero(), itself);
+        take_over_all(t->point, settings.output_lever_arm_b, itself);
+        take_over_all(t->instants, settings.output_lever_arm_b, of_row);
+        const Time last = t->rows.back().time;
+        for (std::size_t i = 0; i < result.receiver.rows.size(); ++i) {
+            SolutionRow row = result.receiver.rows[i];
+            if (row.time <= last || (settings.stop && row.time > *settings.stop)) continue;
+            t->rows.push_back(row);
+            // which way the arm points is not known any more: as far from the antenna as it may be, the position is uncertain
+            row.std_position =
+                (row.std_position.array().square() + (settings.output_lever_arm_b - settings.gnss.lever_arm_b).squaredNorm())
+                    .sqrt();
+            if (point) t->point.push_back(row);
+            result.cross_checks[i].receiver_leads = true;
+        }
     }
 }
 

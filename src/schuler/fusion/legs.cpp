@@ -198,6 +198,7 @@ void append(Result& all, Result&& leg) {
     n.gnss_rejected += m.gnss_rejected;
     n.gnss_withheld += m.gnss_withheld;
     all.filter_seconds += leg.filter_seconds;
+    all.open_attitude = std::max(all.open_attitude, leg.open_attitude);
     join(all.legs, leg.legs);
 }
 

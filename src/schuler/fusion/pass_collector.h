@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace schuler::fusion {
 
@@ -29,16 +30,21 @@ public:
     }
 
     [[nodiscard]] bool wants_all_states(Time time) const override {
-        return options_.outputs && (settings_.covariance_rows || time >= next_sensor_);
+        return options_.outputs && (covariance_due(time) || time >= next_sensor_);
     }
     void output(const Walk<Frame>& walk, Time time) override {
         if (!options_.outputs) return;
         const Filter& f = walk.filter;
         const Matrix9 P = walk.covariance(model_);
+        if (settings_.loop == Loop::Open)
+            result_.open_attitude = std::max(result_.open_attitude, f.error.template segment<3>(Layout::attitude).norm());
         const NavState nav = f.geographic(model_);
         result_.forward.rows.push_back(solution_row(nav, P));
         if (!settings_.output_lever_arm_b.isZero(0.0)) result_.forward.point.push_back(at_point(f, P));
-        if (settings_.covariance_rows) result_.forward.covariances.push_back(covariance_row(time, model_.layout, f.P));
+        if (covariance_due(time)) {
+            result_.forward.covariances.push_back(covariance_row(time, model_.layout, f.P));
+            covariance_slot_ = slot_of(time);
+        }
         if (time < next_sensor_) return;
         while (next_sensor_ <= time) next_sensor_ = next_sensor_ + Duration::from_seconds(sensor_row_spacing);
         const StateVector parameters = f.estimated_parameters();
@@ -77,6 +83,14 @@ public:
     }
 
 private:
+    /// Of a grid of covariance_rate, as the rows of the solution are thinned out (report::decimated).
+    [[nodiscard]] std::int64_t slot_of(Time time) const {
+        constexpr double scatter = 1e-4;  // s: stamps scatter about the grid by less
+        return static_cast<std::int64_t>(std::floor((time.seconds() + scatter) * settings_.covariance_rate));
+    }
+    [[nodiscard]] bool covariance_due(Time time) const {
+        return settings_.covariance_rows && (!(settings_.covariance_rate > 0.0) || slot_of(time) != covariance_slot_);
+    }
     [[nodiscard]] SolutionRow at_point(const Filter& f, const Matrix9& P) const {
         return solution_row_at(model_, f, P, settings_.output_lever_arm_b, imu_interval_);
     }
@@ -107,6 +121,7 @@ private:
     const PassOptions& options_;
     Result& result_;
     Time next_sensor_;
+    std::int64_t covariance_slot_ = INT64_MIN;
     double imu_interval_;  // s
     ProtectionLimits limits_;
 };

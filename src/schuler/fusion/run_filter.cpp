@@ -251,6 +251,12 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     result.counters.longest_imu_gap = longest_gap(data.imu);
     result.legs = {recording.imu.front().time};
     tell_faults(result, recording, warnings);
+    constexpr double linear = 1.0 * units::deg;  // its square, in the specific force, is below the biases of a tactical unit
+    if (result.open_attitude > linear)
+        warnings.add("loop.open",
+                     fmt::format("the loop is open and the attitude error beside the mechanization grew to {:.1f} deg: the linear error model does not "
+                                 "hold there, and neither do the sigmas; choose --loop closed or mixed",
+                                 result.open_attitude / units::deg));
     return result;
 }
 

@@ -67,7 +67,8 @@ private:
 /// The way back over the checkpoints of a walk.
 template <class Frame>
 void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Settings& settings, double imu_interval,
-                 const std::vector<Walk<Frame>>& checkpoints, std::size_t end, const Progress& progress, Trajectory& out) {
+                 const std::vector<Walk<Frame>>& checkpoints, std::size_t end, std::size_t block, const Progress& progress,
+                 Trajectory& out) {
     Tape<Frame> tape(model);
     Time next_sensor{INT64_MAX};
     using Kind = typename Tape<Frame>::Kind;
@@ -107,7 +108,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
         epoch.sigma_apart = f.sigma_apart(model, m, point.undecided);
         out.outage_epochs.push_back(epoch);
     };
-    rewind_checkpoints(pass, model, checkpoints, end, tape, progress, report);
+    rewind_checkpoints(pass, model, checkpoints, end, block, tape, progress, report);
     std::ranges::reverse(out.rows);
     std::ranges::reverse(out.point);
     std::ranges::reverse(out.instants);
@@ -149,7 +150,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     const auto begin = std::chrono::steady_clock::now();
     const std::size_t block = options.receiver ? 1 : stretch;
     for (std::size_t done = 0; walk.increment <= end; ++done) {
-        if (options.smooth) {
+        if (options.smooth && done % (stretch / block) == 0) {
             pass.propagate_covariance(walk, collector);
             checkpoints.push_back(walk);
             checkpoints.back().rival.clear();
@@ -171,7 +172,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     if (options.smooth) {
         const Pass<Frame> decided(model, data, settings, Rivalry::Decided, walk.openings);
         if (walk.sides_changed > 0) checkpoints = checkpoints_of(decided, first_step<Frame>(model, data, settings, start), end);
-        smooth_back(decided, model, settings, data.imu.median_dt, checkpoints, end, options.progress, result.smoothed);
+        smooth_back(decided, model, settings, data.imu.median_dt, checkpoints, end, block, options.progress, result.smoothed);
     }
     return result;
 }

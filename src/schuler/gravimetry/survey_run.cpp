@@ -1,10 +1,12 @@
 #include "schuler/gravimetry/survey_run.h"
 
 #include "schuler/core/error.h"
+#include "schuler/filter/outputs.h"
 #include "schuler/filter/update/tape.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace schuler::gravimetry {
 
@@ -54,7 +56,8 @@ bool begins_epoch(const Event& event) {
 
 class ForwardEpochs : public filter::PassObserver<Frame> {
 public:
-    ForwardEpochs(const InertialModel& model, SurveyResult& result) : model_(model), result_(result) {}
+    ForwardEpochs(const InertialModel& model, SurveyResult& result, bool covariances)
+        : model_(model), result_(result), covariances_(covariances) {}
 
     void propagated(const Filter& f, double time) override {
         // Less what is known of the errors of a nominal state that is not corrected.
@@ -85,9 +88,18 @@ public:
             epochs.back() = e;
         }
         count(epochs.back(), record);
+        keep_states(walk.filter, begins);
     }
 
 private:
+    void keep_states(const Filter& f, bool begins) {
+        const auto keep = [begins](auto& rows, auto row) {
+            if (begins) rows.push_back(std::move(row));
+            else rows.back() = std::move(row);
+        };
+        keep(result_.parameters, filter::parameter_row(f.time(), model_.layout, f.estimated_parameters(), f.P));
+        if (covariances_) keep(result_.covariances, filter::covariance_row(f.time(), model_.layout, f.P));
+    }
     static void count(SurveyEpoch& e, const filter::AidRecord& record) {
         const bool of_fix = filter::is_part_of_fix(record.kind);
         if (!of_fix || record.status != filter::AidStatus::Accepted) return;
@@ -97,6 +109,7 @@ private:
 
     const InertialModel& model_;
     SurveyResult& result_;
+    bool covariances_;
     Vector3d force_ = Vector3d::Zero();  // integral since the last epoch, m/s
     double elapsed_ = 0.0;
 };
@@ -176,7 +189,8 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
     };
     SurveyResult result;
     Walk walk = begin();
-    ForwardEpochs epochs(model, result);
+    result.states.assign(model.layout.blocks().begin(), model.layout.blocks().end());
+    ForwardEpochs epochs(model, result, settings.covariance_rows);
     std::vector<Walk> checkpoints = walk_along(pass, data, settings, model, walk, options, options.smooth, epochs);
     if (result.forward.empty())
         throw input_error("no satellite fix lies within the IMU log", {}, "check the time stamps of both");
@@ -189,15 +203,18 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
     }
     SurveyTape tape(model);
     Time last{INT64_MAX};
-    filter::rewind_checkpoints(decided, model, checkpoints, data.imu.increments.size() - 1, tape, options.progress,
-                               [&](auto, const SurveyTape::Point& point, const estim::StateAdjoint& adjoint) {
-                                   if (point.time >= last) return;  // of the same epoch: the last of them counts
-                                   last = point.time;
-                                   Filter f = point.filter;
-                                   smooth_in_place(model, f, adjoint, true);
-                                   result.smoothed.push_back(epoch_of(model, f, f.local_covariance(model) + point.undecided, 0));
-                               });
+    filter::rewind_checkpoints(
+        decided, model, checkpoints, data.imu.increments.size() - 1, data.imu.increments.size(), tape, options.progress,
+        [&](auto, const SurveyTape::Point& point, const estim::StateAdjoint& adjoint) {
+            if (point.time >= last) return;  // of the same epoch: the last of them counts
+            last = point.time;
+            Filter f = point.filter;
+            smooth_in_place(model, f, adjoint, true);
+            result.smoothed.push_back(epoch_of(model, f, f.local_covariance(model) + point.undecided, 0));
+            result.smoothed_parameters.push_back(filter::parameter_row(point.time, model.layout, f.estimated_parameters(), f.P));
+        });
     std::ranges::reverse(result.smoothed);
+    std::ranges::reverse(result.smoothed_parameters);
     for (std::size_t i = 0; i < result.smoothed.size(); ++i) {
         const SurveyEpoch& f = result.forward[i];
         SurveyEpoch& s = result.smoothed[i];

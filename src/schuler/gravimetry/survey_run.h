@@ -30,8 +30,11 @@ struct SurveyEpoch {
 
 struct SurveyResult {
     std::vector<SurveyEpoch> forward;
-    std::vector<SurveyEpoch> smoothed;    ///< empty where not asked for; as many as forward otherwise
-    std::vector<filter::AidRecord> aids;  ///< of the forward filter
+    std::vector<SurveyEpoch> smoothed;        ///< empty where not asked for; as many as forward otherwise
+    std::vector<filter::AidRecord> aids;      ///< of the forward filter
+    std::vector<filter::LayoutBlock> states;  ///< the filter's, beyond navigation
+    std::vector<filter::ParameterRow> parameters, smoothed_parameters;  ///< of these, as many as forward and smoothed
+    std::vector<filter::CovarianceRow> covariances;  ///< of the forward filter, where Settings::covariance_rows asks for it
 };
 
 /// What gravi-inertial estimation needs of settings for navigation: the preset gravity27. Loose coupling in Earth-fixed axes with the

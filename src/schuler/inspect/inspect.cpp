@@ -386,6 +386,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     report.doubts = std::move(study.doubts);
     report.clock_steps = std::move(study.clock_steps);
     report.refusal = std::move(study.refusal);
+    report.forward_supposed = study.forward_supposed;
     report.facts = study.draft.facts();
     std::ranges::move(study.stated, std::back_inserter(report.facts));
     std::erase_if(report.facts, [&](const Fact& fact) {

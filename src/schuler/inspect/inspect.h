@@ -94,6 +94,7 @@ struct InspectReport {
     std::vector<std::string> doubts;     ///< what was taken otherwise than the files say it, with the evidence
     std::vector<ClockStep> clock_steps;  ///< in order of time; who loads the logs puts them back
     std::optional<Refusal> refusal;
+    bool forward_supposed = false;  ///< of a vehicle that travels: which way the unit points does not show
     Motion motion;
     std::string dataset_toml;  ///< commented, parsable; empty where nothing usable was found
 };

@@ -113,6 +113,7 @@ public:
             log_->tend(begin_);
         }
         const auto tell = [this](const std::string& text) { this->tell(text); };
+        for (const std::string& warning : settings.ignored) tell("warning: " + warning);
         stations_ = stations_of(settings, tell);
         for (const OutputSettings& o : settings.outputs) {
             sinks_.push_back({Output(o.to, o.limits, tell), o, {}});

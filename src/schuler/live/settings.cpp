@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <string_view>
 #include <utility>
 
 namespace schuler::live {
@@ -121,6 +123,41 @@ OptionTable<LiveSettings> make_table() {
     return t;
 }
 
+/// Sections of dataset.toml that serve an instrument, and the sections that no live run has a use for.
+std::vector<std::string> without_effect(const LiveSettings& l, const settings::SettingList& given) {
+    const auto sent = [&l](Instrument i) { return !l.sources[static_cast<std::size_t>(i)].from.empty(); };
+    const bool loose_integrity = l.config.filter.integrity.use, mixed = l.config.filter.loop == fusion::Loop::Mixed;
+    const struct {
+        std::string_view prefix;
+        bool effect;
+        std::string_view reason;
+    } rules[] = {{"gnss.", sent(Instrument::Gnss), "there is no source of fixes"},
+                 {"baro.", sent(Instrument::Baro), "there is no source of the barometer"},
+                 {"mag.", sent(Instrument::Mag), "there is no source of the magnetometer"},
+                 {"odometer.", sent(Instrument::Odometer), "there is no source of the odometer"},
+                 {"heading.", sent(Instrument::Heading), "there is no source of a heading"},
+                 {"compass.", sent(Instrument::Heading), "there is no source of a heading"},
+                 {"gauges.", false, "a live run takes no gauges"},
+                 {"log.", false, "a live run takes no log of velocity"},
+                 {"ranges.", false, "a live run takes no ranges"},
+                 {"stations.", false, "a live run takes no ranges"},
+                 {"base.", false, "a live run takes no ranges"},
+                 {"filter.protection.", false, "a live run takes no ranges"},
+                 {"filter.self_check", false, "it belongs to `schuler process`"},
+                 {"filter.integrity.", loose_integrity, "filter.integrity.use is not on"},
+                 {"filter.feedback_", mixed, "filter.loop is not \"mixed\""},
+                 {"filter.separate.", l.config.scheme == settings::Scheme::Separate, "the scheme is not \"separate\""},
+                 {"reference.", false, "a live run is compared with nothing"},
+                 {"gravity.", false, "it belongs to `schuler gravity`"}};
+    std::vector<std::string> out;
+    for (const settings::Setting& s : given) {
+        const auto* rule = std::ranges::find_if(rules, [&](const auto& r) { return s.key.starts_with(r.prefix); });
+        if (rule != std::end(rules) && !rule->effect)
+            out.push_back(fmt::format("{} is given and has no effect: {}", s.key, rule->reason));
+    }
+    return out;
+}
+
 }  // namespace
 
 const settings::OptionTable<LiveSettings>& live_table() {
@@ -150,6 +187,10 @@ LiveSettings read_live(const std::filesystem::path& file, const settings::Settin
     if (out.sources[0].from.empty())
         throw input_error("there is no source of the IMU", {file.string(), 0, 0, "imu.source"},
                           "write [imu] source = \"tcp://HOST:PORT\"");
+    if (out.config.scheme == settings::Scheme::Gnss)
+        throw input_error("the receiver alone needs no filter", {file.string(), 0, 0, "filter.scheme"},
+                          "choose loose or separate");
+    out.ignored = without_effect(out, all);
     if (out.outputs.empty())
         throw input_error("there is no output", {file.string(), 0, 0, "output"}, "write [[output]] with to = \"stdout\"");
     return out;

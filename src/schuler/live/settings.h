@@ -39,11 +39,12 @@ struct LiveSettings {
     std::vector<OutputSettings> outputs;
     double imu_rate = 100.0;                                   ///< Hz, nominal
     double lag = 0.5, still_delay = 0.0, longest_hole = 10.0;  ///< s, NavigatorSettings
-    std::string state;           ///< file in which the filter's state is kept from run to run; empty: none
-    double save_every = 60.0;    ///< s
-    std::string log = "stderr";  ///< or a file, or "none": what happens, a line each
-    double health_every = 1.0;   ///< s
-    std::string file;            ///< for messages
+    std::string state;                 ///< file in which the filter's state is kept from run to run; empty: none
+    double save_every = 60.0;          ///< s
+    std::string log = "stderr";        ///< or a file, or "none": what happens, a line each
+    double health_every = 1.0;         ///< s
+    std::string file;                  ///< for messages
+    std::vector<std::string> ignored;  ///< keys that were given and have no effect on a live run, each with the reason
 };
 
 /// The options beside those of dataset.toml.

@@ -188,12 +188,15 @@ void add_innovations(io::TableWriter& file, const std::vector<fusion::AidRecord>
         }
         if (rows.empty()) continue;
         const std::string group = "/innovations/" + std::string(info.key);
+        std::string components;
+        for (const std::string_view c : info.components)
+            components += fmt::format("{}{}", components.empty() ? "" : ",", c.empty() ? "unused" : c);
         add_times(file, group, rows);
-        add_table(file, group + "/innovation", rows, 3, "north,east,down", "SI",
+        add_table(file, group + "/innovation", rows, 3, components, "SI",
                   [](const fusion::AidRecord& r, std::vector<double>& out) { push(out, r.innovation); });
-        add_table(file, group + "/sigma", rows, 3, "north,east,down", "SI",
+        add_table(file, group + "/sigma", rows, 3, components, "SI",
                   [](const fusion::AidRecord& r, std::vector<double>& out) { push(out, r.sigma); });
-        add_table(file, group + "/gate", rows, 3, "nis,dof,status (0 accepted 1 rejected 2 withheld)", "1",
+        add_table(file, group + "/gate", rows, 3, "nis,dof,status (0 accepted 1 rejected 2 withheld 3 excluded)", "1",
                   [](const fusion::AidRecord& r, std::vector<double>& out) {
                       push(out, {r.nis, static_cast<double>(r.dof), static_cast<double>(r.status)});
                   });

@@ -95,7 +95,7 @@ Json head_of(const solution::ResultBundle& b) {
     out["command"] = b.command;
     out["scheme"] = settings::scheme_name(c.scheme);
     out["mechanization"] = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
-    out["loop"] = settings::loop_name(c.filter.loop);
+    out["loop"] = settings::loop_name(b.result.findings.in_force ? b.result.findings.in_force->loop : c.filter.loop);
     out["smoothed"] = b.smoothed();
     out["seed"] = b.seed ? Json(*b.seed) : Json(nullptr);
     out["version"] = b.version;

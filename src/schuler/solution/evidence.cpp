@@ -32,8 +32,11 @@ public:
         const std::vector<SolutionRow>& rows = b_.solution().rows;
         const auto positive = [](const Eigen::Vector3d& v) { return (v.array() > 0.0).all() && v.allFinite(); };
         const bool filtered = b_.data.config.scheme != settings::Scheme::Gnss;
+        const bool receiver_beside = !b_.result.receiver.rows.empty();  // its own rows have no attitude
         const auto bad = std::ranges::count_if(rows, [&](const SolutionRow& r) {
-            return !positive(r.std_position) || (filtered && (!positive(r.std_velocity) || !(r.std_rpy.array() >= 0.0).all()));
+            const bool attitude = filtered && !(receiver_beside && r.rpy.array().isNaN().all());
+            return !positive(r.std_position) || (filtered && !positive(r.std_velocity)) ||
+                   (attitude && !(r.std_rpy.array() >= 0.0).all());
         });
         if (bad > 0) add("solution.sigma", "{} rows of the solution have a sigma that is zero or no number", bad);
         adrift(rows);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -22,11 +23,24 @@ constexpr std::size_t largest_full_rate = 150'000;
 /// Otherwise it reports at least at this rate: the evaluation interpolates between its rows.
 constexpr double least_internal_rate = 10.0;
 
+/// The scenario with the states of the filter that are chosen above it: errors of the instruments that have no state of their own are then stated as
+/// biases.
+settings::ScenarioConfig with_states(settings::ScenarioConfig scenario, const settings::SettingList& over) {
+    settings::SettingList states;
+    std::ranges::copy_if(over, std::back_inserter(states), [](const settings::Setting& s) {
+        return s.key == "filter.preset" || s.key == "filter.scale_factors" || s.key == "filter.misalignments";
+    });
+    if (!states.empty()) settings::config_table().apply(states, scenario.processing);
+    return scenario;
+}
+
 }  // namespace
 
 ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const settings::SettingList& over, WarningLog& warnings,
                               const settings::ScenarioConfig* assumed) {
-    scenario::SimulatedDataset simulated = scenario::simulate_dataset(scenario, assumed);
+    const settings::ScenarioConfig described = with_states(assumed != nullptr ? *assumed : scenario, over);
+    scenario::SimulatedDataset simulated =
+        assumed != nullptr ? scenario::simulate_dataset(scenario, &described) : scenario::simulate_dataset(described);
     const settings::Config config = settings::config_from(settings::overlaid(simulated.settings, over));
     std::set<std::string> given;
     for (const settings::SettingList* list : {&std::as_const(simulated.settings), &over})
@@ -59,6 +73,7 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         bundle.result = gnss_solution(bundle.data.recording, bundle.data.config.filter);
     } else {
         fusion::Settings settings = bundle.data.config.filter;
+        settings.covariance_rate = settings.output_rate;
         settings.output_rate = output_rate;
         settings.state_rows = !bundle.truth.sensors.empty();
         std::optional<scenario::SimulatedReceiver> receiver;

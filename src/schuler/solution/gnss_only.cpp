@@ -7,13 +7,6 @@
 namespace schuler::solution {
 namespace {
 
-bool withheld(const fusion::Settings& settings, double t) {
-    for (const fusion::Outage& o : settings.outages) {
-        if (t > o.start && t < o.start + o.duration) return true;
-    }
-    return false;
-}
-
 /// The log's sigma, or the default where it has none.
 Eigen::Vector3d sigma_or(const Eigen::Vector3d& logged, const Eigen::Vector3d& otherwise) {
     Eigen::Vector3d out = otherwise;
@@ -37,7 +30,7 @@ fusion::Result gnss_solution(const Recording& recording, const fusion::Settings&
         if ((s.start && f.time < *s.start) || (s.stop && f.time > *s.stop) || !std::isfinite(f.position.lat)) continue;
         ++out.counters.gnss_epochs;
         const Time valid = f.time - Duration::from_seconds(s.gnss.latency + f.position_age);
-        if (withheld(s, (f.time - origin).seconds())) {
+        if (filter::is_withheld(s.outages, (f.time - origin).seconds())) {
             ++out.counters.gnss_withheld;
             continue;
         }

@@ -36,53 +36,62 @@ bool ranges_state_all(const RangingLog& log, double RangeSample::*std) {
     return !log.empty() && std::ranges::all_of(log.samples, stated);
 }
 
+/// What is given beside a preset and wins over it.
+std::string preset_beaten(const settings::Config& c) {
+    if (c.preset == "gravity27") return "these states are those of `schuler gravity`";
+    if (c.preset != "ins15" && c.preset != "ins21" && c.preset != "complex22") return {};
+    if (c.filter.scale_factors != (c.preset == "ins21"))
+        return fmt::format("filter.scale_factors is given too, and {}", c.filter.scale_factors ? "on" : "off");
+    return unless(!c.filter.misalignments, "filter.misalignments is given too, and on");
+}
+
 std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
     const fusion::Settings& f = c.filter;
     const bool tight =
         c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Medium || c.scheme == settings::Scheme::Deep;
-    return {
-        {{"filter.aggressive_parts"},
-         unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
-        {{"gnss.consider_errors"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
-        {{"gnss.consider_errors"},
-         unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
-                "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
-        {{"filter.separate."}, unless(c.scheme == settings::Scheme::Separate, "the scheme is not \"separate\"")},
-        {{"filter.integrity."},
-         tight ? "it watches a receiver's fixes; ranges are watched by filter.protection"
-               : unless(f.integrity.use, "filter.integrity.use is not on")},
-        {{"filter.preset"}, unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off")},
-        {{"filter.loose"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
-        {{"filter.loop"},
-         unless(c.scheme != settings::Scheme::Separate,
-                "the corrections of the separate scheme are its coupling: the loop is closed")},
-        {{"filter.protection."},
-         unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},
-        {{"filter.feedback_"}, unless(f.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
-        {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
-         unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
-        {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
-         unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
-        {{"filter.zero_", "filter.nonholonomic_std_", "filter.constraint_rate_hz", "filter.floor_", "mag.heading_"},
-         unless(c.scheme != settings::Scheme::Separate,
-                "the separate scheme is corrected by position, velocity and height alone")},
-        {{"gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_"},
-         unless(!tight, "the coupling takes ranges instead of fixes")},
-        {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
-         unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
-                "no standstill was found")},
-        {{"ranges.receiver_acceleration_m_s_sqrt_s"},
-         unless(c.scheme == settings::Scheme::Medium, "the scheme is not \"medium\"")},
-        {{"ranges.white_m"},
-         unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std),
-                "the log states the sigmas of all ranges")},
-        {{"ranges.rate_m_s"},
-         unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate),
-                "the log states the sigmas of all rates")},
-        {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
-        {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
-        {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
+    return {{{"filter.aggressive_parts"},
+             unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
+            {{"gnss.consider_errors"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
+            {{"gnss.consider_errors"},
+             unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
+                    "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
+            {{"filter.separate."}, unless(c.scheme == settings::Scheme::Separate, "the scheme is not \"separate\"")},
+            {{"filter.integrity."},
+             tight ? "it watches a receiver's fixes; ranges are watched by filter.protection"
+                   : unless(f.integrity.use, "filter.integrity.use is not on")},
+            {{"filter.preset"}, preset_beaten(c)},
+            {{"filter.loose"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
+            {{"filter.loop"},
+             unless(c.scheme != settings::Scheme::Separate,
+                    "the corrections of the separate scheme are its coupling: the loop is closed")},
+            {{"filter.protection."},
+             unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},
+            {{"filter.feedback_"}, unless(f.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
+            {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
+             unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
+            {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
+             unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
+            {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "filter.floor_", "mag.",
+              "odometer.", "heading.", "compass.", "gauges.", "log."},
+             unless(c.scheme != settings::Scheme::Separate,
+                    "the separate scheme is corrected by position, velocity and height alone")},
+            {{"gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_"},
+             unless(!tight, "the coupling takes ranges instead of fixes")},
+            {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
+             unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
+                    "no standstill was found")},
+            {{"ranges.receiver_acceleration_m_s_sqrt_s"},
+             unless(c.scheme == settings::Scheme::Medium, "the scheme is not \"medium\"")},
+            {{"ranges.white_m"},
+             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std),
+                    "the log states the sigmas of all ranges")},
+            {{"ranges.rate_m_s"},
+             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate),
+                    "the log states the sigmas of all rates")},
+            {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
+            {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
+            {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
 }
 
 /// `schuler gravity`: what gravimetry::gravity27 switches off. Without [initial] a run before it finds the start, with all of this.
@@ -164,10 +173,11 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
     std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};  // the first that fits speaks
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
-        rules.insert(rules.begin(), {{"filter.", "output.lever_arm_m", "output.events", "vehicle.", "mag.", "baro.", "odometer.",
-                                      "heading.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s",
-                                      "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},
-                                     "the scheme is \"gnss\": there is no filter"});
+        rules.insert(rules.begin(),
+                     {{"filter.", "output.lever_arm_m", "output.events", "vehicle.", "mag.", "baro.", "odometer.", "heading.",
+                       "compass.", "gauges.", "log.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s",
+                       "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},
+                      "the scheme is \"gnss\": there is no filter"});
     else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {

@@ -43,6 +43,8 @@ constexpr std::array table{
     Row{"self_check.none", Gravity::Care},
     // of start-up and of the logs (warnings)
     Row{"start.heading", Gravity::Care},
+    Row{"forward.supposed", Gravity::Care},
+    Row{"loop.open", Gravity::Care},
     Row{"time.overlap", Gravity::Care},
     Row{"imu.saturated", Gravity::DoNotUse},  // so often that the log does not hold the motion
     Row{"imu.hole", Gravity::Care},

@@ -46,7 +46,7 @@ void keep_initial(const settings::ScenarioConfig& full, settings::ScenarioConfig
     bare.initial_error.*Field = full.initial_error.*Field;
 }
 
-const std::array<Source, 20> all_sources{
+const std::array<Source, 24> all_sources{
     {{"initial_position", "initial position", keep_initial<&settings::InitialError::position>},
      {"initial_velocity", "initial velocity", keep_initial<&settings::InitialError::velocity>},
      {"initial_level", "initial level", keep_initial<&settings::InitialError::level>},
@@ -109,7 +109,33 @@ const std::array<Source, 20> all_sources{
           bare.sim.baro.bias = full.sim.baro.bias;
           bare.sim.baro.bias_walk = full.sim.baro.bias_walk;
       },
-      has_baro}}};
+      has_baro},
+     {"mag", "magnetometer",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.sim.mag.white = full.sim.mag.white;
+          bare.sim.mag.hard_iron = full.sim.mag.hard_iron;
+          bare.sim.mag.soft_iron = full.sim.mag.soft_iron;
+      },
+      [](const settings::ScenarioConfig& s) { return s.sim.mag.rate > 0.0; }},
+     {"gauges", "gauges",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.aids.gauges.white = full.aids.gauges.white;
+          bare.aids.gauges.bias = full.aids.gauges.bias;
+      },
+      [](const settings::ScenarioConfig& s) { return s.aids.gauges.rate > 0.0; }},
+     {"log", "velocity log",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.aids.log.white = full.aids.log.white;
+          bare.aids.log.scale = full.aids.log.scale;
+          bare.aids.log.misalignment = full.aids.log.misalignment;
+      },
+      [](const settings::ScenarioConfig& s) { return s.aids.log.rate > 0.0; }},
+     {"compass", "compass",
+      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+          bare.aids.compass.white = full.aids.compass.white;
+          bare.aids.compass.bias = full.aids.compass.bias;
+      },
+      [](const settings::ScenarioConfig& s) { return s.aids.compass.rate > 0.0; }}}};
 
 constexpr std::size_t measures = 6;
 constexpr std::array<const char*, measures> keys{"horizontal_m", "up_m",        "velocity_m_s",
@@ -148,6 +174,10 @@ settings::ScenarioConfig without_errors(const settings::ScenarioConfig& full) {
     ranges.network = 0.0;
     ranges.clock = {0.0, 0.0, 0.0, 0.0};
     bare.ranging.settings.multipath.amplitude = 0.0;
+    bare.sim.mag.white = bare.sim.mag.hard_iron = bare.sim.mag.soft_iron = 0.0;
+    bare.aids.gauges.white = bare.aids.gauges.bias = 0.0;
+    bare.aids.log.white = bare.aids.log.scale = bare.aids.log.misalignment = 0.0;
+    bare.aids.compass.white = bare.aids.compass.bias = 0.0;
     bare.initial_error.position = bare.initial_error.velocity = 0.0;
     if (bare.initial_error.given()) bare.initial_error.level = bare.initial_error.heading = 0.0;
     return bare;

@@ -8,7 +8,7 @@ bool within_tolerance(const Examined& e, const ChannelHealth& health, const Inte
     if (!(settings.accel_limit > 0.0) || !health.used) return true;
     const double t = (e.time - *health.used).seconds();
     const double reach = settings.accel_limit * (e.kind == AidKind::GnssVelocity ? t : 0.5 * t * t);
-    return e.innovation.norm() <= reach + 5.0 * e.sigma_measured.norm();
+    return e.innovation.norm() <= reach + 5.0 * std::sqrt(e.trace);
 }
 
 bool is_normal_innovation(const Examined& e, const IntegritySettings& settings) {

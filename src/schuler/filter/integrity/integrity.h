@@ -17,9 +17,8 @@ namespace schuler::filter {
 struct Examined {
     AidKind kind;  ///< GnssPosition or GnssVelocity
     Time time;
-    Eigen::Vector3d innovation;      ///< m or m/s
-    Eigen::Vector3d sigma_measured;  ///< of the measurement alone
-    double trace = 0.0;              ///< of the innovation's covariance, sigma^2 of state and measurement together
+    Eigen::Vector3d innovation;  ///< m or m/s
+    double trace = 0.0;          ///< of the innovation's covariance, sigma^2 of state and measurement together
 };
 
 /// What is remembered of one sub-vector; plain and copyable.
@@ -32,8 +31,8 @@ struct ChannelHealth {
 };
 
 /// Tolerance check [PaperA:3.4, first approach]: against navigation extrapolated from the fix used last, with what the vehicle is
-/// capable of: |innovation| <= a t (velocity) or a t^2 / 2 (position) + 5 sigma of the measurement. The inertial computation that
-/// extrapolates is trusted to be no worse than not knowing the acceleration.
+/// capable of: |innovation| <= a t (velocity) or a t^2 / 2 (position) + 5 sigma of the innovation: of the measurement and of the navigation, which in the
+/// separate scheme is left to itself for a while. The mechanization that extrapolates is trusted to be no worse than not knowing the acceleration.
 [[nodiscard]] bool within_tolerance(const Examined& e, const ChannelHealth& health, const IntegritySettings& settings);
 
 /// Innovation test (3.4.7): trace of innovation innovation^T over the trace of its covariance, below delta.

@@ -39,14 +39,12 @@ void EventMaker::mark_outages(Event& e) const {
     const double t = (e.stamp - origin_).seconds();
     for (std::size_t k = 0; k < ended_.size(); ++k) {
         const Outage& outage = settings_.outages[k];
-        const double stop = outage.start + outage.duration;
-        constexpr double tolerance = 1e-6;
-        if (t > outage.start + tolerance && t < stop - tolerance) {
+        if (outage.withholds(t)) {
             e.withheld = true;
             e.outage = static_cast<int>(k);
             return;
         }
-        if (t >= stop - tolerance && e.kind == AidKind::GnssPosition && !ended_[k]) {
+        if (outage.is_over(t) && e.kind == AidKind::GnssPosition && !ended_[k]) {
             e.outage = static_cast<int>(k);
             e.outage_end = true;
             return;

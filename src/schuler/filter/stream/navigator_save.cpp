@@ -3,6 +3,7 @@
 #include "schuler/filter/detail/archive.h"
 #include "schuler/filter/detail/navigator_engine.h"
 
+#include <cmath>
 #include <cstring>
 #include <optional>
 
@@ -53,12 +54,23 @@ std::uint64_t NavigatorEngine::fingerprint() const {
                               g.latency, latency(g.velocity_latency), latency(g.height_latency), latency(g.velocity_down_latency), latency(g.jitter),
                               g.std_scale, g.velocity_std_scale, g.consider_errors ? 1.0 : 0.0, s.baro.std, s.mag.heading_std, s.odometer.std, s.heading.std,
                               s.aids.gate_probability, s.aids.constraint_rate, s.output_rate,
+                              s.aids.zero_velocity_std, s.aids.zero_rate_std, s.aids.nonholonomic_std_lateral, s.aids.nonholonomic_std_vertical,
+                              s.aids.floor_position, s.aids.floor_velocity, s.aids.floor_attitude, s.aids.floor_gyro_bias, s.aids.floor_accel_bias,
+                              s.aids.recovery_time, static_cast<double>(s.aids.recovery_count), s.feedback_period.value_or(-1.0), s.feedback_attitude,
+                              s.separate.restart_period, s.separate.position_time, s.separate.velocity_time, s.separate.baro_time,
+                              s.integrity.accel_limit, s.integrity.trace_ratio, s.integrity.window, s.integrity.false_alarm,
+                              static_cast<double>(s.integrity.slow_count), s.integrity.readmission_time,
+                              s.ranging.protection.missed_detection, s.ranging.protection.false_alarm, s.ranging.protection.fault_free,
+                              s.ranging.receiver_acceleration, s.imu.mounting_std, s.imu.gap_factor,
+                              std::isfinite(s.mag.declination) ? s.mag.declination : 10.0, s.mag.bias_std, s.baro.bias_std, s.odometer.scale_std,
+                              s.heading.offset_std, s.gauges.level_std, s.log.scale_std, s.log.misalignment_std,
+                              s.earth.ellipsoid.a, s.earth.ellipsoid.f, s.earth.ellipsoid.gm, s.earth.ellipsoid.w_ie,
                               r.gnss, r.baro, r.mag, r.odometer, r.heading, r.gauges, r.log, r.ranges, s.gauges.std, s.log.std};
     // clang-format on
     for (const double x : numbers) f.number(x);
     const std::array<Eigen::Vector3d, 3>& gauges = s.gauges.lever_arms_b;
     for (const Eigen::Vector3d& v : {g.lever_arm_b, s.imu.mounting_rpy, g.default_std_position, g.default_std_velocity,
-                                     s.log.lever_arm_b, gauges[0], gauges[1], gauges[2]})
+                                     g.std_floor_position, s.log.lever_arm_b, gauges[0], gauges[1], gauges[2]})
         for (int i = 0; i < 3; ++i) f.number(v(i));
     for (int i = 0; i < 9; ++i) f.number(s.imu.C_bs(i));
     const int choices[] = {static_cast<int>(s.mechanization),
@@ -73,7 +85,11 @@ std::uint64_t NavigatorEngine::fingerprint() const {
                            s.ranging.protection.use,
                            s.aids.zero_velocity,
                            s.aids.nonholonomic,
-                           g.use_velocity};
+                           s.aids.nonholonomic_auto,
+                           g.use_velocity,
+                           s.ranging.use_rates,
+                           s.ranging.use_stations,
+                           static_cast<int>(s.earth.gravity)};
     for (const int x : choices) f.number(x);
     f.number(settings.rates.range_sources);
     return f.hash;

@@ -33,11 +33,6 @@ void unpack(AidRecord& record, std::uint8_t components) {
     }
 }
 
-bool in_outage(const Settings& settings, Time origin, Time t) {
-    const double s = (t - origin).seconds();
-    return std::ranges::any_of(settings.outages, [s](const Outage& o) { return s > o.start && s < o.start + o.duration; });
-}
-
 }  // namespace
 
 template <class Frame>
@@ -216,7 +211,7 @@ void Pass<Frame>::process(Walk<Frame>& walk, const RangeEpoch& epoch, Observer& 
     propagate_covariance(walk, observer);
     const RangingLog& log = data_.recording->ranges;
     RangeListener* listener = observer.records() ? &observer : nullptr;
-    if (in_outage(settings_, data_.origin, epoch.time)) {  // satellites are withheld, stations are not
+    if (is_withheld(settings_.outages, (epoch.time - data_.origin).seconds())) {  // satellites are withheld, stations are not
         std::array<RangeSample, RangeEpochWork::most> stations;
         std::size_t n = 0;
         for (const RangeSample& s : log.of(epoch))

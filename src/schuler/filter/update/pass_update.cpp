@@ -139,10 +139,8 @@ AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Meas
     const double drift =
         std::sqrt(walk.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
         (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
-    Eigen::Vector3d used = Eigen::Vector3d::Zero();
-    for (int i = 0; i < m.dof; ++i) used(i) = std::sqrt(m.variance(i));
     if (settings_.integrity.use && is_part_of_fix(kind)) {
-        const Examined examined{kind, record.time, m.innovation, used, record.sigma.squaredNorm()};
+        const Examined examined{kind, record.time, m.innovation, record.sigma.squaredNorm()};
         record.status = examine(walk, channel, record, examined, observer);
         if (record.status == AidStatus::Accepted && !use(walk, channel, local, m, stamp, observer))
             record.status = AidStatus::Withheld;
@@ -155,6 +153,8 @@ AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Meas
             record.status = AidStatus::Withheld;
         return record;
     }
+    Eigen::Vector3d used = Eigen::Vector3d::Zero();
+    for (int i = 0; i < m.dof; ++i) used(i) = std::sqrt(m.variance(i));
     const GateDecision decision =
         decide(walk.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
     if (decision == GateDecision::Reject ||

@@ -126,18 +126,22 @@ void smooth_in_place(const InertialModel& model, InertialFilter<Frame>& filter, 
 }
 
 /// The way back over the checkpoints of a walk whose last increment was `end`: each stretch is replayed onto the tape and rewound;
-/// `report(Kind, point, adjoint)` for each of its points, the last one first. The covariance of a checkpoint is of its own time.
+/// `report(Kind, point, adjoint)` for each of its points, the last one first. The covariance of a checkpoint is of its own time. `block`: increments
+/// after which the walk brought its covariance up to date though nothing asked for it.
 template <class Frame, class Report>
 void rewind_checkpoints(const Pass<Frame>& pass, const InertialModel& model, const std::vector<Walk<Frame>>& checkpoints,
-                        std::size_t end, Tape<Frame>& tape, const std::function<void(double)>& progress, Report&& report) {
+                        std::size_t end, std::size_t block, Tape<Frame>& tape, const std::function<void(double)>& progress,
+                        Report&& report) {
     estim::StateAdjoint adjoint(estim::padded(model.layout.size));
     std::size_t last = end;
     for (std::size_t k = checkpoints.size(); k-- > 0;) {
         tape.clear();
         Walk<Frame> replay = checkpoints[k];
         const std::size_t first = replay.increment;
-        pass.advance(replay, last, tape);
-        pass.propagate_covariance(replay, tape);
+        while (replay.increment <= last) {
+            pass.advance(replay, std::min(last, replay.increment + block - 1), tape);
+            pass.propagate_covariance(replay, tape);
+        }
         tape.rewind(adjoint, report);
         if (first == 0) break;
         last = first - 1;

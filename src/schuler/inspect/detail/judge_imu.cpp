@@ -66,11 +66,14 @@ void judge_mounting(Study& study) {
         constexpr double telling = 5.0;  // m/s
         std::vector<double> speeds;
         for (std::size_t k = 0; k < study.gnss.size(); ++k) speeds.push_back(study.gnss.speed(k));
+        const bool travels = !speeds.empty() && quantile(std::move(speeds), 0.9) > telling;
+        if (!m.found || study.gnss.has_velocity() || !travels) return;
         // In the air the mean force is no vertical: only what has rested knows its level.
-        if (m.found && study.still.any() && !study.gnss.has_velocity() && !speeds.empty() &&
-            quantile(std::move(speeds), 0.75) > telling)
+        if (study.still.any())
             study.draft.set("imu", "mounting_deg", std::string("estimate"),
                             "forward is only supposed here; the filter finds the direction of travel");
+        else if (m.forward_from == ForwardFrom::Supposed && !study.given.has("imu.axes") && !study.given.mounting_rpy)
+            study.forward_supposed = true;
         return;
     }
     const Eigen::Vector3d rpy = m.rest_rpy * per_deg;

@@ -15,13 +15,45 @@ double median_step(const std::vector<double>& t) {
     return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
+/// White noise of the horizontal positions, one sigma of an axis, m: from third differences, in which steady motion and steady acceleration do
+/// not show.
+double position_noise(const GnssSeries& s) {
+    std::vector<double> squares;
+    for (std::size_t k = 3; k < s.size(); ++k) {
+        if (s.t[k] - s.t[k - 3] > 4.5 * s.step) continue;
+        squares.push_back((s.p[k] - 3.0 * s.p[k - 1] + 3.0 * s.p[k - 2] - s.p[k - 3]).head<2>().squaredNorm());
+    }
+    constexpr double median_of_two = 1.386;  // of the sum of two squares of unit variance
+    return squares.size() < 10 ? 0.0 : std::sqrt(median(std::move(squares)) / median_of_two / 20.0);
+}
+
+/// The fewest neighbours whose slope is a speed to a decimetre a second; no further than 5 s.
+int reach_of(const GnssSeries& s) {
+    constexpr double wanted = 0.12, farthest = 5.0;  // m/s, s
+    const double noise = position_noise(s);
+    int m = 1;
+    const auto sigma = [&] { return noise / (s.step * std::sqrt(m * (m + 1.0) * (2.0 * m + 1.0) / 3.0)); };
+    while (s.step > 0.0 && sigma() > wanted && (m + 1) * s.step <= farthest) ++m;
+    return m;
+}
+
 }  // namespace
 
 double GnssSeries::speed(std::size_t k) const {
     if (has_velocity()) return v[k].head<2>().norm();
-    const std::size_t a = k > 0 ? k - 1 : k;
-    const std::size_t b = k + 1 < size() ? k + 1 : k;
-    return b > a ? (p[b] - p[a]).head<2>().norm() / (t[b] - t[a]) : 0.0;
+    const std::size_t a = k - std::min(k, static_cast<std::size_t>(reach));
+    const std::size_t b = std::min(k + static_cast<std::size_t>(reach), size() - 1);
+    const double n = static_cast<double>(b - a + 1);
+    double mean_t = 0.0;
+    for (std::size_t i = a; i <= b; ++i) mean_t += (t[i] - t[k]) / n;
+    Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+    double spread = 0.0;
+    for (std::size_t i = a; i <= b; ++i) {
+        const double dt = t[i] - t[k] - mean_t;
+        moved += dt * (p[i] - p[k]).head<2>();
+        spread += dt * dt;
+    }
+    return spread > 0.0 ? moved.norm() / spread : 0.0;
 }
 
 ImuSeries imu_series(const std::vector<ImuSample>& samples, ImuKind kind, Time origin) {
@@ -73,6 +105,7 @@ GnssSeries gnss_series(const std::vector<GnssFix>& fixes, Time origin) {
     const auto given = std::count_if(s.v.begin(), s.v.end(), has);
     if (2 * given < std::ssize(s.v)) {
         s.v.clear();
+        s.reach = reach_of(s);
         return s;
     }
     // A few epochs without velocity are left out as a whole: the studies want one time axis.

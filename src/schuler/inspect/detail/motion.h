@@ -27,10 +27,11 @@ struct GnssSeries {
     double step = 0.0;               ///< median, s
     double lat = 0.0, h = 0.0;       ///< of the first epoch, rad and m
     bool has_height = false;
+    int reach = 1;  ///< positions on either side to which a speed is fitted where there are no velocities
     [[nodiscard]] std::size_t size() const { return t.size(); }
     [[nodiscard]] bool empty() const { return t.empty(); }
     [[nodiscard]] bool has_velocity() const { return !v.empty(); }
-    /// Horizontal speed of an epoch, m/s: from the velocity, or from the neighbouring positions.
+    /// Horizontal speed of an epoch, m/s: from the velocity, or the slope of the positions about it, of as many as their noise requires.
     [[nodiscard]] double speed(std::size_t k) const;
 };
 

@@ -48,6 +48,7 @@ struct Study {
     std::vector<UnitChange> imu_units, gnss_units, baro_units, mag_units;
     Travel travel;
     Mounting mounting;
+    bool forward_supposed = false;  ///< of a vehicle that travels, and neither the files nor the filter can show it
     double velocity_age = 0.0, position_age = 0.0;  ///< medians of what the log's own columns state, s
     bool states_velocity_age = false, states_position_age = false;
 

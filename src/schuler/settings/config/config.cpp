@@ -87,6 +87,8 @@ Config config_from(const SettingList& settings) {
 SettingList overlaid(SettingList base, const SettingList& above) {
     const auto named = [&above](std::string_view key) { return std::ranges::find(above, key, &Setting::key) != above.end(); };
     if (named("imu.grade")) std::erase_if(base, [](const Setting& s) { return is_imu_number(s.key); });
+    if (named("filter.preset"))  // the states that it stands for
+        std::erase_if(base, [](const Setting& s) { return s.key == "filter.scale_factors" || s.key == "filter.misalignments"; });
     if (named("ranges.clock"))
         std::erase_if(base, [](const Setting& s) { return s.key == "ranges.clock_h0_s" || s.key == "ranges.clock_h_minus2_hz"; });
     base.insert(base.end(), above.begin(), above.end());

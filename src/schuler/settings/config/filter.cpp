@@ -103,17 +103,38 @@ void add_initial(OptionTable<Config>& table) {
                              [](auto& c) -> auto& { return c.filter.initial.accel_bias; }));
 }
 
+/// Couplings by name.
+struct CouplingPreset {
+    std::string_view name;
+    Scheme scheme;
+    fusion::LooseKind kind = fusion::LooseKind::Standard;
+};
+constexpr CouplingPreset coupling_presets[] = {
+    {"gnss", Scheme::Gnss},   {"separate", Scheme::Separate},
+    {"loose", Scheme::Loose}, {"aggressive", Scheme::Loose, fusion::LooseKind::Aggressive},
+    {"tight", Scheme::Tight}, {"intermediate", Scheme::Medium},
+    {"deep", Scheme::Deep}};
+
 /// A name that stands for several settings; those given by themselves win because they come later in the table.
 Option<Config> preset_option() {
     OptionSpec spec = detail::spec(
         "filter.preset", Shape::Text,
-        "states: ins15 = position, velocity, attitude, biases; ins21 = scale factors too; complex22 = those of paper "
+        "states, or a coupling by its name: ins15 = position, velocity, attitude, biases; ins21 = scale factors too; complex22 = those of paper "
         "A's integrated system: ins15, barometer bias, slow errors of the receiver's position and velocity (with the "
-        "paper's sigmas where none are given)");
-    spec.choices = {"ins15", "ins21", "complex22"};
+        "paper's sigmas where none are given); gnss, separate, loose, aggressive, tight, intermediate, deep = filter.scheme (aggressive: "
+        "filter.loose too); gravity27 = the states of `schuler gravity`, which alone has them");
+    spec.choices = {"ins15", "ins21", "complex22", "gravity27"};
+    for (const CouplingPreset& p : coupling_presets) spec.choices.emplace_back(p.name);
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.preset = *v.text();
+                if (const auto* p = std::ranges::find(coupling_presets, c.preset, &CouplingPreset::name);
+                    p != std::end(coupling_presets)) {
+                    c.scheme = p->scheme;
+                    c.filter.loose_kind = p->kind;
+                    return;
+                }
+                if (c.preset == "gravity27") return;
                 c.scale_factors = c.preset == "ins21";
                 c.misalignments = false;
             },

@@ -12,6 +12,7 @@
 #include "schuler/settings/toml_file.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace schuler::settings {
 namespace {
@@ -287,6 +288,15 @@ SettingList scenario_settings(const std::filesystem::path& file, std::optional<s
 
 ScenarioConfig read_scenario(const std::filesystem::path& file, std::optional<std::uint64_t> seed) {
     return scenario_from(scenario_settings(file, seed));
+}
+
+std::set<std::string> keys_of_processing(const ScenarioConfig& scenario, const SettingList& above) {
+    std::set<std::string> keys;
+    std::ranges::copy_if(scenario.given, std::inserter(keys, keys.end()), [](const std::string& key) {
+        return key.starts_with("filter.") && !key.starts_with("filter.assumed.") && !key.starts_with("filter.initial_error");
+    });
+    for (const Setting& s : above) keys.insert(s.key);
+    return keys;
 }
 
 }  // namespace schuler::settings

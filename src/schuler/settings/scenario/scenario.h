@@ -151,6 +151,9 @@ struct ScenarioConfig {
 [[nodiscard]] SettingList scenario_settings(const std::filesystem::path& file, std::optional<std::uint64_t> seed);
 [[nodiscard]] ScenarioConfig read_scenario(const std::filesystem::path& file, std::optional<std::uint64_t> seed);
 
+/// Keys of what a scenario and the settings above it say to the filter, not to the simulator.
+[[nodiscard]] std::set<std::string> keys_of_processing(const ScenarioConfig& scenario, const SettingList& above);
+
 /// Built-in scenarios by name ("demo", ...), TOML text as in examples/. Empty for an unknown name.
 [[nodiscard]] std::string_view built_in_scenario(std::string_view name);
 

@@ -10,10 +10,13 @@
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
+#include "schuler/solution/ignored.h"
 #include "schuler/study/comparison/compare_windows.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 namespace schuler::study {
 namespace {
@@ -83,6 +86,9 @@ report::Outcome compare_schemes(const settings::ProcessRequest& request) {
                  .settings = settings_text(settings, request.over({}))};
     double done = 0.0;
     bool report_wanted = false;
+    std::optional<std::vector<solution::Ignored>> ignored;  // by every scheme
+    std::set<std::string> asked;
+    for (const settings::Setting& s : request.over({})) asked.insert(s.key);
     std::vector<std::optional<std::size_t>> counts(scenario.compared_satellites.begin(), scenario.compared_satellites.end());
     if (counts.empty()) counts.emplace_back();
     const double each = 1.0 / static_cast<double>(counts.size() * scenario.compared.size());
@@ -96,6 +102,12 @@ report::Outcome compare_schemes(const settings::ProcessRequest& request) {
             solution::ResultBundle bundle = solution::simulated_bundle(flight, over, warnings);
             solution::fuse_and_evaluate(bundle, warnings, scenario.sim.reference_rate, {});
             report_wanted = bundle.data.config.output.wants("report");
+            bundle.command = "run";
+            const std::vector<solution::Ignored> here = solution::ignored_of(bundle, asked);
+            if (!ignored) ignored = here;
+            std::erase_if(*ignored, [&](const solution::Ignored& i) {
+                return std::ranges::find(here, i.key, &solution::Ignored::key) == here.end();
+            });
             ComparedRun& run = c.runs.emplace_back(compared_run(bundle, scenario));
             run.scheme = &known;
             run.satellites = satellites;
@@ -105,6 +117,9 @@ report::Outcome compare_schemes(const settings::ProcessRequest& request) {
             if (request.progress) request.progress(done);
         }
     }
+    WarningLog without_effect;
+    if (ignored) solution::warn_of_ignored(*ignored, without_effect);
+    std::ranges::copy(without_effect.summary(), std::back_inserter(c.warnings));
     c.plots = signal_panels(c, scenario.sim.origin);
     report::Outcome out;
     out.warnings = c.warnings;

@@ -166,7 +166,11 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     b.run.command = "gravity";
     b.run.ignored = solution::ignored_of(b.run, asked);
     solution::warn_of_ignored(b.run.ignored, warnings);
+    WarningLog told;
+    solution::leave_out_chosen(b.run.data, told);
     settings::Config& c = b.run.data.config;
+    c.scheme = settings::Scheme::Loose;
+    c.filter.coupling = fusion::Coupling::Loose;
     c.filter.mechanization = fusion::Mechanization::Ecef;
     c.filter.smooth = c.gravity.smooth;
     const GravityInput input = gravity_input(b.run.data, warnings);
@@ -175,6 +179,10 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     b.run.result.filter_seconds = b.run.timing.filter_s = solution::seconds_since(filter_begin);
     b.run.result.forward = trajectory_of(c.filter.earth, b.survey.forward);
     if (c.gravity.smooth) b.run.result.smoothed = trajectory_of(c.filter.earth, b.survey.smoothed);
+    b.run.result.states = std::move(b.survey.states);
+    b.run.result.forward.parameters = std::move(b.survey.parameters);
+    b.run.result.forward.covariances = std::move(b.survey.covariances);
+    b.run.result.smoothed.parameters = std::move(b.survey.smoothed_parameters);
     fusion::Counters& n = b.run.result.counters;
     n.imu_epochs = input.data.imu.increments.size() - input.start.increment;
     n.imu_gaps = input.data.imu.gaps;
@@ -252,13 +260,10 @@ GravityBundle gravity_of_scenario(const settings::ScenarioConfig& scenario, cons
     const auto begin = std::chrono::steady_clock::now();
     GravityBundle b;
     b.run = solution::simulated_bundle(scenario, request.over({}), warnings);
-    solution::leave_out_chosen(b.run.data, warnings);
     b.run.data.read_seconds = solution::seconds_since(begin);
     b.run.version = request.version;
     b.over_ground = scenario.sim.anomaly.empty();
-    std::set<std::string> asked;  // a scenario's own words are the simulator's business
-    for (const settings::Setting& setting : request.over({})) asked.insert(setting.key);
-    estimate(b, asked, warnings);
+    estimate(b, settings::keys_of_processing(scenario, request.over({})), warnings);
     return b;
 }
 
@@ -271,7 +276,6 @@ GravityBundle gravity_survey(const settings::ProcessRequest& request, WarningLog
     b.run.name = config.name.empty() ? dataset.name : config.name;
     b.run.version = request.version;
     b.run.data = solution::load_dataset(dataset, config, warnings);
-    solution::leave_out_chosen(b.run.data, warnings);
     notice = dataset.inferred_toml;
     estimate(b, b.run.data.given, warnings);
     return b;

@@ -6,6 +6,7 @@
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
+#include "schuler/solution/ignored.h"
 #include "schuler/study/comparison/compare_campaign.h"
 
 #include <algorithm>
@@ -54,10 +55,14 @@ double epoch_step(const settings::ScenarioConfig& scenario) {
     return std::max(1.0, std::ceil(longest / static_cast<double>(kept_epochs)));
 }
 
-void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const settings::SettingList& over, double step) {
+/// `ignored`: where it is wanted, the settings without effect.
+void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const settings::SettingList& over, double step,
+          std::vector<solution::Ignored>* ignored) {
     WarningLog unheard;
     solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard);
     solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
+    bundle.command = "montecarlo";
+    if (ignored != nullptr) *ignored = solution::ignored_of(bundle, settings::keys_of_processing(scenario, over));
     const settings::Config& c = bundle.data.config;
     run.scheme = settings::scheme_name(c.scheme);
     run.mechanization = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
@@ -151,6 +156,7 @@ struct Flights {
     const settings::ScenarioConfig& scenario;
     const settings::SettingList &base, &over;
     double step;
+    std::vector<solution::Ignored>& ignored;  ///< of the first run; one thread flies it
 
     [[nodiscard]] MonteCarloRun fly(std::uint64_t k) const {
         MonteCarloRun run;
@@ -159,7 +165,7 @@ struct Flights {
         run.point = grid_point(scenario.vary, k);
         try {
             const settings::SettingList settings = settings_of_run(base, scenario.vary, run.seed, k, run.drawn);
-            fill(run, settings::scenario_from(settings), over, step);
+            fill(run, settings::scenario_from(settings), over, step, k == request.first ? &ignored : nullptr);
         } catch (const Error& e) {
             if (k == request.first && e.kind() == ErrorKind::Input) throw;
             run.failure = e.what();
@@ -297,7 +303,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
     if (request.team) request.team->wait();  // nobody writes before process 0 has taken over what there was
     part.begin();
     const std::uint64_t before = part.done().count();
-    const Flights flights{request, scenario, base, over, empty.epoch_step};
+    const Flights flights{request, scenario, base, over, empty.epoch_step, mc.ignored};
     std::optional<WorkList> list;
     if (rank == 0) list.emplace(part.done(), mc.first, end, request.team ? static_cast<std::size_t>(request.team->size()) : 1000);
     try {
@@ -369,10 +375,13 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
     write("summary.json", out.json);
     CampaignPart::remove_from(mc.folder);
     if (request.team) request.team->wait();
+    WarningLog without_effect;
+    solution::warn_of_ignored(mc.ignored, without_effect);
+    out.warnings = without_effect.summary();
     constexpr std::size_t told = 20;
     const auto& failures = mc.statistics().failures;
     for (const auto& [run, failure] : failures) {
-        if (out.warnings.size() == told) break;
+        if (out.warnings.size() == without_effect.summary().size() + told) break;
         out.warnings.push_back(fmt::format("seed {} (run {}): {}", failure.seed, run, failure.reason));
     }
     if (mc.statistics().failed > told)

@@ -6,6 +6,7 @@
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/published.h"
 #include "schuler/settings/scenario/scenario.h"
+#include "schuler/solution/bundle.h"
 #include "schuler/study/montecarlo/checkpoint.h"
 #include "schuler/study/montecarlo/statistics.h"
 
@@ -37,6 +38,7 @@ struct MonteCarlo {
     std::unique_ptr<CampaignPart> part;
     std::size_t run_here = 0;  ///< since it was last taken up, for the speed
     double wall_s = 0.0;
+    std::vector<solution::Ignored> ignored;  ///< settings without effect on the first run, where it was flown here
 
     [[nodiscard]] const CampaignStatistics& statistics() const { return part->statistics(); }
 };
