@@ -229,10 +229,10 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
         live = recording;
         live.ranges = {};
         data.recording = &live;
-        options.receiver = [&](const Guide& guide, Time until) { receiver(guide, until, live.ranges); };
+        options.receiver = [&](const ReceiverAiding& aiding, Time until) { receiver(aiding, until, live.ranges); };
     }
-    Result result = settings.coupling == Coupling::Medium ? run_intermediate_pass(data, settings, start, options)
-                                                          : run_pass(data, settings, start, options);
+    Result result = settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, options)
+                                                                : run_pass(data, settings, start, options);
     if (settings.backward) result.backward = run_backward(data, settings, start, result.forward);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;

@@ -47,7 +47,8 @@ void take_stated(const dataset::ReadFiles& files, settings::Config& c) {
 void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     settings::Config& c = out.config;
     const bool csv = !c.ranges.file.empty();
-    if (!csv && (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Medium)))
+    if (!csv &&
+        (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Intermediate)))
         return;
     RangingLog& log = out.recording.ranges;
     log = csv ? dataset::ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, out.given, warnings);
@@ -111,7 +112,7 @@ void settle_times(LoadedDataset& out) {
     if (!std::isnan(out.config.initial_time)) f.initial.time = Time::from_seconds(out.config.initial_time);
 }
 
-/// What is believed of gauges, log and compass: the filter has it where it has the samples.
+/// Assumed errors of gauges, DVL and compass: the filter has it where it has the samples.
 void assume_aid_errors(settings::Config& c) {
     const settings::AidsConfig& aids = c.aids;
     c.filter.gauges.std = aids.gauges.white;

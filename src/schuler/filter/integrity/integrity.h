@@ -32,7 +32,7 @@ struct ChannelHealth {
 };
 
 /// Tolerance check [PaperA:3.4, first approach]: against navigation extrapolated from the fix used last, with what the vehicle is
-/// capable of: |innovation| <= a t (velocity) or a t^2 / 2 (position) + 5 sigma of the measurement. The inertial computation that
+/// capable of: |innovation| <= a t (velocity) or a t^2 / 2 (position) + 5 sigma of the measurement. The mechanization that
 /// extrapolates is trusted to be no worse than not knowing the acceleration.
 [[nodiscard]] bool within_tolerance(const Examined& e, const ChannelHealth& health, const IntegritySettings& settings);
 
@@ -46,7 +46,7 @@ struct ChannelHealth {
 /// Follows an excluded channel: true once its fixes have agreed with the estimate (`agrees`: this one does) for long enough.
 [[nodiscard]] bool readmits(ChannelHealth& health, bool agrees, Time time, const IntegritySettings& settings);
 
-/// A copy of the filter that goes on without the receiver, begun anew when `window` seconds old. Of two of them, one is at any time
+/// A copy of the filter that goes on without the receiver, restarted when `window` seconds old. Of two of them, one is at any time
 /// at least half a window old: an error that grows too slowly to be seen in one innovation shows against it, and where it does, it is
 /// the solution from before the error; docs/complex.md.
 template <class Frame>
