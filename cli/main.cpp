@@ -124,7 +124,9 @@ int main(int argc, char** argv) {
         parser.exit(e);
         return flushed(done);
     } catch (const CLI::ParseError& e) {
-        if (const std::string unknown = cli::unknown_command(argc, argv, parser); !unknown.empty()) {
+        std::string unknown = cli::unknown_command(argc, argv, parser);
+        if (unknown.empty()) unknown = cli::unknown_topic(argc, argv, parser);
+        if (!unknown.empty()) {
             complain(unknown + "; see `schuler --help`");
             return input_unusable;
         }

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 namespace schuler::cli {
 namespace {
@@ -18,6 +20,8 @@ std::string names_of(const OptionSpec& spec) {
     if (spec.line.positional) return spec.line.value_name;
     return spec.line.letter != 0 ? fmt::format("-{},--{}", spec.line.letter, spec.key) : "--" + spec.key;
 }
+
+constexpr std::array<const char*, 3> help_topics{"settings", "scenario", "formats"};
 
 bool is_list(const OptionSpec& spec) { return spec.shape == Shape::Numbers || spec.shape == Shape::Texts; }
 
@@ -35,8 +39,7 @@ void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingLi
     } else if (spec.line.repeated && !spec.line.positional) {
         option->allow_extra_args(false);
     }
-    if (spec.shape == Shape::Text &&
-        !spec.choices.empty())  // for help and completion; the table itself refuses what is none of them
+    if (!spec.choices.empty())  // for help and completion; the table itself refuses what is none of them
         option->check(
             CLI::Validator([](std::string&) { return std::string(); }, fmt::format("{{{}}}", fmt::join(spec.choices, ","))));
     if (spec.line.required) option->required();
@@ -70,7 +73,7 @@ void add_own(CLI::App& parser, CommandLine& line) {
                                  "  schuler help process\n  schuler help settings\n  schuler help settings imu.\n"
                                  "  schuler help scenario trajectory.\n  schuler help --man >schuler.1");
     help->add_option("TOPIC", line.topic, "settings, scenario or formats, or a command")
-        ->check(CLI::IsMember({"settings", "scenario", "formats"}));
+        ->check(CLI::IsMember(std::vector<std::string>(help_topics.begin(), help_topics.end())));
     help->add_option("PREFIX", line.prefix, "only keys that begin so");
     help->add_flag("--man", line.manual, "all commands as a manual page");
     help->add_flag("--reference", line.reference,
@@ -80,6 +83,11 @@ void add_own(CLI::App& parser, CommandLine& line) {
                                        "  source <(schuler completion bash)\n"
                                        "  schuler completion zsh >~/.zsh/functions/_schuler            a folder of $fpath");
     completion->add_option("SHELL", line.topic, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
+}
+
+std::string not_known(const std::string& word, const std::string& what, const std::vector<std::string>& known) {
+    const std::string near = settings::nearest_key(word, known);
+    return fmt::format("\"{}\" is not {}{}", word, what, near.empty() ? "" : fmt::format("; did you mean {}?", near));
 }
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
@@ -170,9 +178,23 @@ std::string unknown_command(int argc, char** argv, const CLI::App& parser) {
     if (argc < 2 || argv[1][0] == '-' || !command_in(argc, argv, parser).empty()) return {};
     std::vector<std::string> known;
     for (const CLI::App* command : commands_of(parser)) known.push_back(command->get_name());
-    const std::string near = settings::nearest_key(argv[1], known);
-    return fmt::format("\"{}\" is not a command{}", argv[1],
-                       near.empty() ? std::string{} : fmt::format("; did you mean {}?", near));
+    return not_known(argv[1], "a command", known);
+}
+
+std::string unknown_topic(int argc, char** argv, const CLI::App& parser) {
+    if (argc < 3 || std::string_view(argv[1]) != "help" || argv[2][0] == '-') return {};
+    std::vector<std::string> known;
+    for (const CLI::App* command : commands_of(parser)) {
+        known.push_back(command->get_name());
+        if (command->get_name() != argv[2]) continue;
+        std::vector<std::string> studies;
+        for (const CLI::App* study : commands_of(*command)) studies.push_back(study->get_name());
+        if (argc < 4 || studies.empty() || std::ranges::find(studies, argv[3]) != studies.end()) return {};
+        return not_known(argv[3], fmt::format("a command of {}", argv[2]), studies);
+    }
+    for (const char* topic : help_topics) known.emplace_back(topic);
+    if (std::ranges::find(known, argv[2]) != known.end()) return {};
+    return not_known(argv[2], "a command or a topic of help", known);
 }
 
 }  // namespace schuler::cli

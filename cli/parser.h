@@ -58,4 +58,7 @@ void serve_page(const CommandLine& line);
 /// What to report where the first word is no command, with the nearest one; empty where it is one or there is none.
 [[nodiscard]] std::string unknown_command(int argc, char** argv, const CLI::App& parser);
 
+/// The same of the word after `help`.
+[[nodiscard]] std::string unknown_topic(int argc, char** argv, const CLI::App& parser);
+
 }  // namespace schuler::cli

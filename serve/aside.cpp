@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Json refusal_json(const Refusal& r) {
-    return {{"refusal", {{"status", r.status}, {"text", r.text}, {"mend", r.mend}, {"key", r.key}, {"line", r.line}}}};
+    return {{"refusal", {{"status", r.status}, {"text", r.text}, {"mend", r.hint}, {"key", r.key}, {"line", r.line}}}};
 }
 
 Json understand(const std::string& form_name, const fs::path& file) {
@@ -57,7 +57,7 @@ Json read_all(const fs::path& folder) {
     return {{"read", true}};
 }
 
-/// The columns of a log as they stand in it, thinned for drawing; times from the first row on.
+/// The columns of a log as they stand in it, decimated for drawing; times from the first row on.
 Json raw_columns(const fs::path& file) {
     constexpr std::size_t most_columns = 60, most_points = 3000;
     WarningLog warnings;

@@ -95,7 +95,7 @@ void Service::add_kept_routes() {
     routes_.push_back(
         {"GET",
          "/api/datasets/{dataset}/raw",
-         "the columns of one of its logs before anything is processed, thinned",
+         "the columns of one of its logs before anything is processed, decimated",
          {{"file", "string", "its path as in inspect, also of one instrument of a log: log.ulg#imu"}},
          "",
          "{rows, zero, time, time_s, columns: {name: []}}",

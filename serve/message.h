@@ -36,7 +36,7 @@ struct Reply {
 struct Refusal {
     int status;
     std::string text;
-    std::string mend{};
+    std::string hint{};
     std::string key{};
     long line = 0;
 };

@@ -258,14 +258,14 @@ std::string Results::series(const fs::path& folder, const SeriesRequest& request
     std::vector<const std::vector<double>*> values;
     std::vector<std::string> units;
     std::vector<Table> alive;
-    if (request.columns.empty() || request.columns.size() > 64) throw Refusal{422, "ask for 1 to 64 columns", {}, "columns"};
+    if (request.columns.empty() || request.columns.size() > 64) throw Refusal{422, "request 1 to 64 columns", {}, "columns"};
     for (const std::string& id : request.columns) {
         const std::size_t colon = id.rfind(':');
         const std::string path = id.substr(0, colon == std::string::npos ? 0 : colon);
         if (path.size() < 4 || path.front() != '/' || path.rfind('/') == 0 || path.find('\0') != std::string::npos)
             throw Refusal{422, fmt::format("\"{}\" is not a column", id), "take the ids of /channels", "columns"};
         if (!group.empty() && group_of(path) != group)
-            throw Refusal{422, "columns of different groups have different times", "ask for one group at a time", "columns"};
+            throw Refusal{422, "columns of different groups have different times", "request one group at a time", "columns"};
         group = group_of(path);
         alive.push_back(path == group + "/local" ? local(folder, group, origin) : table(folder, path));
         const Table& t = alive.back();

@@ -31,7 +31,7 @@ struct SeriesRequest {
 
 inline constexpr std::size_t most_rows = 20'000;
 
-/// {group, time_s: [], columns: {"PATH:NAME": []}, units: {}, rows, thinned}: `rows` were in the range.
+/// {group, time_s: [], columns: {"PATH:NAME": []}, units: {}, rows, thinned}: `rows` were in the range; "thinned": decimated to fewer.
 [[nodiscard]] std::string series_text(const ColumnTable& time, const std::vector<const std::vector<double>*>& values,
                                       const SeriesRequest& request, const std::vector<std::string>& units);
 

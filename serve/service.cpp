@@ -61,7 +61,7 @@ std::string about_of(const std::string& toml) {
 Reply refused(const Refusal& r) {
     Reply reply;
     reply.status = r.status;
-    const Json error{{"text", r.text}, {"mend", r.mend}, {"key", r.key}, {"line", r.line}};
+    const Json error{{"text", r.text}, {"mend", r.hint}, {"key", r.key}, {"line", r.line}};
     reply.body = Json{{"error", error}}.dump(-1, ' ', false, Json::error_handler_t::replace);
     return reply;
 }
@@ -106,7 +106,7 @@ Reply Service::answer(Request request) noexcept {
         } catch (const Error& e) {
             return refused({422, e.reason(), e.hint(), e.place().key, e.place().line});
         } catch (const nlohmann::json::exception&) {
-            return refused({400, "the body is not the JSON that is expected here", "/api/openapi.json tells what is"});
+            return refused({400, "the body is not the JSON that is expected here", "see /api/openapi.json"});
         } catch (const std::bad_alloc&) {
             return refused({507, "out of memory"});
         } catch (const std::exception& e) {
@@ -248,7 +248,7 @@ Json Service::openapi() const {
             {"info",
              {{"title", "Schuler"},
               {"version", settings_.version},
-              {"description", "What the page of `schuler ui` asks its server. Times are seconds on the axis of the run."}}},
+              {"description", "Requests of the page of `schuler ui` to its server. Times are seconds on the axis of the run."}}},
             {"paths", paths}};
 }
 

@@ -133,7 +133,7 @@ Json Service::understood_aside(const Json& body, Form form) {
         return {{"settings", settings_json(settings)},
                 {"used", Json::object()},
                 {"toml", toml_of(settings, form)},
-                {"problem", {{"text", r.text}, {"mend", r.mend}, {"key", r.key}, {"line", r.line}}}};
+                {"problem", {{"text", r.text}, {"mend", r.hint}, {"key", r.key}, {"line", r.line}}}};
     }
     const fs::path folder = workspace_.temporary_folder(fmt::format("settings-{}", ++number));
     constexpr double limit_s = 10.0;
@@ -423,7 +423,7 @@ void Service::add_result_routes() {
     const std::vector<Parameter> range{
         {"from", "number", "start of the range, s"},
         {"to", "number", "end of the range, s; left out: everything"},
-        {"points", "integer", "about so many rows, extremes kept (default 2000); 0: every row, at most 20000"}};
+        {"points", "integer", "approximate number of rows, extremes kept (default 2000); 0: every row, at most 20000"}};
     routes_.push_back(
         {"GET",
          "/api/runs/{run}/channels",

@@ -52,7 +52,7 @@ ahrs::FilterKind filter_from(const std::string& name) {
     if (name == "quaternion") return Quaternion;
     if (name == "quaternion-printed") return QuaternionPrinted;
     if (name == "quaternion-coupled") return QuaternionCoupled;
-    throw input_error(fmt::format("\"{}\" is no filter", name), {{}, 0, 0, "filter"},
+    throw input_error(fmt::format("\"{}\" is not a filter", name), {{}, 0, 0, "filter"},
                       "mekf, dcm, quaternion, quaternion-printed or quaternion-coupled");
 }
 
@@ -147,7 +147,7 @@ void bind_ahrs(py::module_& m) {
         .def(
             "feed", &feed, py::arg("dt"), py::arg("gyro"), py::arg("accel"), py::arg("mag") = none,
             "q_nb after each sample (n, 4), or (4,) of one. dt: s, one number or (n,); gyro: rad/s, accel: m/s^2, mag: T, body axes "
-            "forward-right-down, (n, 3) or (3,); rows of mag with NaN are no samples.")
+            "forward-right-down, (n, 3) or (3,); rows of mag with NaN are not samples.")
         .def(
             "forward_speed",
             [](Mekf& f, double speed, double std) {

@@ -20,7 +20,7 @@ Input::Input(const char* name, const py::object& values, py::ssize_t width) : na
     held_ = py::array_t<double>::ensure(values);
     if (!held_) {
         PyErr_Clear();
-        throw input_error("is no array of numbers", {{}, 0, 0, name}, "give an array of " + expected_shape(width));
+        throw input_error("is not an array of numbers", {{}, 0, 0, name}, "give an array of " + expected_shape(width));
     }
     const py::ssize_t rank = held_.ndim(), of_one = width == 1 ? 0 : 1;
     one_ = rank == of_one;
@@ -44,7 +44,7 @@ Times::Times(const char* name, const py::object& values) : held_(py::array::ensu
     const char* hint = "give seconds (numbers with a fraction) or nanoseconds (whole numbers)";
     if (!held_) {
         PyErr_Clear();
-        throw input_error("is no array of numbers", place, hint);
+        throw input_error("is not an array of numbers", place, hint);
     }
     const char kind = held_.dtype().kind();
     if (kind == 'i' || kind == 'u') {

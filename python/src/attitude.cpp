@@ -17,7 +17,7 @@ py::array rows(const char* name, const py::object& values, py::ssize_t in, bool 
     const std::string expected = matrix_in ? "(..., 3, 3)" : in == 1 ? std::string("(...)") : fmt::format("(..., {})", in);
     if (!array) {
         PyErr_Clear();
-        throw input_error("is no array of numbers", {{}, 0, 0, name}, "give an array of " + expected);
+        throw input_error("is not an array of numbers", {{}, 0, 0, name}, "give an array of " + expected);
     }
     std::vector<py::ssize_t> shape(array.shape(), array.shape() + array.ndim());
     const std::vector<py::ssize_t> last = matrix_in ? std::vector<py::ssize_t>{3, 3}

@@ -115,14 +115,14 @@ private:
 
 report::Outcome perform(const std::string& name, const py::dict& given, int threads, bool force, const py::object& progress) {
     const app::Command* command = app::command_named(name);
-    if (command == nullptr || !command->perform) throw input_error(fmt::format("\"{}\" is no command", name));
+    if (command == nullptr || !command->perform) throw input_error(fmt::format("\"{}\" is not a command", name));
     settings::SettingList list;
     for (const OptionSpec& spec : command->options) {
         if (!given.contains(spec.key.c_str())) continue;
         const SourcePlace place{spec.key, 0, 0, {}};
         list.push_back({spec.key, value_for(spec, given[spec.key.c_str()]), place});
     }
-    if (list.size() != given.size()) throw input_error(fmt::format("something given is no option of {}", name));
+    if (list.size() != given.size()) throw input_error(fmt::format("something given is not an option of {}", name));
     if (force) app::allow_overwrite(list);
 
     std::exception_ptr of_python;

@@ -36,7 +36,7 @@ void set_rates(filter::FeedRates& rates, const py::dict& given) {
     for (const auto& [name, value] : given) {
         const std::string key = py::str(name).cast<std::string>();
         const settings::Value v = value_from(value, "rates." + key);
-        if (!v.is_number()) throw input_error("is no number", {{}, 0, 0, "rates." + key}, "give samples a second");
+        if (!v.is_number()) throw input_error("is not a number", {{}, 0, 0, "rates." + key}, "give samples a second");
         const auto it = std::ranges::find_if(known, [&](const auto& k) { return key == k.first; });
         if (it != known.end()) {
             rates.*(it->second) = v.number();
@@ -47,7 +47,7 @@ void set_rates(filter::FeedRates& rates, const py::dict& given) {
         } else {
             const std::string near = settings::nearest_key(key, names);
             throw input_error(
-                "is no instrument", {{}, 0, 0, "rates." + key},
+                "is not an instrument", {{}, 0, 0, "rates." + key},
                 near.empty() ? fmt::format("known are {}", fmt::join(names, ", ")) : fmt::format("did you mean {}?", near));
         }
     }
@@ -118,7 +118,7 @@ py::object StreamNavigator::feed_gnss(const py::object& time, const py::object& 
     for (Input* in : {&sp, &sv}) in->expect_rows(t.rows(), true);
     const std::optional<FixType> type = fix == "unknown" ? FixType::Unknown : io::fix_from_word(fix);
     if (!type)
-        throw input_error(fmt::format("\"{}\" is no kind of fix", fix), {{}, 0, 0, "fix"},
+        throw input_error(fmt::format("\"{}\" is not a known kind of fix", fix), {{}, 0, 0, "fix"},
                           "none, autonomous, differential, rtk_fixed, rtk_float or unknown");
     return feed_all(t.rows(), t.one(), [&](py::ssize_t i) {
         GnssFix f;

@@ -2,7 +2,10 @@
 #include "schuler/app/command.h"
 #include "schuler/app/commands.h"
 #include "schuler/core/error.h"
+#include "schuler/live/settings.h"
 #include "schuler/settings/command_line.h"
+#include "schuler/settings/config/config.h"
+#include "schuler/settings/scenario/scenario.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -89,6 +92,82 @@ TEST(Commands, RefuseWhatIsOutOfRangeWithTheNameOfTheOption) {
     }
     const report::Outcome out = equator.perform({{"speed", {600.0}, {}}, {"dh", {1.0}, {}}}, {});
     EXPECT_THAT(out.tables, testing::HasSubstr("600"));
+}
+
+bool has_numbers(const OptionSpec& s) {
+    return s.shape == settings::Shape::Number || s.shape == settings::Shape::Integer || s.shape == settings::Shape::Numbers;
+}
+
+/// The words of units at the end of a key: "deg_h_sqrt_h" of "imu.gyro_rate_walk_deg_h_sqrt_h".
+std::string unit_words(std::string key) {
+    static const std::set<std::string> known{"deg", "rad", "arcsec", "h",  "s",  "s2", "ms", "m",    "km",  "km2", "cm", "hz",
+                                             "mhz", "db",  "g",      "mg", "ug", "k",  "c",  "mgal", "ppm", "pa",  "ut", "sqrt"};
+    std::ranges::replace(key, '-', '_');
+    std::string out;
+    for (std::size_t end = key.size(); end != std::string::npos;) {
+        const std::size_t begin = key.find_last_of("_.", end - 1);
+        if (begin == std::string::npos || !known.contains(key.substr(begin + 1, end - begin - 1))) break;
+        out = key.substr(begin + 1);
+        if (key[begin] == '.') break;
+        end = begin;
+    }
+    return out;
+}
+
+TEST(Commands, UnitsOfNumbersAreKnown) {
+    EXPECT_EQ(unit_words("imu.gyro_rate_walk_deg_h_sqrt_h"), "deg_h_sqrt_h");
+    EXPECT_EQ(unit_words("imu.gap_factor"), "");
+    for (const Command& c : commands())
+        for (const OptionSpec& s : c.options)
+            EXPECT_TRUE(unit_words(s.key).empty() || !s.unit.empty()) << c.name << " --" << s.key;
+    for (const auto* specs :
+         {&settings::config_table().specs(), &settings::scenario_table().specs(), &live::live_table().specs()}) {
+        for (const OptionSpec& s : *specs) {
+            if (!has_numbers(s)) continue;
+            const std::string words = unit_words(s.key);
+            std::string ending(settings::unit_of_key(s.key).ending);
+            if (ending.starts_with('_')) ending.erase(0, 1);
+            EXPECT_TRUE(words.empty() || !s.unit.empty()) << s.key << " has no unit";
+            // the whole of the words, "g_deg_h_g" (of the sensitivity to g) apart
+            EXPECT_TRUE(words.size() <= ending.size() || words == "g_" + ending) << s.key << " is in more than " << ending;
+            EXPECT_TRUE(s.key.find("_walk") == std::string::npos || s.unit.find("√") != std::string::npos)
+                << s.key << " in " << s.unit;
+        }
+    }
+}
+
+TEST(Commands, HelpGivesTheRangeOfNumbers) {
+    const Command& replay = *command_named("replay");
+    EXPECT_THAT(settings::help_of(option(replay, "speed"), replay.defaults), testing::HasSubstr("a number from 0 to 1000000"));
+    EXPECT_THAT(settings::help_of(option(replay, "to"), replay.defaults), testing::Not(testing::HasSubstr("from 0")));
+}
+
+TEST(Commands, FixedListsAreChoices) {
+    const auto refused = [](const char* command, const char* key, const Value& v) {
+        try {
+            settings::check_value(option(*command_named(command), key), v, {});
+        } catch (const Error&) {
+            return true;
+        }
+        return false;
+    };
+    EXPECT_TRUE(refused("receiver track", "format", {std::string("flac")}));
+    EXPECT_FALSE(refused("receiver track", "format", {std::string("ubyte")}));
+    EXPECT_TRUE(refused("analyze integrity", "kind", {settings::ValueList{{std::string("step")}, {std::string("melt")}}}));
+    EXPECT_FALSE(refused("analyze integrity", "kind", {settings::ValueList{{std::string("step")}, {std::string("freeze")}}}));
+    EXPECT_TRUE(refused("analyze requirements", "device", {settings::ValueList{{std::string("hg99")}}}));
+    EXPECT_FALSE(refused("analyze requirements", "device", {settings::ValueList{{std::string("HG-9900")}}}));
+    EXPECT_TRUE(refused("ahrs", "filter", {std::string("kalman")}));
+    EXPECT_THROW((void)command_named("analyze triad")->perform({{"cases", {std::string("az")}, {"--cases", 0, 0, {}}}}, {}),
+                 Error);
+    for (const double out : {-1.0, 10001.0}) EXPECT_TRUE(refused("analyze triad", "baro", {out}));
+}
+
+TEST(Commands, KeysOfLiveAreInHelpAndReference) {
+    for (const OptionSpec& s : live::live_table().specs()) {
+        EXPECT_THAT(settings_help(s.key), testing::HasSubstr(s.help)) << s.key;
+        EXPECT_THAT(option_reference(), testing::HasSubstr("| `" + s.key + "` |"));
+    }
 }
 
 TEST(Commands, TheReferenceOfOptionsIsTheOneInTheDocuments) {

@@ -144,7 +144,7 @@ def live_trouble(program, source):
     check(any(e["kind"] == "restarted" for e in messages(now, "event")), "nothing said")
     idle.close()
     _, err = ended(process, signal.SIGINT)
-    for part in ("garbage", "connection was closed", "does not keep up", "begins anew"):
+    for part in ("unparseable", "connection was closed", "does not keep up", "alignment restarts"):
         check(part in err, f"{part}: {err}")
 
 

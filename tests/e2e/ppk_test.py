@@ -126,11 +126,11 @@ def ppk_refusals(program, source):
     if geonet.is_file():
         program.fails("process", described(program, "years", data, base=geonet), "-o", "o",
                       parts=["base.observations", "no time in common", "2005-04-0", "2023-01-08"])
-    program.fails("process", described(program, "where", data, position=[400, 2, 3]), "-o", "o", parts=["dataset.toml", "base.position", "no place on the Earth"])
+    program.fails("process", described(program, "where", data, position=[400, 2, 3]), "-o", "o", parts=["dataset.toml", "base.position", "not a valid position on the Earth"])
     program.fails("process", described(program, "gone", data, base=Path(program.folder) / "gone.obs"), "-o", "o", parts=["gone.obs"])
     # a header in place of a position is told
     done = program("process", described(program, "header", data, base=base, position=None), "-o", "o")
-    check("the base stands where its header says" in done.stderr, f"{done.stderr[-300:]}")
+    check("the position of the base is that of its header" in done.stderr, f"{done.stderr[-300:]}")
 
 
 def ppk_loose(program, source):

@@ -88,6 +88,7 @@ def commands(program, source):
     check(re.fullmatch(r"schuler \d+\.\d+\.\d+( \([0-9a-f]{7,}(, modified)?\))?\n", program("--version").stdout), "--version is one line")
     check("imu.gyro_noise_deg_sqrt_h" in program("help", "settings").stdout, "help settings lists the keys")
     check("trajectory.period_s" in program("help", "scenario", "trajectory.").stdout, "help scenario lists the keys")
+    check("live.lag_s" in program("help", "settings", "live.").stdout, "help settings lists the keys of live")
 
     (folder / "small.toml").write_text(DRIVE)
     program("simulate", "small.toml", "-o", "logs")
@@ -155,6 +156,9 @@ def bad_input(program, source):
 
     program.fails(parts=["--help"])
     program.fails("proces", "x", parts=["did you mean process", "--help"])
+    program.fails("help", "proces", parts=["\"proces\" is not a command or a topic of help", "did you mean process"])
+    program.fails("help", "setings", parts=["did you mean settings"])
+    program.fails("help", "analyze", "equatr", parts=["did you mean equator"])
     program.fails("process", parts=["DATASET", "process --help"])
     program.fails("process", "none", parts=["none", "no such file"])
     program.fails("process", "x", "--no-such-option", parts=["no-such-option"])

@@ -1,4 +1,4 @@
-// The walk along the data allocates nothing: operator new is replaced in this program and counts.
+// The run along the data allocates nothing: operator new is replaced in this program and counts.
 #include "ahrs/simulated_motion.h"
 #include "filter/stream_drive.h"
 #include "fusion/range_flight.h"
@@ -67,7 +67,7 @@ using Eigen::Vector3d;
 using namespace testing;
 
 template <class Frame>
-long allocations_of_a_walk() {
+long allocations_of_a_run() {
     sim::Scenario scenario = town_drive(61, 5.0, 50.0);
     scenario.baro.rate = 5.0;
     shake(scenario);
@@ -100,21 +100,21 @@ long allocations_of_a_walk() {
     start.nav = {truth.time, truth.position, truth.velocity_n, math::quaternion_from_rpy(truth.rpy)};
     start.std_position = start.std_velocity = start.std_rpy = start.std_gyro_bias = start.std_accel_bias =
         Vector3d::Constant(0.01);
-    Walk<Frame> walk = first_step<Frame>(model, data, f, start);
+    FilterRun<Frame> run = first_step<Frame>(model, data, f, start);
     PassObserver<Frame> nobody;
     const long before = allocations.load();
-    pass.advance(walk, 3999, nobody);  // stands, then drives: every kind of aid has its turn
+    pass.advance(run, 3999, nobody);  // stands, then drives: every kind of aid has its turn
     const long made = allocations.load() - before;
-    EXPECT_EQ(walk.increment, 4000u);
-    EXPECT_GT(walk.event, 400u);
-    EXPECT_GT(walk.still, 10u);
-    EXPECT_GT(walk.outputs, 390u);
+    EXPECT_EQ(run.increment, 4000u);
+    EXPECT_GT(run.event, 400u);
+    EXPECT_GT(run.still, 10u);
+    EXPECT_GT(run.outputs, 390u);
     return made;
 }
 
 TEST(Allocation, NoneInTheWalk) {
-    EXPECT_EQ(allocations_of_a_walk<GeographicFrame>(), 0);
-    EXPECT_EQ(allocations_of_a_walk<EarthFixedFrame>(), 0);
+    EXPECT_EQ(allocations_of_a_run<GeographicFrame>(), 0);
+    EXPECT_EQ(allocations_of_a_run<EarthFixedFrame>(), 0);
 }
 
 /// Feeds all samples, asks for the state after each and saves in the middle; returns what was allocated after the making.

@@ -401,7 +401,7 @@ TEST(Navigator, SaysWhatItCannotBeTold) {
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.gnss.velocity_latency = 0.6; }), MakeStatus::BadSettings);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.coupling = Coupling::Tight; }), MakeStatus::BadSettings);
     EXPECT_EQ(status([](NavigatorSettings& n) {
-                  n.filter.coupling = Coupling::Medium;
+                  n.filter.coupling = Coupling::Intermediate;
                   n.rates.ranges = 1.0;
               }),
               MakeStatus::NotForStreams);

@@ -18,7 +18,7 @@ using namespace test;
 using Eigen::Vector3d;
 
 /// Runs the tight filter along a flight up to `stop` seconds and returns it.
-Walk<GeographicFrame> walk_at(const Flight& f, double stop) {
+FilterRun<GeographicFrame> run_at(const Flight& f, double stop) {
     WarningLog unheard;
     RunData data;
     data.recording = &f.recording;
@@ -35,15 +35,15 @@ Walk<GeographicFrame> walk_at(const Flight& f, double stop) {
     start.std_rpy.setConstant(1e-3);
     start.std_gyro_bias = start.std_accel_bias = Vector3d::Constant(1e-5);
     start.increment = 1;
-    Walk<GeographicFrame> walk = first_step<GeographicFrame>(model, data, f.settings, start);
-    walk.next_output = Time{INT64_MAX};
+    FilterRun<GeographicFrame> run = first_step<GeographicFrame>(model, data, f.settings, start);
+    run.next_output = Time{INT64_MAX};
     PassObserver<GeographicFrame> nobody;
     const Pass<GeographicFrame> pass(model, data, f.settings);
     std::size_t last = 0;
     while (last + 1 < data.imu.increments.size() && data.imu.increments[last + 1].time.seconds() < stop + 0.01) ++last;
-    pass.advance(walk, last, nobody);
-    pass.propagate_covariance(walk, nobody);
-    return walk;
+    pass.advance(run, last, nobody);
+    pass.propagate_covariance(run, nobody);
+    return run;
 }
 
 /// A metre on one satellite from the first epoch on moves the whole nonlinear filter as the hypothesis says, and the size that the
@@ -56,9 +56,9 @@ TEST(FaultWatch, RespondsAsTheFilterRunTwice) {
     Flight spoilt = clean;
     const std::uint16_t source = 3;
     spoil(spoilt.recording.ranges, source, 0.0, 1.0);
-    const Walk<GeographicFrame> a = walk_at(clean, 45.0), b = walk_at(spoilt, 45.0);
+    const FilterRun<GeographicFrame> a = run_at(clean, 45.0), b = run_at(spoilt, 45.0);
     const int clock = make_layout(clean.settings, {}).clock;
-    const auto oldest = [&](const Walk<GeographicFrame>& w) {
+    const auto oldest = [&](const FilterRun<GeographicFrame>& w) {
         return *std::ranges::find(w.ranges.watch.all, static_cast<int>(source), &FaultHypothesis::source);
     };
     const auto of_a = oldest(a), of_b = oldest(b);
@@ -108,7 +108,7 @@ TEST(FaultWatch, KeepsTheFilterWithoutASource) {
     Flight without = with;
     for (RangeSample& m : without.recording.ranges.samples)
         if (m.source == source) m.tx.r.setConstant(std::numeric_limits<double>::quiet_NaN());
-    const Walk<GeographicFrame> a = walk_at(with, 45.0), b = walk_at(without, 45.0);
+    const FilterRun<GeographicFrame> a = run_at(with, 45.0), b = run_at(without, 45.0);
     const auto w = std::ranges::find(a.ranges.watch.without, static_cast<int>(source), &WithoutSource::source);
     ASSERT_NE(w, a.ranges.watch.without.end());
     const Vector3d apart = earth::ned_difference(with.earth, b.filter.nav.position, a.filter.nav.position);

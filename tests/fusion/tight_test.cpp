@@ -104,10 +104,10 @@ TEST(TightFilter, AReceiverInTheLoopHearsWhereItIs) {
     const Result logged = run(f);
     const RangingLog log = std::exchange(f.recording.ranges, {});
     std::size_t next = 0;
-    std::vector<Guide> guides;
-    const auto receiver = [&](const Guide& guide, Time until, RangingLog& heard) {
-        EXPECT_LT(guide.time, until);
-        guides.push_back(guide);
+    std::vector<ReceiverAiding> aidings;
+    const auto receiver = [&](const ReceiverAiding& aiding, Time until, RangingLog& heard) {
+        EXPECT_LT(aiding.time, until);
+        aidings.push_back(aiding);
         heard.sources = log.sources;
         for (; next < log.epochs.size() && log.epochs[next].time <= until; ++next) {
             const auto samples = log.of(log.epochs[next]);
@@ -122,10 +122,10 @@ TEST(TightFilter, AReceiverInTheLoopHearsWhereItIs) {
         const SolutionRow &a = result.forward.rows[i], &b = logged.forward.rows[i];
         EXPECT_LT(earth::ned_difference(f.earth, a.position, b.position).norm(), 1e-3);
     }
-    ASSERT_GT(guides.size(), 1000U);
+    ASSERT_GT(aidings.size(), 1000U);
     double changed = 0.0, told = 0.0;
-    for (std::size_t k = 600; k + 1 < guides.size(); ++k) {
-        const Guide &a = guides[k], &b = guides[k + 1];
+    for (std::size_t k = 600; k + 1 < aidings.size(); ++k) {
+        const ReceiverAiding &a = aidings[k], &b = aidings[k + 1];
         const double t = a.time.seconds(), dt = (b.time - a.time).seconds();
         if (std::abs(t - std::round(t)) < 0.15) continue;  // the epochs of ranges move the solution
         EXPECT_LT(((b.antenna.r_e - a.antenna.r_e) / dt - 0.5 * (a.antenna.v_e + b.antenna.v_e)).norm(), 0.01) << t;
@@ -135,7 +135,7 @@ TEST(TightFilter, AReceiverInTheLoopHearsWhereItIs) {
         told += change.dot(a.jerk_e);
     }
     EXPECT_NEAR(told / changed, 1.0, 0.2);
-    const Guide& last = guides.back();  // 0.1 s before the end
+    const ReceiverAiding& last = aidings.back();  // 0.1 s before the end
     const SolutionRow& end = result.forward.rows.back();
     const Vector3d ahead = last.antenna.v_e * (end.time - last.time).seconds();
     const Vector3d arm = last.antenna.r_e + ahead - earth::ecef_from_geodetic(f.earth.ellipsoid, end.position).r;

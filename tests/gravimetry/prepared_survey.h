@@ -66,12 +66,12 @@ struct Prepared {
     [[nodiscard]] filter::InertialFilter<Frame> end(filter::PassObserver<Frame>& observer) const {
         const filter::InertialModel m = model();
         const filter::Pass<Frame> pass(m, data, settings);
-        filter::Walk<Frame> walk = filter::first_step<Frame>(m, data, settings, start);
-        walk.next_output = Time{INT64_MAX};
-        while (walk.event < data.events.size() && data.events[walk.event].valid <= start.nav.time) ++walk.event;
-        pass.advance(walk, data.imu.increments.size() - 1, observer);
-        pass.propagate_covariance(walk, observer);
-        return walk.filter;
+        filter::FilterRun<Frame> run = filter::first_step<Frame>(m, data, settings, start);
+        run.next_output = Time{INT64_MAX};
+        while (run.event < data.events.size() && data.events[run.event].valid <= start.nav.time) ++run.event;
+        pass.advance(run, data.imu.increments.size() - 1, observer);
+        pass.propagate_covariance(run, observer);
+        return run.filter;
     }
 };
 

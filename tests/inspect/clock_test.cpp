@@ -129,7 +129,7 @@ TEST(Clock, AnOffsetThatIsGivenAndContradictedIsRefusedWithTheBestOne) {
     ASSERT_TRUE(r.refusal);
     EXPECT_EQ(r.refusal->key, "imu.time_offset_s");
     EXPECT_NE(r.refusal->text.find("+15 s"), std::string::npos) << r.refusal->text;
-    EXPECT_NE(r.refusal->mend.find("give 18"), std::string::npos) << r.refusal->mend;
+    EXPECT_NE(r.refusal->hint.find("give 18"), std::string::npos) << r.refusal->hint;
     EXPECT_EQ(fact_of(r, "imu.time_offset_s"), nullptr);
 }
 

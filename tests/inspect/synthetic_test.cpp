@@ -351,7 +351,7 @@ TEST(SyntheticCar, NoTimeInCommonIsAnErrorWithAMendWhereNothingMoves) {
     ASSERT_TRUE(has_problem(r, Level::Error, "have no time in common"));
     for (const Problem& p : r.problems) {
         if (p.level == Level::Error) {
-            EXPECT_NE(p.mend.find("time_offset_s = 899000.000"), std::string::npos) << p.mend;
+            EXPECT_NE(p.hint.find("time_offset_s = 899000.000"), std::string::npos) << p.hint;
         }
     }
 }

@@ -226,7 +226,7 @@ TEST_F(Novatel, ImuLogsThatCannotBeUsedAreNotTakenForOnes) {
     expect_parts(why, {"without gravity"});
     const auto [unknown, reason] = read(sol + raw);
     EXPECT_EQ(unknown.find("imu"), nullptr);
-    expect_parts(reason, {"does not say of which IMU"});
+    expect_parts(reason, {"does not state the type of its IMU"});
     const auto [known, nothing] = read(
         sol + "#RXCONFIGA,COM1,0,80.0,APPROXIMATE,2244,1.0,0,0,0;#CONNECTIMUA,COM1,0;COM3,IMU_HG4930_AN01*00000000\r\n" + raw);
     ASSERT_NE(known.find("imu"), nullptr);

@@ -137,7 +137,7 @@ TEST(LiveDecoder, TheImuOfANovatelIsNamedOnce) {
     const auto decoder = make_decoder(StreamFormat::Novatel, Instrument::Imu, {});
     EXPECT_TRUE(decoded(*decoder, raw(100.0), 100).empty());
     ASSERT_EQ(decoder->counters().warnings.size(), 1U) << "and it is told";
-    EXPECT_NE(decoder->counters().warnings[0].find("does not say of which IMU"), std::string::npos);
+    EXPECT_NE(decoder->counters().warnings[0].find("does not state the type of its IMU"), std::string::npos);
     const std::string config = novatel("INSCONFIGA", 100.0, "HG4930_AN01,0,20,20,AUTOMOTIVE");
     std::string damaged = config;
     damaged[damaged.find("HG4930")] = 'X';

@@ -78,7 +78,7 @@ TEST(OptionTable, NamesFileLineKeyAndMend) {
         {"[imu]\nkind = \"rate\"\n", {"unknown value \"rate\"", "\"rates\" or \"increments\""}},
         {"[imu]\naxes = \"fld\"\n", {"left-handed"}},
         {"[imu]\naxes = \"ffd\"\n", {"dataset.toml:2: imu.axes: ", "perpendicular"}},
-        {"[imu]\ngrade = \"tactcal\"\n", {"unknown IMU grade", "tactical"}},
+        {"[imu]\ngrade = \"tactcal\"\n", {"unknown value \"tactcal\"", "tactical"}},
         {"[imu]\nmounting_deg = [0, 1]\n", {"three angles", "estimate"}},
         {"[gnss]\nlever_arm_m = [0, 0, 5000]\n", {"5000 is out of range", "-100 to 100"}},
         {"[gnss]\nlever_arm_m = [0, 0]\n", {"has 2 numbers"}},
@@ -196,6 +196,26 @@ TEST(OptionTable, DefaultsAreInsideTheirOwnRanges) {
         EXPECT_FALSE(spec.help.empty()) << spec.key;
         EXPECT_EQ(spec.help.find('\n'), std::string::npos) << spec.key;
     }
+}
+
+TEST(OptionTable, NumbersForPeopleAreShort) {
+    EXPECT_EQ(shown({0.5729577951308232}), "0.572958");
+    EXPECT_EQ(shown({50.00000000000001}), "50.0");
+    EXPECT_EQ(shown({55.8114694}), "55.8114694");  // as it was set
+    EXPECT_EQ(shown({7.292115e-05}), "7.292115e-05");
+    EXPECT_EQ(shown({ValueList{{1.7188733853924696}, {std::string("x")}, {true}}}), "[1.71887, \"x\", true]");
+    EXPECT_EQ(shown({std::int64_t{1234567890123456}}), "1234567890123456");
+    EXPECT_EQ(to_toml({0.5729577951308232}), "0.5729577951308232");  // a file repeats the run
+}
+
+TEST(OptionTable, GradesMayBeSpeltInCapitalsAndWithHyphens) {
+    for (const char* name : {"hg9900", "HG9900", "HG-9900", "hg_9900"})
+        EXPECT_NEAR(parse(std::string("[imu]\ngrade = \"") + name + "\"\n").filter.imu.errors.gyro_bias,
+                    0.003 * M_PI / 180 / 3600, 1e-15)
+            << name;
+    EXPECT_NE(message_of("[imu]\ngrade = \"hg990\"\n").find("\"hg9900\""), std::string::npos);
+    EXPECT_NE(message_of("[output]\nfiles = [\"SUMMARY\"]\n").find("unknown value"),
+              std::string::npos);  // other choices are exact
 }
 
 TEST(CommandLine, OutagesAndTimes) {

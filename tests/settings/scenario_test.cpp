@@ -3,6 +3,7 @@
 #include "schuler/scenario/simulated_dataset.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
+#include "schuler/settings/scenario/comparison.h"
 #include "schuler/settings/toml_file.h"
 #include "schuler/solution/loaded_dataset.h"
 #include "support/temporary_folder.h"
@@ -157,6 +158,14 @@ TEST(Scenario, ErrorsNamePlaceAndMend) {
 }
 
 // A trajectory that was flown, written, and flown again stays near itself; the file may lie beside the scenario.
+TEST(Scenario, TheIntermediateCouplingIsComparedByBothOfItsNames) {
+    for (const std::string name : {"intermediate", "medium"}) {
+        EXPECT_EQ(parse("[compare]\nschemes = [\"loose\", \"" + name + "\"]\n").compared,
+                  (std::vector<std::string>{"loose", name}));
+        EXPECT_EQ(config_from(known_scheme(name).settings).scheme, Scheme::Intermediate) << name;
+    }
+}
+
 TEST(Scenario, RecordedTrajectoryIsFlownAgain) {
     const TemporaryFolder folder("flown");
     scenario::write_dataset(scenario::simulate_dataset(parse(

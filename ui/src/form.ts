@@ -145,12 +145,7 @@ export class OptionForm {
     const help = maybe(`option.${option.key}`, option.help);
     const described = { "aria-describedby": `${id}-help ${id}-wrong` };
     const inputs: Field["inputs"] = [];
-    const choices =
-      option.choices.length > 0
-        ? option.choices
-        : option.key.endsWith("imu.grade")
-          ? option.accepts.replace(/^one of /, "").split(", ")
-          : [];
+    const choices = option.shape === "texts" ? [] : option.choices; // of a list more than one may be given
     if (option.shape === "flag" || choices.length > 0) {
       const values = option.shape === "flag" ? ["true", "false"] : choices;
       inputs.push(

@@ -251,7 +251,7 @@ JudgedCalibration judge_accelerometer(std::span<const ImuSample> imu, double gra
     out.reason = fmt::format("held-out attitudes, {} of them: size of the force at rest off by {:.3f} to {:.3f} m/s^2 RMS",
                              means.size(), std::sqrt(before / n), std::sqrt(after / n));
     if (after > clear_gain * before || before < n * prior.noise * prior.noise) {
-        out.reason += after > clear_gain * before ? "; not better" : "; there is nothing to mend";
+        out.reason += after > clear_gain * before ? "; not better" : "; no correction is needed";
         return out;
     }
     out.fit = fit_ellipsoid(means, gravity, prior);

@@ -17,7 +17,7 @@ public:
 
     /// Before the heading channel closes a block.
     void share(const HeadingChannel& heading);
-    /// After it has: the other channels close the block too; `heading` may become what that one believes.
+    /// After it has: the other channels close the block too; `heading` may take over their estimate.
     void close(HeadingChannel& heading, const Block& block, const Eigen::Vector3d& bias, Counters& counters);
 
 private:

@@ -85,7 +85,7 @@ public:
     void doubt_iron(double std);
     /// The field of the place may just have changed by so much (T).
     void doubt_place(double std);
-    /// Takes over what another channel believes.
+    /// Takes over the estimate of another channel.
     void adopt(const HeadingChannel& other);
 
 private:

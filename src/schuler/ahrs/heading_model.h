@@ -1,4 +1,4 @@
-// What the heading channel believes and how a magnetometer shows it: the model that forward filter and smoother share.
+// States of the heading channel and how a magnetometer observes them: the model that forward filter and smoother share.
 //
 // States: the horizontal field of the Earth in the level frame w, whose direction is the heading; what the place adds to it, which does not
 // average out where the sensor stays in one room; the gyro's bias as this channel sees it, its scale

@@ -85,7 +85,7 @@ private:
 /// the entries that differ from the identity are kept.
 struct TiltTransition {
     Eigen::Matrix<double, 2, 3> from_bias;  ///< d(tilt)/d(bias)
-    bool levelled;                          ///< tilt and velocity begin anew
+    bool levelled;                          ///< tilt and velocity restart
     double g_dt;                            ///< d(vx)/d(phi_y) = -d(vy)/d(phi_x)
     double dt;
 

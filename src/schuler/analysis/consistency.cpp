@@ -20,7 +20,7 @@ double mean_of(std::span<const double> values) {
 
 /// How many independent values a correlated series is worth.
 double effective_number(std::span<const double> all) {
-    // Correlation times are seconds and more: thinning a long series keeps the answer and bounds the work.
+    // Correlation times are seconds and more: decimating a long series keeps the answer and bounds the work.
     constexpr std::size_t enough = 20000;
     const std::size_t stride = (all.size() + enough - 1) / enough;
     std::vector<double> v;
@@ -67,7 +67,7 @@ double squared_correlation_time(std::span<const double> x) {
 /// is twice the sum of the squared correlations of their components. Correlations are taken about zero, which is what a filter states:
 /// about the mean of the run, errors that hardly change in it would look independent.
 double effective_epochs(const std::vector<Eigen::Vector3d>& all) {
-    constexpr std::size_t enough = 5000;  // a longer series is thinned: correlation times are seconds and more
+    constexpr std::size_t enough = 5000;  // a longer series is decimated: correlation times are seconds and more
     const std::size_t stride = (all.size() + enough - 1) / enough;
     std::array<std::vector<double>, 3> axes;
     Eigen::Matrix3d C = Eigen::Matrix3d::Zero();

@@ -10,6 +10,7 @@
 #include "schuler/io/own_files.h"
 #include "schuler/io/regular_file.h"
 #include "schuler/io/staged_folder.h"
+#include "schuler/live/settings.h"
 #include "schuler/report/evaluation_json.h"
 #include "schuler/report/facts.h"
 #include "schuler/report/inner/json.h"
@@ -38,7 +39,7 @@ std::vector<ReferenceSample> samples_of(const std::vector<SolutionRow>& rows) {
 report::Json problems_of(const std::vector<inspect::Problem>& problems) {
     report::Json list = report::Json::array();
     for (const inspect::Problem& p : problems)
-        list.push_back({{"level", std::string(inspect::name_of(p.level))}, {"text", p.text}, {"mend", p.mend}});
+        list.push_back({{"level", std::string(inspect::name_of(p.level))}, {"text", p.text}, {"mend", p.hint}});
     return list;
 }
 
@@ -149,7 +150,8 @@ report::Outcome inspect_path(const fs::path& path, const fs::path& folder, const
 }
 
 std::string settings_help(std::string_view prefix) {
-    return settings::listing(settings::config_table().specs(), settings::config_table().used(settings::Config{}), prefix);
+    return settings::listing(settings::config_table().specs(), settings::config_table().used(settings::Config{}), prefix) +
+           settings::listing(live::live_table().specs(), live::live_table().used(live::LiveSettings{}), prefix);
 }
 
 std::string scenario_help(std::string_view prefix) {

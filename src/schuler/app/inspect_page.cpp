@@ -121,17 +121,17 @@ void add_track(const inspect::Motion& m, double zero, report::Section& section) 
 
 report::Section findings_of(const inspect::InspectReport& found) {
     report::TableBlock findings{.title = "", .columns = {"what", "value", "why"}, .rows = {}},
-        problems{.title = "", .columns = {"", "where", "what", "mend"}, .rows = {}};
+        problems{.title = "", .columns = {"", "where", "what", "remedy"}, .rows = {}};
     for (const inspect::Finding& f : found.findings) findings.rows.push_back({f.key, f.value, f.why});
     const auto add = [&](const std::string& where, const std::vector<inspect::Problem>& list) {
         for (const inspect::Problem& p : list)
-            problems.rows.push_back({std::string(inspect::name_of(p.level)), where, p.text, p.mend});
+            problems.rows.push_back({std::string(inspect::name_of(p.level)), where, p.text, p.hint});
     };
     add("", found.problems);
     for (const inspect::FileReport& f : found.files) add(f.path, f.problems);
     report::Section s{.title = "Found in the data", .intro = "", .groups = {}};
     if (!findings.rows.empty()) s.groups.push_back({.title = "", .panels = {}, .tables = {std::move(findings)}});
-    if (!problems.rows.empty()) s.groups.push_back({.title = "To know", .panels = {}, .tables = {std::move(problems)}});
+    if (!problems.rows.empty()) s.groups.push_back({.title = "Notes", .panels = {}, .tables = {std::move(problems)}});
     return s;
 }
 

@@ -137,7 +137,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     const WarningLog before = warnings;
     solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, into(stream));
     if (stream && fusion::may_realign(bundle.data.config.filter) &&
-        fusion::diverged_at(bundle.result)) {  // aligned anew only where its rows are not written yet
+        fusion::diverged_at(bundle.result)) {  // realigned only where its rows are not written yet
         stream.reset();
         warnings = before;
         solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, {});

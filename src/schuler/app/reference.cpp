@@ -1,5 +1,6 @@
 #include "schuler/app/command.h"
 #include "schuler/app/commands.h"
+#include "schuler/live/settings.h"
 #include "schuler/settings/command_line.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/scenario/scenario.h"
@@ -32,7 +33,7 @@ std::string default_of(const settings::OptionSpec& spec, const settings::Setting
     if (!spec.otherwise.empty()) return cell(spec.otherwise);
     const auto usual = std::ranges::find(defaults, spec.key, &settings::Setting::key);
     if (usual == defaults.end()) return "-";
-    return code(usual->value.text() != nullptr ? *usual->value.text() : settings::to_toml(usual->value));
+    return code(usual->value.text() != nullptr ? *usual->value.text() : settings::shown(usual->value));
 }
 
 std::string row(const std::string& name, const settings::OptionSpec& spec, const settings::SettingList& defaults) {
@@ -71,6 +72,8 @@ std::string option_reference() {
     }
     out += of_keys("Keys of dataset.toml, --config and --set", settings::config_table().specs(),
                    settings::config_table().used(settings::Config{}));
+    out += of_keys("Further keys of the files of `schuler live`", live::live_table().specs(),
+                   live::live_table().used(live::LiveSettings{}));
     out += of_keys("Keys of scenario files", settings::scenario_table().specs(),
                    settings::scenario_table().used(settings::ScenarioConfig{}));
     return out;

@@ -72,7 +72,7 @@ report::Outcome gnss_dataset(const SatellitesRequest& request) {
     out.warnings = input.warnings;
     out.usable = std::ranges::any_of(
         views.epochs, [](const gnss::EpochView& e) { return e.solution.status == gnss::SinglePointStatus::Solved; });
-    if (!out.usable) out.verdict = "no epoch has a solution: satellites.csv says why of every satellite";
+    if (!out.usable) out.verdict = "no epoch has a solution: satellites.csv states the reason for every satellite";
     return out;
 }
 

@@ -26,7 +26,7 @@ bool rises(const std::vector<double>& axis) {
 GeodeticGrid::GeodeticGrid(std::vector<double> lat, std::vector<double> lon, std::vector<Eigen::Vector3d> values)
     : lat_(std::move(lat)), lon_(std::move(lon)), values_(std::move(values)) {
     if (!rises(lat_) || !rises(lon_) || values_.size() != lat_.size() * lon_.size())
-        throw input_error("is no grid of latitude and longitude", {},
+        throw input_error("is not a grid of latitude and longitude", {},
                           "give at least two rising latitudes and longitudes and a value for each pair");
 }
 

@@ -91,7 +91,7 @@ void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings)
                      fmt::format("against {}: {} of {} epochs fixed, {} float, {} without the base; baseline up to {:.1f} km",
                                  base, fixed, s.epochs.size(), floating, single, 1e-3 * s.longest_baseline));
     const std::size_t slips = s.rover_arcs.found() + s.base_arcs.found();
-    if (slips > 0) warnings.add("base.slips", "cycle slips found that the receivers did not tell", slips);
+    if (slips > 0) warnings.add("base.slips", "cycle slips found that the receivers did not report", slips);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ void diagnose_imu_log(const fs::path& folder, const Description& description) {
     for (const inspect::FileReport& report : inspect::inspect(file.parent_path()).files) {  // with the fixes to compare with
         if (report.path != file.filename()) continue;
         for (const inspect::Problem& problem : report.problems)
-            if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.mend);
+            if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.hint);
     }
 }
 

@@ -127,7 +127,7 @@ void read_others(const fs::path& folder, const Description& d, const Reading& re
     if (!reading.gauges.empty())
         out.recording.gauges = io::read_gauges_csv(io::TextInput(resolved(folder, reading.gauges, "gauges.file")));
     if (!reading.log.empty())
-        out.recording.body_velocity = io::read_log_csv(io::TextInput(resolved(folder, reading.log, "log.file")));
+        out.recording.body_velocity = io::read_dvl_csv(io::TextInput(resolved(folder, reading.log, "log.file")));
     if (!reading.compass.empty()) {
         if (!d.heading.file.empty())
             throw input_error("there are two headings, of [heading] and of [compass]", {{}, 0, 0, "compass.file"},

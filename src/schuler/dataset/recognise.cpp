@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
         if (file.chosen || (file.kind != "unknown" && file.kind != kind && !unread)) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Info) continue;
-            throw input_error(problem.text, {(folder / file.path).string(), 0, 0, {}}, problem.mend);
+            throw input_error(problem.text, {(folder / file.path).string(), 0, 0, {}}, problem.hint);
         }
     }
     if (fs::is_directory(folder / fmt::format("{}.csv", kind), ec)) {
@@ -59,7 +59,7 @@ std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
         if (!file.chosen) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Error)
-                doubts.push_back(fmt::format("{}: {}; taken with {}", file.path, problem.text, problem.mend));
+                doubts.push_back(fmt::format("{}: {}; taken with {}", file.path, problem.text, problem.hint));
         }
     }
     return doubts;
@@ -110,21 +110,21 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
     }
     if (r.report.dataset_toml.empty()) {
         std::string why = "no IMU log was recognised in it";
-        std::string mend = "`schuler inspect` lists what was found; write a dataset.toml";
+        std::string hint = "`schuler inspect` lists what was found; write a dataset.toml";
         if (r.report.files.size() == 1) {  // what is wrong with it says more
             const inspect::FileReport& only = r.report.files.front();
             const auto error = std::ranges::find(only.problems, inspect::Level::Error, &inspect::Problem::level);
             std::error_code ec;
             if (error != only.problems.end())
                 throw input_error(error->text, {(fs::is_directory(path, ec) ? path / only.path : path).string(), 0, 0, {}},
-                                  error->mend);
+                                  error->hint);
         }
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;
             why = problem.text;
-            if (!problem.mend.empty()) mend = problem.mend;
+            if (!problem.hint.empty()) hint = problem.hint;
         }
-        throw input_error(why, {path.string(), 0, 0, {}}, mend);
+        throw input_error(why, {path.string(), 0, 0, {}}, hint);
     }
     if (!recognised(r.report, "imu.file")) throw_missing(path, r.report, "imu");
     if (needs == Needs::ImuAndGnss || needs == Needs::ImuAndStart) add_raw_observations(path, given, r.report);

@@ -24,7 +24,7 @@ struct OwnAxis {
 [[nodiscard]] std::vector<GnssFix> on_own_axis(std::vector<GnssFix> fixes, const TimeConfig& time, const Recording& recording,
                                                Duration offset);
 
-/// Where seconds of the week begin anew in one log, those that begin after that instant follow it into the next week.
+/// Where seconds of the week restart in one log, those that begin after that instant follow it into the next week.
 void settle_rollover(Recording& recording);
 
 /// The clock of the IMU and of what was logged with it ran fast: their seconds by the receiver's clock, from the IMU's first.

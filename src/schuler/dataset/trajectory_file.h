@@ -21,7 +21,7 @@ namespace schuler::dataset {
 
 /// solution.csv, a reference, a folder with solution.csv, a trajectory of any format that is read (a stream of it: FILE#STREAM), or ten columns without names (time,
 /// latitude, longitude, height, velocity NED, roll, pitch, heading). Absent components are NaN; at least one row.
-/// @throws Error(Input) with file, line, column and mend.
+/// @throws Error(Input) with file, line, column and hint.
 [[nodiscard]] std::vector<SolutionRow> read_trajectory(const std::filesystem::path& file, WarningLog& warnings);
 
 }  // namespace schuler::dataset

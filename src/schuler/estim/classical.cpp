@@ -22,7 +22,7 @@ void whiten(Eigen::MatrixXd& A, Eigen::VectorXd& y, const Eigen::MatrixXd& R) {
 Estimate solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
     if (A.rows() != y.size() || qr.rank() < A.cols())
-        throw input_error("the measurements do not determine every unknown", {}, "measure more, or ask for less");
+        throw input_error("the measurements do not determine every unknown", {}, "add measurements, or estimate fewer unknowns");
     const Eigen::Index n = A.cols();
     const Eigen::MatrixXd inverse =
         qr.matrixR().topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(n, n));

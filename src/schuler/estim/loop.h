@@ -3,7 +3,7 @@
 
 namespace schuler::estim {
 
-/// Feedback of the estimated errors: into the inertial computation after every update (Closed), never, the estimates correcting a
+/// Feedback of the estimated errors: to the mechanization after every update (Closed), never, the estimates correcting a
 /// copy (Open), or now and then, a copy in between (Mixed).
 enum class Loop { Closed, Open, Mixed };
 

@@ -75,8 +75,8 @@ Refusal unusable(const NavigatorSettings& n) {
         if (!(latency <= n.lag))
             return {BadSettings, "lag", "the receiver's latency is longer than the lag: every fix would be late"};
     if (!(s.output_rate >= 0.0)) return {BadSettings, "output_rate", "the output rate is negative"};
-    if (s.coupling == Coupling::Medium || s.coupling == Coupling::Deep)
-        return {NotForStreams, "filter.scheme", "a filter or receiver beside it is not fed sample by sample: choose tight"};
+    if (s.coupling == Coupling::Intermediate || s.coupling == Coupling::Deep)
+        return {NotForStreams, "filter.scheme", "its second filter or receiver cannot be fed sample by sample: choose tight"};
     if (uses_ranges(s.coupling) && !(r.ranges > 0.0))
         return {BadSettings, "rates.ranges", "the coupling takes ranges and their rate is zero"};
     if (s.smooth) return {NotForStreams, "filter.smooth", "the smoother needs the whole log"};

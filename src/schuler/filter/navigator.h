@@ -24,7 +24,7 @@ struct NavigatorMade;
 /// (and still_delay) its rows are the batch's to the last bit, in logs without holes.
 ///
 /// All memory is taken by `make`. No sample makes it throw: a bad one is refused by its status and leaves the state as it is. Where the
-/// computation diverges all the same, an event tells it and alignment begins anew. Not safe for several threads at once.
+/// computation diverges all the same, an event tells it and alignment restarts. Not safe for several threads at once.
 class Navigator {
 public:
     /// Checks the settings and takes all memory. Does not throw but for want of memory.
@@ -71,7 +71,7 @@ public:
     /// Takes over what was saved; refused, it stays as it is.
     [[nodiscard]] RestoreStatus restore(std::span<const std::byte> bytes);
 
-    /// Forgets everything and aligns anew.
+    /// Forgets everything and realigns.
     void restart();
 
 private:

@@ -1,4 +1,4 @@
-// What a navigator is told before it begins, and the words it answers in.
+// Settings of a navigator, and its states and answers.
 #pragma once
 
 #include "schuler/filter/result.h"
@@ -37,7 +37,7 @@ struct NavigatorSettings {
     /// Standing still is decided from a second around it. What is not known yet when a sample of the IMU has aged by `lag` is left out;
     /// with 0.65 s more the decision is that of a batch.
     double still_delay = 0.0;    ///< s
-    double longest_hole = 10.0;  ///< s without samples of the IMU that are bridged; a longer one begins anew
+    double longest_hole = 10.0;  ///< s without samples of the IMU that are bridged; a longer one restarts
     StillThresholds still;       ///< as a batch has learnt them; zero: by the noise of the IMU, while fixes are slow
     std::optional<Start> start;  ///< where it starts (`increment` and `previous` are found); none: by alignment
 };
@@ -74,9 +74,9 @@ struct NavigatorEvent {
         Hang,          ///< the IMU repeats itself
         Aid,           ///< a measurement `aid` was not used: `aid_status`
         Alert,         ///< of the integrity monitor: `aid`, `test`
-        Reconsidered,  ///< of two hypotheses about refused fixes, the navigation or the receiver wrong, the other one is believed now
-        Diverged,      ///< the computation lost its numbers: it begins anew
-        Restarted      ///< the axis of time went on elsewhere: it begins anew
+        Reconsidered,  ///< of two hypotheses about refused fixes, the navigation or the receiver wrong, the other one is accepted now
+        Diverged,      ///< the computation lost its numbers: it restarts
+        Restarted      ///< the axis of time went on elsewhere: it restarts
     };
     Time time{};
     Kind kind = Kind::Phase;

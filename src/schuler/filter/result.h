@@ -118,7 +118,7 @@ struct ProtectionRow {
     int alarm = -1;                           ///< index into RangingLog::sources: found wrong at this epoch
 };
 
-/// Medium coupling: the receiver's own filter against the tight one, north, east, down, after an epoch of ranges.
+/// Intermediate coupling: the receiver's own filter against the tight one, north, east, down, after an epoch of ranges.
 struct CrossCheck {
     Time time{};
     Eigen::Vector3d difference = Eigen::Vector3d::Zero();  ///< tight minus receiver, m, of the antenna

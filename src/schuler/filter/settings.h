@@ -24,13 +24,13 @@ enum class VehicleKind { Car, Air, Ship, Hand, Static };
 enum class Mechanization { Geographic, Ecef };
 using estim::Loop;
 /// How receiver and inertial unit work together where both have solutions of their own (paper A, 1.1): one filter estimates the
-/// errors (Loose), or the inertial computation is only set to the receiver's solution, now and then or a little at a time
-/// (Separate). Tight: one filter takes the ranges themselves. Medium: beside it a filter of the receiver alone
-/// (fusion/intermediate_run.h). Deep: it commands the receiver's channels (filter/receiver_in_loop.h).
-enum class Coupling { Loose, Separate, Tight, Medium, Deep };
+/// errors (Loose), or the mechanization is only reset to the receiver's solution, now and then or a little at a time
+/// (Separate). Tight: one filter takes the ranges themselves. Intermediate: beside it a filter of the receiver alone
+/// (fusion/intermediate_run.h). Deep: it commands the receiver's channels (filter/update/receiver_in_loop.h).
+enum class Coupling { Loose, Separate, Tight, Intermediate, Deep };
 /// Those whose filter takes the ranges themselves.
 [[nodiscard]] constexpr bool uses_ranges(Coupling coupling) {
-    return coupling == Coupling::Tight || coupling == Coupling::Medium || coupling == Coupling::Deep;
+    return coupling == Coupling::Tight || coupling == Coupling::Intermediate || coupling == Coupling::Deep;
 }
 /// A fix is used at its own time (Standard), or carried on by the inertial accelerations and used in parts until the next one
 /// (Aggressive).
@@ -45,7 +45,7 @@ struct ImuSettings {
     Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, roll, pitch, yaw from body to sensor (after `axes`)
     double mounting_std = 0.03;                              ///< rad, of the forward axis that is given or found
     bool estimate_mounting = false;                          ///< find the mounting by itself (needs motion)
-    sensor::ImuErrorModel errors;                            ///< what the filter believes
+    sensor::ImuErrorModel errors;                            ///< assumed by the filter
     bool estimate_noise = false;                             ///< fit the white noise to the innovations (a grade is only a guess)
     /// Factors of what drives the errors of free inertial navigation, white noise and wander of the biases, beyond `errors`: 1 where
     /// not given. The start keeps its priors.
@@ -179,7 +179,7 @@ struct IntegritySettings {
     bool use = false;
     double accel_limit = 30.0;       ///< m/s^2, what the vehicle is capable of: bound of the tolerance check; 0: no check
     double trace_ratio = 10.0;       ///< delta of (3.4.7); 0: no check
-    double window = 60.0;            ///< s, age at which the solution without GNSS begins anew; 0: no detection of slow ramps
+    double window = 60.0;            ///< s, age at which the solution without GNSS restarts; 0: no detection of slow ramps
     double false_alarm = 1e-5;       ///< probability of one slow-ramp test to exceed its limit in a healthy run
     int slow_count = 3;              ///< tests in a row that must exceed it
     double readmission_time = 10.0;  ///< s of agreeing fixes until an excluded receiver is used again

@@ -131,11 +131,11 @@ Start start_at(const SolutionRow& row, const SensorErrorRow& errors, const Start
 template <class Frame>
 struct BackwardRows : PassObserver<Frame> {
     explicit BackwardRows(const InertialModel& model_) : model(model_) {}
-    void instant(const Walk<Frame>& walk, std::size_t) override {
-        NavState nav = walk.filter.geographic(model);
+    void instant(const FilterRun<Frame>& run, std::size_t) override {
+        NavState nav = run.filter.geographic(model);
         nav.time = turned(nav.time);
         nav.v_eb_n = -nav.v_eb_n;
-        rows.push_back(solution_row(nav, walk.covariance(model)));
+        rows.push_back(solution_row(nav, run.covariance(model)));
     }
     const InertialModel& model;
     std::vector<SolutionRow> rows;
@@ -145,11 +145,11 @@ template <class Frame>
 std::vector<SolutionRow> run_in(const RunData& data, const Settings& settings, const Start& start) {
     const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
     const Pass<Frame> pass(model, data, settings, Rivalry::Contest);
-    Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
-    walk.next_output = Time{INT64_MAX};
+    FilterRun<Frame> run = first_step<Frame>(model, data, settings, start);
+    run.next_output = Time{INT64_MAX};
     BackwardRows<Frame> out(model);
     out.rows.reserve(data.instants.size());
-    pass.advance(walk, data.imu.increments.size() - 1, out);
+    pass.advance(run, data.imu.increments.size() - 1, out);
     std::ranges::reverse(out.rows);
     return std::move(out.rows);
 }

@@ -50,7 +50,7 @@ public:
                                      [&](const RangeSample& m) { return log_.sources[m.source].station; });
                 samples = kept_;
             }
-            if (!filter_.meet(epoch, samples)) continue;
+            if (!filter_.process(epoch, samples)) continue;
             result_.receiver.rows.push_back(filter_.row());
             CrossCheck& c = result_.cross_checks.emplace_back();
             c.time = epoch.time;

@@ -9,7 +9,7 @@
 
 namespace schuler::fusion {
 
-/// s without inertial samples after which navigation begins anew: a hole this long bridged by interpolation says nothing of where the vehicle went.
+/// s without inertial samples after which navigation restarts: a hole this long bridged by interpolation says nothing of where the vehicle went.
 inline constexpr double longest_bridge = 120.0;
 
 /// The first inertial sample of each leg; one where there is no pause, none of an empty log. A shorter hole begins a leg too where both logs have it

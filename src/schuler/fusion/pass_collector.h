@@ -32,10 +32,10 @@ public:
     [[nodiscard]] bool wants_all_states(Time time) const override {
         return options_.outputs && (covariance_due(time) || time >= next_sensor_);
     }
-    void output(const Walk<Frame>& walk, Time time) override {
+    void output(const FilterRun<Frame>& run, Time time) override {
         if (!options_.outputs) return;
-        const Filter& f = walk.filter;
-        const Matrix9 P = walk.covariance(model_);
+        const Filter& f = run.filter;
+        const Matrix9 P = run.covariance(model_);
         if (settings_.loop == Loop::Open)
             result_.open_attitude = std::max(result_.open_attitude, f.error.template segment<3>(Layout::attitude).norm());
         const NavState nav = f.geographic(model_);
@@ -52,13 +52,13 @@ public:
         result_.forward.sensor_errors.push_back(sensor_error_row(time, model_.layout, parameters, f.P.diagonal()));
         result_.forward.parameters.push_back(parameter_row(time, model_.layout, parameters, f.P));
     }
-    void instant(const Walk<Frame>& walk, std::size_t index) override {
-        if (options_.outputs) result_.forward.instants.push_back({index, at_point(walk.filter, walk.covariance(model_))});
+    void instant(const FilterRun<Frame>& run, std::size_t index) override {
+        if (options_.outputs) result_.forward.instants.push_back({index, at_point(run.filter, run.covariance(model_))});
     }
-    void outage_epoch(const Walk<Frame>& walk, const Event& event, const Measurement& m, const AidRecord& r) override {
+    void outage_epoch(const FilterRun<Frame>& run, const Event& event, const Measurement& m, const AidRecord& r) override {
         result_.forward.outage_epochs.push_back(
             {event.outage, event.stamp, event.outage_end, r.innovation, r.sigma, r.sigma_state,
-             walk.filter.sigma_apart(model_, walk.filter.to_own(model_, m), walk.undecided(model_))});
+             run.filter.sigma_apart(model_, run.filter.to_own(model_, m), run.undecided(model_))});
     }
     void aid(const AidRecord& r) override {
         result_.aids.push_back(r);
@@ -69,17 +69,17 @@ public:
                                              : result_.counters.gnss_rejected);
     }
     void alert(const Alert& a) override { result_.alerts.push_back(a); }
-    void ranges(const Walk<Frame>& walk, const RangeEpoch& epoch) override {
-        const RangeEpochWork& work = walk.ranges.work;
+    void ranges(const FilterRun<Frame>& run, const RangeEpoch& epoch) override {
+        const RangeEpochWork& work = run.ranges.work;
         ++result_.counters.gnss_epochs;
         ++(work.excluded == 0 ? result_.counters.gnss_accepted : result_.counters.gnss_rejected);
-        for (const RangeScalar& s : work.all()) result_.aids.push_back(record_of(s, walk.filter.time(), epoch.time));
-        if (settings_.ranging.protection.use) protect(walk, epoch);
+        for (const RangeScalar& s : work.all()) result_.aids.push_back(record_of(s, run.filter.time(), epoch.time));
+        if (settings_.ranging.protection.use) protect(run, epoch);
         if (!options_.after_ranges) return;
-        const NavState nav = walk.filter.geographic(model_);
+        const NavState nav = run.filter.geographic(model_);
         const Eigen::Vector3d lever_n = nav.q_nb.toRotationMatrix() * settings_.gnss.lever_arm_b;
         options_.after_ranges(epoch, earth::moved_by_ned(model_.earth, nav.position, lever_n),
-                              walk.filter.local_covariance(model_).template topLeftCorner<3, 3>());
+                              run.filter.local_covariance(model_).template topLeftCorner<3, 3>());
     }
 
 private:
@@ -108,10 +108,10 @@ private:
         r.nis = r.innovation(0) * r.innovation(0) / (r.sigma(0) * r.sigma(0));
         return r;
     }
-    void protect(const Walk<Frame>& walk, const RangeEpoch& epoch) {
-        const RangeEpochWork& work = walk.ranges.work;
-        const Matrix9 T = walk.filter.to_local_level(model_), P = walk.covariance(model_);
-        const ProtectionLevels l = walk.ranges.watch.levels(limits_, P.template topLeftCorner<3, 3>(), T.template topRows<3>());
+    void protect(const FilterRun<Frame>& run, const RangeEpoch& epoch) {
+        const RangeEpochWork& work = run.ranges.work;
+        const Matrix9 T = run.filter.to_local_level(model_), P = run.covariance(model_);
+        const ProtectionLevels l = run.ranges.watch.levels(limits_, P.template topLeftCorner<3, 3>(), T.template topRows<3>());
         const int used = static_cast<int>(std::ranges::count_if(work.all(), &RangeScalar::use));
         result_.forward.protection.push_back({epoch.time, l.horizontal, l.vertical, used, work.excluded, work.alarm});
     }

@@ -1,4 +1,4 @@
-// Alignment anew, in motion, where a filter has diverged from the fixes: its heading or level was so wrong that neither it nor its rivals
+// Realignment, in motion, where a filter has diverged from the fixes: its heading or level was so wrong that neither it nor its rivals
 // came back to them.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace schuler::fusion {
 
-/// Whether a run with these settings may be aligned anew: one that takes a receiver's fixes and may refuse them by its gates.
+/// Whether a run with these settings may be realigned: one that takes a receiver's fixes and may refuse them by its gates.
 [[nodiscard]] bool may_realign(const Settings& settings);
 
 /// Where a run may have diverged: the fixes had found the navigation wrong, it was opened, and within two minutes a tenth of the positions
@@ -25,12 +25,12 @@ struct PositionCount {
 };
 [[nodiscard]] PositionCount positions_after(const Result& result, Time since);
 
-/// Whether a run that was aligned anew at `since` explains what another refused: its attitude is another one (by five degrees for two
+/// Whether a run that was realigned at `since` explains what another refused: its attitude is another one (by five degrees for two
 /// seconds of its first two minutes; where it is the same one, it is not the attitude that was wrong), and of the positions since then it
 /// refuses less than half as many, and no more than a tenth.
 [[nodiscard]] bool explains(const Result& anew, const Result& diverged, Time since);
 
-/// The heading at the start of a run, and its sigma, rad, as its successor, aligned anew where this one ends, shows them.
+/// The heading at the start of a run, and its sigma, rad, as its successor, realigned where this one ends, shows them.
 struct CarriedHeading {
     double heading = 0.0, std = 0.0;
 };

@@ -98,7 +98,7 @@ void ReceiverFilter::propagate_covariance() {
     (void)filter_->propagate_covariance(model_, phi);
 }
 
-bool ReceiverFilter::meet(const RangeEpoch& epoch, std::span<const RangeSample> samples) {
+bool ReceiverFilter::process(const RangeEpoch& epoch, std::span<const RangeSample> samples) {
     constexpr int least = 4;           // pseudoranges that determine a position and a clock
     constexpr double patience = 10.0;  // s with fewer, which a vehicle that turns does not spend in unaccelerated motion
     if (!filter_ && !start(epoch, samples)) return false;

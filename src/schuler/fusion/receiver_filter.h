@@ -13,7 +13,7 @@ namespace schuler::fusion {
 /// Earth; no inertial measurement and no barometer is used, not even to begin with: it starts where a single-point solution from
 /// four satellites puts it. Clock, slow errors, tests and exclusions are the tight filter's, whose error states serve with
 /// attitude and sensor errors known. After ten seconds with fewer than four ranges it ends,
-/// and starts anew with four.
+/// and restarts with four.
 class ReceiverFilter {
 public:
     ReceiverFilter(const Settings& settings, const RangingLog& log);
@@ -21,7 +21,7 @@ public:
     ReceiverFilter& operator=(const ReceiverFilter&) = delete;
 
     /// Uses an epoch's ranges (those that are not withheld). True where there is an estimate.
-    bool meet(const RangeEpoch& epoch, std::span<const RangeSample> samples);
+    bool process(const RangeEpoch& epoch, std::span<const RangeSample> samples);
     /// The estimate at the last epoch: of the antenna, attitude NaN.
     [[nodiscard]] SolutionRow row() const;
     /// Its covariance of the position, north, east, down, m^2.

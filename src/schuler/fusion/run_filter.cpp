@@ -229,10 +229,10 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
         live = recording;
         live.ranges = {};
         data.recording = &live;
-        options.receiver = [&](const Guide& guide, Time until) { receiver(guide, until, live.ranges); };
+        options.receiver = [&](const ReceiverAiding& aiding, Time until) { receiver(aiding, until, live.ranges); };
     }
-    Result result = settings.coupling == Coupling::Medium ? run_intermediate_pass(data, settings, start, options)
-                                                          : run_pass(data, settings, start, options);
+    Result result = settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, options)
+                                                                : run_pass(data, settings, start, options);
     if (settings.backward) result.backward = run_backward(data, settings, start, result.forward);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;
@@ -253,10 +253,12 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     tell_faults(result, recording, warnings);
     constexpr double linear = 1.0 * units::deg;  // its square, in the specific force, is below the biases of a tactical unit
     if (result.open_attitude > linear)
-        warnings.add("loop.open",
-                     fmt::format("the loop is open and the attitude error beside the mechanization grew to {:.1f} deg: the linear error model does not "
-                                 "hold there, and neither do the sigmas; choose --loop closed or mixed",
-                                 result.open_attitude / units::deg));
+        warnings.add(
+            "loop.open",
+            fmt::format(
+                "the loop is open and the attitude error beside the mechanization grew to {:.1f} deg: the linear error model does not "
+                "hold there, and neither do the sigmas; choose --loop closed or mixed",
+                result.open_attitude / units::deg));
     return result;
 }
 

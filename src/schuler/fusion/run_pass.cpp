@@ -23,14 +23,14 @@ constexpr std::size_t stretch = 512;
 /// What the filter tells a receiver after `last`, which followed `before`: their means tell the force at the end of the last and
 /// how it changes.
 template <class Frame>
-Guide guide_of(const InertialModel& model, const Walk<Frame>& walk, const Settings& settings, const ImuIncrement& before,
-               const ImuIncrement& last) {
-    const InertialFilter<Frame>& f = walk.filter;
+ReceiverAiding aiding_of(const InertialModel& model, const FilterRun<Frame>& run, const Settings& settings,
+                         const ImuIncrement& before, const ImuIncrement& last) {
+    const InertialFilter<Frame>& f = run.filter;
     const Layout& L = model.layout;
     const Estimate e = f.estimate(model);
     const Eigen::Vector3d mean = last.dv / last.dt, change = (mean - before.dv / before.dt) / (0.5 * (last.dt + before.dt));
     const Eigen::Vector3d f_b = mean + 0.5 * last.dt * change - e.parameters.template segment<3>(Layout::accel_bias);
-    Guide g;
+    ReceiverAiding g;
     g.time = f.time();
     g.antenna = antenna_motion(model.earth, e.nav, f_b, e.w_ib_b, settings.gnss.lever_arm_b);
     g.C_en = earth::C_en(e.nav.position.lat, e.nav.position.lon);
@@ -64,10 +64,10 @@ private:
     std::optional<SolutionRow> first_, last_;
 };
 
-/// The way back over the checkpoints of a walk.
+/// The way back over the checkpoints of a run.
 template <class Frame>
 void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Settings& settings, double imu_interval,
-                 const std::vector<Walk<Frame>>& checkpoints, std::size_t end, std::size_t block, const Progress& progress,
+                 const std::vector<FilterRun<Frame>>& checkpoints, std::size_t end, std::size_t block, const Progress& progress,
                  Trajectory& out) {
     Tape<Frame> tape(model);
     Time next_sensor{INT64_MAX};
@@ -117,15 +117,15 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
     std::ranges::reverse(out.outage_epochs);
 }
 
-/// The walk again, by the hypotheses that were right in the end.
+/// The run again, by the hypotheses that were right in the end.
 template <class Frame>
-std::vector<Walk<Frame>> checkpoints_of(const Pass<Frame>& pass, Walk<Frame> walk, std::size_t end) {
-    std::vector<Walk<Frame>> checkpoints;
+std::vector<FilterRun<Frame>> checkpoints_of(const Pass<Frame>& pass, FilterRun<Frame> run, std::size_t end) {
+    std::vector<FilterRun<Frame>> checkpoints;
     PassObserver<Frame> nobody;
-    while (walk.increment <= end) {
-        pass.propagate_covariance(walk, nobody);
-        checkpoints.push_back(walk);
-        pass.advance(walk, std::min(end, walk.increment + stretch - 1), nobody);
+    while (run.increment <= end) {
+        pass.propagate_covariance(run, nobody);
+        checkpoints.push_back(run);
+        pass.advance(run, std::min(end, run.increment + stretch - 1), nobody);
     }
     return checkpoints;
 }
@@ -134,44 +134,44 @@ template <class Frame>
 Result run_in(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options) {
     const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
     const Pass<Frame> pass(model, data, settings, options.rivalry);
-    Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
+    FilterRun<Frame> run = first_step<Frame>(model, data, settings, start);
     Result result;
     result.states.assign(model.layout.blocks().begin(), model.layout.blocks().end());
     const std::size_t end = std::min(options.last_increment, data.imu.increments.size() - 1);
     HandOver hand_over(result.forward.rows, options.rows);
-    if (options.outputs && !options.rows && end >= walk.increment) {
-        const auto n = static_cast<double>(end - walk.increment + 1);
+    if (options.outputs && !options.rows && end >= run.increment) {
+        const auto n = static_cast<double>(end - run.increment + 1);
         const double rows = settings.output_rate > 0.0 ? n * data.imu.median_dt * settings.output_rate : n;
         result.forward.rows.reserve(static_cast<std::size_t>(std::min(rows * 1.1 + 16.0, n + 16.0)));
     }
     result.aids.reserve(data.events.size() + (uses_ranges(settings.coupling) ? 2 * data.recording->ranges.samples.size() : 0));
-    PassCollector<Frame> collector(model, settings, options, result, walk.filter.time(), data.imu.median_dt);
-    std::vector<Walk<Frame>> checkpoints;
+    PassCollector<Frame> collector(model, settings, options, result, run.filter.time(), data.imu.median_dt);
+    std::vector<FilterRun<Frame>> checkpoints;
     const auto begin = std::chrono::steady_clock::now();
     const std::size_t block = options.receiver ? 1 : stretch;
-    for (std::size_t done = 0; walk.increment <= end; ++done) {
+    for (std::size_t done = 0; run.increment <= end; ++done) {
         if (options.smooth && done % (stretch / block) == 0) {
-            pass.propagate_covariance(walk, collector);
-            checkpoints.push_back(walk);
+            pass.propagate_covariance(run, collector);
+            checkpoints.push_back(run);
             checkpoints.back().rival.clear();
         }
-        const std::size_t last = std::min(end, walk.increment + block - 1);
+        const std::size_t last = std::min(end, run.increment + block - 1);
         if (options.receiver) {
             const auto back = [&](std::size_t n) -> const ImuIncrement& { return data.imu.increments[last - std::min(last, n)]; };
-            pass.propagate_covariance(walk,
+            pass.propagate_covariance(run,
                                       collector);  // sigmas that do not grow while nothing is received would look where it was
-            options.receiver(guide_of(model, walk, settings, back(2), back(1)), back(0).time);
+            options.receiver(aiding_of(model, run, settings, back(2), back(1)), back(0).time);
         }
-        pass.advance(walk, last, collector);
+        pass.advance(run, last, collector);
         hand_over.now();
         if (options.progress && done % (block > 1 ? 16 : stretch) == 0)
-            options.progress(static_cast<double>(walk.increment) / static_cast<double>(end + 1) * (options.smooth ? 0.3 : 1.0));
+            options.progress(static_cast<double>(run.increment) / static_cast<double>(end + 1) * (options.smooth ? 0.3 : 1.0));
     }
     hand_over.end();
     result.filter_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (options.smooth) {
-        const Pass<Frame> decided(model, data, settings, Rivalry::Decided, walk.openings);
-        if (walk.sides_changed > 0) checkpoints = checkpoints_of(decided, first_step<Frame>(model, data, settings, start), end);
+        const Pass<Frame> decided(model, data, settings, Rivalry::Decided, run.openings);
+        if (run.sides_changed > 0) checkpoints = checkpoints_of(decided, first_step<Frame>(model, data, settings, start), end);
         smooth_back(decided, model, settings, data.imu.median_dt, checkpoints, end, block, options.progress, result.smoothed);
     }
     return result;
@@ -206,11 +206,11 @@ StartEstimate smooth_start(const RunData& data, const Settings& settings, const 
     using Frame = GeographicFrame;
     const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
     const Pass<Frame> pass(model, data, settings);
-    Walk<Frame> walk = first_step<Frame>(model, data, settings, start);
-    InertialFilter<Frame> first = walk.filter;
-    walk.next_output = Time{INT64_MAX};
+    FilterRun<Frame> run = first_step<Frame>(model, data, settings, start);
+    InertialFilter<Frame> first = run.filter;
+    run.next_output = Time{INT64_MAX};
     StartTape<Frame> tape(model);  // a start is short: one stretch
-    pass.advance(walk, std::min(last_increment, data.imu.increments.size() - 1), tape);
+    pass.advance(run, std::min(last_increment, data.imu.increments.size() - 1), tape);
     StateAdjoint adjoint(estim::padded(model.layout.size));
     tape.rewind(adjoint, [](auto, const auto&, const auto&) {});
     smooth_in_place(model, first, adjoint, true);

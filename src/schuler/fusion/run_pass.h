@@ -15,8 +15,9 @@ struct PassOptions {
     bool smooth = false;
     std::size_t last_increment = SIZE_MAX;
     Progress progress;
-    RowSink rows;                                                  ///< takes the forward rows instead of the result
-    std::function<void(const Guide& guide, Time until)> receiver;  ///< makes the recording's ranges while the filter runs
+    RowSink rows;  ///< takes the forward rows instead of the result
+    std::function<void(const ReceiverAiding& aiding, Time until)>
+        receiver;  ///< makes the recording's ranges while the filter runs
     AfterRanges after_ranges;
     Rivalry rivalry = Rivalry::Contest;
 };

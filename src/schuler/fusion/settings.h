@@ -1,4 +1,4 @@
-// Everything a run can be told.
+// Everything a run can be given: its settings.
 #pragma once
 
 #include "schuler/filter/settings.h"

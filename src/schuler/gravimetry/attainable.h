@@ -1,4 +1,4 @@
-// What a survey can attain at best, by covariance analysis: to be told before and beside every estimate.
+// What a survey can attain at best, by covariance analysis: to be reported before and beside every estimate.
 #pragma once
 
 #include "schuler/core/position.h"

@@ -20,7 +20,7 @@ double length_of(const std::vector<TrackPoint>& track, std::size_t first, std::s
 }
 
 /// Every so many points of a line, its last one included.
-std::vector<std::size_t> thinned(const SurveyLine& line) {
+std::vector<std::size_t> decimated(const SurveyLine& line) {
     const std::size_t stride = 1 + (line.last - line.first) / 500;
     std::vector<std::size_t> out;
     for (std::size_t i = line.first; i < line.last; i += stride) out.push_back(i);
@@ -31,7 +31,7 @@ std::vector<std::size_t> thinned(const SurveyLine& line) {
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// Where the segments p + s d and q + t e meet: s and t within [0, 1).
-bool meet(const Vector2d& p, const Vector2d& d, const Vector2d& q, const Vector2d& e, double& s, double& t) {
+bool intersect(const Vector2d& p, const Vector2d& d, const Vector2d& q, const Vector2d& e, double& s, double& t) {
     const double area = cross(d, e);
     if (std::abs(area) < 1e-3 * d.norm() * e.norm()) return false;  // nearly parallel: no crossover worth its name
     s = cross(q - p, e) / area;
@@ -60,9 +60,9 @@ std::vector<SurveyLine> survey_lines(const std::vector<TrackPoint>& track, doubl
 std::vector<Crossover> crossovers(const std::vector<TrackPoint>& track, const std::vector<SurveyLine>& lines) {
     std::vector<Crossover> out;
     for (std::size_t a = 0; a < lines.size(); ++a) {
-        const std::vector<std::size_t> pa = thinned(lines[a]);
+        const std::vector<std::size_t> pa = decimated(lines[a]);
         for (std::size_t b = a + 1; b < lines.size(); ++b) {
-            const std::vector<std::size_t> pb = thinned(lines[b]);
+            const std::vector<std::size_t> pb = decimated(lines[b]);
             for (std::size_t i = 1; i < pa.size(); ++i) {
                 const TrackPoint &a0 = track[pa[i - 1]], &a1 = track[pa[i]];
                 for (std::size_t j = 1; j < pb.size(); ++j) {
@@ -70,7 +70,7 @@ std::vector<Crossover> crossovers(const std::vector<TrackPoint>& track, const st
                     const double reach = (a1.place - a0.place).norm() + (b1.place - b0.place).norm();
                     if ((a0.place - b0.place).squaredNorm() > reach * reach) continue;
                     double s = 0.0, t = 0.0;
-                    if (!meet(a0.place, a1.place - a0.place, b0.place, b1.place - b0.place, s, t)) continue;
+                    if (!intersect(a0.place, a1.place - a0.place, b0.place, b1.place - b0.place, s, t)) continue;
                     out.push_back({a, b, a0.place + s * (a1.place - a0.place), a0.value + s * (a1.value - a0.value),
                                    b0.value + t * (b1.value - b0.value)});
                 }
@@ -106,11 +106,11 @@ std::vector<RepeatedLine> repeated_lines(const std::vector<TrackPoint>& track, c
                                          double shortest) {
     std::vector<RepeatedLine> out;
     for (std::size_t a = 0; a < lines.size(); ++a) {
-        const std::vector<std::size_t> pa = thinned(lines[a]);
+        const std::vector<std::size_t> pa = decimated(lines[a]);
         for (std::size_t b = a + 1; b < lines.size(); ++b) {
             const double angle = std::abs(std::remainder(lines[a].course - lines[b].course, std::numbers::pi));
             if (angle > 0.1) continue;
-            const std::vector<std::size_t> pb = thinned(lines[b]);
+            const std::vector<std::size_t> pb = decimated(lines[b]);
             std::vector<double> differences;
             double length = 0.0;
             for (std::size_t i = 0; i < pa.size(); ++i) {

@@ -1,4 +1,4 @@
-// The error model of the gravi-inertial complex [PaperE]: 27 states in Earth-fixed axes, more where the disturbance of gravity
+// The error model of the integrated gravimetric system [PaperE]: 27 states in Earth-fixed axes, more where the disturbance of gravity
 // is given slopes. math.md section 4, turned to error = estimate minus truth for every state, sensor errors included. It is for
 // analysis, dense and of an instant; estimates are those of the one filter (room filter), which has the same states as blocks.
 #pragma once

@@ -97,8 +97,8 @@ struct Elimination {
 };
 
 void check(const ObservedMotion& m, double tolerance) {
-    const auto refuse = [](const char* key, const char* what, const char* mend) {
-        throw input_error(what, {{}, 0, 0, key}, mend);
+    const auto refuse = [](const char* key, const char* what, const char* hint) {
+        throw input_error(what, {{}, 0, 0, key}, hint);
     };
     const double limit = 89.0 * std::numbers::pi / 180.0;
     if (!(std::abs(m.start.lat) <= limit)) refuse("latitude-deg", "must lie between -89 and 89", "give degrees");

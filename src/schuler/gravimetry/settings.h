@@ -1,4 +1,4 @@
-// What covariance analysis believes of a survey: instruments, priors, the model of the disturbance.
+// Assumptions of covariance analysis about a survey: instruments, priors, the model of the disturbance.
 #pragma once
 
 #include "schuler/gravimetry/model.h"

@@ -14,7 +14,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Frame = filter::EarthFixedFrame;
 using Filter = filter::InertialFilter<Frame>;
-using Walk = filter::Walk<Frame>;
+using FilterRun = filter::FilterRun<Frame>;
 using filter::AidKind;
 using filter::Event;
 using filter::InertialModel;
@@ -67,14 +67,14 @@ public:
         elapsed_ += time;
     }
     void aid(const filter::AidRecord& record) override { result_.aids.push_back(record); }
-    void measured(const Walk& walk, const Event& event, const filter::AidRecord& record) override {
+    void measured(const FilterRun& run, const Event& event, const filter::AidRecord& record) override {
         std::vector<SurveyEpoch>& epochs = result_.forward;
         const bool begins = begins_epoch(event);
-        if (!begins && (epochs.empty() || epochs.back().time != walk.filter.time())) {
+        if (!begins && (epochs.empty() || epochs.back().time != run.filter.time())) {
             if (!epochs.empty()) count(epochs.back(), record);  // a velocity that is older or younger than its position
             return;
         }
-        SurveyEpoch e = epoch_of(model_, walk.filter, walk.covariance(model_), begins ? event.index : epochs.back().fix);
+        SurveyEpoch e = epoch_of(model_, run.filter, run.covariance(model_), begins ? event.index : epochs.back().fix);
         if (begins) {
             e.f_n =
                 elapsed_ > 0.0 ? Vector3d(Frame::C_en(model_.earth, e.nav).transpose() * force_ / elapsed_) : Vector3d::Zero();
@@ -118,45 +118,45 @@ private:
 class SurveyTape : public filter::Tape<Frame> {
 public:
     using filter::Tape<Frame>::Tape;
-    void output(const Walk&, Time) override {}
-    void outage_epoch(const Walk&, const Event&, const filter::Measurement&, const filter::AidRecord&) override {}
-    void measured(const Walk& walk, const Event& event, const filter::AidRecord&) override {
-        const Time now = walk.filter.time();
+    void output(const FilterRun&, Time) override {}
+    void outage_epoch(const FilterRun&, const Event&, const filter::Measurement&, const filter::AidRecord&) override {}
+    void measured(const FilterRun& run, const Event& event, const filter::AidRecord&) override {
+        const Time now = run.filter.time();
         if (begins_epoch(event)) epoch_ = now;
-        if (epoch_ == now) Tape::output(walk, now);
+        if (epoch_ == now) Tape::output(run, now);
     }
 
 private:
     Time epoch_{INT64_MIN};
 };
 
-void open_systematic_part(const filter::Settings& settings, const InertialModel& model, Walk& walk) {
-    Filter& f = walk.filter;
+void open_systematic_part(const filter::Settings& settings, const InertialModel& model, FilterRun& run) {
+    Filter& f = run.filter;
     filter::open_disturbance(settings.disturbance, model.layout, Frame::C_en(model.earth, f.nav), f.P);
-    if (!walk.rival.empty()) open_systematic_part(settings, model, walk.rival.front().walk);
+    if (!run.rival.empty()) open_systematic_part(settings, model, run.rival.front().run);
 }
 
-/// The walk to its end, with checkpoints where they are wanted.
-std::vector<Walk> walk_along(const filter::Pass<Frame>& pass, const filter::RunData& data, const filter::Settings& settings,
-                             const InertialModel& model, Walk& walk, const SurveyOptions& options, bool keep,
-                             filter::PassObserver<Frame>& observer) {
+/// The run to its end, with checkpoints where they are wanted.
+std::vector<FilterRun> run_along(const filter::Pass<Frame>& pass, const filter::RunData& data, const filter::Settings& settings,
+                                 const InertialModel& model, FilterRun& run, const SurveyOptions& options, bool keep,
+                                 filter::PassObserver<Frame>& observer) {
     const std::vector<ImuIncrement>& imu = data.imu.increments;
-    std::vector<Walk> checkpoints;
+    std::vector<FilterRun> checkpoints;
     std::size_t step = 0;
-    while (walk.increment < imu.size()) {
-        pass.propagate_covariance(walk, observer);
-        for (; step < options.steps.size() && options.steps[step] <= imu[walk.increment].time; ++step)
-            open_systematic_part(settings, model, walk);
+    while (run.increment < imu.size()) {
+        pass.propagate_covariance(run, observer);
+        for (; step < options.steps.size() && options.steps[step] <= imu[run.increment].time; ++step)
+            open_systematic_part(settings, model, run);
         if (keep) {
-            checkpoints.push_back(walk);
+            checkpoints.push_back(run);
             checkpoints.back().rival.clear();
         }
-        std::size_t end = std::min(imu.size(), walk.increment + options.stretch);
+        std::size_t end = std::min(imu.size(), run.increment + options.stretch);
         if (step < options.steps.size()) {
             const auto next = std::ranges::lower_bound(imu, options.steps[step], {}, &ImuIncrement::time);
             end = std::min(end, static_cast<std::size_t>(next - imu.begin()));
         }
-        pass.advance(walk, end - 1, observer);
+        pass.advance(run, end - 1, observer);
         if (options.progress) options.progress(static_cast<double>(end) / static_cast<double>(imu.size()) * (keep ? 0.4 : 1.0));
     }
     return checkpoints;
@@ -181,25 +181,25 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
     const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
     const filter::Pass<Frame> pass(model, data, settings, filter::Rivalry::Contest);
     const auto begin = [&] {
-        Walk walk = filter::first_step<Frame>(model, data, settings, start);
-        walk.next_output = Time{INT64_MAX};
+        FilterRun run = filter::first_step<Frame>(model, data, settings, start);
+        run.next_output = Time{INT64_MAX};
         // What is measured at the start itself meets a body whose rate is not known yet.
-        while (walk.event < data.events.size() && data.events[walk.event].valid <= start.nav.time) ++walk.event;
-        return walk;
+        while (run.event < data.events.size() && data.events[run.event].valid <= start.nav.time) ++run.event;
+        return run;
     };
     SurveyResult result;
-    Walk walk = begin();
+    FilterRun run = begin();
     result.states.assign(model.layout.blocks().begin(), model.layout.blocks().end());
     ForwardEpochs epochs(model, result, settings.covariance_rows);
-    std::vector<Walk> checkpoints = walk_along(pass, data, settings, model, walk, options, options.smooth, epochs);
+    std::vector<FilterRun> checkpoints = run_along(pass, data, settings, model, run, options, options.smooth, epochs);
     if (result.forward.empty())
         throw input_error("no satellite fix lies within the IMU log", {}, "check the time stamps of both");
     if (!options.smooth) return result;
-    const filter::Pass<Frame> decided(model, data, settings, filter::Rivalry::Decided, walk.openings);
-    if (walk.sides_changed > 0) {  // again, by the hypotheses that were right in the end
+    const filter::Pass<Frame> decided(model, data, settings, filter::Rivalry::Decided, run.openings);
+    if (run.sides_changed > 0) {  // again, by the hypotheses that were right in the end
         filter::PassObserver<Frame> nobody;
-        Walk right = begin();
-        checkpoints = walk_along(decided, data, settings, model, right, options, true, nobody);
+        FilterRun right = begin();
+        checkpoints = run_along(decided, data, settings, model, right, options, true, nobody);
     }
     SurveyTape tape(model);
     Time last{INT64_MAX};

@@ -1,4 +1,4 @@
-// A survey: the one filter with the states of the gravi-inertial complex along prepared data, forward and back, to the disturbance of
+// A survey: the one filter with the states of the integrated gravimetric system along prepared data, forward and back, to the disturbance of
 // gravity at the fixes.
 #pragma once
 

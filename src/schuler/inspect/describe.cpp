@@ -22,7 +22,7 @@ std::string file_line(const FileReport& file, std::size_t width) {
 std::string problem_line(const Problem& problem, const std::string& where) {
     std::string line =
         fmt::format("  {:<8} {}{}", std::string(name_of(problem.level)) + ":", where.empty() ? "" : where + ": ", problem.text);
-    if (!problem.mend.empty()) line += fmt::format("\n           -> {}", problem.mend);
+    if (!problem.hint.empty()) line += fmt::format("\n           -> {}", problem.hint);
     return line;
 }
 
@@ -51,7 +51,7 @@ std::string describe(const InspectReport& report) {
             for (const Problem& p : file.problems) problems += p.level == level ? problem_line(p, file.path) + "\n" : "";
         }
     }
-    if (!problems.empty()) out += "\nTo know\n" + problems;
+    if (!problems.empty()) out += "\nNotes\n" + problems;
     if (!report.dataset_toml.empty()) out += "\ndataset.toml to start from\n\n" + report.dataset_toml;
     return out;
 }

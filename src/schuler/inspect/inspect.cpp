@@ -182,7 +182,7 @@ void report_lacking(Study& study) {
     for (const LoadedFile& file : study.files) {
         if (file.report.kind == "kfgins_yaml") {
             study.problem(Level::Info,
-                          file.report.path + " is a project of the KF-GINS program: it says more than can be inferred",
+                          file.report.path + " is a project of the KF-GINS program: it states more than can be inferred",
                           "use it as it is: schuler process " + file.report.path);
         }
         if (file.report.kind == "dataset_toml" && study.given.keys.empty())
@@ -193,7 +193,7 @@ void report_lacking(Study& study) {
         any("rinex_obs") || any("rinex_nav") || any("ubx") || any("novatel") || any("rtcm3") || any("sp3") || any("adsb");
     if (any("rinex_obs") && !any("rinex_nav") && !any("ubx") && !any("novatel") && !any("rtcm3") && !any("sp3")) {
         study.problem(Level::Warning, "there are raw measurements, and no ephemerides",
-                      "put the navigation file of the same day beside them");
+                      "add the navigation file of the same day to the folder");
     }
     if (study.imu_file == nullptr && study.gnss_file == nullptr && raw) return;
     if (study.imu_file == nullptr && study.gnss_file == nullptr) {

@@ -16,11 +16,11 @@ namespace schuler::inspect {
 enum class Level { Info, Warning, Error };
 [[nodiscard]] std::string_view name_of(Level level);  ///< "info", "warning", "error"
 
-/// Something a user should know about a file or the whole set. `mend` may be empty where there is nothing to do.
+/// Something a user should know about a file or the whole set. `hint` may be empty where there is nothing to do.
 struct Problem {
     Level level = Level::Info;
     std::string text;
-    std::string mend;
+    std::string hint;
 };
 
 /// One file. Times are the numbers of the file in s (GPS time since 1980 for RTKLIB and NMEA logs); NaN where there are none.
@@ -39,7 +39,7 @@ struct FileReport {
         double start, length;  ///< the last sample before it, on the times of the file; s
     };
     std::vector<Hole> holes;              ///< the gaps, in order
-    std::vector<std::string> understood;  ///< what each column was taken for, a line each
+    std::vector<std::string> understood;  ///< interpretation of each column, a line each
     bool chosen = false;                  ///< the generated dataset.toml uses it
     std::string resembles;                ///< of an unknown one: the kind of which it lacks few columns
     std::vector<Problem> problems;
@@ -74,7 +74,7 @@ struct ClockStep {
 /// Why a data set cannot be used as it is given.
 struct Refusal {
     std::string file, key;  ///< relative to the folder; of dataset.toml
-    std::string text, mend;
+    std::string text, hint;
 };
 
 /// What is drawn of a data set: when it stood still, and where it went.

@@ -17,9 +17,9 @@ namespace schuler::io {
 namespace {
 
 Error cannot_write(const std::filesystem::path& path, int error_number) {
-    const std::string mend =
+    const std::string hint =
         error_number == ENOENT ? "make the folder first, or choose another with -o" : "choose another place with -o";
-    return input_error(fmt::format("cannot be written: {}", system_message(error_number)), place_in(path.string()), mend);
+    return input_error(fmt::format("cannot be written: {}", system_message(error_number)), place_in(path.string()), hint);
 }
 
 }  // namespace

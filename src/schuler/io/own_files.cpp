@@ -52,7 +52,7 @@ bool may_overwrite(const fs::path& file) {
 
 void check_overwrite(const fs::path& file) {
     if (may_overwrite(file)) return;
-    throw input_error("exists, and is not a file that this program wrote and nobody has changed since", place_in(file.string()),
+    throw input_error("exists, and was not written by this program or has been changed since", place_in(file.string()),
                       "choose another place with -o, or --force to overwrite it");
 }
 

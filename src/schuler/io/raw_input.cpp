@@ -55,7 +55,7 @@ RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> n
         }
         default: break;
     }
-    throw input_error("is no RINEX, UBX, RTCM 3 or NovAtel file", {file.string(), 0, 0, {}},
+    throw input_error("is not a RINEX, UBX, RTCM 3 or NovAtel file", {file.string(), 0, 0, {}},
                       "choose a file of raw measurements or ephemerides");
 }
 

@@ -131,8 +131,8 @@ TextInput LogFiles::open(const std::filesystem::path& path, WarningLog& warnings
     if (log == logs_.end()) {
         const Format* format = format_of(where.file);
         if (format == nullptr || format->read == nullptr)
-            throw input_error("is no log of several instruments", place_in(where.file.string()),
-                              "name the file without what stands behind the #");
+            throw input_error("is not a log of several instruments", place_in(where.file.string()),
+                              "give the file name without # and what follows");
         log = logs_.emplace(where.file, format->read(TextInput(where.file), warnings)).first;
     }
     const Stream* stream = log->second.find(where.stream);

@@ -37,7 +37,7 @@ void read_rows(const std::string& table, Instrument instrument, const io::CsvOpt
     }
 }
 
-/// The first line that is no number is the header; a connection that begins anew may send it again.
+/// The first line that is no number is the header; a connection that restarts may send it again.
 class CsvDecoder final : public Decoder {
 public:
     CsvDecoder(Instrument instrument, io::CsvOptions options) : instrument_(instrument), options_(std::move(options)) {}
@@ -94,7 +94,7 @@ public:
 private:
     void take_line(std::string_view line, std::vector<Sample>& out) {
         const std::size_t begin = line.rfind('$');
-        if (begin == std::string_view::npos || line.size() - begin < 11) return bad("a line that is no sentence");
+        if (begin == std::string_view::npos || line.size() - begin < 11) return bad("a line that is not a sentence");
         line = line.substr(begin);
         if (!checked(line)) return bad("a sentence with a wrong checksum");
         const std::string_view kind = line.substr(3, 3);

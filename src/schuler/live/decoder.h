@@ -40,7 +40,7 @@ public:
     /// Nothing has come for `quiet_time`: what is waiting is complete.
     virtual void quiet(std::vector<Sample>& out) { (void)out; }
     [[nodiscard]] virtual bool waiting() const { return false; }
-    /// A connection begins anew: what is half read is of the old one.
+    /// A connection restarts: what is half read is of the old one.
     virtual void reset() = 0;
     [[nodiscard]] const DecoderCounters& counters() const { return counters_; }
 

@@ -43,11 +43,11 @@ Endpoint endpoint_from(const std::string& text, Direction direction, const std::
         rest = std::string_view(text).substr(std::string_view(prefix).size());
         known = true;
     }
-    if (!known || (!in && e.medium == Medium::Gpsd)) throw wrong(text, key, "is no place that is known", direction);
+    if (!known || (!in && e.medium == Medium::Gpsd)) throw wrong(text, key, "is not a known kind of endpoint", direction);
     if (e.medium == Medium::Serial || e.medium == Medium::File) {
         const std::size_t mark = e.medium == Medium::Serial ? rest.find("?baud=") : std::string_view::npos;
         e.path = rest.substr(0, mark);
-        if (e.path.empty()) throw wrong(text, key, "names no file", direction);
+        if (e.path.empty()) throw wrong(text, key, "missing file", direction);
         if (mark != std::string_view::npos && !is_number(rest.substr(mark + 6), 50, 4'000'000, e.baud))
             throw wrong(text, key, "has no usable baud rate", direction);
         return e;
@@ -60,7 +60,7 @@ Endpoint endpoint_from(const std::string& text, Direction direction, const std::
     int port = 0;
     if (!is_number(e.port, 1, 65535, port)) throw wrong(text, key, "has no port from 1 to 65535", direction);
     const bool needs_host = e.medium == Medium::Tcp || e.medium == Medium::Gpsd || (e.medium == Medium::Udp && !in);
-    if (needs_host && e.host.empty()) throw wrong(text, key, "names no host", direction);
+    if (needs_host && e.host.empty()) throw wrong(text, key, "missing host", direction);
     return e;
 }
 

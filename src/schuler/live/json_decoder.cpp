@@ -92,7 +92,7 @@ protected:
 private:
     void take_line(std::string_view line, std::vector<Sample>& out) {
         const Json j = Json::parse(line, nullptr, false);
-        if (j.is_discarded() || !j.is_object()) return bad("a line that is no JSON object");
+        if (j.is_discarded() || !j.is_object()) return bad("a line that is not a JSON object");
         if (!message(j, out)) bad("an object without type and time");
     }
 

@@ -134,10 +134,10 @@ std::string event_text(const NavigatorEvent& e) {
         case NavigatorEvent::Kind::Alert:
             return fmt::format("{:.3f} s: alert of {}", e.time.seconds(), filter::info_of(e.aid).name);
         case NavigatorEvent::Kind::Reconsidered:
-            return fmt::format("{:.3f} s: the other explanation of refused fixes is believed now", e.time.seconds());
+            return fmt::format("{:.3f} s: the other hypothesis about rejected fixes is accepted now", e.time.seconds());
         case NavigatorEvent::Kind::Diverged:
-            return fmt::format("{:.3f} s: the computation diverged; alignment begins anew", e.time.seconds());
-        default: return fmt::format("{:.3f} s: the time of the IMU goes on elsewhere; alignment begins anew", e.time.seconds());
+            return fmt::format("{:.3f} s: the computation diverged; alignment restarts", e.time.seconds());
+        default: return fmt::format("{:.3f} s: the time of the IMU jumped; alignment restarts", e.time.seconds());
     }
 }
 

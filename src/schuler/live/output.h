@@ -16,7 +16,7 @@ namespace schuler::live {
 
 struct OutputLimits {
     std::size_t queue = 1 << 20;  ///< bytes that wait for one reader
-    std::size_t rotate = 0;       ///< bytes after which a file is begun anew; 0: never
+    std::size_t rotate = 0;       ///< bytes after which a file is restarted; 0: never
     int keep = 5;                 ///< older files that stay, NAME.1 the newest of them
 };
 

@@ -107,7 +107,7 @@ std::vector<std::pair<Time, Pointer>> in_order(const Recording& r) {
 }
 
 Error failure(const Endpoint& to, const std::string& reason) {
-    return {ErrorKind::Computation, reason, {to.text, 0, 0, "--to"}, "is somebody listening there?"};
+    return {ErrorKind::Computation, reason, {to.text, 0, 0, "--to"}, "check that a program listens there"};
 }
 
 Descriptor connected(const Endpoint& to) {

@@ -151,7 +151,7 @@ public:
         for (const Sink& s : sinks_) report_.dropped += s.output.dropped();
         report_.latency_median = latencies_.quantile(0.5);
         report_.latency_999 = latencies_.quantile(0.999);
-        tell(fmt::format("stopped after {:.1f} s: {} samples of the IMU, {} fixes, {} pieces of garbage, {} messages dropped",
+        tell(fmt::format("stopped after {:.1f} s: {} samples of the IMU, {} fixes, {} unparseable records, {} messages dropped",
                          report_.seconds, report_.imu, report_.fixes, report_.garbage, report_.dropped));
         return report_;
     }
@@ -208,7 +208,7 @@ private:
     void tell_of(Station& s) {
         const DecoderCounters& c = s.decoder->counters();
         if (c.garbage > 0 && s.garbage_told == 0) {
-            tell(fmt::format("{}: garbage: {}", s.input.endpoint().text, c.example));
+            tell(fmt::format("{}: unparseable record: {}", s.input.endpoint().text, c.example));
             s.garbage_told = c.garbage;
         }
         for (; s.warnings_told < c.warnings.size(); ++s.warnings_told)

@@ -19,7 +19,7 @@ struct LiveReport {
            latency_999 = not_given;  ///< s, from the arrival of a sample of the IMU to its state's message
 };
 
-/// Runs until SIGINT or SIGTERM, until all sources are at their end, or until `stop` (may be empty; asked ten times a second) says so.
+/// Runs until SIGINT or SIGTERM, until all sources have ended, or until `stop` (may be empty; asked ten times a second) says so.
 /// @throws Error(Input) for settings of which there is no navigator
 [[nodiscard]] LiveReport run_live(const LiveSettings& settings, const std::function<bool()>& stop);
 

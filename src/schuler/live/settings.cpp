@@ -49,7 +49,7 @@ OutputSettings output_of(const settings::ValueTable& table) {
         } else if (v.first == "format") {
             const std::string format = text_of(v);
             if (format != "json" && format != "csv" && format != "nmea")
-                throw input_error("is no format", place, "write json, csv or nmea");
+                throw input_error("is not a known format", place, "write json, csv or nmea");
             out.format = format == "json" ? MessageFormat::Json : format == "csv" ? MessageFormat::Csv : MessageFormat::Nmea;
         } else if (v.first == "rate_hz") {
             out.rate = number_between(v, 0.0, 1e4);
@@ -84,33 +84,34 @@ OptionTable<LiveSettings> make_table() {
     for (std::size_t i = 0; i < instrument_count; ++i) {
         const std::string section(name_of(static_cast<Instrument>(i)));
         t.add(settings::text<L>(section + ".source",
-                                "live: where its samples come from: tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, "
+                                "live: source of the samples: tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, "
                                 "serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or stdin; instruments may share one",
                                 [i](auto& l) -> auto& { return l.sources[i].from; }));
-        Option<L> format = settings::text<L>(section + ".format", "live: how they are written",
+        Option<L> format = settings::text<L>(section + ".format", "live: format of the samples",
                                              [i](auto& l) -> auto& { return l.sources[i].format; });
         format.spec.choices.assign(source_formats.begin(), source_formats.end());
         t.add(std::move(format));
-        t.add(settings::flag<L>(section + ".arrival_time", "live: the time of a sample is that of its arrival",
+        t.add(settings::flag<L>(section + ".arrival_time", "live: use the time of arrival as the time of a sample",
                                 [i](auto& l) -> auto& { return l.sources[i].arrival; }));
         if (i > 0)
-            t.add(settings::number<L>(section + ".rate_hz", 1.0, 0, 1e4, "live: most samples a second",
+            t.add(settings::number<L>(section + ".rate_hz", 1.0, 0, 1e4, "live: largest sample rate",
                                       [i](auto& l) -> auto& { return l.sources[i].rate; }));
     }
-    t.add(settings::number<L>("imu.rate_hz", 1.0, 5, 1e4, "live: samples a second", [](auto& l) -> auto& { return l.imu_rate; }))
-        .add(settings::number<L>("live.lag_s", 1.0, 0, 10, "how much later than the IMU a sample may come",
+    t.add(settings::number<L>("imu.rate_hz", 1.0, 5, 1e4, "live: nominal sample rate",
+                              [](auto& l) -> auto& { return l.imu_rate; }))
+        .add(settings::number<L>("live.lag_s", 1.0, 0, 10, "largest delay of a sample after the IMU",
                                  [](auto& l) -> auto& { return l.lag; }))
-        .add(settings::number<L>("live.still_delay_s", 1.0, 0, 5, "how much longer is waited to decide on standing still",
+        .add(settings::number<L>("live.still_delay_s", 1.0, 0, 5, "additional delay for the detection of standstill",
                                  [](auto& l) -> auto& { return l.still_delay; }))
-        .add(settings::number<L>("live.longest_hole_s", 1.0, 0, 60, "holes of the IMU up to this are bridged",
+        .add(settings::number<L>("live.longest_hole_s", 1.0, 0, 60, "longest gap of the IMU that is bridged",
                                  [](auto& l) -> auto& { return l.longest_hole; }))
-        .add(settings::text<L>("live.state", "file in which the state of the filter is kept from run to run",
+        .add(settings::text<L>("live.state", "file that keeps the state of the filter between runs",
                                [](auto& l) -> auto& { return l.state; }))
-        .add(settings::number<L>("live.save_every_s", 1.0, 1, 1e6, "how often it is saved, beside at the end",
+        .add(settings::number<L>("live.save_every_s", 1.0, 1, 1e6, "interval at which the state is saved, besides at the end",
                                  [](auto& l) -> auto& { return l.save_every; }))
-        .add(settings::text<L>("live.log", "stderr, none or a file: connections, events and trouble, a line each",
+        .add(settings::text<L>("live.log", "log of connections, events and problems: stderr, none or a file",
                                [](auto& l) -> auto& { return l.log; }))
-        .add(settings::number<L>("live.health_every_s", 1.0, 0.1, 1e6, "how often the health is told",
+        .add(settings::number<L>("live.health_every_s", 1.0, 0.1, 1e6, "interval of health messages",
                                  [](auto& l) -> auto& { return l.health_every; }));
     Option<L> outputs{settings::detail::spec("output", settings::Shape::Tables,
                                              "live: [[output]] with to, format, rate_hz, at, events, queue_kb, rotate_mb, keep"),

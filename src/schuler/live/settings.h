@@ -1,4 +1,4 @@
-// What a live run is told: the settings of the filter as in dataset.toml, where samples come from, where messages go.
+// Settings of a live run: those of the filter as in dataset.toml, where samples come from, where messages go.
 #pragma once
 
 #include "schuler/filter/navigator_settings.h"

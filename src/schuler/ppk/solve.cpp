@@ -30,8 +30,8 @@ std::string place_text(const Ecef& place) {
     return fmt::format("[{:.8f}, {:.8f}, {:.3f}]", g.lat * deg, g.lon * deg, g.h);
 }
 
-Error about_base(const Input& input, std::string what, std::string mend, const char* key = "base.observations") {
-    return input_error(std::move(what), {input.base_name, 0, 0, key}, std::move(mend));
+Error about_base(const Input& input, std::string what, std::string hint, const char* key = "base.observations") {
+    return input_error(std::move(what), {input.base_name, 0, 0, key}, std::move(hint));
 }
 
 void check_times(const Input& input, double longest_age) {
@@ -120,8 +120,8 @@ void place_base(const Input& input, Solution& out, WarningLog& warnings) {
         out.base = antenna_of(header, input.base->antenna_delta);
         out.place = PlaceOfBase::Header;
         warnings.add("base.position.header",
-                     fmt::format("the base stands where its header says, {}; positions are as good as that "
-                                 "(base.position gives another)",
+                     fmt::format("the position of the base is that of its header, {}, whose error is in every "
+                                 "position (base.position overrides it)",
                                  place_text(out.base)));
     } else if (own) {
         out.base = own->position;
@@ -129,15 +129,16 @@ void place_base(const Input& input, Solution& out, WarningLog& warnings) {
         out.base_sigma = own->sigma;
         warnings.add(
             "base.position.single",
-            fmt::format("neither base.position nor the header says where the base is: its own single-point solution, {}, "
-                        "stands for it, and its sigma of {:.1f} m is in every position",
+            fmt::format("neither base.position nor the header gives the position of the base: its own single-point solution, {}, "
+                        "is used, and its sigma of {:.1f} m is in every position",
                         place_text(out.base), own->sigma));
     } else {
-        throw about_base(input, "nothing says where the base is: its header has no position, and its measurements give none",
+        throw about_base(input, "the position of the base is unknown: its header has none, and its measurements give none",
                          "write [base] position = [latitude deg, longitude deg, height m]", "base.position");
     }
     if (!own) {
-        warnings.add("base.unchecked", "the base's place could not be checked: its measurements give no single-point solution");
+        warnings.add("base.unchecked",
+                     "the position of the base could not be checked: its measurements give no single-point solution");
         return;
     }
     constexpr double honest = 20.0, sigmas = 6.0;  // m

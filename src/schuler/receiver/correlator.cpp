@@ -43,7 +43,7 @@ CorrelatorModel::CorrelatorModel(const CorrelationPeak& peak, double spacing) : 
     // two.
     const Eigen::LLT<Eigen::Matrix3d> factor(covariance_ + 1e-12 * Eigen::Matrix3d::Identity());
     if (factor.info() != Eigen::Success)
-        throw computation_error(fmt::format("correlators {} chips apart are not told apart in this bandwidth", spacing),
+        throw computation_error(fmt::format("correlators {} chips apart cannot be distinguished in this bandwidth", spacing),
                                 "widen the front end or the spacing");
     root_ = factor.matrixL();
 }

@@ -47,7 +47,7 @@ SampleReceiver::SampleReceiver(const IfFormat& format, const SampleReceiverSetti
     std::ranges::sort(prns);
     for (std::size_t i = 0; i < prns.size(); ++i) {
         if (i > 0 && prns[i] == prns[i - 1])
-            throw input_error(fmt::format("satellite {} stands there twice", prns[i]), {.key = "satellites"}, "give it once");
+            throw input_error(fmt::format("satellite {} is listed twice", prns[i]), {.key = "satellites"}, "give it once");
         (void)ca_code(prns[i]);
         records_.push_back({.prn = prns[i]});
     }

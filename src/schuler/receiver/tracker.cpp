@@ -46,7 +46,8 @@ void TrackingSettings::check(const SignalStructure& signal) const {
     positive(phase_patience, "phase_patience");
     positive(code_patience, "code_patience");
     if (!(phase_lock > 0.0 && phase_lock < 1.0))
-        throw input_error(fmt::format("{} is no threshold of phase lock", phase_lock), {.key = "phase_lock"}, "give 0 to 1");
+        throw input_error(fmt::format("{} is not a valid threshold of phase lock", phase_lock), {.key = "phase_lock"},
+                          "give 0 to 1");
 }
 
 Tracker::Tracker(const SignalStructure& signal, const CorrelationPeak& peak, const TrackingSettings& settings)

@@ -185,10 +185,10 @@ report::CheckEntry check_of(const std::optional<solution::SelfCheck>& check) {
     }
     out.tables = {std::move(table), std::move(motion)};
     if (c.tried)
-        out.intro +=
-            fmt::format(" The windows ask for {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers{}.",
-                        c.tried->gyro, c.tried->accel,
-                        c.widened ? ", which is in force" : ", which makes the others no truer and was left out");
+        out.intro += fmt::format(
+            " The windows indicate {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers{}.",
+            c.tried->gyro, c.tried->accel,
+            c.widened ? ", which is in force" : ", which makes the others no truer and was left out");
     return out;
 }
 

@@ -213,7 +213,7 @@ Section carrier_section(const dataset::CarrierPhase& carrier, Time zero) {
                     {}};
     Group g;
     Panel quality = panel("solution", "1 fixed, 2 float, 5 single"), ratio = panel("ratio test of the integers", "ratio"),
-          phase = panel("phases", "residual, m"), slips = panel("arcs of phases begun anew", "arcs");
+          phase = panel("phases", "residual, m"), slips = panel("phase arcs restarted", "arcs");
     Series q{.name = "", .x = {}, .y = {}, .mark = Mark::Dots}, r{.name = "", .x = {}, .y = {}},
         n{.name = "", .x = {}, .y = {}, .ink = Ink::Vermillion, .mark = Mark::Squares};
     std::map<std::pair<gnss::SatelliteId, char>, Series> phases;

@@ -417,7 +417,7 @@ std::string satellite_text(const SatelliteReportInput& in) {
         for (const auto& [quality, name] : {std::pair{ppk::Quality::Fixed, "fixed"}, std::pair{ppk::Quality::Float, "float"},
                                             std::pair{ppk::Quality::Single, "without the base"}})
             text += fmt::format(" {} {},", t.by_quality.contains(quality) ? t.by_quality.at(quality) : 0, name);
-        text += fmt::format(" {} arcs of phases begun anew\n", t.slips);
+        text += fmt::format(" {} phase arcs restarted\n", t.slips);
     }
     return text + "\n" + table_text(table_of(satellites_of(views), views.carrier.has_value()));
 }

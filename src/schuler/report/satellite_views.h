@@ -1,4 +1,4 @@
-// What is told of a receiver's satellites: tables, JSON, text and a page.
+// What is reported of a receiver's satellites: tables, JSON, text and a page.
 #pragma once
 
 #include "schuler/dataset/satellite_views.h"
@@ -31,7 +31,7 @@ struct SatelliteSummary {
 /// In the order of systems and numbers.
 [[nodiscard]] std::vector<SatelliteSummary> satellites_of(const dataset::SatelliteViews& views);
 
-/// Which carriers slipped or were begun anew, for each epoch of the carrier-phase solution: its arc differs from the one before.
+/// Which carriers slipped or were restarted, for each epoch of the carrier-phase solution: its arc differs from the one before.
 [[nodiscard]] std::vector<std::vector<bool>> slips_of(const dataset::CarrierPhase& carrier);
 
 /// gnss.csv: an epoch a row: solution, sigma, satellites, dilution, protection levels; with a base, its carrier-phase position too.

@@ -20,7 +20,8 @@ std::string alert_text(const fusion::Alert& a) {
         case IntegrityTest::JumpBack: return fmt::format("the receiver is back from a jump of {}", size);
         case IntegrityTest::OtherLevel:
             return fmt::format("the receiver has stayed {} away for longer than before: that counts now", size);
-        case IntegrityTest::Navigation: return fmt::format("the navigation was wrong ({}): attitude and biases found anew", size);
+        case IntegrityTest::Navigation:
+            return fmt::format("the navigation was wrong ({}): attitude and biases re-estimated", size);
         case IntegrityTest::Receiver: return fmt::format("the receiver was wrong ({}) and agrees again", size);
         default: return fmt::format("excluded ({} test)", integrity_test_name(a.test));
     }

@@ -75,24 +75,24 @@ SimulatedReceiver::SimulatedReceiver(const SimulatedSky& sky, receiver::Guidance
 
 void SimulatedReceiver::begin(double t) { bank_.emplace(sky_, settings_, sky_.frame().seed, t); }
 
-void SimulatedReceiver::run(const fusion::Guide& guide, Time until, RangingLog& log) {
-    const double now = sky_.seconds(guide.time);
+void SimulatedReceiver::run(const fusion::ReceiverAiding& aiding, Time until, RangingLog& log) {
+    const double now = sky_.seconds(aiding.time);
     if (!bank_) begin(now);
     const earth::Ellipsoid& ellipsoid = sky_.frame().earth.ellipsoid;
     for (std::size_t i = 0; i < predictions_.size(); ++i) {
         const auto first = sky_.satellite(i, now - 0.075);
         if (!first) continue;
-        const double tau = (guide.antenna.r_e - first->position.r).norm() / c;
+        const double tau = (aiding.antenna.r_e - first->position.r).norm() / c;
         const auto sent = sky_.satellite(i, now - tau);
         if (!sent) continue;
         const fusion::LineOfSightAid aid =
-            fusion::line_of_sight_aid(guide.antenna, at_reception(*sent, ellipsoid, tau), guide.C_en, guide.P);
-        const double jerk = guide.jerk_e.dot((guide.antenna.r_e - sent->position.r).normalized());
+            fusion::line_of_sight_aid(aiding.antenna, at_reception(*sent, ellipsoid, tau), aiding.C_en, aiding.P);
+        const double jerk = aiding.jerk_e.dot((aiding.antenna.r_e - sent->position.r).normalized());
         predictions_[i] = {
-            {aid.range + guide.clock - c * sent->clock, aid.rate + guide.drift - c * sent->clock_rate, aid.acceleration, jerk},
-            std::hypot(aid.std_range, guide.std_clock),
-            std::hypot(aid.std_rate, guide.std_drift),
-            guide.drift};
+            {aid.range + aiding.clock - c * sent->clock, aid.rate + aiding.drift - c * sent->clock_rate, aid.acceleration, jerk},
+            std::hypot(aid.std_range, aiding.std_clock),
+            std::hypot(aid.std_rate, aiding.std_drift),
+            aiding.drift};
     }
     bank_->guide(predictions_, now);
     listen(sky_.seconds(until), log);

@@ -50,7 +50,7 @@ public:
     SimulatedReceiver(const SimulatedSky& sky, receiver::Guidance guidance);
 
     /// A fusion::ReceiverInLoop.
-    void run(const fusion::Guide& guide, Time until, RangingLog& log);
+    void run(const fusion::ReceiverAiding& aiding, Time until, RangingLog& log);
     /// The whole flight without guidance.
     [[nodiscard]] RangingLog run_alone();
     [[nodiscard]] double rate_span() const { return rate_span_; }  ///< s, sensor::RangingErrorModel::rate_span

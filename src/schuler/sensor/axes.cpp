@@ -25,10 +25,10 @@ constexpr std::array<Direction, 6> directions{
 constexpr std::string_view axis_names = "xyz";
 constexpr std::string_view how = "write three of f, b, l, r, u, d such as \"frd\", or \"x=forward, y=left, z=up\"";
 
-Error axes_error(std::string_view axes, const std::string& what, std::string mend = std::string(how)) {
+Error axes_error(std::string_view axes, const std::string& what, std::string hint = std::string(how)) {
     SourcePlace place;
     place.key = "axes";
-    return input_error(fmt::format("sensor axes \"{}\": {}", axes, what), place, std::move(mend));
+    return input_error(fmt::format("sensor axes \"{}\": {}", axes, what), place, std::move(hint));
 }
 
 std::optional<Direction> direction_of(std::string_view word) {

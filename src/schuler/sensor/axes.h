@@ -12,7 +12,7 @@ namespace schuler::sensor {
 ///  - an explicit list: "x=forward, y=left, z=up", in any order, full words or their letters ("back", "rear", "aft" are backward).
 /// Case and spaces do not matter. The result is a permutation with signs, determinant +1.
 /// @throws Error(Input), key "axes", for an unknown word, a missing or repeated axis, two axes along one line, or left-handed axes
-///         (the mend says which direction would make it right-handed).
+///         (the hint says which direction would make it right-handed).
 [[nodiscard]] Eigen::Matrix3d C_bs_from_axes(std::string_view axes);
 
 }  // namespace schuler::sensor

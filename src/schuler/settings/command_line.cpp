@@ -92,6 +92,8 @@ std::string value_name_of(const OptionSpec& spec) {
 std::string help_of(const OptionSpec& spec, const SettingList& defaults) {
     std::string out = spec.help;
     if (!spec.applies.empty()) out += fmt::format(" ({})", spec.applies);
+    const bool numbers = spec.shape == Shape::Number || spec.shape == Shape::Integer || spec.shape == Shape::Numbers;
+    if (numbers && !range_text(spec).empty()) out += "; " + accepted_form(spec);
     const auto usual = std::ranges::find(defaults, spec.key, &Setting::key);
     if (!spec.otherwise.empty()) return out + "; default: " + spec.otherwise;
     if (usual == defaults.end() || spec.shape == Shape::Flag) return out;

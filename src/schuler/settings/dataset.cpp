@@ -49,15 +49,15 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     }
     if (r.report.refusal && needs == dataset::Needs::ImuAndGnss) {
         const inspect::Refusal& refused = *r.report.refusal;
-        throw input_error(refused.text, {refused.file, 0, 0, refused.key}, refused.mend);
+        throw input_error(refused.text, {refused.file, 0, 0, refused.key}, refused.hint);
     }
     const std::string origin = "found in " + path.string();
     d.contradictions = std::move(r.report.contradictions);
-    SettingList believed = given;  // all but what is refuted
+    SettingList accepted = given;  // all but what is refuted
     for (inspect::Contradiction& c : d.contradictions) {
         if (said.run.keep_given) c.refuted = false;
         if (!c.refuted) continue;
-        std::erase_if(believed, [&](const Setting& s) { return s.key == c.key; });
+        std::erase_if(accepted, [&](const Setting& s) { return s.key == c.key; });
         d.given.erase(c.key);
         if (!c.better) continue;
         Fact& fact = r.facts.emplace_back();
@@ -67,7 +67,7 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
         fact.sigma = c.sigma;
         fact.note = c.text;
     }
-    d.settings = completed(settings_of(r.facts, origin), believed);
+    d.settings = completed(settings_of(r.facts, origin), accepted);
     d.facts = std::move(r.facts);
     d.doubts = std::move(r.doubts);
     d.inferred_toml = std::move(r.dataset_toml);

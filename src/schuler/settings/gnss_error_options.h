@@ -39,9 +39,11 @@ void add_gnss_error_options(OptionTable<Target>& table, Errors errors) {
         {"correlated_m", 1e4, "slowly varying position error, one sigma; 0 = not modelled", &M::correlated_position},
         {"correlated_velocity_m_s", 1e3, "slowly varying velocity error, one sigma; 0 = not modelled", &M::correlated_velocity},
         {"change_white_m", 1e4, "extra white position error where the set of satellites changes", &M::change_white_position},
-        {"change_correlated_m", 1e4, "jump of the slowly varying position error there", &M::change_correlated_position},
-        {"change_white_velocity_m_s", 1e3, "extra white velocity error there", &M::change_white_velocity},
-        {"change_correlated_velocity_m_s", 1e3, "jump of the slowly varying velocity error there",
+        {"change_correlated_m", 1e4, "jump of the slowly varying position error where the set of satellites changes",
+         &M::change_correlated_position},
+        {"change_white_velocity_m_s", 1e3, "extra white velocity error where the set of satellites changes",
+         &M::change_white_velocity},
+        {"change_correlated_velocity_m_s", 1e3, "jump of the slowly varying velocity error where the set of satellites changes",
          &M::change_correlated_velocity},
     };
     for (const auto& r : sigmas)
@@ -54,7 +56,8 @@ void add_gnss_error_options(OptionTable<Target>& table, Errors errors) {
         double M::*field;
     } numbers[] = {
         {"correlated_time_s", 1e-2, 1e15, "correlation time of the slowly varying position error", &M::correlated_time},
-        {"correlated_distance_m", 0, 1e9, "its correlation distance over the ground; 0 = independent of distance",
+        {"correlated_distance_m", 0, 1e9,
+         "correlation distance over the ground of the slowly varying position error; 0 = independent of distance",
          &M::correlated_distance},
         {"correlated_velocity_time_s", 1e-2, 1e15, "correlation time of the slowly varying velocity error",
          &M::correlated_velocity_time},

@@ -5,23 +5,22 @@
 #include "schuler/sensor/grades.h"
 #include "schuler/settings/option_builders.h"
 
-#include <fmt/ranges.h>
+#include <string_view>
 
 namespace schuler::settings {
 
 /// "imu.grade": fills the whole model; the numbers come later in the table and refine it.
 template <class Target, class Name, class Errors>
 Option<Target> imu_grade_option(Name grade, Errors errors) {
-    return special<Target>(
-        "imu.grade", fmt::format("one of {}", fmt::join(sensor::imu_grade_names(), ", ")),
-        "class or device of the IMU; the numbers below refine it",
-        [=](Target& t, const Value& v) {
-            if (v.text() == nullptr)
-                throw input_error(fmt::format("is {}, expected text", kind_of(v)), {}, "write for example grade = \"mems\"");
-            errors(t) = sensor::imu_grade(*v.text());
-            grade(t) = *v.text();
-        },
-        [=](const Target& t) -> std::optional<Value> { return Value{grade(t)}; });
+    OptionSpec s = detail::spec("imu.grade", Shape::Text, "class or device of the IMU; the numbers below refine it");
+    for (const std::string_view name : sensor::imu_grade_names()) s.choices.emplace_back(name);
+    s.any_spelling = true;
+    return {std::move(s),
+            [=](Target& t, const Value& v) {
+                errors(t) = sensor::imu_grade(*v.text());
+                grade(t) = *v.text();
+            },
+            [=](const Target& t) -> std::optional<Value> { return Value{grade(t)}; }};
 }
 
 /// The numbers of the model under `prefix` ("imu."); `errors` is the access to the model in the target.
@@ -36,9 +35,8 @@ void add_imu_error_options(OptionTable<Target>& table, const std::string& prefix
     } rows[] = {
         {"gyro_noise_deg_sqrt_h", units::deg_per_sqrt_hour, 0, 1000, "gyro angle random walk", &M::gyro_noise},
         {"gyro_bias_deg_h", units::deg_per_hour, 0, 1e6, "gyro in-run bias, one sigma", &M::gyro_bias},
-        {"gyro_bias_time_s", 1.0, 1e-3, 1e9, "its correlation time", &M::gyro_bias_time},
-        {"gyro_turn_on_bias_deg_h", units::deg_per_hour, 0, 1e6, "gyro bias new at each switch-on, one sigma",
-         &M::gyro_turn_on_bias},
+        {"gyro_bias_time_s", 1.0, 1e-3, 1e9, "correlation time of the gyro in-run bias", &M::gyro_bias_time},
+        {"gyro_turn_on_bias_deg_h", units::deg_per_hour, 0, 1e6, "gyro turn-on bias, one sigma", &M::gyro_turn_on_bias},
         {"gyro_scale_factor_ppm", units::ppm, 0, 1e6, "gyro scale-factor error, one sigma", &M::gyro_scale},
         {"gyro_misalignment_arcsec", units::arcsec, 0, 1e5, "gyro axis misalignment, one sigma", &M::gyro_misalignment},
         {"gyro_quantum_arcsec", units::arcsec, 0, 1e5, "resolution of the angle increments", &M::gyro_quantum},
@@ -49,12 +47,11 @@ void add_imu_error_options(OptionTable<Target>& table, const std::string& prefix
          "gyro bias for one kelvin off the calibration temperature, one sigma", &M::gyro_temperature},
         {"gyro_g_deg_h_g", units::deg_per_hour / (1000.0 * units::mg), 0, 1e6, "gyro bias for one g of specific force, one sigma",
          &M::gyro_g},
-        {"gyro_range_deg_s", units::deg_per_s, 0, 1e6, "largest rate that is measured; 0 = no limit", &M::gyro_range},
+        {"gyro_range_deg_s", units::deg_per_s, 0, 1e6, "full-scale range of the gyros; 0 = no limit", &M::gyro_range},
         {"accel_noise_m_s_sqrt_h", units::m_s_per_sqrt_hour, 0, 1000, "accelerometer velocity random walk", &M::accel_noise},
         {"accel_bias_mg", units::mg, 0, 1e4, "accelerometer in-run bias, one sigma", &M::accel_bias},
-        {"accel_bias_time_s", 1.0, 1e-3, 1e9, "its correlation time", &M::accel_bias_time},
-        {"accel_turn_on_bias_mg", units::mg, 0, 1e4, "accelerometer bias new at each switch-on, one sigma",
-         &M::accel_turn_on_bias},
+        {"accel_bias_time_s", 1.0, 1e-3, 1e9, "correlation time of the accelerometer in-run bias", &M::accel_bias_time},
+        {"accel_turn_on_bias_mg", units::mg, 0, 1e4, "accelerometer turn-on bias, one sigma", &M::accel_turn_on_bias},
         {"accel_scale_factor_ppm", units::ppm, 0, 1e6, "accelerometer scale-factor error, one sigma", &M::accel_scale},
         {"accel_misalignment_arcsec", units::arcsec, 0, 1e5, "accelerometer axis misalignment, one sigma",
          &M::accel_misalignment},
@@ -63,7 +60,7 @@ void add_imu_error_options(OptionTable<Target>& table, const std::string& prefix
          &M::accel_flicker},
         {"accel_temperature_mg_k", units::mg, 0, 1e4,
          "accelerometer bias for one kelvin off the calibration temperature, one sigma", &M::accel_temperature},
-        {"accel_range_g", 1000.0 * units::mg, 0, 1e6, "largest specific force that is measured; 0 = no limit", &M::accel_range},
+        {"accel_range_g", 1000.0 * units::mg, 0, 1e6, "full-scale range of the accelerometers; 0 = no limit", &M::accel_range},
         {"accel_quantum_m_s", 1.0, 0, 10, "resolution of the velocity increments", &M::accel_quantum},
     };
     for (const auto& r : rows) {

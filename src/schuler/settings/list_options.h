@@ -25,7 +25,7 @@ struct Entry {
 };
 
 inline void fill(const Value& v, const std::vector<Entry>& entries, const char* form) {
-    if (v.table() == nullptr) throw input_error(fmt::format("{} is no table", to_toml(v)), {}, form);
+    if (v.table() == nullptr) throw input_error(fmt::format("{} is not a table", to_toml(v)), {}, form);
     for (const auto& [name, x] : *v.table()) {
         const auto e = std::ranges::find_if(entries, [&name = name](const Entry& entry) { return name == entry.name; });
         if (e == entries.end()) throw input_error(fmt::format("has no \"{}\"", name), {}, form);

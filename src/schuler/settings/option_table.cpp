@@ -1,6 +1,9 @@
 #include "schuler/settings/option_table.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 
 namespace schuler::settings {
@@ -38,13 +41,12 @@ bool abbreviates(std::string_view a, std::string_view b) {
     return a.empty() && b.empty();
 }
 
-std::string range_text(const OptionSpec& spec) {
-    constexpr double huge = 1e9;  // a bound that only keeps nonsense out is not worth a word
-    const bool low = spec.low > -huge, high = spec.high < huge;
-    if (low && high) return fmt::format(" from {} to {}", spec.low, spec.high);
-    if (low) return fmt::format(" of at least {}", spec.low);
-    if (high) return fmt::format(" of at most {}", spec.high);
-    return {};
+/// Letters and digits in lower case.
+std::string bare(std::string_view name) {
+    std::string out;
+    for (const char c : name)
+        if (c != '-' && c != '_' && c != ' ') out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return out;
 }
 
 void check_number(const OptionSpec& spec, const Value& value, const SourcePlace& place) {
@@ -71,8 +73,11 @@ void check_number(const OptionSpec& spec, const Value& value, const SourcePlace&
 
 void check_text(const OptionSpec& spec, const Value& value, const SourcePlace& place) {
     if (value.text() == nullptr) wrong_kind(spec, value, place);
-    if (spec.choices.empty() || std::ranges::find(spec.choices, *value.text()) != spec.choices.end()) return;
-    throw input_error(fmt::format("unknown value \"{}\"", *value.text()), place, fmt::format("use {}", accepted_form(spec)));
+    const std::string& text = *value.text();
+    const bool known = std::ranges::any_of(
+        spec.choices, [&](const std::string& c) { return c == text || (spec.any_spelling && bare(c) == bare(text)); });
+    if (spec.choices.empty() || known) return;
+    throw input_error(fmt::format("unknown value \"{}\"", text), place, fmt::format("use {}", accepted_form(spec)));
 }
 
 const OptionSpec* find_spec(const std::vector<OptionSpec>& known, std::string_view key) {
@@ -118,6 +123,15 @@ void flatten_into(const ValueTable& table, const std::string& prefix, const std:
 
 }  // namespace
 
+std::string range_text(const OptionSpec& spec) {
+    constexpr double huge = 1e9;  // a bound that only keeps nonsense out is not worth a word
+    const bool low = spec.low > -huge, high = spec.high < huge;
+    if (low && high) return fmt::format(" from {} to {}", spec.low, spec.high);
+    if (low) return fmt::format(" of at least {}", spec.low);
+    if (high) return fmt::format(" of at most {}", spec.high);
+    return {};
+}
+
 std::string accepted_form(const OptionSpec& spec) {
     if (!spec.form.empty()) return spec.form;
     switch (spec.shape) {
@@ -127,7 +141,8 @@ std::string accepted_form(const OptionSpec& spec) {
         case Shape::Numbers:
             return spec.length > 0 ? fmt::format("a list of {} numbers{}", spec.length, range_text(spec))
                                    : "a list of numbers" + range_text(spec);
-        case Shape::Texts: return "a list of texts";
+        case Shape::Texts:
+            return spec.choices.empty() ? "a list of texts" : fmt::format("a list out of {}", fmt::join(spec.choices, ", "));
         case Shape::Table: return "a table { name = value, ... }";
         case Shape::Tables: return "tables [[...]]";
         case Shape::Any: return "a value";
@@ -254,7 +269,7 @@ std::string listing(const std::vector<OptionSpec>& known, const SettingList& def
     for (const OptionSpec& spec : known) {
         if (!spec.key.starts_with(prefix)) continue;
         const auto it = std::ranges::find(defaults, spec.key, &Setting::key);
-        const std::string text = it == defaults.end() ? "none" : to_toml(it->value);
+        const std::string text = it == defaults.end() ? "none" : shown(it->value);
         const std::string applies = spec.applies.empty() ? "" : "; applies to: " + spec.applies;
         out += fmt::format("  {}\n      {}\n      {}{}; default {}{}\n", spec.key, spec.help, accepted_form(spec),
                            spec.unit.empty() ? "" : ", in " + spec.unit, text, applies);

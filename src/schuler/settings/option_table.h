@@ -39,7 +39,8 @@ struct OptionSpec {
     std::size_t length = 0;                                 ///< of a list; 0 = any
     double low = -std::numeric_limits<double>::infinity();  ///< in the unit of the key
     double high = std::numeric_limits<double>::infinity();
-    std::vector<std::string> choices;  ///< of a text; empty = any
+    std::vector<std::string> choices;  ///< of a text, or of the items of a list; empty = any
+    bool any_spelling = false;         ///< choices in capitals too, and without their - and _
     std::string form;                  ///< of Any, for people: "[roll, pitch, yaw] or \"estimate\""
     std::string help;                  ///< one sentence
     std::string unit;                  ///< for people: "m/s"; taken from the key where that ends with a unit
@@ -56,6 +57,9 @@ void check_value(const OptionSpec& spec, const Value& value, const SourcePlace& 
 
 /// The known key nearest to a misspelt one (optimal string alignment distance; a missing unit suffix costs little), or "".
 [[nodiscard]] std::string nearest_key(std::string_view key, const std::vector<std::string>& known);
+
+/// " from 0 to 10", " of at least 0"; empty where there is no limit worth a word.
+[[nodiscard]] std::string range_text(const OptionSpec& spec);
 
 /// The number whose product with `factor` is exactly `si` where there is one, in as few digits as that needs.
 [[nodiscard]] double in_unit(double si, double factor);

@@ -21,13 +21,16 @@ void add_range_error_options(OptionTable<Target>& table, Errors errors) {
         double low, high;
     } rows[] = {
         {"ranges.white_m", "white error of a satellite's pseudorange", &M::satellite, &R::white, 1e-6, 1e4},
-        {"ranges.correlated_m", "its slowly varying error, a state of each satellite; 0 = none", &M::satellite, &R::correlated, 0,
-         1e4},
-        {"ranges.correlated_time_s", "correlation time of that error", &M::satellite, &R::correlation_time, 1e-3, 1e7},
+        {"ranges.correlated_m", "slowly varying error of a satellite's pseudorange, a state of each satellite; 0 = none",
+         &M::satellite, &R::correlated, 0, 1e4},
+        {"ranges.correlated_time_s", "correlation time of the slowly varying error of a satellite's pseudorange", &M::satellite,
+         &R::correlation_time, 1e-3, 1e7},
         {"ranges.rate_m_s", "white error of a satellite's range rate", &M::satellite, &R::rate, 1e-6, 1e3},
         {"ranges.station_white_m", "white error of a ground station's pseudorange", &M::station, &R::white, 1e-6, 1e4},
-        {"ranges.station_correlated_m", "its slowly varying error; 0 = none", &M::station, &R::correlated, 0, 1e4},
-        {"ranges.station_correlated_time_s", "correlation time of that error", &M::station, &R::correlation_time, 1e-3, 1e7}};
+        {"ranges.station_correlated_m", "slowly varying error of a ground station's pseudorange; 0 = none", &M::station,
+         &R::correlated, 0, 1e4},
+        {"ranges.station_correlated_time_s", "correlation time of the slowly varying error of a ground station's pseudorange",
+         &M::station, &R::correlation_time, 1e-3, 1e7}};
     for (const auto& r : rows)
         table.add(number<Target>(r.name, 1.0, r.low, r.high, r.help, [errors, kind = r.kind, field = r.field](auto& t) -> auto& {
             return (errors(t).*kind).*field;
@@ -39,7 +42,7 @@ void add_range_error_options(OptionTable<Target>& table, Errors errors) {
         double low;
     } others[] = {
         {"ranges.network_m", "offset of the stations' common time from the satellites' time, one sigma", &M::network, 0},
-        {"ranges.network_time_s", "its correlation time", &M::network_time, 1e-3},
+        {"ranges.network_time_s", "correlation time of the offset of the stations' time", &M::network_time, 1e-3},
         {"ranges.rate_span_s",
          "interval over which a range rate is averaged, whose clock noise all ranges share; 0 = included in the sigmas",
          &M::rate_span, 0},
@@ -63,11 +66,11 @@ void add_range_error_options(OptionTable<Target>& table, Errors errors) {
                             [](const Target&) { return std::optional<Value>(); }})
         .add(number<Target>("ranges.clock_h0_s", 1.0, 0, 1e-10, "white frequency noise of the clock",
                             clock(&sensor::Oscillator::h0)))
-        .add(number<Target>("ranges.clock_h_minus2_hz", 1.0, 0, 1e-10, "random walk of its frequency",
+        .add(number<Target>("ranges.clock_h_minus2_hz", 1.0, 0, 1e-10, "random walk of the frequency of the clock",
                             clock(&sensor::Oscillator::h_minus2)))
-        .add(number<Target>("ranges.clock_std_m", 1.0, 0, 1e9, "its error at the start, one sigma",
+        .add(number<Target>("ranges.clock_std_m", 1.0, 0, 1e9, "clock error at the start, one sigma",
                             clock(&sensor::Oscillator::bias)))
-        .add(number<Target>("ranges.drift_std_m_s", 1.0, 0, 1e6, "its rate's error at the start, one sigma",
+        .add(number<Target>("ranges.drift_std_m_s", 1.0, 0, 1e6, "clock drift at the start, one sigma",
                             clock(&sensor::Oscillator::drift)));
 }
 

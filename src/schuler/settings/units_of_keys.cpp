@@ -8,6 +8,10 @@ namespace {
 // Longer endings before those that they end with.
 constexpr auto endings = std::to_array<KeyUnit>({
     {"bias_walk_m", "m/sqrt(s)", "m/√s"},
+    {"bias_walk_deg", "deg/sqrt(s)", "°/√s"},
+    {"rate_walk_deg_h_sqrt_h", "deg/h/sqrt(h)", "°/h/√h"},
+    {"walk_mg_sqrt_h", "mg/sqrt(h)", "mg/√h"},
+    {"_mgal_km2", "mGal/km2", "mGal/km²"},
     {"per_lateral_accel", "rad/(m/s2)", "rad/(m/s²)"},
     {"per_accel", "rad/(m/s2)", "rad/(m/s²)"},
     {"clock_per_g", "1/g", "1/g"},

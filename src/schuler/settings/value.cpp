@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace schuler::settings {
 namespace {
@@ -35,25 +37,36 @@ std::string number_text(double x) {
     return text;
 }
 
+/// A number that takes more digits than anybody has set is one in another unit.
+std::string rounded_text(double x) {
+    constexpr std::ptrdiff_t most = 12;
+    const std::string text = number_text(x);
+    const auto digits = std::ranges::count_if(text.substr(0, text.find('e')), [](char c) { return c >= '0' && c <= '9'; });
+    return digits <= most ? text : number_text(std::strtod(fmt::format("{:.6g}", x).c_str(), nullptr));
+}
+
 bool bare_key(const std::string& key) {
     return !key.empty() &&
            key.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos;
 }
 
 struct Writer {
+    bool rounded = false;  ///< numbers in six digits
+
     std::string operator()(bool b) const { return b ? "true" : "false"; }
     std::string operator()(std::int64_t i) const { return fmt::format("{}", i); }
-    std::string operator()(double x) const { return number_text(x); }
+    std::string operator()(double x) const { return rounded && std::isfinite(x) ? rounded_text(x) : number_text(x); }
     std::string operator()(const std::string& s) const { return quoted(s); }
     std::string operator()(const ValueList& list) const {
         std::string out = "[";
-        for (const Value& v : list) out += (out.size() > 1 ? ", " : "") + to_toml(v);
+        for (const Value& v : list) out += (out.size() > 1 ? ", " : "") + std::visit(*this, v.data);
         return out + "]";
     }
     std::string operator()(const ValueTable& table) const {
         std::string out = "{";
         for (const auto& [key, v] : table) {
-            out += fmt::format("{}{} = {}", out.size() > 1 ? ", " : " ", bare_key(key) ? key : quoted(key), to_toml(v));
+            out += fmt::format("{}{} = {}", out.size() > 1 ? ", " : " ", bare_key(key) ? key : quoted(key),
+                               std::visit(*this, v.data));
         }
         return out + (table.empty() ? "}" : " }");
     }
@@ -78,5 +91,7 @@ std::string_view kind_of(const Value& value) {
 }
 
 std::string to_toml(const Value& value) { return std::visit(Writer{}, value.data); }
+
+std::string shown(const Value& value) { return std::visit(Writer{.rounded = true}, value.data); }
 
 }  // namespace schuler::settings

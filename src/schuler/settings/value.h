@@ -54,4 +54,7 @@ using SettingList = std::vector<Setting>;
 /// The value as TOML writes it, numbers in the fewest digits that read back the same.
 [[nodiscard]] std::string to_toml(const Value& value);
 
+/// The same for people: numbers that need more than twelve digits in six.
+[[nodiscard]] std::string shown(const Value& value);
+
 }  // namespace schuler::settings

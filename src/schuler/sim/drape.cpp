@@ -38,11 +38,12 @@ std::vector<double> mean_within(const std::vector<double>& x, std::size_t reach)
 }  // namespace
 
 void drape(RoutePlan& plan, const Drape& s, const LocalChart& chart) {
-    const auto require = [](bool ok, const char* key, const char* what, const char* mend) {
-        if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
+    const auto require = [](bool ok, const char* key, const char* what, const char* hint) {
+        if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, hint);
     };
     require(std::isfinite(s.clearance), "trajectory.drape.clearance_m", "is not a number", "give metres");
-    require(std::isfinite(s.slope) && s.slope > 0.0, "trajectory.drape.climb_deg", "is no slope", "give degrees above 0");
+    require(std::isfinite(s.slope) && s.slope > 0.0, "trajectory.drape.climb_deg", "is not a valid slope",
+            "give degrees above 0");
     require(std::isfinite(s.smoothing) && s.smoothing >= 0.0, "trajectory.drape.smoothing_m", "is not a length", "give metres");
     std::vector<double> h(plan.up.size());
     for (std::size_t i = 0; i < h.size(); ++i)

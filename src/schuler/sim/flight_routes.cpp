@@ -36,8 +36,8 @@ constexpr double right_angle = 0.5 * std::numbers::pi;
 constexpr double rate_one = std::numbers::pi / 60.0;  // rad/s, two minutes a circle
 
 RoutePath aircraft(const FlightPhase& s) {
-    const auto require = [](bool ok, const char* key, const char* what, const char* mend) {
-        if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, mend);
+    const auto require = [](bool ok, const char* key, const char* what, const char* hint) {
+        if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = key}, hint);
     };
     require(std::isfinite(s.speed) && s.speed >= 20.0 && s.speed <= 400.0, "trajectory.speed_m_s",
             "is not the speed of an aircraft", "give 20 to 400 m/s");

@@ -143,9 +143,10 @@ void require_above_ground(const TruthPath& path, double duration, double ground)
     for (double t = 0.0; t <= duration; t += std::max(1.0, 1e-4 * duration)) {
         const double h = path.at(t).position.h;
         if (h < ground - allowed)
-            throw input_error(fmt::format("leads {:.1f} m below the ground after {:.0f} s", ground - h, t),
-                              {.file = {}, .line = 0, .column = 0, .key = "trajectory"},
-                              fmt::format("stay above {:g} m, or say where the ground is: trajectory.ground_height_m", ground));
+            throw input_error(
+                fmt::format("leads {:.1f} m below the ground after {:.0f} s", ground - h, t),
+                {.file = {}, .line = 0, .column = 0, .key = "trajectory"},
+                fmt::format("stay above {:g} m, or give the height of the ground: trajectory.ground_height_m", ground));
     }
 }
 

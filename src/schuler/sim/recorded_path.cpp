@@ -20,8 +20,8 @@ namespace {
 using Channels = std::array<std::vector<double>, 6>;
 
 void check(const RecordedPath& s) {
-    const auto fail = [](std::string what, const char* key, const char* mend) {
-        return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = key}, mend);
+    const auto fail = [](std::string what, const char* key, const char* hint) {
+        return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = key}, hint);
     };
     if (s.points.size() < 2)
         throw fail("the recorded trajectory has fewer than two points", "trajectory.file", "give another file");

@@ -17,12 +17,12 @@ constexpr double tangent_share = 0.45;  // of a leg at most is taken by the roun
 
 using Eigen::Vector2d;
 
-Error key_error(std::string key, std::string what, const char* mend) {
-    return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = std::move(key)}, mend);
+Error key_error(std::string key, std::string what, const char* hint) {
+    return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = std::move(key)}, hint);
 }
 
-Error waypoint_error(std::size_t index, std::string what, const char* mend) {
-    return key_error(fmt::format("trajectory.waypoints[{}]", index), std::move(what), mend);
+Error waypoint_error(std::size_t index, std::string what, const char* hint) {
+    return key_error(fmt::format("trajectory.waypoints[{}]", index), std::move(what), hint);
 }
 
 /// A point on the rounded polyline.
@@ -90,7 +90,7 @@ std::vector<Piece> rounded(const RoutePath& s) {
         if (i + 1 < s.waypoints.size()) {
             const Vector2d next = Vector2d(s.waypoints[i + 1].north, s.waypoints[i + 1].east) - Vector2d(w.north, w.east);
             turn = std::atan2(direction.x() * next.y() - direction.y() * next.x(), direction.dot(next));
-            if (std::abs(turn) > 2.8) throw waypoint_error(i, "asks for a turn sharper than 160 deg", "make it two corners");
+            if (std::abs(turn) > 2.8) throw waypoint_error(i, "requires a turn sharper than 160 deg", "make it two corners");
             const double slope = std::tan(0.5 * std::abs(turn));
             tangent = std::min(s.corner_radius * slope, tangent_share * std::min(length, next.norm()));
             radius = slope > 1e-9 ? tangent / slope : 0.0;

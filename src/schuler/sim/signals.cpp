@@ -41,13 +41,13 @@ double received_from(const Jammer& j, const Ecef& antenna, const earth::Ellipsoi
 }  // namespace
 
 void check(const SignalSettings& s) {
-    require(s.ranging.stations.empty(), "ranges.stations", "a receiver of satellites does not hear them",
+    require(s.ranging.stations.empty(), "ranges.stations", "a satellite receiver does not track them",
             "leave out [receiver] or the stations");
     require(s.ranging.faults.empty(), "ranges.fault", "are faults of ranges, not of signals",
             "leave out [receiver] or the faults");
     require(s.ranging.multipath.amplitude == 0.0, "ranges.multipath_m", "reflections are not simulated in correlators",
             "leave out [receiver] or the reflections");
-    require(s.cn0 > 0.0 && s.cn0 < 80.0, "receiver.cn0_db_hz", "is no strength of a signal", "give 20 to 55 dB-Hz");
+    require(s.cn0 > 0.0 && s.cn0 < 80.0, "receiver.cn0_db_hz", "is not a valid C/N0", "give 20 to 55 dB-Hz");
     for (std::size_t i = 0; i < s.profile.size(); ++i) {
         require(s.profile[i].cn0 >= -20.0 && s.profile[i].cn0 < 80.0, "receiver.cn0_profile", "has a strength that no signal has",
                 "give -20 to 80 dB-Hz");

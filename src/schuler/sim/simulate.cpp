@@ -57,8 +57,7 @@ void check(const Scenario& s) {
     require(not_negative(b.white) && not_negative(b.bias) && not_negative(b.bias_walk), "baro", "a sigma is negative",
             "give metres");
     require(!b.pressure || (is_positive(b.sea_level_pressure) && std::abs(b.temperature_offset) < 100.0),
-            "baro.sea_level_pressure_pa", "is no pressure of a day on the Earth",
-            "give pascals, and kelvin for baro.temperature_offset_k");
+            "baro.sea_level_pressure_pa", "pressure out of range", "give pascals, and kelvin for baro.temperature_offset_k");
     const MagSettings& mag = s.mag;
     require(not_negative(mag.rate) && mag.rate <= 1000.0, "mag.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(is_positive(mag.field) && not_negative(mag.white) && not_negative(mag.hard_iron) && not_negative(mag.soft_iron) &&

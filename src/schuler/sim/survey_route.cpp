@@ -24,12 +24,13 @@ void check(const SurveyPattern& p) {
     const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
     require(positive(p.speed), "trajectory.speed_m_s", "is not positive", "give metres a second");
     require(std::isfinite(p.heading), "trajectory.heading_deg", "is not a number", "give degrees");
-    require(p.lines >= 1 && p.lines <= 1000, "trajectory.survey.lines", "is no number of lines", "give 1 to 1000");
-    require(p.ties >= 0 && p.ties <= 1000, "trajectory.survey.ties", "is no number of tie lines", "give 0 to 1000");
+    require(p.lines >= 1 && p.lines <= 1000, "trajectory.survey.lines", "is not a valid number of lines", "give 1 to 1000");
+    require(p.ties >= 0 && p.ties <= 1000, "trajectory.survey.ties", "is not a valid number of tie lines", "give 0 to 1000");
     require(positive(p.length), "trajectory.survey.length_m", "is not a length", "give metres");
     require(positive(p.spacing), "trajectory.survey.spacing_m", "is not a spacing", "give metres");
     require(std::isfinite(p.overrun) && p.overrun >= 0.0, "trajectory.survey.overrun_m", "is not a length", "give metres");
-    require(positive(p.bank) && p.bank <= 1.05, "trajectory.survey.bank_deg", "is no bank angle", "give 1 to 60 degrees");
+    require(positive(p.bank) && p.bank <= 1.05, "trajectory.survey.bank_deg", "is not a valid bank angle",
+            "give 1 to 60 degrees");
     require(std::isfinite(p.standstill) && p.standstill >= 0.0, "trajectory.standstill_s", "is not a duration", "give seconds");
 }
 

@@ -85,7 +85,7 @@ public:
         if (jumps > 0)
             add("gnss.jump", "the receiver's positions jumped {}, by {:.3g} m at most, without the IMU feeling it", times(jumps),
                 largest);
-        if (lost > 0) add("navigation.lost", "the navigation was found wrong {} by the fixes and begun anew", times(lost));
+        if (lost > 0) add("navigation.lost", "the navigation was restarted {}: the fixes showed it to be wrong", times(lost));
     }
     static std::string times(int n) { return n == 1 ? "once" : fmt::format("{} times", n); }
 

@@ -79,7 +79,7 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         std::optional<scenario::SimulatedReceiver> receiver;
         using fusion::Coupling;
         if (bundle.sky && settings.coupling == Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);
-        if (bundle.sky && settings.coupling == Coupling::Medium) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
+        if (bundle.sky && settings.coupling == Coupling::Intermediate) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
         if (receiver)
             settings.ranging.errors.rate_span = bundle.data.config.filter.ranging.errors.rate_span = receiver->rate_span();
         fusion::ReceiverInLoop in_loop;

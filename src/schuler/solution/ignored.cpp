@@ -49,7 +49,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
     const fusion::Settings& f = c.filter;
     const bool tight =
-        c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Medium || c.scheme == settings::Scheme::Deep;
+        c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Intermediate || c.scheme == settings::Scheme::Deep;
     return {{{"filter.aggressive_parts"},
              unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
             {{"gnss.consider_errors"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
@@ -82,7 +82,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
              unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
                     "no standstill was found")},
             {{"ranges.receiver_acceleration_m_s_sqrt_s"},
-             unless(c.scheme == settings::Scheme::Medium, "the scheme is not \"medium\"")},
+             unless(c.scheme == settings::Scheme::Intermediate, "the scheme is not \"intermediate\"")},
             {{"ranges.white_m"},
              unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std),
                     "the log states the sigmas of all ranges")},
@@ -97,7 +97,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
 /// `schuler gravity`: what gravimetry::gravity27 switches off. Without [initial] a run before it finds the start, with all of this.
 std::vector<Rule> gravity_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
-    const char* what = c.filter.initial.rpy.allFinite() ? "" : "; it serves the search for the start alone";
+    const char* what = c.filter.initial.rpy.allFinite() ? "" : "; it is used for the initial alignment only";
     const auto by_survey = [&](const char* reason) { return std::string(reason) + what; };
     return {{{"filter.scheme"}, unless(c.scheme == settings::Scheme::Loose, by_survey("gravimetry is loosely coupled"))},
             {{"filter.loose", "filter.aggressive_parts", "filter.separate.", "filter.protection.", "gnss.consider_errors"},
@@ -121,7 +121,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
     const fusion::Settings& f = c.filter;
     const Recording& r = b.data.recording;
     const bool baro = f.baro.use && !r.baro.empty(), mag = f.mag.use && !r.mag.empty();
-    const bool raw = c.gnss.file.empty() || c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Medium ||
+    const bool raw = c.gnss.file.empty() || c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Intermediate ||
                      c.scheme == settings::Scheme::Deep;
     const bool velocities = std::ranges::any_of(r.gnss, [](const GnssFix& x) { return x.velocity_n.allFinite(); });
     const fusion::InitialSettings& i = f.initial;
@@ -141,7 +141,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
               "gnss.phase_velocity"},
              unless(raw && (!c.raw.observations.empty() || !r.ranges.empty()), "no raw measurements are used")},
             {{"base."},
-             b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "base.observations names no base station"
+             b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "no base station is given (base.observations)"
                                              : !c.gnss.file.empty()      ? "gnss.file gives the fixes"
                                                                          : "the coupling takes ranges instead of fixes"
                                            : ""},

@@ -47,7 +47,8 @@ void take_stated(const dataset::ReadFiles& files, settings::Config& c) {
 void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     settings::Config& c = out.config;
     const bool csv = !c.ranges.file.empty();
-    if (!csv && (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Medium)))
+    if (!csv &&
+        (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Intermediate)))
         return;
     RangingLog& log = out.recording.ranges;
     log = csv ? dataset::ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, out.given, warnings);
@@ -111,7 +112,7 @@ void settle_times(LoadedDataset& out) {
     if (!std::isnan(out.config.initial_time)) f.initial.time = Time::from_seconds(out.config.initial_time);
 }
 
-/// What is believed of gauges, log and compass: the filter has it where it has the samples.
+/// Assumed errors of gauges, DVL and compass: the filter has it where it has the samples.
 void assume_aid_errors(settings::Config& c) {
     const settings::AidsConfig& aids = c.aids;
     c.filter.gauges.std = aids.gauges.white;
@@ -179,9 +180,10 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     choose_mechanization(out);
     for (const std::string& doubt : dataset.doubts) warnings.add(doubt, doubt);
     if (dataset.report.forward_supposed)
-        warnings.add("forward.supposed",
-                     "which way the unit points forward does not show in positions without velocities: the heading is that of its axes as they are "
-                     "taken; give imu.axes");
+        warnings.add(
+            "forward.supposed",
+            "which way the unit points forward does not show in positions without velocities: the heading is that of its axes as they are "
+            "taken; give imu.axes");
     for (const inspect::Contradiction& c : dataset.contradictions)
         warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; {}", c.key, c.text,
                                                            !c.refuted ? std::string("the given value is used")

@@ -277,7 +277,7 @@ std::string self_check_table(const SelfCheck& c) {
     if (c.all) line("  in all windows", *c.all);
     if (c.tried)
         out += fmt::format(
-            "  the other windows ask for {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers: {}\n",
+            "  the other windows indicate {:.3g} times the noise of the gyros and {:.3g} times that of the accelerometers: {}\n",
             c.tried->gyro, c.tried->accel, c.widened ? "in force" : "it makes these no truer, left out");
     for (std::size_t k = 0; k < regimes; ++k) {
         const FixRegime& f = c.fixes[k];

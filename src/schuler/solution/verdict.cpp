@@ -31,7 +31,7 @@ constexpr std::array table{
     Row{"gnss.outside", Gravity::Care},          // used, and outside their sigmas too often
     Row{"gnss.lost", Gravity::Care},             // refused for many seconds in a row
     Row{"gnss.latency", Gravity::Care},          // not known well enough for the speed
-    Row{"gnss.explained", Gravity::Care},        // by larger errors of the receiver than were believed
+    Row{"gnss.explained", Gravity::Care},        // by larger errors of the receiver than were assumed
     Row{"gnss.alert", Gravity::Care},            // the receiver was taken for faulty
     Row{"gnss.jump", Gravity::Care},             // its positions moved to another level
     Row{"navigation.lost", Gravity::Care},       // attitude and biases were found anew
@@ -83,7 +83,7 @@ SolutionVerdict verdict_of(const std::vector<Concern>& concerns) {
     for (const Concern& c : concerns)
         if (c.id.starts_with(evidence)) verdict.reasons.push_back(c.text);
     if (!verdict.reasons.empty()) return verdict;
-    return {Gravity::Care, {"nothing here says how good it is"}};
+    return {Gravity::Care, {"no quality evidence available"}};
 }
 
 std::string_view word_of(Gravity gravity) {

@@ -1,4 +1,4 @@
-// Where the errors come from: one source at a time is simulated, the filter believes in all of them.
+// Where the errors come from: one source at a time is simulated, the filter assumes all of them.
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"

@@ -133,7 +133,7 @@ Victim victim_of(const settings::ScenarioConfig& scenario, const settings::Setti
     if (!(scenario.sim.gnss.rate > 0.0)) return Victim::Range;
     WarningLog unheard;
     const settings::Scheme scheme = solution::simulated_bundle(scenario, over, unheard).data.config.scheme;
-    return scheme == settings::Scheme::Tight || scheme == settings::Scheme::Medium ? Victim::Range : Victim::Fixes;
+    return scheme == settings::Scheme::Tight || scheme == settings::Scheme::Intermediate ? Victim::Range : Victim::Fixes;
 }
 
 }  // namespace

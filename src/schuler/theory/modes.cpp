@@ -59,8 +59,8 @@ std::vector<int> moving_states(VerticalChannel channel) {
 bool is_vertical(int state) { return state == d_h || state == d_vu || state == loop_integral; }
 
 void check(const LevelFlight& f, const Vector9& x, const ConstantErrors& c) {
-    const auto refuse = [](const char* key, const std::string& what, const std::string& mend) {
-        throw input_error(what, {{}, 0, 0, key}, mend);
+    const auto refuse = [](const char* key, const std::string& what, const std::string& hint) {
+        throw input_error(what, {{}, 0, 0, key}, hint);
     };
     if (!(std::abs(f.position.lat) <= 89.9 * units::deg) || !std::isfinite(f.position.lon))
         refuse("latitude-deg", "the local level has no north here", "give a latitude within 89.9 deg");

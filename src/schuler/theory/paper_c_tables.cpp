@@ -136,7 +136,7 @@ void add_roots(std::vector<PaperEntry>& out, const PaperVehicle& vehicle, const 
 PrintedNumber printed_number(const std::string& text) {
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    if (end == text.c_str() || *end != '\0') throw input_error(fmt::format("\"{}\" is no number", text));
+    if (end == text.c_str() || *end != '\0') throw input_error(fmt::format("\"{}\" is not a number", text));
     const std::size_t exponent = std::min(text.find('e'), text.size()), point = text.find('.');
     const int decimals = point == std::string::npos ? 0 : static_cast<int>(exponent - point - 1);
     const int power = exponent < text.size() ? std::atoi(text.c_str() + exponent + 1) : 0;

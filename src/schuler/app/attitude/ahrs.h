@@ -10,17 +10,22 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace schuler::app {
 
 struct AhrsRequest {
     settings::ProcessRequest common;
-    std::string filter = "mekf";  ///< dcm, quaternion, quaternion-printed, quaternion-coupled, mekf
+    std::string filter = "mekf";  ///< one of attitude_filters()
     bool six_axis = false;
     bool offline = false;
-    bool calibrate = false;  ///< ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree
+    bool calibrate =
+        false;  ///< calibrate magnetometer and accelerometer by an ellipsoid fit to this log, where held-out parts of it confirm the fit
 };
+
+/// The filters by the names of --filter.
+[[nodiscard]] const std::vector<std::pair<std::string, ahrs::FilterKind>>& attitude_filters();
 
 /// Recordings and settings as input of the attitude filters: body axes, rates, the field where position and date are known.
 struct AhrsInput {
@@ -33,7 +38,7 @@ struct AhrsInput {
     std::vector<std::string> calibration;  ///< what was applied or refused, and why
 };
 
-/// @throws Error(Input) for an unknown filter, or options that do not go together.
+/// @throws Error(Input) for options that do not go together.
 [[nodiscard]] AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& request, WarningLog& warnings);
 
 /// What the samples themselves show: sampling too coarse, wrong units, axes of the magnetometer that are not the IMU's, a

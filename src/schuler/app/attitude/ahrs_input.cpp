@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace schuler::app {
 namespace {
@@ -17,19 +16,6 @@ using Eigen::Vector3d;
 
 constexpr double slow = 3.0;               // m/s, below which a receiver's course does not say where the vehicle points
 constexpr double default_speed_std = 0.5;  // m/s
-
-ahrs::FilterKind filter_from_name(const std::string& name) {
-    static const std::map<std::string, ahrs::FilterKind> kinds{{"dcm", ahrs::FilterKind::Dcm},
-                                                               {"quaternion", ahrs::FilterKind::Quaternion},
-                                                               {"quaternion-printed", ahrs::FilterKind::QuaternionPrinted},
-                                                               {"quaternion-coupled", ahrs::FilterKind::QuaternionCoupled},
-                                                               {"mekf", ahrs::FilterKind::Mekf}};
-    const auto found = kinds.find(name);
-    if (found == kinds.end())
-        throw input_error(fmt::format("there is no filter \"{}\"", name), {{}, 0, 0, "--filter"},
-                          "choose dcm, quaternion, quaternion-printed, quaternion-coupled or mekf");
-    return found->second;
-}
 
 /// Of each axis the largest magnitude, where that is the instrument's stop: the same extreme value several times in a row, for long or at least
 /// twice with slower motion between, while the other axes show noise. A steady turn of a simulation without noise is none.
@@ -172,9 +158,20 @@ void calibrate(AhrsInput& out, WarningLog& warnings) {
 
 }  // namespace
 
+const std::vector<std::pair<std::string, ahrs::FilterKind>>& attitude_filters() {
+    static const std::vector<std::pair<std::string, ahrs::FilterKind>> filters{
+        {"dcm", ahrs::FilterKind::Dcm},
+        {"quaternion", ahrs::FilterKind::Quaternion},
+        {"quaternion-printed", ahrs::FilterKind::QuaternionPrinted},
+        {"quaternion-coupled", ahrs::FilterKind::QuaternionCoupled},
+        {"mekf", ahrs::FilterKind::Mekf}};
+    return filters;
+}
+
 AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& request, WarningLog& warnings) {
     AhrsInput out;
-    out.settings.filter = filter_from_name(request.filter);
+    for (const auto& [name, kind] : attitude_filters())
+        if (name == request.filter) out.settings.filter = kind;
     out.settings.offline = request.offline;
     if (request.offline && out.settings.filter != ahrs::FilterKind::Mekf)
         throw input_error("only the mekf has an offline solution", {{}, 0, 0, "--offline"}, "leave out --offline, or --filter");

@@ -96,6 +96,14 @@ Option<R> words(std::string key, std::string help, Access access) {
             [](const R&) { return std::optional<Value>(); }};
 }
 
+/// Some out of these words, with commas between them.
+template <class R, class Access>
+Option<R> some_of(std::string key, std::vector<std::string> choices, std::string help, Access access) {
+    Option<R> option = words<R>(std::move(key), std::move(help), access);
+    option.spec.choices = std::move(choices);
+    return option;
+}
+
 /// One of some words.
 template <class R, class Access>
 Option<R> one_of(std::string key, std::vector<std::string> choices, std::string help, Access access) {
@@ -128,8 +136,8 @@ Option<R> seed_option(std::string help, Access access) {
 
 template <class R, class Access>
 Option<R> jobs_option(Access access) {
-    return lettered('j',
-                    written("J", settings::integer<R>("jobs", 0, 1024, "runs at once; 0: one for each processor core", access)));
+    return lettered(
+        'j', written("J", settings::integer<R>("jobs", 0, 1024, "number of parallel runs; 0: one per processor core", access)));
 }
 
 /// key=value, any number of times; options of their own override them.
@@ -206,8 +214,9 @@ void add_settings(OptionTable<R>& table) {
         .add(written(
             "T",
             of_setting<R>("start", "run.start_s",
-                          "leave out what is before; seconds after the first GNSS (without one: IMU) epoch, or abs:T", common)))
-        .add(written("T", of_setting<R>("stop", "run.stop_s", "leave out what is after", common)));
+                          "start of processing; seconds after the first GNSS epoch (without GNSS: the first IMU epoch), or abs:T",
+                          common)))
+        .add(written("T", of_setting<R>("stop", "run.stop_s", "end of processing, given as --start", common)));
 }
 
 /// Loop, outages, what is counted and written: of every command that runs a filter once.
@@ -215,28 +224,29 @@ template <class R>
 void add_run(OptionTable<R>& table) {
     constexpr CommonRequest common;
     table.add(written("LOOP", of_setting<R>("loop", "filter.loop", "feedback of the estimated errors", common)));
-    Option<R> outage{settings::detail::spec("outage", Shape::Texts, "withhold GNSS for T < t < T+DUR and compare there"),
-                     [=](R& r, const Value& v) {
-                         settings::ValueList spans;
-                         for (const Value& text : *v.list())
-                             for (const settings::OutageSpan& s : settings::outages_from_text(*text.text()))
-                                 spans.push_back({settings::ValueTable{
-                                     {"start_s", s.absolute ? Value{fmt::format("abs:{}", s.start)} : Value{s.start}},
-                                     {"duration_s", {s.duration}}}});
-                         common(r).above.push_back({"outage", {std::move(spans)}, {"--outage", 0, 0, {}}});
-                     },
-                     [](const R&) { return std::optional<Value>(); }};
+    Option<R> outage{
+        settings::detail::spec("outage", Shape::Texts, "withhold GNSS for T < t < T+DUR and evaluate the errors there"),
+        [=](R& r, const Value& v) {
+            settings::ValueList spans;
+            for (const Value& text : *v.list())
+                for (const settings::OutageSpan& s : settings::outages_from_text(*text.text()))
+                    spans.push_back(
+                        {settings::ValueTable{{"start_s", s.absolute ? Value{fmt::format("abs:{}", s.start)} : Value{s.start}},
+                                              {"duration_s", {s.duration}}}});
+            common(r).above.push_back({"outage", {std::move(spans)}, {"--outage", 0, 0, {}}});
+        },
+        [](const R&) { return std::optional<Value>(); }};
     outage.spec.line.repeated = true;
     table.add(written("T:DUR[,T:DUR...]", std::move(outage)))
         .add(otherwise("alignment + 60 s",
-                       written("S", of_setting<R>("settle", "run.settle_s", "count errors from here", common))))
+                       written("S", of_setting<R>("settle", "run.settle_s", "start of the error statistics", common))))
         .add(otherwise(
             "the first six",
             written(
                 "LIST",
                 of_setting<R>(
                     "outputs", "output.files",
-                    "what is written: solution,summary,h5,report,kml,config; or mat (run.mat: the tables of run.h5 for Octave and "
+                    "files that are written: solution,summary,h5,report,kml,config; or mat (run.mat: the tables of run.h5 for Octave and "
                     "MATLAB), covariance (the whole of it, in run.h5)",
                     common))));
 }

@@ -28,13 +28,12 @@ void add_processing(OptionTable<R>& table) {
                 common)))
         .add(written("FRAME", of_setting<R>("mechanization", "filter.mechanization", "axes of the mechanization", common)))
         .add(of_setting<R>("smooth", "filter.smooth", "fixed-interval smoother after the filter", common))
-        .add(of_setting<R>("backward", "filter.backward",
-                           "a filter backward in time as well, and its difference from the forward one with its sigma", common));
+        .add(of_setting<R>("backward", "filter.backward", "run a backward filter too, and compare it with the forward one",
+                           common));
     add_run(table);
     Option<R> check = of_setting<R>(
         "self-check", "filter.self_check",
-        "on (default): process withholds fixes in windows of its own, measures how true the sigmas are, and widens the noise "
-        "of the inertial unit where they are too small",
+        "on (default): withhold fixes in selected windows, test the sigmas against them, and increase the assumed noise of the inertial unit where they are too small",
         common);
     check.spec.shape = Shape::Text;
     check.spec.choices = {"on", "off"};
@@ -81,7 +80,7 @@ Command simulate() {
     t.add(argument("SCENARIO", path<R>("scenario", "scenario file", [](auto& r) -> auto& { return r.scenario; })))
         .add(required(lettered(
             'o', written("DIR", path<R>("output", "folder of the data set", [](auto& r) -> auto& { return r.output; })))))
-        .add(seed_option<R>("instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));
+        .add(seed_option<R>("seed, instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));
     return command<R>(
         "simulate", "write the sensor logs and the truth of a scenario as a data set",
         "  schuler simulate examples/demo.toml -o /tmp/drive\n  schuler simulate examples/paper-a-flight.toml -o /tmp/flight --seed 7\n"
@@ -95,12 +94,12 @@ Command process() {
         .add(output<ProcessRequest>("folder to write to", "out/NAME"));
     add_processing(t);
     return command<ProcessRequest>(
-        "process", "from the logs of a data set to its trajectory",
+        "process", "compute a trajectory from recorded logs",
         "  schuler process drive/                                  a folder with dataset.toml, or one that is recognised\n"
-        "  schuler process drive/ --smooth --outage 50:15,100:15   withhold GNSS, see how far it drifts\n"
+        "  schuler process drive/ --smooth --outage 50:15,100:15   withhold GNSS and evaluate the drift\n"
         "  schuler process kf-gins.yaml --outputs solution,summary --output-rate 0\n"
         "  schuler process drive/ --set imu.grade=mems --set gnss.lever_arm_m=[0.5,0,-1]\n"
-        "  schuler process drive/ --config out/drive/config.toml   the same settings again\n"
+        "  schuler process drive/ --config out/drive/config.toml   with the same settings\n"
         "`schuler help settings` lists the keys of dataset.toml, --config and --set.",
         std::move(t), table_json, true, process_dataset);
 }
@@ -109,13 +108,19 @@ Command run() {
     OptionTable<ProcessRequest> t;
     t.add(input<ProcessRequest>("SCENARIO", "scenario", "scenario file"))
         .add(output<ProcessRequest>("folder to write to", "out/NAME"))
-        .add(seed<ProcessRequest>("instead of the scenario's"));
+        .add(seed<ProcessRequest>("seed, instead of the scenario's"));
     add_processing(t);
     return command<ProcessRequest>(
-        "run", "simulate a scenario, process and evaluate it in one go",
+        "run", "simulate a scenario, process the data and evaluate the solution",
         "  schuler run examples/paper-a-flight.toml\n  schuler run examples/demo.toml --seed 3 --smooth --json\n"
         "`schuler help scenario` lists the keys of a scenario file.",
         std::move(t), table_json, true, run_scenario);
+}
+
+std::vector<std::string> names_of_filters() {
+    std::vector<std::string> out;
+    for (const auto& [name, kind] : attitude_filters()) out.push_back(name);
+    return out;
 }
 
 Command attitude() {
@@ -126,27 +131,27 @@ Command attitude() {
         .add(written(
             "FILTER",
             one_of<R>(
-                "filter", {"dcm", "quaternion", "quaternion-printed", "quaternion-coupled", "mekf"},
-                "direction cosines, quaternion, quaternion as the paper prints it, quaternion whose horizon a magnet can tilt, "
-                "or multiplicative Kalman filter",
+                "filter", names_of_filters(),
+                "attitude filter: direction cosines, quaternion, quaternion as printed in the paper, quaternion whose roll and pitch magnetic disturbances affect too, or multiplicative Kalman filter",
                 [](auto& r) -> auto& { return r.filter; })))
-        .add(settings::flag<R>("six-axis", "leave the magnetometer out; heading starts at zero",
+        .add(settings::flag<R>("six-axis", "do not use the magnetometer; heading starts at zero",
                                [](auto& r) -> auto& { return r.six_axis; }))
         .add(settings::flag<R>("offline", "forward filter and backward smoother (mekf)",
                                [](auto& r) -> auto& { return r.offline; }))
-        .add(settings::flag<R>("calibrate",
-                               "ellipsoid fit of magnetometer and accelerometer from this log, where held-out parts of it agree",
-                               [](auto& r) -> auto& { return r.calibrate; }))
+        .add(settings::flag<R>(
+            "calibrate",
+            "calibrate magnetometer and accelerometer by an ellipsoid fit to this log, where held-out parts of it confirm the fit",
+            [](auto& r) -> auto& { return r.calibrate; }))
         .add(otherwise("all",
                        written("LIST", of_setting<R>("outputs", "output.files",
-                                                     "what is written beside summary.json: solution,report,config", common))));
+                                                     "files written besides summary.json: solution,report,config", common))));
     add_settings(t);
     return command<R>(
         "ahrs", "attitude and heading from gyro, accelerometer and magnetometer",
         "  schuler ahrs hand/                              the multiplicative filter, nine axes\n"
         "  schuler ahrs hand/ --offline                    forwards and backwards\n"
         "  schuler ahrs hand/ --six-axis --json            without the magnetometer\n"
-        "  schuler ahrs hand/ --filter quaternion-coupled  the filter whose horizon a magnet can tilt\n"
+        "  schuler ahrs hand/ --filter quaternion-coupled  roll and pitch depend on the magnetometer too\n"
         "  schuler ahrs flight/ --calibrate                magnetometer and accelerometer calibrated from this log\n"
         "Heading is true where position and date are known (World Magnetic Model), magnetic otherwise.",
         std::move(t), table_json, true, ahrs_dataset);
@@ -158,7 +163,7 @@ Command satellites() {
     t.add(input<R>("DATASET", "dataset", "folder, dataset.toml, or a log of raw measurements"))
         .add(output<R>("folder to write to", "out/NAME"))
         .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.4,
-                                 "of the protection levels: share of faults of the worst size that the fault test may miss",
+                                 "probability of missed detection used for the protection levels",
                                  [](auto& r) -> auto& { return r.missed_detection; }));
     add_settings(t);
     return command<R>(
@@ -181,21 +186,21 @@ Command montecarlo() {
                                                                           [](auto& r) -> auto& { return r.runs; })))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
         .add(output<R>("folder to write to", "out/NAME-montecarlo"))
-        .add(settings::flag<R>("resume", "go on with the interrupted campaign in the folder; begin one where there is none",
+        .add(settings::flag<R>("resume", "resume the interrupted campaign in the folder; start one where there is none",
                                [](auto& r) -> auto& { return r.resume; }))
-        .add(written(
-            "K", settings::integer<R>("first", 0, 9.0e15, "number of the first run: a part of a campaign, or one run of it again",
-                                      [](auto& r) -> auto& { return r.first; })))
-        .add(seed<R>("of run 0, instead of the scenario's"));
+        .add(written("K", settings::integer<R>("first", 0, 9.0e15,
+                                               "number of the first run, to compute a part of a campaign or to repeat one run",
+                                               [](auto& r) -> auto& { return r.first; })))
+        .add(seed<R>("seed of the first run, instead of the scenario's"));
     add_processing(t);
     return command<R>(
-        "montecarlo", "many runs of a scenario with seeds of their own: errors and consistency over the runs",
+        "montecarlo", "many runs of a scenario with different seeds: errors and consistency over the runs",
         "  schuler montecarlo examples/paper-a-flight.toml -n 100\n"
         "  schuler montecarlo examples/paper-a-flight.toml -n 20 --jobs 2 --set filter.loop=open\n"
-        "  schuler montecarlo examples/paper-a-flight.toml -n 10000 -o out/many --resume    go on after an interruption\n"
+        "  schuler montecarlo examples/paper-a-flight.toml -n 10000 -o out/many --resume    resume after an interruption\n"
         "  schuler montecarlo examples/paper-a-flight.toml --first 17 -n 1                 run 17 again\n"
         "Run k has the seed of the scenario plus k: `schuler run SCENARIO --seed ...` repeats it. The files do not depend on --jobs\n"
-        "(but for the speed in summary.json), nor on interruptions. [montecarlo] vary draws or sweeps settings from run to run.",
+        "(except the speed in summary.json), nor on interruptions. [montecarlo] vary draws or sweeps settings from run to run.",
         std::move(t), table_json, true, study::run_montecarlo);
 }
 
@@ -210,14 +215,14 @@ Command batch() {
     t.add(argument("LIST", std::move(inputs)))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
         .add(settings::flag<R>("resume",
-                               "keep the results of the data sets that an interrupted batch has finished with the same settings",
+                               "keep the results of data sets that an interrupted batch with the same settings has finished",
                                [](auto& r) -> auto& { return r.resume; }))
         .add(output<R>("folder to write to: a folder for each data set, and the table of all", "out/batch"));
     add_processing(t);
     return command<R>(
-        "batch", "many data sets, each as `process` does it; one table of all, worst first",
+        "batch", "process many data sets; one table of all, worst first",
         "  schuler batch logs.txt -o out/logs                      a path in each line\n"
-        "  schuler batch archive/ --jobs 2 --resume                a folder of data sets; go on after an interruption\n"
+        "  schuler batch archive/ --jobs 2 --resume                a folder of data sets; resume after an interruption\n"
         "A data set that fails does not stop the others. The exit status is 1 where one failed or is not to be used. batch.csv, batch.json\n"
         "and index.html, which links the reports, do not depend on --jobs.",
         std::move(t), "batch.json on standard output instead of the table", true, process_batch);

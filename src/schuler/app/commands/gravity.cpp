@@ -24,7 +24,7 @@ void add_gravity_command(std::vector<Command>& list) {
     t.add(argument("INPUT", path<R>("input", "scenario file, folder of a data set, or dataset.toml",
                                     [](auto& r) -> auto& { return r.common.input; })))
         .add(output_option<R>("folder to write to", "out/NAME", [](auto& r) -> auto& { return r.common.output; }))
-        .add(seed_option<R>("instead of the scenario's", [](auto& r) -> auto& { return r.common.seed; }))
+        .add(seed_option<R>("seed, instead of the scenario's", [](auto& r) -> auto& { return r.common.seed; }))
         .add(written("N",
                      settings::integer<R>("runs", 1, 100000,
                                           "number of Monte Carlo runs of a scenario: medians and consistency instead of files",
@@ -34,13 +34,13 @@ void add_gravity_command(std::vector<Command>& list) {
     add_settings(t);
     add_run(t);
     list.push_back(command<R>(
-        "gravity", "the disturbance of gravity along a track, from an IMU and GNSS",
+        "gravity", "estimate the gravity disturbance along a track from IMU and GNSS",
         "  schuler gravity examples/gravity-car-5400s.toml        paper E's scenario\n"
         "  schuler gravity examples/gravity-flight.toml --runs 20 medians over twenty seeds\n"
         "  schuler gravity examples/gravity-variable.toml --response  amplitude and phase of the estimator\n"
         "  schuler gravity flight/ --set gravity.length_m=8000    recorded logs\n"
         "  schuler gravity lab/ --config step.toml                with an [[anomaly]] injected into the accelerometers\n"
-        "Writes gravity.csv and gravity.geojson beside the files of `process`. For a log that is not accurate enough it states\n"
+        "Writes gravity.csv and gravity.geojson besides the files of `process`. For a log that is not accurate enough it states\n"
         "what is attainable instead. `schuler help settings gravity.` and `schuler help scenario anomaly` list keys.",
         std::move(t), "summary.json on standard output instead of the tables", true, perform));
 }

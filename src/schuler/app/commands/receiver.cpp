@@ -5,22 +5,33 @@
 namespace schuler::app {
 namespace {
 
+/// The limits of receiver::IfFormat; what the carrier may be depends on the sample rate too, which that checks.
+template <class R>
+Option<R> sample_rate() {
+    return in_units("Hz", settings::number<R>("sample-rate", 1.0, 2.046e6, 200e6, "complex samples per second",
+                                              [](auto& r) -> auto& { return r.sample_rate; }));
+}
+template <class R>
+Option<R> intermediate_frequency() {
+    return in_units("Hz", settings::number<R>("intermediate-frequency", 1.0, -100e6, 100e6,
+                                              "intermediate frequency of a carrier without Doppler",
+                                              [](auto& r) -> auto& { return r.intermediate_frequency; }));
+}
+
 Command generate() {
     using R = GenerateRequest;
     OptionTable<R> t;
     t.add(argument("FILE", path<R>("file", "file to write", [](auto& r) -> auto& { return r.file; })))
-        .add(
-            in_units("s", settings::number<R>("seconds", 1.0, -1e10, 1e10, "length", [](auto& r) -> auto& { return r.seconds; })))
-        .add(in_units("Hz", settings::number<R>("intermediate-frequency", 1.0, -1e12, 1e12, "of the carrier without Doppler",
-                                                [](auto& r) -> auto& { return r.intermediate_frequency; })))
-        .add(in_units("Hz", settings::number<R>("sample-rate", 1.0, -1e12, 1e12, "complex samples a second",
-                                                [](auto& r) -> auto& { return r.sample_rate; })))
+        .add(in_units("s", settings::number<R>("seconds", 1.0, 1e-3, 3600, "length of the recording",
+                                               [](auto& r) -> auto& { return r.seconds; })))
+        .add(intermediate_frequency<R>())
+        .add(sample_rate<R>())
         .add(written(
             "G07:45:1200:300.5[,...]",
             otherwise("six satellites",
                       words<R>("satellites", "number, C/N0 in dB-Hz, Doppler in Hz, code delay in chips at the first sample",
                                [](auto& r) -> auto& { return r.satellites; }))))
-        .add(seed_option<R>("of noise and messages", [](auto& r) -> auto& { return r.seed; }));
+        .add(seed_option<R>("seed of the noise and of the messages", [](auto& r) -> auto& { return r.seed; }));
     return command<R>("receiver generate", "write a recording of GPS L1 C/A signals in noise",
                       "  schuler receiver generate sky.ibyte                     six satellites, 5 s at 4 MHz\n"
                       "  schuler receiver generate one.ibyte --satellites G07:45:1200:300.5 --seconds 10\n"
@@ -34,27 +45,26 @@ Command track() {
     OptionTable<R> t;
     t.add(argument("FILE",
                    path<R>("file", "recording: complex samples without a header", [](auto& r) -> auto& { return r.file; })))
-        .add(in_units("Hz", settings::number<R>("intermediate-frequency", 1.0, -1e12, 1e12, "of the carrier without Doppler",
-                                                [](auto& r) -> auto& { return r.intermediate_frequency; })))
-        .add(required(in_units("Hz", settings::number<R>("sample-rate", 1.0, -1e12, 1e12, "complex samples a second",
-                                                         [](auto& r) -> auto& { return r.sample_rate; }))))
-        .add(written("FORMAT", settings::text<R>(
-                                   "format", "ibyte, ubyte, ishort or gr_complex: signed or unsigned bytes, 16-bit words, floats",
-                                   [](auto& r) -> auto& { return r.format; })))
-        .add(in_units("s", settings::number<R>("start", 1.0, -1e9, 1e9, "leave out what is before",
+        .add(intermediate_frequency<R>())
+        .add(required(sample_rate<R>()))
+        .add(written("FORMAT", one_of<R>("format", {"ibyte", "ubyte", "ishort", "gr_complex"},
+                                         "sample format: signed bytes, unsigned bytes, 16-bit words or floats; I and Q in turn",
+                                         [](auto& r) -> auto& { return r.format; })))
+        .add(in_units("s", settings::number<R>("start", 1.0, 0, 1e9, "start of the part that is processed",
                                                [](auto& r) -> auto& { return r.start; })))
-        .add(in_units("s", otherwise("all", settings::number<R>("seconds", 1.0, -1e9, 1e9, "length of the part that is processed",
+        .add(in_units("s", otherwise("all", settings::number<R>("seconds", 1.0, 1e-3, 1e9, "length of the part that is processed",
                                                                 [](auto& r) -> auto& { return r.seconds; }))))
-        .add(written("G07[,...]", otherwise("G01 to G32", words<R>("satellites", "look for these only",
+        .add(written("G07[,...]", otherwise("G01 to G32", words<R>("satellites", "satellites to search",
                                                                    [](auto& r) -> auto& { return r.satellites; }))))
-        .add(in_units("Hz", settings::number<R>("doppler", 1.0, -1e9, 1e9, "half width of the search",
+        .add(in_units("Hz", settings::number<R>("doppler", 1.0, 0, 100e3, "half width of the Doppler search",
                                                 [](auto& r) -> auto& { return r.doppler; })))
-        .add(written("MS", settings::integer<R>("search-ms", -1e6, 1e6,
-                                                "samples that a search sums; ten times as many find 5 dB weaker signals",
-                                                [](auto& r) -> auto& { return r.search_ms; })))
+        .add(in_units("ms", settings::integer<R>("search-ms", 1, 1000,
+                                                 "length of the samples summed in a search; ten times the length finds signals "
+                                                 "weaker by 5 dB",
+                                                 [](auto& r) -> auto& { return r.search_ms; })))
         .add(output_option<R>("folder to write to", "out/NAME", [](auto& r) -> auto& { return r.output; }));
     return command<R>(
-        "receiver track", "find the satellites of a recording and track them",
+        "receiver track", "acquire and track the satellites of a recording",
         "  schuler receiver track sky.ibyte --sample-rate 4e6\n"
         "  schuler receiver track rtl.bin --sample-rate 2.048e6 --format ubyte --doppler 50000      a receiver with a poor "
         "oscillator\n"

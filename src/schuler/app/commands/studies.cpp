@@ -1,12 +1,23 @@
 // `schuler analyze`: studies of designs, of faults and of instruments.
 #include "schuler/study/studies.h"
 #include "schuler/app/commands/builders.h"
+#include "schuler/sensor/grades.h"
 #include "schuler/study/allan.h"
 #include "schuler/study/covariance/covariance.h"
 #include "schuler/study/triad/protection.h"
 
 namespace schuler::app {
 namespace {
+
+Option<study::RequirementsRequest> device_option() {
+    using R = study::RequirementsRequest;
+    const std::vector<std::string_view> names = sensor::imu_grade_names();
+    Option<R> option =
+        some_of<R>("device", {names.begin(), names.end()}, "inertial units whose longest tolerable outage is computed",
+                   [](auto& r) -> auto& { return r.devices; });
+    option.spec.any_spelling = true;
+    return option;
+}
 
 Command requirements() {
     using R = study::RequirementsRequest;
@@ -16,8 +27,7 @@ Command requirements() {
         .add(in_units("s",
                       otherwise("10 s to an hour", written("S[,S...]", numbers<R>("outage", 0, 1e7, "lengths of outages",
                                                                                   [](auto& r) -> auto& { return r.outages; })))))
-        .add(otherwise("all", written("NAME", words<R>("device", "inertial units whose longest tolerable outage is computed",
-                                                       [](auto& r) -> auto& { return r.devices; }))));
+        .add(otherwise("all", written("NAME", device_option())));
     return command<R>(
         "analyze requirements", "sensors for a position budget over an outage, and outages for devices (paper A, 1.4)",
         "  schuler analyze requirements --budget 5 --outage 60\n  schuler analyze requirements --budget 5 --device hg9900 --json",
@@ -29,10 +39,10 @@ OptionTable<study::StudyRequest> study_of_scenario() {
     using R = study::StudyRequest;
     OptionTable<R> t;
     t.add(argument("SCENARIO", path<R>("scenario", "scenario file", [](auto& r) -> auto& { return r.scenario; })))
-        .add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "runs of each case",
+        .add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "number of runs of each case",
                                                                 [](auto& r) -> auto& { return r.runs; }))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
-        .add(otherwise("the scenario's", seed_option<R>("of the first run", [](auto& r) -> auto& { return r.seed; })))
+        .add(otherwise("the scenario's", seed_option<R>("seed of the first run", [](auto& r) -> auto& { return r.seed; })))
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }));
     return t;
 }
@@ -51,18 +61,19 @@ Command covariance() {
     t.add(argument("SCENARIO",
                    path<R>("scenario", "scenario file, with filter.initial_error", [](auto& r) -> auto& { return r.scenario; })))
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
-        .add(seed_option<R>("of changes of the satellites in view", [](auto& r) -> auto& { return r.seed; }))
+        .add(seed_option<R>("seed of the changes of the satellites in view", [](auto& r) -> auto& { return r.seed; }))
+        .add(in_units("Hz", settings::number<R>("rate", 1.0, 0.1, 1e4, "maximum IMU rate used along the path",
+                                                [](auto& r) -> auto& { return r.rate; })))
         .add(in_units(
-            "Hz", settings::number<R>("rate", 1.0, 0.1, 1e4, "rate of the inertial unit, at most: the path is followed so finely",
-                                      [](auto& r) -> auto& { return r.rate; })))
-        .add(in_units("s", settings::number<R>(
-                               "outage", 1.0, 0, 1e6,
-                               "withhold GNSS for so long at the end of the scenario, instead of its own outages; 0: its own",
-                               [](auto& r) -> auto& { return r.outage; })))
-        .add(written("KEY",
-                     settings::text<R>(
-                         "find", "the value of this key of the scenario at which the horizontal error is --target, by bisection",
-                         [](auto& r) -> auto& { return r.find; })))
+            "s",
+            settings::number<R>(
+                "outage", 1.0, 0, 1e6,
+                "duration of an outage of GNSS at the end of the scenario, instead of the scenario's outages; 0: the scenario's outages",
+                [](auto& r) -> auto& { return r.outage; })))
+        .add(written(
+            "KEY", settings::text<R>("find",
+                                     "key of the scenario whose value is sought, by bisection, for the horizontal error --target",
+                                     [](auto& r) -> auto& { return r.find; })))
         .add(in_units("m",
                       settings::number<R>("target", 1.0, 0, 1e9,
                                           "horizontal error (one sigma, radial) at the end of the first outage, or of the path",
@@ -71,7 +82,7 @@ Command covariance() {
                               [](auto& r) -> auto& { return r.output; }));
     return command<R>(
         "analyze covariance",
-        "errors of the filter without Monte Carlo: true covariance under its gains, its own, and the share of each source",
+        "covariance analysis of a filter: true covariance under its gains, its own covariance, and the contribution of each error source",
         "  schuler analyze covariance examples/paper-a-flight.toml\n"
         "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 -o out/covariance\n"
         "  schuler analyze covariance examples/paper-a-flight.toml --outage 60 --find imu.gyro_bias_deg_h --target 5\n"
@@ -82,12 +93,14 @@ Command covariance() {
 Command integrity() {
     using R = study::StudyRequest;
     OptionTable<R> t = study_of_scenario();
-    t.add(otherwise(
-              "all",
-              written("KIND", words<R>("kind", "step, ramp (position alone), drift (with its velocity), velocity, noise, freeze",
-                                       [](auto& r) -> auto& { return r.kinds; }))))
-        .add(otherwise("by the kind",
-                       written("SIZE", numbers<R>("size", -1e9, 1e9, "m, or m/s", [](auto& r) -> auto& { return r.sizes; }))))
+    t.add(
+         otherwise("step, ramp, drift",
+                   written("KIND", some_of<R>("kind", {"step", "ramp", "drift", "velocity", "noise", "freeze", "dropout"},
+                                              "kinds of faults; ramp: of the position alone, drift: of position and velocity; of "
+                                              "ranges step, ramp and drift only",
+                                              [](auto& r) -> auto& { return r.kinds; }))))
+        .add(otherwise("by the kind", written("SIZE", numbers<R>("size", -1e9, 1e9, "sizes of the faults, m or m/s",
+                                                                 [](auto& r) -> auto& { return r.sizes; }))))
         .add(in_units("s", settings::number<R>("start", 1.0, 0, 1e9, "start of the fault; 0: half of the scenario",
                                                [](auto& r) -> auto& { return r.start; })))
         .add(in_units("s", settings::number<R>("duration", 1.0, 0, 1e9, "duration of the fault",
@@ -98,32 +111,43 @@ Command integrity() {
                       std::move(t), one_json_document, true, study::analyze_integrity);
 }
 
+/// Letters without anything between them, which is no list of words.
+Option<study::TriadRequest> cases_option() {
+    using R = study::TriadRequest;
+    static const std::string known = "abcdesfg";
+    Option<R> option = settings::text<R>(
+        "cases",
+        "cases: a 4, b 3, c 2 satellites, d 4 stations, e 2 satellites and 2 stations, s as e with the stations from 300 s on, f all "
+        "satellites, g all satellites and 4 stations",
+        [](auto& r) -> auto& { return r.cases; });
+    option.spec.form = fmt::format("letters of {}", known);
+    option.set = [](R& r, const Value& v) {
+        if (v.text()->find_first_not_of(known) != std::string::npos)
+            throw input_error(fmt::format("\"{}\" has a letter of no case", *v.text()), {},
+                              fmt::format("give letters of {}", known));
+        r.cases = *v.text();
+    };
+    return option;
+}
+
 Command triad() {
     using R = study::TriadRequest;
     OptionTable<R> t;
-    t
-        .add(otherwise(
-            "all",
-            written(
-                "LETTERS",
-                settings::text<R>(
-                    "cases",
-                    "letters: a 4, b 3, c 2 satellites, d 4 stations, e 2 and 2, s those from 300 s on, f all, g f and 4 stations",
-                    [](auto& r) -> auto& { return r.cases; }))))
-        .add(written("GRADE", one_of<R>("grade", {"navigation", "tactical"}, "of the inertial unit",
+    t.add(otherwise("all", written("LETTERS", cases_option())))
+        .add(written("GRADE", one_of<R>("grade", {"navigation", "tactical"}, "grade of the inertial unit",
                                         [](auto& r) -> auto& { return r.grade; })))
-        .add(written("KIND",
-                     one_of<R>("oscillator", {"ocxo", "tcxo"}, "of the receiver", [](auto& r) -> auto& { return r.oscillator; })))
-        .add(in_units("m", otherwise("30", settings::number<R>("baro", 1.0, 0, 1e5,
+        .add(written("KIND", one_of<R>("oscillator", {"ocxo", "tcxo"}, "oscillator of the receiver",
+                                       [](auto& r) -> auto& { return r.oscillator; })))
+        .add(in_units("m", otherwise("30", settings::number<R>("baro", 1.0, 0, 1e4,
                                                                "standard deviation of the barometer's bias; 0: no barometer",
                                                                [](auto& r) -> auto& { return r.baro; }))))
         .add(written("FRAME", one_of<R>("mechanization", {"geographic", "ecef"}, "axes of the mechanization",
                                         [](auto& r) -> auto& { return r.mechanization; })))
-        .add(lettered('n',
-                      written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "runs of each case: run j has geometry j mod 48",
-                                                           [](auto& r) -> auto& { return r.runs; }))))
+        .add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000,
+                                                                "number of runs of each case; run j has geometry j mod 48",
+                                                                [](auto& r) -> auto& { return r.runs; }))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
-        .add(seed_option<R>("of the first 48 runs", [](auto& r) -> auto& { return r.seed; }))
+        .add(seed_option<R>("seed of the first 48 runs", [](auto& r) -> auto& { return r.seed; }))
         .add(output_option<R>("folder of CSV files and a report with plots", "none", [](auto& r) -> auto& { return r.output; }));
     return command<R>(
         "analyze triad", "satellites, ADS-B stations and INS in one filter: paper D's experiments over 48 geometries",
@@ -140,7 +164,7 @@ Command allan() {
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
         .add(written("FILE.toml",
                      path<R>("config", "settings over those of the data set", [](auto& r) -> auto& { return r.config; })))
-        .add(seed_option<R>("instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));
+        .add(seed_option<R>("seed, instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));
     return command<R>(
         "analyze allan", "noise of the inertial sensors: Allan deviation, its coefficients, spectra",
         "  schuler analyze allan bench/                              a log of an instrument at rest\n"
@@ -153,20 +177,21 @@ Command allan() {
 Command protection() {
     using R = study::ProtectionRequest;
     OptionTable<R> t;
-    t.add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "faults, each in a flight of its own",
+    t.add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "number of faults, each in a separate flight",
                                                              [](auto& r) -> auto& { return r.runs; }))))
-        .add(settings::flag<R>("double", "two satellites wrong at once", [](auto& r) -> auto& { return r.kind.twice; }))
+        .add(settings::flag<R>("double", "faults of two satellites at the same time",
+                               [](auto& r) -> auto& { return r.kind.twice; }))
         .add(settings::flag<R>("ramp", "faults that grow by 0.1 to 5 m/s instead of constant ones",
                                [](auto& r) -> auto& { return r.kind.ramp; }))
-        .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.1, "stated risk of a missed detection in an epoch",
+        .add(settings::number<R>("missed-detection", 1.0, 1e-9, 0.1, "required probability of missed detection per epoch",
                                  [](auto& r) -> auto& { return r.settings.missed_detection; }))
-        .add(settings::number<R>("false-alarm", 1.0, 1e-15, 0.1, "stated risk of a false alarm in one test",
+        .add(settings::number<R>("false-alarm", 1.0, 1e-15, 0.1, "required probability of false alarm per test",
                                  [](auto& r) -> auto& { return r.settings.false_alarm; }))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
-        .add(seed_option<R>("of the first flight", [](auto& r) -> auto& { return r.seed; }))
+        .add(seed_option<R>("seed of the first flight", [](auto& r) -> auto& { return r.seed; }))
         .add(output_option<R>("folder of trials.csv", "none", [](auto& r) -> auto& { return r.output; }));
     return command<R>("analyze protection",
-                      "wrong pseudoranges in the tight filter: missed detections, false alarms, protection levels",
+                      "pseudorange faults in the tight filter: missed detections, false alarms, protection levels",
                       "  schuler analyze protection -n 10000                       single faults on the flights of paper D\n"
                       "  schuler analyze protection -n 2000 --double --json\n"
                       "  schuler analyze protection -n 500 --ramp                 faults that grow slowly",

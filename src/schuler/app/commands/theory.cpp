@@ -44,11 +44,14 @@ Command equator() {
         t.add(quantity<R>(keys[k], unit[k], std::string("initial error of ") + what[k],
                           [i](auto& r) -> auto& { return r.errors[i]; }));
     }
-    t.add(in_units("rad",
-                   settings::vector3<R>("misalignment", 1.0, -10, 10,
-                                        "initial attitude error about the pole, the start's meridian, east of it: three numbers",
-                                        [](auto& r) -> auto& { return r.misalignment; })))
-        .add(settings::flag<R>("paper", "tables 1 to 3 of the paper: printed, right, marked where off",
+    t
+        .add(in_units(
+            "rad",
+            settings::vector3<R>(
+                "misalignment", 1.0, -10, 10,
+                "initial attitude error about the polar axis, about the equatorial axis in the meridian of the start, and about the one 90 deg east of it",
+                [](auto& r) -> auto& { return r.misalignment; })))
+        .add(settings::flag<R>("paper", "tables 1 to 3 of the paper: printed and correct values, with differences marked",
                                [](auto& r) -> auto& { return r.paper; }))
         .add(settings::flag<R>("compare", "integrate the complete and the linear equations too; writes a report with plots",
                                [](auto& r) -> auto& { return r.compare; }))
@@ -56,7 +59,7 @@ Command equator() {
                                                  [](auto& r) -> auto& { return r.latitude_deg; })))
         .add(quantity<R>("vn", "m/s", "north velocity of a comparison", [](auto& r) -> auto& { return r.north_speed; }))
         .add(quantity<R>("vh", "m/s", "up velocity of a comparison", [](auto& r) -> auto& { return r.up_speed; }))
-        .add(settings::flag<R>("ellipsoid", "a comparison with the paper's e^2 instead of a sphere",
+        .add(settings::flag<R>("ellipsoid", "use the paper's e^2 instead of a sphere in the comparison",
                                [](auto& r) -> auto& { return r.ellipsoid; }))
         .add(output_option<R>("folder of the comparison's report", "out/equator", [](auto& r) -> auto& { return r.output; }));
     return command<R>(
@@ -78,16 +81,17 @@ Command modes() {
                                               [](auto& r) -> auto& { return r.latitude_deg; })))
         .add(quantity<R>("height", "m", "height above the ellipsoid", [](auto& r) -> auto& { return r.height; }));
     add_vector(t, &R::v_enu, {"ve", "vn", "vh"}, "velocity over the Earth, ", "m/s");
-    t.add(time_option<R>("errors are followed up to this time", [](auto& r) -> auto& { return r.time; }));
+    t.add(time_option<R>("end of the time span of the errors", [](auto& r) -> auto& { return r.time; }));
     add_vector(t, &R::position, {"de", "dn", "dh"}, "initial error of position, ", "m");
     add_vector(t, &R::velocity, {"dve", "dvn", "dvh"}, "initial error of velocity, ", "m/s");
     add_vector(t, &R::attitude, {"tilt-east", "tilt-north", "azimuth"}, "initial attitude error about ", "rad");
-    add_vector(t, &R::gyro_deg_h, {"gyro-east-deg-h", "gyro-north-deg-h", "gyro-up-deg-h"}, "constant drift about ", "deg/h");
+    add_vector(t, &R::gyro_deg_h, {"gyro-east-deg-h", "gyro-north-deg-h", "gyro-up-deg-h"}, "constant gyro drift about ",
+               "deg/h");
     add_vector(t, &R::accel_ug, {"accel-east-ug", "accel-north-ug", "accel-up-ug"}, "constant accelerometer error ", "ug");
     t.add(written("KIND", one_of<R>("vertical", {"fixed", "free", "second", "third"},
-                                    "height: fixed, free, or a barometer loop of that order",
+                                    "vertical channel: fixed, free, or with a barometer loop of second or third order",
                                     [](auto& r) -> auto& { return r.vertical; })))
-        .add(in_units("s", settings::number<R>("baro-time", 1.0, 1e-3, 1e6, "time constant of the loop",
+        .add(in_units("s", settings::number<R>("baro-time", 1.0, 1e-3, 1e6, "time constant of the barometer loop",
                                                [](auto& r) -> auto& { return r.baro_time; })))
         .add(quantity<R>("baro", "m", "constant error of the barometer", [](auto& r) -> auto& { return r.baro; }))
         .add(settings::flag<R>("paper", "cases of paper A, section 4.1", [](auto& r) -> auto& { return r.paper; }))
@@ -116,16 +120,18 @@ Command observability() {
         .add(quantity<R>("vd", "m/s", "velocity down", [](auto& r) -> auto& { return r.vd; }))
         .add(angle("heading-deg", 360, "heading", [](auto& r) -> auto& { return r.heading_deg; }))
         .add(quantity<R>("turn-deg-s", "deg/s", "rate of the heading", [](auto& r) -> auto& { return r.turn_deg_s; }))
-        .add(in_units("s", settings::number<R>("correlation-time", 1.0, 0, 1e9, "of the disturbance's random part; 0: constant",
+        .add(in_units("s", settings::number<R>("correlation-time", 1.0, 0, 1e9,
+                                               "correlation time of the random part of the disturbance; 0: constant",
                                                [](auto& r) -> auto& { return r.correlation_time; })))
-        .add(written("N", settings::integer<R>("polynomial", 0, 2, "degree of its systematic part along the track",
+        .add(written("N", settings::integer<R>("polynomial", 0, 2,
+                                               "degree of the polynomial of the disturbance's systematic part along the track",
                                                [](auto& r) -> auto& { return r.polynomial; })))
-        .add(settings::number<R>("tolerance", 1.0, 0, 1, "smallest pivot that counts; 0: exact rank",
+        .add(settings::number<R>("tolerance", 1.0, 0, 1, "smallest pivot counted in the rank; 0: exact rank",
                                  [](auto& r) -> auto& { return r.tolerance; }))
-        .add(settings::flag<R>("rhumb", "constant course and velocity against north instead of a great circle",
+        .add(settings::flag<R>("rhumb", "constant course and velocity relative to north instead of a great circle",
                                [](auto& r) -> auto& { return r.rhumb; }))
-        .add(settings::flag<R>("frozen", "hold the model as it is at the start", [](auto& r) -> auto& { return r.frozen; }))
-        .add(settings::flag<R>("paper", "the paper's motions too", [](auto& r) -> auto& { return r.paper; }));
+        .add(settings::flag<R>("frozen", "freeze the model at its initial state", [](auto& r) -> auto& { return r.frozen; }))
+        .add(settings::flag<R>("paper", "analyse the motions of the paper too", [](auto& r) -> auto& { return r.paper; }));
     return command<R>(
         "analyze observability", "which states of strapdown gravimetry position and velocity fixes make observable (paper E)",
         "  schuler analyze observability --paper                     at rest and at 1 m/s, beside the paper\n"

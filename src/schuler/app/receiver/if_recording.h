@@ -1,6 +1,7 @@
 // `schuler receiver`: recordings of an intermediate frequency made and tracked.
 #pragma once
 
+#include "schuler/core/samples.h"
 #include "schuler/receiver/sample_receiver.h"
 #include "schuler/report/outcome.h"
 
@@ -32,7 +33,7 @@ struct GenerateRequest {
 struct TrackRequest {
     std::filesystem::path file;
     std::string format = "ibyte";
-    double sample_rate = 0.0;
+    double sample_rate = not_given;  ///< complex samples/s
     double intermediate_frequency = 0.0;
     double start = 0.0;                   ///< s of the recording, whole milliseconds
     std::optional<double> seconds;        ///< from `start` on; nothing: to the end

@@ -87,30 +87,13 @@ std::vector<int> numbers_of(const std::vector<std::string>& names) {
     return out;
 }
 
-void check(const TrackRequest& request) {
-    study::check_finite({{"--sample-rate", request.sample_rate},
-                         {"--intermediate-frequency", request.intermediate_frequency},
-                         {"--start", request.start},
-                         {"--seconds", request.seconds.value_or(1.0)},
-                         {"--doppler", request.doppler}});
-    if (request.start < 0.0) throw input_error(fmt::format("{} s", request.start), {.key = "--start"}, "give 0 or more");
-    if (request.seconds && *request.seconds <= 0.0)
-        throw input_error(fmt::format("{} s", *request.seconds), {.key = "--seconds"}, "give more than 0, or leave it out");
-    if (request.search_ms < 1 || request.search_ms > 1000)
-        throw input_error(fmt::format("{} ms", request.search_ms), {.key = "--search-ms"}, "give 1 to 1000");
-    if (!(request.doppler >= 0.0 && request.doppler <= 100e3))
-        throw input_error(fmt::format("{} Hz", request.doppler), {.key = "--doppler"}, "give 0 to 100000");
-}
-
 report::Outcome tracked(const TrackRequest& request) {
-    check(request);
     const auto begun = std::chrono::steady_clock::now();
     const receiver::IfFormat format{request.sample_rate, request.intermediate_frequency};
     receiver::SampleReceiverSettings settings;
     settings.satellites = numbers_of(request.satellites);
     settings.doppler = request.doppler;
     settings.search_periods = request.search_ms;
-    (void)io::if_encoding(request.format);
     receiver::SampleReceiver channels(format, settings);
 
     const double zero = std::floor(request.start * 1e3 + 1e-6) * 1e-3;

@@ -208,16 +208,16 @@ void archive(Archive& a, AtMostOne<T>& one) {
     one.use();
 }
 template <class Frame>
-void archive(Archive& a, Walk<Frame>& walk) {  // one that has diverged is not saved
+void archive(Archive& a, FilterRun<Frame>& run) {  // one that has diverged is not saved
     auto& [filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint, next_feedback,
            feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges, undecided_heading,
-           fixes, suspect, wanted, openings, sides_changed, rival, challenged, diverged] = walk;
+           fixes, suspect, wanted, openings, sides_changed, rival, challenged, diverged] = run;
     a(filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint, next_feedback,
       feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges, undecided_heading,
       fixes, suspect, wanted, openings, sides_changed, rival, challenged);
     if (a.reads()) diverged.reset();
 }
-SCHULER_ARCHIVED_IN_FRAME(Rival, walk, since, challenger, explained, accepted, refused, in_row, attempts, patience, opening)
+SCHULER_ARCHIVED_IN_FRAME(Rival, run, since, challenger, explained, accepted, refused, in_row, attempts, patience, opening)
 
 #undef SCHULER_ARCHIVED
 #undef SCHULER_ARCHIVED_IN_FRAME

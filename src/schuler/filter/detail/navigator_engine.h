@@ -92,9 +92,9 @@ private:
     void archive_all(Archive& a);
     /// Consumes what is old enough. False where the filter has diverged.
     virtual bool advance() = 0;
-    /// Sets the walk to a start, whose `increment` is its first in the data.
+    /// Sets the run to a start, whose `increment` is its first in the data.
     virtual void set_out(const Start& start, double baro_height) = 0;
-    virtual void archive_walk(Archive& a) = 0;
+    virtual void archive_run(Archive& a) = 0;
 
     bool given_ = false;              // a given start is still to come
     double baro_height_ = not_given;  // m, the last before the start

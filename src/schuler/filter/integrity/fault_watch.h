@@ -104,7 +104,7 @@ struct FaultWatch {
     /// A fault of this source may begin now; `states`: size of the filter.
     void begin(int source, Time now, Eigen::Index states);
     void forget(int source);
-    /// Nothing is suspected any more: everything begins anew.
+    /// Nothing is suspected any more: everything restarts.
     void clear();
     [[nodiscard]] bool leaves_out(int source) const;
     /// The means of the errors move with the errors.

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// An accelerating error, or one that the log explains, needs few fixes to be believed; an ambiguous one what the user has set.
+/// An accelerating error, or one that the log explains, needs few fixes to be accepted; an ambiguous one what the user has set.
 constexpr int few_fixes = 4, explained_fixes = 2;
 constexpr double few_seconds = 3.0;
 /// What lever arm, latency and heading make of the first metres of a motion is no jump of the receiver, m.
@@ -59,11 +59,11 @@ Vector9 difference(const earth::Earth& earth, const NavState& a, const NavState&
 
 /// What the channels say that refuse their fixes now.
 template <class Frame>
-Opening opening_of(const Walk<Frame>& walk) {
+Opening opening_of(const FilterRun<Frame>& run) {
     Opening o;
     o.bias_jump = 1.0;
-    for (std::size_t k = 0; k < walk.fixes.size(); ++k) {
-        const FixChannel& c = walk.fixes[k];
+    for (std::size_t k = 0; k < run.fixes.size(); ++k) {
+        const FixChannel& c = run.fixes[k];
         if (c.run.count() == 0) continue;
         if (k % 2 == 0) {
             o.position += c.run.latest();  // horizontal and vertical, where those are two channels
@@ -71,7 +71,7 @@ Opening opening_of(const Walk<Frame>& walk) {
         } else {
             o.velocity += c.run.latest();
         }
-        if (c.fitted) o.span = std::max(o.span, (walk.filter.time() - *c.fitted).seconds());
+        if (c.fitted) o.span = std::max(o.span, (run.filter.time() - *c.fitted).seconds());
     }
     return o;
 }
@@ -89,7 +89,7 @@ double speed_sigma(const InertialFilter<Frame>& filter) {
 }  // namespace
 
 template <class Frame>
-Matrix9 Walk<Frame>::undecided(const InertialModel& model) const {
+Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
     Matrix9 P = Matrix9::Zero();
     P(Layout::attitude + 2, Layout::attitude + 2) = undecided_heading * undecided_heading;
     if (!ranges.watch.without.empty()) {
@@ -98,7 +98,7 @@ Matrix9 Walk<Frame>::undecided(const InertialModel& model) const {
     }
     if (!rival.empty() && !rival.front().explained) {
         const Rival<Frame>& other = rival.front();
-        const Vector9 d = 0.4 * difference(model.earth, other.walk.filter.geographic(model), filter.geographic(model));
+        const Vector9 d = 0.4 * difference(model.earth, other.run.filter.geographic(model), filter.geographic(model));
         P += d * d.transpose();
     }
     for (std::size_t k = 0; k < fixes.size(); ++k) {
@@ -121,9 +121,9 @@ bool Pass<Frame>::contests(AidKind kind) const {
 }
 
 template <class Frame>
-AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
+AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
                              Observer& observer) const {
-    FixChannel& fixes = walk.fixes[channel.fix()];
+    FixChannel& fixes = run.fixes[channel.fix()];
     FixLevels& levels = fixes.levels;
     const double limit = data_.gates.chi_square[record.dof];
     const bool position = channel.kind == AidKind::GnssPosition;
@@ -146,7 +146,7 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
         local.innovation -= offset;
         m.innovation -= offset;
         record.innovation -= offset;
-        record.nis = m.innovation.dot(walk.filter.innovation_covariance(m).inverse() * m.innovation);
+        record.nis = m.innovation.dot(run.filter.innovation_covariance(m).inverse() * m.innovation);
     };
     if (levels.two) {
         AidRecord here = record;
@@ -158,10 +158,10 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
             if (levels.prefers_other()) {
                 Vector9 to_other = Vector9::Zero();
                 to_other.head<3>() = levels.other;
-                StateVector dx = StateVector::Zero(walk.filter.P.rows());
+                StateVector dx = StateVector::Zero(run.filter.P.rows());
                 dx.template head<9>() =
-                    Frame::errors_are_geographic ? to_other : Vector9(walk.filter.to_local_level(model_).inverse() * to_other);
-                walk.filter.apply(model_, dx);
+                    Frame::errors_are_geographic ? to_other : Vector9(run.filter.to_local_level(model_).inverse() * to_other);
+                run.filter.apply(model_, dx);
                 observer.alert({record.stamp, channel.kind, IntegrityTest::OtherLevel, levels.other.norm()});
                 levels.swap();
             }
@@ -177,9 +177,9 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
 
     fixes.run.add(record.time, in_place(record.innovation, channel.components), sigma);
     fixes.fits = 0;
-    const bool suspect = walk.suspect && (!fixes.fitted || *walk.suspect > *fixes.fitted);
-    const FixChannel& speeds = walk.fixes[channel.vertical_only ? 3 : 1];
-    if (position && !suspect && fixes.run.shape(speed_sigma(walk.filter)) == RunShape::Constant) {
+    const bool suspect = run.suspect && (!fixes.fitted || *run.suspect > *fixes.fitted);
+    const FixChannel& speeds = run.fixes[channel.vertical_only ? 3 : 1];
+    if (position && !suspect && fixes.run.shape(speed_sigma(run.filter)) == RunShape::Constant) {
         const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
         // After an interruption the navigation has drifted away itself where the velocities are refused as well.
         const bool only_here = since_fit > 5.0 && speeds.run.count() == 0;
@@ -187,17 +187,17 @@ AidStatus Pass<Frame>::judge(Walk<Frame>& walk, Channel channel, AidRecord& reco
             observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
             levels.jumped(fixes.run.mean(), fixes.run.span(), at_once);
             fixes.run.clear();
-            if (!walk.rival.empty() && walk.rival.front().challenger) walk.rival.clear();
+            if (!run.rival.empty() && run.rival.front().challenger) run.rival.clear();
             move();
             if (record.nis > limit) return AidStatus::Rejected;
             return accept(true);
         }
     }
     // A velocity that is refused while positions go on to fit is the receiver's own affair, unless the IMU log says otherwise.
-    const bool positions_fit = !position && walk.fixes[channel.vertical_only ? 2 : 0].fits > 0 && !suspect;
+    const bool positions_fit = !position && run.fixes[channel.vertical_only ? 2 : 0].fits > 0 && !suspect;
     const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
     const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
-    if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough) walk.wanted = opening_of(walk);
+    if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough) run.wanted = opening_of(run);
     return AidStatus::Rejected;
 }
 
@@ -223,20 +223,20 @@ struct FixCount : PassObserver<Frame> {
 }  // namespace
 
 template <class Frame>
-void Pass<Frame>::open(Walk<Frame>& walk, const Opening& o) const {
+void Pass<Frame>::open(FilterRun<Frame>& run, const Opening& o) const {
     // Since when, and by what velocity: a tilt e makes g e T of it, a heading error that much of the speed. Where attitude was lost (a
-    // hole or fault of the inertial unit), the biases learnt since are wrong as well and begin anew.
-    auto& P = walk.filter.P;
+    // hole or fault of the inertial unit), the biases learnt since are wrong as well and restart.
+    auto& P = run.filter.P;
     const double size2 = o.position.squaredNorm(), span = std::max(1.0, o.span);
     const double faster2 = std::max({size2 / (span * span), o.rate.squaredNorm(), o.velocity.squaredNorm()});
     P.diagonal().template segment<3>(Layout::position).array() += size2;
     P.diagonal().template segment<3>(Layout::velocity).array() += faster2;
     if (settings_.coupling == Coupling::Separate) return;  // which estimates neither attitude nor biases
     constexpr double most_tilt = 0.3, most_heading = 1.0;  // rad: beyond them the filter is not linear
-    const double speed2 = std::max(1.0, walk.filter.geographic(model_).v_eb_n.squaredNorm());
+    const double speed2 = std::max(1.0, run.filter.geographic(model_).v_eb_n.squaredNorm());
     const double tilt2 = std::min(most_tilt * most_tilt, faster2 / std::pow(units::g0 * span, 2));
     const double heading2 = std::min(most_heading * most_heading, faster2 / speed2);
-    const Eigen::Matrix3d down = down_axis(walk.filter);
+    const Eigen::Matrix3d down = down_axis(run.filter);
     P.template block<3, 3>(Layout::attitude, Layout::attitude) += tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down;
     const auto reopen = [&P](int offset, double sigma) { P.diagonal().template segment<3>(offset).array() += sigma * sigma; };
     double rate = settings_.imu.errors.gyro_initial_bias(), force = settings_.imu.errors.accel_initial_bias();
@@ -250,14 +250,14 @@ void Pass<Frame>::open(Walk<Frame>& walk, const Opening& o) const {
 }
 
 template <class Frame>
-void Pass<Frame>::challenge(Walk<Frame>& walk) const {
-    Opening opening = *walk.wanted;
-    walk.wanted.reset();
-    walk.rival.clear();
-    opening.increment = walk.increment;
-    Rival<Frame>& rival = walk.rival.room();
-    rival.walk = walk;
-    Walk<Frame>& w = rival.walk;
+void Pass<Frame>::challenge(FilterRun<Frame>& run) const {
+    Opening opening = *run.wanted;
+    run.wanted.reset();
+    run.rival.clear();
+    opening.increment = run.increment;
+    Rival<Frame>& rival = run.rival.room();
+    rival.run = run;
+    FilterRun<Frame>& w = rival.run;
     w.next_output = Time{INT64_MAX};
     w.challenged_by_fixes = false;
     ++w.increment;
@@ -266,80 +266,80 @@ void Pass<Frame>::challenge(Walk<Frame>& walk) const {
     w.openings.push_back(opening);
     rival.opening = opening;
     constexpr double patience = 60.0;  // s
-    const std::optional<Time>& fitted = walk.fixes[opening.position.isZero() ? 1 : 0].fitted;
-    rival.begin(walk.filter.time(), true, walk.suspect && (!fitted || *walk.suspect > *fitted), patience);
-    walk.rival.use();
+    const std::optional<Time>& fitted = run.fixes[opening.position.isZero() ? 1 : 0].fitted;
+    rival.begin(run.filter.time(), true, run.suspect && (!fitted || *run.suspect > *fitted), patience);
+    run.rival.use();
 }
 
 template <class Frame>
-void Pass<Frame>::change_sides(Walk<Frame>& walk) const {
-    AtMostOne<Rival<Frame>> held = std::move(walk.rival);
+void Pass<Frame>::change_sides(FilterRun<Frame>& run) const {
+    AtMostOne<Rival<Frame>> held = std::move(run.rival);
     Rival<Frame>& other = held.front();
-    Walk<Frame>& winner = other.walk;
-    winner.next_output = walk.next_output;
-    winner.outputs = walk.outputs;
-    winner.increment = walk.increment;
-    winner.sides_changed = walk.sides_changed + 1;
+    FilterRun<Frame>& winner = other.run;
+    winner.next_output = run.next_output;
+    winner.outputs = run.outputs;
+    winner.increment = run.increment;
+    winner.sides_changed = run.sides_changed + 1;
     winner.challenged_by_fixes = true;
-    walk.challenged_by_fixes = false;
-    walk.next_output = Time{INT64_MAX};
-    ++walk.increment;
-    std::swap(walk, winner);
+    run.challenged_by_fixes = false;
+    run.next_output = Time{INT64_MAX};
+    ++run.increment;
+    std::swap(run, winner);
     // What the log explains is decided. Otherwise the loser goes on, and what is reported covers it.
     if (other.explained) {
         held.clear();
     } else {
-        other.begin(walk.filter.time(), false, false, other.patience);
-        for (FixChannel& c : walk.fixes) c.fits = 0;
+        other.begin(run.filter.time(), false, false, other.patience);
+        for (FixChannel& c : run.fixes) c.fits = 0;
     }
-    walk.rival = std::move(held);
+    run.rival = std::move(held);
 }
 
 template <class Frame>
-void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
+void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
     if (rivalry_ == Rivalry::Decided) {
         for (const Opening& o : openings_) {
-            if (o.increment != walk.increment) continue;
-            propagate_covariance(walk, observer);
-            for (FixChannel& c : walk.fixes) c.run.clear();
-            open(walk, o);
+            if (o.increment != run.increment) continue;
+            propagate_covariance(run, observer);
+            for (FixChannel& c : run.fixes) c.run.clear();
+            open(run, o);
         }
         return;
     }
-    if (!walk.challenged_by_fixes) return;
-    if (walk.rival.empty()) {
-        if (!walk.wanted) return;
-        propagate_covariance(walk, observer);
-        challenge(walk);
+    if (!run.challenged_by_fixes) return;
+    if (run.rival.empty()) {
+        if (!run.wanted) return;
+        propagate_covariance(run, observer);
+        challenge(run);
         return;
     }
-    Rival<Frame>& rival = walk.rival.front();
+    Rival<Frame>& rival = run.rival.front();
     FixCount<Frame> count(rival);
     const int fixes_before = rival.accepted + rival.refused;
-    if (!try_advance(rival.walk, walk.increment, count)) {
-        walk.diverged = rival.walk.diverged;
+    if (!try_advance(rival.run, run.increment, count)) {
+        run.diverged = rival.run.diverged;
         return;
     }
-    const double age = (walk.filter.time() - rival.since).seconds();
+    const double age = (run.filter.time() - rival.since).seconds();
     if (rival.accepted + rival.refused == fixes_before) {
-        if (!rival.challenger && age > rival.patience) walk.rival.clear();
+        if (!rival.challenger && age > rival.patience) run.rival.clear();
         return;
     }
     // One that has lost and takes these fixes no more than the winner makes room for a new challenger.
-    const std::optional<Opening> wanted = std::exchange(walk.wanted, std::nullopt);
+    const std::optional<Opening> wanted = std::exchange(run.wanted, std::nullopt);
     if (wanted && !rival.challenger && rival.accepted_in_row == 0) {
-        walk.wanted = wanted;
-        propagate_covariance(walk, observer);
-        challenge(walk);
+        run.wanted = wanted;
+        propagate_covariance(run, observer);
+        challenge(run);
         return;
     }
-    const FixChannel &positions = walk.fixes[0], &speeds = walk.fixes[1];
+    const FixChannel &positions = run.fixes[0], &speeds = run.fixes[1];
     const FixChannel& main = positions.fitted || positions.run.count() > 0 ? positions : speeds;
-    const bool main_refuses = std::ranges::any_of(walk.fixes, [](const FixChannel& c) { return c.run.count() > 0; });
+    const bool main_refuses = std::ranges::any_of(run.fixes, [](const FixChannel& c) { return c.run.count() > 0; });
     if (rival.challenger) {
         if (!main_refuses && main.fits >= 2) {  // the receiver was wrong, and has come back
-            observer.alert(alert_of(rival.opening, walk.filter.time(), IntegrityTest::Receiver));
-            walk.rival.clear();
+            observer.alert(alert_of(rival.opening, run.filter.time(), IntegrityTest::Receiver));
+            run.rival.clear();
             return;
         }
         // One that takes the velocities and refuses all positions, or the other way round, explains as little as one that refuses both.
@@ -347,13 +347,13 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
         if (half ||
             (rival.refused > 0 && rival.accepted_in_row == 0)) {  // it does not explain them either: perhaps a bias has jumped
             const int attempts = rival.attempts + 1;
-            walk.rival.clear();
+            run.rival.clear();
             if (!wanted) return;
-            walk.wanted = wanted;
-            walk.wanted->bias_jump = attempts % 2 == 0 ? std::pow(10.0, std::min(attempts / 2, 3)) : 0.0;
-            propagate_covariance(walk, observer);
-            challenge(walk);
-            walk.rival.front().attempts = attempts;
+            run.wanted = wanted;
+            run.wanted->bias_jump = attempts % 2 == 0 ? std::pow(10.0, std::min(attempts / 2, 3)) : 0.0;
+            propagate_covariance(run, observer);
+            challenge(run);
+            run.rival.front().attempts = attempts;
             return;
         }
         if (!main_refuses) return;
@@ -367,7 +367,7 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
             needed = explained_fixes;
             seconds = 0.0;
         } else {
-            const RunShape shape = positions.run.shape(speed_sigma(walk.filter));
+            const RunShape shape = positions.run.shape(speed_sigma(run.filter));
             if (shape == RunShape::Growing || (shape == RunShape::Constant && positions.run.mean().norm() <= least_jump)) {
                 needed = few_fixes;
                 seconds = few_seconds;
@@ -375,31 +375,31 @@ void Pass<Frame>::contest(Walk<Frame>& walk, Observer& observer) const {
             }
         }
         if (rival.accepted_in_row >= needed && age >= seconds) {
-            observer.alert(alert_of(rival.opening, walk.filter.time(), IntegrityTest::Navigation));
-            change_sides(walk);
+            observer.alert(alert_of(rival.opening, run.filter.time(), IntegrityTest::Navigation));
+            change_sides(run);
         }
         return;
     }
     // The loser goes on: it is right after all where it takes the fixes and the winner does not.
     if (rival.accepted_in_row >= 2 && main_refuses && main.run.count() >= 2) {
-        change_sides(walk);
-        walk.rival.clear();
+        change_sides(run);
+        run.rival.clear();
         return;
     }
     // What runs away faster and faster is an inertial error: that settles it.
-    if (rival.walk.fixes[0].run.shape(speed_sigma(rival.walk.filter)) == RunShape::Growing)
+    if (rival.run.fixes[0].run.shape(speed_sigma(rival.run.filter)) == RunShape::Growing)
         rival.patience = std::min(rival.patience, settings_.aids.recovery_time);
-    if ((rival.accepted_in_row >= 2 && !main_refuses) || age > rival.patience) walk.rival.clear();
+    if ((rival.accepted_in_row >= 2 && !main_refuses) || age > rival.patience) run.rival.clear();
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                                                         \
-    template Matrix9 Walk<Frame>::undecided(const InertialModel&) const;                                                   \
-    template bool Pass<Frame>::contests(AidKind) const;                                                                    \
-    template AidStatus Pass<Frame>::judge(Walk<Frame>&, Channel, AidRecord&, Measurement&, Measurement&, Observer&) const; \
-    template void Pass<Frame>::open(Walk<Frame>&, const Opening&) const;                                                   \
-    template void Pass<Frame>::challenge(Walk<Frame>&) const;                                                              \
-    template void Pass<Frame>::change_sides(Walk<Frame>&) const;                                                           \
-    template void Pass<Frame>::contest(Walk<Frame>&, Observer&) const;
+#define SCHULER_INSTANTIATE(Frame)                                                                                              \
+    template Matrix9 FilterRun<Frame>::undecided(const InertialModel&) const;                                                   \
+    template bool Pass<Frame>::contests(AidKind) const;                                                                         \
+    template AidStatus Pass<Frame>::judge(FilterRun<Frame>&, Channel, AidRecord&, Measurement&, Measurement&, Observer&) const; \
+    template void Pass<Frame>::open(FilterRun<Frame>&, const Opening&) const;                                                   \
+    template void Pass<Frame>::challenge(FilterRun<Frame>&) const;                                                              \
+    template void Pass<Frame>::change_sides(FilterRun<Frame>&) const;                                                           \
+    template void Pass<Frame>::contest(FilterRun<Frame>&, Observer&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)
 #undef SCHULER_INSTANTIATE

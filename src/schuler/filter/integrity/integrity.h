@@ -45,7 +45,7 @@ struct ChannelHealth {
 /// Follows an excluded channel: true once its fixes have agreed with the estimate (`agrees`: this one does) for long enough.
 [[nodiscard]] bool readmits(ChannelHealth& health, bool agrees, Time time, const IntegritySettings& settings);
 
-/// A copy of the filter that goes on without the receiver, begun anew when `window` seconds old. Of two of them, one is at any time
+/// A copy of the filter that goes on without the receiver, restarted when `window` seconds old. Of two of them, one is at any time
 /// at least half a window old: an error that grows too slowly to be seen in one innovation shows against it, and where it does, it is
 /// the solution from before the error; docs/complex.md.
 template <class Frame>

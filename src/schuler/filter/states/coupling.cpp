@@ -1,4 +1,4 @@
-// How the walk uses a measurement in each coupling, and how it watches the receiver: members of Pass.
+// How the run uses a measurement in each coupling, and how it watches the receiver: members of Pass.
 
 #include "schuler/filter/update/pass.h"
 #include "schuler/filter/update/separate.h"
@@ -18,9 +18,10 @@ std::size_t sub_vector(AidKind kind) { return kind == AidKind::GnssVelocity ? 1 
 /// Corrects the filter by scalars whose rows are dense. Where the slow errors of fixes are `considered` only, their share of the gain is
 /// nothing [Schmidt1966]. The smoother does not follow. Returns the error that was found.
 template <class Frame>
-StateVector correct(Walk<Frame>& walk, const InertialModel& model, const Measurement& m, const std::array<StateVector, 3>& rows,
-                    const StateVector& corrected, bool considered, PassObserver<Frame>& observer) {
-    StateMatrix& P = walk.filter.P;
+StateVector correct(FilterRun<Frame>& run, const InertialModel& model, const Measurement& m,
+                    const std::array<StateVector, 3>& rows, const StateVector& corrected, bool considered,
+                    PassObserver<Frame>& observer) {
+    StateMatrix& P = run.filter.P;
     StateVector dx = StateVector::Zero(P.rows());
     for (int i = 0; i < m.dof; ++i) {
         const StateVector& h = rows[static_cast<std::size_t>(i)];
@@ -30,10 +31,10 @@ StateVector correct(Walk<Frame>& walk, const InertialModel& model, const Measure
         for (const int state : {model.layout.gnss_position, model.layout.gnss_velocity})
             if (considered && state >= 0) k.segment<3>(state).setZero();
         dx += k * (m.innovation(i) - h.dot(corrected) - h.dot(dx));
-        estim::correct_covariance(P, k, ph, s, walk.filter.used);
+        estim::correct_covariance(P, k, ph, s, run.filter.used);
     }
     P.diagonal() = P.diagonal().cwiseMax(model.floor);
-    walk.filter.apply(model, dx);
+    run.filter.apply(model, dx);
     observer.corrected();
     return dx;
 }
@@ -47,34 +48,34 @@ std::array<StateVector, 3> rows_of(const Measurement& m, Eigen::Index size) {
 }  // namespace
 
 template <class Frame>
-StateVector Pass<Frame>::update(Walk<Frame>& walk, const Measurement& m, Observer& observer) const {
+StateVector Pass<Frame>::update(FilterRun<Frame>& run, const Measurement& m, Observer& observer) const {
     if (considers(settings_)) {
-        const Eigen::Index size = walk.filter.P.rows();
-        return correct(walk, model_, m, rows_of(m, size), StateVector::Zero(size), true, observer);
+        const Eigen::Index size = run.filter.P.rows();
+        return correct(run, model_, m, rows_of(m, size), StateVector::Zero(size), true, observer);
     }
-    if (walk.ranges.watch.on) {
+    if (run.ranges.watch.on) {
         std::array<WatchedScalar, 3> scalars;
         for (int i = 0; i < m.dof; ++i)
             scalars[static_cast<std::size_t>(i)] = {&m.rows[static_cast<std::size_t>(i)], m.innovation(i), m.variance(i)};
-        walk.ranges.watch.follow(walk.filter.P, std::span(scalars).first(static_cast<std::size_t>(m.dof)), walk.filter.time(),
-                                 walk.filter.used);
+        run.ranges.watch.follow(run.filter.P, std::span(scalars).first(static_cast<std::size_t>(m.dof)), run.filter.time(),
+                                run.filter.used);
     }
-    return walk.filter.update(model_, m, [&](const estim::RowUpdate& u) { observer.scalar(u); });
+    return run.filter.update(model_, m, [&](const estim::RowUpdate& u) { observer.scalar(u); });
 }
 
 template <class Frame>
-bool Pass<Frame>::use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp,
+bool Pass<Frame>::use(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m, Time stamp,
                       Observer& observer) const {
-    if (settings_.coupling == Coupling::Separate) return use_separately(walk, channel, local, m, stamp);
+    if (settings_.coupling == Coupling::Separate) return use_separately(run, channel, local, m, stamp);
     const bool in_parts = settings_.loose_kind == LooseKind::Aggressive && !channel.vertical_only && is_part_of_fix(channel.kind);
     Measurement part = m;
     if (in_parts) part.variance *= settings_.aggressive_parts;
-    const StateVector dx = update(walk, part, observer);
+    const StateVector dx = update(run, part, observer);
     if (settings_.loose_kind == LooseKind::Aggressive)
-        for (CarriedFix& c : walk.carried)
+        for (CarriedFix& c : run.carried)
             if (c.left > 0) c.corrected += dx;
     if (!in_parts) return true;
-    CarriedFix& c = walk.carried[sub_vector(channel.kind)];
+    CarriedFix& c = run.carried[sub_vector(channel.kind)];
     const Duration interval = stamp - c.stamp;
     if (interval.seconds() > 0.0 && interval.seconds() < 10.0) c.every = Duration{interval.ns / settings_.aggressive_parts};
     c.measurement = part;
@@ -82,7 +83,7 @@ bool Pass<Frame>::use(Walk<Frame>& walk, Channel channel, const Measurement& loc
     c.rows = rows_of(part, dx.size());
     c.left = settings_.aggressive_parts - 1;
     c.stamp = stamp;
-    c.next = walk.filter.time() + c.every;
+    c.next = run.filter.time() + c.every;
     return true;
 }
 
@@ -105,12 +106,12 @@ void Pass<Frame>::carry(CarriedFix& fix, const estim::Transition& phi) const {
 }
 
 template <class Frame>
-void Pass<Frame>::carry_on(Walk<Frame>& walk, Observer& observer) const {
-    for (CarriedFix& c : walk.carried) {
-        if (c.left <= 0 || walk.filter.time() < c.next) continue;
-        propagate_covariance(walk, observer);
-        const StateVector dx = correct(walk, model_, c.measurement, c.rows, c.corrected, considers(settings_), observer);
-        for (CarriedFix& other : walk.carried)
+void Pass<Frame>::carry_on(FilterRun<Frame>& run, Observer& observer) const {
+    for (CarriedFix& c : run.carried) {
+        if (c.left <= 0 || run.filter.time() < c.next) continue;
+        propagate_covariance(run, observer);
+        const StateVector dx = correct(run, model_, c.measurement, c.rows, c.corrected, considers(settings_), observer);
+        for (CarriedFix& other : run.carried)
             if (other.left > 0) other.corrected += dx;
         --c.left;
         c.next = c.next + c.every;
@@ -118,21 +119,20 @@ void Pass<Frame>::carry_on(Walk<Frame>& walk, Observer& observer) const {
 }
 
 template <class Frame>
-bool Pass<Frame>::use_separately(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m,
+bool Pass<Frame>::use_separately(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m,
                                  Time stamp) const {
     const SeparateSettings& s = settings_.separate;
     const bool position = channel.kind == AidKind::GnssPosition;
-    std::optional<Time>& last = walk.corrected[channel.gate()];
+    std::optional<Time>& last = run.corrected[channel.gate()];
     const double dt = last ? (stamp - *last).seconds() : 1.0;
-    Gains K = Gains::Zero(walk.filter.P.rows(), 3);
+    Gains K = Gains::Zero(run.filter.P.rows(), 3);
     if (channel.kind == AidKind::Baro) {
         // A loop that is closed too seldom for its time constant would swing up.
-        K = barometer_gains(walk.filter.P.rows(), walk.filter.estimate(model_).C_nb, std::min(dt, 0.2 * s.baro_time),
-                            s.baro_time);
+        K = barometer_gains(run.filter.P.rows(), run.filter.estimate(model_).C_nb, std::min(dt, 0.2 * s.baro_time), s.baro_time);
     } else if (position || channel.kind == AidKind::GnssVelocity) {
         if (s.restart_period > 0.0 && last && dt < s.restart_period - 1e-3) return false;
         const double share = s.restart_period > 0.0 ? 1.0 : correction_share(dt, position ? s.position_time : s.velocity_time);
-        K = setting_gains(walk.filter.P.rows(), local, position ? Layout::position : Layout::velocity, share);
+        K = setting_gains(run.filter.P.rows(), local, position ? Layout::position : Layout::velocity, share);
         // Where there is a barometer, the vertical channel is its own.
         if (model_.layout.baro_bias >= 0) K.row((position ? Layout::position : Layout::velocity) + 2).setZero();
     } else {
@@ -140,16 +140,16 @@ bool Pass<Frame>::use_separately(Walk<Frame>& walk, Channel channel, const Measu
     }
     last = stamp;
     if constexpr (!Frame::errors_are_geographic)
-        K.template topRows<9>() = (walk.filter.to_local_level(model_).inverse() * K.template topRows<9>()).eval();
-    walk.filter.correct(model_, m, K);
+        K.template topRows<9>() = (run.filter.to_local_level(model_).inverse() * K.template topRows<9>()).eval();
+    run.filter.correct(model_, m, K);
     return true;
 }
 
 template <class Frame>
-AidStatus Pass<Frame>::examine(Walk<Frame>& walk, Channel channel, const AidRecord& record, const Examined& examined,
+AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const AidRecord& record, const Examined& examined,
                                Observer& observer) const {
     const IntegritySettings& s = settings_.integrity;
-    ChannelHealth& health = walk.health[sub_vector(channel.kind)];
+    ChannelHealth& health = run.health[sub_vector(channel.kind)];
     std::optional<IntegrityTest> failed = failed_test(examined, health, s);
     if (!failed && record.nis > data_.gates.chi_square[record.dof]) failed = IntegrityTest::Innovation;
     if (health.excluded) {
@@ -166,20 +166,20 @@ AidStatus Pass<Frame>::examine(Walk<Frame>& walk, Channel channel, const AidReco
         observer.alert({record.stamp, channel.kind, *failed});
         health = {};
         health.excluded = true;
-        for (Shadow<Frame>& shadow : walk.shadows) shadow.alive = false;
+        for (Shadow<Frame>& shadow : run.shadows) shadow.alive = false;
         return AidStatus::Excluded;
     }
     return AidStatus::Rejected;
 }
 
 template <class Frame>
-void Pass<Frame>::look_back(Walk<Frame>& walk, const Event& event, Observer& observer) const {
-    ChannelHealth& health = walk.health[sub_vector(event.kind)];
+void Pass<Frame>::look_back(FilterRun<Frame>& run, const Event& event, Observer& observer) const {
+    ChannelHealth& health = run.health[sub_vector(event.kind)];
     if (health.excluded) return;
     Shadow<Frame>* oldest = nullptr;
-    for (Shadow<Frame>& s : walk.shadows)
+    for (Shadow<Frame>& s : run.shadows)
         if (s.alive && (oldest == nullptr || s.since < oldest->since)) oldest = &s;
-    if (oldest == nullptr || (walk.filter.time() - oldest->since).seconds() < 0.5 * settings_.integrity.window) return;
+    if (oldest == nullptr || (run.filter.time() - oldest->since).seconds() < 0.5 * settings_.integrity.window) return;
     estim::Transition phi;
     (void)oldest->filter.propagate_covariance(model_, phi);
     const Measurement m = oldest->filter.to_own(model_, measurement_of(oldest->filter, event));
@@ -188,39 +188,39 @@ void Pass<Frame>::look_back(Walk<Frame>& walk, const Event& event, Observer& obs
     health.slow_run = nis > data_.slow_limits[static_cast<std::size_t>(m.dof)] ? health.slow_run + 1 : 0;
     if (health.slow_run < settings_.integrity.slow_count) return;
     observer.alert({event.stamp, event.kind, IntegrityTest::Slow});
-    walk.filter = oldest->filter;  // the solution from before the error
-    for (CarriedFix& c : walk.carried) c.left = 0;
-    for (ChannelHealth& h : walk.health) {
+    run.filter = oldest->filter;  // the solution from before the error
+    for (CarriedFix& c : run.carried) c.left = 0;
+    for (ChannelHealth& h : run.health) {
         h = {};
         h.excluded = true;
     }
-    for (Shadow<Frame>& s : walk.shadows) s.alive = false;
+    for (Shadow<Frame>& s : run.shadows) s.alive = false;
 }
 
 template <class Frame>
-void Pass<Frame>::renew_shadows(Walk<Frame>& walk) const {
-    if (walk.shadows.size() != 2 || walk.health[0].excluded || walk.health[1].excluded) return;
-    if (walk.health[0].slow_run > 0 || walk.health[1].slow_run > 0) return;  // not from under suspicion
-    const Time now = walk.filter.time();
+void Pass<Frame>::renew_shadows(FilterRun<Frame>& run) const {
+    if (run.shadows.size() != 2 || run.health[0].excluded || run.health[1].excluded) return;
+    if (run.health[0].slow_run > 0 || run.health[1].slow_run > 0) return;  // not from under suspicion
+    const Time now = run.filter.time();
     const double window = settings_.integrity.window;
     for (std::size_t i = 0; i < 2; ++i) {
-        Shadow<Frame>&shadow = walk.shadows[i], &other = walk.shadows[1 - i];
+        Shadow<Frame>&shadow = run.shadows[i], &other = run.shadows[1 - i];
         const bool due = shadow.alive ? (now - shadow.since).seconds() >= window
                                       : !other.alive || (now - other.since).seconds() >= 0.5 * window;
         if (!due) continue;
-        shadow = {walk.filter, now, true};
+        shadow = {run.filter, now, true};
         return;
     }
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                                                        \
-    template StateVector Pass<Frame>::update(Walk<Frame>&, const Measurement&, Observer&) const;                          \
-    template bool Pass<Frame>::use(Walk<Frame>&, Channel, const Measurement&, const Measurement&, Time, Observer&) const; \
-    template void Pass<Frame>::carry(CarriedFix&, const estim::Transition&) const;                                        \
-    template void Pass<Frame>::carry_on(Walk<Frame>&, Observer&) const;                                                   \
-    template AidStatus Pass<Frame>::examine(Walk<Frame>&, Channel, const AidRecord&, const Examined&, Observer&) const;   \
-    template void Pass<Frame>::look_back(Walk<Frame>&, const Event&, Observer&) const;                                    \
-    template void Pass<Frame>::renew_shadows(Walk<Frame>&) const;
+#define SCHULER_INSTANTIATE(Frame)                                                                                             \
+    template StateVector Pass<Frame>::update(FilterRun<Frame>&, const Measurement&, Observer&) const;                          \
+    template bool Pass<Frame>::use(FilterRun<Frame>&, Channel, const Measurement&, const Measurement&, Time, Observer&) const; \
+    template void Pass<Frame>::carry(CarriedFix&, const estim::Transition&) const;                                             \
+    template void Pass<Frame>::carry_on(FilterRun<Frame>&, Observer&) const;                                                   \
+    template AidStatus Pass<Frame>::examine(FilterRun<Frame>&, Channel, const AidRecord&, const Examined&, Observer&) const;   \
+    template void Pass<Frame>::look_back(FilterRun<Frame>&, const Event&, Observer&) const;                                    \
+    template void Pass<Frame>::renew_shadows(FilterRun<Frame>&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)
 #undef SCHULER_INSTANTIATE

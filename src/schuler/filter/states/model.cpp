@@ -293,23 +293,24 @@ void start_latencies(StartCovariance<Frame>& P, const GnssSettings& gnss, const 
 }  // namespace
 
 template <class Frame>
-void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& settings, const Start& start, double baro_height) {
+void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& settings, const Start& start,
+             double baro_height) {
     const Layout& L = model.layout;
-    std::vector<Shadow<Frame>> shadows = std::move(walk.shadows);
-    FaultWatch watch = std::move(walk.ranges.watch);  // for its rooms
-    std::vector<Opening> openings = std::move(walk.openings);
-    AtMostOne<Rival<Frame>> rival = std::move(walk.rival);
+    std::vector<Shadow<Frame>> shadows = std::move(run.shadows);
+    FaultWatch watch = std::move(run.ranges.watch);  // for its rooms
+    std::vector<Opening> openings = std::move(run.openings);
+    AtMostOne<Rival<Frame>> rival = std::move(run.rival);
     shadows.clear();
     watch.clear();
     watch.left_out.clear();
     openings.clear();
     rival.clear();
-    walk = {};
-    walk.shadows = std::move(shadows);
-    walk.ranges.watch = std::move(watch);
-    walk.openings = std::move(openings);
-    walk.rival = std::move(rival);
-    InertialFilter<Frame>& f = walk.filter;
+    run = {};
+    run.shadows = std::move(shadows);
+    run.ranges.watch = std::move(watch);
+    run.openings = std::move(openings);
+    run.rival = std::move(rival);
+    InertialFilter<Frame>& f = run.filter;
     f = InertialFilter<Frame>(model);
     f.set_nav(Frame::from_geographic(model.earth, start.nav));
     f.previous = start.previous;
@@ -352,36 +353,36 @@ void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& sett
         for (int i = 0; i < 3; ++i)
             if (start.position_of_fix(i) > 0.0) P.loosen(Layout::position + i, roomy * start.std_position(i));
     }
-    walk.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
+    run.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
 
     // A disturbance of gravity that nobody corrects for acts like an accelerometer's error.
     const double gravity = settings.disturbance.estimate ? settings.disturbance.prior_n.head<2>().maxCoeff() : 0.0;
     const InertialErrorBounds bounds = three_sigma(start.std_rpy.head<2>().maxCoeff(), start.std_gyro_bias.maxCoeff(),
                                                    std::hypot(start.std_accel_bias.maxCoeff(), gravity));
-    walk.feedback_period =
+    run.feedback_period =
         Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
-    walk.next_feedback = start.nav.time + walk.feedback_period;
-    if (settings.integrity.use && settings.integrity.window > 0.0 && !uses_ranges(settings.coupling)) walk.shadows.resize(2);
-    walk.undecided_heading = start.undecided_heading;
-    walk.increment = start.increment;
-    walk.next_output = start.nav.time;
-    walk.next_constraint = start.nav.time;
+    run.next_feedback = start.nav.time + run.feedback_period;
+    if (settings.integrity.use && settings.integrity.window > 0.0 && !uses_ranges(settings.coupling)) run.shadows.resize(2);
+    run.undecided_heading = start.undecided_heading;
+    run.increment = start.increment;
+    run.next_output = start.nav.time;
+    run.next_constraint = start.nav.time;
 }
 
 template <class Frame>
-Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start) {
+FilterRun<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings, const Start& start) {
     const std::vector<BaroSample>& baro = data.recording->baro;
     const auto first = std::ranges::find_if(baro, [&](const BaroSample& s) { return s.time >= start.nav.time; });
-    Walk<Frame> walk;
-    set_out(walk, model, settings, start, first == baro.end() ? not_given : first->height);
-    return walk;
+    FilterRun<Frame> run;
+    set_out(run, model, settings, start, first == baro.end() ? not_given : first->height);
+    return run;
 }
 
-template void set_out(Walk<GeographicFrame>&, const InertialModel&, const Settings&, const Start&, double);
-template void set_out(Walk<EarthFixedFrame>&, const InertialModel&, const Settings&, const Start&, double);
+template void set_out(FilterRun<GeographicFrame>&, const InertialModel&, const Settings&, const Start&, double);
+template void set_out(FilterRun<EarthFixedFrame>&, const InertialModel&, const Settings&, const Start&, double);
 
-template Walk<GeographicFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
-template Walk<EarthFixedFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
+template FilterRun<GeographicFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
+template FilterRun<EarthFixedFrame> first_step(const InertialModel&, const RunData&, const Settings&, const Start&);
 template void start_ranging(InertialFilter<GeographicFrame>&, const Layout&, const sensor::RangingErrorModel&);
 template void start_ranging(InertialFilter<EarthFixedFrame>&, const Layout&, const sensor::RangingErrorModel&);
 

@@ -46,15 +46,15 @@ struct Sensors {
 /// Limits of the gates and of the slow-ramp test, declination: what settings say of a run's data.
 void set_limits(RunData& data, const Settings& settings);
 
-/// A walk at the start: sigmas in human coordinates mapped to the error states. `baro_height`: the first one from there on, NaN where
-/// there is none. Memory that the walk has got is kept: nothing is allocated where it is enough.
+/// A run at the start: sigmas in human coordinates mapped to the error states. `baro_height`: the first one from there on, NaN where
+/// there is none. Memory that the run has got is kept: nothing is allocated where it is enough.
 template <class Frame>
-void set_out(Walk<Frame>& walk, const InertialModel& model, const Settings& settings, const Start& start, double baro_height);
+void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& settings, const Start& start, double baro_height);
 
 /// Likewise, a new one, with the barometer of the data's recording.
 template <class Frame>
-[[nodiscard]] Walk<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings,
-                                     const Start& start);
+[[nodiscard]] FilterRun<Frame> first_step(const InertialModel& model, const RunData& data, const Settings& settings,
+                                          const Start& start);
 
 /// Covariance of the states that ranges have in common.
 template <class Frame>

@@ -182,7 +182,7 @@ public:
           pass_(model_, stream.data(), settings.filter, Rivalry::Contest),
           still_delay_(Duration::from_seconds(s.still_delay)) {
         const bool watched = uses_ranges(settings.filter.coupling) && settings.filter.ranging.protection.use;
-        for (Walk<Frame>* w : {&walk_, &walk_.rival.room().walk}) {
+        for (FilterRun<Frame>* w : {&run_, &run_.rival.room().run}) {
             w->shadows.reserve(2);
             w->openings.reserve(4);
             if (watched) w->ranges.watch.reserve(settings.rates.range_sources);
@@ -191,24 +191,23 @@ public:
 
     std::optional<NavigatorState> state() override {
         if (!running()) return std::nullopt;
-        if (stream.reordered() || changed_ || model_.loop != Loop::Closed || ahead_.time() < walk_.filter.time())
-            ahead_ = walk_.filter;
+        if (stream.reordered() || changed_ || model_.loop != Loop::Closed || ahead_.time() < run_.filter.time())
+            ahead_ = run_.filter;
         changed_ = false;
-        stream.ahead(walk_.increment, [&](const ImuIncrement& increment, const BridgeNoise& noise) {
+        stream.ahead(run_.increment, [&](const ImuIncrement& increment, const BridgeNoise& noise) {
             if (increment.time <= ahead_.time()) return;
             estim::Transition phi;
             if (ahead_.gathered.is_full(increment.dt)) (void)ahead_.propagate_covariance(model_, phi);
-            ahead_.propagate(model_, increment, with_vibration(model_, walk_.vibration, noise));  // as it shakes now
+            ahead_.propagate(model_, increment, with_vibration(model_, run_.vibration, noise));  // as it shakes now
         });
-        return state_of(ahead_, walk_.undecided(model_));
+        return state_of(ahead_, run_.undecided(model_));
     }
     std::optional<NavigatorState> lagged() const override {
-        return running() ? std::optional<NavigatorState>(state_of(walk_.filter, walk_.undecided(model_))) : std::nullopt;
+        return running() ? std::optional<NavigatorState>(state_of(run_.filter, run_.undecided(model_))) : std::nullopt;
     }
     std::optional<SensorErrorRow> sensor_errors() const override {
         if (!running()) return std::nullopt;
-        return sensor_error_row(walk_.filter.time(), model_.layout, walk_.filter.estimated_parameters(),
-                                walk_.filter.P.diagonal());
+        return sensor_error_row(run_.filter.time(), model_.layout, run_.filter.estimated_parameters(), run_.filter.P.diagonal());
     }
     const InertialModel& model() const override { return model_; }
 
@@ -218,8 +217,8 @@ private:
     }
 
     void set_out(const Start& start, double baro_height) override {
-        filter::set_out(walk_, model_, settings.filter, start, baro_height);
-        next_all_states_ = walk_.filter.time();
+        filter::set_out(run_, model_, settings.filter, start, baro_height);
+        next_all_states_ = run_.filter.time();
         sides_changed_ = 0;
         changed_ = true;
     }
@@ -227,16 +226,16 @@ private:
     bool advance() override {
         const std::vector<ImuIncrement>& increments = stream.data().imu.increments;
         const Time until = stream.settled() - still_delay_;
-        std::size_t end = walk_.increment;
+        std::size_t end = run_.increment;
         while (end < increments.size() && increments[end].time <= until) ++end;
-        if (end == walk_.increment) return true;
+        if (end == run_.increment) return true;
         stream.judge_still(increments[end - 1].time);
-        if (!pass_.try_advance(walk_, end - 1, *this)) return false;  // it is no longer a number
-        if (walk_.sides_changed != sides_changed_) {
-            sides_changed_ = walk_.sides_changed;
+        if (!pass_.try_advance(run_, end - 1, *this)) return false;  // it is no longer a number
+        if (run_.sides_changed != sides_changed_) {
+            sides_changed_ = run_.sides_changed;
             changed_ = true;
             NavigatorEvent e;
-            e.time = walk_.filter.time();
+            e.time = run_.filter.time();
             e.kind = NavigatorEvent::Kind::Reconsidered;
             tell(e);
         }
@@ -244,23 +243,23 @@ private:
         return true;
     }
 
-    /// What both hypotheses of the walk have behind them.
+    /// What both hypotheses of the run have behind them.
     void forget_consumed() {
-        if (walk_.event == 0 && walk_.epoch == 0 && walk_.still == 0 && walk_.bridge == 0 && walk_.openings.empty() &&
-            walk_.rival.empty() && walk_.increment < StreamTimeline::idle_increments)
+        if (run_.event == 0 && run_.epoch == 0 && run_.still == 0 && run_.bridge == 0 && run_.openings.empty() &&
+            run_.rival.empty() && run_.increment < StreamTimeline::idle_increments)
             return;  // after nearly every sample
-        const auto places = [](const Walk<Frame>& w) {
+        const auto places = [](const FilterRun<Frame>& w) {
             return StreamTimeline::Places{w.increment, w.event, w.epoch, w.still, w.bridge};
         };
-        StreamTimeline::Places p = places(walk_);
-        Walk<Frame>* other = walk_.rival.empty() ? nullptr : &walk_.rival.front().walk;
+        StreamTimeline::Places p = places(run_);
+        FilterRun<Frame>* other = run_.rival.empty() ? nullptr : &run_.rival.front().run;
         if (other != nullptr) {
             const StreamTimeline::Places q = places(*other);
             p = {std::min(p.increment, q.increment), std::min(p.event, q.event), std::min(p.epoch, q.epoch),
                  std::min(p.still, q.still), std::min(p.bridge, q.bridge)};
         }
         p = stream.forget(p, false);
-        for (Walk<Frame>* w : {&walk_, other}) {
+        for (FilterRun<Frame>* w : {&run_, other}) {
             if (w == nullptr) continue;
             w->increment -= p.increment;
             w->event -= p.event;
@@ -271,15 +270,15 @@ private:
         }
     }
 
-    void archive_walk(Archive& a) override { a(walk_, ahead_, changed_, next_all_states_, sides_changed_); }
+    void archive_run(Archive& a) override { a(run_, ahead_, changed_, next_all_states_, sides_changed_); }
 
-    // what happens on the walk
+    // what happens on the run
     void scalar(const estim::RowUpdate&) override { changed_ = true; }
     void corrected() override { changed_ = true; }
-    void ranges(const Walk<Frame>&, const RangeEpoch&) override { changed_ = true; }
+    void ranges(const FilterRun<Frame>&, const RangeEpoch&) override { changed_ = true; }
     bool wants_all_states(Time time) const override { return time >= next_all_states_; }
-    void output(const Walk<Frame>& walk, Time time) override {
-        add_row(solution_row(walk.filter.geographic(model_), walk.covariance(model_)));
+    void output(const FilterRun<Frame>& run, Time time) override {
+        add_row(solution_row(run.filter.geographic(model_), run.covariance(model_)));
         while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};  // as a batch keeps them
     }
     void aid(const AidRecord& r) override {
@@ -305,9 +304,9 @@ private:
     InertialModel model_;
     Pass<Frame> pass_;
     Duration still_delay_;
-    Walk<Frame> walk_;
+    FilterRun<Frame> run_;
     InertialFilter<Frame> ahead_;  // the filter carried on to the newest sample
-    bool changed_ = true;          // the walk was corrected since
+    bool changed_ = true;          // the run was corrected since
     int sides_changed_ = 0;
     Time next_all_states_{};
 };

@@ -99,7 +99,7 @@ void NavigatorEngine::archive_all(Archive& a) {
     a(phase, given_, baro_height_, start_up.memory);
     stream.archive(a);
     a(events.memory.all, events.memory.first, events.memory.count, rows.memory.all, rows.memory.first, rows.memory.count);
-    archive_walk(a);
+    archive_run(a);
 }
 
 std::size_t NavigatorEngine::save(std::span<std::byte> bytes) const {

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// The walk takes measurements this much behind an increment's end with it; no less than Pass does.
+/// The run takes measurements this much behind an increment's end with it; no less than Pass does.
 constexpr Duration slack{200'000};
 
 std::size_t capacity(double rate, double seconds) {

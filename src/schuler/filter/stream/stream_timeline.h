@@ -44,10 +44,10 @@ public:
     /// Settles the oldest sample of the IMU that waits, if its time has come: appends its increments to data().imu and all
     /// measurements that are valid before their end to data().events. False where none is due.
     bool settle();
-    /// Decides on standing still up to a time that the walk is about to reach.
+    /// Decides on standing still up to a time that the run is about to reach.
     void judge_still(Time until);
 
-    /// Places of a walk in the data.
+    /// Places of a run in the data.
     struct Places {
         std::size_t increment = 0, event = 0, epoch = 0, still = 0, bridge = 0;
     };

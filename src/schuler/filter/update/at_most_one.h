@@ -1,4 +1,4 @@
-// One of something, or none, whose room is kept: what comes and goes in a walk without taking memory again.
+// One of something, or none, whose room is kept: what comes and goes in a run without taking memory again.
 #pragma once
 
 #include <memory>

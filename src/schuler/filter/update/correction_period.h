@@ -1,4 +1,4 @@
-// How long an inertial computation may run before the estimated errors must be fed back to it.
+// How long a mechanization may run before the estimated errors must be fed back to it.
 #pragma once
 
 namespace schuler::filter {

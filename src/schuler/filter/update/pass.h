@@ -1,4 +1,4 @@
-// The walk along the timeline: increments, measurements, constraints, outputs. One code for every coupling, for the forward filter, for
+// The run of a filter along the timeline: increments, measurements, constraints, outputs. One code for every coupling, for the forward filter, for
 // start-up trials and for the smoother's replays; who wants to know what happens observes it.
 #pragma once
 
@@ -47,7 +47,7 @@ struct Channel {
         const auto k = static_cast<std::size_t>(kind);
         return vertical_only && k < 2 ? measurement_kinds + k : k;
     }
-    /// Of a receiver's position or velocity: its place in Walk::fixes.
+    /// Of a receiver's position or velocity: its place in FilterRun::fixes.
     [[nodiscard]] std::size_t fix() const { return (kind == AidKind::GnssVelocity ? 1u : 0u) + (vertical_only ? 2u : 0u); }
 };
 
@@ -61,7 +61,7 @@ struct Opening {
     double bias_jump = 0.0;  ///< a bias may have jumped by what explains the innovation, up to so many tenths of a rad/s
 };
 
-/// Whether the walk asks who is wrong when fixes are refused.
+/// Whether the filter asks who is wrong when fixes are refused.
 enum class Rivalry {
     None,     ///< consistent refused fixes win in the end: trials of a start
     Contest,  ///< two hypotheses go side by side until the data decide
@@ -77,9 +77,9 @@ struct Divergence {
 template <class Frame>
 struct Rival;
 
-/// A place on the walk with everything needed to go on from there; copyable.
+/// State of a run of the filter along the data, with everything needed to go on from there; copyable.
 template <class Frame>
-struct Walk {
+struct FilterRun {
     InertialFilter<Frame> filter;
     std::size_t increment = 0;         ///< next to be consumed
     std::size_t event = 0, epoch = 0;  ///< next measurement, next epoch of ranges
@@ -105,11 +105,11 @@ struct Walk {
     std::array<FixChannel, 4> fixes{};  ///< position, velocity, and where the vertical has an age of its own: of that
     std::optional<Time> suspect;        ///< the inertial unit was last bridged
     std::optional<Opening> wanted;      ///< a rival, at the end of this increment
-    std::vector<Opening> openings;      ///< the hypothesis that this walk is
-    int sides_changed = 0;              ///< how often a rival was believed
+    std::vector<Opening> openings;      ///< the hypothesis that this run is
+    int sides_changed = 0;              ///< how often a rival was accepted
     AtMostOne<Rival<Frame>> rival;
     bool challenged_by_fixes = true;       ///< a rival is not
-    std::optional<Divergence> diverged{};  ///< the walk ends here: the filter is no longer a number
+    std::optional<Divergence> diverged{};  ///< the run ends here: the filter is no longer a number
 
     /// What is not decided between the hypotheses, as a covariance of position, velocity and attitude, local level.
     [[nodiscard]] Matrix9 undecided(const InertialModel& model) const;
@@ -126,11 +126,11 @@ struct Walk {
             noise.accel_psd + model.accel_vibration * model.accel_vibration * vibration.accel_psd, noise.standing};
 }
 
-/// The other hypothesis about fixes that were refused, a walk of its own over the same data. A challenger says that the navigation was
-/// wrong; once it is believed, the one that refused the fixes goes on as rival for a while.
+/// The other hypothesis about fixes that were refused, a run of its own over the same data. A challenger says that the navigation was
+/// wrong; once it is accepted, the one that refused the fixes goes on as rival for a while.
 template <class Frame>
 struct Rival {
-    Walk<Frame> walk;
+    FilterRun<Frame> run;
     Time since{};
     bool challenger = true;
     bool explained = false;         ///< the inertial log itself says that something happened
@@ -140,7 +140,7 @@ struct Rival {
     double patience = 60.0;  ///< s for which it goes on once it has lost
     Opening opening;         ///< with which it was opened as a challenger
 
-    /// From `now` on; `walk` is the caller's.
+    /// From `now` on; `run` is the caller's.
     void begin(Time now, bool challenger_, bool explained_, double patience_) {
         since = now;
         challenger = challenger_;
@@ -150,7 +150,7 @@ struct Rival {
     }
 };
 
-/// Who wants to know what happens on the walk derives from this; the base does not care.
+/// Who wants to know what happens on the run derives from this; the base does not care.
 template <class Frame>
 struct PassObserver : RangeListener {
     using Filter = InertialFilter<Frame>;
@@ -168,19 +168,19 @@ struct PassObserver : RangeListener {
     /// Whether an output at this time needs more of the filter than the nominal state and its local_covariance: its covariance is then
     /// that of the same time.
     [[nodiscard]] virtual bool wants_all_states(Time) const { return records(); }
-    virtual void output(const Walk<Frame>&, Time) {}
+    virtual void output(const FilterRun<Frame>&, Time) {}
     /// At RunData::instants[index], with the covariance at that time.
-    virtual void instant(const Walk<Frame>&, std::size_t /*index*/) {}
-    virtual void outage_epoch(const Walk<Frame>&, const Event&, const Measurement&, const AidRecord&) {}
+    virtual void instant(const FilterRun<Frame>&, std::size_t /*index*/) {}
+    virtual void outage_epoch(const FilterRun<Frame>&, const Event&, const Measurement&, const AidRecord&) {}
     virtual void aid(const AidRecord&) {}
     /// After it: what the estimate has become by an event.
-    virtual void measured(const Walk<Frame>&, const Event&, const AidRecord&) {}
+    virtual void measured(const FilterRun<Frame>&, const Event&, const AidRecord&) {}
     virtual void alert(const Alert&) {}
     /// After the update with an epoch of ranges.
-    virtual void ranges(const Walk<Frame>&, const RangeEpoch&) {}
+    virtual void ranges(const FilterRun<Frame>&, const RangeEpoch&) {}
 };
 
-/// Walks a filter along the data of a run.
+/// Runs a filter along the data.
 template <class Frame>
 class Pass {
 public:
@@ -191,57 +191,57 @@ public:
          std::vector<Opening> openings = {});
 
     /// Consumes increments up to and including index `last`. Throws Error(Computation) where the filter diverges.
-    void advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const;
-    /// The same without exceptions. False where the filter diverged: `walk.diverged` tells where, and the walk is of no more use.
-    [[nodiscard]] bool try_advance(Walk<Frame>& walk, std::size_t last, Observer& observer) const;
-    /// Covariance to the time of the nominal state; the walk's own memory of corrections with it.
-    void propagate_covariance(Walk<Frame>& walk, Observer& observer) const;
+    void advance(FilterRun<Frame>& run, std::size_t last, Observer& observer) const;
+    /// The same without exceptions. False where the filter diverged: `run.diverged` tells where, and the run is of no more use.
+    [[nodiscard]] bool try_advance(FilterRun<Frame>& run, std::size_t last, Observer& observer) const;
+    /// Covariance to the time of the nominal state; the run's own memory of corrections with it.
+    void propagate_covariance(FilterRun<Frame>& run, Observer& observer) const;
 
 private:
-    void step(Walk<Frame>& walk, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const;
-    // Each of these that updates returns at once where it finds the filter diverged, and its caller after it: walk.diverged.
+    void step(FilterRun<Frame>& run, const ImuIncrement& increment, const BridgeNoise& noise, Observer& observer) const;
+    // Each of these that updates returns at once where it finds the filter diverged, and its caller after it: run.diverged.
     /// The measurements that are due before the end of an increment; what is left of it is returned.
-    [[nodiscard]] ImuIncrement run_to_events(Walk<Frame>& walk, ImuIncrement increment, const BridgeNoise& noise,
+    [[nodiscard]] ImuIncrement run_to_events(FilterRun<Frame>& run, ImuIncrement increment, const BridgeNoise& noise,
                                              Observer& observer) const;
-    void process(Walk<Frame>& walk, const Event& event, Observer& observer) const;
-    void process(Walk<Frame>& walk, const RangeEpoch& epoch, Observer& observer) const;
+    void process(FilterRun<Frame>& run, const Event& event, Observer& observer) const;
+    void process(FilterRun<Frame>& run, const RangeEpoch& epoch, Observer& observer) const;
     /// Whether the coupling corrects with measurements of this kind.
     [[nodiscard]] bool uses(AidKind kind) const;
     /// The receiver's slow errors jump where the set of satellites changes.
-    void change_constellation(Walk<Frame>& walk, const Event& event) const;
-    void constrain(Walk<Frame>& walk, Observer& observer) const;
-    void stand_still(Walk<Frame>& walk, Observer& observer) const;
-    AidRecord try_update(Walk<Frame>& walk, Channel channel, const Measurement& local, Time stamp, bool withheld,
+    void change_constellation(FilterRun<Frame>& run, const Event& event) const;
+    void constrain(FilterRun<Frame>& run, Observer& observer) const;
+    void stand_still(FilterRun<Frame>& run, Observer& observer) const;
+    AidRecord try_update(FilterRun<Frame>& run, Channel channel, const Measurement& local, Time stamp, bool withheld,
                          Observer& observer) const;
     /// The hypotheses about refused fixes: whether this one is used. `m` may be moved to the level it belongs to.
-    AidStatus judge(Walk<Frame>& walk, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
+    AidStatus judge(FilterRun<Frame>& run, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
                     Observer& observer) const;
     [[nodiscard]] bool contests(AidKind kind) const;
     /// At the end of an increment: the rival follows, and one of the two may win.
-    void contest(Walk<Frame>& walk, Observer& observer) const;
-    void challenge(Walk<Frame>& walk) const;
-    void change_sides(Walk<Frame>& walk) const;
-    void open(Walk<Frame>& walk, const Opening& opening) const;
+    void contest(FilterRun<Frame>& run, Observer& observer) const;
+    void challenge(FilterRun<Frame>& run) const;
+    void change_sides(FilterRun<Frame>& run) const;
+    void open(FilterRun<Frame>& run, const Opening& opening) const;
     [[nodiscard]] Measurement measurement_of(const InertialFilter<Frame>& filter, const Event& event) const;
     [[nodiscard]] Eigen::Matrix<double, 9, 1> of_latency(const InertialFilter<Frame>& filter, const Estimate& e, int state) const;
     /// Corrects the estimate by an accepted measurement as the coupling wants it. False: it is not used.
-    bool use(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp,
+    bool use(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m, Time stamp,
              Observer& observer) const;
-    bool use_separately(Walk<Frame>& walk, Channel channel, const Measurement& local, const Measurement& m, Time stamp) const;
+    bool use_separately(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m, Time stamp) const;
     /// Updates the filter and what remembers its corrections. Returns the error that was found.
-    StateVector update(Walk<Frame>& walk, const Measurement& m, Observer& observer) const;
+    StateVector update(FilterRun<Frame>& run, const Measurement& m, Observer& observer) const;
     /// A fix that is used in parts over a span with this transition.
     void carry(CarriedFix& fix, const estim::Transition& phi) const;
     /// The parts of the fixes carried on that are due.
-    void carry_on(Walk<Frame>& walk, Observer& observer) const;
+    void carry_on(FilterRun<Frame>& run, Observer& observer) const;
     /// Integrity of one sub-vector of a fix: whether it may be used.
-    AidStatus examine(Walk<Frame>& walk, Channel channel, const AidRecord& record, const Examined& examined,
+    AidStatus examine(FilterRun<Frame>& run, Channel channel, const AidRecord& record, const Examined& examined,
                       Observer& observer) const;
     /// The slow-ramp test of a fix, before its own update.
-    void look_back(Walk<Frame>& walk, const Event& event, Observer& observer) const;
-    void renew_shadows(Walk<Frame>& walk) const;
-    void observe_wheels(Walk<Frame>& walk, const Estimate& e) const;
-    void recover(Walk<Frame>& walk, Channel channel, const Measurement& local) const;
+    void look_back(FilterRun<Frame>& run, const Event& event, Observer& observer) const;
+    void renew_shadows(FilterRun<Frame>& run) const;
+    void observe_wheels(FilterRun<Frame>& run, const Estimate& e) const;
+    void recover(FilterRun<Frame>& run, Channel channel, const Measurement& local) const;
 
     const InertialModel& model_;
     const RunData& data_;

@@ -92,36 +92,36 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
 }
 
 template <class Frame>
-void Pass<Frame>::recover(Walk<Frame>& walk, Channel channel, const Measurement& local) const {
+void Pass<Frame>::recover(FilterRun<Frame>& run, Channel channel, const Measurement& local) const {
     // The estimate is wrong by about the innovation: say so in the covariance, isotropically, and in what may have caused it.
     if (channel.kind == AidKind::Baro && model_.layout.baro_bias >= 0) {
-        walk.filter.P(model_.layout.baro_bias, model_.layout.baro_bias) += local.innovation.squaredNorm();
+        run.filter.P(model_.layout.baro_bias, model_.layout.baro_bias) += local.innovation.squaredNorm();
         return;
     }
-    const GateState& gate = walk.gates[channel.gate()];
+    const GateState& gate = run.gates[channel.gate()];
     Opening opening;
-    opening.span = (walk.filter.time() - gate.since).seconds();
+    opening.span = (run.filter.time() - gate.since).seconds();
     if (channel.kind == AidKind::GnssPosition) {
         opening.position = local.innovation;
         opening.rate = gate.rate;
     } else {
         opening.velocity = local.innovation;
     }
-    open(walk, opening);
+    open(run, opening);
 }
 
 template <class Frame>
-AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Measurement& local, Time stamp, bool withheld,
+AidRecord Pass<Frame>::try_update(FilterRun<Frame>& run, Channel channel, const Measurement& local, Time stamp, bool withheld,
                                   Observer& observer) const {
     const AidKind kind = channel.kind;
     AidRecord record;
-    record.time = walk.filter.time();
+    record.time = run.filter.time();
     record.stamp = stamp;
     record.kind = kind;
     record.dof = local.dof;
     record.innovation = local.innovation;
-    const Measurement m = walk.filter.to_own(model_, local);
-    const Eigen::Matrix3d S = walk.filter.innovation_covariance(m);
+    const Measurement m = run.filter.to_own(model_, local);
+    const Eigen::Matrix3d S = run.filter.innovation_covariance(m);
     for (int i = 0; i < m.dof; ++i) {
         record.sigma(i) = std::sqrt(S(i, i));
         record.sigma_state(i) = std::sqrt(std::max(0.0, S(i, i) - m.variance(i)));
@@ -129,7 +129,7 @@ AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Meas
     // Unused components have zero innovations and unit variance: they add nothing.
     record.nis = m.innovation.dot(S.inverse() * m.innovation);
     if (!std::isfinite(record.nis)) {
-        walk.diverged = Divergence{record.time, kind};
+        run.diverged = Divergence{record.time, kind};
         return record;
     }
     if (withheld) {
@@ -137,52 +137,52 @@ AidRecord Pass<Frame>::try_update(Walk<Frame>& walk, Channel channel, const Meas
         return record;
     }
     const double drift =
-        std::sqrt(walk.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
+        std::sqrt(run.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
         (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
     if (settings_.integrity.use && is_part_of_fix(kind)) {
         const Examined examined{kind, record.time, m.innovation, record.sigma.squaredNorm()};
-        record.status = examine(walk, channel, record, examined, observer);
-        if (record.status == AidStatus::Accepted && !use(walk, channel, local, m, stamp, observer))
+        record.status = examine(run, channel, record, examined, observer);
+        if (record.status == AidStatus::Accepted && !use(run, channel, local, m, stamp, observer))
             record.status = AidStatus::Withheld;
         return record;
     }
     if (contests(kind)) {
         Measurement moved = local, own = m;
-        record.status = judge(walk, channel, record, moved, own, observer);
-        if (record.status == AidStatus::Accepted && !use(walk, channel, moved, own, stamp, observer))
+        record.status = judge(run, channel, record, moved, own, observer);
+        if (record.status == AidStatus::Accepted && !use(run, channel, moved, own, stamp, observer))
             record.status = AidStatus::Withheld;
         return record;
     }
     Eigen::Vector3d used = Eigen::Vector3d::Zero();
     for (int i = 0; i < m.dof; ++i) used(i) = std::sqrt(m.variance(i));
     const GateDecision decision =
-        decide(walk.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
+        decide(run.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
     if (decision == GateDecision::Reject ||
         (decision == GateDecision::Recover && !is_part_of_fix(kind) && kind != AidKind::Baro)) {
         record.status = AidStatus::Rejected;
         return record;
     }
-    if (decision == GateDecision::Recover) recover(walk, channel, local);
-    record.status = use(walk, channel, local, m, stamp, observer) ? AidStatus::Accepted : AidStatus::Withheld;
+    if (decision == GateDecision::Recover) recover(run, channel, local);
+    record.status = use(run, channel, local, m, stamp, observer) ? AidStatus::Accepted : AidStatus::Withheld;
     return record;
 }
 
 template <class Frame>
-void Pass<Frame>::change_constellation(Walk<Frame>& walk, const Event& event) const {
+void Pass<Frame>::change_constellation(FilterRun<Frame>& run, const Event& event) const {
     const bool position = event.kind == AidKind::GnssPosition;
     const int offset = position ? model_.layout.gnss_position : model_.layout.gnss_velocity;
     if (offset < 0) return;
     const Eigen::Vector3d& jump = position ? model_.gnss.change_correlated_position : model_.gnss.change_correlated_velocity;
     for (int axis = 0; axis < 3; ++axis)
-        if ((event.components >> axis & 1) != 0) walk.filter.P(offset + axis, offset + axis) += jump(axis) * jump(axis);
+        if ((event.components >> axis & 1) != 0) run.filter.P(offset + axis, offset + axis) += jump(axis) * jump(axis);
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                                                          \
-    template Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&, const Estimate&, int) const; \
-    template Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>&, const Event&) const;                     \
-    template AidRecord Pass<Frame>::try_update(Walk<Frame>&, Channel, const Measurement&, Time, bool, Observer&) const;     \
-    template void Pass<Frame>::recover(Walk<Frame>&, Channel, const Measurement&) const;                                    \
-    template void Pass<Frame>::change_constellation(Walk<Frame>&, const Event&) const;
+#define SCHULER_INSTANTIATE(Frame)                                                                                           \
+    template Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&, const Estimate&, int) const;  \
+    template Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>&, const Event&) const;                      \
+    template AidRecord Pass<Frame>::try_update(FilterRun<Frame>&, Channel, const Measurement&, Time, bool, Observer&) const; \
+    template void Pass<Frame>::recover(FilterRun<Frame>&, Channel, const Measurement&) const;                                \
+    template void Pass<Frame>::change_constellation(FilterRun<Frame>&, const Event&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)
 #undef SCHULER_INSTANTIATE

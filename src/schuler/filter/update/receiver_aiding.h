@@ -1,4 +1,4 @@
-// What the navigation filter tells a receiver's tracking loops: the hook of the deeper couplings.
+// What the navigation filter supplies to a receiver's tracking loops: the hook of the deeper couplings.
 #pragma once
 
 #include "schuler/core/nav_state.h"

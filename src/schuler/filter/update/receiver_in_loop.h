@@ -1,4 +1,4 @@
-// A receiver that navigates with the filter: it is told where its antenna is, and answers with ranges.
+// A receiver that navigates with the filter: it is given the motion of its antenna, and returns ranges.
 #pragma once
 
 #include "schuler/core/ranging.h"
@@ -8,8 +8,8 @@
 
 namespace schuler::filter {
 
-/// What the navigation knows at one time.
-struct Guide {
+/// What the navigation supplies to the receiver at one time.
+struct ReceiverAiding {
     Time time;
     EarthFixedMotion antenna;
     Eigen::Vector3d jerk_e = Eigen::Vector3d::Zero();  ///< m/s^3, of the specific force, which turns with the body
@@ -19,8 +19,8 @@ struct Guide {
     double std_clock = 0.0, std_drift = 0.0;
 };
 
-/// Listens from guide.time up to `until` and appends the epochs that end there; times are those of the inertial log. In paper A's
+/// Listens from aiding.time up to `until` and appends the epochs that end there; times are those of the inertial log. In paper A's
 /// aided and deep schemes (1.1) loops or generators follow the navigation.
-using ReceiverInLoop = std::function<void(const Guide& guide, Time until, RangingLog& log)>;
+using ReceiverInLoop = std::function<void(const ReceiverAiding& aiding, Time until, RangingLog& log)>;
 
 }  // namespace schuler::filter

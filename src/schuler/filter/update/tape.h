@@ -1,4 +1,4 @@
-// Fixed-interval smoothing over a forward walk: replays a stretch from its checkpoint, writes down what happened, and steps back
+// Fixed-interval smoothing over a forward run: replays a stretch from its checkpoint, writes down what happened, and steps back
 // over it with the adjoint recursion. Memory is one stretch plus one filter per stretch, whatever the length of the log.
 #pragma once
 
@@ -22,7 +22,7 @@ public:
         Time time;
         OutageEpoch outage;       ///< of an Outage point
         Measurement measurement;  ///< of an Outage point, rows in local-level errors
-        Matrix9 undecided;        ///< Walk::undecided
+        Matrix9 undecided;        ///< FilterRun::undecided
         std::size_t index = 0;    ///< of an Instant point
     };
 
@@ -53,21 +53,21 @@ public:
         order_.push_back(Kind::Cloned);
         cloned_.push_back({first, rows});
     }
-    void output(const Walk<Frame>& walk, Time time) override {
+    void output(const FilterRun<Frame>& run, Time time) override {
         order_.push_back(Kind::Output);
-        points_.push_back({walk.filter, time, OutageEpoch{}, Measurement{}, walk.undecided(model_)});
+        points_.push_back({run.filter, time, OutageEpoch{}, Measurement{}, run.undecided(model_)});
     }
-    void instant(const Walk<Frame>& walk, std::size_t index) override {
+    void instant(const FilterRun<Frame>& run, std::size_t index) override {
         order_.push_back(Kind::Instant);
-        points_.push_back({walk.filter, walk.filter.time(), OutageEpoch{}, Measurement{}, walk.undecided(model_), index});
+        points_.push_back({run.filter, run.filter.time(), OutageEpoch{}, Measurement{}, run.undecided(model_), index});
     }
-    void outage_epoch(const Walk<Frame>& walk, const Event& event, const Measurement& m, const AidRecord&) override {
+    void outage_epoch(const FilterRun<Frame>& run, const Event& event, const Measurement& m, const AidRecord&) override {
         order_.push_back(Kind::Outage);
         OutageEpoch epoch;
         epoch.outage = event.outage;
         epoch.time = event.stamp;
         epoch.end = event.outage_end;
-        points_.push_back({walk.filter, walk.filter.time(), epoch, m, walk.undecided(model_)});
+        points_.push_back({run.filter, run.filter.time(), epoch, m, run.undecided(model_)});
     }
 
     /// Steps back over the tape; `report(Kind, point, adjoint)` for each point.
@@ -125,18 +125,18 @@ void smooth_in_place(const InertialModel& model, InertialFilter<Frame>& filter, 
     filter.apply(model, dx);
 }
 
-/// The way back over the checkpoints of a walk whose last increment was `end`: each stretch is replayed onto the tape and rewound;
+/// The way back over the checkpoints of a run whose last increment was `end`: each stretch is replayed onto the tape and rewound;
 /// `report(Kind, point, adjoint)` for each of its points, the last one first. The covariance of a checkpoint is of its own time. `block`: increments
-/// after which the walk brought its covariance up to date though nothing asked for it.
+/// after which the run brought its covariance up to date though nothing asked for it.
 template <class Frame, class Report>
-void rewind_checkpoints(const Pass<Frame>& pass, const InertialModel& model, const std::vector<Walk<Frame>>& checkpoints,
+void rewind_checkpoints(const Pass<Frame>& pass, const InertialModel& model, const std::vector<FilterRun<Frame>>& checkpoints,
                         std::size_t end, std::size_t block, Tape<Frame>& tape, const std::function<void(double)>& progress,
                         Report&& report) {
     estim::StateAdjoint adjoint(estim::padded(model.layout.size));
     std::size_t last = end;
     for (std::size_t k = checkpoints.size(); k-- > 0;) {
         tape.clear();
-        Walk<Frame> replay = checkpoints[k];
+        FilterRun<Frame> replay = checkpoints[k];
         const std::size_t first = replay.increment;
         while (replay.increment <= last) {
             pass.advance(replay, std::min(last, replay.increment + block - 1), tape);

@@ -82,7 +82,7 @@ struct RunData {
     GateLimits gates;
     std::array<double, 4> slow_limits{};  ///< of the slow-ramp test by degrees of freedom
     Time origin{};                        ///< zero of the outages' times
-    std::vector<Time> instants;           ///< in order: the walk stops there for PassObserver::instant
+    std::vector<Time> instants;           ///< in order: the run stops there for PassObserver::instant
     bool backward = false;  ///< time runs backward (fusion/backward.h): an instant comes before the measurements of its time
 };
 

@@ -31,7 +31,7 @@ bool Draft::has(const std::string& name) const {
 
 std::string Draft::text() const {
     std::string out =
-        "# Drafted by schuler inspect from the data alone. Each line says how sure it is; change what you know better.\n";
+        "# Drafted by schuler inspect from the data alone. Each line states its confidence; correct what you know better.\n";
     for (const Section& s : sections_) {
         if (s.lines.empty()) continue;
         if (!s.name.empty()) out += fmt::format("\n{}[{}]\n", s.left_out ? "# " : "", s.name);

@@ -152,7 +152,7 @@ void judge_clock(Study& study) {
     std::erase_if(study.problems, [](const Problem& p) {
         return p.level == Level::Error && p.text.find("no time in common") != std::string::npos;
     });
-    study.problem(Level::Warning, study.doubts.back(), "nothing to do where that is right; else give [imu] time_offset_s");
+    study.problem(Level::Warning, study.doubts.back(), "nothing to do if that is correct; otherwise give [imu] time_offset_s");
 }
 
 }  // namespace schuler::inspect::detail

@@ -65,8 +65,8 @@ void judge_coordinates(Study& study) {
     if (exchanged.miss > right * exchanged.moved || exchanged.miss > right * as_named.miss) return;
     const io::ColumnMatch *lat = file.plan.find("lat_deg"), *lon = file.plan.find("lon_deg");
     const std::string text = fmt::format(
-        "latitude and longitude are exchanged: the positions move as the velocities say only with {} as the latitude "
-        "(of the motion {:.1g} are left, else {:.1g})",
+        "latitude and longitude are exchanged: the positions agree with the velocities only with {} as the latitude "
+        "(of the motion {:.1g} remain, otherwise {:.1g})",
         lon->file_name, std::sqrt(exchanged.miss / exchanged.moved), std::sqrt(as_named.miss / as_named.moved));
     if (file.as.overrides.columns.contains("lat_deg") || file.as.overrides.columns.contains("lon_deg") ||
         lat->file_name == lon->file_name) {

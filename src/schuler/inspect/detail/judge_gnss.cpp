@@ -45,7 +45,7 @@ void judge_sigma(Study& study) {
         }
         if (column == nullptr) {
             file.problem(Level::Info, fmt::format("no standard deviations of the {}", what),
-                         fmt::format("defaults stand in ({}); set {} if you know better", defaults, defaults));
+                         fmt::format("defaults are used ({}); set {} if you know better", defaults, defaults));
             return;
         }
         const std::vector<double>& s = file[column];
@@ -53,7 +53,7 @@ void judge_sigma(Study& study) {
         if (useless > 0) {
             file.problem(Level::Warning,
                          fmt::format("{} of {} standard deviations of the {} are missing or zero", useless, s.size(), what),
-                         fmt::format("defaults stand in for them ({})", defaults));
+                         fmt::format("defaults are used for them ({})", defaults));
         }
         if (low_of(s) > 0.0)
             study.states(std::string("gnss.stated_std_") + (std::string_view(what) == "position" ? "m" : "velocity_m_s"),
@@ -85,7 +85,7 @@ void judge_height(Study& study) {
         study.found("gnss.height", "relative", 0.9, "the name of column " + name);
         file.problem(Level::Warning,
                      fmt::format("{} is not a height of GNSS: relative heights of autopilots come from their barometer", name),
-                     "do not count it as a second witness beside the barometer, nor judge vertical accuracy by it; log the "
+                     "do not use it as an independent check of the barometer or of vertical accuracy; log the "
                      "receiver's own height if you can");
     } else if (kind == io::HeightKind::Msl) {
         study.draft.set("gnss", "height", std::string("msl"),
@@ -94,12 +94,12 @@ void judge_height(Study& study) {
     } else {
         const bool stated =
             kind == io::HeightKind::Ellipsoidal || file.report.kind.starts_with("kfgins") || file.report.kind == "rtklib_pos";
-        study.draft.set(
-            "gnss", "height", std::string("ellipsoidal"),
-            stated ? "likely: by the format or name" : "probably: column " + name + " does not say; receivers often log \"msl\"",
-            true, stated ? Known::File : Known::Default);
+        study.draft.set("gnss", "height", std::string("ellipsoidal"),
+                        stated ? "likely: by the format or name"
+                               : "probably: column " + name + " does not state it; receivers often log \"msl\"",
+                        true, stated ? Known::File : Known::Default);
         study.found("gnss.height", "ellipsoidal", stated ? 0.9 : 0.6,
-                    stated ? "by the format or name" : "column " + name + " does not say what it is above");
+                    stated ? "by the format or name" : "column " + name + " does not state the surface it refers to");
     }
     const io::ColumnPlan& plan = file.plan;
     for (const std::string& other : plan.unused) {

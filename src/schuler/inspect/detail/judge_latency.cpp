@@ -68,7 +68,7 @@ void report(Study& study, const char* key, const std::optional<Age>& age, double
     if (!age) return;
     std::string why = age->from;
     if (is_stated) {
-        why += fmt::format("; the log's own time of validity says {:.3f} s: {}", stated,
+        why += fmt::format("; the log's own time of validity gives {:.3f} s: {}", stated,
                            significant(age->value - stated, age->sigma) ? "the data disagree" : "the data agree");
     }
     study.found(key, text_of(*age), confidence_of(*age), why);

@@ -165,10 +165,10 @@ void judge_reference(Study& study) {
     draft_columns(study, "reference", file, {});
     if (qw != nullptr) {
         const bool enu = qw->file_name.find("enu") != std::string::npos;
-        study.draft.set(
-            "reference", "quaternion", enu ? std::string("sensor_to_enu") : std::string("body_to_ned"),
-            qw->file_name.find("_to_") != std::string::npos ? "sure: column " + qw->file_name : "a guess: the names do not say",
-            true, qw->file_name.find("_to_") != std::string::npos ? Known::File : Known::Default);
+        study.draft.set("reference", "quaternion", enu ? std::string("sensor_to_enu") : std::string("body_to_ned"),
+                        qw->file_name.find("_to_") != std::string::npos ? "sure: column " + qw->file_name
+                                                                        : "a guess: the names do not state it",
+                        true, qw->file_name.find("_to_") != std::string::npos ? Known::File : Known::Default);
         study.found("reference.quaternion", enu ? "sensor_to_enu" : "body_to_ned",
                     qw->file_name.find("_to_") != std::string::npos ? 0.95 : 0.5, "column " + qw->file_name);
     }
@@ -178,7 +178,8 @@ void judge_reference(Study& study) {
                      "read errors against it as differences between two estimates");
     }
     if (autopilot && !attitude) {
-        study.draft.note("reference", "left out: the autopilot's position follows the receiver, the withheld fixes judge better");
+        study.draft.note("reference",
+                         "left out: the autopilot's position follows the receiver; withheld fixes are a better test");
         study.draft.leave_out("reference");
         return;
     }

@@ -94,12 +94,13 @@ void check_overlap(Study& study) {
     }
     study.overlap = shared > 10.0;
     if (shared <= 0.0) {
-        study.problem(Level::Error,
-                      fmt::format("IMU ({:.1f} to {:.1f} s) and GNSS ({:.1f} to {:.1f} s) have no time in common", imu.start_s,
-                                  imu.stop_s, gnss.start_s, gnss.stop_s),
-                      fmt::format("bring them to one time axis: if both logs began together, [imu] time_offset_s = {:.3f}; else "
-                                  "name other time columns",
-                                  gnss.start_s - imu.start_s));
+        study.problem(
+            Level::Error,
+            fmt::format("IMU ({:.1f} to {:.1f} s) and GNSS ({:.1f} to {:.1f} s) have no time in common", imu.start_s, imu.stop_s,
+                        gnss.start_s, gnss.stop_s),
+            fmt::format("bring them to one time axis: if both logs began together, [imu] time_offset_s = {:.3f}; otherwise "
+                        "name other time columns",
+                        gnss.start_s - imu.start_s));
     } else if (shared < 0.5 * (gnss.stop_s - gnss.start_s)) {
         study.problem(Level::Warning, fmt::format("IMU and GNSS have only {:.1f} s in common", shared),
                       "check that the files are of the same run");
@@ -118,7 +119,7 @@ void judge_time(Study& study) {
     study.draft.set("time", "scale", scale.name, fmt::format("{}: {}", how_sure(scale.confidence), scale.why), true,
                     scale.confidence >= 0.9 ? Known::File : Known::Found);
     if (scale.name == "gps" && main->report.stop_s < 1.1 * week) {
-        study.draft.set("time", "week", 2300.0, "the files do not say the GPS week; only dates in the outputs need it", false);
+        study.draft.set("time", "week", 2300.0, "the files do not give the GPS week; only dates in the outputs need it", false);
     }
     study.origin = Time{main->cadence_origin_ns} + Duration::from_seconds(main->cadence.start);
     if (study.imu_file != nullptr && study.gnss_file != nullptr) check_overlap(study);

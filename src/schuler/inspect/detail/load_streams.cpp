@@ -63,7 +63,8 @@ void take_stream(LoadedFile& file, const io::Stream& stream, io::Clock clock) {
     file.plan = plan_of(stream, time_name, file.as);
     if (stream.own_frame) {
         file.report.kind = "trajectory";
-        file.report.contents.push_back(stream.source + ": attitude and position in a frame of its own, which no other log knows");
+        file.report.contents.push_back(stream.source +
+                                       ": attitude and position in a local frame that is unrelated to the other logs");
     } else {
         file.table = stream.kind;
     }

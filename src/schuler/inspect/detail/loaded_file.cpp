@@ -67,8 +67,8 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-void LoadedFile::problem(Level level, std::string text, std::string mend) {
-    report.problems.push_back({level, std::move(text), std::move(mend)});
+void LoadedFile::problem(Level level, std::string text, std::string hint) {
+    report.problems.push_back({level, std::move(text), std::move(hint)});
 }
 
 void LoadedFile::add_to_times(double seconds) {
@@ -138,7 +138,7 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
     if (unknown_codes > 0) {
         file.problem(Level::Warning,
                      fmt::format("{} rows have a fix code that is not known (\"{}\")", unknown_codes, unknown_code),
-                     fmt::format("say what it means: [gnss] fix_codes = {{ {} = \"autonomous\" }}",
+                     fmt::format("state its meaning: [gnss] fix_codes = {{ {} = \"autonomous\" }}",
                                  unknown_code.empty() ? "1" : unknown_code));
     }
 }
@@ -215,8 +215,7 @@ namespace {
 void drop_strays(LoadedFile& file) {
     const io::TimeRepair repair = io::repair_times(file.time_ns);
     if (repair.rollovers > 0) {
-        file.problem(Level::Warning,
-                     fmt::format("the time begins anew after {:.0f} s", static_cast<double>(repair.period) * 1e-9),
+        file.problem(Level::Warning, fmt::format("the time restarts after {:.0f} s", static_cast<double>(repair.period) * 1e-9),
                      "nothing to do: it is carried on");
     }
     if (repair.strays.empty()) return;

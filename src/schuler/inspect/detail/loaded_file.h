@@ -46,7 +46,7 @@ struct LoadedFile {
     [[nodiscard]] const std::vector<double>& operator[](const std::string& canonical) const { return columns.at(canonical); }
     /// Three columns as a vector of one row; NaN where absent.
     [[nodiscard]] Eigen::Vector3d vector(const std::string& x, const std::string& y, const std::string& z, std::size_t row) const;
-    void problem(Level level, std::string text, std::string mend = {});
+    void problem(Level level, std::string text, std::string hint = {});
     void add_to_times(double seconds);
 };
 

@@ -251,7 +251,7 @@ void recognise_table(LoadedFile& file) {
     file.plan = io::match_columns(layout, *file.table);
     if (file.table == io::TableKind::Reference && io::is_own_frame(layout)) {
         file.report.kind = "trajectory";
-        file.report.contents.emplace_back("attitude and position in a frame of its own, which no other log knows");
+        file.report.contents.emplace_back("attitude and position in a local frame that is unrelated to the other logs");
     }
     read_table(file, layout);
     judge_time_unit(file, layout);
@@ -288,8 +288,7 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
     file.fix.clear();
     read_table(file, layout);
     file.time_unit_judged = unit;
-    file.problem(Level::Warning,
-                 fmt::format("column {} does not say its unit; by its steps it counts {}", match->file_name, name),
+    file.problem(Level::Warning, fmt::format("column {} does not state its unit; its steps indicate {}", match->file_name, name),
                  fmt::format("rename it to {}_{}", match->file_name,
                              unit == io::TimeUnit::Milliseconds   ? "ms"
                              : unit == io::TimeUnit::Microseconds ? "us"
@@ -315,7 +314,8 @@ void recognise_and_read(LoadedFile& file) {
         if (const io::Format* by_name = format_by_name(head.extension))
             file.problem(
                 Level::Error,
-                fmt::format("is no {}, which its name says: its content is another, or damaged at the beginning", by_name->title),
+                fmt::format("is not a {} although its name suggests one: its content is different, or damaged at the beginning",
+                            by_name->title),
                 "copy the log completely; `schuler help formats` lists what is read");
         else file.problem(Level::Info, "a binary file of no known format", "");
     } else if (format->name == "sp3") {

@@ -10,8 +10,8 @@ void Study::found(std::string key, std::string value, double confidence, std::st
     findings.push_back({std::move(key), std::move(value), confidence, std::move(why)});
 }
 
-void Study::problem(Level level, std::string text, std::string mend) {
-    problems.push_back({level, std::move(text), std::move(mend)});
+void Study::problem(Level level, std::string text, std::string hint) {
+    problems.push_back({level, std::move(text), std::move(hint)});
 }
 
 void Study::states(std::string key, FactValue value, std::string note, Known how) {

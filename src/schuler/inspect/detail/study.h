@@ -59,7 +59,7 @@ struct Study {
     Draft draft;
 
     void found(std::string key, std::string value, double confidence, std::string why);
-    void problem(Level level, std::string text, std::string mend = {});
+    void problem(Level level, std::string text, std::string hint = {});
     void states(std::string key, FactValue value, std::string note, Known how = Known::File);
     void contradicts(std::string key, std::string text);
     /// Refuted beyond doubt: `better` is used, or what is used where nothing is given.

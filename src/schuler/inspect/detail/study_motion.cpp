@@ -227,7 +227,7 @@ Kind kind_of(const Study& study) {
                                                     t.slope95 * deg)};
     }
     if (climb > 0.8) return {"air", 0.7, fmt::format("it climbs or descends at up to {:.1f} m/s", climb)};
-    return {"hand", 0.4, "too little steady travel to tell: the kind without constraints"};
+    return {"hand", 0.4, "too little steady motion to decide: the kind without constraints"};
 }
 
 }  // namespace
@@ -247,7 +247,7 @@ void judge_vehicle(Study& study) {
     } else {
         study.found("still", "none", 0.8, "no 2 s of quiet sensors");
         study.problem(Level::Info, "the vehicle never rests: biases and level are found in motion, which takes longer",
-                      "let it stand for 10 s or more at the start of a recording");
+                      "keep it stationary for 10 s or more at the start of a recording");
     }
 }
 

@@ -231,7 +231,7 @@ StreamLog finished(const TextInput& input, Tables tables, const std::set<std::st
     for (const std::string& name : names) have += (have.empty() ? "" : ", ") + name;
     throw input_error("holds no instrument that is used", place_in(input.name()),
                       have.empty() ? "the log is cut or damaged: it has no data"
-                                   : "it knows the messages " + have + "; log IMU and GPS (LOG_BITMASK)");
+                                   : "it contains the messages " + have + "; log IMU and GPS (LOG_BITMASK)");
 }
 
 StreamLog read_binary(const TextInput& input, const std::string& bytes, WarningLog& warnings) {

@@ -97,7 +97,7 @@ struct Hdf5Writer::File {
         if (!old.ok() || H5Sget_simple_extent_dims(old.id(), size.data(), nullptr) != 2) throw failed("found", object);
         if (count == 0) return;
         if (size[1] == 0 || count % size[1] != 0)
-            throw computation_error(fmt::format("{}: {} values are no whole rows of {}", object, count, size[1]));
+            throw computation_error(fmt::format("{}: {} values are not whole rows of {}", object, count, size[1]));
         const std::array<hsize_t, 2> added = {count / size[1], size[1]}, start = {size[0], 0},
                                      larger = {size[0] + added[0], size[1]};
         if (H5Dset_extent(data.id(), larger.data()) < 0) throw failed("written", object);

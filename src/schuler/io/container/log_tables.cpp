@@ -73,8 +73,8 @@ StreamLog read_table(const TextInput& input, WarningLog& warnings) {
     }
     StreamLog log = px4_streams({table});
     if (log.streams.empty())
-        throw input_error("is a table of a PX4 topic that is no instrument by itself", place_in(input.name()),
-                          "put the tables of sensor_combined and vehicle_gps_position beside it");
+        throw input_error("is a table of a PX4 topic that is not an instrument by itself", place_in(input.name()),
+                          "put the tables of sensor_combined and vehicle_gps_position into the same folder");
     return log;
 }
 

@@ -204,7 +204,7 @@ StreamLog read_mat(const TextInput& input, WarningLog&) {
     if (input.in_memory()) throw input_error("a MAT-file cannot be read from memory", place_in(input.name()), "give the file");
     const File file(Mat_Open(input.name().c_str(), MAT_ACC_RDONLY), Mat_Close);
     if (!file)
-        throw input_error("is no MAT-file, or a damaged one", place_in(input.name()), "save it with -v7 and copy it completely");
+        throw input_error("is not a MAT-file, or damaged", place_in(input.name()), "save it with -v7 and copy it completely");
     std::vector<Group> groups(1);
     std::string names;
     while (true) {

@@ -151,7 +151,7 @@ private:
 StreamLog read_mcap(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
     if (!bytes.starts_with(mcap_magic))
-        throw input_error("is no MCAP file: its first bytes are others", place_in(input.name()), "choose a .mcap file");
+        throw input_error("is not an MCAP file: its first bytes differ", place_in(input.name()), "choose a .mcap file");
     McapReader reader(input.name());
     reader.read(bytes);
     StreamLog log;

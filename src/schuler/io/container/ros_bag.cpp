@@ -122,7 +122,7 @@ StreamLog finished(const TextInput& input, RosMessages& messages, WarningLog& wa
 StreamLog read_bag(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
     if (!bytes.starts_with(bag_magic))
-        throw input_error("is no ROS bag of version 2.0: its first line is another", place_in(input.name()),
+        throw input_error("is not a ROS bag of version 2.0: its first line differs", place_in(input.name()),
                           "convert older bags with `rosbag migrate`");
     BagReader reader(input.name());
     reader.read(bytes);

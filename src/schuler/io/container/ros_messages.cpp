@@ -249,10 +249,9 @@ void RosMessages::add(const std::string& topic, const std::string& type_name, Ro
 void RosMessages::finish(StreamLog& log, const std::string& file, WarningLog& warnings) {
     log.clock = Clock::Unix;
     for (const auto& [topic, count] : not_measured_)
-        warnings.add(
-            file + " ros.not_measured " + topic,
-            fmt::format("{}: {}: messages that say by a covariance of -1 that a part is not measured: left out", file, topic),
-            count);
+        warnings.add(file + " ros.not_measured " + topic,
+                     fmt::format("{}: {}: messages whose covariance of -1 marks a part as not measured: skipped", file, topic),
+                     count);
     for (auto& [topic, stream] : streams_) {
         if (stream.name == detail::ros_twist) continue;
         if (stream.kind == TableKind::Gnss && stream.rows() > 0) {

@@ -227,7 +227,7 @@ std::string list_of(const std::set<std::string>& names) {
 StreamLog read_ulog(const TextInput& input, WarningLog& warnings) {
     const std::string bytes = read_bytes(input);
     if (!bytes.starts_with(ulog_magic))
-        throw input_error("is no ULog: its first bytes are others", place_in(input.name()), "choose a .ulg file of PX4");
+        throw input_error("is not a ULog: its first bytes differ", place_in(input.name()), "choose a .ulg file of PX4");
     UlogReader reader(bytes, input.name());
     reader.read();
     StreamLog log = px4_streams(reader.tables);

@@ -85,7 +85,7 @@ Moments moments_of(std::span<const std::complex<float>> samples) {
 void check_numbers(std::span<const std::complex<float>> samples, const SourcePlace& place) {
     const auto absurd = [](const std::complex<float>& s) { return !(std::abs(s.real()) < 1e30F && std::abs(s.imag()) < 1e30F); };
     if (std::ranges::any_of(samples, absurd))
-        throw input_error("holds values that are no numbers of a signal", place, own_format);
+        throw input_error("contains values that are not samples of a signal", place, own_format);
     const Moments m = moments_of(samples);
     const double power = m.power_i + m.power_q;
     if (!(power > 0.0))
@@ -95,7 +95,7 @@ void check_numbers(std::span<const std::complex<float>> samples, const SourcePla
         throw input_error(fmt::format("I and Q differ in power, {:.3g} and {:.3g}", m.power_i, m.power_q), place,
                           std::string(own_format) + "; real samples have to be made complex");
     if (std::norm(m.mean) > power)
-        throw input_error(fmt::format("a constant of {:.3g} stands above a noise of {:.3g}", std::abs(m.mean), std::sqrt(power)),
+        throw input_error(fmt::format("a constant of {:.3g} exceeds the noise of {:.3g}", std::abs(m.mean), std::sqrt(power)),
                           place, own_format);
 }
 

@@ -63,7 +63,7 @@ Header header_of(std::string_view b, const std::string& file) {
     if (!sane(h.rate, 1e5) || !sane(h.gyro, 1e3) || !sane(h.accel, 1e3))
         throw input_error(fmt::format("the header at byte 25 has a rate of {} Hz and scale factors {} and {}, which cannot be",
                                       h.rate, h.gyro, h.accel),
-                          place_in(file), "convert the log with Inertial Explorer anew, or give its sensors as a table");
+                          place_in(file), "convert the log with Inertial Explorer again, or give its sensors as a table");
     return h;
 }
 
@@ -99,7 +99,7 @@ StreamLog read_imr(const TextInput& input, WarningLog& warnings) {
     }
     if (s.rows() == 0)
         throw input_error("no record has a time of the week", place_in(input.name()),
-                          "the file is damaged from byte 512 on: convert it anew");
+                          "the file is damaged from byte 512 on: convert it again");
     StreamLog log;
     log.clock = Clock::SecondsOfWeek;
     log.contents.push_back(fmt::format("IMU {}, {:g} Hz by the header", h.name.empty() ? "without a name" : h.name, h.rate));

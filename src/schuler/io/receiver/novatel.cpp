@@ -356,7 +356,7 @@ StreamLog read_novatel(const TextInput& input, WarningLog& warnings) {
             reader.encrypted ? fmt::format("{}: the raw IMU logs are encrypted: not used", input.name())
             : *reader.unknown_imu < 0
                 ? fmt::format(
-                      "{}: the raw IMU logs are not used: RAWIMU does not say of which IMU it is (log RAWIMUX, or INSCONFIG once)",
+                      "{}: the raw IMU logs are not used: RAWIMU does not state the type of its IMU (log RAWIMUX, or INSCONFIG once)",
                       input.name())
                 : fmt::format("{}: the raw IMU logs are not used: the scale of IMU type {} is not known", input.name(),
                               *reader.unknown_imu));

@@ -100,7 +100,7 @@ StreamLog read_gpx(const TextInput& input, WarningLog& warnings) {
     if (s.rows() == 0)
         throw input_error(without_time > 0 ? fmt::format("none of its {} track points has a time and a place", without_time)
                                            : "holds no track point",
-                          place_in(input.name()), "record the track with times; routes and way points are no track");
+                          place_in(input.name()), "record the track with times; routes and way points are not tracks");
     if (without_time > 0)
         warnings.add(input.name() + " gpx.time", fmt::format("{}: track points without time or place: skipped", input.name()),
                      without_time);

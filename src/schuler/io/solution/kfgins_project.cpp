@@ -25,9 +25,9 @@ public:
         : node_(std::move(node)), file_(std::move(file)), prefix_(std::move(prefix)) {}
 
     [[nodiscard]] Error error(const YAML::Node& at, const std::string& key, const std::string& what,
-                              const std::string& mend) const {
+                              const std::string& hint) const {
         const long line = at.Mark().is_null() ? 0 : at.Mark().line + 1;
-        return input_error(what, place_in(file_, line, 0, prefix_ + key), mend);
+        return input_error(what, place_in(file_, line, 0, prefix_ + key), hint);
     }
 
     [[nodiscard]] YAML::Node find(const std::string& key) {

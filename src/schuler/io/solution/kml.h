@@ -10,7 +10,7 @@
 
 namespace schuler::io {
 
-/// Keyhole Markup Language 2.2: one line of at most `largest` points (evenly thinned; first and last are kept), and marks at
+/// Keyhole Markup Language 2.2: one line of at most `largest` points (evenly decimated; first and last are kept), and marks at
 /// start and stop with their times (s). Heights are written as they are and drawn clamped to the ground.
 [[nodiscard]] std::string track_kml(std::span<const SolutionRow> rows, const std::string& name, std::size_t largest = 20'000);
 

@@ -265,10 +265,10 @@ public:
 
     void finish() {
         if (result.fixes.empty() || 2 * result.rows.bad > result.rows.read) {
-            const std::string mend = "is it a solution of RTKLIB? compare its header and its rows";
-            if (result.rows.bad == 0) throw input_error("there is no usable row", place_in(file_), mend);
+            const std::string hint = "is it a solution of RTKLIB? compare its header and its rows";
+            if (result.rows.bad == 0) throw input_error("there is no usable row", place_in(file_), hint);
             throw input_error(fmt::format("this and {} of {} rows cannot be read", result.rows.bad - 1, result.rows.read - 1),
-                              place_in(file_, first_bad_line_), mend);
+                              place_in(file_, first_bad_line_), hint);
         }
         if (layout_->coordinates == Coordinates::EarthFixed) result.height = HeightKind::Ellipsoidal;
         result.time_system = layout_->time_system;

@@ -234,7 +234,7 @@ TimeUnit time_unit_of(double factor, const SourcePlace& place) {
         {1.0, TimeUnit::Seconds}, {1e-3, TimeUnit::Milliseconds}, {1e-6, TimeUnit::Microseconds}, {1e-9, TimeUnit::Nanoseconds}};
     for (const auto& [size, unit] : units)
         if (std::abs(factor / size - 1.0) < 1e-9) return unit;
-    throw input_error(fmt::format("{} s is no unit of time", factor), place, "give 1, 1e-3, 1e-6 or 1e-9 seconds");
+    throw input_error(fmt::format("{} s is not a valid unit of time", factor), place, "give 1, 1e-3, 1e-6 or 1e-9 seconds");
 }
 
 void apply_scale(ColumnPlan& plan, const TableLayout& layout, const ColumnOverrides& overrides) {

@@ -54,7 +54,7 @@ std::vector<GaugeSample> read_gauges_csv(const TextInput& input) {
     return out;
 }
 
-std::vector<BodyVelocitySample> read_log_csv(const TextInput& input) {
+std::vector<BodyVelocitySample> read_dvl_csv(const TextInput& input) {
     std::vector<BodyVelocitySample> out;
     read_rows(input, {"vel_x_m_s", "vel_y_m_s", "vel_z_m_s"}, 3, [&](Time t, const Eigen::Vector3d& v) {
         out.push_back({t, v});

@@ -13,7 +13,7 @@ namespace schuler::io {
 /// heading_deg [, std_deg]; time_s, speed_m_s [, std_m_s]. Columns in any order, others ignored. @throws Error(Input) with the line: a field that is no number, a time that
 /// does not rise; with the column: one that is missing.
 [[nodiscard]] std::vector<GaugeSample> read_gauges_csv(const TextInput& input);
-[[nodiscard]] std::vector<BodyVelocitySample> read_log_csv(const TextInput& input);
+[[nodiscard]] std::vector<BodyVelocitySample> read_dvl_csv(const TextInput& input);
 [[nodiscard]] std::vector<HeadingSample> read_compass_csv(const TextInput& input);
 [[nodiscard]] std::vector<OdometerSample> read_odometer_csv(const TextInput& input);
 

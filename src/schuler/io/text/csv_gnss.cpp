@@ -152,14 +152,14 @@ public:
         throw input_error(
             fmt::format("{} of {} rows have a fix code that is not known: {} (read as {})", n, rows, list(), table),
             place_in(file, 0, 0, "gnss.fix_codes"),
-            fmt::format("say what it means: [gnss] fix_codes = {{ \"{}\" = \"none\" }}, or autonomous, differential, "
+            fmt::format("state its meaning: [gnss] fix_codes = {{ \"{}\" = \"none\" }}, or autonomous, differential, "
                         "rtk_float, rtk_fixed",
                         counts_.begin()->first));
     }
     void tell(const std::string& file, WarningLog& log) const {
         for (const auto& [code, n] : counts_)
             log.add("gnss.fix.unknown",
-                    fmt::format("{}: rows whose fix code is not known, the first '{}': skipped (say what it means in "
+                    fmt::format("{}: rows whose fix code is not known, the first '{}': skipped (state its meaning in "
                                 "[gnss] fix_codes)",
                                 file, code),
                     n);

@@ -32,7 +32,7 @@ GeodeticGrid read_grid_csv(const TextInput& input, const std::vector<std::string
         const double degrees[] = {reader.number(0), reader.number(1)};
         for (std::size_t k = 0; k < 2; ++k)
             if (!(std::abs(degrees[k]) <= (k == 0 ? 90.0 : 360.0)))
-                throw reader.field_error(k, "is no place on the Earth", "give degrees");
+                throw reader.field_error(k, "is not a valid position on the Earth", "give degrees");
         Eigen::Vector3d value = Eigen::Vector3d::Zero();
         for (std::size_t k = 0; k < columns.size(); ++k) value(static_cast<int>(k)) = factor * reader.number(k + 2);
         if (!value.allFinite()) throw reader.field_error(2, "is not finite", "give a number");

@@ -70,7 +70,7 @@ void group(const std::vector<TimedRange>& rows, RangingLog& log, const RowAudit&
         log.samples.push_back(r.sample);
         ++e.count;
     }
-    audit.warn("repeated", "rows with a source that stands twice at one time: left out", repeated);
+    audit.warn("repeated", "rows with a duplicate source at one time: skipped", repeated);
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ RangesTable read_ranges_csv(const TextInput& input, const CsvOptions& options, W
         return true;
     };
     auto rows = detail::read_samples<TimedRange>(reader, audit, columns.layout().estimated_rows, options.time_offset, make);
-    audit.warn("absurd", "rows without a source or whose pseudorange is no distance: skipped", absurd);
+    audit.warn("absurd", "rows without a source or with a pseudorange out of range: skipped", absurd);
     if (audit.counts().out_of_order > 0) std::ranges::stable_sort(rows, {}, &TimedRange::time);
     group(rows, table.log, audit);
     table.rows = audit.counts();
@@ -131,7 +131,7 @@ std::vector<StationRow> read_stations_csv(const TextInput& input, const CsvOptio
             throw reader.field_error(lat, fmt::format("{} is at no place on the Earth", row.id),
                                      "give degrees, and metres of height");
         if (std::ranges::find(out, row.id, &StationRow::id) != out.end())
-            throw reader.field_error(id, fmt::format("{} stands twice", row.id), "leave one of the rows");
+            throw reader.field_error(id, fmt::format("duplicate {}", row.id), "leave one of the rows");
         out.push_back(row);
         audit.time(reader.line(), reader.line());
     }

@@ -37,11 +37,11 @@ Eigen::Vector3d vector_of(const TableReader& reader, const Axes& fields) {
 }
 
 void refuse_absurd(const TableReader& reader, const Axes& fields, const Eigen::Vector3d& value, double limit,
-                   const std::string& unit, const std::string& mend) {
+                   const std::string& unit, const std::string& hint) {
     for (int i = 0; i < 3; ++i) {
         if (std::abs(value(i)) <= limit) continue;
         throw reader.field_error(fields[static_cast<std::size_t>(i)],
-                                 fmt::format("{:.6g} {} is beyond any instrument", value(i), unit), mend);
+                                 fmt::format("{:.6g} {} is beyond any instrument", value(i), unit), hint);
     }
 }
 
@@ -126,7 +126,7 @@ BaroTable read_baro_csv(const TextInput& input, const CsvOptions& options, Warni
         }
         if (sample.pressure < 500.0 || sample.pressure > 2e5) {
             throw row.field_error(
-                pressure, fmt::format("{:.6g} Pa is no air pressure", sample.pressure),
+                pressure, fmt::format("{:.6g} Pa is not a valid air pressure", sample.pressure),
                 "is the unit hPa or kPa? write [baro] scale = { pressure_pa = 100 } or 1000, or name the right column");
         }
         return true;

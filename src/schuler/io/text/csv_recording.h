@@ -79,7 +79,7 @@ struct ReferenceTable {
 /// The readers. Rows with a needed value missing or absurd (|gyro| > 1e4 rad/s, |accel| > 1000 g, |latitude| > 90 deg, ...), stamped
 /// far from those around them, or with a fix code that no table has, are skipped and counted; times that begin anew with the week or
 /// the day are carried on; rows out of order are sorted in (stable) and counted; exact duplicates are dropped; all this is told in the
-/// log, once a kind. Throw Error(Input) with file, line, column and mend: a needed column is missing; the first row has no number, or
+/// log, once a kind. Throw Error(Input) with file, line, column and hint: a needed column is missing; the first row has no number, or
 /// more than 5 % of the rows are bad; more than 10 % of the rows go back in time; no usable row; the file is cut in its last line.
 [[nodiscard]] ImuTable read_imu_csv(const TextInput& input, const CsvOptions& options, WarningLog& log);
 [[nodiscard]] GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, WarningLog& log);

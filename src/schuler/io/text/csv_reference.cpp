@@ -29,7 +29,7 @@ struct AttitudeColumns {
 std::string quaternion_convention(const ColumnPlan& plan, const CsvOptions& options, const std::string& file) {
     if (!options.quaternion.empty()) {
         if (options.quaternion == "sensor_to_enu" || options.quaternion == "body_to_ned") return options.quaternion;
-        throw input_error(fmt::format("'{}' is no known convention", options.quaternion),
+        throw input_error(fmt::format("'{}' is not a known convention", options.quaternion),
                           place_in(file, 0, 0, "reference quaternion"), "use sensor_to_enu or body_to_ned");
     }
     const ColumnMatch* qw = plan.find("qw");

@@ -181,7 +181,7 @@ bool is_ros_status(std::string_view column, const CodeCounts& counts, const std:
             "1, 2 augmented)",
             codes, column),
         place_in(file, 0, 0, "gnss.fix_codes"),
-        "say which: [gnss] fix_codes = { 0 = \"none\", 1 = \"none\", 2 = \"autonomous\" }");
+        "specify them: [gnss] fix_codes = { 0 = \"none\", 1 = \"none\", 2 = \"autonomous\" }");
 }
 
 }  // namespace
@@ -192,7 +192,8 @@ FixCodes FixCodes::for_column(std::string_view column_name, const std::map<std::
     for (const auto& [code, name] : user) {
         const auto fix = fix_from_word(name);
         if (!fix) {
-            throw input_error(fmt::format("'{}' is no kind of fix", name), place_in(file, 0, 0, "gnss fix_codes." + code),
+            throw input_error(fmt::format("'{}' is not a known kind of fix", name),
+                              place_in(file, 0, 0, "gnss fix_codes." + code),
                               "use none, autonomous, differential, rtk_fixed or rtk_float");
         }
         result.user_[code] = *fix;

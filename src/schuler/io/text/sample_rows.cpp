@@ -41,7 +41,7 @@ Error SampleColumns::missing(const std::string& canonical) const {
     const std::string have = layout_.names.empty() ? fmt::format("{} unnamed columns", layout_.columns) : names_of(layout_);
     return input_error(
         "there is no such column, nor one known to mean it", place_in(layout_.file, layout_.header_line, 0, canonical),
-        fmt::format("say which it is: [{}] columns = {{ {} = \"NAME\" }}; the file has: {}", section(), canonical, have));
+        fmt::format("specify it: [{}] columns = {{ {} = \"NAME\" }}; the file has: {}", section(), canonical, have));
 }
 
 std::size_t SampleColumns::add(const std::string& canonical, bool required, double si, FieldKind kind) {
@@ -69,10 +69,10 @@ void RowAudit::warn(std::string_view topic, const std::string& text, std::size_t
 }
 
 void RowAudit::bad_row(const TableReader& reader) {
-    const std::string mend = fmt::format("is it the right column? write [{0}] columns = {{ ... }}, or delete the row", section_);
+    const std::string hint = fmt::format("is it the right column? write [{0}] columns = {{ ... }}, or delete the row", section_);
     if (counts_.bad++ == 0) {
         first_bad_line_ = reader.line();
-        first_bad_.push_back(reader.row_error(mend));
+        first_bad_.push_back(reader.row_error(hint));
         if (counts_.read == 1) throw first_bad_.front();
     }
 }
@@ -85,7 +85,7 @@ void RowAudit::absurd(const Error& error, const TableReader& reader) {
 }
 
 void RowAudit::rolled_over(const TimeRepair& repair) {
-    warn("rollover", fmt::format("the time begins anew after {:.0f} s: carried on", static_cast<double>(repair.period) * 1e-9),
+    warn("rollover", fmt::format("the time restarts after {:.0f} s: continued", static_cast<double>(repair.period) * 1e-9),
          repair.rollovers);
 }
 
@@ -101,9 +101,9 @@ void RowAudit::finish(const TableReader& reader) {
     if (counts_.used == 0) {
         const std::string why =
             counts_.without_fix > 0 ? fmt::format("none of the {} rows has a fix", counts_.read) : "there is no usable row";
-        const std::string mend =
+        const std::string hint =
             counts_.without_fix > 0 ? "check [gnss] fix_codes" : "check that the log was written and copied completely";
-        throw input_error(why, place_in(file_), mend);
+        throw input_error(why, place_in(file_), hint);
     }
     if (static_cast<double>(counts_.out_of_order) > back_share * static_cast<double>(counts_.used)) {
         throw input_error(

@@ -202,16 +202,16 @@ bool TableReader::last_line_complete(const char* start, const char* stop) const 
     return last_number_length(start, stop) >= previous_length_;
 }
 
-Error TableReader::row_error(const std::string& mend) const {
+Error TableReader::row_error(const std::string& hint) const {
     const auto field = static_cast<std::size_t>(std::max(problem_field_, 0));
     std::string what = "the value is missing";
     if (!problem_text_.empty()) what = fmt::format("'{}' is not a number", problem_text_.substr(0, 40));
-    return field_error(field, what, mend);
+    return field_error(field, what, hint);
 }
 
-Error TableReader::field_error(std::size_t field, const std::string& what, const std::string& mend) const {
+Error TableReader::field_error(std::size_t field, const std::string& what, const std::string& hint) const {
     const FieldRequest& r = requests_[field];
-    return input_error(what, {file_, line_, r.column + 1, r.name}, mend);
+    return input_error(what, {file_, line_, r.column + 1, r.name}, hint);
 }
 
 }  // namespace schuler::io

@@ -149,8 +149,8 @@ std::vector<std::string> summary_row(const InnovationGroup& group) {
 Section innovation_section(const RunReportData& data) {
     Section section{"Innovations", "", {}};
     TableBlock table{"Consistency of accepted innovations",
-                     {"aid", "accepted", "rejected", "withheld", "mean NIS", "mean dof", "NIS/dof (1)", "above 95 % bound, % (5)",
-                      "lag-1 correlation (0)"},
+                     {"measurement", "accepted", "rejected", "withheld", "mean NIS", "mean dof", "NIS/dof (1)",
+                      "above 95 % bound, % (5)", "lag-1 correlation (0)"},
                      {}};
     for (const InnovationGroup& group : data.innovations) {
         if (group.points.empty()) continue;

@@ -15,7 +15,7 @@ using Places = std::vector<Eigen::Vector3d>;
 
 Places places_from(const Value& v) {
     const auto bad = [&v] {
-        return input_error(fmt::format("{} is no list of one to three places", to_toml(v)), {},
+        return input_error(fmt::format("{} is not a list of one to three lever arms", to_toml(v)), {},
                            "write lever_arms_m = [[0, 0, 0], [10, 0, 0]]: forward, right, down of each gauge");
     };
     if (v.list() == nullptr || v.list()->empty() || v.list()->size() > 3) throw bad();
@@ -45,26 +45,27 @@ Option<Target> places(const std::string& key, Access access) {
         });
 }
 
-/// The errors, which the simulator draws and the filter believes: the same keys in both.
+/// The errors, which the simulator draws and the filter assumes: the same keys in both.
 template <class Target, class Aids>
 void add_errors(OptionTable<Target>& table, Aids aids) {
     table
         .add(number<Target>("gauges.white_m", 1.0, 1e-4, 1e4, "depth gauges, barometers: white error of a height",
                             [=](auto& t) -> auto& { return aids(t).gauges.white; }))
-        .add(number<Target>("gauges.bias_m", 1.0, 0, 1e5, "constant error of each, one sigma",
+        .add(number<Target>("gauges.bias_m", 1.0, 0, 1e5, "constant error of each gauge, one sigma",
                             [=](auto& t) -> auto& { return aids(t).gauges.bias; }))
         .add(places<Target>("gauges.lever_arms_m", [=](auto& t) -> auto& { return aids(t).gauges.lever_arms_b; }))
         .add(number<Target>("log.white_m_s", 1.0, 1e-5, 100, "log of velocity in body axes: white error",
                             [=](auto& t) -> auto& { return aids(t).log.white; }))
-        .add(number<Target>("log.scale_factor_ppm", units::ppm, 0, 1e6, "error of its scale, one sigma",
+        .add(number<Target>("log.scale_factor_ppm", units::ppm, 0, 1e6, "scale-factor error of the velocity log, one sigma",
                             [=](auto& t) -> auto& { return aids(t).log.scale; }))
-        .add(number<Target>("log.misalignment_deg", deg, 0, 45, "misalignment about the right and down axes, one sigma",
+        .add(number<Target>("log.misalignment_deg", deg, 0, 45,
+                            "misalignment of the velocity log about the right and down axes, one sigma",
                             [=](auto& t) -> auto& { return aids(t).log.misalignment; }))
         .add(vector3<Target>("log.lever_arm_m", 1.0, -1000, 1000, "IMU to log, forward, right, down",
                              [=](auto& t) -> auto& { return aids(t).log.lever_arm_b; }))
         .add(number<Target>("compass.white_deg", deg, 1e-5, 90, "compass: white error of true heading",
                             [=](auto& t) -> auto& { return aids(t).compass.white; }))
-        .add(number<Target>("compass.bias_deg", deg, 0, 180, "its constant error, one sigma",
+        .add(number<Target>("compass.bias_deg", deg, 0, 180, "constant error of the compass, one sigma",
                             [=](auto& t) -> auto& { return aids(t).compass.bias; }));
 }
 

@@ -54,9 +54,9 @@ Eigen::Matrix3d axes_from_text(const std::string& text) {
     for (int i = 0; i < 3; ++i) C_bs.col(i) = direction(names[static_cast<std::size_t>(i)]);
     const double det = C_bs.determinant();  // entries are 0 and +-1: exact
     if (det > 0.5) return C_bs;
-    const std::string mend = "use \"frd\", \"flu\", \"fur\" or for example \"x=forward, y=left, z=up\"";
-    if (det < -0.5) throw input_error(fmt::format("axes \"{}\" are left-handed", text), {}, "turn one axis round; " + mend);
-    throw input_error(fmt::format("axes \"{}\" are not three perpendicular directions", text), {}, mend);
+    const std::string hint = "use \"frd\", \"flu\", \"fur\" or for example \"x=forward, y=left, z=up\"";
+    if (det < -0.5) throw input_error(fmt::format("axes \"{}\" are left-handed", text), {}, "turn one axis round; " + hint);
+    throw input_error(fmt::format("axes \"{}\" are not three perpendicular directions", text), {}, hint);
 }
 
 }  // namespace schuler::settings

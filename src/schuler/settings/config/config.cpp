@@ -64,11 +64,11 @@ Config config_from(const SettingList& settings) {
         if (!given("gnss.correlated_velocity_time_s")) g.correlated_velocity_time = 20.0;
     }
     with_places(settings, [&config] { check_gravity(config.gravity); });
-    config.filter.coupling = config.scheme == Scheme::Separate ? fusion::Coupling::Separate
-                             : config.scheme == Scheme::Tight  ? fusion::Coupling::Tight
-                             : config.scheme == Scheme::Medium ? fusion::Coupling::Medium
-                             : config.scheme == Scheme::Deep   ? fusion::Coupling::Deep
-                                                               : fusion::Coupling::Loose;
+    config.filter.coupling = config.scheme == Scheme::Separate       ? fusion::Coupling::Separate
+                             : config.scheme == Scheme::Tight        ? fusion::Coupling::Tight
+                             : config.scheme == Scheme::Intermediate ? fusion::Coupling::Intermediate
+                             : config.scheme == Scheme::Deep         ? fusion::Coupling::Deep
+                                                                     : fusion::Coupling::Loose;
     config.filter.ranging.corrections = config.raw.solver.ranges;
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
@@ -147,7 +147,7 @@ std::string_view scheme_name(Scheme scheme) {
         case Scheme::Gnss: return "gnss";
         case Scheme::Separate: return "separate";
         case Scheme::Tight: return "tight";
-        case Scheme::Medium: return "intermediate";
+        case Scheme::Intermediate: return "intermediate";
         case Scheme::Deep: return "deep";
         default: return "loose";
     }

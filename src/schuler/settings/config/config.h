@@ -21,7 +21,7 @@ using dataset::Quaternion;
 using dataset::RawGnssConfig;
 using dataset::TimeConfig;
 
-enum class Scheme { Gnss, Separate, Loose, Tight, Medium, Deep };
+enum class Scheme { Gnss, Separate, Loose, Tight, Intermediate, Deep };
 
 /// An outage as a user gives it.
 struct OutageSpan {

@@ -21,7 +21,7 @@ void add_coupling_options(OptionTable<Config>& table) {
             "loose coupling: each fix at its time (standard), or propagated by the inertial accelerations and applied in "
             "parts until the next one (aggressive)",
             [](auto& c) -> auto& { return c.filter.loose_kind; }))
-        .add(integer<Config>("filter.aggressive_parts", 2, 1000, "number of those parts",
+        .add(integer<Config>("filter.aggressive_parts", 2, 1000, "number of parts in which a fix is applied",
                              [](auto& c) -> auto& { return c.filter.aggressive_parts; }))
         .add(number<Config>("filter.separate.restart_s", 1.0, 0, 1e6,
                             "uncoupled: interval at which position and velocity are reset to the fix; 0 = continuous correction",
@@ -29,7 +29,8 @@ void add_coupling_options(OptionTable<Config>& table) {
         .add(number<Config>("filter.separate.position_time_s", 1.0, 1e-3, 1e6,
                             "uncoupled: time constant of the continuous correction of the position",
                             separate(&SeparateSettings::position_time)))
-        .add(number<Config>("filter.separate.velocity_time_s", 1.0, 1e-3, 1e6, "the same of the velocity",
+        .add(number<Config>("filter.separate.velocity_time_s", 1.0, 1e-3, 1e6,
+                            "uncoupled: time constant of the continuous correction of the velocity",
                             separate(&SeparateSettings::velocity_time)))
         .add(number<Config>("filter.separate.baro_time_s", 1.0, 5, 1e4,
                             "uncoupled: time constant of the barometer's loop in the vertical channel",
@@ -49,7 +50,8 @@ void add_coupling_options(OptionTable<Config>& table) {
                             integrity(&IntegritySettings::false_alarm)))
         .add(integer<Config>("filter.integrity.count", 1, 1000, "consecutive failed tests after which the receiver is excluded",
                              integrity(&IntegritySettings::slow_count)))
-        .add(number<Config>("filter.integrity.readmission_s", 1.0, 0, 1e5, "time of agreement after which it is used again",
+        .add(number<Config>("filter.integrity.readmission_s", 1.0, 0, 1e5,
+                            "time of agreement after which an excluded receiver is used again",
                             integrity(&IntegritySettings::readmission_time)));
 }
 

@@ -77,7 +77,7 @@ void add_dataset_options(OptionTable<Config>& table) {
         .add(choice<Config, TimeScale>(
             "time.scale",
             {{"gps", TimeScale::Gps}, {"utc", TimeScale::Utc}, {"boot", TimeScale::Boot}, {"relative", TimeScale::Relative}},
-            "time scale of the numbers in the files", [](auto& c) -> auto& { return c.time.scale; }))
+            "time scale of the times in the files", [](auto& c) -> auto& { return c.time.scale; }))
         .add(integer<Config>("time.week", 0, 20000, "GPS week, where times are seconds of week",
                              [](auto& c) -> auto& { return c.time.week; }))
         .add(special<Config>(
@@ -115,7 +115,7 @@ void add_dataset_options(OptionTable<Config>& table) {
     add_file(table, "imu", "IMU log: CSV or the text format of KF-GINS", [](auto& c) -> auto& { return c.imu; });
     table.add(number<Config>(
         "imu.clock_drift_ppm", 1e-6, -1e4, 1e4,
-        "the clock of this log, of barometer, magnetometer and odometer runs fast by this; counted from the first row",
+        "rate error, positive when fast, of the clock of this log and of those of barometer, magnetometer and odometer; counted from the first row",
         [](auto& c) -> auto& { return c.clock_drift; }));
     add_file(table, "gnss", "receiver's solution: CSV, RTKLIB .pos, NMEA or the text format of KF-GINS",
              [](auto& c) -> auto& { return c.gnss; });

@@ -34,9 +34,10 @@ void add_environment(OptionTable<Config>& table) {
         .add(number<Config>("baro.white_m", 1.0, 1e-3, 1e4, "white noise of the barometric height", baro(&BaroSettings::std)))
         .add(number<Config>("baro.bias_m", 1.0, 0, 1e5, "initial bias of the barometric height, one sigma",
                             baro(&BaroSettings::bias_std)))
-        .add(number<Config>("baro.bias_walk_m", 1.0, 0, 1e3, "random walk of that bias", baro(&BaroSettings::bias_walk)))
+        .add(number<Config>("baro.bias_walk_m", 1.0, 0, 1e3, "random walk of the bias of the barometric height",
+                            baro(&BaroSettings::bias_walk)))
         .add(number<Config>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5,
-                            "sea-level pressure by which pressures of the log are converted to heights",
+                            "sea-level pressure used to convert pressures of the log to heights",
                             [](auto& c) -> auto& { return c.sea_level_pressure; }))
         .add(flag<Config>("mag.use", "use the magnetometer's heading", mag(&MagSettings::use)))
         .add(number<Config>("mag.declination_deg", units::deg, -180, 180,
@@ -46,7 +47,7 @@ void add_environment(OptionTable<Config>& table) {
                             mag(&MagSettings::heading_std)))
         .add(number<Config>("mag.heading_bias_deg", units::deg, 0, 180, "error of the magnetic heading at the start, one sigma",
                             mag(&MagSettings::bias_std)))
-        .add(number<Config>("mag.heading_bias_walk_deg", units::deg, 0, 180, "random walk of that error",
+        .add(number<Config>("mag.heading_bias_walk_deg", units::deg, 0, 180, "random walk of the error of the magnetic heading",
                             mag(&MagSettings::bias_walk)))
         .add(flag<Config>("odometer.use", "use the odometer's speed", [](auto& c) -> auto& { return c.filter.odometer.use; }))
         .add(number<Config>("odometer.std_m_s", 1.0, 1e-4, 100, "white noise of the speed, where the log gives none",
@@ -56,7 +57,7 @@ void add_environment(OptionTable<Config>& table) {
         .add(flag<Config>("heading.use", "use the heading sensor", [](auto& c) -> auto& { return c.filter.heading.use; }))
         .add(number<Config>("heading.std_deg", units::deg, 1e-4, 180, "white noise of the heading, where the log gives none",
                             [](auto& c) -> auto& { return c.filter.heading.std; }))
-        .add(number<Config>("heading.offset_deg", units::deg, 0, 180, "constant error of it, one sigma; 0 = none",
+        .add(number<Config>("heading.offset_deg", units::deg, 0, 180, "constant error of the heading, one sigma; 0 = none",
                             [](auto& c) -> auto& { return c.filter.heading.offset_std; }));
 }
 
@@ -68,9 +69,9 @@ void add_initial(OptionTable<Config>& table) {
                             [](auto& c) -> auto& { return c.initial_time; }))
         .add(number<Config>("initial.lat_deg", deg, -90, 90, "latitude of the IMU",
                             [](auto& c) -> auto& { return c.filter.initial.position.lat; }))
-        .add(number<Config>("initial.lon_deg", deg, -360, 360, "longitude",
+        .add(number<Config>("initial.lon_deg", deg, -360, 360, "longitude of the IMU",
                             [](auto& c) -> auto& { return c.filter.initial.position.lon; }))
-        .add(number<Config>("initial.height_m", 1.0, -1e4, 1e6, "ellipsoidal height",
+        .add(number<Config>("initial.height_m", 1.0, -1e4, 1e6, "ellipsoidal height of the IMU",
                             [](auto& c) -> auto& { return c.filter.initial.position.h; }));
     const struct {
         const char* name;
@@ -85,21 +86,21 @@ void add_initial(OptionTable<Config>& table) {
                 {"pitch_deg", deg, -90, 90, "pitch", &I::rpy, 1},
                 {"heading_deg", deg, -360, 360, "heading clockwise from north", &I::rpy, 2},
                 {"std_n_m", 1, 0, 1e7, "one sigma of the position north", &I::std_position, 0},
-                {"std_e_m", 1, 0, 1e7, "... east", &I::std_position, 1},
-                {"std_d_m", 1, 0, 1e7, "... down", &I::std_position, 2},
+                {"std_e_m", 1, 0, 1e7, "one sigma of the position east", &I::std_position, 1},
+                {"std_d_m", 1, 0, 1e7, "one sigma of the position down", &I::std_position, 2},
                 {"std_vn_m_s", 1, 0, 1e4, "one sigma of the velocity north", &I::std_velocity, 0},
-                {"std_ve_m_s", 1, 0, 1e4, "... east", &I::std_velocity, 1},
-                {"std_vd_m_s", 1, 0, 1e4, "... down", &I::std_velocity, 2},
+                {"std_ve_m_s", 1, 0, 1e4, "one sigma of the velocity east", &I::std_velocity, 1},
+                {"std_vd_m_s", 1, 0, 1e4, "one sigma of the velocity down", &I::std_velocity, 2},
                 {"std_roll_deg", deg, 0, 180, "one sigma of roll", &I::std_rpy, 0},
-                {"std_pitch_deg", deg, 0, 180, "... pitch", &I::std_rpy, 1},
-                {"std_heading_deg", deg, 0, 180, "... heading", &I::std_rpy, 2}};
+                {"std_pitch_deg", deg, 0, 180, "one sigma of pitch", &I::std_rpy, 1},
+                {"std_heading_deg", deg, 0, 180, "one sigma of heading", &I::std_rpy, 2}};
     for (const auto& r : rows) {
         table.add(number<Config>(std::string("initial.") + r.name, r.factor, r.low, r.high, r.help, component(r.field, r.axis)));
     }
     table
-        .add(vector3<Config>("initial.gyro_bias_deg_h", units::deg_per_hour, -1e6, 1e6, "gyro bias to start from",
+        .add(vector3<Config>("initial.gyro_bias_deg_h", units::deg_per_hour, -1e6, 1e6, "initial value of the gyro bias",
                              [](auto& c) -> auto& { return c.filter.initial.gyro_bias; }))
-        .add(vector3<Config>("initial.accel_bias_mg", units::mg, -1e4, 1e4, "accelerometer bias to start from",
+        .add(vector3<Config>("initial.accel_bias_mg", units::mg, -1e4, 1e4, "initial value of the accelerometer bias",
                              [](auto& c) -> auto& { return c.filter.initial.accel_bias; }));
 }
 
@@ -152,20 +153,20 @@ void add_filter_options(OptionTable<Config>& table) {
             "filter.scheme",
             // clang-format off
             {{"loose", Scheme::Loose}, {"gnss", Scheme::Gnss}, {"separate", Scheme::Separate}, {"tight", Scheme::Tight},
-             {"intermediate", Scheme::Medium}, {"medium", Scheme::Medium}, {"deep", Scheme::Deep}},
+             {"intermediate", Scheme::Intermediate}, {"medium", Scheme::Intermediate}, {"deep", Scheme::Deep}},
             // clang-format on
             "coupling: loose = one filter of receiver and inertial unit; separate (uncoupled) = the inertial navigation is reset to the receiver at intervals or "
-            "corrected continuously; tight = one filter of the ranges themselves; intermediate (or medium) = tight, with a receiver-only filter beside it; "
+            "corrected continuously; tight = one filter of the ranges themselves; intermediate (or medium) = tight, with a receiver-only filter in parallel; "
             "deep = tight, and the receiver's channels follow its solution (scenarios with [receiver]); gnss = the receiver's own solution",
             [](auto& c) -> auto& { return c.scheme; }))
         .add(choice<Config, Mechanization>(
             "filter.mechanization", {{"geographic", Mechanization::Geographic}, {"ecef", Mechanization::Ecef}},
             "frame of the strapdown equations", [](auto& c) -> auto& { return c.filter.mechanization; }))
-        .add(
-            choice<Config, Loop>("filter.loop", {{"closed", Loop::Closed}, {"open", Loop::Open}, {"mixed", Loop::Mixed}},
-                                 "estimated errors: fed back to the mechanization after every update (closed), applied to a copy "
-                                 "(open), or fed back at intervals and applied to a copy in between (mixed)",
-                                 [](auto& c) -> auto& { return c.filter.loop; }))
+        .add(choice<Config, Loop>(
+            "filter.loop", {{"closed", Loop::Closed}, {"open", Loop::Open}, {"mixed", Loop::Mixed}},
+            "estimated errors are fed back to the mechanization after every update (closed), applied to a copy "
+            "(open), or fed back at intervals and applied to a copy in between (mixed)",
+            [](auto& c) -> auto& { return c.filter.loop; }))
         .add(number<Config>(
             "filter.feedback_period_s", 1.0, 1e-3, 1e6,
             "mixed loop: time between corrections; default: until the attitude error can have grown by feedback_attitude_deg",
@@ -177,7 +178,7 @@ void add_filter_options(OptionTable<Config>& table) {
                           [](auto& c) -> auto& { return c.filter.smooth; }))
         .add(flag<Config>(
             "filter.backward",
-            "a filter backward in time beside the forward one; their difference with its sigma: run.h5, report, summary.json",
+            "run a filter backward in time as well; its difference from the forward one, with its sigma: run.h5, report, summary.json",
             [](auto& c) -> auto& { return c.filter.backward; }))
         .add(flag<Config>(
             "filter.self_check",
@@ -194,11 +195,12 @@ void add_filter_options(OptionTable<Config>& table) {
                           [](auto& c) -> auto& { return c.filter.estimate_lever_arm; }))
         .add(flag<Config>("filter.zero_velocity", "zero-velocity and zero-rate updates where the log shows the body still",
                           aids(&AidSettings::zero_velocity)))
-        .add(number<Config>("filter.zero_velocity_std_m_s", 1.0, 1e-6, 100, "their velocity noise",
+        .add(number<Config>("filter.zero_velocity_std_m_s", 1.0, 1e-6, 100, "velocity noise of zero-velocity updates",
                             aids(&AidSettings::zero_velocity_std)))
-        .add(number<Config>("filter.zero_rate_std_deg_s", units::deg_per_s, 0, 100, "their rate noise, added to the gyro noise",
-                            aids(&AidSettings::zero_rate_std)))
-        .add(flag<Config>("filter.nonholonomic", "wheels neither slip sideways nor leave the ground; default: on for a car",
+        .add(number<Config>("filter.zero_rate_std_deg_s", units::deg_per_s, 0, 100,
+                            "rate noise of zero-rate updates, added to the gyro noise", aids(&AidSettings::zero_rate_std)))
+        .add(flag<Config>("filter.nonholonomic",
+                          "non-holonomic constraint: wheels neither slip sideways nor leave the ground; default: on for a car",
                           [](auto& c) -> auto& { return c.nonholonomic; }))
         .add(flag<Config>("filter.detect_wheels",
                           "impose the vehicle constraint once the log shows that the vehicle rolls on wheels; default: "
@@ -214,7 +216,7 @@ void add_filter_options(OptionTable<Config>& table) {
                             "probability that a good measurement is rejected; 0 = no gate", aids(&AidSettings::gate_probability)))
         .add(number<Config>("filter.floor_m", 1.0, 0, 1e6, "lower limit of the sigmas of the position",
                             aids(&AidSettings::floor_position)))
-        .add(number<Config>("filter.floor_velocity_m_s", 1.0, 0, 1e6, "the same of the velocity",
+        .add(number<Config>("filter.floor_velocity_m_s", 1.0, 0, 1e6, "lower limit of the sigmas of the velocity",
                             aids(&AidSettings::floor_velocity)))
         .add(number<Config>("filter.floor_attitude_deg", units::deg, 0, 180, "lower limit of the sigmas of the attitude",
                             aids(&AidSettings::floor_attitude)))

@@ -65,7 +65,7 @@ void add_gnss_options(OptionTable<Config>& table) {
                              gnss(&GnssSettings::lever_arm_b)))
         .add(latency_option())
         .add(number<Config>("gnss.latency_std_s", 1.0, 0, 10,
-                            "one sigma of it for positions; above 0 the filter estimates its error",
+                            "one sigma of the latency of positions; above 0 the filter estimates its error",
                             gnss(&GnssSettings::latency_std)))
         .add(number<Config>("gnss.velocity_latency_s", 1.0, latency_low, latency_high, "replaces latency_s for the velocity",
                             gnss(&GnssSettings::velocity_latency)))
@@ -101,7 +101,7 @@ void add_gnss_options(OptionTable<Config>& table) {
                              gnss(&GnssSettings::std_floor_position)))
         .add(number<Config>("gnss.std_scale", 1.0, 1e-3, 1e3, "factor to the log's own sigmas of positions",
                             gnss(&GnssSettings::std_scale)))
-        .add(number<Config>("gnss.velocity_std_scale", 1.0, 1e-3, 1e3, "... of velocities",
+        .add(number<Config>("gnss.velocity_std_scale", 1.0, 1e-3, 1e3, "factor to the log's own sigmas of velocities",
                             gnss(&GnssSettings::velocity_std_scale)))
         .add(flag<Config>("gnss.estimate_std",
                           "where the log gives no standard deviations: scale the defaults until the innovations agree",

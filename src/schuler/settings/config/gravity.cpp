@@ -30,7 +30,7 @@ AnomalyPart::Kind kind_from(const Value& v) {
     if (v.text() != nullptr)
         for (const auto& [name, kind] : kinds)
             if (*v.text() == name) return kind;
-    throw input_error(fmt::format("kind = {} is no kind of anomaly", to_toml(v)), {}, anomaly_form);
+    throw input_error(fmt::format("kind = {} is not a kind of anomaly", to_toml(v)), {}, anomaly_form);
 }
 
 Eigen::Vector3d size_from(const Value& v) {
@@ -148,11 +148,12 @@ void add_gravity_options(OptionTable<Config>& table) {
                                              [](auto& c) -> auto& { return c.gravity.model; }))
         .add(choice<Config, DisturbanceAxes>("gravity.axes",
                                              {{"ned", DisturbanceAxes::LocalLevel}, {"ecef", DisturbanceAxes::EarthFixed}},
-                                             "axes in which that model holds: north, east, down or the paper's Earth-fixed ones",
+                                             "axes of the disturbance model: north, east, down or the paper's Earth-fixed ones",
                                              [](auto& c) -> auto& { return c.gravity.axes; }))
         .add(number<Config>("gravity.length_m", 1.0, 1.0, 1e9, "correlation length of the process along the track",
                             gravity(&GravityConfig::length)))
-        .add(number<Config>("gravity.time_s", 1.0, 1.0, 1e9, "its correlation time where it runs by time instead",
+        .add(number<Config>("gravity.time_s", 1.0, 1.0, 1e9,
+                            "correlation time of the process, where it depends on time instead of distance",
                             gravity(&GravityConfig::time)))
         .add(vector3<Config>("gravity.sigma_mgal", units::mgal, 0, 1e5, "one sigma of the process, east, north, up",
                              vector(&GravityConfig::sigma_enu)))
@@ -160,15 +161,15 @@ void add_gravity_options(OptionTable<Config>& table) {
                              vector(&GravityConfig::prior_enu)))
         .add(number<Config>("gravity.slope_mgal_km", per_km, 0, 1e5, "one sigma of a polynomial's slope at the start",
                             gravity(&GravityConfig::slope)))
-        .add(number<Config>("gravity.curvature_mgal_km2", 1e-3 * per_km, 0, 1e5, "one sigma of its second derivative there",
-                            gravity(&GravityConfig::curvature)))
+        .add(number<Config>("gravity.curvature_mgal_km2", 1e-3 * per_km, 0, 1e5,
+                            "one sigma of a polynomial's second derivative at the start", gravity(&GravityConfig::curvature)))
         .add(number<Config>("gravity.gnss_systematic_m", 1.0, 0, 100,
                             "constant error of the fixes, one sigma; default: their slowly varying error",
                             gravity(&GravityConfig::gnss_position)))
-        .add(number<Config>("gravity.gnss_systematic_m_s", 1.0, 0, 10, "constant error of their velocities, one sigma",
+        .add(number<Config>("gravity.gnss_systematic_m_s", 1.0, 0, 10, "constant error of the velocities of the fixes, one sigma",
                             gravity(&GravityConfig::gnss_velocity)))
         .add(number<Config>("gravity.lowpass_s", 1.0, 2, 1e5,
-                            "length of the classical pipeline's filter; default: as the smoother resolves",
+                            "length of the low-pass filter of the classical pipeline; default: the resolution of the smoother",
                             gravity(&GravityConfig::lowpass)))
         .add(flag<Config>("gravity.smooth", "fixed-interval smoother after the filter",
                           [](auto& c) -> auto& { return c.gravity.smooth; }))

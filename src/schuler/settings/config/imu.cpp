@@ -62,7 +62,8 @@ void add_imu_options(OptionTable<Config>& table) {
             "what the time stamp of a sample marks", [](auto& c) -> auto& { return c.filter.imu.stamp; }))
         .add(axes_option("imu.axes", "directions of the sensor's x, y, z axes", &Config::axes, true))
         .add(mounting_option())
-        .add(number<Config>("imu.mounting_std_deg", units::deg, 1e-4, 90, "one sigma of its forward axis, where it is given",
+        .add(number<Config>("imu.mounting_std_deg", units::deg, 1e-4, 90,
+                            "one sigma of the mounting's forward axis, where the mounting is given",
                             [](auto& c) -> auto& { return c.filter.imu.mounting_std; }))
         .add(imu_grade_option<Config>([](auto& c) -> auto& { return c.grade; },
                                       [](auto& c) -> auto& { return c.filter.imu.errors; }));
@@ -74,14 +75,18 @@ void add_imu_options(OptionTable<Config>& table) {
                        "fraction of the sample-to-sample variation of the gyros that adds to the stated white noise; default: "
                        "fitted with the noise",
                        [](auto& c) -> auto& { return c.filter.imu.gyro_vibration; }));
-    table.add(number<Config>("imu.accel_vibration", 1.0, 0, 100, "the same of the accelerometers",
-                             [](auto& c) -> auto& { return c.filter.imu.accel_vibration; }));
-    table.add(
-        number<Config>("imu.gyro_noise_scale", 1.0, 0.01, 1000,
-                       "factor of the gyros' noise and bias wander in the filter; default: found by the self-check of `process`",
-                       [](auto& c) -> auto& { return c.filter.imu.gyro_noise_scale; }));
-    table.add(number<Config>("imu.accel_noise_scale", 1.0, 0.01, 1000, "the same of the accelerometers",
-                             [](auto& c) -> auto& { return c.filter.imu.accel_noise_scale; }));
+    table.add(number<Config>(
+        "imu.accel_vibration", 1.0, 0, 100,
+        "fraction of the sample-to-sample variation of the accelerometers that adds to the stated white noise; default: fitted with the noise",
+        [](auto& c) -> auto& { return c.filter.imu.accel_vibration; }));
+    table.add(number<Config>(
+        "imu.gyro_noise_scale", 1.0, 0.01, 1000,
+        "factor of the gyros' noise and bias variation in the filter; default: found by the self-check of `process`",
+        [](auto& c) -> auto& { return c.filter.imu.gyro_noise_scale; }));
+    table.add(number<Config>(
+        "imu.accel_noise_scale", 1.0, 0.01, 1000,
+        "factor of the accelerometers' noise and bias variation in the filter; default: found by the self-check of `process`",
+        [](auto& c) -> auto& { return c.filter.imu.accel_noise_scale; }));
     table.add(number<Config>("imu.gap_factor", 1.0, 1.1, 1e6, "a step longer than this times the median is a gap",
                              [](auto& c) -> auto& { return c.filter.imu.gap_factor; }));
     table.add(axes_option("mag.axes", "directions of the magnetometer's x, y, z axes; default: as the IMU's", &Config::mag_axes,

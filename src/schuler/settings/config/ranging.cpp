@@ -1,4 +1,4 @@
-// What the filter believes about ranges, and which of them it uses.
+// Errors of ranges assumed by the filter, and which ranges it uses.
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/config/sections.h"
 #include "schuler/settings/range_error_options.h"
@@ -17,12 +17,13 @@ void add_ranging_options(OptionTable<Config>& table) {
                           protection(&ProtectionSettings::use)))
         .add(number<Config>(
             "filter.protection.missed_detection", 1.0, 1e-9, 0.1,
-            "one satellite being wrong, the position is off by more than its protection level without an alarm with this "
-            "probability at most",
+            "maximum probability that a fault of one satellite moves the position beyond its protection level without an alarm",
             protection(&ProtectionSettings::missed_detection)))
-        .add(number<Config>("filter.protection.false_alarm", 1.0, 1e-15, 0.1, "a healthy source exceeds the limit of one test",
+        .add(number<Config>("filter.protection.false_alarm", 1.0, 1e-15, 0.1,
+                            "probability that a healthy source exceeds the limit of one test",
                             protection(&ProtectionSettings::false_alarm)))
-        .add(number<Config>("filter.protection.fault_free", 1.0, 1e-15, 0.1, "likewise without a fault",
+        .add(number<Config>("filter.protection.fault_free", 1.0, 1e-15, 0.1,
+                            "maximum probability that the position is beyond its protection level without a fault",
                             protection(&ProtectionSettings::fault_free)))
         .add(number<Config>("ranges.receiver_acceleration_m_s_sqrt_s", 1.0, 1e-4, 1e3,
                             "intermediate coupling: white acceleration assumed by the receiver-only filter",
@@ -31,10 +32,9 @@ void add_ranging_options(OptionTable<Config>& table) {
                           [](auto& c) -> auto& { return c.filter.ranging.use_rates; }))
         .add(flag<Config>(
             "ranges.slow_by_model",
-            "tight coupling: the slow error of a satellite has the sigma of what the atmosphere's models and its ephemeris leave, "
-            "not ranges.correlated_m; for raw measurements the default where that is not given",
+            "tight coupling: sigma of a satellite's slowly varying error from the residual errors of the atmosphere models and the ephemeris, instead of ranges.correlated_m; default for raw measurements where that is not given",
             [](auto& c) -> auto& { return c.filter.ranging.slow_by_model; }))
-        .add(flag<Config>("ranges.use_stations", "likewise of ground stations",
+        .add(flag<Config>("ranges.use_stations", "tight coupling: use the ranges of ground stations too",
                           [](auto& c) -> auto& { return c.filter.ranging.use_stations; }))
         .add(number<Config>("baro.bias_time_s", 1.0, 0, 1e7,
                             "correlation time of the barometer's bias, whose sigma is then stationary; 0 = random walk",

@@ -20,11 +20,11 @@ Option<Config> systems() {
             use.fill(false);
             for (const char letter : letters) {
                 const auto system = gnss::system_from_letter(letter);
-                if (!system) throw input_error(fmt::format("{} names no satellite system", letter), {}, "use letters of GRECJSI");
+                if (!system) throw input_error(fmt::format("{} is not a satellite system", letter), {}, "use letters of GRECJSI");
                 use[static_cast<std::size_t>(*system)] = true;
             }
             if (letters.empty())
-                throw input_error(fmt::format("{} names no satellite system", to_toml(v)), {}, "use letters of GRECJSI");
+                throw input_error(fmt::format("{} is not a satellite system", to_toml(v)), {}, "use letters of GRECJSI");
         },
         [](const Config& c) -> std::optional<Value> {
             std::string letters;
@@ -53,7 +53,7 @@ void add_raw_gnss_options(OptionTable<Config>& table) {
         .add(systems())
         .add(number<Config>("gnss.elevation_mask_deg", units::deg, -10, 80, "satellites below this elevation are not used",
                             ranges(&gnss::RangeSettings::elevation_mask)))
-        .add(number<Config>("gnss.cn0_mask_db_hz", 1.0, 0, 60, "signals below this strength are not used",
+        .add(number<Config>("gnss.cn0_mask_db_hz", 1.0, 0, 60, "signals below this C/N0 are not used",
                             ranges(&gnss::RangeSettings::least_cn0)))
         .add(choice<Config, IonosphereModel>(
             "gnss.ionosphere",

@@ -35,11 +35,12 @@ Option<Config> file_list(const std::string& key, const std::string& help, Access
             if (v.text() != nullptr) names.push_back(*v.text());
             for (const Value& item : v.list() != nullptr ? *v.list() : ValueList{}) {
                 if (item.text() == nullptr)
-                    throw input_error(fmt::format("{} is no file", to_toml(item)), {}, "put its name in quotes");
+                    throw input_error(fmt::format("{} is not a file name", to_toml(item)), {}, "put its name in quotes");
                 names.push_back(*item.text());
             }
             if (names.empty())
-                throw input_error(fmt::format("{} names no file", to_toml(v)), {}, "give a file or a list of files");
+                throw input_error(fmt::format("{} is not a file or a list of files", to_toml(v)), {},
+                                  "give a file or a list of files");
         },
         [=](const Config& c) -> std::optional<Value> {
             const std::vector<std::string>& names = access(c);

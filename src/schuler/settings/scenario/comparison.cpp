@@ -26,7 +26,8 @@ const std::vector<KnownScheme>& known_schemes() {
          {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {0.0}, {}}}},
         {"loose", "b loose, standard", {{"filter.scheme", {std::string("loose")}, {}}}},
         {"tight", "c tight", {{"filter.scheme", {std::string("tight")}, {}}}},
-        {"medium", "intermediate", {{"filter.scheme", {std::string("medium")}, {}}}},
+        {"intermediate", "intermediate", {{"filter.scheme", {std::string("intermediate")}, {}}}},
+        {"medium", "intermediate", {{"filter.scheme", {std::string("intermediate")}, {}}}},  // the older name
         {"deep", "d deep", {{"filter.scheme", {std::string("deep")}, {}}}},
         {"loose-aggressive",
          // clang-format on
@@ -103,14 +104,14 @@ public:
     }
 
     /// @throws Error(Input) at the entry, or at the window where the entry is empty.
-    [[nodiscard]] Error bad(const std::string& what, const std::string& entry = "", const std::string& mend = "") const {
+    [[nodiscard]] Error bad(const std::string& what, const std::string& entry = "", const std::string& hint = "") const {
         const Value* v = find(entry);
         const SourcePlace place{{},
                                 v != nullptr ? v->line : line_,
                                 0,
                                 fmt::format("compare.window[{}]{}{}", index_, entry.empty() ? "" : ".", entry)};
         return input_error(what, place,
-                           mend.empty() ? "write [[compare.window]] name = \"jammed\", start_s = 300, end_s = 420" : mend);
+                           hint.empty() ? "write [[compare.window]] name = \"jammed\", start_s = 300, end_s = 420" : hint);
     }
 
     /// A time of the scenario, s.
@@ -155,7 +156,7 @@ void add_window(S& s, const WindowTable& table) {
     if (std::ranges::find(s.windows, w.name, &CompareWindow::name) != s.windows.end())
         throw table.bad(fmt::format("there is a window \"{}\" already", w.name), "name", "give every window a name of its own");
     if (s.compared.empty())
-        throw table.bad("there are no schemes to compare in it", "", "give [compare] schemes = [\"gnss\", \"loose\"]");
+        throw table.bad("there are no schemes to compare in this window", "", "give [compare] schemes = [\"gnss\", \"loose\"]");
     if (s.sim.reference_rate * s.window_rules.age < 1.0)
         throw table.bad(fmt::format("the truth comes every {:g} s, and a solution counts for {:g} s only",
                                     1.0 / s.sim.reference_rate, s.window_rules.age),

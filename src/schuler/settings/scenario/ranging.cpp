@@ -38,7 +38,8 @@ void add_sources(OptionTable<S>& table) {
             }))
         .add(list_of<S, Blocking>(
             "ranges.block", "[ { sources, start_s, duration_s }, ... ]",
-            "sources that are silent for a time; without names all satellites, \"stations\" for all stations", list(&R::blocked),
+            "sources that send nothing for a time; without names all satellites, \"stations\" for all stations",
+            list(&R::blocked),
             [](Blocking& b) {
                 return Entries{{.name = "sources", .texts = &b.sources},
                                {.name = "start_s", .number = &b.start},
@@ -82,11 +83,11 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
                        [](auto& s) -> auto& { return s.ranging.settings.masks.elevation; }))
         .add(flag<S>("ranges.throughout", "use only satellites that stay above the mask during the whole scenario",
                      [](auto& s) -> auto& { return s.ranging.settings.masks.throughout; }))
-        .add(number<S>("ranges.antenna_mask_deg", deg, -90, 90,
-                       "hidden below this angle over the antenna's plane, which banks with the body",
+        .add(number<S>("ranges.antenna_mask_deg", deg, -90, 90, "mask angle above the antenna's plane, which banks with the body",
                        [](auto& s) -> auto& { return s.ranging.settings.masks.antenna; }))
         .add(list_of<S, sim::Masks::Sector>(
-            "ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]", "elevation hidden from an azimuth to the next one",
+            "ranges.terrain", "[ { azimuth_deg, elevation_deg }, ... ]",
+            "terrain: mask elevation from an azimuth to the next one",
             [](S& s) -> auto& { return s.ranging.settings.masks.terrain; },
             [](sim::Masks::Sector& sector) {
                 return Entries{{.name = "azimuth_deg", .number = &sector.azimuth, .factor = deg},
@@ -97,7 +98,7 @@ void add_ranging_scenario_options(OptionTable<S>& table) {
             }))
         .add(number<S>("ranges.multipath_m", 1.0, 0, 1e3, "amplitude of reflections at the horizon",
                        [](auto& s) -> auto& { return s.ranging.settings.multipath.amplitude; }))
-        .add(number<S>("ranges.multipath_period_s", 1.0, 0.01, 1e5, "their period",
+        .add(number<S>("ranges.multipath_period_s", 1.0, 0.01, 1e5, "period of the reflections",
                        [](auto& s) -> auto& { return s.ranging.settings.multipath.period; }))
         .add(number<S>("ranges.receiver_acceleration_m_s_sqrt_s", 1.0, 1e-4, 1e3,
                        "intermediate: white acceleration assumed by the receiver-only filter",

@@ -36,10 +36,10 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                        "a receiver at correlator level tracks the satellites of [ranges] and measures at this "
                        "rate; 0 = none",
                        [](auto& s) -> auto& { return s.receiver_channels.rate; }))
-        .add(number<S>("receiver.cn0_db_hz", 1.0, 1, 70, "strength of every signal without jamming",
+        .add(number<S>("receiver.cn0_db_hz", 1.0, 1, 70, "C/N0 of every signal without jamming",
                        [](auto& s) -> auto& { return s.receiver_channels.cn0; }))
         .add(list_of<S, sim::StrengthPoint>(
-            "receiver.cn0_profile", "[ { time_s, cn0_db_hz }, ... ]", "strength over time instead, linear in between",
+            "receiver.cn0_profile", "[ { time_s, cn0_db_hz }, ... ]", "C/N0 over time instead, linear between the points",
             [](S& s) -> auto& { return s.receiver_channels.profile; },
             [](sim::StrengthPoint& p) {
                 return std::vector<Entry>{{.name = "time_s", .number = &p.time}, {.name = "cn0_db_hz", .number = &p.cn0}};
@@ -51,7 +51,7 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
             }))
         .add(list_of<S, sim::Jammer>(
             "receiver.jammer", "[ { lat_deg, lon_deg, height_m, power_w, spread, start_s, duration_s }, ... ]",
-            "transmitters of noise, by free space; spread: 1 = a tone, 2.22 = as wide as the code",
+            "noise transmitters with free-space loss; spread: 1 = a tone, 2.22 = as wide as the code",
             [](S& s) -> auto& { return s.receiver_channels.jammers; },
             [](sim::Jammer& j) {
                 return std::vector<Entry>{{.name = "lat_deg", .number = &j.position.lat, .factor = deg},
@@ -83,7 +83,7 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
             "receiver.prefilter",
             {{"noncoherent", receiver::Prefilter::Noncoherent}, {"coherent", receiver::Prefilter::Coherent}},
             "discriminators of deep channels: noncoherent, or coherent while the phase is tracked", deep(&D::prefilter)))
-        .add(number<S>("receiver.front_end_mhz", 1e6, 0.6, 100, "two-sided band of the front end; not given: all of it",
+        .add(number<S>("receiver.front_end_mhz", 1e6, 0.6, 100, "two-sided bandwidth of the front end; default: unlimited",
                        bank(&receiver::BankSettings::front_end)))
         .add(number<S>("receiver.clock_h_minus1", 1.0, 0, 1e-10,
                        "flicker frequency noise of the oscillator, in addition to ranges.clock",

@@ -29,7 +29,7 @@ Option<S> of_processing(const Option<Config>& option) {
 
 void add_general(Table& table) {
     table.add(text<S>("name", "name of the scenario and of its output folder", [](auto& s) -> auto& { return s.name; }))
-        .add(integer<S>("seed", 0, 9.0e15, "of the random numbers", [](auto& s) -> auto& { return s.sim.seed; }))
+        .add(integer<S>("seed", 0, 9.0e15, "seed of the random numbers", [](auto& s) -> auto& { return s.sim.seed; }))
         .add(number<S>("duration_s", 1.0, 1e-3, 1e6, "simulated time", [](auto& s) -> auto& { return s.sim.duration; }))
         .add(number<S>("reference_rate_hz", 1.0, 1e-3, 1e5, "rate of the truth",
                        [](auto& s) -> auto& { return s.sim.reference_rate; }));
@@ -55,9 +55,10 @@ Option<S> both(const std::string& key, double factor, double high, const std::st
 
 void add_imu(Table& table) {
     const auto errors = [](auto& s) -> auto& { return s.sim.imu.errors; };
-    table.add(number<S>("imu.rate_hz", 1.0, 0.1, 1e5, "sample rate", [](auto& s) -> auto& { return s.sim.imu.rate; }))
+    table.add(number<S>("imu.rate_hz", 1.0, 0.1, 1e5, "sample rate of the IMU", [](auto& s) -> auto& { return s.sim.imu.rate; }))
         .add(choice<S, ImuKind>("imu.kind", {{"increments", ImuKind::Increments}, {"rates", ImuKind::Rates}},
-                                "what the log carries", [](auto& s) -> auto& { return s.sim.imu.kind; }))
+                                "content of the log: increments over each sample, or rates",
+                                [](auto& s) -> auto& { return s.sim.imu.kind; }))
         .add(vector3<S>("imu.mounting_deg", deg, -360, 360, "roll, pitch, yaw from body to sensor",
                         [](auto& s) -> auto& { return s.sim.imu.mounting; }))
         .add(imu_grade_option<S>([](auto& s) -> auto& { return s.grade; }, errors))
@@ -67,7 +68,7 @@ void add_imu(Table& table) {
                   &sensor::ImuErrorModel::gyro_misalignment, &sensor::ImuErrorModel::accel_misalignment));
     add_imu_error_options(table, "imu.", errors);
     table
-        .add(number<S>("imu.warm_up_k", 1.0, -100, 100, "temperature rise above that of its calibration",
+        .add(number<S>("imu.warm_up_k", 1.0, -100, 100, "temperature rise of the IMU above that of its calibration",
                        [](auto& s) -> auto& { return s.sim.imu.warm_up; }))
         .add(number<S>("imu.warm_up_time_s", 1.0, 1e-3, 1e6, "time constant of the warm-up",
                        [](auto& s) -> auto& { return s.sim.imu.warm_up_time; }));
@@ -125,25 +126,27 @@ void add_receivers(Table& table) {
         .add(vector3<S>("gnss.lever_arm_m", 1.0, -100, 100, "IMU to antenna, body axes forward, right, down",
                         vector(&G::lever_arm_b)))
         .add(vector3<S>("gnss.white_m", 1.0, 0, 1e4, "white position error north, east, down", vector(&G::white_position)))
-        .add(vector3<S>("gnss.white_velocity_m_s", 1.0, 0, 1e3, "white velocity error", vector(&G::white_velocity)))
+        .add(vector3<S>("gnss.white_velocity_m_s", 1.0, 0, 1e3, "white velocity error north, east, down",
+                        vector(&G::white_velocity)))
         .add(number<S>("gnss.latency_s", 1.0, 0, 60, "age of the position at its stamp", scalar(&G::position_latency)))
         .add(number<S>("gnss.velocity_latency_s", 1.0, 0, 60, "age of the velocity at its stamp", scalar(&G::velocity_latency)))
         .add(number<S>("baro.rate_hz", 1.0, 0, 1000, "rate of the barometer; 0 = none", baro(&sim::BaroSettings::rate)))
-        .add(number<S>("baro.white_m", 1.0, 0, 1e4, "white height error", baro(&sim::BaroSettings::white)))
-        .add(number<S>("baro.bias_m", 1.0, 0, 1e5, "constant height error, one sigma over runs", baro(&sim::BaroSettings::bias)))
-        .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "its random walk", baro(&sim::BaroSettings::bias_walk)))
+        .add(number<S>("baro.white_m", 1.0, 0, 1e4, "white error of the barometric height", baro(&sim::BaroSettings::white)))
+        .add(number<S>("baro.bias_m", 1.0, 0, 1e5, "constant error of the barometric height, one sigma over runs",
+                       baro(&sim::BaroSettings::bias)))
+        .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "random walk of the height error", baro(&sim::BaroSettings::bias_walk)))
         .add(flag<S>("baro.pressure", "the log has static pressures, which are converted to heights of the standard atmosphere",
                      [](auto& s) -> auto& { return s.sim.baro.pressure; }))
-        .add(number<S>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "pressure: of the day at sea level",
+        .add(number<S>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "pressure: pressure at sea level",
                        baro(&sim::BaroSettings::sea_level_pressure)))
         .add(number<S>("baro.temperature_offset_k", 1.0, -60, 60,
                        "pressure: deviation of the temperature from the standard atmosphere",
                        baro(&sim::BaroSettings::temperature_offset)))
         .add(number<S>("mag.rate_hz", 1.0, 0, 1000, "rate of the magnetometer; 0 = none", mag(&M::rate)))
         .add(number<S>("mag.field_ut", 1e-6, 1, 1000, "strength of the Earth's field", mag(&M::field)))
-        .add(number<S>("mag.declination_deg", deg, -180, 180, "its declination, east positive", mag(&M::declination)))
-        .add(number<S>("mag.inclination_deg", deg, -89, 89, "its inclination, down positive", mag(&M::inclination)))
-        .add(number<S>("mag.white_ut", 1e-6, 0, 1000, "white noise", mag(&M::white)))
+        .add(number<S>("mag.declination_deg", deg, -180, 180, "magnetic declination, east positive", mag(&M::declination)))
+        .add(number<S>("mag.inclination_deg", deg, -89, 89, "magnetic inclination, down positive", mag(&M::inclination)))
+        .add(number<S>("mag.white_ut", 1e-6, 0, 1000, "white noise of the magnetometer", mag(&M::white)))
         .add(number<S>("mag.hard_iron_ut", 1e-6, 0, 1000, "constant field of the body, one sigma over runs", mag(&M::hard_iron)))
         .add(number<S>("mag.soft_iron", 1.0, 0, 1, "distortion by the body, one sigma over runs of each coefficient",
                        mag(&M::soft_iron)));
@@ -197,7 +200,7 @@ void add_filter(Table& table) {
     const auto error = [](double InitialError::*field) { return [=](auto& s) -> auto& { return s.initial_error.*field; }; };
     table
         .add(number<S>("filter.initial_error.level_deg", deg, 0, 90,
-                       "error of the initial roll and pitch, one sigma; without it the filter starts by itself",
+                       "error of the initial roll and pitch, one sigma; without it the filter aligns itself",
                        error(&InitialError::level)))
         .add(number<S>("filter.initial_error.heading_deg", deg, 0, 180, "error of the initial heading, one sigma",
                        error(&InitialError::heading)))
@@ -215,11 +218,11 @@ void add_published(Table& table) {
         const char* name;
         double factor;
         const char* help;
-    } rows[published_blocks] = {{"position_m", 1.0, "its position errors east, north, up"},
-                                {"velocity_m_s", 1.0, "velocity errors"},
-                                {"attitude_rad", 1.0, "attitude errors about east, north, up"},
-                                {"gyro_bias_rad_s", 1.0, "errors of the gyro biases x, y, z"},
-                                {"accel_bias_ug", units::ug, "errors of the accelerometer biases"}};
+    } rows[published_blocks] = {{"position_m", 1.0, "published position errors east, north, up"},
+                                {"velocity_m_s", 1.0, "published velocity errors east, north, up"},
+                                {"attitude_rad", 1.0, "published attitude errors about east, north, up"},
+                                {"gyro_bias_rad_s", 1.0, "published errors of the gyro biases x, y, z"},
+                                {"accel_bias_ug", units::ug, "published errors of the accelerometer biases x, y, z"}};
     for (std::size_t b = 0; b < published_blocks; ++b)
         table.add(vector3<S>(std::string("published.") + rows[b].name, rows[b].factor, 0, 1e9, rows[b].help,
                              [b](auto& s) -> auto& { return s.published.rms[b]; }));

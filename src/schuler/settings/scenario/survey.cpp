@@ -42,13 +42,13 @@ void add_survey_options(OptionTable<S>& table) {
         .add(number<S>("trajectory.drape.climb_deg", units::deg, 0.01, 45, "steepest climb and descent over the ground",
                        drape(&G::climb)))
         .add(number<S>("trajectory.drape.smoothing_m", 1.0, 0, 1e5,
-                       "length over which a slope changes; default: ten seconds' way", drape(&G::smoothing)))
+                       "length over which the slope changes; default: distance covered in 10 s", drape(&G::smoothing)))
         .add(text<S>("trajectory.drape.file", "grid of the ground: lat_deg, lon_deg, height_m; relative to the scenario",
                      [](auto& s) -> auto& { return s.survey_ground.file; }))
         .add(number<S>("trajectory.drape.height_m", 1.0, -1e4, 1e4, "without a file: mean height of the ground",
                        drape(&G::height)))
-        .add(number<S>("trajectory.drape.amplitude_m", 1.0, 0, 1e4, "amplitude of its hills, a sine north times a sine east",
-                       drape(&G::amplitude)))
+        .add(number<S>("trajectory.drape.amplitude_m", 1.0, 0, 1e4,
+                       "amplitude of the hills of the ground, a sine north times a sine east", drape(&G::amplitude)))
         .add(number<S>("trajectory.drape.wavelength_m", 1.0, 1, 1e6, "wavelength of the hills", drape(&G::wavelength)))
         .add(text<S>("anomaly_field.file",
                      "disturbance of gravity over the ground, a grid: lat_deg, lon_deg, east_mgal, north_mgal, up_mgal; relative "
@@ -56,7 +56,7 @@ void add_survey_options(OptionTable<S>& table) {
                      [](auto& s) -> auto& { return s.field.file; }))
         .add(text<S>("anomaly_field.model", "disturbance of gravity from a model of GeographicLib (egm96, egm2008, ...) instead",
                      [](auto& s) -> auto& { return s.field.model; }))
-        .add(text<S>("anomaly_field.folder", "where that model is; default: where GeographicLib's tools put it",
+        .add(text<S>("anomaly_field.folder", "folder of that model; default: that of GeographicLib's tools",
                      [](auto& s) -> auto& { return s.field.folder; }));
 }
 

@@ -21,12 +21,13 @@ void add_start(Table& table) {
     const struct {
         const char* name;
         double factor, low, high;
+        const char* help;
         double Geodetic::*field;
-    } rows[] = {{"lat_deg", deg, -89, 89, &Geodetic::lat},
-                {"lon_deg", deg, -360, 360, &Geodetic::lon},
-                {"height_m", 1, -1000, 100000, &Geodetic::h}};
+    } rows[] = {{"lat_deg", deg, -89, 89, "latitude at the start", &Geodetic::lat},
+                {"lon_deg", deg, -360, 360, "longitude at the start", &Geodetic::lon},
+                {"height_m", 1, -1000, 100000, "ellipsoidal height at the start", &Geodetic::h}};
     for (const auto& r : rows) {
-        Option<S> option = number<S>(std::string("trajectory.start.") + r.name, r.factor, r.low, r.high, "where the path starts",
+        Option<S> option = number<S>(std::string("trajectory.start.") + r.name, r.factor, r.low, r.high, r.help,
                                      [field = r.field](auto& s) -> auto& { return s.start.*field; });
         option.set = [set = option.set](S& s, const Value& v) {
             set(s, v);
@@ -38,29 +39,29 @@ void add_start(Table& table) {
 
 void add_paper_a(Table& table) {
     const struct {
-        std::string name;
+        std::string name, quantity;
         sim::Oscillation sim::PaperAPath::*field;
         const char* rate;
         const char* amplitude;
-    } rows[] = {{"lat", &sim::PaperAPath::lat, "_rate_rad_s", "_amplitude_rad"},
-                {"lon", &sim::PaperAPath::lon, "_rate_rad_s", "_amplitude_rad"},
-                {"height", &sim::PaperAPath::height, "_rate_m_s", "_amplitude_m"}};
+    } rows[] = {{"lat", "latitude", &sim::PaperAPath::lat, "_rate_rad_s", "_amplitude_rad"},
+                {"lon", "longitude", &sim::PaperAPath::lon, "_rate_rad_s", "_amplitude_rad"},
+                {"height", "height", &sim::PaperAPath::height, "_rate_m_s", "_amplitude_m"}};
     for (const auto& r : rows) {
         const auto access = [field = r.field](double sim::Oscillation::*part) {
             return [=](auto& s) -> auto& { return (s.paper_a.*field).*part; };
         };
         table
-            .add(number<S>("trajectory." + r.name + r.rate, 1.0, -1e3, 1e3, "paper_a: constant rate",
+            .add(number<S>("trajectory." + r.name + r.rate, 1.0, -1e3, 1e3, "paper_a: constant rate of the " + r.quantity,
                            access(&sim::Oscillation::rate)))
-            .add(number<S>("trajectory." + r.name + r.amplitude, 1.0, -1e5, 1e5, "paper_a: amplitude of the oscillation",
-                           access(&sim::Oscillation::amplitude)))
-            .add(number<S>("trajectory." + r.name + "_phase_deg", deg, -360, 360, "paper_a: its phase",
-                           access(&sim::Oscillation::phase)));
+            .add(number<S>("trajectory." + r.name + r.amplitude, 1.0, -1e5, 1e5,
+                           "paper_a: amplitude of the oscillation of the " + r.quantity, access(&sim::Oscillation::amplitude)))
+            .add(number<S>("trajectory." + r.name + "_phase_deg", deg, -360, 360,
+                           "paper_a: phase of the oscillation of the " + r.quantity, access(&sim::Oscillation::phase)));
     }
     table
         .add(vector3<S>("trajectory.period_s", 1.0, 0.1, 1e7, "paper_a: periods of latitude, longitude, height",
                         [](auto& s) -> auto& { return s.periods; }))
-        .add(number<S>("trajectory.roll_per_accel", 1.0, -1, 1, "paper_a: K of (4.2.5), rad/(m/s2)",
+        .add(number<S>("trajectory.roll_per_accel", 1.0, -1, 1, "paper_a: roll per lateral acceleration, K of (4.2.5)",
                        [](auto& s) -> auto& { return s.paper_a.roll_per_accel; }));
 }
 
@@ -111,8 +112,7 @@ Option<S> waypoints_option() {
 
 Option<S> moves_option() {
     return special<S>(
-        "trajectory.moves", "[ { roll_deg, pitch_deg, heading_deg, duration_s, dwell_s }, ... ]",
-        "table: turns one after the other",
+        "trajectory.moves", "[ { roll_deg, pitch_deg, heading_deg, duration_s, dwell_s }, ... ]", "table: sequence of turns",
         [](S& s, const Value& v) {
             const auto bad = [](const std::string& what) {
                 return input_error(what, {}, "write moves = [ { heading_deg = 90, duration_s = 10, dwell_s = 60 }, ... ]");
@@ -142,13 +142,14 @@ void add_motions(Table& table) {
     table.add(moves_option())
         .add(text<S>("trajectory.file", "file: a trajectory: reference.csv, a solution, ten columns; relative to the scenario",
                      [](auto& s) -> auto& { return s.file; }))
-        .add(number<S>("trajectory.smoothing_s", 1.0, 1e-3, 100, "file: seconds between the points that are kept",
+        .add(number<S>("trajectory.smoothing_s", 1.0, 1e-3, 100, "file: interval of the points that are kept",
                        [](auto& s) -> auto& { return s.recorded.spacing; }))
         .add(number<S>("trajectory.height_change_m", 1.0, 1, 2e4, "takeoff, approach: height climbed or descended",
                        [](auto& s) -> auto& { return s.phase.height_change; }))
         .add(number<S>("trajectory.length_m", 1.0, 1, 1e6, "figure8: long axis",
                        [](auto& s) -> auto& { return s.figure8.length; }))
-        .add(number<S>("trajectory.width_m", 1.0, 1, 1e6, "figure8: across it", [](auto& s) -> auto& { return s.figure8.width; }))
+        .add(
+            number<S>("trajectory.width_m", 1.0, 1, 1e6, "figure8: short axis", [](auto& s) -> auto& { return s.figure8.width; }))
         .add(number<S>("trajectory.loop_height_m", 1.0, 0, 1e4,
                        "figure8: height of one loop above and of the other below the start",
                        [](auto& s) -> auto& { return s.figure8.height_amplitude; }))
@@ -168,8 +169,11 @@ void add_motions(Table& table) {
         const auto part = [wave = w.wave](double sim::Wave::*field) {
             return [=](auto& s) -> auto& { return s.ship.*wave.*field; };
         };
-        table.add(number<S>(key + w.unit, w.factor, 0, 60, "ship: amplitude", part(&sim::Wave::amplitude)))
-            .add(number<S>(key + "_period_s", 1.0, 0.1, 1e4, "ship: period", part(&sim::Wave::period)));
+        table
+            .add(number<S>(key + w.unit, w.factor, 0, 60, fmt::format("ship: amplitude of {}", w.name),
+                           part(&sim::Wave::amplitude)))
+            .add(
+                number<S>(key + "_period_s", 1.0, 0.1, 1e4, fmt::format("ship: period of {}", w.name), part(&sim::Wave::period)));
     }
 }
 
@@ -194,7 +198,7 @@ void add_trajectory_options(Table& table) {
                                         "static, great_circle (constant height and speed), paper_a (its flight), car (a town "
                                         "drive), waypoints, takeoff (and climb), racetrack "
                                         "(holding pattern), approach (and landing), figure8, ship (in waves), table (turntable), "
-                                        "file (a recording flown again), weave "
+                                        "file (a recorded trajectory), weave "
                                         "(straight legs with alternating turns), survey (parallel lines and tie lines)",
                                         [](auto& s) -> auto& { return s.type; }));
     add_start(table);
@@ -226,23 +230,24 @@ void add_trajectory_options(Table& table) {
     };
     table.add(waypoints_option())
         .add(std::move(standstill))
-        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: moving from the start on", route(&R::start_speed)))
+        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: initial speed", route(&R::start_speed)))
         .add(number<S>("trajectory.knot_spacing_m", 1.0, 0.5, 1e4,
                        "car, waypoints: length over which bends and climbs are smoothed; aircraft: 50", route(&R::knot_spacing)))
         .add(number<S>("trajectory.corner_radius_m", 1.0, 0.1, 1e6, "car, waypoints: radius of the corners",
                        route(&R::corner_radius)))
-        .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 1000, "car, waypoints: limit in corners",
-                       route(&R::lateral_accel)))
-        .add(number<S>("trajectory.longitudinal_accel_m_s2", 1.0, 0.01, 100, "car, waypoints: limit when speeding up and braking",
-                       route(&R::longitudinal_accel)))
-        .add(number<S>("trajectory.roll_per_lateral_accel", 1.0, -1, 1, "car, waypoints: rad/(m/s2)",
+        .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 1000,
+                       "car, waypoints: largest lateral acceleration in corners", route(&R::lateral_accel)))
+        .add(number<S>("trajectory.longitudinal_accel_m_s2", 1.0, 0.01, 100,
+                       "car, waypoints: largest acceleration and deceleration", route(&R::longitudinal_accel)))
+        .add(number<S>("trajectory.roll_per_lateral_accel", 1.0, -1, 1, "car, waypoints: roll per lateral acceleration",
                        route(&R::roll_per_lateral_accel)))
-        .add(number<S>("trajectory.pitch_per_accel", 1.0, -1, 1, "car, waypoints: rad/(m/s2)", route(&R::pitch_per_accel)))
+        .add(number<S>("trajectory.pitch_per_accel", 1.0, -1, 1, "car, waypoints: pitch per longitudinal acceleration",
+                       route(&R::pitch_per_accel)))
         .add(number<S>("trajectory.vibration.frequency_hz", 1.0, 0.01, 1e4, "car, waypoints: frequency of the suspension",
                        vibration(&sim::Vibration::frequency)))
-        .add(number<S>("trajectory.vibration.angle_deg", deg, 0, 20, "amplitude of roll and pitch",
+        .add(number<S>("trajectory.vibration.angle_deg", deg, 0, 20, "amplitude of roll and pitch of the suspension",
                        vibration(&sim::Vibration::angle)))
-        .add(number<S>("trajectory.vibration.accel_m_s2", 1.0, 0, 100, "amplitude of the vertical acceleration",
+        .add(number<S>("trajectory.vibration.accel_m_s2", 1.0, 0, 100, "amplitude of the vertical acceleration of the suspension",
                        vibration(&sim::Vibration::accel)));
 }
 
@@ -274,8 +279,8 @@ sim::RoutePath survey_of(const ScenarioConfig& s) {
 }
 
 sim::RecordedPath recorded_path(const ScenarioConfig& s) {
-    const auto bad = [](std::string what, const char* key, const char* mend) {
-        return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = key}, mend);
+    const auto bad = [](std::string what, const char* key, const char* hint) {
+        return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = key}, hint);
     };
     if (s.file.empty()) throw bad("no trajectory to fly again", "trajectory.file", "name it: file = \"reference.csv\"");
     WarningLog unheard;

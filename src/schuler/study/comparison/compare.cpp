@@ -43,8 +43,8 @@ settings::ScenarioConfig with_satellites(const settings::ScenarioConfig& scenari
     settings::ScenarioConfig out = scenario;
     if (!satellites) return out;
     if (out.ranging.settings.limits.empty())
-        throw input_error("there is no limit whose number could change", {.file = {}, .key = "compare.satellites"},
-                          "give ranges.limit = [{ start_s = 60, keep = 4 }]");
+        throw input_error("there is no ranges.limit whose number of satellites could be changed",
+                          {.file = {}, .key = "compare.satellites"}, "give ranges.limit = [{ start_s = 60, keep = 4 }]");
     out.ranging.settings.limits.front().keep = *satellites;
     return out;
 }

@@ -24,7 +24,7 @@ using filter::AidKind;
 using filter::Layout;
 using Frame = filter::GeographicFrame;
 using Filter = filter::InertialFilter<Frame>;
-using Walk = filter::Walk<Frame>;
+using FilterRun = filter::FilterRun<Frame>;
 
 /// What true processes of a source do to the inertial unit's output.
 enum class Drive { None, Gyro, Accel, GyroAxes, AccelAxes };
@@ -157,7 +157,7 @@ std::vector<std::string> left_out_of(const settings::ScenarioConfig& s) {
     return out;
 }
 
-/// Follows the sources along a walk.
+/// Follows the sources along a run.
 class Follower : public filter::PassObserver<Frame> {
 public:
     Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario, std::vector<ErrorSource>& sources,
@@ -235,15 +235,15 @@ public:
         }
     }
     void scalar(const estim::RowUpdate& u) override { pending_.push_back(u); }
-    void corrected() override { throw unfollowed("the corrections of this coupling are no updates of a Kalman filter"); }
+    void corrected() override { throw unfollowed("the corrections of this coupling are not updates of a Kalman filter"); }
     void aid(const filter::AidRecord& record) override {
         for (const estim::RowUpdate& u : pending_) update(record.kind, u);
         pending_.clear();
     }
-    void output(const Walk& walk, Time time) override { out_.rows.push_back(row_at(walk, time)); }
-    void outage_epoch(const Walk& walk, const filter::Event& event, const filter::Measurement&,
+    void output(const FilterRun& run, Time time) override { out_.rows.push_back(row_at(run, time)); }
+    void outage_epoch(const FilterRun& run, const filter::Event& event, const filter::Measurement&,
                       const filter::AidRecord&) override {
-        if (event.outage_end) out_.outage_ends.push_back(row_at(walk, event.stamp));
+        if (event.outage_end) out_.outage_ends.push_back(row_at(run, event.stamp));
     }
     static Error unfollowed(const std::string& why) {
         return input_error("the covariance cannot be followed: " + why, {.file = {}, .key = "filter"},
@@ -251,10 +251,10 @@ public:
     }
 
 private:
-    [[nodiscard]] MismatchRow row_at(const Walk& walk, Time time) const {
+    [[nodiscard]] MismatchRow row_at(const FilterRun& run, Time time) const {
         MismatchRow row;
         row.time_s = (time - origin_).seconds();
-        row.filter = walk.covariance(model_).diagonal();
+        row.filter = run.covariance(model_).diagonal();
         for (const ErrorSource& s : sources_) row.sources.emplace_back(s.S.diagonal().head<9>());
         return row;
     }
@@ -325,8 +325,9 @@ Variances MismatchRow::all() const {
 
 Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::SettingList& over, double rate) {
     if (!scenario.initial_error.given())
-        throw input_error("the scenario does not say how wrong the filter starts", {.file = {}, .key = "filter.initial_error"},
-                          "give level_deg and heading_deg: what a start finds by itself is no linear function of the errors");
+        throw input_error(
+            "the scenario does not give the initial errors of the filter", {.file = {}, .key = "filter.initial_error"},
+            "give level_deg and heading_deg: the result of a self-alignment is not a linear function of the errors");
     if (scenario.ranging.rate > 0.0 || scenario.receiver_channels.rate > 0.0)
         throw input_error("ranges of single satellites are not among the errors of this analysis",
                           {.file = {}, .key = "ranges.rate_hz"}, "use `schuler analyze budget`");
@@ -364,11 +365,11 @@ Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::Sett
     for (std::size_t i = 0; i < 4; ++i)
         sources[i].start = start_covariance(model, data, settings, start, scenario.initial_error, i);
     for (const ErrorSource& s : sources) out.sources.push_back(s.name);
-    Walk walk = filter::first_step<Frame>(model, data, settings, start);
+    FilterRun run = filter::first_step<Frame>(model, data, settings, start);
     Follower follower(model, scenario, sources, data.origin, out);
-    follower.begin(walk.filter.P.rows());
+    follower.begin(run.filter.P.rows());
     const filter::Pass<Frame> pass(model, data, settings);
-    pass.advance(walk, data.imu.increments.size() - 1, follower);
+    pass.advance(run, data.imu.increments.size() - 1, follower);
     return out;
 }
 

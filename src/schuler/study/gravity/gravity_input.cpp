@@ -92,7 +92,7 @@ void take_coloured_noise(double span, sensor::ImuErrorModel& e) {
 void take_barometer(const solution::LoadedDataset& data, Recording& recording, fusion::Settings& settings) {
     const SourcePlace place{{}, 0, 0, "gravity.height_aid"};
     if (data.recording.baro.empty())
-        throw input_error("there is no barometer or depth gauge to take", place, "name its log in [baro], or leave the key out");
+        throw input_error("there is no barometer or depth gauge", place, "name its log in [baro], or leave the key out");
     if (!data.recording.gauges.empty())
         throw input_error("the gauges of [gauges] are taken already", place, "leave out one of them");
     settings.gauges = {.std = settings.baro.std, .level_std = settings.baro.bias_std};

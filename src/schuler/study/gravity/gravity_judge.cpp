@@ -41,9 +41,9 @@ GravityVerdict gravity_verdict(const GravityBundle& b) {
     };
     const SurveyEpoch& last = b.epochs().back();
     if (!last.disturbance_n.allFinite() || !last.sigma_disturbance_n.allFinite())
-        refuse("its covariance is no covariance any more");
+        refuse("its covariance is not positive definite");
     if (b.innovations.nis > largest_nis)
-        refuse(fmt::format("the fixes are off by more than the filter knows (NIS {:.3g} a degree of freedom, 1 expected)",
+        refuse(fmt::format("the fixes deviate by more than the filter predicts (NIS {:.3g} a degree of freedom, 1 expected)",
                            b.innovations.nis));
     if (const double share = refused_share(b); share > largest_refused)
         refuse(fmt::format("{:.2g} % of the fixes were refused: the errors have left what a linear model of them can follow{}",

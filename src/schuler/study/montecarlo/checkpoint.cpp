@@ -90,7 +90,7 @@ void CampaignPart::append_rows(const fs::path& from, std::uint64_t bytes) {
         const auto n = static_cast<std::streamsize>(std::min<std::uint64_t>(left, block.size()));
         if (!in.read(block.data(), n))
             throw input_error("is damaged: it ends too early", {.file = from.string()},
-                              "begin the campaign anew in another folder");
+                              "start the campaign again in another folder");
         if (!rows_.write(block.data(), n)) throw rows_unwritable(file("rows", rank_));
         left -= static_cast<std::uint64_t>(n);
     }
@@ -104,7 +104,7 @@ void CampaignPart::take_over() {
     for (const fs::path& path : files) {
         const std::string bytes = file_bytes(path);
         try {
-            if (!bytes.starts_with(magic)) throw input_error("is no checkpoint of this version of the program");
+            if (!bytes.starts_with(magic)) throw input_error("is not a checkpoint of this version of the program");
             Unpacker from(std::string_view(bytes).substr(magic.size()));
             if (from.text() != identity_)
                 throw input_error(
@@ -130,7 +130,7 @@ void CampaignPart::take_over() {
             for (const auto& [first, end] : theirs.spans()) done_.add(first, end);
         } catch (const Error& e) {
             if (!e.place().file.empty()) throw;
-            throw input_error(e.reason(), {.file = path.string()}, "begin the campaign anew in another folder, or delete it");
+            throw input_error(e.reason(), {.file = path.string()}, "start the campaign again in another folder, or delete it");
         }
     }
     if (files.empty()) return;

@@ -298,7 +298,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
         if (!spans.empty() && (spans.begin()->first < mc.first || spans.rbegin()->second > end))
             throw input_error(fmt::format("the interrupted campaign has done runs {} to {} already", spans.begin()->first,
                                           spans.rbegin()->second - 1),
-                              {.file = {}, .key = "-n"}, "ask for as many runs as before, or more");
+                              {.file = {}, .key = "-n"}, "give at least as many runs as before");
     }
     if (request.team) request.team->wait();  // nobody writes before process 0 has taken over what there was
     part.begin();
@@ -316,7 +316,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
         throw Error(
             e.kind(), e.reason(), e.place(),
             fmt::format(
-                "{}{}the runs of the last checkpoint are kept (of {} done, {} wanted): the same command with --resume goes on",
+                "{}{}the runs of the last checkpoint are kept (of {} done, {} requested): the same command with --resume goes on",
                 e.hint(), e.hint().empty() ? "" : "; ", part.done().count(), mc.runs));
     }
     if (request.team) {

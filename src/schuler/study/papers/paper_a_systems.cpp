@@ -167,7 +167,7 @@ PaperResult table_142(const PaperWork&) {
                    {"accel bias", bias}, {"accel scale", m.accel_scale / units::ppm}};
     // clang-format on
     out.notes = fmt::format(
-        "Ours: the unit \"hg9900\" of [imu] grade. The random walk of the accelerometers stands in the unit of gyros (0.002 deg/sqrt(h)): a misprint;\n"
+        "Ours: the unit \"hg9900\" of [imu] grade. The random walk of the accelerometers is given in the unit of gyros (0.002 deg/sqrt(h)): a misprint;\n"
         "ours is {:.3g} m/s/sqrt(h).\n",
         m.accel_noise / units::m_s_per_sqrt_hour);
     return out;

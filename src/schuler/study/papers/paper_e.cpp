@@ -1,4 +1,4 @@
-// Paper E: the gravi-inertial complex, simulated.
+// Paper E: the integrated gravimetric system, simulated.
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
 #include "schuler/gravimetry/observability.h"

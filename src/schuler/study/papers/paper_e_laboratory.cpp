@@ -98,11 +98,11 @@ PaperResult figure_6(const PaperWork& w) {
         out.panels.push_back(std::move(p));
     }
     out.tables.push_back(std::move(table));
-    out.notes = "The filter is told when the level may have changed, not by how much (gravity.steps_s).\n";
+    out.notes = "The filter is given the times at which the level may have changed, not the change (gravity.steps_s).\n";
     return out;
 }
 
-/// The filter begun anew for each interval, as the paper did, on the laboratory's noise.
+/// The filter restarted for each interval, as the paper did, on the laboratory's noise.
 PaperResult figure_7(const PaperWork& w) {
     struct One {
         double first = 0, second = 0;
@@ -162,7 +162,7 @@ PaperResult figure_7(const PaperWork& w) {
 
 std::vector<PaperItem> paper_e_laboratory() {
     return {{"E", "figure-6", "a step of the vertical anomaly: phase and differential", 12, 1.0, figure_6},
-            {"E", "figure-7", "the half-real laboratory: filter begun anew for each level", 12, 0.6, figure_7}};
+            {"E", "figure-7", "the half-real laboratory: filter restarted for each level", 12, 0.6, figure_7}};
 }
 
 }  // namespace schuler::study

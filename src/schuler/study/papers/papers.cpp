@@ -197,7 +197,7 @@ void write_made(const Made& m, const fs::path& folder, const std::string& versio
 Made made(const PaperItem& item, const PaperRequest& request) {
     Made m{&item, &printed_item(item.paper, item.name), item.runs, {}, {}};
     if (item.runs == 0 && request.runs > 0 && request.item != "all")
-        throw input_error("this item is no Monte Carlo campaign", {{}, 0, 0, "--runs"}, "leave it out");
+        throw input_error("this item is not a Monte Carlo campaign", {{}, 0, 0, "--runs"}, "leave it out");
     if (item.runs > 0 && request.runs > 0) m.runs = static_cast<std::size_t>(request.runs);
     m.result = item.make({m.runs, request.seed, request.jobs, request.progress});
     for (const PrintedValue& v : m.printed->values) {

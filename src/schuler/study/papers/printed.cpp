@@ -17,7 +17,7 @@ using settings::Value;
 using settings::ValueTable;
 
 const std::string& text_of(const Value& v, const std::string& origin, const std::string& key) {
-    if (v.text() == nullptr) throw input_error(fmt::format("{} is no text", key), {origin, v.line, 0, key});
+    if (v.text() == nullptr) throw input_error(fmt::format("{} is not a text", key), {origin, v.line, 0, key});
     return *v.text();
 }
 

@@ -12,9 +12,9 @@ namespace {
 using namespace test;
 using Eigen::Vector3d;
 
-Flight medium() {
+Flight intermediate() {
     Flight f = flight();
-    f.settings.coupling = Coupling::Medium;
+    f.settings.coupling = Coupling::Intermediate;
     return f;
 }
 
@@ -31,8 +31,8 @@ double error_within(const Flight& f, const Result& result, double from, double t
 }
 
 /// The receiver's filter takes nothing from the inertial unit: its rows are the same, bit for bit, whatever that says. And it is right.
-TEST(MediumCoupling, TheReceiverIsIndependentAndConsistent) {
-    const Flight f = medium();
+TEST(IntermediateCoupling, TheReceiverIsIndependentAndConsistent) {
+    const Flight f = intermediate();
     Flight other = f;
     for (ImuSample& m : other.recording.imu) m.accel += Vector3d(0.02, -0.01, 0.005);
     const Result one = run(f), two = run(other);
@@ -54,8 +54,8 @@ TEST(MediumCoupling, TheReceiverIsIndependentAndConsistent) {
 }
 
 /// Inertial unit gone for twenty seconds of a turn, then for good: the receiver leads, and the log goes on to the end of the ranges.
-TEST(MediumCoupling, SurvivesTheLossOfTheInertialUnit) {
-    Flight f = medium();
+TEST(IntermediateCoupling, SurvivesTheLossOfTheInertialUnit) {
+    Flight f = intermediate();
     std::erase_if(f.recording.imu, [](const ImuSample& m) {
         const double t = m.time.seconds();
         return (t > 70.0 && t < 90.0) || t > 110.0;
@@ -82,8 +82,8 @@ TEST(MediumCoupling, SurvivesTheLossOfTheInertialUnit) {
 }
 
 /// Satellites gone: the solution is that of the tight filter.
-TEST(MediumCoupling, SurvivesTheLossOfTheSatellites) {
-    Flight f = medium();
+TEST(IntermediateCoupling, SurvivesTheLossOfTheSatellites) {
+    Flight f = intermediate();
     f.settings.outages = {{60.0, 40.0}};
     const Result both = run(f);
     f.settings.coupling = Coupling::Tight;
@@ -95,8 +95,8 @@ TEST(MediumCoupling, SurvivesTheLossOfTheSatellites) {
 }
 
 /// An accelerometer that is off by half a metre a second squared: the two disagree, and the receiver leads.
-TEST(MediumCoupling, NoticesAnInertialUnitThatIsWrong) {
-    Flight f = medium();
+TEST(IntermediateCoupling, NoticesAnInertialUnitThatIsWrong) {
+    Flight f = intermediate();
     for (ImuSample& m : f.recording.imu)
         if (m.time.seconds() > 50.0) m.accel.x() += 2.0 * (f.settings.imu.kind == ImuKind::Increments ? 0.1 : 1.0);
     const Result both = run(f);
