@@ -88,7 +88,7 @@ public:
             epochs.back() = e;
         }
         count(epochs.back(), record);
-        keep_states(walk.filter, begins);
+        keep_states(run.filter, begins);
     }
 
 private:

@@ -113,7 +113,7 @@ struct CouplingPreset {
 constexpr CouplingPreset coupling_presets[] = {
     {"gnss", Scheme::Gnss},   {"separate", Scheme::Separate},
     {"loose", Scheme::Loose}, {"aggressive", Scheme::Loose, fusion::LooseKind::Aggressive},
-    {"tight", Scheme::Tight}, {"intermediate", Scheme::Medium},
+    {"tight", Scheme::Tight}, {"intermediate", Scheme::Intermediate},
     {"deep", Scheme::Deep}};
 
 /// A name that stands for several settings; those given by themselves win because they come later in the table.
