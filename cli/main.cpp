@@ -110,6 +110,10 @@ int main(int argc, char** argv) {
     CLI::App parser("Integrated inertial-satellite navigation: from IMU and GNSS logs to a trajectory with honest uncertainty.",
                     "schuler");
     cli::add_commands(parser, line);
+    if (const std::string unknown = cli::unknown_topic(argc, argv, parser); !unknown.empty()) {
+        complain(unknown + "; see `schuler --help`");
+        return input_unusable;
+    }
     try {
         auto arguments = cli::with_help_of_commands({argv + 1, argv + argc}, parser);
         std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
@@ -124,9 +128,7 @@ int main(int argc, char** argv) {
         parser.exit(e);
         return flushed(done);
     } catch (const CLI::ParseError& e) {
-        std::string unknown = cli::unknown_command(argc, argv, parser);
-        if (unknown.empty()) unknown = cli::unknown_topic(argc, argv, parser);
-        if (!unknown.empty()) {
+        if (const std::string unknown = cli::unknown_command(argc, argv, parser); !unknown.empty()) {
             complain(unknown + "; see `schuler --help`");
             return input_unusable;
         }
