@@ -1,5 +1,6 @@
 // The commands that make runs of scenarios and data sets, as forms; and the layouts that the page keeps.
 #include "schuler/app/command.h"
+#include "schuler/io/text/split.h"
 #include "schuler/report/outputs.h"
 #include "schuler/settings/command_line.h"
 #include "serve/aside.h"
@@ -7,7 +8,6 @@
 #include "serve/forms.h"
 #include "serve/names.h"
 #include "serve/service.h"
-#include "serve/split.h"
 
 #include <fmt/format.h>
 
@@ -104,7 +104,7 @@ void Service::add_kept_routes() {
              const std::string given = r.asked("file");
              const std::size_t mark = given.find('#');
              fs::path file = folder;
-             for (const std::string& part : split(given.substr(0, mark), '/')) file = inside(file, part);
+             for (const std::string& part : io::split(given.substr(0, mark), '/')) file = inside(file, part);
              if (mark != std::string::npos) file += given.substr(mark);
              return json(asked_of_program("log", {std::string(aside_word), "raw", file.string()}, folder, {}, 60.0));
          }});

@@ -4,10 +4,10 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
 #include "schuler/io/container/hdf5_file.h"
+#include "schuler/io/text/split.h"
 #include "schuler/report/decimate.h"
 #include "serve/csv_columns.h"
 #include "serve/message.h"
-#include "serve/split.h"
 
 #include <fmt/format.h>
 
@@ -58,8 +58,8 @@ ColumnTable read_table(const fs::path& folder, const std::string& path) {
     const io::Hdf5Table table = file.table(path);
     ColumnTable out;
     const bool time = path.ends_with("/time_s");
-    out.names = time ? std::vector<std::string>{"time"} : split(file.attribute(path, "columns"), ',');
-    out.units = split(file.attribute(path, "units"), ',');
+    out.names = time ? std::vector<std::string>{"time"} : io::split(file.attribute(path, "columns"), ',');
+    out.units = io::split(file.attribute(path, "units"), ',');
     out.names.resize(table.columns);
     out.units.resize(table.columns, out.units.empty() ? "" : out.units.front());
     out.columns.resize(table.columns);
@@ -241,10 +241,10 @@ Json Results::channels(const fs::path& folder) {
         for (const std::string& name : names) {
             if (name.starts_with("time_")) continue;
             const std::string path = group + "/" + name;
-            const std::vector<std::string> labels = split(file.attribute(path, "columns"), ',');
-            add(path, labels, split(file.attribute(path, "units"), ','));
+            const std::vector<std::string> labels = io::split(file.attribute(path, "columns"), ',');
+            add(path, labels, io::split(file.attribute(path, "units"), ','));
             if (labels.front() == "number")
-                columns[columns.size() - labels.size()]["names"] = split(file.attribute(path, "names"), ',');
+                columns[columns.size() - labels.size()]["names"] = io::split(file.attribute(path, "names"), ',');
             if (name == "position" && labels.front() == "lat") add(group + "/local", {"north", "east", "up"}, {"m"});
         }
         add_group(group, columns);

@@ -2,10 +2,10 @@
 
 #include "schuler/core/error.h"
 #include "schuler/dataset/data_folder.h"
+#include "schuler/io/text/split.h"
 #include "serve/assets.h"
 #include "serve/forms.h"
 #include "serve/names.h"
-#include "serve/split.h"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// What the braces of the pattern stand for, or nothing where the path is another.
 bool matches(std::string_view pattern, std::string_view path, std::vector<std::string>& parts) {
-    const auto wanted = split(pattern, '/'), given = split(path, '/');
+    const auto wanted = io::split(pattern, '/'), given = io::split(path, '/');
     parts.clear();
     if (wanted.size() != given.size()) return false;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -35,7 +35,7 @@ constexpr std::size_t deepest_folder = 4;
 
 /// Data set, folders inside it and file of an upload's path; nothing where it is another path.
 std::vector<std::string> upload_parts(std::string_view path) {
-    std::vector<std::string> parts = split(path, '/');  // "", "api", "datasets", NAME, "files", ...
+    std::vector<std::string> parts = io::split(path, '/');  // "", "api", "datasets", NAME, "files", ...
     if (parts.size() < 6 || parts.size() > 6 + deepest_folder || parts[1] != "api" || parts[2] != "datasets" ||
         parts[4] != "files")
         return {};
@@ -47,7 +47,7 @@ std::vector<std::string> upload_parts(std::string_view path) {
 /// What a scenario says of itself: the comment that it begins with, as far as the command that runs it.
 std::string about_of(const std::string& toml) {
     std::string out;
-    for (const std::string& line : split(toml, '\n')) {
+    for (const std::string& line : io::split(toml, '\n')) {
         if (!line.starts_with("# ")) break;
         const std::string text = line.substr(2);
         if (text.starts_with(" ")) break;  // an indented command line
@@ -219,7 +219,7 @@ Json Service::openapi() const {
     Json paths = Json::object();
     for (const Route& route : routes_) {
         Json parameters = Json::array();
-        for (const std::string& part : split(route.path, '/')) {
+        for (const std::string& part : io::split(route.path, '/')) {
             if (!part.starts_with('{')) continue;
             parameters.push_back({{"name", part.substr(1, part.size() - 2)},
                                   {"in", "path"},

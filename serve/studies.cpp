@@ -1,12 +1,12 @@
 // The studies of the program (`schuler analyze ...`) as forms, and the way from a form to a run.
 #include "schuler/app/command.h"
 #include "schuler/core/error.h"
+#include "schuler/io/text/split.h"
 #include "schuler/report/outputs.h"
 #include "schuler/settings/command_line.h"
 #include "serve/forms.h"
 #include "serve/names.h"
 #include "serve/service.h"
-#include "serve/split.h"
 
 #include <fmt/format.h>
 
@@ -59,7 +59,7 @@ Reply Service::start_study(const Json& order) {
     const app::Command& command = study_named(order.value("command", ""));
     const std::vector<OptionSpec> fields = study_fields(command);
     const settings::SettingList given = settings_from_json(order.value("settings", Json::object()), fields);
-    std::vector<std::string> words = split(command.name, ' ');
+    std::vector<std::string> words = io::split(command.name, ' ');
     for (const settings::Setting& s : given) {
         const OptionSpec& spec = *std::ranges::find(fields, s.key, &OptionSpec::key);
         settings::check_value(spec, s.value, s.place);

@@ -88,7 +88,9 @@ def gravity(program, source):
         spreads[model] = found["vertical_mgal"]["spread"]
     check(spreads["quadratic"] < 0.3 < 1.0 < spreads["constant"], f"a parabola follows what a constant does not: {spreads}")
 
-    runs = json.loads(program("gravity", "survey.toml", "--runs", 3, "--json").stdout)
+    runs, alone = (json.loads(program("gravity", "survey.toml", "--runs", 3, "--threads", n, "--json").stdout) for n in (3, 1))
+    check(runs["errors"] == alone["errors"] and runs["montecarlo"]["failed"] == alone["montecarlo"]["failed"],
+          f"runs do not depend on --threads: {runs['errors']}, {alone['errors']}")
     check(runs["montecarlo"]["runs"] == 3 and runs["errors"]["disturbance up"]["median"] < 1.0, "--runs tells medians")
     response = json.loads(program("gravity", "survey.toml", "--response", "-o", "r", "--json").stdout)
     check(response["response"][-1]["forward"]["gain"] < 0.7, "a model of a constant follows no harmonic")

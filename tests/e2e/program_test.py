@@ -257,7 +257,7 @@ def analyze(program, source):
     check(abs(west["error"]["ve"]) < 1 and west["roots"]["beta3"] > 0.0017, "no singularity where the Earth's turn is undone")
 
     text = program("analyze", "equator", "--paper").stdout
-    marked = [line for line in text.splitlines() if line.startswith("* ")]
+    marked = [line for line in text.splitlines() if line.startswith("  * ")]
     check(len(marked) == 6 and sum("ship" in line for line in marked) == 2, f"six misprints are marked: {marked}")
     check("258" in text and "257.87364" in text and "-0.01342642" in text, "printed and right values")
     beyond = program("analyze", "equator", "--speed", 8000)

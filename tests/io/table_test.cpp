@@ -1,5 +1,6 @@
 #include "schuler/io/text/table.h"
 #include "schuler/io/text/number.h"
+#include "schuler/io/text/split.h"
 
 #include "io/io_fixture.h"
 
@@ -48,6 +49,12 @@ TEST(Number, RandomNumbersAgreeWithTheCLibrary) {
         std::snprintf(text, sizeof text, i % 3 == 0 ? "%.15e" : i % 3 == 1 ? "%.9f" : "%.18g", value);
         ASSERT_EQ(number_from(text), std::strtod(text, nullptr)) << text;
     }
+}
+
+TEST(Split, KeepsEmptyParts) {
+    EXPECT_EQ(split("", ','), std::vector<std::string>{""});
+    EXPECT_EQ(split("a,,b,", ','), (std::vector<std::string>{"a", "", "b", ""}));
+    EXPECT_EQ(split<std::string_view>("G07:45", ':'), (std::vector<std::string_view>{"G07", "45"}));
 }
 
 TEST(TimeParsing, IsExact) {

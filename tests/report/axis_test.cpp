@@ -92,13 +92,13 @@ TEST(ReportText, Numbers) {
 
 TEST(ReportText, EscapesMarkupAndReplacesWhatIsNotText) {
     const std::string bad = "\xef\xbf\xbd";
-    EXPECT_EQ(detail::escaped("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
-    EXPECT_EQ(detail::escaped("±3σ µg 𝛘\t\r\n"), "±3σ µg 𝛘\t\n");
-    EXPECT_EQ(detail::escaped(std::string("a\0b\x1b\x7f", 5)), "a" + bad + "b" + bad + bad);
-    EXPECT_EQ(detail::escaped("\xff\xc3"), bad + bad);                      // no lead byte; cut off at the end
-    EXPECT_EQ(detail::escaped("\xc0\xbc"), bad + bad);                      // '<' in an overlong form
-    EXPECT_EQ(detail::escaped("\xed\xa0\x80"), bad + bad + bad);            // a surrogate
-    EXPECT_EQ(detail::escaped("\xf4\x90\x80\x80"), bad + bad + bad + bad);  // beyond Unicode
+    EXPECT_EQ(io::xml_text("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
+    EXPECT_EQ(io::xml_text("±3σ µg 𝛘\t\r\n"), "±3σ µg 𝛘\t\n");
+    EXPECT_EQ(io::xml_text(std::string("a\0b\x1b\x7f", 5)), "a" + bad + "b" + bad + bad);
+    EXPECT_EQ(io::xml_text("\xff\xc3"), bad + bad);                      // no lead byte; cut off at the end
+    EXPECT_EQ(io::xml_text("\xc0\xbc"), bad + bad);                      // '<' in an overlong form
+    EXPECT_EQ(io::xml_text("\xed\xa0\x80"), bad + bad + bad);            // a surrogate
+    EXPECT_EQ(io::xml_text("\xf4\x90\x80\x80"), bad + bad + bad + bad);  // beyond Unicode
 }
 
 }  // namespace

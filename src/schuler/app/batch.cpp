@@ -2,11 +2,13 @@
 
 #include "schuler/app/commands.h"
 #include "schuler/core/parallel.h"
+#include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/report.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/value.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -20,7 +22,7 @@ namespace schuler::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using report::Json;
 
 constexpr const char* entry_file = "batch.json";  ///< in the folder of each data set that is done
 
@@ -34,23 +36,22 @@ struct Entry {
     Json numbers = Json::object();
 
     [[nodiscard]] int rank() const { return !failure.empty() ? 0 : verdict == "do not use" ? 1 : verdict == "care" ? 2 : 3; }
-    [[nodiscard]] double number(const char* key) const {
+    [[nodiscard]] double number(const std::string& key) const {
         const auto it = numbers.find(key);
         return it != numbers.end() && it->is_number() ? it->get<double>() : std::nan("");
     }
 };
 
 struct Column {
-    const char* key;
-    const char* title;
+    report::TableColumn column;
     const char* pointer;  ///< into summary.json
 };
-constexpr std::array columns{Column{"duration_s", "duration, s", "/duration_s"},
-                             Column{"horizontal_rms_m", "horizontal, m", "/errors/position_m/horizontal/rms"},
-                             Column{"horizontal_max_m", "largest, m", "/errors/position_m/horizontal/max"},
-                             Column{"heading_rms_deg", "heading, deg", "/errors/attitude_deg/heading/rms"},
-                             Column{"self_check_rms_m", "self-check, m", "/self_check/end_rms_m"},
-                             Column{"gnss_rejected", "fixes rejected", "/gnss/rejected"}};
+const std::array columns{Column{{"duration_s", "duration", "s"}, "/duration_s"},
+                         Column{{"horizontal_rms_m", "horizontal, rms", "m"}, "/errors/position_m/horizontal/rms"},
+                         Column{{"horizontal_max_m", "largest", "m"}, "/errors/position_m/horizontal/max"},
+                         Column{{"heading_rms_deg", "heading, rms", "deg"}, "/errors/attitude_deg/heading/rms"},
+                         Column{{"self_check_rms_m", "self-check", "m"}, "/self_check/end_rms_m"},
+                         Column{{"gnss_rejected", "fixes rejected", "", ".4g"}, "/gnss/rejected"}};
 
 bool is_list(const fs::path& path) {
     return fs::is_regular_file(path) &&
@@ -134,7 +135,8 @@ std::string identity_of(const Entry& entry, const settings::ProcessRequest& comm
 
 Json json_of(const Entry& e) {
     Json out{{"name", e.name}, {"input", e.input.string()}, {"verdict", e.failure.empty() ? Json(e.verdict) : Json("failed")}};
-    for (const Column& c : columns) out[c.key] = e.numbers.contains(c.key) ? e.numbers[c.key] : Json(nullptr);
+    for (const Column& c : columns)
+        out[c.column.key] = e.numbers.contains(c.column.key) ? e.numbers[c.column.key] : Json(nullptr);
     out["reasons"] = e.reasons;
     out["failure"] = e.failure.empty() ? Json(nullptr) : Json(e.failure);
     return out;
@@ -144,7 +146,7 @@ void take_summary(Entry& e, const std::string& json) {
     const Json summary = Json::parse(json);
     for (const Column& c : columns) {
         const Json::json_pointer pointer(c.pointer);
-        e.numbers[c.key] = summary.contains(pointer) ? summary[pointer] : Json(nullptr);
+        e.numbers[c.column.key] = summary.contains(pointer) ? summary[pointer] : Json(nullptr);
     }
     if (const auto it = summary.find("verdict"); it != summary.end() && it->is_object()) {
         e.verdict = it->value("word", "");
@@ -162,7 +164,7 @@ bool taken_up(Entry& e, const fs::path& folder, const std::string& identity) {
     e.verdict = entry.value("verdict", "");
     e.reasons = entry.value("reasons", std::vector<std::string>{});
     for (const Column& c : columns)
-        if (entry.contains(c.key)) e.numbers[c.key] = entry[c.key];
+        if (entry.contains(c.column.key)) e.numbers[c.column.key] = entry[c.column.key];
     return true;
 }
 
@@ -175,30 +177,12 @@ void process_entry(Entry& e, const BatchRequest& request, const fs::path& folder
     one.progress = {};
     try {
         take_summary(e, process_dataset(one).json);
-        report::write_text(
-            folder / entry_file,
-            Json{{"identity", identity}, {"entry", json_of(e)}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+        report::write_text(folder / entry_file, report::text_of(Json{{"identity", identity}, {"entry", json_of(e)}}));
     } catch (const Error& error) {
         e.failure = error.what();
     } catch (const std::bad_alloc&) {
         e.failure = "out of memory; process a part of it with --start and --stop";
     }
-}
-
-std::string shown(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "-"; }
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text)
-        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
-    return out;
-}
-
-std::string csv_cell(const std::string& text) {
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
 }
 
 /// A path as part of a link.
@@ -211,49 +195,31 @@ std::string link_to(const std::string& name) {
     return out;
 }
 
-std::string word_of(const Entry& e) { return e.failure.empty() ? e.verdict.empty() ? "-" : e.verdict : "failed"; }
-std::string why(const Entry& e) { return !e.failure.empty() ? e.failure : e.reasons.empty() ? "" : e.reasons.front(); }
-
-std::string table_of(const std::vector<Entry>& entries) {
-    std::string out = fmt::format("{:<28}{:<14}", "data set, worst first", "verdict");
-    for (const Column& c : columns) out += fmt::format("{:>16}", c.title);
-    out += "\n";
+/// For people, and batch.csv.
+report::ResultTable table_of(const std::vector<Entry>& entries) {
+    report::ResultTable table{"", {{"name", "data set, worst first"}, {"verdict", "verdict"}}};
+    for (const Column& c : columns) table.columns.push_back(c.column);
+    table.columns.insert(table.columns.end(), {{"input", ""}, {"why", ""}, {"", "why"}});
     for (const Entry& e : entries) {
-        out += fmt::format("  {:<26}{:<14}", e.name, word_of(e));
-        for (const Column& c : columns) out += fmt::format("{:>16}", shown(e.number(c.key)));
-        out += e.rank() < 3 && !why(e).empty() ? "   " + why(e) + "\n" : "\n";
+        const std::string why = !e.failure.empty() ? e.failure : e.reasons.empty() ? "" : e.reasons.front();
+        const char* word = !e.failure.empty() ? "failed" : e.verdict.empty() ? "-" : e.verdict.c_str();
+        std::vector<report::Cell>& row = table.rows.emplace_back(std::vector<report::Cell>{e.name, word});
+        for (const Column& c : columns) row.emplace_back(e.number(c.column.key));
+        row.insert(row.end(), {e.input.string(), why, e.rank() < 3 ? why : ""});
     }
-    return out;
+    return table;
 }
 
-std::string csv_of(const std::vector<Entry>& entries) {
-    std::string out = "name,verdict";
-    for (const Column& c : columns) out += fmt::format(",{}", c.key);
-    out += ",input,why\n";
-    for (const Entry& e : entries) {
-        out += csv_cell(e.name) + "," + word_of(e);
-        for (const Column& c : columns) out += std::isfinite(e.number(c.key)) ? fmt::format(",{:.9g}", e.number(c.key)) : ",";
-        out += "," + csv_cell(e.input.string()) + "," + csv_cell(why(e)) + "\n";
-    }
-    return out;
-}
-
-std::string html_of(const std::vector<Entry>& entries, const fs::path& folder) {
-    std::string out =
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>Batch</title><style>body{font:15px sans-serif;margin:2em}"
-        "table{border-collapse:collapse}td,th{padding:.3em .8em;border-bottom:1px solid #ccc;text-align:right}td:nth-child(-n+2),th:nth-child(-n+2),"
-        "td:last-child,th:last-child{text-align:left}.bad{color:#b30000}.care{color:#8a5a00}</style></head><body>\n<h1>Data sets, worst first</h1>\n<table><tr><th>data set</th><th>verdict</th>";
-    for (const Column& c : columns) out += fmt::format("<th>{}</th>", c.title);
-    out += "<th>why</th></tr>\n";
-    for (const Entry& e : entries) {
-        const bool report = e.failure.empty() && fs::exists(folder / e.name / "report.html");
-        out += report ? fmt::format("<tr><td><a href=\"{}/report.html\">{}</a></td>", link_to(e.name), escaped(e.name))
-                      : fmt::format("<tr><td>{}</td>", escaped(e.name));
-        out += fmt::format("<td class=\"{}\">{}</td>", e.rank() < 2 ? "bad" : e.rank() == 2 ? "care" : "good", word_of(e));
-        for (const Column& c : columns) out += fmt::format("<td>{}</td>", shown(e.number(c.key)));
-        out += fmt::format("<td>{}</td></tr>\n", escaped(why(e)));
-    }
-    return out + "</table></body></html>\n";
+/// The same as a page, its names as links to the reports.
+std::string page_of(const std::vector<Entry>& entries, const fs::path& folder, const std::string& version) {
+    report::ReportInput page{"Batch", fmt::format("{} data sets, worst first", entries.size())};
+    page.version = version;
+    report::TableBlock block = report::table_block(table_of(entries));
+    for (const Entry& e : entries)
+        block.links.push_back(e.failure.empty() && fs::exists(folder / e.name / "report.html") ? link_to(e.name) + "/report.html"
+                                                                                               : std::string());
+    page.sections.push_back({"Data sets", "", {{"", {}, {std::move(block)}}}});
+    return report::render(page);
 }
 
 }  // namespace
@@ -263,7 +229,8 @@ report::Outcome process_batch(const BatchRequest& request) {
     report::Outcome out;
     out.folder = request.common.output.empty() ? fs::path("out/batch") : request.common.output;
     report::make_folder(out.folder);
-    report::write_text(out.folder / "batch.csv", csv_of({}));  // a folder that cannot be written is known before the work
+    report::write_text(out.folder / "batch.csv",
+                       report::table_csv(table_of({})));  // a folder that cannot be written is known before the work
     for_each_run(
         entries.size(), request.jobs, [&](std::size_t k) { process_entry(entries[k], request, out.folder / entries[k].name); },
         request.common.progress);
@@ -284,12 +251,11 @@ report::Outcome process_batch(const BatchRequest& request) {
         unusable += e.rank() == 1 ? 1 : 0;
         if (!e.failure.empty()) out.warnings.push_back(fmt::format("{}: {}", e.name, e.failure));
     }
-    out.json = Json{{"datasets", entries.size()}, {"failed", failed}, {"do_not_use", unusable}, {"rows", list}}.dump(
-                   2, ' ', false, Json::error_handler_t::replace) +
-               "\n";
-    out.tables = table_of(entries);
-    for (const auto& [name, text] :
-         {std::pair{"batch.csv", csv_of(entries)}, {"batch.json", out.json}, {"index.html", html_of(entries, out.folder)}})
+    out.json = report::text_of(Json{{"datasets", entries.size()}, {"failed", failed}, {"do_not_use", unusable}, {"rows", list}});
+    out.tables = report::table_text(table_of(entries));
+    for (const auto& [name, text] : {std::pair{"batch.csv", report::table_csv(table_of(entries))},
+                                     {"batch.json", out.json},
+                                     {"index.html", page_of(entries, out.folder, request.common.version)}})
         report::write_text(out.files.emplace_back(out.folder / name), text);
     out.usable = failed + unusable == 0;
     out.verdict = fmt::format("{} data sets: {} failed, {} not to be used", entries.size(), failed, unusable);

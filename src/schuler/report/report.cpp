@@ -13,34 +13,28 @@ namespace schuler::report {
 namespace {
 
 using detail::anchor;
-using detail::escaped;
+using io::xml_text;
 using Out = std::back_insert_iterator<std::string>;
 
-bool starts_like_number(const std::string& cell) {
-    if (cell.empty() || cell == "–") return true;
-    const std::size_t sign = cell.front() == '-' || cell.front() == '+' ? 1 : 0;
-    return cell.size() > sign && cell[sign] >= '0' && cell[sign] <= '9';
-}
-
 void append_table(std::string& out, const TableBlock& table) {
-    std::vector<bool> numeric(table.columns.size(), !table.rows.empty());
-    for (const auto& row : table.rows) {
-        for (std::size_t c = 0; c < numeric.size(); ++c) {
-            if (c < row.size() && !starts_like_number(row[c])) numeric[c] = false;
-        }
-    }
+    const std::size_t columns = table.columns.size();
+    std::vector<bool> numeric;
+    for (std::size_t c = 0; c < columns; ++c) numeric.push_back(detail::numeric_column(table, c));
     const auto alignment = [&numeric](std::size_t c) { return numeric[c] ? " class=\"n\"" : ""; };
     out += "<div class=\"table\"><table>";
-    if (!table.title.empty()) fmt::format_to(Out(out), "<caption>{}</caption>", escaped(table.title));
+    if (!table.title.empty()) fmt::format_to(Out(out), "<caption>{}</caption>", xml_text(table.title));
     out += "<thead><tr>";
-    for (std::size_t c = 0; c < numeric.size(); ++c) {
-        fmt::format_to(Out(out), "<th scope=\"col\"{}>{}</th>", alignment(c), escaped(table.columns[c]));
+    for (std::size_t c = 0; c < columns; ++c) {
+        fmt::format_to(Out(out), "<th scope=\"col\"{}>{}</th>", alignment(c), xml_text(table.columns[c]));
     }
     out += "</tr></thead><tbody>";
-    for (const auto& row : table.rows) {
+    for (std::size_t r = 0; r < table.rows.size(); ++r) {
+        const auto& row = table.rows[r];
         out += "<tr>";
-        for (std::size_t c = 0; c < numeric.size(); ++c) {
-            const std::string cell = c < row.size() ? escaped(row[c]) : "";
+        for (std::size_t c = 0; c < columns; ++c) {
+            std::string cell = c < row.size() ? xml_text(row[c]) : "";
+            if (c == 0 && r < table.links.size() && !table.links[r].empty())
+                cell = fmt::format("<a href=\"{}\">{}</a>", xml_text(table.links[r]), cell);
             if (c == 0) fmt::format_to(Out(out), "<th scope=\"row\"{}>{}</th>", alignment(c), cell);
             else fmt::format_to(Out(out), "<td{}>{}</td>", alignment(c), cell);
         }
@@ -50,7 +44,7 @@ void append_table(std::string& out, const TableBlock& table) {
 }
 
 void append_group(std::string& out, const Group& group, int& figures) {
-    if (!group.title.empty()) fmt::format_to(Out(out), "<h3>{}</h3>\n", escaped(group.title));
+    if (!group.title.empty()) fmt::format_to(Out(out), "<h3>{}</h3>\n", xml_text(group.title));
     if (!group.panels.empty()) {
         out += "<div class=\"panels\">\n";
         for (const Panel& panel : group.panels) out += detail::figure(panel, ++figures) + "\n";
@@ -68,8 +62,8 @@ void append_head(std::string& out, const ReportInput& input) {
                    "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>"
                    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>"
                    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
-                   "script-src 'unsafe-inline'\"/><title>{}</title><style>{}</style></head>\n<body>",
-                   escaped(input.title), detail::page_style());
+                   "script-src 'unsafe-inline'\"/><title>{}</title><style>\n{}</style></head>\n<body>",
+                   xml_text(input.title), detail::embedded_file("page.css"));
     // The hatching of outages, for all plots.
     out +=
         "<svg width=\"0\" height=\"0\" style=\"position:absolute\" aria-hidden=\"true\"><defs><pattern id=\"hatch\" "
@@ -78,13 +72,13 @@ void append_head(std::string& out, const ReportInput& input) {
 }
 
 void append_header(std::string& out, const ReportInput& input) {
-    fmt::format_to(Out(out), "<div class=\"page\"><header><h1>{}</h1>", escaped(input.title));
-    if (!input.subtitle.empty()) fmt::format_to(Out(out), "<p class=\"subtitle\">{}</p>", escaped(input.subtitle));
+    fmt::format_to(Out(out), "<div class=\"page\"><header><h1>{}</h1>", xml_text(input.title));
+    if (!input.subtitle.empty()) fmt::format_to(Out(out), "<p class=\"subtitle\">{}</p>", xml_text(input.subtitle));
     if (!input.cards.empty()) {
         out += "<dl class=\"cards\">";
         for (const Card& card : input.cards) {
-            fmt::format_to(Out(out), "<div><dt>{}</dt><dd>{}</dd>", escaped(card.label), escaped(card.value));
-            if (!card.note.empty()) fmt::format_to(Out(out), "<dd class=\"note\">{}</dd>", escaped(card.note));
+            fmt::format_to(Out(out), "<div><dt>{}</dt><dd>{}</dd>", xml_text(card.label), xml_text(card.value));
+            if (!card.note.empty()) fmt::format_to(Out(out), "<dd class=\"note\">{}</dd>", xml_text(card.note));
             out += "</div>";
         }
         out += "</dl>";
@@ -97,7 +91,7 @@ void append_navigation(std::string& out, const ReportInput& input) {
     int number = 0;
     const auto link = [&](const std::string& title) {
         ++number;
-        fmt::format_to(Out(out), "<li><a href=\"#{}\">{}</a></li>", anchor(title, number), escaped(title));
+        fmt::format_to(Out(out), "<li><a href=\"#{}\">{}</a></li>", anchor(title, number), xml_text(title));
     };
     for (const Section& section : input.sections) link(section.title);
     link("Warnings");
@@ -109,11 +103,11 @@ void append_sections(std::string& out, const ReportInput& input) {
     int number = 0, figures = 0;
     const auto open = [&](const std::string& title) {
         ++number;
-        fmt::format_to(Out(out), "<section id=\"{}\"><h2>{}</h2>\n", anchor(title, number), escaped(title));
+        fmt::format_to(Out(out), "<section id=\"{}\"><h2>{}</h2>\n", anchor(title, number), xml_text(title));
     };
     for (const Section& section : input.sections) {
         open(section.title);
-        if (!section.intro.empty()) fmt::format_to(Out(out), "<p>{}</p>\n", escaped(section.intro));
+        if (!section.intro.empty()) fmt::format_to(Out(out), "<p>{}</p>\n", xml_text(section.intro));
         for (const Group& group : section.groups) append_group(out, group, figures);
         out += "</section>\n";
     }
@@ -122,14 +116,14 @@ void append_sections(std::string& out, const ReportInput& input) {
         out += "<p>None.</p>";
     } else {
         out += "<ul class=\"warnings\">";
-        for (const std::string& warning : input.warnings) fmt::format_to(Out(out), "<li>{}</li>", escaped(warning));
+        for (const std::string& warning : input.warnings) fmt::format_to(Out(out), "<li>{}</li>", xml_text(warning));
         out += "</ul>";
     }
     out += "</section>\n";
     if (input.settings.empty()) return;
     open("Settings");
     // Focusable, so that what scrolls can be scrolled with keys.
-    fmt::format_to(Out(out), "<pre tabindex=\"0\">{}</pre></section>\n", escaped(input.settings));
+    fmt::format_to(Out(out), "<pre tabindex=\"0\">{}</pre></section>\n", xml_text(input.settings));
 }
 
 }  // namespace
@@ -146,8 +140,8 @@ std::string render(const ReportInput& input) {
         "the "
         "keyboard: arrows, <kbd>+</kbd>, <kbd>-</kbd>, <kbd>Esc</kbd>.</p>\n";
     append_sections(out, input);
-    fmt::format_to(Out(out), "</main><footer>Schuler {}</footer></div>\n<script>//<![CDATA[{}//]]></script></body></html>\n",
-                   escaped(input.version), detail::page_script());
+    fmt::format_to(Out(out), "</main><footer>Schuler {}</footer></div>\n<script>//<![CDATA[\n{}//]]></script></body></html>\n",
+                   xml_text(input.version), detail::embedded_file("page.js"));
     return out;
 }
 

@@ -62,6 +62,7 @@ struct TableBlock {
     std::string title;
     std::vector<std::string> columns;
     std::vector<std::vector<std::string>> rows;
+    std::vector<std::string> links{};  ///< of the first cell of each row, relative; empty: none
 };
 
 /// A heading of the page. A group is a subheading with its panels and, under them, its tables.

@@ -1,42 +1,85 @@
-// A table of results, declared once and printed as text, CSV, JSON and HTML.
+// A table of results, declared once and printed as text, CSV, JSON (report/inner/json.h) and HTML.
 #pragma once
 
 #include "schuler/report/report.h"
 
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace schuler::report {
 
-/// A quantity of every row.
-struct TableColumn {
-    const char* key;    ///< of JSON and CSV
-    const char* title;  ///< for people, with its unit
+/// A value of a table: a number, a whole number, yes or no, a text, or nothing where there is none. A number that is not finite is a
+/// missing one.
+class Cell {
+public:
+    using Value = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
+
+    Cell() = default;
+    Cell(double x);
+    Cell(std::integral auto x) : value_(static_cast<std::int64_t>(x)) {}
+    Cell(bool x) : value_(x) {}
+    Cell(std::string text) : value_(std::move(text)) {}
+    Cell(std::string_view text) : value_(std::string(text)) {}
+    Cell(const char* text) : value_(std::string(text)) {}
+
+    [[nodiscard]] const Value& value() const { return value_; }
+    [[nodiscard]] bool missing() const { return std::holds_alternative<std::monostate>(value_); }
+
+private:
+    Value value_;
 };
 
-struct ResultRow {
-    std::string name;     ///< for people
-    std::string group{};  ///< for people: heads the rows that share it; empty: none
-    std::vector<std::pair<std::string, std::string>>
-        labels{};                   ///< of CSV, before the numbers: {"scheme", "loose"}; the first stands for the name
-    std::vector<double> numbers{};  ///< one a column; further ones are left out, missing ones are NaN
+/// A quantity of every row. One without a heading is for files alone, one without a key for people alone.
+struct TableColumn {
+    std::string key;                  ///< of CSV and JSON; in JSON "a/b" is b of an object a
+    std::string heading;              ///< for people, in words
+    std::string unit = {};            ///< of the heading: "m/s"
+    const char* format = "";          ///< of its numbers for people, as fmt has it: ".1f", with % as percent; "": four digits
+    const char* file_format = ".9g";  ///< likewise in CSV
 };
 
 struct ResultTable {
-    std::string title;  ///< heads the names
+    std::string title;  ///< above the table; may be empty
     std::vector<TableColumn> columns{};
-    std::vector<ResultRow> rows{};
+    std::vector<std::vector<Cell>> rows{};  ///< one cell a column; further ones are left out, missing ones are empty
 };
 
-/// Four significant digits, "-" where not finite.
+/// A table for people alone.
+[[nodiscard]] ResultTable table_for_people(std::string title, std::initializer_list<std::string_view> headings);
+
+/// A column with how it is taken from an item.
+template <class Item>
+struct ColumnOf {
+    TableColumn column;
+    Cell (*of)(const Item&);
+};
+
+/// A row an item.
+template <class Item>
+ResultTable table_of(std::string title, std::span<const ColumnOf<Item>> columns, const std::vector<Item>& items) {
+    ResultTable out{std::move(title)};
+    for (const ColumnOf<Item>& c : columns) out.columns.push_back(c.column);
+    for (const Item& item : items) {
+        std::vector<Cell>& row = out.rows.emplace_back();
+        for (const ColumnOf<Item>& c : columns) row.push_back(c.of(item));
+    }
+    return out;
+}
+
+/// A number for people, in four digits; "-" where not finite.
 [[nodiscard]] std::string table_cell(double x);
 
-/// For a terminal, right-aligned under the titles.
+/// For a terminal: each column as wide as it needs, numbers to the right.
 [[nodiscard]] std::string table_text(const ResultTable& table);
-/// With a header of the labels' names and the columns' keys; nine significant digits, empty where not finite.
+/// A header of the keys, empty fields where there is nothing.
 [[nodiscard]] std::string table_csv(const ResultTable& table);
-/// For a page: the name under the first label, the further labels, the numbers.
 [[nodiscard]] TableBlock table_block(const ResultTable& table);
 
 }  // namespace schuler::report

@@ -158,27 +158,29 @@ std::optional<MedianPlace> median_place(const Totals& t) {
     return out;
 }
 
-ResultTable table_of(const std::vector<SatelliteSummary>& satellites, bool slips) {
-    ResultTable table{"satellite",
-                      // clang-format off
-                      {{"epochs", "epochs"}, {"used", "used"}, {"cn0_db_hz", "C/N0, dB-Hz"}, {"mean_m", "mean, m"}, {"rms_m", "RMS, m"},
-                       {"normalised_rms", "RMS/sigma"}, {"rate_rms_m_s", "rate, m/s"}},
-                      {}};
+std::string reasons_of(const SatelliteSummary& s) {
+    std::string out;
+    for (std::size_t f = 1; f < gnss::fate_count; ++f)
+        if (s.fates[f] > 0)
+            out += fmt::format("{}{} {}", out.empty() ? "" : ", ", gnss::name_of(static_cast<Fate>(f)), s.fates[f]);
+    return out;
+}
+
+ResultTable table_of_satellites(const SatelliteViews& views) {
+    // clang-format off
+    std::vector<ColumnOf<SatelliteSummary>> columns{
+        {{"", "satellite"}, [](const SatelliteSummary& s) { return Cell(gnss::name_of(s.satellite)); }},
+        {{"", "epochs"}, [](const SatelliteSummary& s) { return Cell(s.seen); }},
+        {{"", "used"}, [](const SatelliteSummary& s) { return Cell(s.fates[0]); }},
+        {{"", "C/N0", "dB-Hz"}, [](const SatelliteSummary& s) { return Cell(s.cn0); }},
+        {{"", "mean", "m"}, [](const SatelliteSummary& s) { return Cell(s.mean); }},
+        {{"", "RMS", "m"}, [](const SatelliteSummary& s) { return Cell(s.rms); }},
+        {{"", "RMS/sigma"}, [](const SatelliteSummary& s) { return Cell(s.normalised); }},
+        {{"", "rate", "m/s"}, [](const SatelliteSummary& s) { return Cell(s.rate_rms); }}};
+    if (views.carrier) columns.push_back({{"", "slips"}, [](const SatelliteSummary& s) { return Cell(s.slips); }});
+    columns.push_back({{"", "not used"}, [](const SatelliteSummary& s) { return Cell(reasons_of(s)); }});
     // clang-format on
-    if (slips) table.columns.push_back({"slips", "slips"});
-    for (const SatelliteSummary& s : satellites) {
-        std::string name = gnss::name_of(s.satellite), reasons;
-        for (std::size_t f = 1; f < gnss::fate_count; ++f)
-            if (s.fates[f] > 0)
-                reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", gnss::name_of(static_cast<Fate>(f)), s.fates[f]);
-        ResultRow row{
-            reasons.empty() ? name : fmt::format("{}  {}", name, reasons), {}, {{"satellite", name}, {"not used", reasons}}, {}};
-        row.numbers = {
-            static_cast<double>(s.seen), static_cast<double>(s.fates[0]), s.cn0, s.mean, s.rms, s.normalised, s.rate_rms};
-        if (slips) row.numbers.push_back(static_cast<double>(s.slips));
-        table.rows.push_back(std::move(row));
-    }
-    return table;
+    return table_of<SatelliteSummary>("", columns, satellites_of(views));
 }
 
 }  // namespace
@@ -419,11 +421,9 @@ std::string satellite_text(const SatelliteReportInput& in) {
             text += fmt::format(" {} {},", t.by_quality.contains(quality) ? t.by_quality.at(quality) : 0, name);
         text += fmt::format(" {} phase arcs restarted\n", t.slips);
     }
-    return text + "\n" + table_text(table_of(satellites_of(views), views.carrier.has_value()));
+    return text + "\n" + table_text(table_of_satellites(views));
 }
 
-TableBlock satellite_table(const SatelliteViews& views) {
-    return table_block(table_of(satellites_of(views), views.carrier.has_value()));
-}
+TableBlock satellite_table(const SatelliteViews& views) { return table_block(table_of_satellites(views)); }
 
 }  // namespace schuler::report

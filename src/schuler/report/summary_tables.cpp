@@ -2,6 +2,7 @@
 #include "schuler/report/evaluation_json.h"
 #include "schuler/report/facts.h"
 #include "schuler/report/published.h"
+#include "schuler/report/result_table.h"
 #include "schuler/report/summary.h"
 #include "schuler/solution/bundle.h"
 
@@ -27,88 +28,77 @@ std::string alert_text(const fusion::Alert& a) {
     }
 }
 
-std::string cell(double x, double unit = 1.0) {
-    if (!std::isfinite(x)) return "-";
-    const double v = x / unit, a = std::abs(v);
-    if (a != 0.0 && (a < 1e-3 || a >= 1e5)) return fmt::format("{:.2e}", v);
-    return fmt::format("{:.{}f}", v, a < 1.0 ? 4 : a < 100.0 ? 3 : 1);
+void add_error(ResultTable& table, const char* name, const analysis::Spread& s, double unit = 1.0) {
+    if (std::isfinite(s.rms)) table.rows.push_back({name, s.rms / unit, s.p95 / unit, s.max / unit});
 }
 
-std::string error_line(const std::string& name, const analysis::Spread& s, double unit = 1.0) {
-    if (!std::isfinite(s.rms)) return {};
-    return fmt::format("  {:<26}{:>11}{:>11}{:>11}\n", name, cell(s.rms, unit), cell(s.p95, unit), cell(s.max, unit));
-}
-
-std::string error_table(const analysis::ErrorSummary& s, const std::string& title) {
-    if (s.epochs == 0) return {};
-    std::string out = fmt::format("{:<28}{:>11}{:>11}{:>11}\n", title, "rms", "95 %", "max");
-    out += error_line("position east, m", s.east) + error_line("position north, m", s.north) + error_line("position up, m", s.up);
-    out += error_line("position horizontal, m", s.horizontal) + error_line("position 3-d, m", s.three_d);
-    out += error_line("velocity east, m/s", s.v_east) + error_line("velocity north, m/s", s.v_north) +
-           error_line("velocity up, m/s", s.v_up);
-    out += error_line("roll, deg", s.roll, units::deg) + error_line("pitch, deg", s.pitch, units::deg) +
-           error_line("heading, deg", s.heading, units::deg);
-    return out;
+ResultTable error_table(const analysis::ErrorSummary& s, const std::string& title) {
+    ResultTable table = table_for_people("", {title, "rms", "95 %", "largest"});
+    add_error(table, "position east, m", s.east);
+    add_error(table, "position north, m", s.north);
+    add_error(table, "position up, m", s.up);
+    add_error(table, "position horizontal, m", s.horizontal);
+    add_error(table, "position 3-d, m", s.three_d);
+    add_error(table, "velocity east, m/s", s.v_east);
+    add_error(table, "velocity north, m/s", s.v_north);
+    add_error(table, "velocity up, m/s", s.v_up);
+    add_error(table, "roll, deg", s.roll, units::deg);
+    add_error(table, "pitch, deg", s.pitch, units::deg);
+    add_error(table, "heading, deg", s.heading, units::deg);
+    return table;
 }
 
 std::string consistency_table(const solution::Evaluation& e) {
     std::string out;
-    const auto nees = [&](const char* name, const analysis::NeesStatistics& n) {
-        if (std::isfinite(n.mean))
-            out += fmt::format("  NEES {:<17}{:>11}{:>11}   ({} to {})\n", name, cell(n.mean), cell(n.expected), cell(n.low95),
-                               cell(n.high95));
-    };
     if (e.consistency) {
-        nees("position", e.consistency->position);
-        nees("velocity", e.consistency->velocity);
-        nees("attitude", e.consistency->attitude);
+        ResultTable table = table_for_people("", {"consistency", "mean", "expected", "95 % bounds: from", "to"});
+        const auto nees = [&](const char* name, const analysis::NeesStatistics& n) {
+            if (std::isfinite(n.mean)) table.rows.push_back({name, n.mean, n.expected, n.low95, n.high95});
+        };
+        nees("NEES position", e.consistency->position);
+        nees("NEES velocity", e.consistency->velocity);
+        nees("NEES attitude", e.consistency->attitude);
+        if (!table.rows.empty()) out += table_text(table);
     }
-    if (!out.empty()) out = fmt::format("{:<24}{:>11}{:>11}   {}\n", "consistency", "mean", "expected", "95 % bounds") + out;
-    if (!e.aids.empty())
-        out += fmt::format("{:<24}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "innovations", "NIS mean", "dof", "accepted", "rejected",
-                           "lag 1");
-    for (const solution::AidConsistency& a : e.aids) {
-        out += fmt::format("  {:<22}{:>11}{:>11}{:>11}{:>11}{:>11}\n", a.name, cell(a.nis.mean), cell(a.nis.dof), a.nis.accepted,
-                           a.nis.rejected, cell(a.nis.lag1));
-    }
-    return out;
+    if (e.aids.empty()) return out;
+    ResultTable table = table_for_people("", {"innovations", "NIS mean", "dof", "accepted", "rejected", "lag 1"});
+    for (const solution::AidConsistency& a : e.aids)
+        table.rows.push_back({a.name, a.nis.mean, a.nis.dof, a.nis.accepted, a.nis.rejected, a.nis.lag1});
+    return out + table_text(table);
 }
 
 std::string outage_table(const std::vector<analysis::OutageStatistics>& outages, Time origin, const std::string& title) {
     if (outages.empty()) return {};
-    std::string out = fmt::format("{:<20}{:>10}{:>13}{:>13}{:>13}{:>10}   {}\n", title, "length, s", "end hor., m", "max hor., m",
-                                  "end vert., m", "max 3-d", "3 sigma");
+    ResultTable table = table_for_people(
+        "", {title, "length, s", "end, horizontal, m", "largest, m", "end, vertical, m", "largest 3-d, m", "3 sigma"});
+    table.columns[1].format = ".6g";
     double end2 = 0.0, max2 = 0.0;
     std::size_t counted = 0;
     for (const analysis::OutageStatistics& o : outages) {
-        out += fmt::format("  at {:<15}{:>10}{:>13}{:>13}{:>13}{:>10}   {}\n",
-                           fmt::format("{:.10g} s", (o.span.start - origin).seconds()),
-                           fmt::format("{:.6g}", o.span.duration.seconds()), cell(o.end_horizontal), cell(o.max_horizontal),
-                           cell(o.end_vertical), cell(o.max_3d),
-                           o.epochs == 0     ? "nothing to compare"
-                           : o.inside_3sigma ? "inside"
-                                             : "OUTSIDE");
+        table.rows.push_back({fmt::format("at {:.10g} s", (o.span.start - origin).seconds()), o.span.duration.seconds(),
+                              o.end_horizontal, o.max_horizontal, o.end_vertical, o.max_3d,
+                              o.epochs == 0     ? "nothing to compare"
+                              : o.inside_3sigma ? "inside"
+                                                : "OUTSIDE"});
         if (!std::isfinite(o.max_horizontal)) continue;
         end2 += std::isfinite(o.end_horizontal) ? o.end_horizontal * o.end_horizontal : 0.0;
         max2 += o.max_horizontal * o.max_horizontal;
         ++counted;
     }
-    if (counted > 1) {
-        const double n = static_cast<double>(counted);
-        out += fmt::format("  {:<18}{:>10}{:>13}{:>13}\n", "rms", "", cell(std::sqrt(end2 / n)), cell(std::sqrt(max2 / n)));
-    }
-    return out;
+    if (const auto n = static_cast<double>(counted); counted > 1)
+        table.rows.push_back({"rms", "", std::sqrt(end2 / n), std::sqrt(max2 / n), "", "", ""});
+    return table_text(table);
 }
 
 std::string separation_table(const solution::Evaluation& e) {
     if (e.separation.empty()) return {};
-    const auto line = [](const char* name, const analysis::SeparationSpread& s, double unit) {
-        return fmt::format("  {:<22}{:>11}{:>15.1f} %\n", name, cell(s.rms / unit), 100.0 * s.inside_3sigma);
-    };
+    ResultTable table{"", {{"", "forward minus backward"}, {"", "rms"}, {"", "inside 3 sigma", "", ".1f%"}}};
     const analysis::SeparationSummary& s = e.separated;
-    return fmt::format("{:<24}{:>11}{:>17}\n", "forward minus backward", "rms", "inside 3 sigma") +
-           line("north, m", s.north, 1.0) + line("east, m", s.east, 1.0) + line("up, m", s.up, 1.0) +
-           line("heading, deg", s.heading, units::deg);
+    table.rows = {{"north, m", s.north.rms, s.north.inside_3sigma},
+                  {"east, m", s.east.rms, s.east.inside_3sigma},
+                  {"up, m", s.up.rms, s.up.inside_3sigma},
+                  {"heading, deg", s.heading.rms / units::deg, s.heading.inside_3sigma}};
+    return table_text(table);
 }
 
 }  // namespace
@@ -124,10 +114,14 @@ std::string summary_tables(const solution::ResultBundle& b) {
     if (b.command == "process") out += "\n" + facts_table(b.facts, false);
     const solution::Evaluation& e = b.evaluation;
     if (e.summary.epochs > 0) {
-        out += "\n" + error_table(e.summary, fmt::format("errors against {} from {:.1f} s",
-                                                         e.reference == "truth" ? "truth" : "reference", b.relative(e.settled)));
-        if (e.forward)
-            out += error_line("forward horizontal, m", e.forward->horizontal) + error_line("forward 3-d, m", e.forward->three_d);
+        ResultTable table =
+            error_table(e.summary, fmt::format("errors against {} from {:.1f} s", e.reference == "truth" ? "truth" : "reference",
+                                               b.relative(e.settled)));
+        if (e.forward) {
+            add_error(table, "forward horizontal, m", e.forward->horizontal);
+            add_error(table, "forward 3-d, m", e.forward->three_d);
+        }
+        out += "\n" + table_text(table);
     }
     if (!e.outages.empty()) {
         out += "\n" + outage_table(e.outages, b.data.origin, b.smoothed() ? "outages, smoothed" : "outages");
@@ -159,8 +153,9 @@ std::string summary_tables(const solution::ResultBundle& b) {
 }
 
 std::string evaluation_tables(const solution::Evaluation& e) {
-    std::string out = error_table(e.summary, fmt::format("errors at {} epochs", e.summary.epochs));
-    if (out.empty()) out = "no epoch is left after settling; give a smaller --settle\n";
+    const std::string out = e.summary.epochs > 0
+                                ? table_text(error_table(e.summary, fmt::format("errors at {} epochs", e.summary.epochs)))
+                                : "no epoch is left after settling; give a smaller --settle\n";
     const std::string consistency = consistency_table(e);
     return consistency.empty() ? out : out + "\n" + consistency;
 }

@@ -7,6 +7,7 @@
 #include "schuler/math/spectrum.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
 #include "schuler/settings/request.h"
@@ -111,23 +112,28 @@ report::Json axis_json(const AxisNoise& a) {
     // clang-format on
 }
 
+/// The units differ between gyros and accelerometers: they stand with the numbers.
 std::string tables_of(const report::Json& out) {
-    std::string text =
-        fmt::format("{}: {:.0f} s at {:.6g} Hz, {} gaps\n{:<9}", out["name"].get<std::string>(), out["duration_s"].get<double>(),
-                    out["rate_hz"].get<double>(), out["gaps"].get<std::size_t>(), "");
-    constexpr std::array names{"quantization", "white", "bias_instability", "random_walk", "ramp"};
-    for (const char* name : names) text += fmt::format("{:>26}", name);
-    text += "\n";
+    report::ResultTable table{
+        fmt::format("{}: {:.0f} s at {:.6g} Hz, {} gaps", out["name"].get<std::string>(), out["duration_s"].get<double>(),
+                    out["rate_hz"].get<double>(), out["gaps"].get<std::size_t>()),
+        {{"", "axis"},
+         {"quantization", "quantization"},
+         {"white", "white noise"},
+         {"bias_instability", "bias instability"},
+         {"random_walk", "random walk"},
+         {"ramp", "ramp"}}};
     for (const report::Json& a : out["axes"]) {
-        text += fmt::format("{:<9}", a["sensor"].get<std::string>() + " " + a["axis"].get<std::string>());
-        for (const char* name : names) {
-            const double value = a[name]["value"].is_number() ? a[name]["value"].get<double>() : 0.0;
-            text +=
-                fmt::format("{:>26}", value > 0.0 ? fmt::format("{:.3g} {}", value, a[name]["unit"].get<std::string>()) : "-");
+        std::vector<report::Cell>& row = table.rows.emplace_back(
+            std::vector<report::Cell>{a["sensor"].get<std::string>() + " " + a["axis"].get<std::string>()});
+        for (std::size_t i = 1; i < table.columns.size(); ++i) {
+            const report::Json& number = a[table.columns[i].key];
+            const double value = number["value"].is_number() ? number["value"].get<double>() : 0.0;
+            row.push_back(value > 0.0 ? fmt::format("{:.3g} {}", value, number["unit"].get<std::string>()) : report::Cell{});
         }
-        text += "\n";
     }
-    return text + "An instrument at rest shows its noise; of a moving one these are figures of the motion.\n";
+    return report::table_text(table) +
+           "An instrument at rest shows its noise; of a moving one these are figures of the motion.\n";
 }
 
 }  // namespace

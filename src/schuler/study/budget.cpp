@@ -3,9 +3,11 @@
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
+#include "schuler/study/parts.h"
 #include "schuler/study/studies.h"
 
 #include <fmt/format.h>
@@ -137,13 +139,8 @@ const std::array<Source, 24> all_sources{
       },
       [](const settings::ScenarioConfig& s) { return s.aids.compass.rate > 0.0; }}}};
 
-constexpr std::size_t measures = 6;
-constexpr std::array<const char*, measures> keys{"horizontal_m", "up_m",        "velocity_m_s",
-                                                 "tilt_deg",     "heading_deg", "outage_end_horizontal_m"};
-using Measures = std::array<double, measures>;
-
 /// Root mean squares of one run.
-Measures measures_of(const solution::ResultBundle& b) {
+ErrorMeasures measures_of(const solution::ResultBundle& b) {
     const analysis::ErrorSummary& s = b.evaluation.summary;
     return {s.horizontal.rms,
             s.up.rms,
@@ -193,7 +190,7 @@ report::Outcome analyze_budget(const StudyRequest& request) {
     for (const Source& s : all_sources)
         if (s.present(first)) sources.push_back(&s);
     const std::size_t rows = sources.size() + 1;  // the last one: everything at once
-    std::vector<std::vector<Measures>> all(rows, std::vector<Measures>(request.runs));
+    std::vector<std::vector<ErrorMeasures>> all(rows, std::vector<ErrorMeasures>(request.runs));
     for_each_run(
         rows * request.runs, request.jobs,
         [&](std::size_t job) {
@@ -213,40 +210,28 @@ report::Outcome analyze_budget(const StudyRequest& request) {
         },
         request.progress);
 
-    report::Outcome out;
-    out.tables =
-        fmt::format("{}: root mean squares over {} runs, one source at a time\n{:<32}", first.name, request.runs, "  source");
-    for (const char* key : keys) out.tables += fmt::format("{:>24}", key);
-    out.tables += "\n";
-    report::Json list = report::Json::array();
-    Measures sum{};
-    const auto line = [&](const std::string& key, const std::string& title, const Measures& m) {
-        report::Json item{{"source", key}};
-        out.tables += fmt::format("  {:<30}", title);
-        for (std::size_t i = 0; i < measures; ++i) {
-            item[keys[i]] = report::json_number(m[i]);
-            out.tables += std::isfinite(m[i]) ? fmt::format("{:>24.4g}", m[i]) : fmt::format("{:>24}", "-");
-        }
-        out.tables += "\n";
-        list.push_back(std::move(item));
-    };
+    report::ResultTable table =
+        source_table(fmt::format("{}: root mean squares over {} runs, one source at a time", first.name, request.runs));
+    ErrorMeasures sum{};
     for (std::size_t row = 0; row < rows; ++row) {
-        Measures rms{};
-        for (const Measures& m : all[row])
-            for (std::size_t i = 0; i < measures; ++i) rms[i] += m[i] * m[i] / static_cast<double>(request.runs);
-        for (std::size_t i = 0; i < measures; ++i) {
+        ErrorMeasures rms{};
+        for (const ErrorMeasures& m : all[row])
+            for (std::size_t i = 0; i < rms.size(); ++i) rms[i] += m[i] * m[i] / static_cast<double>(request.runs);
+        for (std::size_t i = 0; i < rms.size(); ++i) {
             if (row < sources.size()) sum[i] += rms[i];
             rms[i] = std::sqrt(rms[i]);
         }
         if (row < sources.size()) {
-            line(sources[row]->key, sources[row]->title, rms);
+            add_source(table, sources[row]->key, sources[row]->title, rms);
             continue;
         }
         for (double& x : sum) x = std::sqrt(x);
-        line("root_sum_square", "root of the sum of squares", sum);
-        line("all", "all at once", rms);
+        add_source(table, "root_sum_square", "root of the sum of squares", sum);
+        add_source(table, "all", "all at once", rms);
     }
-    out.json = report::text_of(report::Json{{"name", first.name}, {"runs", request.runs}, {"rows", list}});
+    report::Outcome out;
+    out.tables = report::table_text(table);
+    out.json = report::text_of(report::Json{{"name", first.name}, {"runs", request.runs}, {"rows", report::table_json(table)}});
     return out;
 }
 

@@ -3,6 +3,7 @@
 #include "schuler/core/parallel.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/bundle.h"
@@ -206,12 +207,17 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
         },
         request.progress);
 
-    report::Outcome out;
-    report::Json rows = report::Json::array();
-    out.tables =
-        fmt::format("{}: faults from {:g} s for {:g} s, {} runs each, {}\n  {:<20}{:>11}{:>14}{:>12}{:>16}{:>18}\n", first.name,
-                    start, request.duration, request.runs, victim == Victim::Range ? "one satellite's range" : "north-east",
-                    "fault", "detected", "to alert, s", "95 %, s", "largest, m", "uncontrolled, m");
+    report::ResultTable table{
+        fmt::format("{}: faults from {:g} s for {:g} s, {} runs each, {}", first.name, start, request.duration, request.runs,
+                    victim == Victim::Range ? "one satellite's range" : "north-east"),
+        {{"", "fault"},
+         {"kind", ""},
+         {"size", ""},
+         {"detected", "detected", "", ".0f%"},
+         {"time_to_alert_s/median", "time to alert", "s", ".1f"},
+         {"time_to_alert_s/q95", "95 % of it", "s", ".1f"},
+         {"largest_horizontal_m", "largest error", "m", ".1f"},
+         {"largest_horizontal_uncontrolled_m", "without control", "m", ".1f"}}};
     double alarms = 0.0, hours = 0.0;
     for (std::size_t k = 0; k < cases.size(); ++k) {
         std::vector<double> times, with, without;
@@ -225,28 +231,21 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
             alarms += k == 0 && v.false_alarm ? 1.0 : 0.0;  // the healthy part is the same in every case
             hours += k == 0 ? v.healthy_hours : 0.0;
         }
-        const analysis::Quantiles t = times.empty() ? analysis::Quantiles{} : analysis::quantiles_of(times);
-        const double most = analysis::quantiles_of(with).median, wild = analysis::quantiles_of(without).median;
-        const auto or_null = [&](double x) { return times.empty() ? report::Json(nullptr) : report::Json(x); };
-        rows.push_back({{"kind", cases[k].kind},
-                        {"size", cases[k].size},
-                        {"detected", detected},
-                        {"time_to_alert_s", {{"median", or_null(t.median)}, {"q95", or_null(t.q95)}}},
-                        {"largest_horizontal_m", most},
-                        {"largest_horizontal_uncontrolled_m", wild}});
-        const auto shown = [&](double x) { return times.empty() ? std::string("-") : fmt::format("{:.1f}", x); };
-        out.tables += fmt::format("  {:<20}{:>11}{:>14}{:>12}{:>16.1f}{:>18.1f}\n",
-                                  fmt::format("{} {:g} {}", cases[k].kind, cases[k].size,
-                                              cases[k].kind == "step" || cases[k].kind == "noise" ? "m" : "m/s"),
-                                  fmt::format("{:.0f} %", 100.0 * detected), shown(t.median), shown(t.q95), most, wild);
+        const analysis::Quantiles t = analysis::quantiles_of(times);
+        const bool metres = cases[k].kind == "step" || cases[k].kind == "noise";
+        table.rows.push_back({fmt::format("{} {:g} {}", cases[k].kind, cases[k].size, metres ? "m" : "m/s"), cases[k].kind,
+                              cases[k].size, detected, t.median, t.q95, analysis::quantiles_of(with).median,
+                              analysis::quantiles_of(without).median});
     }
+    report::Outcome out;
+    out.tables = report::table_text(table);
     out.tables += fmt::format("false alarms before the faults: {:g} of {} runs, {:.2f} h\n", alarms, request.runs, hours);
     out.json = report::text_of(report::Json{{"name", first.name},
                                             {"runs", request.runs},
                                             {"victim", victim == Victim::Range ? "range" : "fixes"},
                                             {"fault_start_s", start},
                                             {"fault_duration_s", request.duration},
-                                            {"rows", rows},
+                                            {"rows", report::table_json(table)},
                                             {"false_alarm_runs", alarms},
                                             {"healthy_h", hours}});
     return out;

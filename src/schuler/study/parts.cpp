@@ -2,6 +2,7 @@
 
 #include "schuler/io/atomic_file.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 
 #include <fmt/format.h>
 
@@ -28,10 +29,21 @@ void write_report(report::Outcome& out, const std::filesystem::path& folder, con
     io::write_file(out.files.back(), report::render(page));
 }
 
-std::string table_line(const std::string& title, int title_width, const std::vector<std::string>& cells, int width) {
-    std::string out = fmt::format("{:<{}}", title, title_width);
-    for (const std::string& cell : cells) out += fmt::format("{:>{}}", cell, width);
-    return out + "\n";
+report::ResultTable source_table(std::string title) {
+    return {std::move(title),
+            {{"source", ""},
+             {"", "source"},
+             {"horizontal_m", "horizontal", "m"},
+             {"up_m", "up", "m"},
+             {"velocity_m_s", "velocity", "m/s"},
+             {"tilt_deg", "tilt", "deg"},
+             {"heading_deg", "heading", "deg"},
+             {"outage_end_horizontal_m", "end of outage", "m"}}};
+}
+
+void add_source(report::ResultTable& table, const std::string& key, const std::string& title, const ErrorMeasures& errors) {
+    std::vector<report::Cell>& row = table.rows.emplace_back(std::vector<report::Cell>{key, title});
+    row.insert(row.end(), errors.begin(), errors.end());
 }
 
 }  // namespace schuler::study

@@ -1,11 +1,13 @@
-// What the analyze commands share: keys of errors as options, numbers for JSON, a report of one section.
+// What the studies share: keys of errors as options, errors by source, a report of one section.
 #pragma once
 
 #include "schuler/core/error.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/report.h"
+#include "schuler/report/result_table.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <initializer_list>
 #include <string>
@@ -42,7 +44,10 @@ void check_finite(std::initializer_list<GivenNumber> numbers);
 /// Writes FOLDER/report.html and notes it in the outcome. @throws Error
 void write_report(report::Outcome& out, const std::filesystem::path& folder, const report::ReportInput& page);
 
-/// A title and cells, aligned to the right from the second on.
-[[nodiscard]] std::string table_line(const std::string& title, int title_width, const std::vector<std::string>& cells, int width);
+/// Errors by their source, beside those of all together: horizontal, up, velocity, tilt, heading (root mean squares; m, m/s, deg), and
+/// horizontal at the end of the first outage.
+using ErrorMeasures = std::array<double, 6>;
+[[nodiscard]] report::ResultTable source_table(std::string title);
+void add_source(report::ResultTable& table, const std::string& key, const std::string& title, const ErrorMeasures& errors);
 
 }  // namespace schuler::study

@@ -2,6 +2,7 @@
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/sensor/grades.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/studies.h"
@@ -16,20 +17,17 @@ report::Outcome analyze_requirements(const RequirementsRequest& request) {
     const theory::Pendulum pendulum;
     const std::vector<double> outages =
         request.outages.empty() ? std::vector<double>{10, 30, 60, 100, 300, 600, 1800, 3600} : request.outages;
-    report::Json rows = report::Json::array(), devices = report::Json::array();
-    report::Outcome out;
-    out.tables = fmt::format("sensors for {} m of position error, each alone\n", short_number(request.budget)) +
-                 table_line("  outage, s", 14, {"accel., m/s2", "accel., ug", "gyro, deg/h"}, 16);
+    report::ResultTable rows{fmt::format("sensors for {} m of position error, each alone", short_number(request.budget)),
+                             {{"outage_s", "outage", "s", ".6g"},
+                              {"accel_m_s2", "accelerometer", "m/s2", ".6g"},
+                              {"accel_ug", "accelerometer", "ug", ".6g"},
+                              {"gyro_deg_h", "gyro", "deg/h", ".6g"}}},
+        devices{"outage after which a device, started perfectly and calibrated, has used the budget (one sigma an axis)",
+                {{"device", "device"}, {"outage_s", "outage", "s"}}};
     with_option_names([&] {
         for (const double t : outages) {
             const theory::Requirement r = theory::requirement(pendulum, request.budget, t);
-            rows.push_back({{"outage_s", t},
-                            {"accel_m_s2", r.accel},
-                            {"accel_ug", r.accel / units::ug},
-                            {"gyro_deg_h", r.gyro / units::deg_per_hour}});
-            out.tables += table_line(
-                "  " + short_number(t), 14,
-                {short_number(r.accel), short_number(r.accel / units::ug), short_number(r.gyro / units::deg_per_hour)}, 16);
+            rows.rows.push_back({t, r.accel, r.accel / units::ug, r.gyro / units::deg_per_hour});
         }
         return 0;
     });
@@ -37,15 +35,16 @@ report::Outcome analyze_requirements(const RequirementsRequest& request) {
     if (names.empty())
         for (const std::string_view name : sensor::imu_grade_names())
             if (name != "perfect") names.emplace_back(name);
-    out.tables += "\noutage after which a device, started perfectly and calibrated, has used the budget (one sigma an axis)\n";
     for (const std::string& name : names) {
         const sensor::ImuErrorModel m = sensor::imu_grade(name);  // its turn-on parts are calibrated away
         const double t =
             theory::longest_outage(pendulum, {m.accel_bias, m.gyro_bias, m.accel_noise, m.gyro_noise}, request.budget);
-        devices.push_back({{"device", name}, {"outage_s", t}});
-        out.tables += table_line("  " + name, 20, {short_number(t, 4) + " s"}, 14);
+        devices.rows.push_back({name, t});
     }
-    out.json = report::text_of(report::Json{{"budget_m", request.budget}, {"rows", rows}, {"devices", devices}});
+    report::Outcome out;
+    out.tables = report::table_text(rows) + "\n" + report::table_text(devices);
+    out.json = report::text_of(
+        report::Json{{"budget_m", request.budget}, {"rows", report::table_json(rows)}, {"devices", report::table_json(devices)}});
     return out;
 }
 

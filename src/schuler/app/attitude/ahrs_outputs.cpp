@@ -6,7 +6,7 @@
 #include "schuler/math/rotation.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
-#include "schuler/report/published.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/config/config.h"
 
 #include <algorithm>
@@ -140,11 +140,14 @@ std::string ahrs_summary_tables(const AhrsBundle& b) {
                                   b.offline ? ", offline" : "", b.imu_epochs,
                                   (b.result.rows.back().time - b.result.rows.front().time).seconds());
     if (e.broad.epochs > 0) {
-        out += fmt::format("{:<28}{:>13}{:>13}{:>13}\n", "error in movement, deg rms", "total", "heading", "inclination");
-        out += fmt::format("  {:<26}{:>13.3f}{:>13.3f}{:>13.3f}\n", "heading offset removed", e.broad.total / units::deg,
-                           e.broad.heading / units::deg, e.broad.inclination / units::deg);
-        out += fmt::format("  {:<26}{:>13.3f}{:>13.3f}{:>13.3f}\n", "raw, as BROAD counts", e.broad.raw_total / units::deg,
-                           e.broad.raw_heading / units::deg, e.broad.inclination / units::deg);
+        report::ResultTable table =
+            report::table_for_people("", {"error in movement, rms", "total, deg", "heading, deg", "inclination, deg"});
+        const auto add = [&](const char* name, double total, double heading) {
+            table.rows.push_back({name, total / units::deg, heading / units::deg, e.broad.inclination / units::deg});
+        };
+        add("heading offset removed", e.broad.total, e.broad.heading);
+        add("raw, as BROAD counts", e.broad.raw_total, e.broad.raw_heading);
+        out += report::table_text(table);
     }
     for (const std::string& line : b.calibration) out += fmt::format("calibration of the {}\n", line);
     const ahrs::Counters& c = b.result.counters;

@@ -7,13 +7,13 @@ namespace {
 
 struct GravityCommandRequest {
     settings::ProcessRequest common;
-    int runs = 1;
+    int runs = 1, jobs = 0;
     bool response = false;
 };
 
 report::Outcome perform(const GravityCommandRequest& r) {
-    if (r.response) return study::gravity_response({r.common, 1});
-    return r.runs > 1 ? study::gravity_campaign({r.common, r.runs}) : study::gravity_command({r.common, 1});
+    if (r.response) return study::gravity_response({r.common});
+    return r.runs > 1 ? study::gravity_campaign({r.common, r.runs, r.jobs}) : study::gravity_command({r.common});
 }
 
 }  // namespace

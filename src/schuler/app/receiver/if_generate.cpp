@@ -1,8 +1,10 @@
 #include "schuler/app/receiver/if_recording.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/text/number.h"
+#include "schuler/io/text/split.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 
 #include <fmt/format.h>
@@ -22,20 +24,11 @@ struct Wanted {
     double cn0_db = 45.0, doppler = 0.0, code_delay = 0.0;  ///< dB-Hz, Hz, chips
 };
 
-std::vector<std::string> split(const std::string& text, char at) {
-    std::vector<std::string> parts(1);
-    for (const char c : text) {
-        if (c == at) parts.emplace_back();
-        else parts.back() += c;
-    }
-    return parts;
-}
-
 Wanted wanted_from(const std::string& text) {
     const auto refuse = [&](const std::string& why, const std::string& hint) {
         throw input_error(fmt::format("\"{}\": {}", text, why), {.key = "--satellites"}, hint);
     };
-    const std::vector<std::string> parts = split(text, ':');
+    const std::vector<std::string> parts = io::split(text, ':');
     if (parts.size() > 4) refuse("more than four numbers", "give G07:C/N0:DOPPLER:DELAY");
     Wanted w{gps_number(parts[0])};
     const auto number_in = [&](std::size_t i, double& value, const char* what, double low, double high) {
@@ -97,19 +90,18 @@ report::Outcome generated(const GenerateRequest& request) {
                       {"sample_rate_hz", format.sample_rate},
                       {"intermediate_frequency_hz", format.intermediate_frequency},
                       {"duration_s", seconds},
-                      {"seed", request.seed},
-                      {"satellites", report::Json::array()}};
+                      {"seed", request.seed}};
     report::Outcome out;
-    out.tables = fmt::format(
-        "{:g} s at {:g} samples/s, intermediate frequency {:g} Hz, signed bytes I and Q (ibyte)\n{:<9}{:>12}{:>12}{:>18}\n",
-        seconds, format.sample_rate, format.intermediate_frequency, "satellite", "C/N0 dB-Hz", "Doppler Hz", "code delay chips");
-    for (const Wanted& w : wanted) {
-        out.tables += fmt::format("G{:02}      {:>12g}{:>12g}{:>18g}\n", w.prn, w.cn0_db, w.doppler, w.code_delay);
-        json["satellites"].push_back({{"satellite", fmt::format("G{:02}", w.prn)},
-                                      {"cn0_db_hz", w.cn0_db},
-                                      {"doppler_hz", w.doppler},
-                                      {"code_delay_chips", w.code_delay}});
-    }
+    report::ResultTable table{
+        fmt::format("{:g} s at {:g} samples/s, intermediate frequency {:g} Hz, signed bytes I and Q (ibyte)", seconds,
+                    format.sample_rate, format.intermediate_frequency),
+        {{"satellite", "satellite"},
+         {"cn0_db_hz", "C/N0", "dB-Hz", "g"},
+         {"doppler_hz", "Doppler", "Hz", "g"},
+         {"code_delay_chips", "code delay", "chips", "g"}}};
+    for (const Wanted& w : wanted) table.rows.push_back({fmt::format("G{:02}", w.prn), w.cn0_db, w.doppler, w.code_delay});
+    out.tables = report::table_text(table);
+    json["satellites"] = report::table_json(table);
     out.json = report::text_of(json);
     out.files.push_back(request.file);
     return out;

@@ -1,6 +1,7 @@
 #include "schuler/app/receiver/if_recording.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/report.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 
 #include <fmt/format.h>
@@ -13,39 +14,47 @@ namespace {
 using receiver::ChannelSample;
 using receiver::SatelliteRecord;
 
-const std::vector<std::string> track_columns{"satellite",    "Doppler Hz", "code delay chips", "C/N0 dB-Hz", "at s",
-                                             "phase lock s", "symbols",    "changes",          "at edges",   "state"};
-
 /// "-" where not finite.
-std::string fixed(double x, int digits) { return std::isfinite(x) ? fmt::format("{:.{}f}", x, digits) : "-"; }
+report::Cell fixed(double x, int digits) {
+    return std::isfinite(x) ? report::Cell(fmt::format("{:.{}f}", x, digits)) : report::Cell();
+}
 
 /// The last second in phase, or what the search said, as coarse as it is.
-std::vector<std::string> cells_of(const SatelliteRecord& r, int search_periods) {
+std::vector<report::Cell> cells_of(const SatelliteRecord& r, int search_periods) {
     const receiver::Acquired& a = r.acquired;
+    const std::string name = fmt::format("G{:02}", r.prn);
+    const char* state = !r.tracked ? "lost" : std::isfinite(r.locked_at) && r.locked ? "locked" : "not locked";
     if (!std::isfinite(r.locked_at))
-        return {fmt::format("G{:02}", r.prn),
+        return {name,
                 fixed(a.replica.carrier_frequency, 0),
                 fixed(-a.replica.code_phase, 1),
                 fixed(receiver::db_from_cn0(a.cn0(search_periods)), 0),
                 fixed(r.found_at, 2),
-                "-",
-                "-",
-                "-",
-                "-",
-                r.tracked ? "not locked" : "lost"};
-    const auto share = static_cast<double>(r.edge_changes) / static_cast<double>(r.dump_changes);
-    return {fmt::format("G{:02}", r.prn),
+                {},
+                {},
+                {},
+                {},
+                state};
+    return {name,
             fixed(r.last.doppler, 2),
             fixed(r.last.code_delay, 3),
             fixed(receiver::db_from_cn0(r.last.cn0), 1),
             fixed(r.last.time, 2),
             fixed(r.locked_at, 2),
-            fmt::format("{}", r.symbols),
-            fmt::format("{}", r.changes),
-            std::isfinite(share) ? fmt::format("{:.0f} %", 100.0 * share) : "-",
-            !r.tracked ? "lost"
-            : r.locked ? "locked"
-                       : "not locked"};
+            r.symbols,
+            r.changes,
+            static_cast<double>(r.edge_changes) / static_cast<double>(r.dump_changes),
+            state};
+}
+
+report::ResultTable table_of_satellites(const TrackedRecording& run) {
+    report::ResultTable table =
+        report::table_for_people("", {"satellite", "Doppler, Hz", "code delay, chips", "C/N0, dB-Hz", "at, s", "phase lock, s",
+                                      "symbols", "changes", "at edges", "state"});
+    table.columns[8].format = ".0f%";
+    for (const SatelliteRecord& r : run.satellites)
+        if (r.found) table.rows.push_back(cells_of(r, run.search_periods));
+    return table;
 }
 
 report::Ink ink_of(std::size_t i) {
@@ -102,19 +111,10 @@ std::string name_of(receiver::TrackState state, bool locked) {
 }
 
 std::string tracking_table(const TrackedRecording& run) {
-    std::string out;
+    std::string out = report::table_text(table_of_satellites(run));
     std::vector<std::string> missing;
-    const auto line = [&](const std::vector<std::string>& cells) {
-        for (std::size_t i = 0; i < cells.size(); ++i)
-            out += i == 0 ? fmt::format("{:<9}", cells[i])
-                          : fmt::format("{:>{}}", cells[i], track_columns[i].size() + (i == 9 ? 7 : 2));
-        out += '\n';
-    };
-    line(track_columns);
-    for (const SatelliteRecord& r : run.satellites) {
-        if (r.found) line(cells_of(r, run.search_periods));
-        else missing.push_back(fmt::format("G{:02}", r.prn));
-    }
+    for (const SatelliteRecord& r : run.satellites)
+        if (!r.found) missing.push_back(fmt::format("G{:02}", r.prn));
     if (!missing.empty()) out += fmt::format("not found: {}\n", fmt::join(missing, " "));
     return out +
            "Doppler, code delay and C/N0 are means over the last second in phase, about the time beside them;\nwithout phase "
@@ -123,12 +123,10 @@ std::string tracking_table(const TrackedRecording& run) {
 
 void write_tracking_report(report::Outcome& out, const TrackedRecording& run, const std::string& version) {
     std::vector<int> prns;
-    report::TableBlock table{"Satellites", track_columns, {}};
     std::size_t locked = 0;
     for (const SatelliteRecord& r : run.satellites) {
         if (!r.found) continue;
         prns.push_back(r.prn);
-        table.rows.push_back(cells_of(r, run.search_periods));
         locked += r.locked ? 1 : 0;
     }
     report::ReportInput page{"Tracking of a recording", run.title};
@@ -139,7 +137,7 @@ void write_tracking_report(report::Outcome& out, const TrackedRecording& run, co
                   {"recording", fmt::format("{:.4g} s", run.seconds)}};
     report::Section section{
         "Satellites", "GPS L1 C/A, found by FFT and tracked; figures of the table are means over the last second in phase."};
-    section.groups.push_back({"", {}, {table}});
+    section.groups.push_back({"", {}, {report::table_block(table_of_satellites(run))}});
     report::Section tracking{"Tracking", "Every symbol's duration, from the search on."};
     tracking.groups.push_back(
         {"",

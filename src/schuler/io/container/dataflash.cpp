@@ -6,6 +6,7 @@
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/text/number.h"
+#include "schuler/io/text/split.h"
 
 #include <fmt/format.h>
 
@@ -78,17 +79,10 @@ double number_at(const char* p, char type) {
     }
 }
 
-std::vector<std::string> split(std::string_view text, char by) {
+std::vector<std::string> trimmed_parts(std::string_view text) {
     std::vector<std::string> parts;
-    while (true) {
-        const std::size_t end = text.find(by);
-        std::string_view part = text.substr(0, end);
-        while (!part.empty() && part.front() == ' ') part.remove_prefix(1);
-        while (!part.empty() && (part.back() == ' ' || part.back() == '\r')) part.remove_suffix(1);
-        parts.emplace_back(part);
-        if (end == std::string_view::npos) return parts;
-        text.remove_prefix(end + 1);
-    }
+    for (const std::string_view part : split<std::string_view>(text, ',')) parts.emplace_back(trimmed(part));
+    return parts;
 }
 
 /// The messages of a log as tables: one a message, and a number where it has several instances ("I", "Instance", or IMU2 of older logs).
@@ -197,7 +191,7 @@ private:
         if (type == format_type || length < header_size) return;
         const std::string name = text(body.substr(2, 4));
         names.insert(name);
-        Tables::Message m = Tables::message(name, text(body.substr(6, 16)), split(text(body.substr(22, 64)), ','));
+        Tables::Message m = Tables::message(name, text(body.substr(6, 16)), trimmed_parts(text(body.substr(22, 64))));
         m.wanted = m.wanted && m.size + header_size <= length && m.types.size() == m.fields.size();
         lengths_[type] = length;
         const std::optional<Tables::Message>& before = messages_[type];
@@ -258,7 +252,7 @@ StreamLog read_text_log(const TextInput& input, const std::string& bytes, Warnin
         if (comma == std::string_view::npos) continue;
         const std::string_view name = line.substr(0, comma);
         if (name == "FMT") {
-            std::vector<std::string> parts = split(line, ',');
+            std::vector<std::string> parts = trimmed_parts(line);
             if (parts.size() < 6) continue;
             names.insert(parts[3]);
             std::vector<std::string> fields(parts.begin() + 5, parts.end());

@@ -3,11 +3,11 @@
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/bytes.h"
-#include "schuler/io/detail/xml_text.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/text/detail/calendar_text.h"
 #include "schuler/io/text/number.h"
+#include "schuler/io/text/xml_text.h"
 
 #include <fmt/format.h>
 
@@ -114,7 +114,7 @@ void write_gpx(const std::filesystem::path& path, std::span<const SolutionRow> r
     std::string out = fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"schuler\" "
         "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>{}</name><trkseg>\n",
-        detail::xml_text(title));
+        xml_text(title));
     for (const SolutionRow& r : rows) {
         if (!std::isfinite(r.position.lat) || !std::isfinite(r.position.lon)) continue;
         fmt::format_to(std::back_inserter(out), "<trkpt lat=\"{:.10f}\" lon=\"{:.10f}\">", r.position.lat / units::deg,

@@ -2,7 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/detail/xml_text.h"
+#include "schuler/io/text/xml_text.h"
 
 #include <fmt/format.h>
 
@@ -31,7 +31,7 @@ std::string track_kml(std::span<const SolutionRow> rows, const std::string& name
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml "
         "xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n"
         "<Style id=\"track\"><LineStyle><color>ff0000ff</color><width>3</width></LineStyle></Style>\n",
-        detail::xml_text(name));
+        xml_text(name));
     if (!rows.empty() && finite(rows.front().position) && finite(rows.back().position)) {
         text += mark("start", rows.front());
         text += mark("stop", rows.back());

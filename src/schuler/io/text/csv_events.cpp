@@ -2,22 +2,12 @@
 
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/solution/solution_csv.h"
+#include "schuler/io/text/csv_field.h"
 #include "schuler/io/text/table.h"
 
 #include <algorithm>
 
 namespace schuler::io {
-
-namespace {
-
-std::string quoted(const std::string& text) {
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + '"';
-}
-
-}  // namespace
 
 std::vector<NamedInstant> read_events_csv(const TextInput& input) {
     const TableLayout layout = inspect_table(input);
@@ -45,7 +35,7 @@ std::vector<NamedInstant> read_events_csv(const TextInput& input) {
 void write_events_csv(const std::filesystem::path& file, std::span<const NamedInstant> events,
                       std::span<const SolutionRow> rows) {
     std::string text = std::string(solution_csv_header()) + ",name\n";
-    for (std::size_t i = 0; i < events.size(); ++i) text += solution_csv_row(rows[i]) + "," + quoted(events[i].name) + "\n";
+    for (std::size_t i = 0; i < events.size(); ++i) text += solution_csv_row(rows[i]) + "," + csv_field(events[i].name) + "\n";
     write_file(file, text);
 }
 

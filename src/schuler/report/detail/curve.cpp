@@ -106,7 +106,7 @@ std::string series_path(const Series& series, const Panel& panel, const Frame& f
     append_run(d, run);
 
     const std::string_view kind = line ? "line" : "dots";
-    const std::string common = fmt::format("data-i=\"{}\" data-k=\"{}\" data-n=\"{}\"{}", index, kind, escaped(series.name),
+    const std::string common = fmt::format("data-i=\"{}\" data-k=\"{}\" data-n=\"{}\"{}", index, kind, io::xml_text(series.name),
                                            series.clamp ? " data-clamp=\"1\"" : "");
     const std::string_view ink = ink_class(series.ink);
     if (series.mark == Mark::Squares) {  // a square with a hole: two passes, the second not a curve of its own
@@ -144,7 +144,7 @@ std::string band_path(const Band& band, const Panel& panel, const Frame& frame, 
     }
     close_run(first, kept.size());
     return fmt::format("<path class=\"bd f-{}\" data-i=\"{}\" data-k=\"band\" data-n=\"{}\" d=\"{}\"/>", ink_class(band.ink),
-                       index, escaped(band.name), d);
+                       index, io::xml_text(band.name), d);
 }
 
 }  // namespace schuler::report::detail

@@ -1,16 +1,18 @@
-// Text into HTML.
+// Parts of a page that are made of text.
 #pragma once
+
+#include "schuler/io/text/xml_text.h"
+#include "schuler/report/report.h"
 
 #include <string>
 #include <string_view>
 
 namespace schuler::report::detail {
 
-/// Text for element content and quoted attributes: & < > " ' become references; carriage returns are dropped, other control
-/// characters (but tab and newline), bytes that are not UTF-8 and code points that XML forbids become U+FFFD.
-[[nodiscard]] std::string escaped(std::string_view text);
-
 /// An identifier of a-z, 0-9 and hyphens made from a title; number keeps it unique.
 [[nodiscard]] std::string anchor(std::string_view title, int number);
+
+/// Whether all cells of a column start like numbers, or are empty.
+[[nodiscard]] bool numeric_column(const TableBlock& table, std::size_t column);
 
 }  // namespace schuler::report::detail

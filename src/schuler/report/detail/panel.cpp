@@ -66,10 +66,10 @@ void append_axes(std::string& out, const Panel& panel, const Frame& f) {
                        zero ? " zero" : "", Frame::left, y, w, Frame::left - 6.0, y + 4.0, t.label);
     }
     fmt::format_to(Out(out), "</g><text class=\"tx lab\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>", Frame::left + 0.5 * w,
-                   f.height - 6.0, escaped(panel.x_label));
+                   f.height - 6.0, io::xml_text(panel.x_label));
     const double middle = f.top + 0.5 * h;
     fmt::format_to(Out(out), "<text class=\"tx lab\" transform=\"rotate(-90 13 {:.1f})\" x=\"13\" y=\"{:.1f}\">{}</text>", middle,
-                   middle, escaped(panel.y_label));
+                   middle, io::xml_text(panel.y_label));
 }
 
 // About the width of a text of the small label size, px.
@@ -85,13 +85,13 @@ void append_spans(std::string& out, const Panel& panel, const Frame& f) {
                        "<g class=\"span\" data-a=\"{:.2f}\" data-b=\"{:.2f}\"><title>{}: {:g} to {:g}</title><rect class=\"{}\" "
                        "x=\"{:.2f}\" "
                        "y=\"{:g}\" width=\"{:.2f}\" height=\"{:g}\"/>",
-                       f.px(span.start), f.px(span.stop), escaped(span.label), span.start, span.stop,
+                       f.px(span.start), f.px(span.stop), io::xml_text(span.label), span.start, span.stop,
                        span.hatched ? "hatch" : "shade", Frame::left + a, f.top, b - a, f.plot_height());
         const double width = text_width(span.label);
         const bool room = a >= free_from && a + width < f.plot_width();
         if (room) free_from = a + width + 8.0;
         fmt::format_to(Out(out), "<text class=\"out{}\" x=\"{:.2f}\" y=\"{:g}\">{}</text></g>", room ? "" : " hidden",
-                       Frame::left + a, f.top - 5.0, escaped(span.label));
+                       Frame::left + a, f.top - 5.0, io::xml_text(span.label));
     }
 }
 
@@ -151,7 +151,7 @@ void append_legend(std::string& out, const Panel& panel) {
         if (!name.empty()) {
             fmt::format_to(Out(out), "<button type=\"button\" data-i=\"{}\" aria-pressed=\"true\">", index);
             append_swatch(out, ink, shape);
-            fmt::format_to(Out(out), "{}</button>", escaped(name));
+            fmt::format_to(Out(out), "{}</button>", io::xml_text(name));
         }
         ++index;
     };
@@ -199,8 +199,8 @@ std::string figure(const Panel& panel, int number) {
     if (empty) f.height = 120.0;
     else if (panel.equal_axes) equalize(f);
 
-    std::string out =
-        fmt::format("<figure class=\"panel{}\"><figcaption><h4>{}</h4>", panel.equal_axes ? " map" : "", escaped(panel.title));
+    std::string out = fmt::format("<figure class=\"panel{}\"><figcaption><h4>{}</h4>", panel.equal_axes ? " map" : "",
+                                  io::xml_text(panel.title));
     if (!empty) append_legend(out, panel);
     fmt::format_to(Out(out),
                    "</figcaption><div class=\"plot\"><svg viewBox=\"0 0 {:g} {:.0f}\" role=\"img\" aria-labelledby=\"t{} d{}\"",
@@ -211,10 +211,10 @@ std::string figure(const Panel& panel, int number) {
             f.x.hi, f.y.lo, f.y.hi, Frame::left, f.top, f.plot_width(), f.plot_height(),
             panel.time_axis && !panel.equal_axes ? " data-time=\"1\"" : "", panel.equal_axes ? " data-equal=\"1\"" : "",
             panel.log_y ? " data-log=\"1\"" : "", panel.y_limits ? " data-fixed=\"1\"" : "");
-        fmt::format_to(Out(out), " data-xl=\"{}\" data-yl=\"{}\"", escaped(panel.x_label), escaped(panel.y_label));
+        fmt::format_to(Out(out), " data-xl=\"{}\" data-yl=\"{}\"", io::xml_text(panel.x_label), io::xml_text(panel.y_label));
     }
-    fmt::format_to(Out(out), "><title id=\"t{}\">{}</title><desc id=\"d{}\">{}</desc>", number, escaped(panel.title), number,
-                   escaped(description(panel, range)));
+    fmt::format_to(Out(out), "><title id=\"t{}\">{}</title><desc id=\"d{}\">{}</desc>", number, io::xml_text(panel.title), number,
+                   io::xml_text(description(panel, range)));
     if (empty) {
         fmt::format_to(Out(out),
                        "<rect class=\"box\" x=\"{:g}\" y=\"8\" width=\"{:g}\" height=\"104\"/><text class=\"tx lab\" x=\"{:g}\" "
@@ -226,7 +226,7 @@ std::string figure(const Panel& panel, int number) {
         append_curves(out, panel, f, number);
         for (const auto& [y, text] : panel.row_names)
             fmt::format_to(Out(out), "<text class=\"lab\" x=\"{:g}\" y=\"{:.1f}\">{}</text>", Frame::left + 6.0,
-                           f.top + f.py(y) - 9.0, escaped(text));
+                           f.top + f.py(y) - 9.0, io::xml_text(text));
         if (panel.equal_axes && panel.x_label.ends_with(", m")) append_scale_bar(out, panel, f);
     }
     return out + "</svg></div></figure>";

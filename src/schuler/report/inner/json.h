@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,10 @@ using Json = nlohmann::ordered_json;
 /// How settings are known, as summaries and inspection have it.
 [[nodiscard]] Json facts_json(const std::vector<Fact>& facts);
 
-/// A row of a result table: its numbers under the columns' keys.
-void put_row(Json& object, const std::vector<TableColumn>& columns, const std::vector<double>& numbers);
+/// A row of a result table: its cells under the columns' keys, null where there is nothing.
+void put_row(Json& object, std::span<const TableColumn> columns, const std::vector<Cell>& row);
+/// All rows.
+[[nodiscard]] Json table_json(const ResultTable& table);
 
 /// Names from outside may hold any bytes.
 [[nodiscard]] inline std::string text_of(const Json& document) {

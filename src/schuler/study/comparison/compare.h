@@ -50,6 +50,8 @@ struct Comparison {
     std::string settings{};  ///< TOML
     /// Further plots for the report, over the time of the scenario: the windows and outages are marked in them as in the others.
     std::vector<report::Panel> plots{};
+
+    [[nodiscard]] bool with_satellites() const { return !runs.empty() && runs.front().satellites.has_value(); }
 };
 
 /// The scenario with the given number of satellites; unchanged without one. @throws Error(Input) where it has no limit to change.
@@ -80,8 +82,11 @@ struct Comparison {
 /// A row a run: its schemes after settling, `timing` with the time of the filters too; or in a window of the comparison.
 [[nodiscard]] report::ResultTable scheme_table(const Comparison& comparison, bool timing);
 [[nodiscard]] report::ResultTable window_table(const Comparison& comparison, std::size_t window);
-/// The same with other numbers: name, group and labels of a scheme with so many satellites.
-[[nodiscard]] report::ResultRow scheme_row(const settings::KnownScheme& scheme, std::optional<std::size_t> satellites);
+/// The same with other numbers, and its rows.
+[[nodiscard]] report::ResultTable table_of_schemes(std::string title, bool satellites,
+                                                   const std::vector<report::TableColumn>& numbers);
+[[nodiscard]] std::vector<report::Cell> row_of_scheme(const settings::KnownScheme& scheme, std::optional<std::size_t> satellites,
+                                                      const std::vector<double>& numbers);
 
 /// "window jammed, 300 to 420 s".
 [[nodiscard]] std::string window_title(const settings::CompareWindow& window);

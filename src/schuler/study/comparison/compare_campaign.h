@@ -52,6 +52,8 @@ struct CompareCampaign {
     std::string settings;                       ///< TOML
     bool report_wanted = true;                  ///< output.files has "report"
     double wall_s = 0.0;
+
+    [[nodiscard]] bool with_satellites() const { return schemes.front().satellites.has_value(); }
 };
 
 /// Runs every scheme that the scenario compares with seeds of the scenario, of the scenario plus one, and so on: all schemes fly the same
@@ -61,6 +63,8 @@ struct CompareCampaign {
 
 /// Root mean squares over the seeds and NEES with the bounds of as many independent runs; one table more a window.
 [[nodiscard]] std::string campaign_tables(const CompareCampaign& campaign);
+/// Of those the table of NEES.
+[[nodiscard]] report::ResultTable nees_table(const CompareCampaign& campaign);
 [[nodiscard]] std::string campaign_json(const CompareCampaign& campaign);
 /// report.html: the tables, and for each scheme the root mean square of the errors over the seeds beside the sigma it stated, over time.
 [[nodiscard]] report::ReportInput campaign_report(const CompareCampaign& campaign);

@@ -1,6 +1,7 @@
 // Schemes over seeds as tables, as JSON and as CSV.
 #include "schuler/report/inner/json.h"
 #include "schuler/report/published.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/comparison/compare.h"
 #include "schuler/study/comparison/compare_campaign.h"
 #include "schuler/study/comparison/compare_windows.h"
@@ -50,19 +51,6 @@ std::vector<double> window_of(const SchemeCampaign& s, std::size_t window) {
     return out;
 }
 
-/// A row a scheme under its number of satellites; `rest(scheme)` ends it.
-template <class Rest>
-std::string table_of(const CompareCampaign& c, const std::string& head, Rest rest) {
-    std::string out = head;
-    std::optional<std::size_t> satellites;
-    for (const SchemeCampaign& s : c.schemes) {
-        if (s.satellites != satellites) out += fmt::format("{} satellites\n", *s.satellites);
-        satellites = s.satellites;
-        out += fmt::format("  {:<34}{}\n", s.scheme->title, rest(s));
-    }
-    return out;
-}
-
 /// Columns that are repeated for the same seed, with their place among the numbers.
 std::vector<std::pair<std::size_t, report::TableColumn>> counted_columns() {
     std::vector<std::pair<std::size_t, report::TableColumn>> out;
@@ -74,32 +62,37 @@ std::vector<std::pair<std::size_t, report::TableColumn>> counted_columns() {
 
 }  // namespace
 
-std::string campaign_tables(const CompareCampaign& c) {
-    report::ResultTable settled{fmt::format("{}, {} runs each", c.name, c.seeds.size())};
-    for (const auto& [i, column] : counted_columns()) settled.columns.push_back(column);
+/// Consistency over the runs, for people.
+report::ResultTable nees_table(const CompareCampaign& c) {
+    report::ResultTable table = table_of_schemes("NEES, 3 expected, with the 95 % bounds of as many runs", c.with_satellites(),
+                                                 {{"", "position"}, {"", "velocity"}, {"", "attitude"}, {"", "runs failed"}});
     for (const SchemeCampaign& s : c.schemes) {
-        report::ResultRow& row = settled.rows.emplace_back(scheme_row(*s.scheme, s.satellites));
-        for (const auto& [i, column] : counted_columns()) row.numbers.push_back(rms_of(s.numbers, i));
+        std::vector<report::Cell>& row = table.rows.emplace_back(row_of_scheme(*s.scheme, s.satellites, {}));
+        for (const analysis::EnsembleConsistency& n : s.nees)
+            row.push_back(std::isfinite(n.mean)
+                              ? fmt::format("{:.2f} ({:.2f} to {:.2f}){}", n.mean, n.low95, n.high95, n.in_band() ? "" : " OUT")
+                              : report::Cell{});
+        row.emplace_back(s.failures.size());
+    }
+    return table;
+}
+
+std::string campaign_tables(const CompareCampaign& c) {
+    std::vector<report::TableColumn> columns;
+    for (const auto& [i, column] : counted_columns()) columns.push_back(column);
+    report::ResultTable settled =
+        table_of_schemes(fmt::format("{}, {} runs each", c.name, c.seeds.size()), c.with_satellites(), columns);
+    for (const SchemeCampaign& s : c.schemes) {
+        std::vector<double> numbers;
+        for (const auto& [i, column] : counted_columns()) numbers.push_back(rms_of(s.numbers, i));
+        settled.rows.push_back(row_of_scheme(*s.scheme, s.satellites, numbers));
     }
     std::string out = report::table_text(settled);
     out += fmt::format("root mean squares over the runs, seeds {} to {}\n\n", c.seeds.front(), c.seeds.back());
-    std::string head = fmt::format("{:<36}", "NEES, 3 expected (95 % bounds)");
-    for (const char* title : {"position", "velocity", "attitude"}) head += fmt::format("{:>26}", title);
-    out += table_of(c, head + "\n", [](const SchemeCampaign& s) {
-        std::string row;
-        for (const analysis::EnsembleConsistency& n : s.nees)
-            row += std::isfinite(n.mean) ? fmt::format("{:>26}", fmt::format("{:.2f} ({:.2f} to {:.2f}) {}", n.mean, n.low95,
-                                                                             n.high95, n.in_band() ? "  in" : "OUT"))
-                                         : fmt::format("{:>26}", "-");
-        if (!s.failures.empty()) row += fmt::format("   {} failed", s.failures.size());
-        return row;
-    });
+    out += report::table_text(nees_table(c));
     for (std::size_t k = 0; k < c.windows.size(); ++k) {
-        report::ResultTable window{window_title(c.windows[k]), window_columns({})};
-        for (const SchemeCampaign& s : c.schemes) {
-            window.rows.push_back(scheme_row(*s.scheme, s.satellites));
-            window.rows.back().numbers = window_of(s, k);
-        }
+        report::ResultTable window = table_of_schemes(window_title(c.windows[k]), c.with_satellites(), window_columns({}));
+        for (const SchemeCampaign& s : c.schemes) window.rows.push_back(row_of_scheme(*s.scheme, s.satellites, window_of(s, k)));
         out += "\n" + report::table_text(window);
     }
     if (!c.windows.empty())
@@ -129,7 +122,8 @@ std::string campaign_json(const CompareCampaign& c) {
         }
         for (std::size_t k = 0; k < c.windows.size(); ++k) {
             report::Json window{{"name", c.windows[k].name}, {"start_s", c.windows[k].start}, {"end_s", c.windows[k].end}};
-            report::put_row(window, window_columns({}), window_of(s, k));
+            const std::vector<double> numbers = window_of(s, k);
+            report::put_row(window, window_columns({}), {numbers.begin(), numbers.end()});
             row["windows"].push_back(std::move(window));
         }
         rows.push_back(std::move(row));
@@ -148,12 +142,14 @@ std::string campaign_json(const CompareCampaign& c) {
 }
 
 std::string campaign_runs_csv(const CompareCampaign& c) {
-    report::ResultTable table{c.name, repeated_columns()};
+    std::vector<report::TableColumn> columns = repeated_columns();
+    columns.insert(columns.begin(), {"seed", ""});
+    report::ResultTable table = table_of_schemes(c.name, c.with_satellites(), columns);
     for (const SchemeCampaign& s : c.schemes) {
         for (std::size_t r = 0; r < c.seeds.size(); ++r) {
-            report::ResultRow& row = table.rows.emplace_back(scheme_row(*s.scheme, s.satellites));
-            row.labels.emplace_back("seed", fmt::format("{}", c.seeds[r]));
-            row.numbers = s.numbers[r];
+            std::vector<report::Cell>& row = table.rows.emplace_back(row_of_scheme(*s.scheme, s.satellites, {}));
+            row.emplace_back(c.seeds[r]);
+            row.insert(row.end(), s.numbers[r].begin(), s.numbers[r].end());
         }
     }
     return report::table_csv(table);

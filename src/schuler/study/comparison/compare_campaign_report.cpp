@@ -13,29 +13,6 @@
 namespace schuler::study {
 namespace {
 
-constexpr std::array<const char*, 3> block_titles{"position", "velocity", "attitude"};
-
-std::string band_of(const analysis::EnsembleConsistency& n) {
-    if (!std::isfinite(n.mean)) return report::number(n.mean);
-    return fmt::format("{:.2f} ({:.2f} to {:.2f}){}", n.mean, n.low95, n.high95, n.in_band() ? "" : " OUT");
-}
-
-report::TableBlock nees_table(const CompareCampaign& c) {
-    report::TableBlock table{"NEES, 3 expected, with the 95 % bounds of as many runs", {"scheme"}, {}};
-    const bool counted = c.schemes.front().satellites.has_value();
-    if (counted) table.columns.emplace_back("satellites");
-    for (const char* title : block_titles) table.columns.emplace_back(title);
-    table.columns.emplace_back("failed");
-    for (const SchemeCampaign& s : c.schemes) {
-        std::vector<std::string>& row = table.rows.emplace_back();
-        row.emplace_back(s.scheme->title);
-        if (counted) row.push_back(fmt::format("{}", *s.satellites));
-        for (const analysis::EnsembleConsistency& n : s.nees) row.push_back(band_of(n));
-        row.push_back(fmt::format("{}", s.failures.size()));
-    }
-    return table;
-}
-
 /// A quantity of the schemes with so many satellites: RMS as a line, sigma dashed in the same ink.
 report::Panel panel_of(const CompareCampaign& c, std::optional<std::size_t> satellites, std::size_t quantity, const char* title,
                        const char* unit, double scale) {
@@ -105,7 +82,7 @@ report::ReportInput campaign_report(const CompareCampaign& c) {
     page.version = c.version;
     page.settings = c.settings;
     report::Section honesty{"Consistency", "Of all errors after settling, against the covariances that the filters stated."};
-    honesty.groups.push_back({"", {}, {nees_table(c)}});
+    honesty.groups.push_back({"", {}, {report::table_block(nees_table(c))}});
     report::Section courses{"Errors over time",
                             "Root mean square over the runs, and dashed the sigma that the solutions stated: "
                             "where a scheme is consistent the two coincide."};

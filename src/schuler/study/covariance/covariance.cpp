@@ -5,6 +5,7 @@
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
 #include "schuler/report/report.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/covariance/mismatch.h"
 #include "schuler/study/parts.h"
 
@@ -19,14 +20,11 @@ namespace {
 
 using settings::SettingList;
 
-constexpr std::array keys{"horizontal_m", "up_m", "velocity_m_s", "tilt_deg", "heading_deg", "outage_end_horizontal_m"};
-using Measures = std::array<double, keys.size()>;
-
 double horizontal(const Variances& v) { return std::sqrt(v(0) + v(1)); }
 
 /// Root mean squares over the settled rows, and at the end of the first outage, of what `of` takes from a row.
 template <class Of>
-Measures measures(const Mismatch& m, Of of) {
+ErrorMeasures measures(const Mismatch& m, Of of) {
     Variances mean = Variances::Zero();
     double n = 0.0;
     for (const MismatchRow& row : m.rows) {
@@ -129,12 +127,11 @@ std::string csv_of(const Mismatch& m) {
     return out;
 }
 
-report::ReportInput page_of(const Mismatch& m, const std::string& tables, const std::string& version) {
+report::ReportInput page_of(const Mismatch& m, const report::ResultTable& table, const std::string& version) {
     report::ReportInput page;
     page.title = m.name + ": covariance";
     page.subtitle = "true covariance under the filter's gains, and the one that the filter states";
     page.version = version;
-    page.settings = tables;
     report::Section& section = page.sections.emplace_back();
     section.title = "One sigma over time";
     section.intro = "Where the true curve is above the filter's, the filter trusts itself too much.";
@@ -159,6 +156,7 @@ report::ReportInput page_of(const Mismatch& m, const std::string& tables, const 
     panel("Velocity", "m/s", [](const Variances& v) { return std::sqrt(v.segment<3>(3).sum()); });
     panel("Tilt", "deg", [](const Variances& v) { return std::sqrt(v(6) + v(7)) / units::deg; });
     panel("Heading", "deg", [](const Variances& v) { return std::sqrt(v(8)) / units::deg; });
+    group.tables.push_back(report::table_block(table));
     return page;
 }
 
@@ -177,26 +175,16 @@ report::Outcome analyze_covariance(const CovarianceRequest& request) {
                           "give a longer scenario, or --set run.settle_s");
 
     report::Outcome out;
-    report::Json list = report::Json::array();
-    out.tables = fmt::format("{}: one sigma from {:.1f} s, by source of errors\n{:<32}", m.name, m.settled_s, "  source");
-    for (const char* key : keys) out.tables += fmt::format("{:>24}", key);
-    out.tables += "\n";
-    const auto line = [&](const std::string& key, const std::string& title, const Measures& values) {
-        report::Json item{{"source", key}};
-        out.tables += fmt::format("  {:<30}", title);
-        for (std::size_t i = 0; i < keys.size(); ++i) {
-            item[keys[i]] = report::json_number(values[i]);
-            out.tables += std::isfinite(values[i]) ? fmt::format("{:>24.4g}", values[i]) : fmt::format("{:>24}", "-");
-        }
-        out.tables += "\n";
-        list.push_back(std::move(item));
-    };
+    report::ResultTable table =
+        source_table(fmt::format("{}: one sigma from {:.1f} s, by source of errors", m.name, m.settled_s));
     for (std::size_t i = 0; i < m.sources.size(); ++i)
-        line(m.sources[i].key, m.sources[i].title,
-             measures(m, [i](const MismatchRow& row) -> Variances { return row.sources[i].cwiseMax(0.0); }));
-    line("all", "all together: true", measures(m, [](const MismatchRow& row) { return row.all(); }));
-    line("filter", "the filter states", measures(m, [](const MismatchRow& row) { return row.filter; }));
-    report::Json json{{"name", m.name}, {"settled_after_s", report::json_number(m.settled_s)}, {"rows", list}};
+        add_source(table, m.sources[i].key, m.sources[i].title,
+                   measures(m, [i](const MismatchRow& row) -> Variances { return row.sources[i].cwiseMax(0.0); }));
+    add_source(table, "all", "all together: true", measures(m, [](const MismatchRow& row) { return row.all(); }));
+    add_source(table, "filter", "the filter states", measures(m, [](const MismatchRow& row) { return row.filter; }));
+    out.tables = report::table_text(table);
+    report::Json json{
+        {"name", m.name}, {"settled_after_s", report::json_number(m.settled_s)}, {"rows", report::table_json(table)}};
     report::Json& ends = json["outages"] = report::Json::array();
     for (const MismatchRow& row : m.outage_ends)
         ends.push_back({{"end_s", row.time_s},
@@ -218,7 +206,7 @@ report::Outcome analyze_covariance(const CovarianceRequest& request) {
         report::make_folder(out.folder);
         report::write_text(out.files.emplace_back(out.folder / "covariance.csv"), csv_of(m));
         report::write_text(out.files.emplace_back(out.folder / "covariance.json"), out.json);
-        write_report(out, out.folder, page_of(m, out.tables, request.version));
+        write_report(out, out.folder, page_of(m, table, request.version));
     }
     return out;
 }

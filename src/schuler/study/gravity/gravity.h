@@ -22,6 +22,7 @@ namespace schuler::study {
 struct GravityRequest {
     settings::ProcessRequest common;
     int runs = 1;  ///< of a scenario, with seeds from the first on; 1: one survey with all its files
+    int jobs = 0;  ///< of these at once, 0: one a core; the result does not depend on it
 };
 
 /// Recordings and settings as input of a survey.

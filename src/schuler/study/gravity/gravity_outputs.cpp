@@ -1,6 +1,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/enu.h"
 #include "schuler/report/inner/json.h"
+#include "schuler/report/result_table.h"
 #include "schuler/report/summary.h"
 #include "schuler/study/gravity/gravity.h"
 
@@ -25,43 +26,36 @@ report::Json component(const GravityBundle& b, int axis, double sign) {
             {"estimate", in_mgal(sign * last.disturbance_n(axis))}};
 }
 
-report::Json repeats_of(const GravityBundle& b) {
-    report::Json out = report::Json::array();
+report::ResultTable repeats_of(const GravityBundle& b) {
+    report::ResultTable table{"lines that repeat each other",
+                              {{"line_a", "line"},
+                               {"line_b", "and line"},
+                               {"length_m", "over", "m"},
+                               {"mean_mgal", "mean difference", "mGal", ".3f"},
+                               {"deviation_mgal", "deviation", "mGal", ".3f"}}};
     for (const gravimetry::RepeatedLine& r : b.lines.repeats)
-        out.push_back({{"line_a", r.line_a + 1},
-                       {"line_b", r.line_b + 1},
-                       {"length_m", r.length},
-                       {"mean_mgal", in_mgal(r.mean)},
-                       {"deviation_mgal", in_mgal(r.deviation)}});
-    return out;
+        table.rows.push_back({r.line_a + 1, r.line_b + 1, r.length, r.mean / units::mgal, r.deviation / units::mgal});
+    return table;
 }
 
-report::Json changes_of(const GravityBundle& b) {
-    report::Json out = report::Json::array();
-    for (const GravityChange& c : b.changes)
-        out.push_back({{"at_s", c.at},
-                       {"vertical_mgal", {{"change", in_mgal(-c.change_n.z())}, {"sigma", in_mgal(c.sigma_n.z())}}},
-                       {"north_mgal", {{"change", in_mgal(c.change_n.x())}, {"sigma", in_mgal(c.sigma_n.x())}}},
-                       {"east_mgal", {{"change", in_mgal(c.change_n.y())}, {"sigma", in_mgal(c.sigma_n.y())}}}});
-    return out;
+report::ResultTable changes_of(const GravityBundle& b) {
+    report::ResultTable table{"changes at steps, with one sigma",
+                              {{"at_s", "at", "s", "g"},
+                               {"vertical_mgal/change", "up", "mGal", "+.3f"},
+                               {"vertical_mgal/sigma", "sigma", "", ".3f"},
+                               {"north_mgal/change", "north", "mGal", "+.3f"},
+                               {"north_mgal/sigma", "sigma", "", ".3f"},
+                               {"east_mgal/change", "east", "mGal", "+.3f"},
+                               {"east_mgal/sigma", "sigma", "", ".3f"}}};
+    for (const GravityChange& c : b.changes) {
+        const Vector3d change = c.change_n / units::mgal, sigma = c.sigma_n / units::mgal;
+        table.rows.push_back({c.at, -change.z(), sigma.z(), change.x(), sigma.x(), change.y(), sigma.y()});
+    }
+    return table;
 }
 
-/// For a column: no wider than it, "-" where not known.
-std::string cell(double x) {
-    if (!std::isfinite(x)) return fmt::format("{:>12}", "-");
-    const std::string text = fmt::format("{:.3f}", x / units::mgal);
-    return fmt::format("{:>12}", text.size() < 12 ? text : fmt::format("{:.3e}", x / units::mgal));
-}
-
-std::string changes_text(const GravityBundle& b) {
-    std::string out;
-    for (const GravityChange& c : b.changes)
-        out += fmt::format(
-            "change at {:g} s, mGal (one sigma): up {:+.3f} ({:.3f}), north {:+.3f} ({:.3f}), east {:+.3f} ({:.3f})\n", c.at,
-            -c.change_n.z() / units::mgal, c.sigma_n.z() / units::mgal, c.change_n.x() / units::mgal, c.sigma_n.x() / units::mgal,
-            c.change_n.y() / units::mgal, c.sigma_n.y() / units::mgal);
-    return out;
-}
+/// Nothing where there is no row.
+std::string text_where_any(const report::ResultTable& table) { return table.rows.empty() ? "" : report::table_text(table); }
 
 std::string field(double x, double unit, int decimals) {
     return std::isfinite(x) ? fmt::format("{:.{}f}", x / unit, decimals) : "";
@@ -133,7 +127,7 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
                         {"epochs", b.innovations.epochs}}},
                       {"usable", a.usable},
                       {"judged", {{"usable", b.verdict.usable}, {"reasons", b.verdict.reasons}}},
-                      {"changes", changes_of(b)},
+                      {"changes", report::table_json(changes_of(b))},
                       {"statement", a.statement},
                       {"epochs", rows},
                       {"classical",
@@ -146,7 +140,7 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
           {"rms_mgal", in_mgal(b.lines.rms_before)},
           {"levelled_rms_mgal", in_mgal(b.lines.rms_after)},
           {"levelled_error_mgal", in_mgal(b.lines.levelled_spread)}}},
-        {"repeated_lines", repeats_of(b)}};
+        {"repeated_lines", report::table_json(repeats_of(b))}};
     // clang-format on
     if (!b.attainable.usable)
         out["gravity"]["classical"] = out["gravity"]["crossovers"] = out["gravity"]["repeated_lines"] = nullptr;
@@ -159,23 +153,25 @@ std::string gravity_tables(const GravityBundle& b) {
     if (std::isfinite(b.innovations.nis))
         out += fmt::format("innovations: NIS {:.3f} a degree of freedom, {:.3f} to {:.3f} in 95 of 100 consistent runs\n",
                            b.innovations.nis, b.innovations.low, b.innovations.high);
-    if (!b.attainable.usable) return out + changes_text(b);
+    if (!b.attainable.usable) return out + text_where_any(changes_of(b));
     const gravimetry::SurveyEpoch& last = b.epochs().back();
-    out += fmt::format("{:<28}{:>12}{:>12}", "disturbance, mGal", "at the end", "sigma");
-    out += b.truth.empty() ? "\n" : fmt::format("{:>12}{:>12}{:>12}\n", "error", "rms", "rms - mean");
+    report::ResultTable table{"", {{"", "disturbance"}, {"", "at the end", "mGal", ".3f"}, {"", "sigma", "mGal", ".3f"}}};
+    if (!b.truth.empty())
+        table.columns.insert(table.columns.end(),
+                             {{"", "error", "mGal", ".3f"}, {"", "rms", "mGal", ".3f"}, {"", "rms - mean", "mGal", ".3f"}});
     const struct {
         const char* name;
         int axis;
         double sign;
     } lines[] = {{"east", 1, 1.0}, {"north", 0, 1.0}, {"up", 2, -1.0}};
     for (const auto& l : lines) {
-        out +=
-            fmt::format("  {:<26}", l.name) + cell(l.sign * last.disturbance_n(l.axis)) + cell(last.sigma_disturbance_n(l.axis));
-        if (!b.truth.empty())
-            out += cell(l.sign * b.errors.last(l.axis)) + cell(b.errors.rms(l.axis)) + cell(b.errors.spread(l.axis));
-        out += "\n";
+        const double in = l.sign / units::mgal;
+        table.rows.push_back({l.name, in * last.disturbance_n(l.axis), last.sigma_disturbance_n(l.axis) / units::mgal,
+                              in * b.errors.last(l.axis), b.errors.rms(l.axis) / units::mgal,
+                              b.errors.spread(l.axis) / units::mgal});
     }
-    out += changes_text(b);
+    out += report::table_text(table);
+    out += text_where_any(changes_of(b));
     if (std::isfinite(b.classical.rms))
         out += fmt::format("classical pipeline, {:.3g} s: error of up {:.3f} rms, {:.3f} less its mean\n", b.classical.period,
                            b.classical.rms / units::mgal, b.classical.spread / units::mgal);
@@ -190,10 +186,7 @@ std::string gravity_tables(const GravityBundle& b) {
                    ? fmt::format("; error of the levelled lines less their mean {:.3f}\n", l.levelled_spread / units::mgal)
                    : "\n";
     }
-    for (const gravimetry::RepeatedLine& r : l.repeats)
-        out += fmt::format("lines {} and {} repeat each other over {:.3g} km: mean difference {:.3f}, deviation {:.3f}\n",
-                           r.line_a + 1, r.line_b + 1, 1e-3 * r.length, r.mean / units::mgal, r.deviation / units::mgal);
-    return out;
+    return out + text_where_any(repeats_of(b));
 }
 
 }  // namespace schuler::study

@@ -2,6 +2,7 @@
 #include "schuler/gravimetry/response.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/study/gravity/gravity.h"
@@ -129,10 +130,20 @@ Corrected corrected(const settings::ScenarioConfig& scenario, const settings::Pr
     return out;
 }
 
-report::Json of(const HarmonicResponse& r) {
-    return {{"gain", report::json_number(r.gain)},
-            {"lag_deg", report::json_number(r.lag / units::deg)},
-            {"residual", report::json_number(r.residual)}};
+report::ResultTable table_of_periods(const GravityResponse& r) {
+    report::ResultTable table{r.name + ": response to harmonics of the vertical disturbance",
+                              {{"period_s", "period", "s"},
+                               {"length_m", r.by_time ? "" : "length", "m"},
+                               {"forward/gain", "filter", "", ".3f"},
+                               {"forward/lag_deg", "its lag", "deg", ".1f"},
+                               {"forward/residual", ""},
+                               {"smoothed/gain", "smoother", "", ".3f"},
+                               {"smoothed/lag_deg", "its lag", "deg", ".1f"},
+                               {"smoothed/residual", ""}}};
+    for (const Measured& m : r.at)
+        table.rows.push_back({m.period, r.by_time ? not_given : m.period * r.pace, m.forward.gain, m.forward.lag / units::deg,
+                              m.forward.residual, m.smoothed.gain, m.smoothed.lag / units::deg, m.smoothed.residual});
+    return table;
 }
 
 void add_page(report::Outcome& out, const settings::ProcessRequest& request, const std::vector<Measured>& all, const Corrected& c,
@@ -201,19 +212,8 @@ report::Outcome gravity_response(const GravityRequest& request) {
     report::Outcome out;
     out.folder = common.folder_for(response.name);
     const char* unit = response.by_time ? "s" : "m";
-    out.tables = fmt::format("{}: response to harmonics of the vertical disturbance\n{:>12}{:>14}{:>12}{:>12}{:>12}{:>12}\n",
-                             response.name, "period, s", response.by_time ? "" : "length, m", "filter", "lag, deg", "smoother",
-                             "lag, deg");
-    report::Json rows = report::Json::array();
-    for (const Measured& m : response.at) {
-        out.tables += fmt::format("{:>12.4g}{:>14}{:>12.3f}{:>12.1f}{:>12.3f}{:>12.1f}\n", m.period,
-                                  response.by_time ? std::string{} : fmt::format("{:.4g}", m.period * response.pace),
-                                  m.forward.gain, m.forward.lag / units::deg, m.smoothed.gain, m.smoothed.lag / units::deg);
-        rows.push_back({{"period_s", m.period},
-                        {"length_m", response.by_time ? report::Json(nullptr) : report::Json(m.period * response.pace)},
-                        {"forward", of(m.forward)},
-                        {"smoothed", of(m.smoothed)}});
-    }
+    const report::ResultTable table = table_of_periods(response);
+    out.tables = report::table_text(table);
     out.tables += std::isfinite(response.resolution)
                       ? fmt::format("an impulse becomes a hump of {:.4g} {} at half its height ({})\n", response.resolution, unit,
                                     response.smooth ? "smoother" : "filter")
@@ -226,7 +226,7 @@ report::Outcome gravity_response(const GravityRequest& request) {
     out.json =
         report::text_of({{"name", response.name},
                          {"command", "gravity"},
-                         {"response", rows},
+                         {"response", report::table_json(table)},
                          {"impulse_half_width", {{response.by_time ? "s" : "m", report::json_number(response.resolution)}}},
                          {"correction",
                           {{"period_s", report::json_number(c.period)},

@@ -62,8 +62,6 @@ struct MonteCarlo {
 [[nodiscard]] std::string sweep_csv(const MonteCarlo& campaign);
 /// A row a run: seed, drawn values, its errors and mean NEES.
 void write_runs_csv(const MonteCarlo& campaign, const std::filesystem::path& file);
-/// A value as a cell of a CSV file.
-[[nodiscard]] std::string csv_value(const settings::Value& value);
 [[nodiscard]] RunNumbers numbers_of(const MonteCarloRun& run, std::size_t varying);
 
 /// Many runs of a scenario: errors and consistency over the runs, as files. @throws Error

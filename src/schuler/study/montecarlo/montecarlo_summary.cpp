@@ -1,6 +1,7 @@
 // A campaign as JSON, as CSV and as tables.
 #include "schuler/report/inner/json.h"
 #include "schuler/report/published.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/scenario/published.h"
 #include "schuler/study/montecarlo/montecarlo.h"
@@ -63,10 +64,19 @@ std::vector<PooledOutage> pooled_outages(const CampaignStatistics& s) {
 }
 
 /// Numbers of one point of the grid of sweeps.
-constexpr std::array point_columns{"runs",          "failed",          "horizontal_rms_m", "up_rms_m",
-                                   "three_d_rms_m", "heading_rms_deg", "nees_position",    "outage_end_horizontal_rms_m"};
+const std::vector<report::TableColumn>& point_columns() {
+    static const std::vector<report::TableColumn> list{{"runs", "runs", "", "g"},
+                                                       {"failed", "failed", "", "g"},
+                                                       {"horizontal_rms_m", "horizontal", "m"},
+                                                       {"up_rms_m", "up", "m"},
+                                                       {"three_d_rms_m", ""},
+                                                       {"heading_rms_deg", "heading", "deg"},
+                                                       {"nees_position", "NEES of position"},
+                                                       {"outage_end_horizontal_rms_m", "end of outage", "m"}};
+    return list;
+}
 
-std::array<double, point_columns.size()> numbers_of(const PointStatistics& p) {
+std::array<double, 8> numbers_of(const PointStatistics& p) {
     const auto n = static_cast<double>(p.epochs);
     const auto rms = [&](std::size_t field) { return std::sqrt(p.square[field].value() / n); };
     return {static_cast<double>(p.runs),
@@ -90,17 +100,20 @@ std::vector<std::pair<std::string, const settings::Value*>> at_point(const Monte
     return out;
 }
 
-report::Json sweep_json(const MonteCarlo& mc) {
-    report::Json rows = report::Json::array();
+/// A row a point, for people and files.
+report::ResultTable sweep_table(const MonteCarlo& mc) {
+    report::ResultTable table{"sweep, root mean squares"};
+    for (const auto& [key, value] : at_point(mc, 0)) table.columns.push_back({key, key, "", ".6g", ""});
+    table.columns.insert(table.columns.end(), point_columns().begin(), point_columns().end());
     for (const auto& [point, p] : mc.statistics().points) {
-        report::Json row;
-        for (const auto& [key, value] : at_point(mc, point))
-            row[key] = value->is_number() ? report::Json(value->number()) : report::Json(settings::to_toml(*value));
-        const auto numbers = numbers_of(p);
-        for (std::size_t i = 0; i < numbers.size(); ++i) row[point_columns[i]] = report::json_number(numbers[i]);
-        rows.push_back(std::move(row));
+        std::vector<report::Cell>& row = table.rows.emplace_back();
+        for (const auto& [key, value] : at_point(mc, point)) {
+            if (value->is_number()) row.emplace_back(value->number());
+            else row.emplace_back(value->text() != nullptr ? *value->text() : settings::to_toml(*value));
+        }
+        for (const double x : numbers_of(p)) row.emplace_back(x);
     }
-    return rows;
+    return table;
 }
 
 report::Json of(const Quantiles& q) {
@@ -187,7 +200,7 @@ std::string summary_json(const MonteCarlo& mc) {
     report::Json& failures = out["montecarlo"]["failures"] = report::Json::array();
     for (const auto& [run, failure] : s.failures)
         failures.push_back({{"run", run}, {"seed", failure.seed}, {"reason", failure.reason}});
-    if (s.swept) out["montecarlo"]["sweep"] = sweep_json(mc);
+    if (s.swept) out["montecarlo"]["sweep"] = report::table_json(sweep_table(mc));
     out["timing"] = {{"wall_s", mc.wall_s}};
     report::Json& ignored = out["ignored"] = report::Json::array();
     for (const solution::Ignored& i : mc.ignored) ignored.push_back({{"key", i.key}, {"reason", i.reason}});
@@ -197,113 +210,94 @@ std::string summary_json(const MonteCarlo& mc) {
 
 namespace {
 
-std::string summary_cell(double x) {
-    if (!std::isfinite(x)) return "-";
-    const double a = std::abs(x);
-    if (a != 0.0 && (a < 1e-3 || a >= 1e5)) return fmt::format("{:.2e}", x);
-    return fmt::format("{:.{}f}", x, a < 1.0 ? 4 : a < 100.0 ? 3 : 1);
-}
+using report::Cell;
+using report::ResultTable;
 
 std::string readable(std::string_view unit) { return unit == "m_s" ? "m/s" : unit == "deg_h" ? "deg/h" : std::string(unit); }
+std::string in_words(std::string_view name) {
+    std::string out(name);
+    std::ranges::replace(out, '_', ' ');
+    return out;
+}
+
+std::string error_table(const CampaignStatistics& s) {
+    ResultTable table = report::table_for_people(
+        "", {fmt::format("errors from {:.1f} s", s.head.settled_s), "rms", "95 %", "largest", "runs: 5 %", "median", "95 %"});
+    for (std::size_t i = 0; i < error_field_count; ++i) {
+        const PooledError p = pooled(s, i);
+        if (std::isfinite(p.all.rms))
+            table.rows.push_back(
+                {error_fields()[i].title, p.all.rms, p.all.p95, p.all.max, p.runs.q05, p.runs.median, p.runs.q95});
+    }
+    return report::table_text(table);
+}
 
 std::string block_table(const CampaignStatistics& s) {
-    std::string out = fmt::format("{:<28}{:>11}{:>11}{:>11}{:>11}\n", "states", "rms", "5 %", "median", "95 %");
+    ResultTable table = report::table_for_people("", {"states", "rms", "5 %", "median", "95 %"});
     for (std::size_t b = 2; b < solution::state_blocks; ++b) {  // position and velocity stand above
         const solution::StateBlockName& name = solution::state_block_names()[b];
         if (!s.present(b)) continue;
         for (std::size_t axis = 0; axis < static_cast<std::size_t>(name.dof); ++axis) {
             const Quantiles q = s.component(b, axis);
-            std::string title = fmt::format("{} {}, {}", name.name, name.axis[axis], readable(name.unit));
-            std::ranges::replace(title, '_', ' ');
-            out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}\n", title, summary_cell(q.rms), summary_cell(q.q05),
-                               summary_cell(q.median), summary_cell(q.q95));
+            table.rows.push_back({fmt::format("{} {}, {}", in_words(name.name), name.axis[axis], readable(name.unit)), q.rms,
+                                  q.q05, q.median, q.q95});
         }
     }
-    return out;
+    return report::table_text(table);
+}
+
+std::string outage_table(const std::vector<PooledOutage>& outages) {
+    ResultTable table = report::table_for_people(
+        "", {"outages, horizontal", "end: median, m", "95 %, m", "growth: median, m", "95 %, m", "inside 3 sigma"});
+    table.columns.back().format = ".0f%";
+    for (const PooledOutage& o : outages)
+        table.rows.push_back({fmt::format("{:.10g} s for {:.6g} s", o.start_s, o.duration_s), o.end_horizontal.median,
+                              o.end_horizontal.q95, o.growth.median, o.growth.q95, o.inside_3sigma});
+    return report::table_text(table);
 }
 
 std::string consistency_table(const CampaignStatistics& s) {
-    std::string out =
-        fmt::format("{:<24}{:>11}{:>11}   {:<22}{}\n", "consistency", "mean", "expected", "95 % bounds", "epochs inside theirs");
+    ResultTable table = report::table_for_people("", {"consistency", "mean", "expected", "95 % bounds: from", "to",
+                                                      "epochs inside", "rejected", "lag 1", "mean in its bounds"});
+    table.columns[5].format = ".0f%";
+    const auto add = [&](const std::string& name, double mean, double expected, double low, double high, std::vector<Cell> rest) {
+        std::vector<Cell>& row = table.rows.emplace_back(std::vector<Cell>{name, mean, expected, low, high});
+        row.insert(row.end(), rest.begin(), rest.end());
+        row.emplace_back(mean >= low && mean <= high ? "yes" : "OUTSIDE");
+    };
     for (std::size_t b = 0; b < solution::state_blocks; ++b) {
         const solution::StateBlockName& name = solution::state_block_names()[b];
         if (!s.present(b)) continue;
         const analysis::EnsembleConsistency c = s.consistency(b);
-        const bool holds = c.mean >= c.low95 && c.mean <= c.high95;
-        out += fmt::format("  NEES {:<17}{:>11}{:>11}   {:<22}{:.0f} %{}\n", name.name, summary_cell(c.mean),
-                           summary_cell(c.expected), fmt::format("({} to {})", summary_cell(c.low95), summary_cell(c.high95)),
-                           100.0 * c.inside, holds ? "" : "   OUTSIDE");
+        add("NEES " + in_words(name.name), c.mean, c.expected, c.low95, c.high95, {c.inside, {}, {}});
     }
-    for (const PooledAid& a : pooled_aids(s)) {
-        const bool holds = a.nis >= a.bounds.low95 && a.nis <= a.bounds.high95;
-        out += fmt::format("  NIS  {:<17}{:>11}{:>11}   {:<22}{} rejected of {}, lag 1 {}{}\n", a.name, summary_cell(a.nis),
-                           summary_cell(a.dof),
-                           fmt::format("({} to {})", summary_cell(a.bounds.low95), summary_cell(a.bounds.high95)), a.rejected,
-                           a.accepted + a.rejected, summary_cell(a.lag1), holds ? "" : "   OUTSIDE");
-    }
-    return out;
+    for (const PooledAid& a : pooled_aids(s))
+        add("NIS " + in_words(a.name), a.nis, a.dof, a.bounds.low95, a.bounds.high95,
+            {Cell{}, fmt::format("{} of {}", a.rejected, a.accepted + a.rejected), a.lag1});
+    return report::table_text(table);
 }
 
-std::string sweep_table(const MonteCarlo& mc) {
+std::string shown_sweep(const MonteCarlo& mc) {
     constexpr std::size_t shown = 100;
-    std::string out = fmt::format("{:<50}{:>7}{:>8}{:>14}{:>11}{:>14}{:>11}\n", "sweep", "runs", "failed", "horizontal, m",
-                                  "up, m", "heading, deg", "outage, m");
-    std::size_t lines = 0;
-    for (const auto& [point, p] : mc.statistics().points) {
-        if (lines++ == shown) return out + fmt::format("  ... {} points in all: sweep.csv\n", mc.statistics().points.size());
-        std::string title;
-        for (const auto& [key, value] : at_point(mc, point))
-            title += (title.empty() ? "" : ", ") + key + " = " + settings::to_toml(*value);
-        const auto n = numbers_of(p);
-        out += fmt::format("  {:<48}{:>7}{:>8}{:>14}{:>11}{:>14}{:>11}\n", title, p.runs, p.failed, summary_cell(n[2]),
-                           summary_cell(n[3]), summary_cell(n[5]), summary_cell(n[7]));
-    }
-    return out;
+    ResultTable table = sweep_table(mc);
+    const std::size_t points = table.rows.size();
+    if (points > shown) table.rows.resize(shown);
+    return report::table_text(table) + (points > shown ? fmt::format("  ... {} points in all: sweep.csv\n", points) : "");
 }
 
 }  // namespace
 
-std::string sweep_csv(const MonteCarlo& mc) {
-    std::string out;
-    for (const auto& [key, value] : at_point(mc, 0)) out += key + ",";
-    for (const char* column : point_columns) out += fmt::format("{}{}", column, column == point_columns.back() ? "\n" : ",");
-    for (const auto& [point, p] : mc.statistics().points) {
-        for (const auto& [key, value] : at_point(mc, point)) out += csv_value(*value) + ",";
-        const auto numbers = numbers_of(p);
-        for (std::size_t i = 0; i < numbers.size(); ++i)
-            out += (std::isfinite(numbers[i]) ? fmt::format("{:.9g}", numbers[i]) : "") + (i + 1 == numbers.size() ? "\n" : ",");
-    }
-    return out;
-}
+std::string sweep_csv(const MonteCarlo& mc) { return report::table_csv(sweep_table(mc)); }
 
 std::string summary_tables(const MonteCarlo& mc) {
     const CampaignStatistics& s = mc.statistics();
     const std::uint64_t seed = mc.seed + mc.first;
     std::string out =
         fmt::format("{}: {} runs, seeds {} to {}, {} failed\n\n", mc.name, mc.runs, seed, seed + mc.runs - 1, s.failed);
-    out += fmt::format("{:<28}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", fmt::format("errors from {:.1f} s", s.head.settled_s),
-                       "rms", "95 %", "max", "runs: 5 %", "median", "95 %");
-    for (std::size_t i = 0; i < error_field_count; ++i) {
-        const ErrorField& f = error_fields()[i];
-        const PooledError p = pooled(s, i);
-        if (!std::isfinite(p.all.rms)) continue;
-        out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}\n", f.title, summary_cell(p.all.rms),
-                           summary_cell(p.all.p95), summary_cell(p.all.max), summary_cell(p.runs.q05),
-                           summary_cell(p.runs.median), summary_cell(p.runs.q95));
-    }
-    out += block_table(s);
-    const std::vector<PooledOutage> outages = pooled_outages(s);
-    if (!outages.empty())
-        out += fmt::format("\n{:<28}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "outages, horizontal, m", "end median", "95 %",
-                           "growth 50 %", "95 %", "3 sigma");
-    for (const PooledOutage& o : outages) {
-        out += fmt::format("  {:<26}{:>11}{:>11}{:>11}{:>11}{:>9.0f} %\n",
-                           fmt::format("{:.10g} s for {:.6g} s", o.start_s, o.duration_s), summary_cell(o.end_horizontal.median),
-                           summary_cell(o.end_horizontal.q95), summary_cell(o.growth.median), summary_cell(o.growth.q95),
-                           100.0 * o.inside_3sigma);
-    }
+    out += error_table(s) + block_table(s);
+    if (const std::vector<PooledOutage> outages = pooled_outages(s); !outages.empty()) out += "\n" + outage_table(outages);
     out += "\n" + consistency_table(s);
-    if (s.swept) out += "\n" + sweep_table(mc);
+    if (s.swept) out += "\n" + shown_sweep(mc);
     if (!mc.published.source.empty()) {
         settings::BlockRms rms;
         for (std::size_t b = 0; b < settings::published_blocks; ++b)

@@ -1,5 +1,6 @@
 // The tables of a campaign as CSV: epochs and runs.
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/text/csv_field.h"
 #include "schuler/study/montecarlo/montecarlo.h"
 
 #include <fmt/format.h>
@@ -13,6 +14,11 @@ constexpr std::size_t leading = 3;  ///< run, failed, seed
 
 std::string number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g}", x) : ","; }
 
+std::string csv_value(const settings::Value& value) {
+    if (value.is_number()) return fmt::format("{}", value.number());
+    return io::csv_field(value.text() != nullptr ? *value.text() : settings::to_toml(value));
+}
+
 /// A number of a row as the value it stands for.
 std::string drawn_value(const settings::Variation& v, double x) {
     if (!std::isfinite(x)) return {};
@@ -22,15 +28,6 @@ std::string drawn_value(const settings::Variation& v, double x) {
 }
 
 }  // namespace
-
-std::string csv_value(const settings::Value& value) {
-    if (value.is_number()) return fmt::format("{}", value.number());
-    const std::string text = value.text() != nullptr ? *value.text() : settings::to_toml(value);
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
-}
 
 std::string epochs_csv(const MonteCarlo& mc) {
     const CampaignStatistics& s = mc.statistics();

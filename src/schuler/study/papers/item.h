@@ -59,7 +59,6 @@ struct PaperItem {
                                                 report::Ink ink = report::Ink::Blue, report::Mark mark = report::Mark::Line) {
     return {std::move(name), std::move(x), std::move(y), ink, mark};
 }
-[[nodiscard]] double paper_median(std::vector<double> x);
 [[nodiscard]] double paper_rms(const std::vector<double>& x);
 
 }  // namespace schuler::study

@@ -7,6 +7,7 @@
 #include "schuler/ins/integrators.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
+#include "schuler/report/result_table.h"
 #include "schuler/sim/inverse_imu.h"
 #include "schuler/sim/path.h"
 #include "schuler/study/papers/item.h"
@@ -130,8 +131,8 @@ double coning_error(double rate) {
 PaperResult attitude(const PaperWork&) {
     PaperResult out;
     // clang-format off
-    report::ResultTable table{"attitude over the flight of section 4.2, 800 s, perfect gyros", {{"rate_hz", "rate, Hz"}, {"largest_arcsec", "largest, \""}, {"end_arcsec", "at the end, \""},
-                                                                               {"defect", "off orthogonal"}}, {}};
+    report::ResultTable table{"attitude over the flight of section 4.2, 800 s, perfect gyros", {{"algorithm", "algorithm"}, {"rate_hz", "rate", "Hz"},
+                              {"largest_arcsec", "largest error", "arcsec"}, {"end_arcsec", "at the end", "arcsec"}, {"defect", "off orthogonal"}}};
     // clang-format on
     for (const double rate : {10.0, 50.0}) {
         const std::vector<Flown> all = fly(rate);
@@ -141,8 +142,7 @@ PaperResult attitude(const PaperWork&) {
                                   report::Ink::Purple, report::Ink::Orange,     report::Ink::Sky};
         for (std::size_t i = 0; i < all.size(); ++i) {
             const Flown& f = all[i];
-            table.rows.push_back(
-                {f.name, {}, {{"algorithm", f.name}}, {rate, f.largest / units::arcsec, f.last / units::arcsec, f.defect}});
+            table.rows.push_back({f.name, rate, f.largest / units::arcsec, f.last / units::arcsec, f.defect});
             panel.series.push_back(paper_curve(f.name, f.t, f.error, inks[i]));
         }
         out.panels.push_back(std::move(panel));
@@ -309,14 +309,12 @@ PaperResult estimators(const PaperWork& w) {
     const double by_theory_ls = std::sqrt(R.diagonal().sum()) / m,
                  by_theory_ml = 1.0 / std::sqrt(R.diagonal().cwiseInverse().sum());
     report::ResultTable table{
-        "root mean square error", {{"constant", "constant, sigmas 1 to 5"}, {"theory", "by theory"}, {"walk", "walking"}}, {}};
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    // clang-format off
-    table.rows = {{"least squares", {}, {{"estimator", "least squares"}}, {root(ls, runs), by_theory_ls, nan}},
-                  {"maximum likelihood", {}, {{"estimator", "maximum likelihood"}}, {root(ml, runs), by_theory_ml, nan}},
-                  {"recursive mean", {}, {{"estimator", "recursive mean"}}, {root(mean, runs), by_theory_ls, walk_mean}},
-                  {"Kalman", {}, {{"estimator", "Kalman"}}, {root(kalman, runs), by_theory_ml, walk_kalman}}};
-    // clang-format on
+        "root mean square error",
+        {{"estimator", "estimator"}, {"constant", "constant, sigmas 1 to 5"}, {"theory", "by theory"}, {"walk", "walking"}}};
+    table.rows = {{"least squares", root(ls, runs), by_theory_ls},
+                  {"maximum likelihood", root(ml, runs), by_theory_ml},
+                  {"recursive mean", root(mean, runs), by_theory_ls, walk_mean},
+                  {"Kalman", root(kalman, runs), by_theory_ml, walk_kalman}};
     out.tables.push_back(std::move(table));
     report::Panel panel{"a parameter that walks by 0.1 a measurement of sigma 1", "measurement", "root mean square error"};
     panel.time_axis = false;

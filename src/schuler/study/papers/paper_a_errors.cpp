@@ -1,5 +1,6 @@
 // Paper A, sections 1.4 and 4.1: errors of an INS at rest.
 #include "schuler/core/units.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/papers/item.h"
 #include "schuler/theory/modes.h"
 #include "schuler/theory/requirements.h"
@@ -129,12 +130,13 @@ PaperResult figure_414(const PaperWork&) {
                 paper_curve("accelerometer 1e-4 g", bias.minutes, bias.east, report::Ink::Green),
                 paper_curve("together", sum.minutes, sum.east, report::Ink::Text, report::Mark::Dashed)};
     out.panels = {std::move(p)};
-    report::ResultTable table{"largest distance", {{"hour_1", "in 1 h, m"}, {"hour_6", "in 6 h, m"}}, {}};
+    report::ResultTable table{"largest distance",
+                              {{"source", "source of the error"}, {"hour_1", "in 1 h", "m"}, {"hour_6", "in 6 h", "m"}}};
     for (const auto& [name, f] : {std::pair{"tilt 1e-3 rad", &tilt}, std::pair{"gyro 0.01 deg/h", &drift},
                                   std::pair{"accelerometer 1e-4 g", &bias}, std::pair{"together", &sum}}) {
         double one = 0.0;
         for (std::size_t i = 0; i < f->minutes.size() && f->minutes[i] <= 60.0; ++i) one = std::max(one, f->distance[i]);
-        table.rows.push_back({name, {}, {{"source", name}}, {one, f->largest}});
+        table.rows.push_back({name, one, f->largest});
     }
     out.tables.push_back(std::move(table));
     return out;
@@ -167,17 +169,15 @@ PaperResult requirements(const PaperWork&) {
     out.numbers = {{"largest", used / hour.accel * p.frequency() * p.frequency()}, {"accelerometer", used}, {"gyro", gyro_used},
                    {"monotone", budget / p.from_accelerometer(1.0, 3600.0) / hour.accel}};
     // clang-format on
-    report::ResultTable table{
-        "5 m over an outage",
-        {{"accel_ug", "accelerometer, ug"}, {"accel_bare_ug", "(1.4.5) as printed"}, {"gyro_deg_h", "gyro, deg/h"}},
-        {}};
+    report::ResultTable table{"5 m over an outage",
+                              {{"outage_s", "outage", "s", "g"},
+                               {"accel_ug", "accelerometer", "ug"},
+                               {"accel_bare_ug", "(1.4.5) as printed", "ug"},
+                               {"gyro_deg_h", "gyro", "deg/h"}}};
     for (const double t : {10.0, 30.0, 60.0, 100.0, 300.0, 600.0, 1800.0, 3600.0}) {
         const Requirement r = requirement(p, budget, t);
         table.rows.push_back(
-            {fmt::format("{:g} s", t),
-             {},
-             {{"outage_s", fmt::format("{:g}", t)}},
-             {r.accel / units::ug, budget / p.from_accelerometer(1.0, t) / units::ug, r.gyro / units::deg_per_hour}});
+            {t, r.accel / units::ug, budget / p.from_accelerometer(1.0, t) / units::ug, r.gyro / units::deg_per_hour});
     }
     out.tables.push_back(std::move(table));
     report::Panel a{"figure 1.4.1: accelerometer for 5 m", "outage, min", "ug"},

@@ -1,7 +1,9 @@
 // Paper A, sections 4.2 and 4.3: the flight and its filter.
+#include "schuler/analysis/ensemble.h"
 #include "schuler/analysis/errors.h"
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
+#include "schuler/report/result_table.h"
 #include "schuler/sim/path.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/study/papers/item.h"
@@ -226,7 +228,7 @@ PaperResult figure_437(const PaperWork& w) {
             }
         },
         w.progress);
-    out.numbers = {{"largest", paper_median(largest)}};
+    out.numbers = {{"largest", analysis::quantiles_of(largest).median}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         report::Panel p{fmt::format("position {}", enu[axis]), "time, s", "m"};
         for (std::size_t run = 0; run < std::min<std::size_t>(w.runs, 8); ++run)
@@ -257,15 +259,15 @@ PaperResult table_431(const PaperWork& w) {
         },
         w.progress);
     PaperResult out;
-    report::ResultTable table{
-        "root mean square, all runs", {{"first", "east or x"}, {"second", "north or y"}, {"third", "up or z"}}, {}};
+    report::ResultTable table{"root mean square, all runs",
+                              {{"state", "state"}, {"first", "east or x"}, {"second", "north or y"}, {"third", "up or z"}}};
     std::array<Vector3d, 5> rms{};
     for (std::size_t i = 0; i < 5; ++i) {
         rms[i].setZero();
         for (const auto& one : squares) rms[i] += one[i] / static_cast<double>(w.runs);
         rms[i] = rms[i].cwiseSqrt() / si[i];
         for (int axis = 0; axis < 3; ++axis) out.numbers.emplace_back(fmt::format("{} {}", blocks[i], axis + 1), rms[i][axis]);
-        table.rows.push_back({blocks[i], {}, {{"state", blocks[i]}}, {rms[i].x(), rms[i].y(), rms[i].z()}});
+        table.rows.push_back({blocks[i], rms[i].x(), rms[i].y(), rms[i].z()});
     }
     out.numbers.emplace_back("1 sigma", rms[0].mean());
     out.numbers.emplace_back("velocity", rms[1].mean());

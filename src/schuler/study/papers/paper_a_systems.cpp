@@ -1,9 +1,11 @@
 // Paper A, tables 1.1.1, 1.2.1 and 1.4.2: couplings, receiver, inertial unit.
+#include "schuler/analysis/ensemble.h"
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
 #include "schuler/filter/states/model.h"
 #include "schuler/math/random.h"
 #include "schuler/receiver/search.h"
+#include "schuler/report/result_table.h"
 #include "schuler/sensor/grades.h"
 #include "schuler/settings/scenario/comparison.h"
 #include "schuler/solution/fuse.h"
@@ -65,9 +67,9 @@ PaperResult table_111(const PaperWork& w) {
     const auto runs = static_cast<double>(w.runs);
     PaperResult out;
     // clang-format off
-    report::ResultTable table{"one flight through five couplings, from 60 s on", {{"horizontal_m", "horizontal, m"}, {"up_m", "up, m"}, {"velocity_m_s", "velocity, m/s"},
-                                                                        {"heading_deg", "heading, deg"}, {"nees_position", "NEES position"},
-                                                                        {"nees_velocity", "velocity"}, {"nees_attitude", "attitude"}}, {}};
+    report::ResultTable table{"one flight through five couplings, from 60 s on", {{"coupling", "coupling"}, {"horizontal_m", "horizontal", "m"}, {"up_m", "up", "m"},
+                              {"velocity_m_s", "velocity", "m/s"}, {"heading_deg", "heading", "deg"}, {"nees_position", "NEES of position"},
+                              {"nees_velocity", "of velocity"}, {"nees_attitude", "of attitude"}}};
     // clang-format on
     for (std::size_t k = 0; k < couplings.size(); ++k) {
         Scored& s = sum[k];
@@ -80,10 +82,8 @@ PaperResult table_111(const PaperWork& w) {
             for (std::size_t i = 0; i < 3; ++i) s.nees[i] += one.nees[i] / runs;
         }
         for (double* x : {&s.horizontal, &s.up, &s.velocity, &s.heading}) *x = std::sqrt(*x);
-        table.rows.push_back({couplings[k].name,
-                              {},
-                              {{"coupling", couplings[k].name}},
-                              {s.horizontal, s.up, s.velocity, s.heading / units::deg, s.nees[0], s.nees[1], s.nees[2]}});
+        table.rows.push_back(
+            {couplings[k].name, s.horizontal, s.up, s.velocity, s.heading / units::deg, s.nees[0], s.nees[1], s.nees[2]});
     }
     out.tables.push_back(std::move(table));
     WarningLog unheard;
@@ -124,7 +124,7 @@ double start_time(const receiver::SearchWindow& window, std::uint64_t seed) {
         std::ranges::sort(found);
         fourth.push_back(found[3]);
     }
-    return paper_median(fourth);
+    return analysis::quantiles_of(fourth).median;
 }
 
 PaperResult table_121(const PaperWork& w) {
@@ -142,11 +142,11 @@ PaperResult table_121(const PaperWork& w) {
                    {"rate", g.rate},
                    {"hot start", hot},
                    {"cold start", cold}};
-    report::ResultTable table{"fourth of eight satellites found, 45 dB-Hz", {{"time_s", "s"}}, {}};
-    // clang-format off
-    table.rows = {{"cold: whole code, 5 kHz and 1 ppm", {}, {{"start", "cold"}}, {cold}}, {"hot: 3 km, 60 m/s", {}, {{"start", "hot"}}, {hot}},
-                  {"inertially aided: 30 m, 0.5 m/s", {}, {{"start", "aided"}}, {aided}}};
-    // clang-format on
+    report::ResultTable table{"fourth of eight satellites found, 45 dB-Hz",
+                              {{"", "start"}, {"start", ""}, {"time_s", "time", "s"}}};
+    table.rows = {{"cold: whole code, 5 kHz and 1 ppm", "cold", cold},
+                  {"hot: 3 km, 60 m/s", "hot", hot},
+                  {"inertially aided: 30 m, 0.5 m/s", "aided", aided}};
     out.tables.push_back(std::move(table));
     out.notes =
         "Ours: [gnss] receiver = \"duostar1000\", and the search of the receiver in the loop; what its channels can take of dynamics is docs/receiver.md.\n"

@@ -5,6 +5,7 @@
 #include "schuler/core/units.h"
 #include "schuler/math/random.h"
 #include "schuler/math/rotation.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/papers/item.h"
 
 #include <fmt/format.h>
@@ -131,18 +132,16 @@ PaperResult separation(const PaperWork& w) {
                    {"printed", worst(cases[2])},
                    {"field", paper_horizontal * 1e9}};
     // clang-format off
-    report::ResultTable table{"change by the disturbance, deg", {{"still_roll", "still: roll"}, {"still_pitch", "pitch"}, {"still_heading", "heading"},
-                                                                 {"moving_roll", "moving: roll"}, {"moving_pitch", "pitch"}, {"moving_heading", "heading"}}, {}};
+    report::ResultTable table{"change by the disturbance, deg", {{"filter", "filter"}, {"still_roll", "still: roll"}, {"still_pitch", "pitch"},
+                              {"still_heading", "heading"}, {"moving_roll", "moving: roll"}, {"moving_pitch", "pitch"}, {"moving_heading", "heading"}}};
     // clang-format on
     report::Panel panel{"largest change of roll and pitch, moving", "time, s", "deg"};
     panel.log_y = true;
     panel.height = 280;
     panel.spans.push_back({from, to, "field disturbed", false});
     for (const Case& c : cases) {
-        table.rows.push_back({c.name,
-                              {},
-                              {{"filter", c.name}},
-                              {c.still.roll, c.still.pitch, c.still.heading, c.moving.roll, c.moving.pitch, c.moving.heading}});
+        table.rows.push_back(
+            {c.name, c.still.roll, c.still.pitch, c.still.heading, c.moving.roll, c.moving.pitch, c.moving.heading});
         panel.series.push_back(paper_curve(c.name, c.moving.t, c.moving.tilt, c.ink));
     }
     out.tables.push_back(std::move(table));

@@ -1,5 +1,6 @@
 // Paper D: satellites, ADS-B stations and INS in one filter.
 #include "schuler/core/parallel.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/papers/item.h"
 #include "schuler/study/triad/triad.h"
 
@@ -45,18 +46,15 @@ std::vector<PaperCase> run_cases(const PaperWork& w, const std::vector<std::stri
 PaperResult result_of(const std::vector<PaperCase>& cases) {
     PaperResult out;
     // clang-format off
-    report::ResultTable table{"case", {{"pooled_m", "horizontal, m"}, {"predicted_m", "predicted, m"}, {"two_sigma_3d_m", "2 sigma 3-d, m"},
-                                       {"vertical_m", "vertical, m"}, {"at_300_s_m", "at 300 s, m"}, {"at_600_s_m", "at 600 s, m"},
-                                       {"nees_position", "NEES/3"}, {"nees_nine", "NEES/9"}}, {}};
+    report::ResultTable table{"", {{"case", "case"}, {"pooled_m", "horizontal", "m"}, {"predicted_m", "predicted", "m"},
+                                   {"two_sigma_3d_m", "2 sigma 3-d", "m"}, {"vertical_m", "vertical", "m"}, {"at_300_s_m", "at 300 s", "m"},
+                                   {"at_600_s_m", "at 600 s", "m"}, {"nees_position", "NEES/3"}, {"nees_nine", "NEES/9"}}};
     // clang-format on
     std::vector<double> t(triad_epochs);
     for (std::size_t i = 0; i < triad_epochs; ++i) t[i] = static_cast<double>(i);
     for (const PaperCase& c : cases) {
         const TriadStatistics& s = c.statistics;
-        table.rows.push_back({c.which.name,
-                              {},
-                              {{"case", c.which.name}},
-                              {s.pooled, s.predicted, s.two_sigma, s.vertical, s.at_300, s.end, s.nees3, s.nees9}});
+        table.rows.push_back({c.which.name, s.pooled, s.predicted, s.two_sigma, s.vertical, s.at_300, s.end, s.nees3, s.nees9});
         report::Panel panel{c.which.name, "time after the loss, s", "horizontal error, m"};
         panel.series = {paper_curve("root mean square over the runs", t, c.observed),
                         paper_curve("one sigma of the filter", t, c.predicted, report::Ink::Vermillion, report::Mark::Dashed)};

@@ -1,8 +1,10 @@
 // Paper E: the integrated gravimetric system, simulated.
+#include "schuler/analysis/ensemble.h"
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
 #include "schuler/gravimetry/observability.h"
 #include "schuler/gravimetry/response.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/gravity/gravity.h"
 #include "schuler/study/papers/item.h"
 
@@ -85,7 +87,7 @@ PaperResult figure_3(const PaperWork& w) {
     const auto median = [&](std::size_t mode, double One::*field) {
         std::vector<double> x;
         for (std::size_t job = mode; job < all.size(); job += 2) x.push_back(all[job].*field);
-        return paper_median(x);
+        return analysis::quantiles_of(x).median;
     };
     PaperResult out;
     // clang-format off
@@ -129,10 +131,13 @@ PaperResult coloured(const PaperWork& w) {
         },
         w.progress);
     PaperResult out;
-    report::ResultTable table{
-        "vertical anomaly, m/s2",
-        {{"error", "error, rms"}, {"sigma", "sigma"}, {"nees", "NEES/1"}, {"nis", "NIS"}, {"usable", "usable, share"}},
-        {}};
+    report::ResultTable table{"vertical anomaly",
+                              {{"noise", "noise"},
+                               {"error", "error, rms", "m/s2"},
+                               {"sigma", "sigma", "m/s2"},
+                               {"nees", "NEES/1"},
+                               {"nis", "NIS"},
+                               {"usable", "usable, share"}}};
     for (std::size_t k = 0; k < kinds.size(); ++k) {
         std::vector<double> errors;
         double sigma = 0.0, nees = 0.0, nis = 0.0, usable = 0.0;
@@ -145,7 +150,7 @@ PaperResult coloured(const PaperWork& w) {
             usable += all[job].usable ? 1.0 / runs : 0.0;
         }
         out.numbers.emplace_back(kinds[k].key, paper_rms(errors));
-        table.rows.push_back({kinds[k].key, {}, {{"noise", kinds[k].key}}, {paper_rms(errors), sigma, nees, nis, usable}});
+        table.rows.push_back({kinds[k].key, paper_rms(errors), sigma, nees, nis, usable});
         out.panels.push_back(error_panel(fmt::format("accelerometer noise: {}", kinds[k].key), all[k].course));
     }
     out.tables.push_back(std::move(table));
@@ -175,13 +180,13 @@ PaperResult figure_4(const PaperWork& w) {
     const GravityResponse r = response("10 m/s", w.seed);
     report::Panel gain{"amplitude", "frequency, Hz", "out / in"}, phase{"phase", "frequency, Hz", "lag, deg"};
     gain.time_axis = phase.time_axis = false;
-    report::ResultTable table{"period, s",
-                              {{"frequency_hz", "frequency, Hz"},
+    report::ResultTable table{"",
+                              {{"period_s", "period", "s", ".4g", ".6g"},
+                               {"frequency_hz", "frequency", "Hz"},
                                {"filter", "filter"},
-                               {"filter_lag_deg", "lag, deg"},
+                               {"filter_lag_deg", "its lag", "deg"},
                                {"smoother", "smoother"},
-                               {"smoother_lag_deg", "lag, deg"}},
-                              {}};
+                               {"smoother_lag_deg", "its lag", "deg"}}};
     std::vector<double> f, gf, pf, gs, ps;
     for (const GravityResponse::At& m : r.at) {
         f.push_back(1.0 / m.period);
@@ -189,10 +194,7 @@ PaperResult figure_4(const PaperWork& w) {
         gs.push_back(m.smoothed.gain);
         pf.push_back(m.forward.lag / units::deg);
         ps.push_back(m.smoothed.lag / units::deg);
-        table.rows.push_back({fmt::format("{:.4g}", m.period),
-                              {},
-                              {{"period_s", fmt::format("{:.6g}", m.period)}},
-                              {f.back(), gf.back(), pf.back(), gs.back(), ps.back()}});
+        table.rows.push_back({m.period, f.back(), gf.back(), pf.back(), gs.back(), ps.back()});
     }
     gain.series = {paper_curve("filter", f, gf, report::Ink::Vermillion), paper_curve("smoother", f, gs)};
     phase.series = {paper_curve("filter", f, pf, report::Ink::Vermillion), paper_curve("smoother", f, ps)};
@@ -206,11 +208,12 @@ PaperResult figure_4(const PaperWork& w) {
 PaperResult figure_5(const PaperWork& w) {
     PaperResult out;
     report::ResultTable table{
-        "error less its mean, mGal", {{"filter", "filter"}, {"corrected", "corrected"}, {"smoother", "smoother"}}, {}};
+        "error less its mean",
+        {{"speed", "speed"}, {"filter", "filter", "mGal"}, {"corrected", "corrected", "mGal"}, {"smoother", "smoother", "mGal"}}};
     for (const char* speed : {"1 m/s", "10 m/s"}) {
         const GravityResponse r = response(speed, w.seed);
         out.numbers.emplace_back(speed, r.corrected.corrected);
-        table.rows.push_back({speed, {}, {{"speed", speed}}, {r.corrected.forward, r.corrected.corrected, r.corrected.smoothed}});
+        table.rows.push_back({speed, r.corrected.forward, r.corrected.corrected, r.corrected.smoothed});
         report::Panel p{fmt::format("error of the vertical anomaly at {}", speed), "time, s", "mGal"};
         p.series = {
             paper_curve("filter", r.corrected.t, r.corrected.e_forward, report::Ink::Muted),

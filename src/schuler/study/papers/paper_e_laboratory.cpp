@@ -1,7 +1,9 @@
 // Paper E, figures 6 and 7: steps of gravity at rest.
+#include "schuler/analysis/ensemble.h"
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
 #include "schuler/gravimetry/classical.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/gravity/gravity.h"
 #include "schuler/study/papers/item.h"
 
@@ -75,22 +77,22 @@ PaperResult figure_6(const PaperWork& w) {
     const auto median = [&](std::size_t mode, double Levels::*field) {
         std::vector<double> x;
         for (std::size_t job = mode; job < all.size(); job += 2) x.push_back(all[job].*field);
-        return paper_median(x);
+        return analysis::quantiles_of(x).median;
     };
     PaperResult out;
     out.numbers = {{"phase", std::max(median(0, &Levels::error_before), median(0, &Levels::error_after))},
                    {"differential", std::max(median(1, &Levels::error_before), median(1, &Levels::error_after))},
                    {"step", median(0, &Levels::step)},
                    {"horizontal", median(0, &Levels::horizontal)}};
-    report::ResultTable table{
-        "median of the runs, mGal", {{"error_before", "error before"}, {"error_after", "error after"}, {"step", "step"}}, {}};
+    report::ResultTable table{"median of the runs",
+                              {{"mode", "mode"},
+                               {"error_before", "error before", "mGal"},
+                               {"error_after", "error after", "mGal"},
+                               {"step", "step", "mGal"}}};
     for (std::size_t mode = 0; mode < 2; ++mode) {
         const char* name = mode == 0 ? "phase" : "differential";
         table.rows.push_back(
-            {name,
-             {},
-             {{"mode", name}},
-             {median(mode, &Levels::error_before), median(mode, &Levels::error_after), median(mode, &Levels::step)}});
+            {name, median(mode, &Levels::error_before), median(mode, &Levels::error_after), median(mode, &Levels::step)});
         report::Panel p{fmt::format("figure 6 {}: {}", mode == 0 ? "a" : "b", name), "time, s", "mGal"};
         p.series = {paper_curve("anomaly", all[mode].t, all[mode].truth, report::Ink::Muted, report::Mark::Dashed),
                     paper_curve("estimate, smoothed over 400 s", all[mode].t, all[mode].estimate)};
@@ -143,7 +145,7 @@ PaperResult figure_7(const PaperWork& w) {
         first.push_back(one.first);
         second.push_back(one.second);
     }
-    out.numbers = {{"first", paper_median(first)}, {"second", paper_median(second)}};
+    out.numbers = {{"first", analysis::quantiles_of(first).median}, {"second", analysis::quantiles_of(second).median}};
     for (std::size_t k = 0; k < 2; ++k) {
         report::Panel p{k == 0 ? "first interval: 10 mGal" : "second interval: 9.5 mGal", "time, s", "mGal"};
         p.series = {paper_curve("estimate", t[k], x[k])};

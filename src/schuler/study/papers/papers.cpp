@@ -1,8 +1,10 @@
 #include "schuler/study/papers/papers.h"
 
 #include "schuler/core/error.h"
+#include "schuler/io/text/csv_field.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/toml_file.h"
 #include "schuler/study/papers/printed.h"
 #include "schuler/study/parts.h"
@@ -48,43 +50,29 @@ std::string share_of(const Row& r) {
     return printed == 0.0 ? short_number(difference, 3) : fmt::format("{:+.2g} %", 100.0 * difference / std::abs(printed));
 }
 
-std::size_t length_of(const std::string& text) {  // of UTF-8
-    return static_cast<std::size_t>(
-        std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-}
-
-/// Columns as wide as their longest cell, numbers to the right; the last as it is.
-std::string columns_text(const std::vector<std::vector<std::string>>& lines, std::size_t left) {
-    std::vector<std::size_t> width;
-    for (const auto& line : lines)
-        for (std::size_t i = 0; i < line.size(); ++i) {
-            if (width.size() <= i) width.push_back(0);
-            width[i] = std::max(width[i], length_of(line[i]));
-        }
-    std::string out;
-    for (const auto& line : lines) {
-        std::string text = " ";
-        for (std::size_t i = 0; i < line.size(); ++i) {
-            const std::string pad(width[i] - length_of(line[i]), ' ');
-            text += i < left || i + 1 == line.size() ? " " + line[i] + (i + 1 == line.size() ? "" : pad + " ")
-                                                     : " " + pad + line[i] + " ";
-        }
-        text.erase(text.find_last_not_of(' ') + 1);
-        out += text + "\n";
-    }
-    return out;
-}
-
-std::vector<std::vector<std::string>> cells_of(const Made& m) {
-    std::vector<std::vector<std::string>> out{{"quantity", "unit", "printed", "ours", "difference", "", ""}};
+/// What is printed beside what is made, for people, pages and comparison.csv.
+report::ResultTable comparison_of(const Made& m) {
+    report::ResultTable table{"",
+                              {{"key", ""},
+                               {"quantity", "quantity"},
+                               {"unit", "unit"},
+                               {"statement", "printed"},
+                               {"printed", ""},
+                               {"right", ""},
+                               {"ours", "ours", "", ".6g"},
+                               {"", "difference"},
+                               {"agreement", "agreement"},
+                               {"remark", ""},
+                               {"", "remark"}}};
     for (const Row& r : m.rows) {
-        std::string remark = r.agreement == Agreement::Agrees ? "" : r.printed->remark;
+        const PrintedValue& v = *r.printed;
+        std::string remark = r.agreement == Agreement::Agrees ? "" : v.remark;
         if (r.agreement == Agreement::Misprint || r.agreement == Agreement::Explained)
-            remark = "right: " + r.printed->right + "; " + remark;
-        out.push_back({r.printed->quantity, r.printed->unit, statement_of(*r.printed), short_number(r.ours, 6), share_of(r),
-                       name_of(r.agreement), remark});
+            remark = "right: " + v.right + "; " + remark;
+        table.rows.push_back({v.key, v.quantity, v.unit, statement_of(v), v.printed, v.right, r.ours, share_of(r),
+                              name_of(r.agreement), v.remark, remark});
     }
-    return out;
+    return table;
 }
 
 std::string heading_of(const Made& m) {
@@ -94,7 +82,7 @@ std::string heading_of(const Made& m) {
 
 std::string tables_of(const Made& m) {
     std::string out = heading_of(m);
-    if (!m.rows.empty()) out += columns_text(cells_of(m), 2);
+    if (!m.rows.empty()) out += report::table_text(comparison_of(m));
     for (const report::ResultTable& t : m.result.tables) out += "\n" + report::table_text(t);
     if (!m.result.notes.empty()) out += "\n" + m.result.notes;
     return out;
@@ -129,31 +117,13 @@ report::Json json_of(const Made& m) {
             {"place", m.printed->place}, {"runs", m.runs},       {"rows", rows},         {"plots", plots}};
 }
 
-std::string csv_field(const std::string& text) {
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-    return out + "\"";
-}
-
-std::string comparison_csv_of(const Made& m) {
-    std::string out = "key,quantity,unit,statement,printed,right,ours,agreement,remark\n";
-    for (const Row& r : m.rows) {
-        const PrintedValue& v = *r.printed;
-        out += fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_field(v.key), csv_field(v.quantity), v.unit,
-                           csv_field(statement_of(v)), v.printed, v.right,
-                           std::isfinite(r.ours) ? fmt::format("{:.9g}", r.ours) : "", name_of(r.agreement), csv_field(v.remark));
-    }
-    return out;
-}
-
 /// Every curve, a point a line; where a curve is broken, a line without y.
 std::string curves_csv_of(const Made& m) {
     std::string out = "plot,curve,x,y\n";
     for (const report::Panel& p : m.result.panels)
         for (const report::Series& s : p.series)
             for (std::size_t i = 0; i < s.x.size(); ++i)
-                out += fmt::format("{},{},{:.9g},{}\n", csv_field(p.title), csv_field(s.name), s.x[i],
+                out += fmt::format("{},{},{:.9g},{}\n", io::csv_field(p.title), io::csv_field(s.name), s.x[i],
                                    std::isfinite(s.y[i]) ? fmt::format("{:.9g}", s.y[i]) : "");
     return out;
 }
@@ -167,13 +137,7 @@ report::ReportInput page_of(const Made& m, const std::string& version) {
     page.cards.push_back({"Beside the paper", summary_of(m), {}});
     report::Section section{"Ours beside the printed", m.result.notes, {}};
     report::Group group;
-    if (!m.rows.empty()) {
-        auto cells = cells_of(m);
-        report::TableBlock block{"", cells.front(), {cells.begin() + 1, cells.end()}};
-        block.columns[5] = "agreement";
-        block.columns[6] = "remark";
-        group.tables.push_back(std::move(block));
-    }
+    if (!m.rows.empty()) group.tables.push_back(report::table_block(comparison_of(m)));
     group.panels = m.result.panels;
     for (const report::ResultTable& t : m.result.tables) group.tables.push_back(report::table_block(t));
     section.groups.push_back(std::move(group));
@@ -186,7 +150,7 @@ void write_made(const Made& m, const fs::path& folder, const std::string& versio
     const auto write = [&](const char* name, const std::string& text) {
         report::write_text(out.files.emplace_back(folder / name), text);
     };
-    write("comparison.csv", comparison_csv_of(m));
+    write("comparison.csv", report::table_csv(comparison_of(m)));
     if (!m.result.panels.empty()) write("curves.csv", curves_csv_of(m));
     for (std::size_t i = 0; i < m.result.tables.size(); ++i)
         write(i == 0 ? "table.csv" : fmt::format("table{}.csv", i + 1).c_str(), report::table_csv(m.result.tables[i]));
@@ -216,18 +180,19 @@ std::string time_of(const PaperItem& item) {
 report::Outcome listed(const PaperRequest& request) {
     report::Outcome out;
     report::Json rows = report::Json::array();
-    std::vector<std::vector<std::string>> lines{{"item", "page", "numbers", "takes", "what"}};
+    report::ResultTable table =
+        report::table_for_people(fmt::format("paper {}", request.paper), {"item", "page", "numbers", "takes", "what"});
     for (const PaperItem& item : paper_items()) {
         if (item.paper != request.paper) continue;
         const PrintedItem& printed = printed_item(item.paper, item.name);
-        lines.push_back({item.name, printed.page, fmt::format("{}", printed.values.size()), time_of(item), item.what});
+        table.rows.push_back({item.name, printed.page, printed.values.size(), time_of(item), item.what});
         // clang-format off
         rows.push_back({{"item", item.name}, {"what", item.what}, {"page", printed.page}, {"place", printed.place}, {"printed_numbers", printed.values.size()},
                         {"runs", item.runs}, {"seconds", item.runs > 0 ? item.seconds * static_cast<double>(item.runs) : item.seconds}});
         // clang-format on
     }
     out.tables =
-        fmt::format("paper {}\n", request.paper) + columns_text(lines, 1) +
+        report::table_text(table) +
         fmt::format(
             "\n`schuler paper {} ITEM [-o DIR]` makes one, `schuler paper {} all` all of them but the Monte Carlo campaigns\n",
             request.paper, request.paper);
@@ -254,14 +219,6 @@ settings::ScenarioConfig paper_scenario(std::string_view file, std::uint64_t see
     all.push_back({"seed", {static_cast<std::int64_t>(seed)}, {}});
     all.insert(all.end(), over.begin(), over.end());
     return settings::scenario_from(all);
-}
-
-double paper_median(std::vector<double> x) {
-    std::erase_if(x, [](double v) { return !std::isfinite(v); });
-    if (x.empty()) return std::nan("");
-    std::ranges::sort(x);
-    const std::size_t half = x.size() / 2;
-    return x.size() % 2 == 1 ? x[half] : 0.5 * (x[half - 1] + x[half]);
 }
 
 double paper_rms(const std::vector<double>& x) {

@@ -1,6 +1,7 @@
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/theory/analyze.h"
 #include "schuler/theory/ideal_operation.h"
@@ -28,10 +29,15 @@ report::Json error_object(const Vector6& x) {
     return out;
 }
 
-std::vector<std::string> cells(const Vector6& x) {
-    std::vector<std::string> out;
-    for (const double v : x) out.push_back(short_number(v));
-    return out;
+/// A column an error, after the one that names the row.
+report::ResultTable table_of_errors(std::string title, std::string first) {
+    report::ResultTable table{std::move(title), {{"", std::move(first)}}};
+    for (std::size_t i = 0; i < 6; ++i) table.columns.push_back({names[i], names[i], "", ".6g"});
+    return table;
+}
+void add_errors(report::ResultTable& table, std::string name, const Vector6& x) {
+    std::vector<report::Cell>& row = table.rows.emplace_back(std::vector<report::Cell>{std::move(name)});
+    row.insert(row.end(), x.begin(), x.end());
 }
 
 double period(double frequency) { return 2.0 * std::numbers::pi / frequency; }
@@ -54,16 +60,16 @@ std::string verdict(const EquatorFlight& flight, const SpeedLimits& limits) {
 }
 
 std::string limits_table(double height) {
-    std::string out = "limiting speeds, m/s            east        west\n";
+    report::ResultTable table{"limiting speeds",
+                              {{"", "height", "km", ".6g"}, {"", "east", "m/s", ".2f"}, {"", "west", "m/s", ".2f"}}};
     std::vector<double> heights{0.0, 1e4, 1e5, 1e6};
     if (std::ranges::find(heights, height) == heights.end()) heights.push_back(height);
     std::ranges::sort(heights);
     for (const double h : heights) {
         const SpeedLimits s = speed_limits(h);
-        out += table_line(fmt::format("  at {:.6g} km", h / 1000.0), 24,
-                          {fmt::format("{:.2f}", s.east), fmt::format("{:.2f}", s.west)}, 12);
+        table.rows.push_back({h / 1000.0, s.east, s.west});
     }
-    return out;
+    return report::table_text(table);
 }
 
 std::string description(const EquatorFlight& flight, double t, const Matrix6& P, const std::string& judged) {
@@ -83,45 +89,43 @@ std::string description(const EquatorFlight& flight, double t, const Matrix6& P,
             out += fmt::format("  root   {:.8g} {:+.8g}i 1/s\n", root.real(), root.imag());
     }
     out += "verdict: " + judged + "\n\n" + limits_table(flight.height());
-    out += fmt::format("\ntransition matrix P({:g} s): row = error then, column = error at the start\n", t);
-    out += table_line("", 10, {names.begin(), names.end()}, 14);
-    for (int i = 0; i < 6; ++i)
-        out += table_line(fmt::format("  {}", names[static_cast<std::size_t>(i)]), 10, cells(P.row(i).transpose()), 14);
-    return out;
+    report::ResultTable transition =
+        table_of_errors(fmt::format("transition matrix P({:g} s): row = error then, column = error at the start", t), "error");
+    for (Eigen::Index i = 0; i < 6; ++i) add_errors(transition, names[static_cast<std::size_t>(i)], P.row(i).transpose());
+    return out + "\n" + report::table_text(transition);
 }
 
 std::string error_table(const EquatorRequest& r, const Vector6& at, const Vector6& forced, const EquatorFlight::Oscillation& o) {
-    const bool misaligned = !r.misalignment.isZero(0.0);
-    std::vector<std::string> head{"start", fmt::format("at {:g} s", r.time), "amplitude", "phase, rad"};
-    if (misaligned) head.push_back("by misalignment");
-    std::string out = "\n" + table_line("error", 22, head, 16);
-    for (int i = 0; i < 6; ++i) {
-        std::vector<std::string> row{short_number(r.errors(i)), short_number(at(i)), short_number(o.amplitude(i)),
-                                     short_number(o.phase(i))};
-        if (misaligned) row.push_back(short_number(forced(i)));
-        out += table_line(std::string("  ") + labels[static_cast<std::size_t>(i)], 22, row, 16);
-    }
-    return out;
+    report::ResultTable table{"",
+                              {{"", "error"},
+                               {"", "start", "", ".6g"},
+                               {"", fmt::format("at {:g} s", r.time), "", ".6g"},
+                               {"", "amplitude", "", ".6g"},
+                               {"", "phase", "rad", ".6g"},
+                               {"", r.misalignment.isZero(0.0) ? "" : "by misalignment", "", ".6g"}}};
+    for (Eigen::Index i = 0; i < 6; ++i)
+        table.rows.push_back({labels[static_cast<std::size_t>(i)], r.errors(i), at(i), o.amplitude(i), o.phase(i), forced(i)});
+    return "\n" + report::table_text(table);
 }
 
 void add_paper(report::Outcome& out, report::Json& document) {
-    std::string text =
-        "what paper C prints and what its corrected equations give (docs/theory.md); * marks where the paper is off\n";
-    text +=
-        fmt::format("  {:<9}{:<5}{:<26}{:<7}{:>12}{:>17}  {}\n", "vehicle", "set", "quantity", "unit", "printed", "right", "");
-    report::Json rows = report::Json::array();
+    report::ResultTable table{
+        "what paper C prints and what its corrected equations give (docs/theory.md); * marks where the paper is off",
+        {{"", "vehicle"},
+         {"vehicle", ""},
+         {"set", "set"},
+         {"quantity", "quantity"},
+         {"unit", "unit"},
+         {"printed", "printed"},
+         {"right", "right", "", ".8g"},
+         {"agrees", ""},
+         {"remark", "remark"}}};
     constexpr std::array<const char*, 4> sets{"", "I", "II", "III"};
-    for (const PaperEntry& e : paper_tables()) {
-        const char* set = sets[static_cast<std::size_t>(e.set)];
-        text += fmt::format("{} {:<9}{:<5}{:<26}{:<7}{:>12}{:>17.8g}  {}\n", e.agrees ? " " : "*", e.vehicle, set, e.quantity,
-                            e.unit, e.printed, e.right, e.remark);
-        // clang-format off
-        rows.push_back({{"vehicle", e.vehicle}, {"set", set}, {"quantity", e.quantity}, {"unit", e.unit}, {"printed", e.printed},
-                        {"right", e.right}, {"agrees", e.agrees}, {"remark", e.remark}});
-        // clang-format on
-    }
-    out.tables += text;
-    document["paper"] = rows;
+    for (const PaperEntry& e : paper_tables())
+        table.rows.push_back({fmt::format("{} {}", e.agrees ? " " : "*", e.vehicle), e.vehicle,
+                              sets[static_cast<std::size_t>(e.set)], e.quantity, e.unit, e.printed, e.right, e.agrees, e.remark});
+    out.tables += report::table_text(table);
+    document["paper"] = report::table_json(table);
 }
 
 /// Panels of one error: three solutions, and what they differ by.
@@ -175,10 +179,12 @@ void add_comparison(const EquatorRequest& r, report::Outcome& out, report::Json&
         for (const Comparison& c : rows) analytic.push_back(flight.transition(c.t) * r.errors);
     }
     report::Json list = report::Json::array();
-    std::string text = fmt::format("\ncomplete equations (two integrations), linear equations, closed form{}\n",
-                                   !on_equator   ? ": none away from the equator"
-                                   : r.ellipsoid ? " (of the sphere)"
-                                                 : "");
+    report::ResultTable table =
+        table_of_errors(fmt::format("complete equations (two integrations), linear equations, closed form{}",
+                                    !on_equator   ? ": none away from the equator"
+                                    : r.ellipsoid ? " (of the sphere)"
+                                                  : ""),
+                        "time and equations");
     report::ReportInput page{"Errors of a strapdown INS, three ways",
                              fmt::format("{:g} m/s east, {:g} m/s north, latitude {:g} deg, height {:g} m", r.speed,
                                          r.north_speed, r.latitude_deg, r.height)};
@@ -191,18 +197,18 @@ void add_comparison(const EquatorRequest& r, report::Outcome& out, report::Json&
                          {"nonlinear", error_object(rows[k].nonlinear)},
                          {"linear", error_object(rows[k].linear)},
                          {"analytic", nullptr}};
-        text += table_line(fmt::format("  {:g} s", rows[k].t), 18, {names.begin(), names.end()}, 14);
-        text += table_line("    complete", 18, cells(rows[k].nonlinear), 14) +
-                table_line("    linear", 18, cells(rows[k].linear), 14);
+        const std::string at = fmt::format("{:g} s: ", rows[k].t);
+        add_errors(table, at + "complete", rows[k].nonlinear);
+        add_errors(table, at + "linear", rows[k].linear);
         if (on_equator) {
             row["analytic"] = error_object(analytic[k]);
-            text += table_line("    closed form", 18, cells(analytic[k]), 14);
+            add_errors(table, at + "closed form", analytic[k]);
         }
         list.push_back(row);
     }
     for (std::size_t i = 0; i < 6; ++i) add_panels(section, rows, analytic, i);
     page.sections.push_back(section);
-    out.tables += text;
+    out.tables += "\n" + report::table_text(table);
     document["compare"] = list;
     write_report(out, r.output.empty() ? std::filesystem::path("out/equator") : r.output, page);
 }

@@ -4,6 +4,7 @@
 #include "schuler/gravimetry/observability.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 
 #include <fmt/format.h>
@@ -73,8 +74,8 @@ report::Json papers_cases(const ObservabilityRequest& r, std::string& text) {
                                Case{"1 m/s north and east, exact", "", 1.0, 0.0, false, false},
                                Case{"constant course against north, exact", "", 1.0, 0.0, false, true},
                                Case{"model frozen", "", 1.0, 0.0, true, false}};
-    text += fmt::format("paper E, section on observability; constant disturbance\n  {:<44}{:>6}{:>8}\n", "case", "rank", "paper");
-    report::Json rows = report::Json::array();
+    report::ResultTable table{"paper E, section on observability; constant disturbance",
+                              {{"case", "case"}, {"rank", "rank"}, {"paper", "paper"}}};
     for (const Case& c : cases) {
         ObservabilityRequest one = r;
         one.vn = one.ve = c.v;
@@ -82,10 +83,10 @@ report::Json papers_cases(const ObservabilityRequest& r, std::string& text) {
         one.frozen = c.frozen;
         one.rhumb = c.rhumb;
         const Observability o = gravimetry::observability({}, motion_of(one), c.tolerance);
-        text += fmt::format("  {:<44}{:>6}{:>8}\n", c.name, o.rank, c.paper);
-        rows.push_back({{"case", c.name}, {"rank", o.rank}, {"paper", c.paper}});
+        table.rows.push_back({c.name, o.rank, c.paper});
     }
-    return rows;
+    text += report::table_text(table);
+    return report::table_json(table);
 }
 
 }  // namespace

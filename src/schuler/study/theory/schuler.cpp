@@ -1,6 +1,7 @@
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/theory/analyze.h"
 #include "schuler/theory/modes.h"
@@ -15,40 +16,37 @@ namespace {
 
 using namespace theory;
 
-/// Errors as shown: keys of JSON, titles and units of tables.
+/// Errors as shown: keys of JSON, headings and units of tables.
 struct Shown {
-    const char* key;
-    const char* title;
+    const char *key, *heading, *unit_name;
     LevelError index;
     double unit;
 };
-constexpr std::array<Shown, 9> shown{{{"east_m", "east, m", d_lon, 1.0},
-                                      {"north_m", "north, m", d_lat, 1.0},
-                                      {"up_m", "up, m", d_h, 1.0},
-                                      {"v_east_m_s", "v east, m/s", d_ve, 1.0},
-                                      {"v_north_m_s", "v north, m/s", d_vn, 1.0},
-                                      {"v_up_m_s", "v up, m/s", d_vu, 1.0},
-                                      {"about_east_arcsec", "about E, \"", a_e, units::arcsec},
-                                      {"about_north_arcsec", "about N, \"", a_n, units::arcsec},
-                                      {"about_up_arcsec", "about U, \"", a_u, units::arcsec}}};
+constexpr std::array<Shown, 9> shown{{{"east_m", "east", "m", d_lon, 1.0},
+                                      {"north_m", "north", "m", d_lat, 1.0},
+                                      {"up_m", "up", "m", d_h, 1.0},
+                                      {"v_east_m_s", "v east", "m/s", d_ve, 1.0},
+                                      {"v_north_m_s", "v north", "m/s", d_vn, 1.0},
+                                      {"v_up_m_s", "v up", "m/s", d_vu, 1.0},
+                                      {"about_east_arcsec", "about east", "arcsec", a_e, units::arcsec},
+                                      {"about_north_arcsec", "about north", "arcsec", a_n, units::arcsec},
+                                      {"about_up_arcsec", "about up", "arcsec", a_u, units::arcsec}}};
 constexpr int samples = 2000;
-
-std::string short_cell(double x) { return short_number(x, 5); }
 
 report::Json object(const Vector9& x) {
     report::Json out;
     for (const Shown& s : shown) out[s.key] = report::json_number(x(s.index) / s.unit);
     return out;
 }
-std::vector<std::string> cells(const Vector9& x) {
-    std::vector<std::string> out;
-    for (const Shown& s : shown) out.push_back(short_cell(x(s.index) / s.unit));
-    return out;
+/// A column an error, after those that name the row.
+report::ResultTable table_of_errors_shown(std::string title, std::vector<report::TableColumn> first) {
+    report::ResultTable table{std::move(title), std::move(first)};
+    for (const Shown& e : shown) table.columns.push_back({e.key, e.heading, e.unit_name, ".5g"});
+    return table;
 }
-std::vector<std::string> titles() {
-    std::vector<std::string> out;
-    for (const Shown& s : shown) out.emplace_back(s.title);
-    return out;
+void add_errors_shown(report::ResultTable& table, std::vector<report::Cell> first, const Vector9& x) {
+    std::vector<report::Cell>& row = table.rows.emplace_back(std::move(first));
+    for (const Shown& e : shown) row.emplace_back(x(e.index) / e.unit);
 }
 
 std::string duration(double seconds) {
@@ -181,18 +179,16 @@ void add_cases(const SchulerRequest& r, report::Outcome& out, report::Json& docu
     SchulerRequest still = r;
     still.v_enu.setZero();
     still.vertical = "fixed";
-    std::string text =
-        fmt::format("paper A, section 4.1, at rest, height held; whole model at latitude {:g} deg; metres\n", r.latitude_deg);
-    text += fmt::format("  {:<44}{:>11}{:>13}   {}\n", "case", "pendulum", "whole model", "the paper");
-    report::Json rows = report::Json::array();
-    for (const Case& c : paper_cases(flight_of(still))) {
-        text += fmt::format("  {:<44}{:>11}{:>13.1f}   {}\n", c.what,
-                            std::isfinite(c.pendulum) ? fmt::format("{:.1f}", c.pendulum) : "-", c.whole, c.paper);
-        rows.push_back(
-            {{"case", c.what}, {"paper", c.paper}, {"pendulum_m", report::json_number(c.pendulum)}, {"whole_model_m", c.whole}});
-    }
-    out.tables += text;
-    document["paper"] = rows;
+    report::ResultTable table{
+        fmt::format("paper A, section 4.1, at rest, height held; whole model at latitude {:g} deg", r.latitude_deg),
+        {{"case", "case"},
+         {"paper", ""},
+         {"pendulum_m", "pendulum", "m", ".1f"},
+         {"whole_model_m", "whole model", "m", ".1f"},
+         {"", "the paper"}}};
+    for (const Case& c : paper_cases(flight_of(still))) table.rows.push_back({c.what, c.paper, c.pendulum, c.whole, c.paper});
+    out.tables += report::table_text(table);
+    document["paper"] = report::table_json(table);
 }
 
 void add_report(const SchulerRequest& r, const std::vector<ErrorsAt>& history, report::Outcome& out) {
@@ -222,15 +218,13 @@ void add_report(const SchulerRequest& r, const std::vector<ErrorsAt>& history, r
 }
 
 std::string modes_text(const ModalAnalysis& m) {
-    std::string out = fmt::format("  {:<27}{:>12}{:>12}", "mode", "period", "e-fold");
-    out += table_line("", 0, titles(), 13);
-    for (const Mode& mode : m.modes) {
-        out += fmt::format("  {:<27}{:>12}{:>12}", mode.name, duration(period_of(mode)), duration(e_fold_of(mode)));
-        out += table_line("", 0, cells(mode.amplitude), 13);
-    }
-    out += fmt::format("  {:<51}", "constant part") + table_line("", 0, cells(m.offset), 13);
-    out += fmt::format("  {:<51}{:>13}\n", "growing evenly, m/h", short_cell(m.drift(d_lon) * units::hour));
-    return out;
+    report::ResultTable table = table_of_errors_shown("modes, and the amplitudes that these errors give them",
+                                                      {{"", "mode"}, {"", "period"}, {"", "e-fold"}});
+    for (const Mode& mode : m.modes)
+        add_errors_shown(table, {mode.name, duration(period_of(mode)), duration(e_fold_of(mode))}, mode.amplitude);
+    add_errors_shown(table, {"constant part", {}, {}}, m.offset);
+    table.rows.push_back({"growing evenly, an hour", {}, {}, m.drift(d_lon) * units::hour});
+    return report::table_text(table);
 }
 
 std::string foucault_text(const ModalAnalysis& m) {
@@ -271,14 +265,13 @@ report::Outcome analysis(const SchulerRequest& r) {
                                  r.vertical == "fixed"  ? "held"
                                  : r.vertical == "free" ? "free"
                                                         : "by a barometer loop of " + r.vertical + " order");
-        out.tables += "modes, and the amplitudes that these errors give them\n" + modes_text(m) + foucault_text(m);
+        out.tables += modes_text(m) + foucault_text(m);
         out.tables += vertical_text(analysis, r.baro_time);
-        out.tables += fmt::format("errors\n  {:<51}", "") + table_line("", 0, titles(), 13);
-        out.tables +=
-            fmt::format("  {:<51}", fmt::format("at {:g} s", r.time)) + table_line("", 0, cells(history.back().errors), 13);
-        out.tables +=
-            fmt::format("  {:<51}", fmt::format("largest up to {:g} s", r.time)) + table_line("", 0, cells(largest), 13);
-        out.tables += fmt::format("  largest horizontal distance {} m\n", short_cell(farthest));
+        report::ResultTable table = table_of_errors_shown("", {{"", "errors"}});
+        add_errors_shown(table, {fmt::format("at {:g} s", r.time)}, history.back().errors);
+        add_errors_shown(table, {fmt::format("largest up to {:g} s", r.time)}, largest);
+        out.tables += report::table_text(table);
+        out.tables += fmt::format("  largest horizontal distance {} m\n", short_number(farthest, 5));
     }
     report::Json modes = report::Json::array();
     for (const Mode& mode : m.modes)

@@ -3,6 +3,7 @@
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/studies.h"
 #include "schuler/study/triad/triad.h"
@@ -60,22 +61,28 @@ double deviation(const Done& d) {
                              : not_given;
 }
 
-constexpr std::array<const char*, 9> column_titles{"pooled, m", "+-",       "predicted", "ref. pooled", "ref. pred.",
-                                                   "sigmas",    "vertical", "at 600 s",  "NEES 3/9"};
+double reference_of(const Done& d, double TriadReference::*field) {
+    return d.which.reference ? (*d.which.reference).*field : not_given;
+}
 
-std::vector<std::string> cells(const Done& d) {
-    const TriadStatistics& s = d.statistics;
-    const TriadReference none{not_given, not_given, not_given, not_given, not_given, not_given, not_given};
-    const TriadReference& r = d.which.reference ? *d.which.reference : none;
-    return {short_number(s.pooled, 3),
-            short_number(d.standard_error, 2),
-            short_number(s.predicted, 3),
-            short_number(r.pooled, 3),
-            short_number(r.predicted, 3),
-            short_number(deviation(d), 2),
-            short_number(s.vertical, 3),
-            short_number(s.end, 3),
-            fmt::format("{:.2f}/{:.2f}", s.nees3, s.nees9)};
+/// For people, and triad.csv.
+report::ResultTable table_of_cases(std::string title, const std::vector<Done>& all) {
+    using report::Cell;
+    // clang-format off
+    static const std::vector<report::ColumnOf<Done>> columns{
+        {{"case", "case"}, [](const Done& d) { return Cell(d.which.name); }},
+        {{"pooled_m", "pooled", "m", ".3g", ".6g"}, [](const Done& d) { return Cell(d.statistics.pooled); }},
+        {{"standard_error_m", "+-", "m", ".2g", ".6g"}, [](const Done& d) { return Cell(d.standard_error); }},
+        {{"predicted_m", "predicted", "m", ".3g", ".6g"}, [](const Done& d) { return Cell(d.statistics.predicted); }},
+        {{"reference_pooled_m", "reference pooled", "m", ".3g", ".6g"}, [](const Done& d) { return Cell(reference_of(d, &TriadReference::pooled)); }},
+        {{"reference_predicted_m", "predicted", "m", ".3g", ".6g"}, [](const Done& d) { return Cell(reference_of(d, &TriadReference::predicted)); }},
+        {{"", "sigmas", "", ".2g"}, [](const Done& d) { return Cell(deviation(d)); }},
+        {{"", "vertical", "m", ".3g"}, [](const Done& d) { return Cell(d.statistics.vertical); }},
+        {{"", "at 600 s", "m", ".3g"}, [](const Done& d) { return Cell(d.statistics.end); }},
+        {{"nees_position", "NEES/3", "", ".2f", ".6g"}, [](const Done& d) { return Cell(d.statistics.nees3); }},
+        {{"nees_nine", "NEES/9", "", ".2f", ".6g"}, [](const Done& d) { return Cell(d.statistics.nees9); }}};
+    // clang-format on
+    return report::table_of<Done>(std::move(title), columns, all);
 }
 
 report::Json json_of(const Done& d) {
@@ -117,21 +124,12 @@ double ratio_of(const std::vector<Done>& all) {
     return not_given;
 }
 
-void write_files(const TriadRequest& request, const std::vector<Done>& all, report::Outcome& out) {
+void write_files(const TriadRequest& request, const std::vector<Done>& all, const report::ResultTable& table,
+                 report::Outcome& out) {
     out.folder = request.output;
     report::make_folder(out.folder);
-    std::string table =
-        "case,pooled_m,standard_error_m,predicted_m,reference_pooled_m,reference_predicted_m,nees_position,nees_nine\n";
     std::string course = "time_s";
-    for (const Done& d : all) {
-        const auto given = [&](double TriadReference::*field) {
-            return d.which.reference ? fmt::format("{:.6g}", (*d.which.reference).*field) : std::string();
-        };
-        table += fmt::format("{},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g}\n", d.which.name, d.statistics.pooled, d.standard_error,
-                             d.statistics.predicted, given(&TriadReference::pooled), given(&TriadReference::predicted),
-                             d.statistics.nees3, d.statistics.nees9);
-        course += fmt::format(",{0} observed_m,{0} predicted_m", d.which.name);
-    }
+    for (const Done& d : all) course += fmt::format(",{0} observed_m,{0} predicted_m", d.which.name);
     report::ReportInput page{"The triad of paper D",
                              fmt::format("{} runs of each case from seed {}", request.runs, request.seed)};
     page.version = request.version;
@@ -149,9 +147,10 @@ void write_files(const TriadRequest& request, const std::vector<Done>& all, repo
         panel.series.push_back({"predicted", t, d.course.predicted, report::Ink::Vermillion, report::Mark::Dashed});
         section.groups.push_back({"", {panel}, {}});
     }
+    section.groups.push_back({"", {}, {report::table_block(table)}});
     page.sections.push_back(section);
     const std::pair<const char*, std::string> files[] = {
-        {"triad.csv", table}, {"course.csv", course + "\n"}, {"summary.json", out.json}};
+        {"triad.csv", report::table_csv(table)}, {"course.csv", course + "\n"}, {"summary.json", out.json}};
     for (const auto& [name, text] : files) report::write_text(out.files.emplace_back(out.folder / name), text);
     write_report(out, out.folder, page);
 }
@@ -173,14 +172,13 @@ report::Outcome analyze_triad(const TriadRequest& request) {
         all.push_back(finished(which, runs));
     }
     report::Outcome out;
-    out.tables = fmt::format("paper D's triad, {} runs of each case from seed {}; horizontal, 300 to 600 s after the loss\n",
-                             request.runs, request.seed);
-    out.tables += table_line("case", 34, {column_titles.begin(), column_titles.end()}, 12);
+    const report::ResultTable table =
+        table_of_cases(fmt::format("paper D's triad, {} runs of each case from seed {}; horizontal, 300 to 600 s after the loss",
+                                   request.runs, request.seed),
+                       all);
+    out.tables = report::table_text(table);
     report::Json rows = report::Json::array();
-    for (const Done& d : all) {
-        out.tables += table_line(d.which.name, 34, cells(d), 12);
-        rows.push_back(json_of(d));
-    }
+    for (const Done& d : all) rows.push_back(json_of(d));
     const double ratio = ratio_of(all);
     if (std::isfinite(ratio)) out.tables += fmt::format("c/e at 600 s: {:.2f} (paper D and math.md: about 5)\n", ratio);
     for (const Done& d : all)
@@ -190,7 +188,7 @@ report::Outcome analyze_triad(const TriadRequest& request) {
     out.tables += "+-: standard error of the runs here; sigmas: difference from the reference, whose 48 runs scatter likewise\n";
     out.json = report::text_of(report::Json{
         {"runs", request.runs}, {"seed", request.seed}, {"ratio_c_e_at_600_s", report::json_number(ratio)}, {"rows", rows}});
-    if (!request.output.empty()) write_files(request, all, out);
+    if (!request.output.empty()) write_files(request, all, table, out);
     return out;
 }
 

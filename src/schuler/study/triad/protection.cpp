@@ -8,14 +8,17 @@
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/triad/triad.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <span>
 
 namespace schuler::study {
 namespace {
@@ -72,25 +75,28 @@ void judge(ProtectionTrial& trial, double t, const std::array<double, 2>& error,
     }
 }
 
-/// Events in trials with their bounds, as text and as JSON.
+/// Events in trials.
 struct Share {
+    const char *key, *title;  ///< without a key: for people alone
     std::size_t events = 0, trials = 0;
-    [[nodiscard]] double value() const {
-        return trials > 0 ? static_cast<double>(events) / static_cast<double>(trials) : not_given;
-    }
-    [[nodiscard]] std::string text() const {
-        const auto [low, high] = math::binomial_bounds(events, trials, 0.95);
-        return fmt::format("{} of {}: {:.2e} ({:.2e} to {:.2e})", events, trials, value(), low, high);
-    }
-    [[nodiscard]] report::Json json() const {
-        const auto [low, high] = math::binomial_bounds(events, trials, 0.95);
-        return {{"events", events},
-                {"trials", trials},
-                {"share", report::json_number(value())},
-                {"low95", report::json_number(low)},
-                {"high95", report::json_number(high)}};
-    }
 };
+
+/// With the bounds of the shares.
+report::ResultTable table_of_shares(std::string title, std::span<const Share> shares) {
+    report::ResultTable table{std::move(title),
+                              {{"", "faults and flights"},
+                               {"events", "events"},
+                               {"trials", "of"},
+                               {"share", "share", "", ".2e"},
+                               {"low95", "95 %: from", "", ".2e"},
+                               {"high95", "to", "", ".2e"}}};
+    for (const Share& s : shares) {
+        const auto [low, high] = math::binomial_bounds(s.events, s.trials, 0.95);
+        const double share = s.trials > 0 ? static_cast<double>(s.events) / static_cast<double>(s.trials) : not_given;
+        table.rows.push_back({s.title, s.events, s.trials, share, low, high});
+    }
+    return table;
+}
 
 std::string csv_of(const std::vector<ProtectionTrial>& trials) {
     std::string text =
@@ -141,10 +147,19 @@ report::Outcome analyze_protection(const ProtectionRequest& request) {
         request.runs, request.jobs,
         [&](std::size_t j) { trials[j] = run_protection_trial(j, request.seed, request.kind, request.settings); },
         request.progress);
-    Share false_alarms, alarms, right, excluded, neither, misleading, misleading_epochs, horizontal, vertical, late;
+    const std::size_t n = trials.size();
+    std::array shares{Share{"misleading_epochs", "misleading epochs (error above its level, no alarm)"},
+                      Share{"misleading_faults", "faults with a misleading epoch", 0, n},
+                      Share{"", "  horizontally", 0, n},
+                      Share{"", "  vertically", 0, n},
+                      Share{"late_faults", "faults with an error above its level after the alarm", 0, n},
+                      Share{"alarms", "faults that raised an alarm", 0, n},
+                      Share{"named_rightly", "  of these named rightly"},
+                      Share{"excluded", "faults with ranges left out within 3 s", 0, n},
+                      Share{"unnoticed", "faults neither left out nor alarmed", 0, n},
+                      Share{"false_alarms", "flights with a false alarm before the fault", 0, n}};
+    auto& [misleading_epochs, misleading, horizontal, vertical, late, alarms, right, excluded, neither, false_alarms] = shares;
     double level_horizontal = 0.0, level_vertical = 0.0, worst_horizontal = 0.0, worst_vertical = 0.0;
-    for (Share* s : {&false_alarms, &alarms, &excluded, &neither, &misleading, &horizontal, &vertical, &late})
-        s->trials = trials.size();
     for (const ProtectionTrial& t : trials) {
         false_alarms.events += t.alarm_before;
         alarms.events += t.alarm;
@@ -165,41 +180,25 @@ report::Outcome analyze_protection(const ProtectionRequest& request) {
     }
     report::Outcome out;
     const auto [twice, ramp] = request.kind;
-    out.tables = fmt::format(
-        "{} {} of {:g} to {:g} {}, navigation grade, all satellites in view; stated risk {:g} an epoch\n", request.runs,
-        twice  ? (ramp ? "double ramps" : "double faults")
-        : ramp ? "ramps"
-               : "single faults",
-        ramp ? least_ramp : least_size, ramp ? most_ramp : most_size, ramp ? "m/s" : "m", request.settings.missed_detection);
-    const std::pair<const char*, const Share*> lines[] = {
-        {"misleading epochs (error above its level, no alarm)", &misleading_epochs},
-        {"faults with a misleading epoch", &misleading},
-        {"  horizontally", &horizontal},
-        {"  vertically", &vertical},
-        {"faults with an error above its level after the alarm", &late},
-        {"faults that raised an alarm", &alarms},
-        {"  of these named rightly", &right},
-        {"faults with ranges left out within 3 s", &excluded},
-        {"faults neither left out nor alarmed", &neither},
-        {"flights with a false alarm before the fault", &false_alarms}};
+    const report::ResultTable table = table_of_shares(
+        fmt::format("{} {} of {:g} to {:g} {}, navigation grade, all satellites in view; stated risk {:g} an epoch", request.runs,
+                    twice  ? (ramp ? "double ramps" : "double faults")
+                    : ramp ? "ramps"
+                           : "single faults",
+                    ramp ? least_ramp : least_size, ramp ? most_ramp : most_size, ramp ? "m/s" : "m",
+                    request.settings.missed_detection),
+        shares);
+    out.tables = report::table_text(table);
+    out.tables += fmt::format(
+        "  mean level {:.1f} m horizontally, {:.1f} m vertically; largest error over its level without alarm {:.2f}, {:.2f}\n",
+        level_horizontal, level_vertical, worst_horizontal, worst_vertical);
     report::Json json{{"runs", request.runs},
                       {"double", twice},
                       {"ramp", ramp},
                       {"missed_detection", request.settings.missed_detection},
                       {"false_alarm", request.settings.false_alarm}};
-    for (const auto& [title, share] : lines) out.tables += fmt::format("  {:<54}{}\n", title, share->text());
-    out.tables += fmt::format(
-        "  mean level {:.1f} m horizontally, {:.1f} m vertically; largest error over its level without alarm {:.2f}, {:.2f}\n",
-        level_horizontal, level_vertical, worst_horizontal, worst_vertical);
-    const std::pair<const char*, const Share*> fields[] = {{"misleading_epochs", &misleading_epochs},
-                                                           {"misleading_faults", &misleading},
-                                                           {"late_faults", &late},
-                                                           {"alarms", &alarms},
-                                                           {"named_rightly", &right},
-                                                           {"excluded", &excluded},
-                                                           {"unnoticed", &neither},
-                                                           {"false_alarms", &false_alarms}};
-    for (const auto& [key, share] : fields) json[key] = share->json();
+    for (std::size_t i = 0; i < shares.size(); ++i)
+        if (*shares[i].key != '\0') report::put_row(json[shares[i].key], table.columns, table.rows[i]);
     json["level_m"] = {{"horizontal", level_horizontal}, {"vertical", level_vertical}};
     json["worst_ratio"] = {{"horizontal", worst_horizontal}, {"vertical", worst_vertical}};
     out.json = report::text_of(json);

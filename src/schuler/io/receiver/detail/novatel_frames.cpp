@@ -1,5 +1,7 @@
 #include "schuler/io/receiver/detail/novatel_frames.h"
 
+#include "schuler/io/text/split.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,16 +16,6 @@ constexpr std::size_t short_header = 12, long_header = 28, crc_size = 4;
 
 int digit_of(char c) {
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
-
-void split(std::string_view text, std::vector<std::string_view>& cells) {
-    cells.clear();
-    while (true) {
-        const std::size_t end = text.find(',');
-        cells.push_back(text.substr(0, end));
-        if (end == std::string_view::npos) return;
-        text.remove_prefix(end + 1);
-    }
 }
 
 /// Numbers of the logs of raw measurements, by which ASCII and binary are read alike.
@@ -97,7 +89,7 @@ public:
         const std::string_view content = text.substr(1, star - 1);
         const std::size_t semicolon = content.find(';'), used = star + 9;
         if (semicolon == std::string_view::npos) return used;
-        split(content.substr(0, semicolon), header_);
+        header_ = split<std::string_view>(content.substr(0, semicolon), ',');
         const std::size_t week_at = text[0] == '%' ? 1 : 5;
         if (header_.size() < week_at + 2) return used;
         message_.name = header_[0];
@@ -112,7 +104,7 @@ public:
         message_.id = id_of(message_.name);
         message_.ns = novatel_time(number_from(header_[week_at]), number_from(header_[week_at + 1]));
         message_.payload = {};
-        split(content.substr(semicolon + 1), message_.cells);
+        message_.cells = split<std::string_view>(content.substr(semicolon + 1), ',');
         go_on = take_(message_);
         return used;
     }

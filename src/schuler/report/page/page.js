@@ -1,11 +1,3 @@
-#include "schuler/report/detail/page_assets.h"
-
-namespace schuler::report::detail {
-
-// The curves' numbers are read back from the path data (hundredths of a px), so that nothing is in the file twice. A view is
-// [x0, x1, y0, y1] in axis units, log10 on a logarithmic axis; zooming is a transform of the curves and new ticks.
-std::string_view page_script() {
-    return R"js(
 'use strict';
 (() => {
 const make = (name, attributes, text) => {
@@ -321,7 +313,3 @@ document.documentElement.classList.add('js');
 const hint = document.querySelector('.hint');
 if (hint && panels.length) hint.classList.remove('hidden');
 })();
-)js";
-}
-
-}  // namespace schuler::report::detail

@@ -1,0 +1,17 @@
+// Text as a field of CSV.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace schuler::io {
+
+/// In quotation marks where it would otherwise not be one field.
+[[nodiscard]] inline std::string csv_field(std::string_view text) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+    std::string out = "\"";
+    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+}
+
+}  // namespace schuler::io
