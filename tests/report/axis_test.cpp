@@ -1,5 +1,6 @@
 // Ticks and ranges of the axes; numbers and text as printed.
 #include "schuler/report/detail/axis.h"
+#include "schuler/io/text/xml_text.h"
 #include "schuler/report/detail/markup.h"
 
 #include <gtest/gtest.h>
@@ -92,13 +93,13 @@ TEST(ReportText, Numbers) {
 
 TEST(ReportText, EscapesMarkupAndReplacesWhatIsNotText) {
     const std::string bad = "\xef\xbf\xbd";
-    EXPECT_EQ(io::xml_text("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
-    EXPECT_EQ(io::xml_text("±3σ µg 𝛘\t\r\n"), "±3σ µg 𝛘\t\n");
-    EXPECT_EQ(io::xml_text(std::string("a\0b\x1b\x7f", 5)), "a" + bad + "b" + bad + bad);
-    EXPECT_EQ(io::xml_text("\xff\xc3"), bad + bad);                      // no lead byte; cut off at the end
-    EXPECT_EQ(io::xml_text("\xc0\xbc"), bad + bad);                      // '<' in an overlong form
-    EXPECT_EQ(io::xml_text("\xed\xa0\x80"), bad + bad + bad);            // a surrogate
-    EXPECT_EQ(io::xml_text("\xf4\x90\x80\x80"), bad + bad + bad + bad);  // beyond Unicode
+    EXPECT_EQ(schuler::io::xml_text("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
+    EXPECT_EQ(schuler::io::xml_text("±3σ µg 𝛘\t\r\n"), "±3σ µg 𝛘\t\n");
+    EXPECT_EQ(schuler::io::xml_text(std::string("a\0b\x1b\x7f", 5)), "a" + bad + "b" + bad + bad);
+    EXPECT_EQ(schuler::io::xml_text("\xff\xc3"), bad + bad);                      // no lead byte; cut off at the end
+    EXPECT_EQ(schuler::io::xml_text("\xc0\xbc"), bad + bad);                      // '<' in an overlong form
+    EXPECT_EQ(schuler::io::xml_text("\xed\xa0\x80"), bad + bad + bad);            // a surrogate
+    EXPECT_EQ(schuler::io::xml_text("\xf4\x90\x80\x80"), bad + bad + bad + bad);  // beyond Unicode
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "schuler/analysis/errors.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/report.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/comparison.h"
