@@ -52,7 +52,9 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
         best = std::max(best, weight[i]);
         n += 1.0;
     }
-    if (n < 0.5 * static_cast<double>(forward.size())) return estimate;
+    // Wheels roll along their axis, backwards for a while; what may fly sideways shows its nose only where it hardly does.
+    const double least = settings.vehicle == VehicleKind::Car ? 0.5 : 0.8;
+    if (n < least * static_cast<double>(forward.size())) return estimate;
     const Vector3d x = sum.normalized();
     const Vector3d z = (down - down.dot(x) * x).normalized();
     estimate.C_vb << x.transpose(), z.cross(x).transpose(), z.transpose();

@@ -44,6 +44,7 @@ constexpr std::array table{
     // of start-up and of the logs (warnings)
     Row{"start.heading", Gravity::Care},
     Row{"forward.supposed", Gravity::Care},
+    Row{"mounting", Gravity::Care},  // not found: forward is supposed
     Row{"loop.open", Gravity::Care},
     Row{"time.overlap", Gravity::Care},
     Row{"imu.saturated", Gravity::DoNotUse},  // so often that the log does not hold the motion
