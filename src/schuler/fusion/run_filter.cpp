@@ -207,9 +207,10 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
             data.still = find_still(data.imu, recording, data.events, settings);
             start = find_start(data, settings, findings, heard);
         } else {
-            warnings.add("mounting",
-                         "the mounting of the IMU cannot be found: the vehicle hardly moves, or not in one direction of its own; the axes of "
-                         "the IMU are taken as the vehicle's, and the vehicle constraint is left out");
+            warnings.add(
+                "mounting",
+                "the mounting of the IMU cannot be found: the vehicle hardly moves, or not in one direction of its own; the axes of "
+                "the IMU are taken as the vehicle's, and the vehicle constraint is left out");
             settings.aids.nonholonomic = settings.aids.nonholonomic_auto = false;
         }
     }
