@@ -103,7 +103,7 @@ def scenarios(program, source):
     program("run", "plain.toml", "-o", "open", "--scheme", "separate", "--loop", "open", "--outputs", "summary")
     check(json.loads((folder / "open/summary.json").read_text())["loop"] == "closed", "the loop of the separate scheme is closed")
     # presets change the states of a scenario as of a data set
-    (folder / "scale.toml").write_text(DRIVE.replace('grade = "mems"', 'grade = "mems"\ngyro_scale_ppm = 1000\naccel_scale_ppm = 1000'))
+    (folder / "scale.toml").write_text(DRIVE.replace('grade = "mems"', 'grade = "mems"\ngyro_scale_factor_ppm = 1000\naccel_scale_factor_ppm = 1000'))
     program("simulate", "scale.toml", "-o", "scale", "-q")
     found = {}
     for command, source_of in (("run", "scale.toml"), ("process", "scale")):

@@ -182,7 +182,7 @@ def jamming(program, source):
                                 ("power_w = 1", "power_w = 0", "receiver.jammer: a jammer without power"),
                                 ('systems = "G"', 'systems = "-"', "no satellite is ever in view"),
                                 ('systems = "G"', 'systems = "G"\nrate_hz = 1', "ranges.rate_hz: ranges are measured by"),
-                                ("correlated_m = 0.5", 'stations = [{ id = "A" }]', "ranges.stations: a receiver of satellites"),
+                                ("correlated_m = 0.5", 'stations = [{ id = "A" }]', "ranges.stations: a satellite receiver"),
                                 ("correlated_m = 0.5", 'fault = [{ source = "G05" }]', "ranges.fault: are faults of ranges")):
         bad = Path(program.folder) / "bad.toml"
         check(old in short, f"{old!r} is in the example")
