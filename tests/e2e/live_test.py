@@ -172,7 +172,7 @@ def live_state(program, source):
     other = configured(program, described, "file:first.jsonl", output, name="other.toml", more='state = "live.state"')
     other.write_text(other.read_text().replace("lag_s = 0.5", "lag_s = 0.4"))
     check("of other settings" in program("live", str(other)).stderr, "not refused")
-    for wrong, part in (('source = "tcp://nowhere"', "port"), ('source = "telepathy"', "endpoint"), ('source = "stdin"\nformt = "json"', "format")):
+    for wrong, part in (('source = "tcp://nowhere"', "port"), ('source = "telepathy"', "bad.toml:2: imu.source: \"telepathy\" is not a known kind of endpoint"), ('source = "stdin"\nformt = "json"', "format")):
         bad = folder / "bad.toml"
         bad.write_text(f'[imu]\n{wrong}\n[[output]]\nto = "stdout"\n')
         check(part in program("live", str(bad), status=2).stderr, wrong)

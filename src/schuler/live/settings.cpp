@@ -1,5 +1,6 @@
 #include "schuler/live/settings.h"
 
+#include "schuler/settings/config/sections.h"
 #include "schuler/settings/option_builders.h"
 #include "schuler/settings/toml_file.h"
 
@@ -183,7 +184,8 @@ LiveSettings read_live(const std::filesystem::path& file, const settings::Settin
     if (!asked) out.config.filter.imu.estimate_noise = false;
     for (std::size_t i = 0; i < instrument_count; ++i) {
         const std::string section(name_of(static_cast<Instrument>(i)));
-        if (!out.sources[i].from.empty()) (void)endpoint_from(out.sources[i].from, Direction::In, section + ".source");
+        if (out.sources[i].from.empty()) continue;
+        settings::with_places(own, [&] { (void)endpoint_from(out.sources[i].from, Direction::In, section + ".source"); });
     }
     if (out.sources[0].from.empty())
         throw input_error("there is no source of the IMU", {file.string(), 0, 0, "imu.source"},
