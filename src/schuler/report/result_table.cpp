@@ -17,6 +17,8 @@ template <class... Ts>
 struct ByType : Ts... {
     using Ts::operator()...;
 };
+template <class... Ts>
+ByType(Ts...) -> ByType<Ts...>;  // Clang 16 does not deduce it
 
 /// As fmt has it, and with a % at the end in percent.
 std::string formatted(double x, std::string_view format) {
