@@ -73,6 +73,19 @@ TEST(Time, LeapSeconds) {
     EXPECT_EQ(offset, 18);
 }
 
+TEST(Time, PeriodsOfAGridOfStampsThatScatter) {
+    const Duration period = Duration::from_seconds(0.1);
+    const auto number = [&](double t) { return period_number(Time::from_seconds(t), period); };
+    EXPECT_EQ(number(0.3), 3);
+    EXPECT_EQ(number(0.29995), 3);  // just before its grid point
+    EXPECT_EQ(number(0.2998), 2);
+    EXPECT_EQ(number(0.3999), 4);
+    EXPECT_EQ(number(-0.0002), -1);
+    EXPECT_EQ(number(-0.00005), 0);
+    EXPECT_EQ(number(-0.1), -1);
+    EXPECT_EQ(number(-0.15), -2);
+}
+
 TEST(Time, SecondsToTheNanosecond) {
     EXPECT_EQ(Duration::from_seconds(0.1).ns, 100'000'000);
     EXPECT_EQ(Duration::from_seconds(-0.1).ns, -100'000'000);

@@ -97,6 +97,15 @@ TEST(Mounting, UpsideDownAndBackwardIsFound) {
         // Roll, pitch and heading are the vehicle's from then on.
         const auto all = errors(f, r.forward.rows, recording);
         EXPECT_LT(all.back().rpy.cwiseAbs().maxCoeff(), 3.0 * deg);
+        // ... and as uncertain as the mounting: the same run without that knows them too well
+        Settings exact = *r.findings.in_force;
+        EXPECT_NEAR(exact.imu.found_mounting_std, r.findings.std_mounting_rpy.z(), 1e-6);
+        exact.imu.found_mounting_std = 0.0;
+        const SolutionRow with = r.forward.rows.back(), without = fuse(recording, exact).forward.rows.back();
+        ASSERT_EQ(with.position.lat, without.position.lat);
+        EXPECT_NEAR(with.std_rpy.z(), std::hypot(without.std_rpy.z(), r.findings.std_mounting_rpy.z()), 2e-3 * with.std_rpy.z());
+        EXPECT_NEAR(with.std_rpy.y(), std::hypot(without.std_rpy.y(), r.findings.std_mounting_rpy.z()), 2e-3 * with.std_rpy.y());
+        EXPECT_NEAR(with.std_rpy.x(), without.std_rpy.x(), 2e-2 * with.std_rpy.x());
     }
 }
 

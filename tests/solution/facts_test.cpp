@@ -53,6 +53,7 @@ TEST(Facts, WhatWasInForceLeavesNothingToFind) {
     settings->gnss.latency = 0.125;
     settings->imu.mounting_rpy = Eigen::Vector3d(1.0, 2.0, 3.0) * units::deg;
     settings->imu.errors.gyro_noise = 2e-4;
+    settings->imu.found_mounting_std = 0.25 * units::deg;
     settings->baro.std = 0.7;
     fusion::Findings findings;
     findings.in_force = settings;
@@ -64,6 +65,7 @@ TEST(Facts, WhatWasInForceLeavesNothingToFind) {
     EXPECT_EQ(again.filter.gnss.latency, 0.125);
     EXPECT_EQ(again.filter.imu.mounting_rpy, settings->imu.mounting_rpy);
     EXPECT_EQ(again.filter.imu.errors.gyro_noise, 2e-4);
+    EXPECT_EQ(again.filter.imu.found_mounting_std, 0.25 * units::deg);
     EXPECT_EQ(again.filter.baro.std, 0.7);
     EXPECT_FALSE(again.filter.imu.estimate_noise);
 }

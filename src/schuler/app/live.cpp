@@ -8,6 +8,7 @@
 #include "schuler/settings/dataset.h"
 #include "schuler/settings/magnetometer_axes.h"
 #include "schuler/solution/events.h"
+#include "schuler/solution/ignored.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <fmt/format.h>
@@ -38,7 +39,7 @@ report::Outcome replay_dataset(const ReplayDatasetRequest& request) {
     const settings::Config config = settings::config_from(dataset.settings);
     WarningLog warnings;
     solution::LoadedDataset data = solution::load_dataset(dataset, config, warnings);
-    solution::leave_out_chosen(data, warnings);
+    solution::warn_of_ignored(solution::leave_out_chosen(data), warnings);
     if (const auto C_imu_mag = settings::C_imu_mag(data.config))  // what the instrument itself said
         for (MagSample& m : data.recording.mag) m.field_b = C_imu_mag->transpose() * m.field_b;
     report::Outcome out;

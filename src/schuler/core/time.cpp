@@ -65,6 +65,12 @@ Calendar calendar_from_seconds(std::int64_t s, std::int64_t ns) {
 Duration Duration::from_seconds(double s) { return {to_ns(s)}; }
 Time Time::from_seconds(double s) { return {to_ns(s)}; }
 
+std::int64_t period_number(Time t, Duration period) {
+    constexpr std::int64_t scatter_ns = 100'000;
+    const std::int64_t ns = t.ns + scatter_ns;
+    return ns >= 0 ? ns / period.ns : -((-ns + period.ns - 1) / period.ns);
+}
+
 Time Time::from_gps(int week, double seconds_of_week) {
     constexpr std::int64_t last = INT64_MAX / ns_per_s,
                            most_weeks = (last - 4'600'000'001) / s_per_week;  // what to_ns adds at most

@@ -33,6 +33,10 @@ inline Time operator-(Time a, Duration d) { return {a.ns - d.ns}; }
 inline Duration operator-(Duration d) { return {-d.ns}; }
 inline Duration operator+(Duration a, Duration b) { return {a.ns + b.ns}; }
 
+/// Number of the period that an instant belongs to. Stamps scatter about a grid by less than 0.1 ms: one just before its grid point
+/// stands for it.
+[[nodiscard]] std::int64_t period_number(Time t, Duration period);
+
 /// 1980-01-06 00:00:00 UTC in seconds since 1970-01-01 00:00:00 UTC.
 inline constexpr std::int64_t unix_time_of_gps_epoch = 315'964'800;
 

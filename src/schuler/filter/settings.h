@@ -45,8 +45,10 @@ struct ImuSettings {
     Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, roll, pitch, yaw from body to sensor (after `axes`)
     double mounting_std = 0.03;                              ///< rad, of the forward axis that is given or found
     bool estimate_mounting = false;                          ///< find the mounting by itself (needs motion)
-    sensor::ImuErrorModel errors;                            ///< assumed by the filter
-    bool estimate_noise = false;                             ///< fit the white noise to the innovations (a grade is only a guess)
+    /// rad, of pitch and yaw of a mounting that was found: the vehicle's attitude is reported with it. One that is given is exact.
+    double found_mounting_std = 0.0;
+    sensor::ImuErrorModel errors;  ///< assumed by the filter
+    bool estimate_noise = false;   ///< fit the white noise to the innovations (a grade is only a guess)
     /// Factors of what drives the errors of free inertial navigation, white noise and wander of the biases, beyond `errors`: 1 where
     /// not given. The start keeps its priors.
     std::optional<double> gyro_noise_scale, accel_noise_scale;

@@ -127,6 +127,11 @@ void merge(const RunData& data, const Settings& settings, Result& result) {
     const auto itself = [](SolutionRow& row) -> SolutionRow& { return row; };
     const auto of_row = [](InstantRow& r) -> SolutionRow& { return r.row; };
     const bool point = !settings.output_lever_arm_b.isZero(0.0);
+    // Which way an arm points is not known any more: as long as it is, the position is uncertain.
+    const auto away = [&](SolutionRow row, const Vector3d& point_b) {
+        row.std_position = (row.std_position.array().square() + (point_b - settings.gnss.lever_arm_b).squaredNorm()).sqrt();
+        return row;
+    };
     for (Trajectory* t : {&result.forward, &result.smoothed}) {
         if (t->rows.empty()) continue;
         take_over_all(t->rows, Vector3d::Zero(), itself);
@@ -134,14 +139,10 @@ void merge(const RunData& data, const Settings& settings, Result& result) {
         take_over_all(t->instants, settings.output_lever_arm_b, of_row);
         const Time last = t->rows.back().time;
         for (std::size_t i = 0; i < result.receiver.rows.size(); ++i) {
-            SolutionRow row = result.receiver.rows[i];
+            const SolutionRow& row = result.receiver.rows[i];
             if (row.time <= last || (settings.stop && row.time > *settings.stop)) continue;
-            t->rows.push_back(row);
-            // which way the arm points is not known any more: as far from the antenna as it may be, the position is uncertain
-            row.std_position =
-                (row.std_position.array().square() + (settings.output_lever_arm_b - settings.gnss.lever_arm_b).squaredNorm())
-                    .sqrt();
-            if (point) t->point.push_back(row);
+            t->rows.push_back(away(row, Vector3d::Zero()));
+            if (point) t->point.push_back(away(row, settings.output_lever_arm_b));
             result.cross_checks[i].receiver_leads = true;
         }
     }

@@ -83,10 +83,9 @@ public:
     }
 
 private:
-    /// Of a grid of covariance_rate, as the rows of the solution are thinned out (report::decimated).
+    /// As the rows of the solution are decimated (report::decimated).
     [[nodiscard]] std::int64_t slot_of(Time time) const {
-        constexpr double scatter = 1e-4;  // s: stamps scatter about the grid by less
-        return static_cast<std::int64_t>(std::floor((time.seconds() + scatter) * settings_.covariance_rate));
+        return period_number(time, Duration::from_seconds(1.0 / settings_.covariance_rate));
     }
     [[nodiscard]] bool covariance_due(Time time) const {
         return settings_.covariance_rows && (!(settings_.covariance_rate > 0.0) || slot_of(time) != covariance_slot_);

@@ -202,6 +202,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
             settings.imu.mounting_rpy = rpy.unaryExpr([](double angle) { return as_written(angle, units::deg); });
             settings.imu.mounting_std = as_written(std::max(0.01, 2.0 * mounting.std_rpy.z()), units::deg);
             findings.std_mounting_rpy = mounting.std_rpy;
+            settings.imu.found_mounting_std = as_written(mounting.std_rpy.tail<2>().maxCoeff(), units::deg);
             WarningLog heard;  // already, of the first time
             data.imu = make_imu_timeline(recording.imu, settings.imu, heard);
             data.still = find_still(data.imu, recording, data.events, settings);

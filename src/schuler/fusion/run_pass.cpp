@@ -77,7 +77,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
         const bool sensors = kind == Kind::Outage || point.time <= next_sensor;
         smooth_in_place(model, f, a, sensors);
         const auto at_point = [&] {
-            return solution_row_at(model, f, f.local_covariance(model) + point.undecided, settings.output_lever_arm_b,
+            return solution_row_at(model, f, reported_covariance(model, f, point.undecided), settings.output_lever_arm_b,
                                    imu_interval);
         };
         if (kind == Kind::Instant) {
@@ -85,7 +85,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
             return;
         }
         if (kind == Kind::Output) {
-            out.rows.push_back(solution_row(f.geographic(model), f.local_covariance(model) + point.undecided));
+            out.rows.push_back(solution_row(f.geographic(model), reported_covariance(model, f, point.undecided)));
             if (!settings.output_lever_arm_b.isZero(0.0)) out.point.push_back(at_point());
             if (!sensors) return;
             next_sensor = point.time - Duration::from_seconds(sensor_row_spacing);

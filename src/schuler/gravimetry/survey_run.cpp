@@ -210,7 +210,7 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
             last = point.time;
             Filter f = point.filter;
             smooth_in_place(model, f, adjoint, true);
-            result.smoothed.push_back(epoch_of(model, f, f.local_covariance(model) + point.undecided, 0));
+            result.smoothed.push_back(epoch_of(model, f, filter::reported_covariance(model, f, point.undecided), 0));
             result.smoothed_parameters.push_back(filter::parameter_row(point.time, model.layout, f.estimated_parameters(), f.P));
         });
     std::ranges::reverse(result.smoothed);

@@ -22,10 +22,7 @@ std::vector<SolutionRow> decimated(std::vector<SolutionRow> rows, double rate) {
     std::int64_t last = INT64_MIN;
     std::size_t kept = 0;
     for (const SolutionRow& r : rows) {
-        // IMU stamps scatter about the grid by less than this; a row just before its grid point stands for it
-        constexpr std::int64_t scatter_ns = 100'000;
-        const std::int64_t ns = r.time.ns + scatter_ns;
-        const std::int64_t number = ns >= 0 ? ns / period.ns : -((-ns + period.ns - 1) / period.ns);
+        const std::int64_t number = period_number(r.time, period);
         if (number == last) continue;
         last = number;
         rows[kept++] = r;

@@ -221,13 +221,13 @@ Json verdict_json(const solution::SolutionVerdict& verdict) {
     return {{"word", solution::word_of(verdict.word)}, {"reasons", verdict.reasons}};
 }
 
+}  // namespace
+
 Json ignored_json(const std::vector<solution::Ignored>& ignored) {
     Json list = Json::array();
     for (const solution::Ignored& i : ignored) list.push_back({{"key", i.key}, {"reason", i.reason}});
     return list;
 }
-
-}  // namespace
 
 std::string_view integrity_test_name(fusion::IntegrityTest test) {
     switch (test) {

@@ -47,12 +47,11 @@ void warn_of_events_outside(const ResultBundle& b, WarningLog& warnings) {
                              rows.back().time.seconds(), outside.size() > 1 ? "s" : "", lines));
 }
 
-void leave_out_chosen(LoadedDataset& data, WarningLog& warnings) {
+std::vector<Ignored> leave_out_chosen(LoadedDataset& data) {
     fusion::Settings& f = data.config.filter;
-    const auto tell = [&](bool given, const std::string& key) {
-        if (given)
-            warnings.add("ignored." + key,
-                         fmt::format("{} is given and has no effect: it belongs to `schuler process` and `run`", key));
+    std::vector<Ignored> out;
+    const auto tell = [&](bool given, const char* key) {
+        if (given) out.push_back({key, "it belongs to `schuler process` and `run`"});
     };
     tell(!f.output_lever_arm_b.isZero(0.0), "output.lever_arm_m");
     tell(!data.events.empty(), "output.events");
@@ -61,6 +60,7 @@ void leave_out_chosen(LoadedDataset& data, WarningLog& warnings) {
     f.output_instants.clear();
     f.backward = false;
     data.events.clear();
+    return out;
 }
 
 }  // namespace schuler::solution

@@ -19,6 +19,6 @@ struct EventRows {
 void warn_of_events_outside(const ResultBundle& bundle, WarningLog& warnings);
 
 /// Takes out what only a run of the navigation filter gives: the point, the events, the filter backward in time; with a warning each.
-void leave_out_chosen(LoadedDataset& data, WarningLog& warnings);
+[[nodiscard]] std::vector<Ignored> leave_out_chosen(LoadedDataset& data);
 
 }  // namespace schuler::solution

@@ -37,7 +37,7 @@ bool ranges_state_all(const RangingLog& log, double RangeSample::*std) {
 }
 
 /// What is given beside a preset and wins over it.
-std::string preset_beaten(const settings::Config& c) {
+std::string why_preset_is_overruled(const settings::Config& c) {
     if (c.preset == "gravity27") return "these states are those of `schuler gravity`";
     if (c.preset != "ins15" && c.preset != "ins21" && c.preset != "complex22") return {};
     if (c.filter.scale_factors != (c.preset == "ins21"))
@@ -60,7 +60,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
             {{"filter.integrity."},
              tight ? "it watches a receiver's fixes; ranges are watched by filter.protection"
                    : unless(f.integrity.use, "filter.integrity.use is not on")},
-            {{"filter.preset"}, preset_beaten(c)},
+            {{"filter.preset"}, why_preset_is_overruled(c)},
             {{"filter.loose"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
             {{"filter.loop"},
              unless(c.scheme != settings::Scheme::Separate,
@@ -105,14 +105,12 @@ std::vector<Rule> gravity_rules(const ResultBundle& b) {
             {{"filter.mechanization"},
              unless(c.filter.mechanization == fusion::Mechanization::Ecef, by_survey("gravimetry is Earth-fixed"))},
             {{"filter.smooth"}, by_survey("gravity.smooth switches the smoother of gravimetry")},
-            {{"filter.backward"}, by_survey("gravimetry has no filter backward in time")},
             {{"filter.integrity."}, by_survey("gravimetry does not exclude the receiver")},
             {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "odometer."},
              by_survey("gravimetry uses no wheels and no standstill")},
             {{"mag."}, by_survey("gravimetry uses no magnetometer")},
             {{"baro."}, unless(c.gravity.height_aid, by_survey("the barometer is used with gravity.height_aid only"))},
             {{"filter.self_check"}, "it belongs to `schuler process`"},
-            {{"output.lever_arm_m", "output.events"}, "gravimetry writes neither"},
             {{"ranges.", "stations."}, by_survey("gravimetry uses no ranges")}};
 }
 

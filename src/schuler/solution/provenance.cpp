@@ -155,6 +155,7 @@ void take_in_force(settings::Config& c, const fusion::Findings& findings) {
     fusion::Settings& f = c.filter;
     f.imu.mounting_rpy = s.imu.mounting_rpy;
     f.imu.mounting_std = s.imu.mounting_std;
+    f.imu.found_mounting_std = s.imu.found_mounting_std;
     f.imu.estimate_mounting = f.imu.estimate_noise = false;
     f.imu.errors.gyro_noise = s.imu.errors.gyro_noise;
     f.imu.errors.accel_noise = s.imu.errors.accel_noise;

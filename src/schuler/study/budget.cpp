@@ -27,117 +27,82 @@ struct Source {
     bool (*present)(const settings::ScenarioConfig& full) = [](const settings::ScenarioConfig&) { return true; };
 };
 
-bool has_fixes(const settings::ScenarioConfig& s) { return s.sim.gnss.rate > 0.0; }
-bool has_baro(const settings::ScenarioConfig& s) { return s.sim.baro.rate > 0.0; }
-bool has_satellites(const settings::ScenarioConfig& s) { return s.ranging.rate > 0.0 && s.ranging.systems != "-"; }
-bool has_stations(const settings::ScenarioConfig& s) { return s.ranging.rate > 0.0 && !s.ranging.settings.stations.empty(); }
+// The parts of a scenario that have errors, for reading and for writing.
+constexpr auto imu = [](auto& s) -> auto& { return s.sim.imu.errors; };
+constexpr auto start = [](auto& s) -> auto& { return s.initial_error; };
+constexpr auto gnss = [](auto& s) -> auto& { return s.sim.gnss; };
+constexpr auto gnss_slow = [](auto& s) -> auto& { return s.sim.gnss.errors; };
+constexpr auto ranging = [](auto& s) -> auto& { return s.ranging.settings.errors; };
+constexpr auto satellite = [](auto& s) -> auto& { return s.ranging.settings.errors.satellite; };
+constexpr auto multipath = [](auto& s) -> auto& { return s.ranging.settings.multipath; };
+constexpr auto baro = [](auto& s) -> auto& { return s.sim.baro; };
+constexpr auto mag = [](auto& s) -> auto& { return s.sim.mag; };
+constexpr auto gauges = [](auto& s) -> auto& { return s.aids.gauges; };
+constexpr auto velocity_log = [](auto& s) -> auto& { return s.aids.log; };
+constexpr auto compass = [](auto& s) -> auto& { return s.aids.compass; };
 
-/// Copies fields of the errors of satellites' ranges.
-template <double sensor::RangeErrorModel::*Field>
-void keep_range(const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-    bare.ranging.settings.errors.satellite.*Field = full.ranging.settings.errors.satellite.*Field;
+/// Copies fields of one part.
+template <auto Part, auto... Fields>
+void keep(const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+    ((Part(bare).*Fields = Part(full).*Fields), ...);
 }
+/// Whether there is the instrument.
+template <auto Part>
+bool sampled(const settings::ScenarioConfig& s) {
+    return Part(s).rate > 0.0;
+}
+bool has_ranges(const settings::ScenarioConfig& s) { return s.ranging.rate > 0.0; }
+bool has_satellites(const settings::ScenarioConfig& s) { return has_ranges(s) && s.ranging.systems != "-"; }
+bool has_stations(const settings::ScenarioConfig& s) { return has_ranges(s) && !s.ranging.settings.stations.empty(); }
 
-/// Copies fields of the IMU's error model.
-template <double ImuErrorModel::*... Fields>
-void keep_imu(const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-    ((bare.sim.imu.errors.*Fields = full.sim.imu.errors.*Fields), ...);
-}
-template <double settings::InitialError::*Field>
-void keep_initial(const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-    bare.initial_error.*Field = full.initial_error.*Field;
-}
+using sensor::GnssErrorModel;
+using sensor::RangeErrorModel;
+using sensor::RangingErrorModel;
+using settings::InitialError;
+using sim::BaroSettings;
+using sim::CompassErrors;
+using sim::GaugeErrors;
+using sim::GnssSettings;
+using sim::LogErrors;
+using sim::MagSettings;
+using E = ImuErrorModel;
 
-const std::array<Source, 24> all_sources{
-    {{"initial_position", "initial position", keep_initial<&settings::InitialError::position>},
-     {"initial_velocity", "initial velocity", keep_initial<&settings::InitialError::velocity>},
-     {"initial_level", "initial level", keep_initial<&settings::InitialError::level>},
-     {"initial_heading", "initial heading", keep_initial<&settings::InitialError::heading>},
-     {"gyro_bias", "gyro bias",
-      keep_imu<&ImuErrorModel::gyro_bias, &ImuErrorModel::gyro_turn_on_bias, &ImuErrorModel::gyro_rate_walk,
-               &ImuErrorModel::gyro_flicker>},
-     {"gyro_noise", "gyro noise", keep_imu<&ImuErrorModel::gyro_noise>},
-     {"gyro_scale", "gyro scale and axes", keep_imu<&ImuErrorModel::gyro_scale, &ImuErrorModel::gyro_misalignment>},
-     {"accel_bias", "accelerometer bias",
-      keep_imu<&ImuErrorModel::accel_bias, &ImuErrorModel::accel_turn_on_bias, &ImuErrorModel::accel_rate_walk,
-               &ImuErrorModel::accel_flicker>},
-     {"accel_noise", "accelerometer noise", keep_imu<&ImuErrorModel::accel_noise>},
-     {"accel_scale", "accelerometer scale and axes", keep_imu<&ImuErrorModel::accel_scale, &ImuErrorModel::accel_misalignment>},
-     {"other_imu", "temperature, g, quantization",
-      keep_imu<&ImuErrorModel::gyro_temperature, &ImuErrorModel::accel_temperature, &ImuErrorModel::gyro_g,
-               &ImuErrorModel::gyro_quantum, &ImuErrorModel::accel_quantum>},
-     {"gnss_white", "receiver, white",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.sim.gnss.white_position = full.sim.gnss.white_position;
-          bare.sim.gnss.white_velocity = full.sim.gnss.white_velocity;
-      },
-      has_fixes},
-     {"gnss_position", "receiver, slow position",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.sim.gnss.errors.correlated_position = full.sim.gnss.errors.correlated_position;
-          bare.sim.gnss.errors.change_correlated_position = full.sim.gnss.errors.change_correlated_position;
-          bare.sim.gnss.errors.change_white_position = full.sim.gnss.errors.change_white_position;
-      },
-      has_fixes},
-     {"gnss_velocity", "receiver, slow velocity",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.sim.gnss.errors.correlated_velocity = full.sim.gnss.errors.correlated_velocity;
-          bare.sim.gnss.errors.change_correlated_velocity = full.sim.gnss.errors.change_correlated_velocity;
-          bare.sim.gnss.errors.change_white_velocity = full.sim.gnss.errors.change_white_velocity;
-      },
-      has_fixes},
-     {"range_white", "ranges, white", keep_range<&sensor::RangeErrorModel::white>, has_satellites},
-     {"range_slow", "ranges, slow and reflections",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          keep_range<&sensor::RangeErrorModel::correlated>(full, bare);
-          bare.ranging.settings.multipath.amplitude = full.ranging.settings.multipath.amplitude;
-      },
-      has_satellites},
-     {"range_rate", "range rates", keep_range<&sensor::RangeErrorModel::rate>, has_satellites},
-     {"stations", "ground stations",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.ranging.settings.errors.station = full.ranging.settings.errors.station;
-          bare.ranging.settings.errors.network = full.ranging.settings.errors.network;
-      },
-      has_stations},
-     {"clock", "receiver's clock",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.ranging.settings.errors.clock = full.ranging.settings.errors.clock;
-      },
-      [](const settings::ScenarioConfig& s) { return s.ranging.rate > 0.0; }},
-     {"baro", "barometer",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.sim.baro.white = full.sim.baro.white;
-          bare.sim.baro.bias = full.sim.baro.bias;
-          bare.sim.baro.bias_walk = full.sim.baro.bias_walk;
-      },
-      has_baro},
-     {"mag", "magnetometer",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.sim.mag.white = full.sim.mag.white;
-          bare.sim.mag.hard_iron = full.sim.mag.hard_iron;
-          bare.sim.mag.soft_iron = full.sim.mag.soft_iron;
-      },
-      [](const settings::ScenarioConfig& s) { return s.sim.mag.rate > 0.0; }},
-     {"gauges", "gauges",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.aids.gauges.white = full.aids.gauges.white;
-          bare.aids.gauges.bias = full.aids.gauges.bias;
-      },
-      [](const settings::ScenarioConfig& s) { return s.aids.gauges.rate > 0.0; }},
-     {"log", "velocity log",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.aids.log.white = full.aids.log.white;
-          bare.aids.log.scale = full.aids.log.scale;
-          bare.aids.log.misalignment = full.aids.log.misalignment;
-      },
-      [](const settings::ScenarioConfig& s) { return s.aids.log.rate > 0.0; }},
-     {"compass", "compass",
-      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
-          bare.aids.compass.white = full.aids.compass.white;
-          bare.aids.compass.bias = full.aids.compass.bias;
-      },
-      [](const settings::ScenarioConfig& s) { return s.aids.compass.rate > 0.0; }}}};
+// clang-format off
+const std::array<Source, 24> all_sources{{
+    {"initial_position", "initial position", keep<start, &InitialError::position>},
+    {"initial_velocity", "initial velocity", keep<start, &InitialError::velocity>},
+    {"initial_level", "initial level", keep<start, &InitialError::level>},
+    {"initial_heading", "initial heading", keep<start, &InitialError::heading>},
+    {"gyro_bias", "gyro bias", keep<imu, &E::gyro_bias, &E::gyro_turn_on_bias, &E::gyro_rate_walk, &E::gyro_flicker>},
+    {"gyro_noise", "gyro noise", keep<imu, &E::gyro_noise>},
+    {"gyro_scale", "gyro scale and axes", keep<imu, &E::gyro_scale, &E::gyro_misalignment>},
+    {"accel_bias", "accelerometer bias", keep<imu, &E::accel_bias, &E::accel_turn_on_bias, &E::accel_rate_walk, &E::accel_flicker>},
+    {"accel_noise", "accelerometer noise", keep<imu, &E::accel_noise>},
+    {"accel_scale", "accelerometer scale and axes", keep<imu, &E::accel_scale, &E::accel_misalignment>},
+    {"other_imu", "temperature, g, quantization",
+     keep<imu, &E::gyro_temperature, &E::accel_temperature, &E::gyro_g, &E::gyro_quantum, &E::accel_quantum>},
+    {"gnss_white", "receiver, white", keep<gnss, &GnssSettings::white_position, &GnssSettings::white_velocity>, sampled<gnss>},
+    {"gnss_position", "receiver, slow position",
+     keep<gnss_slow, &GnssErrorModel::correlated_position, &GnssErrorModel::change_correlated_position, &GnssErrorModel::change_white_position>, sampled<gnss>},
+    {"gnss_velocity", "receiver, slow velocity",
+     keep<gnss_slow, &GnssErrorModel::correlated_velocity, &GnssErrorModel::change_correlated_velocity, &GnssErrorModel::change_white_velocity>, sampled<gnss>},
+    {"range_white", "ranges, white", keep<satellite, &RangeErrorModel::white>, has_satellites},
+    {"range_slow", "ranges, slow and reflections",
+     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+         keep<satellite, &RangeErrorModel::correlated>(full, bare);
+         multipath(bare).amplitude = multipath(full).amplitude;
+     },
+     has_satellites},
+    {"range_rate", "range rates", keep<satellite, &RangeErrorModel::rate>, has_satellites},
+    {"stations", "ground stations", keep<ranging, &RangingErrorModel::station, &RangingErrorModel::network>, has_stations},
+    {"clock", "receiver's clock", keep<ranging, &RangingErrorModel::clock>, has_ranges},
+    {"baro", "barometer", keep<baro, &BaroSettings::white, &BaroSettings::bias, &BaroSettings::bias_walk>, sampled<baro>},
+    {"mag", "magnetometer", keep<mag, &MagSettings::white, &MagSettings::hard_iron, &MagSettings::soft_iron>, sampled<mag>},
+    {"gauges", "gauges", keep<gauges, &GaugeErrors::white, &GaugeErrors::bias>, sampled<gauges>},
+    {"log", "velocity log", keep<velocity_log, &LogErrors::white, &LogErrors::scale, &LogErrors::misalignment>, sampled<velocity_log>},
+    {"compass", "compass", keep<compass, &CompassErrors::white, &CompassErrors::bias>, sampled<compass>},
+}};
+// clang-format on
 
 /// Root mean squares of one run.
 ErrorMeasures measures_of(const solution::ResultBundle& b) {

@@ -10,6 +10,7 @@
 #include "schuler/settings/dataset.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/events.h"
+#include "schuler/solution/ignored.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <algorithm>
@@ -63,7 +64,8 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
     b.name = config.name.empty() ? dataset.name : config.name;
     b.version = request.common.version;
     b.data = solution::load_dataset(dataset, config, warnings);
-    solution::leave_out_chosen(b.data, warnings);
+    b.ignored = solution::leave_out_chosen(b.data);
+    solution::warn_of_ignored(b.ignored, warnings);
     AhrsInput input = ahrs_input(b.data, request, warnings);
     b.filter = request.filter;
     b.offline = request.offline;

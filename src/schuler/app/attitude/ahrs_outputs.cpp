@@ -130,6 +130,7 @@ std::string ahrs_summary_json(const AhrsBundle& b) {
     out["gravity"] = nullptr;
     out["montecarlo"] = nullptr;
     out["timing"] = report::timing(b.timing, b.imu_epochs, b.timing.filter_s);
+    out["ignored"] = report::ignored_json(b.ignored);
     out["warnings"] = b.warnings;
     return report::text_of(out);
 }

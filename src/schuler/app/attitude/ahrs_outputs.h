@@ -26,6 +26,7 @@ struct AhrsBundle {
     double declination = 0.0;  ///< rad, of the model
     ahrs::MagnetometerAxes axes;
     std::vector<std::string> calibration;  ///< what was applied or refused, and why
+    std::vector<solution::Ignored> ignored;
     std::size_t imu_epochs = 0;
     solution::LoadedDataset data;
     ahrs::RunResult result;

@@ -40,6 +40,7 @@ struct InertialModel {
     /// One sigma of scale factors and misalignments where they are no states: noise while the vehicle manoeuvres.
     double gyro_gain = 0.0, accel_gain = 0.0;
     double gyro_vibration = 0.0, accel_vibration = 0.0;     ///< ImuSettings, with the scale of the noise
+    double found_mounting_std = 0.0;                        ///< rad, ImuSettings
     std::array<StateProcess, estim::max_states> process{};  ///< of the states from 9 on
     double clock_psd = 0.0, drift_psd = 0.0;                ///< m^2/s, m^2/s^3
     sensor::GnssErrorModel gnss;                            ///< of the receiver's states, whose decay may follow the speed
@@ -174,5 +175,17 @@ private:
     /// The axes of the disturbance's model to those of the frame.
     [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };
+
+/// Covariance of position, velocity and attitude as it is reported, local level: the filter's, what is `undecided` between hypotheses, and
+/// by what a mounting that was found turns the vehicle about its right and down axes.
+template <class Frame>
+[[nodiscard]] Matrix9 reported_covariance(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
+    Matrix9 P = f.local_covariance(model) + undecided;
+    if (!(model.found_mounting_std > 0.0)) return P;
+    const Eigen::Matrix<double, 3, 2> across =
+        model.found_mounting_std * f.geographic(model).q_nb.toRotationMatrix().template rightCols<2>();
+    P.template block<3, 3>(Layout::attitude, Layout::attitude) += across * across.transpose();
+    return P;
+}
 
 }  // namespace schuler::filter

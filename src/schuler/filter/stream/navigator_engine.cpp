@@ -213,7 +213,7 @@ public:
 
 private:
     NavigatorState state_of(const InertialFilter<Frame>& f, const Matrix9& undecided) const {
-        return {f.geographic(model_), f.local_covariance(model_) + undecided};
+        return {f.geographic(model_), reported_covariance(model_, f, undecided)};
     }
 
     void set_out(const Start& start, double baro_height) override {

@@ -113,9 +113,9 @@ struct FilterRun {
 
     /// What is not decided between the hypotheses, as a covariance of position, velocity and attitude, local level.
     [[nodiscard]] Matrix9 undecided(const InertialModel& model) const;
-    /// Covariance of the same with it.
+    /// Covariance of the same as it is reported.
     [[nodiscard]] Matrix9 covariance(const InertialModel& model) const {
-        return filter.local_covariance(model) + undecided(model);
+        return reported_covariance(model, filter, undecided(model));
     }
 };
 

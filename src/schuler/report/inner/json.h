@@ -35,6 +35,7 @@ using Json = nlohmann::ordered_json;
 
 /// How settings are known, as summaries and inspection have it.
 [[nodiscard]] Json facts_json(const std::vector<Fact>& facts);
+[[nodiscard]] Json ignored_json(const std::vector<solution::Ignored>& ignored);
 
 /// A row of a result table: its cells under the columns' keys, null where there is nothing.
 void put_row(Json& object, std::span<const TableColumn> columns, const std::vector<Cell>& row);

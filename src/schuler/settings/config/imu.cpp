@@ -65,6 +65,9 @@ void add_imu_options(OptionTable<Config>& table) {
         .add(number<Config>("imu.mounting_std_deg", units::deg, 1e-4, 90,
                             "one sigma of the mounting's forward axis, where the mounting is given",
                             [](auto& c) -> auto& { return c.filter.imu.mounting_std; }))
+        .add(number<Config>("imu.found_mounting_std_deg", units::deg, 0, 90,
+                            "one sigma of pitch and yaw of a mounting that was found; the reported attitude includes it",
+                            [](auto& c) -> auto& { return c.filter.imu.found_mounting_std; }))
         .add(imu_grade_option<Config>([](auto& c) -> auto& { return c.grade; },
                                       [](auto& c) -> auto& { return c.filter.imu.errors; }));
     add_imu_error_options(table, "imu.", [](auto& c) -> auto& { return c.filter.imu.errors; });

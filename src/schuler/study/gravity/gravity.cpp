@@ -164,10 +164,9 @@ GravityInnovations innovations_of(const GravityBundle& b) {
 /// From loaded data to the survey and its numbers. `asked`: keys of settings that were given.
 void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& warnings) {
     b.run.command = "gravity";
-    b.run.ignored = solution::ignored_of(b.run, asked);
+    b.run.ignored = solution::leave_out_chosen(b.run.data);
+    std::ranges::move(solution::ignored_of(b.run, asked), std::back_inserter(b.run.ignored));
     solution::warn_of_ignored(b.run.ignored, warnings);
-    WarningLog told;
-    solution::leave_out_chosen(b.run.data, told);
     settings::Config& c = b.run.data.config;
     c.scheme = settings::Scheme::Loose;
     c.filter.coupling = fusion::Coupling::Loose;

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cmath>
 #include <mutex>
+#include <set>
 
 namespace schuler::study {
 namespace {
@@ -55,14 +56,10 @@ double epoch_step(const settings::ScenarioConfig& scenario) {
     return std::max(1.0, std::ceil(longest / static_cast<double>(kept_epochs)));
 }
 
-/// `ignored`: where it is wanted, the settings without effect.
-void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const settings::SettingList& over, double step,
-          std::vector<solution::Ignored>* ignored) {
+void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const settings::SettingList& over, double step) {
     WarningLog unheard;
     solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard);
     solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
-    bundle.command = "montecarlo";
-    if (ignored != nullptr) *ignored = solution::ignored_of(bundle, settings::keys_of_processing(scenario, over));
     const settings::Config& c = bundle.data.config;
     run.scheme = settings::scheme_name(c.scheme);
     run.mechanization = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
@@ -78,6 +75,21 @@ void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const se
     run.states = one_a_step(e.states, run.origin, step);
     run.aids = std::move(e.aids);
     run.outages = std::move(e.outages);
+}
+
+/// Settings without effect on the scenario as it stands: flown once more, so that they do not depend on which runs were flown here.
+std::vector<solution::Ignored> without_effect(const settings::ScenarioConfig& scenario, const settings::SettingList& over) {
+    const std::set<std::string> asked = settings::keys_of_processing(scenario, over);
+    if (asked.empty()) return {};
+    WarningLog unheard;
+    try {
+        solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard);
+        solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
+        bundle.command = "montecarlo";
+        return solution::ignored_of(bundle, asked);
+    } catch (const Error&) {  // one of the runs that failed
+        return {};
+    }
 }
 
 std::uint64_t grid_point(const std::vector<Variation>& vary, std::uint64_t run) { return run % settings::grid_points(vary); }
@@ -156,7 +168,6 @@ struct Flights {
     const settings::ScenarioConfig& scenario;
     const settings::SettingList &base, &over;
     double step;
-    std::vector<solution::Ignored>& ignored;  ///< of the first run; one thread flies it
 
     [[nodiscard]] MonteCarloRun fly(std::uint64_t k) const {
         MonteCarloRun run;
@@ -165,7 +176,7 @@ struct Flights {
         run.point = grid_point(scenario.vary, k);
         try {
             const settings::SettingList settings = settings_of_run(base, scenario.vary, run.seed, k, run.drawn);
-            fill(run, settings::scenario_from(settings), over, step, k == request.first ? &ignored : nullptr);
+            fill(run, settings::scenario_from(settings), over, step);
         } catch (const Error& e) {
             if (k == request.first && e.kind() == ErrorKind::Input) throw;
             run.failure = e.what();
@@ -303,7 +314,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
     if (request.team) request.team->wait();  // nobody writes before process 0 has taken over what there was
     part.begin();
     const std::uint64_t before = part.done().count();
-    const Flights flights{request, scenario, base, over, empty.epoch_step, mc.ignored};
+    const Flights flights{request, scenario, base, over, empty.epoch_step};
     std::optional<WorkList> list;
     if (rank == 0) list.emplace(part.done(), mc.first, end, request.team ? static_cast<std::size_t>(request.team->size()) : 1000);
     try {
@@ -339,6 +350,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
         throw computation_error(fmt::format("no run went through; the first one: {}", first.reason),
                                 fmt::format("try `schuler run` with --seed {}", first.seed));
     }
+    mc.ignored = without_effect(scenario, over);
     mc.wall_s = solution::seconds_since(begin);
     return mc;
 }
@@ -375,13 +387,14 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
     write("summary.json", out.json);
     CampaignPart::remove_from(mc.folder);
     if (request.team) request.team->wait();
-    WarningLog without_effect;
-    solution::warn_of_ignored(mc.ignored, without_effect);
-    out.warnings = without_effect.summary();
+    WarningLog ignored;
+    solution::warn_of_ignored(mc.ignored, ignored);
+    out.warnings = ignored.summary();
     constexpr std::size_t told = 20;
+    const std::size_t most = out.warnings.size() + told;
     const auto& failures = mc.statistics().failures;
     for (const auto& [run, failure] : failures) {
-        if (out.warnings.size() == without_effect.summary().size() + told) break;
+        if (out.warnings.size() == most) break;
         out.warnings.push_back(fmt::format("seed {} (run {}): {}", failure.seed, run, failure.reason));
     }
     if (mc.statistics().failed > told)

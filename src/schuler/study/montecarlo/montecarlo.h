@@ -38,7 +38,7 @@ struct MonteCarlo {
     std::unique_ptr<CampaignPart> part;
     std::size_t run_here = 0;  ///< since it was last taken up, for the speed
     double wall_s = 0.0;
-    std::vector<solution::Ignored> ignored;  ///< settings without effect on the first run, where it was flown here
+    std::vector<solution::Ignored> ignored;  ///< settings without effect on the scenario as it stands
 
     [[nodiscard]] const CampaignStatistics& statistics() const { return part->statistics(); }
 };

@@ -202,8 +202,7 @@ std::string summary_json(const MonteCarlo& mc) {
         failures.push_back({{"run", run}, {"seed", failure.seed}, {"reason", failure.reason}});
     if (s.swept) out["montecarlo"]["sweep"] = report::table_json(sweep_table(mc));
     out["timing"] = {{"wall_s", mc.wall_s}};
-    report::Json& ignored = out["ignored"] = report::Json::array();
-    for (const solution::Ignored& i : mc.ignored) ignored.push_back({{"key", i.key}, {"reason", i.reason}});
+    out["ignored"] = report::ignored_json(mc.ignored);
     out["warnings"] = report::Json::array();
     return report::text_of(out);
 }
