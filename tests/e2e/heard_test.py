@@ -112,6 +112,11 @@ def scenarios(program, source):
             program(command, source_of, "-o", out, "-q", "--set", f"filter.preset={preset}", "--outputs", "solution,summary")
             found[command, preset] = (folder / out / "solution.csv").read_text()
         check(found[command, "ins15"] != found[command, "ins21"], f"{command}: presets that are the same")
+    # no example says anything in vain: these three refine a preset
+    for name in ("airliner-hg9900", "approach", "faults"):
+        program("run", source / f"examples/{name}.toml", "-o", name, "-q", "--outputs", "summary")
+        told = json.loads((folder / name / "summary.json").read_text())
+        check(told["ignored"] == [], f"{name}: {told['ignored']}")
 
 
 if __name__ == "__main__":

@@ -81,6 +81,16 @@ TEST(Facts, WhatHasNoEffectIsNamed) {
     EXPECT_EQ(ignored[0].key, "baro.white_m");
     EXPECT_EQ(ignored[1].key, "filter.aggressive_parts");
     EXPECT_FALSE(ignored[1].reason.empty());
+    // a preset that is refined still has its effect, one of which nothing is left has none
+    const auto named = [](const char* preset, const char* more) {
+        ResultBundle with;
+        with.data.config = settings::config_from({settings::setting_from_text(preset), settings::setting_from_text(more)});
+        return ignored_of(with, {"filter.preset"}).size();
+    };
+    EXPECT_EQ(named("filter.preset=complex22", "filter.scale_factors=true"), 0u);
+    EXPECT_EQ(named("filter.preset=ins21", "filter.scale_factors=true"), 0u);
+    EXPECT_EQ(named("filter.preset=ins21", "filter.scale_factors=false"), 1u);
+    EXPECT_EQ(named("filter.preset=gravity27", "filter.scale_factors=false"), 1u);
 }
 
 class Resolution : public testing::Test {

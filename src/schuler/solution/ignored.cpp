@@ -36,13 +36,10 @@ bool ranges_state_all(const RangingLog& log, double RangeSample::*std) {
     return !log.empty() && std::ranges::all_of(log.samples, stated);
 }
 
-/// What is given beside a preset and wins over it.
+/// A preset of which nothing is left.
 std::string why_preset_is_overruled(const settings::Config& c) {
     if (c.preset == "gravity27") return "these states are those of `schuler gravity`";
-    if (c.preset != "ins15" && c.preset != "ins21" && c.preset != "complex22") return {};
-    if (c.filter.scale_factors != (c.preset == "ins21"))
-        return fmt::format("filter.scale_factors is given too, and {}", c.filter.scale_factors ? "on" : "off");
-    return unless(!c.filter.misalignments, "filter.misalignments is given too, and on");
+    return unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off");
 }
 
 std::vector<Rule> inertial_rules(const ResultBundle& b) {
