@@ -21,7 +21,7 @@ struct WholeState {
     bool halves = false;
     double elevation = 0;
     double repeated =
-        0;  ///< m^2, variance of errors common to many epochs, which the filter has averaged down like white noise
+        0;  ///< m^2, variance of errors common to many epochs, which the filter has averaged down as if it were white noise
     bool trusted = false;  ///< it was among the integers of the last valid fix
 };
 
