@@ -1,4 +1,4 @@
-// Series and bands into SVG paths.
+// Conversion of series and bands to SVG paths.
 #include "schuler/report/decimate.h"
 #include "schuler/report/detail/markup.h"
 #include "schuler/report/detail/panel.h"
@@ -23,13 +23,13 @@ struct Point {
     long x, y;
 };
 
-// Path units of a pair already in axis units (log10 where that applies). What lies far outside stays outside, but small.
+// Path units of a pair already in axis units (log10 if applicable). Points far outside remain outside, but limited.
 Point path_point(double x, double y, const Frame& frame) {
     const auto unit = [](double px) { return std::lround(std::clamp(px, -1e5, 1e5) * path_units_per_px); };
     return {unit(frame.px(x)), unit(frame.py(y))};
 }
 
-// Relative line-to commands share one letter, and the minus sign separates as well as a blank does.
+// Relative line-to commands share one letter, and a minus sign is also a separator.
 void append_step(std::string& d, Point from, Point to, bool first) {
     const long dx = to.x - from.x, dy = to.y - from.y;
     d += first ? "l" : dx < 0 ? "" : " ";
@@ -40,10 +40,10 @@ void append_run(std::string& d, const std::vector<Point>& run) {
     if (run.empty()) return;
     fmt::format_to(std::back_inserter(d), "M{} {}", run.front().x, run.front().y);
     for (std::size_t i = 1; i < run.size(); ++i) append_step(d, run[i - 1], run[i], i == 1);
-    if (run.size() == 1) d += "h0";  // a lone point is a dot, by its round cap
+    if (run.size() == 1) d += "h0";  // a single point is drawn as a dot by its round cap
 }
 
-// What is clamped stays this far inside, px, so that its mark is whole (the script knows the number, too).
+// Clamped points stay this far inside, px, so that their mark is complete (the script uses the same number).
 constexpr double edge_inset = 5.0;
 
 // Vertical values as drawn: logarithm, clamping. What cannot be drawn becomes NaN.
