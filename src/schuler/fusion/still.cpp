@@ -90,7 +90,7 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
     for (const Event& e : events) {
         if (e.withheld || e.kind != AidKind::GnssPosition || (e.components & 3) != 3) continue;
         const GnssFix& fix = recording.gnss[e.index];
-        if (fix.velocity_n.head<2>().allFinite()) return false;  // they tell more
+        if (fix.velocity_n.head<2>().allFinite()) return false;  // more accurate
         if (first == nullptr) first = &fix;
         points.push_back({(e.valid - slots.front().end).seconds() + slot_length,
                           earth::ned_difference(settings.earth, fix.position, first->position).head<2>()});

@@ -1,5 +1,5 @@
 // Detection of standstill from the variation of the IMU data, with thresholds learnt from the GNSS speed; with ranges alone,
-// whose velocities are noisy, also from the means of the IMU data.
+// whose velocities are noisy, also from the means of these velocities.
 #pragma once
 
 #include "schuler/core/samples.h"

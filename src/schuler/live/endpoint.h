@@ -17,8 +17,8 @@ struct Endpoint {
 
 enum class Direction { In, Out };
 
-/// In: tcp://HOST:PORT, tcp-listen://[HOST]:PORT, udp://[HOST]:PORT (bound), serial:PATH[?baud=N], file:PATH (or a pipe),
-/// gpsd://HOST[:PORT], stdin. Out: tcp://, tcp-listen://, udp://HOST:PORT, serial:, file:, stdout. @throws Error(Input) with `key`
+/// In: tcp://HOST:PORT, tcp-listen://[HOST]:PORT, udp://[HOST]:PORT (bound), serial:PATH[?baud=N], file:PATH (or a pipe), stdin,
+/// gpsd://HOST[:PORT]. Out: tcp://, tcp-listen://, udp://HOST:PORT (sent to), serial:, file:, stdout. @throws Error(Input), `key`
 [[nodiscard]] Endpoint endpoint_from(const std::string& text, Direction direction, const std::string& key);
 
 }  // namespace schuler::live

@@ -102,7 +102,7 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     const Matrix3d C0 = C;
     const Vector3d df = C0 * motion.dv;  // dv is resolved in the body axes at the start of the step
     if (model.layout.gravity_constant >= 0) {
-        follow_disturbance(model, 0.5 * dt);  // felt half way
+        follow_disturbance(model, 0.5 * dt);  // at mid-step
         motion.dv += felt_disturbance(model, dt);
         set_nav(Frame::step(model.earth, nav, motion));
         follow_disturbance(model, 0.5 * dt);

@@ -298,7 +298,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
              double baro_height) {
     const Layout& L = model.layout;
     std::vector<Shadow<Frame>> shadows = std::move(run.shadows);
-    FaultWatch watch = std::move(run.ranges.watch);  // for its rooms
+    FaultWatch watch = std::move(run.ranges.watch);  // reuses its memory
     std::vector<Opening> openings = std::move(run.openings);
     AtMostOne<Rival<Frame>> rival = std::move(run.rival);
     shadows.clear();

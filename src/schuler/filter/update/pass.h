@@ -58,7 +58,7 @@ struct Opening {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< likewise, m/s
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();      ///< of the position's, m/s
     double span = 1.0;                                   ///< s since the last accepted fix
-    double bias_jump = 0.0;  ///< a bias may have changed by what explains the innovation, up to so many tenths of a rad/s
+    double bias_jump = 0.0;  ///< a bias may have changed to explain the innovation, by at most this many tenths of a rad/s
 };
 
 /// Whether competing hypotheses are formed when fixes are refused.

@@ -66,7 +66,7 @@ typename RangeUpdate<Frame>::PhaseRate RangeUpdate<Frame>::phase_rate(const Iner
         from.r = m.tx.r - span * m.tx_velocity + 0.5 * span * span * acceleration;
     }
     const int clone = model_.layout.antenna;
-    AntennaEstimate begin = a;  // axes of now
+    AntennaEstimate begin = a;  // current axes
     begin.r_e = f.parameters.template segment<3>(clone) - f.error.template segment<3>(clone) - dx.segment<3>(clone);
     const RangeRows then = range_rows(begin, from, m.tx_velocity);
     const Vector3d u_e = a.C_en * then.u_n;

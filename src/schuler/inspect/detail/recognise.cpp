@@ -306,7 +306,7 @@ void recognise_and_read(LoadedFile& file) {
     if (raw != io::RawFormat::None && read_raw(file, raw)) return;
     const io::Format* format = io::format_of(file.path);
     if (format != nullptr && format->name == "ubx" && raw == io::RawFormat::Ubx)
-        format = io::format_named("nmea");  // better read so
+        format = io::format_named("nmea");  // the better format
     if (head.bytes.substr(0, 200).find("RINEX VERSION") != std::string::npos) {
         file.report.kind = "rinex";
         file.problem(Level::Info, "RINEX of another kind than observations and navigation", "");

@@ -239,7 +239,7 @@ void work(const Flights& flights, CampaignPart& part, WorkList* list, Team* team
     } catch (...) {
         try {
             part.save();          // finished runs are kept
-        } catch (const Error&) {  // NOLINT: the first error is the one to tell
+        } catch (const Error&) {  // NOLINT: the first error is the one to report
         }
         throw;
     }
